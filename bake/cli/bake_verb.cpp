@@ -1,0 +1,200 @@
+// sightcell bake SCENE -o FILE.pvs
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "exit_codes.h"
+#include "number_text.h"
+#include "progress_line.h"
+#include "sightcell/bake/bake.h"
+#include "sightcell/scene/error.h"
+#include "sightcell/scene/scene.h"
+#include "verbs.h"
+
+namespace sightcell::cli {
+
+namespace {
+
+struct bake_options {
+  std::filesystem::path scene, output, json_file;
+  std::filesystem::path cells_file;
+  std::vector<float> cells_grid;
+  int scene_index = -1;
+  bake::settings settings;
+  bool fresh = false, json = false;
+  std::string progress = "auto";
+};
+
+volatile std::sig_atomic_t stop_asked = 0;
+
+// The first signal asks for an orderly end, the second one ends at once: finished cells are on the disk either way.
+void ask_to_stop(int signal) {
+  stop_asked = 1;
+  std::signal(signal, SIG_DFL);
+  constexpr char text[] = "\nstopping after this cell; again to stop at once (finished cells are kept)\n";
+  if (write(STDERR_FILENO, text, sizeof text - 1) < 0) {
+    // Nobody to tell.
+  }
+}
+
+progress_mode mode_of(const std::string& name) {
+  if (name == "json") return progress_mode::json;
+  return name == "none" ? progress_mode::none : progress_mode::automatic;
+}
+
+nlohmann::ordered_json summary_json(const bake_options& options, const scene::scene& s, const bake::summary& sum) {
+  const char* const results[] = {"done", "bound_not_met", "cancelled"};
+  return {{"result", results[static_cast<int>(sum.result)]},
+          {"output", options.output.string()},
+          {"polygons", s.polygon_count},
+          {"cells", sum.cells},
+          {"cells_left_out", sum.cells_left_out},
+          {"cells_over_bound", sum.cells_over_bound},
+          {"cells_resumed", sum.cells_resumed},
+          {"visible_set_percent", sum.visible_percent},
+          {"max_upper_bound", sum.max_upper_bound},
+          {"cpu_seconds", sum.cpu_seconds},
+          {"bytes", sum.bytes},
+          {"device", sum.device},
+          {"seed", options.settings.seed}};
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text << '\n';
+  out.close();
+  if (!out)
+    throw error(error_kind::failed, "cli.not-writable", path.string(), "cannot be written",
+                "choose a --json-file in a folder that exists and can be written");
+}
+
+void refuse_overwriting_the_scene(const bake_options& options) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.scene, options.output, ignored))
+    throw error(error_kind::wrong_use, "cli.output-is-input", options.output.string(), "is the scene itself",
+                "choose another -o");
+}
+
+int report(const bake_options& options, const bake::settings& how, const bake::summary& sum, progress_line& line) {
+  if (sum.result == bake::outcome::cancelled) {
+    line.message(
+        fmt::format("stopped: the same command resumes; finished cells are in {}.bake", options.output.string()));
+    return exit_cancelled;
+  }
+  line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
+                           options.output.string(), grouped(sum.cells), grouped(sum.bytes), sum.visible_percent,
+                           duration_text(sum.cpu_seconds), how.seed));
+  if (how.max_pixel_error > 0.0)
+    line.message(fmt::format("largest bound of a cell's pixel error: {:.2e} (asked for {:g})", sum.max_upper_bound,
+                             how.max_pixel_error));
+  if (sum.result == bake::outcome::bound_not_met) {
+    line.message(fmt::format("{} of {} cells are above --max-pixel-error {:g}; the file is complete and says so",
+                             grouped(sum.cells_over_bound), grouped(sum.cells), how.max_pixel_error));
+    return exit_bound_not_met;
+  }
+  return exit_done;
+}
+
+int run_bake(bake_options options) {
+  bake::settings& how = options.settings;
+  if (!options.cells_file.empty()) how.cells_file = options.cells_file;
+  if (!options.cells_grid.empty()) {
+    how.cells_grid.emplace();
+    std::copy_n(options.cells_grid.begin(), how.cells_grid->size(), how.cells_grid->begin());
+  }
+  bake::validate(how);  // before minutes of loading
+  refuse_overwriting_the_scene(options);
+  progress_line line(mode_of(options.progress));
+  const scene::scene s = scene::load_gltf(options.scene, options.scene_index);
+  for (const std::string& warning : s.warnings) line.message("warning: " + warning);
+  line.message(fmt::format("{}: {} polygons in {} draws", s.name, grouped(s.polygon_count), grouped(s.draws.size())));
+
+  std::signal(SIGINT, ask_to_stop);
+  std::signal(SIGTERM, ask_to_stop);
+  bake::callbacks tell;
+  tell.on_progress = [&line](const bake::progress& now) {
+    line.update(now);
+    return stop_asked == 0;
+  };
+  tell.on_message = [&line](const std::string& text) { line.message(text); };
+  const bake::summary sum = bake::bake(s, how, options.output, options.fresh, tell);
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+
+  const int code = report(options, how, sum, line);
+  const std::string text = summary_json(options, s, sum).dump(2);
+  if (!options.json_file.empty()) write_text(options.json_file, text);
+  if (options.json) fmt::print("{}\n", text);
+  return code;
+}
+
+// Defaults come from bake::settings, so that help, code and documentation cannot differ.
+template <typename T>
+CLI::Option* add(CLI::App& verb, const char* name, T& value, const char* unit, const std::string& help) {
+  return verb.add_option(name, value, help)->type_name(unit)->capture_default_str();
+}
+
+void add_cell_options(CLI::App& verb, bake_options& o) {
+  bake::settings& s = o.settings;
+  verb.add_option("--cells-file", o.cells_file, "explicit view cells, JSON: {\"cells\":[{\"name\",\"min\",\"max\"}]}")
+      ->type_name("C.json")
+      ->group("Cells");
+  verb.add_option("--cells-grid", o.cells_grid, "every lattice cell of this box, metres")
+      ->type_name("x0,y0,z0,x1,y1,z1")
+      ->delimiter(',')
+      ->expected(6)
+      ->excludes("--cells-file")
+      ->group("Cells");
+  add(verb, "--cell-size", s.cell_size, "M", "width of automatic and grid cells, metres; half as high")->group("Cells");
+  add(verb, "--cell-limit", s.cell_limit, "N", "bake only so many cells, spread evenly; 0: all")->group("Cells");
+  add(verb, "--margin", s.margin, "M", "metres by which every cell is grown for the bake")->group("Cells");
+  verb.add_option("--scene", o.scene_index, "glTF scene number; default: the file's own")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber)
+      ->group("Cells");
+}
+
+void add_sampling_options(CLI::App& verb, bake_options& o) {
+  bake::settings& s = o.settings;
+  add(verb, "--sampler", s.sampler, "NAME", "importance-depth or halton")->group("Sampling");
+  add(verb, "--samples", s.samples, "N", "hemicubes per cell")->group("Sampling");
+  add(verb, "--max-pixel-error", s.max_pixel_error, "E", "bound of the pixel error of each cell; 0: no rays")
+      ->group("Sampling");
+  add(verb, "--resolution", s.resolution, "S", "pixels along a hemicube face, even")->group("Sampling");
+  add(verb, "--player-radius", s.player_radius, "M", "metres that eyes keep from every surface")->group("Seeing");
+  verb.add_flag("--all-double-sided", s.all_double_sided, "polygons are seen, and hide, from behind too")
+      ->group("Seeing");
+}
+
+void add_running_options(CLI::App& verb, bake_options& o) {
+  add(verb, "--threads", o.settings.threads, "N", "0: all cores; changes no byte of the file")->group("Running");
+  add(verb, "--seed", o.settings.seed, "N", "of all random numbers")->group("Running");
+  verb.add_flag("--fresh", o.fresh, "throw an unfinished bake away instead of resuming it")->group("Running");
+  add(verb, "--progress", o.progress, "MODE", "auto, json or none; on standard error")
+      ->check(CLI::IsMember({"auto", "json", "none"}))
+      ->group("Running");
+  verb.add_option("--json-file", o.json_file, "write the summary there")->type_name("PATH")->group("Running");
+  verb.add_flag("--json", o.json, "print the summary as one JSON object on standard output")->group("Running");
+}
+
+}  // namespace
+
+void add_bake_verb(CLI::App& program, action& chosen) {
+  auto options = std::make_shared<bake_options>();
+  CLI::App& verb = *program.add_subcommand("bake", "bake the visibility of a scene; an interrupted bake resumes");
+  verb.add_option("SCENE", options->scene, ".glb or .gltf")->type_name("FILE")->required();
+  verb.add_option("-o", options->output, "the .pvs file to write")->type_name("FILE.pvs")->required();
+  add_cell_options(verb, *options);
+  add_sampling_options(verb, *options);
+  add_running_options(verb, *options);
+  verb.callback([options, &chosen] { chosen = [options] { return run_bake(*options); }; });
+}
+
+}  // namespace sightcell::cli

@@ -1,0 +1,188 @@
+// sightcell info SCENE|FILE.pvs
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "exit_codes.h"
+#include "number_text.h"
+#include "pvs_file.h"
+#include "sightcell/format/layout.h"
+#include "sightcell/scene/scene.h"
+#include "verbs.h"
+
+namespace sightcell::cli {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+struct info_options {
+  std::filesystem::path path;
+  bool json = false;
+};
+
+std::string hex(const std::array<std::uint8_t, 16>& bytes) {
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
+}
+
+ordered_json array_of(const glm::vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+std::string section_name(std::uint32_t id) {
+  switch (id) {
+    case format::layout::section_draws:
+      return "draws";
+    case format::layout::section_cells:
+      return "cells";
+    case format::layout::section_rows:
+      return "rows";
+    case format::layout::section_row_directory:
+      return "row directory";
+    case format::layout::section_certificate:
+      return "certificate";
+    case format::layout::section_settings:
+      return "settings";
+    default:
+      return fmt::format("unknown {}", id);
+  }
+}
+
+ordered_json sections_json(const format::reader& file) {
+  ordered_json list = ordered_json::array();
+  for (std::uint32_t i = 0; i < file.section_count(); ++i) {
+    format::section_record section;
+    if (file.section(i, section) != format::status::ok) continue;
+    list.push_back({{"id", section.id},
+                    {"name", section_name(section.id)},
+                    {"offset", section.offset},
+                    {"size", section.size},
+                    {"required", section.required}});
+  }
+  return list;
+}
+
+ordered_json certificate_json(const format::reader& file) {
+  ordered_json list = ordered_json::array();
+  for (std::uint32_t i = 0; i < file.certificate_count(); ++i) {
+    format::certificate_record c;
+    if (file.certificate(i, c) != format::status::ok) continue;
+    list.push_back({{"cell", c.cell},
+                    {"rays", c.rays},
+                    {"misses", c.misses},
+                    {"upper_bound", c.upper_bound},
+                    {"confidence", c.confidence},
+                    {"seed", c.seed}});
+  }
+  return list;
+}
+
+// The settings text is somebody's JSON: shown as such when it is, as text when it is not.
+ordered_json settings_json(std::string_view text) {
+  if (text.empty()) return nullptr;
+  ordered_json parsed = ordered_json::parse(text, nullptr, false);
+  return parsed.is_discarded() ? ordered_json(std::string(text)) : parsed;
+}
+
+double visible_percent(const format::row_statistics& sums, std::uint32_t polygons) {
+  const double all = static_cast<double>(sums.cells) * polygons;
+  return all > 0.0 ? 100.0 * static_cast<double>(sums.polygons) / all : 0.0;
+}
+
+ordered_json file_json(const pvs_file& pvs) {
+  const format::reader& file = pvs.content();
+  const format::row_statistics sums = pvs.statistics();
+  const format::file_facts& facts = file.facts();
+  return {{"cells", file.cell_count()},
+          {"polygons", file.polygon_count()},
+          {"draws", file.draw_count()},
+          {"bytes", pvs.size()},
+          {"visible_set_percent", visible_percent(sums, file.polygon_count())},
+          {"bits_per_visible_polygon", sums.bits_per_visible_polygon()},
+          {"runs_per_cell", sums.runs_per_cell()},
+          {"ranges_per_cell", sums.ranges_per_cell()},
+          {"delta_row_percent", sums.delta_row_percent()},
+          {"false_visible_percent", 0.0},  // nothing in this version adds polygons that no ray or pixel has seen
+          {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
+          {"margin", facts.margin},
+          {"max_pixel_error", facts.max_pixel_error},
+          {"confidence", facts.confidence},
+          {"format_version", file.format_version()},
+          {"sections", sections_json(file)},
+          {"fingerprint", hex(facts.scene_fingerprint)},
+          {"settings", settings_json(file.settings())},
+          {"repeatable", facts.repeatable},
+          {"certificate", certificate_json(file)}};
+}
+
+void print_file(const std::filesystem::path& path, const ordered_json& info) {
+  fmt::print("{}: {} cells, {} polygons, {} draws, {} bytes, format version {}\n", path.string(),
+             grouped(info["cells"]), grouped(info["polygons"]), grouped(info["draws"]), grouped(info["bytes"]),
+             info["format_version"].get<std::uint32_t>());
+  fmt::print("  visible per cell   {:.3f} % of all polygons, {:.1f} runs, {:.1f} ranges\n",
+             info["visible_set_percent"].get<double>(), info["runs_per_cell"].get<double>(),
+             info["ranges_per_cell"].get<double>());
+  fmt::print("  size               {:.3f} bits per visible polygon, {:.0f} % of the rows are differences\n",
+             info["bits_per_visible_polygon"].get<double>(), info["delta_row_percent"].get<double>());
+  fmt::print("  pixel error        at most {:g} in every cell, confidence {:g}\n",
+             info["max_pixel_error"].get<double>(), info["confidence"].get<double>());
+  fmt::print("  layout             {}, margin {:g} m, {}\n", info["layout"].get<std::string>(),
+             info["margin"].get<double>(), info["repeatable"].get<bool>() ? "repeatable" : "not repeatable");
+  fmt::print("  scene fingerprint  {}\n", info["fingerprint"].get<std::string>());
+  fmt::print("  settings           {}\n", info["settings"].dump());
+  for (const ordered_json& section : info["sections"])
+    fmt::print("  section            {:<14} {} bytes\n", section["name"].get<std::string>(), grouped(section["size"]));
+}
+
+// Mesh instances: each node counts once, however many primitives its mesh has.
+std::size_t count_instances(const scene::scene& s) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> instances;
+  for (const scene::draw& d : s.draws) instances.emplace(d.node, d.instance);
+  return instances.size();
+}
+
+ordered_json scene_json(const scene::scene& s) {
+  const scene::world_geometry world = scene::flatten(s);
+  return {{"polygons", s.polygon_count},       {"draws", s.draws.size()},
+          {"instances", count_instances(s)},   {"bounds", {{"min", array_of(world.min)}, {"max", array_of(world.max)}}},
+          {"fingerprint", hex(s.fingerprint)}, {"warnings", s.warnings}};
+}
+
+void print_scene(const std::filesystem::path& path, const ordered_json& info) {
+  fmt::print("{}: {} polygons, {} draws, {} instances\n", path.string(), grouped(info["polygons"]),
+             grouped(info["draws"]), grouped(info["instances"]));
+  const ordered_json& bounds = info["bounds"];
+  fmt::print("  bounds             {} to {} m\n", bounds["min"].dump(), bounds["max"].dump());
+  fmt::print("  fingerprint        {}\n", info["fingerprint"].get<std::string>());
+  for (const ordered_json& warning : info["warnings"])
+    fmt::print("  warning            {}\n", warning.get<std::string>());
+}
+
+int run_info(const info_options& options) {
+  const std::optional<pvs_file> pvs = pvs_file::open_if_pvs(options.path);
+  const ordered_json info = pvs ? file_json(*pvs) : scene_json(scene::load_gltf(options.path));
+  if (options.json)
+    fmt::print("{}\n", info.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+  else if (pvs)
+    print_file(options.path, info);
+  else
+    print_scene(options.path, info);
+  return exit_done;
+}
+
+}  // namespace
+
+void add_info_verb(CLI::App& program, action& chosen) {
+  auto options = std::make_shared<info_options>();
+  CLI::App& verb = *program.add_subcommand("info", "what a scene or a .pvs file holds");
+  verb.add_option("FILE", options->path, ".glb, .gltf or .pvs")->type_name("SCENE|FILE.pvs")->required();
+  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  verb.callback([options, &chosen] { chosen = [options] { return run_info(*options); }; });
+}
+
+}  // namespace sightcell::cli

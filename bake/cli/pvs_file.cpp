@@ -1,0 +1,74 @@
+#include "pvs_file.h"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+
+#include "sightcell/format/layout.h"
+#include "sightcell/scene/error.h"
+
+namespace sightcell::cli {
+
+namespace {
+
+std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
+  const auto refuse = [&path](const std::string& cause) {
+    throw error(error_kind::bad_input, "cli.unreadable", path.string(), "cannot be read: " + cause,
+                "check the path and its permissions");
+  };
+  std::error_code code;
+  const std::uintmax_t size = std::filesystem::file_size(path, code);
+  if (code) refuse(code.message());
+  std::vector<std::byte> bytes(size);
+  std::ifstream in(path, std::ios::binary);
+  if (!in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) refuse("read error");
+  return bytes;
+}
+
+bool begins_like_pvs(const std::filesystem::path& path) {
+  std::array<std::uint8_t, format::layout::magic.size()> first{};
+  std::ifstream in(path, std::ios::binary);
+  in.read(reinterpret_cast<char*>(first.data()), first.size());
+  return first == format::layout::magic;
+}
+
+}  // namespace
+
+pvs_file::pvs_file(std::filesystem::path path, std::vector<std::byte> bytes)
+    : path_(std::move(path)), bytes_(std::move(bytes)) {
+  check(format::reader::open(bytes_, reader_));
+}
+
+void pvs_file::check(format::status status) const {
+  if (status == format::status::ok) return;
+  throw error(error_kind::bad_input, "pvs.refused", path_.string(), format::status_text(status),
+              "bake the scene again, or use the Sightcell that made the file");
+}
+
+std::optional<pvs_file> pvs_file::open_if_pvs(const std::filesystem::path& path) {
+  if (path.extension() != ".pvs" && !begins_like_pvs(path)) return std::nullopt;
+  return open(path);
+}
+
+pvs_file pvs_file::open(const std::filesystem::path& path) {
+  return {path, read_bytes(path)};
+}
+
+format::row_statistics pvs_file::statistics() const {
+  std::vector<format::run> row(reader_.run_bound()), scratch(reader_.run_bound());
+  format::row_statistics sums;
+  check(reader_.statistics(row, scratch, sums));
+  return sums;
+}
+
+std::vector<std::uint32_t> pvs_file::cell_set(std::uint32_t cell) const {
+  std::vector<format::run> row(reader_.run_bound()), scratch(reader_.run_bound());
+  std::size_t runs = 0;
+  check(reader_.decode_row(cell, row, scratch, runs));
+  std::vector<std::uint32_t> set;
+  for (const format::run& r : std::span(row).first(runs))
+    for (std::uint32_t i = 0; i < r.count; ++i) set.push_back(r.first + i);
+  return set;
+}
+
+}  // namespace sightcell::cli

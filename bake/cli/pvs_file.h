@@ -1,0 +1,35 @@
+#pragma once
+// A .pvs file held in memory, with errors that name it.
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "sightcell/format/reader.h"
+
+namespace sightcell::cli {
+
+class pvs_file {
+ public:
+  // Nothing when the file does not begin like a .pvs file and is not called one. Throws sightcell::error (bad_input)
+  // when it cannot be read or is damaged.
+  static std::optional<pvs_file> open_if_pvs(const std::filesystem::path& path);
+  // Throws as well when it is no .pvs file.
+  static pvs_file open(const std::filesystem::path& path);
+
+  const format::reader& content() const { return reader_; }
+  std::uint64_t size() const { return bytes_.size(); }
+  format::row_statistics statistics() const;
+  std::vector<std::uint32_t> cell_set(std::uint32_t cell) const;  // ascending stored numbers; version 0: source ids
+
+ private:
+  pvs_file(std::filesystem::path path, std::vector<std::byte> bytes);
+  void check(format::status status) const;
+
+  std::filesystem::path path_;
+  std::vector<std::byte> bytes_;  // heap memory: the reader's views stay valid when the object moves
+  format::reader reader_;
+};
+
+}  // namespace sightcell::cli

@@ -1,0 +1,18 @@
+#pragma once
+// Every verb registers its options and, when the command line asks for it, sets what shall run.
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace sightcell::cli {
+
+// Runs a verb after the command line is parsed; returns an exit code, throws sightcell::error.
+using action = std::function<int()>;
+
+void add_bake_verb(CLI::App& program, action& chosen);
+void add_info_verb(CLI::App& program, action& chosen);
+void add_verify_verb(CLI::App& program, action& chosen);
+
+}  // namespace sightcell::cli

@@ -1,0 +1,180 @@
+// sightcell verify SCENE FILE.pvs
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "exit_codes.h"
+#include "number_text.h"
+#include "progress_line.h"
+#include "pvs_file.h"
+#include "sightcell/bake/bake.h"
+#include "sightcell/scene/error.h"
+#include "sightcell/scene/scene.h"
+#include "verbs.h"
+#include "worst_view.h"
+
+namespace sightcell::cli {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t named_on_terminal = 10;  // missing polygons; --json has all that verify keeps
+
+struct verify_options {
+  std::filesystem::path scene, file, picture;
+  bake::verify_settings how;
+  double max_pixel_error = 1e-3;
+  bool json = false;
+};
+
+// A missing polygon with the names a person can look for.
+struct named_miss {
+  bake::missing_polygon miss;
+  std::uint32_t draw = 0, node = 0;
+  std::string node_name;
+  double share = 0.0;  // of its cell's rays
+};
+
+named_miss name_miss(const scene::scene& s, const bake::verification& v, const bake::missing_polygon& miss) {
+  named_miss named;
+  named.miss = miss;
+  named.draw = scene::draw_of(s, miss.polygon);
+  named.node = s.draws[named.draw].node;
+  if (named.node < s.node_names.size()) named.node_name = s.node_names[named.node];
+  const auto cell = std::find_if(v.cells.begin(), v.cells.end(), [&](const auto& c) { return c.cell == miss.cell; });
+  if (cell != v.cells.end() && cell->rays > 0)
+    named.share = static_cast<double>(miss.rays) / static_cast<double>(cell->rays);
+  return named;
+}
+
+// The cell with the largest error; where none has any, the one that was proved least.
+const bake::cell_verification* worst_cell(const bake::verification& v) {
+  const auto worse = [](const bake::cell_verification& a, const bake::cell_verification& b) {
+    return a.error != b.error ? a.error < b.error : a.upper_bound < b.upper_bound;
+  };
+  const auto worst = std::max_element(v.cells.begin(), v.cells.end(), worse);
+  return worst == v.cells.end() ? nullptr : &*worst;
+}
+
+ordered_json miss_json(const named_miss& named) {
+  return {{"cell", named.miss.cell}, {"polygon", named.miss.polygon}, {"draw", named.draw},
+          {"node", named.node},      {"node_name", named.node_name},  {"rays", named.miss.rays},
+          {"share", named.share},    {"eye", named.miss.eye},         {"target", named.miss.target}};
+}
+
+ordered_json result_json(const bake::verification& v, const std::vector<named_miss>& missing,
+                         const ordered_json& worst_view, const verify_options& options) {
+  const bake::cell_verification* worst = worst_cell(v);
+  ordered_json result = {{"pixel_error", v.pixel_error},
+                         {"upper_bound", v.upper_bound},
+                         {"confidence", v.confidence},
+                         {"rays", v.rays},
+                         {"misses", v.misses},
+                         {"cells", v.cells.size()},
+                         {"visible_set_percent", v.visible_set_percent},
+                         {"max_pixel_error", options.max_pixel_error},
+                         {"passed", v.upper_bound <= options.max_pixel_error},
+                         {"seed", options.how.seed},
+                         {"worst_view", worst_view}};
+  result["worst_cell"] = worst != nullptr ? ordered_json(worst->cell) : ordered_json(nullptr);
+  result["worst_cell_error"] = worst != nullptr ? worst->error : 0.0;
+  result["worst_cell_upper_bound"] = worst != nullptr ? worst->upper_bound : 1.0;
+  ordered_json& list = result["missing"] = ordered_json::array();
+  for (const named_miss& named : missing) list.push_back(miss_json(named));
+  return result;
+}
+
+// Pictures are an aid: a machine that cannot draw still gets its numbers.
+ordered_json try_worst_view(const scene::scene& s, const pvs_file& file, const std::vector<named_miss>& missing,
+                            const verify_options& options, progress_line& line) {
+  if (missing.empty()) return nullptr;
+  ordered_json view = miss_json(missing.front());
+  view["pictures"] = ordered_json::array();
+  try {
+    std::string prefix = options.file.string();
+    if (!options.picture.empty()) {
+      std::filesystem::create_directories(options.picture);
+      prefix = (options.picture / options.file.filename()).string();
+    }
+    const worst_view drawn = draw_worst_view(s, file, missing.front().miss, prefix);
+    for (const auto& path : drawn.pictures) view["pictures"].push_back(path.string());
+    view["differing_pixels"] = drawn.differing_pixels;
+    view["color_error"] = drawn.color_error;
+    line.message(fmt::format("worst view: {} (culled, difference beside it), {} pixels differ",
+                             drawn.pictures.front().string(), grouped(drawn.differing_pixels)));
+  } catch (const error& e) {
+    line.message(fmt::format("the worst view could not be drawn: {}", e.what()));
+  } catch (const std::filesystem::filesystem_error& e) {
+    line.message(fmt::format("the worst view could not be drawn: {}", e.what()));
+  }
+  return view;
+}
+
+void report(const bake::verification& v, const std::vector<named_miss>& missing, const verify_options& options,
+            progress_line& line) {
+  for (std::size_t i = 0; i < std::min(missing.size(), named_on_terminal); ++i) {
+    const named_miss& named = missing[i];
+    line.message(fmt::format("missing: polygon {} (draw {}, node {} \"{}\") in cell {}: {} rays, {:.2e} of the cell's",
+                             named.miss.polygon, named.draw, named.node, named.node_name, named.miss.cell,
+                             named.miss.rays, named.share));
+  }
+  if (missing.size() > named_on_terminal)
+    line.message(fmt::format("... and {} more (--json lists them)", missing.size() - named_on_terminal));
+  if (const bake::cell_verification* worst = worst_cell(v))
+    line.message(fmt::format("worst cell: {}, pixel error {:.2e}, at most {:.2e}", worst->cell, worst->error,
+                             worst->upper_bound));
+  line.message(fmt::format(
+      "{}: {} misses of {} rays in {} cells; pixel error {:.2e}, at most {:.2e} ({:g} % sure); asked for {:g}",
+      v.upper_bound <= options.max_pixel_error ? "passed" : "FAILED", grouped(v.misses), grouped(v.rays),
+      grouped(v.cells.size()), v.pixel_error, v.upper_bound, 100.0 * v.confidence, options.max_pixel_error));
+}
+
+int run_verify(const verify_options& options) {
+  if (!(options.max_pixel_error > 0.0 && options.max_pixel_error <= 1.0))
+    throw error(error_kind::wrong_use, "settings.out-of-range", "--max-pixel-error",
+                fmt::format("is {}", options.max_pixel_error), "give a number above 0, at most 1");
+  if (options.how.rays == 0)
+    throw error(error_kind::wrong_use, "settings.out-of-range", "--rays", "is 0", "give at least 1");
+  progress_line line(progress_mode::automatic);
+  const pvs_file file = pvs_file::open(options.file);
+  const scene::scene s = scene::load_gltf(options.scene);
+  for (const std::string& warning : s.warnings) line.message("warning: " + warning);
+  const bake::verification v = bake::verify(
+      s, options.file, options.how, [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
+  std::vector<named_miss> missing;
+  for (const bake::missing_polygon& miss : v.missing) missing.push_back(name_miss(s, v, miss));
+  const ordered_json view = try_worst_view(s, file, missing, options, line);
+  report(v, missing, options, line);
+  if (options.json)
+    fmt::print("{}\n",
+               result_json(v, missing, view, options).dump(2, ' ', false, ordered_json::error_handler_t::replace));
+  return v.upper_bound <= options.max_pixel_error ? exit_done : exit_bound_not_met;
+}
+
+}  // namespace
+
+void add_verify_verb(CLI::App& program, action& chosen) {
+  auto options = std::make_shared<verify_options>();
+  CLI::App& verb =
+      *program.add_subcommand("verify", "bound the pixel error of a .pvs file with fresh, independent rays");
+  verb.add_option("SCENE", options->scene, ".glb or .gltf")->type_name("FILE")->required();
+  verb.add_option("FILE", options->file, "the .pvs file baked from it")->type_name("FILE.pvs")->required();
+  const auto add = [&verb](const char* name, auto& value, const char* unit, const char* help) {
+    verb.add_option(name, value, help)->type_name(unit)->capture_default_str();
+  };
+  add("--cells", options->how.cells, "N", "check only so many cells, spread evenly; 0: all");
+  add("--rays", options->how.rays, "N", "rays over all cells together, the same number for each");
+  add("--seed", options->how.seed, "N", "of the rays");
+  add("--max-pixel-error", options->max_pixel_error, "E", "exit 3 when the upper bound over all cells is above it");
+  verb.add_option("--picture", options->picture, "folder for pictures of the worst view; default: beside FILE.pvs")
+      ->type_name("DIR");
+  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  verb.callback([options, &chosen] { chosen = [options] { return run_verify(*options); }; });
+}
+
+}  // namespace sightcell::cli

@@ -1,0 +1,83 @@
+#pragma once
+// The bake: scene in, .pvs file out.
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sightcell/bake/settings.h"
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::bake {
+
+// Told after every finished cell.
+struct progress {
+  std::uint32_t cells_done = 0, cells_total = 0;
+  double seconds = 0.0;         // wall clock since the bake began
+  double seconds_left = 0.0;    // estimate from the cells of this run
+  double pixel_error = 0.0;     // pooled misses / rays of the last fresh batches so far
+  double worst_bound = 0.0;     // largest upper bound of a finished cell
+  double visible_percent = 0.0; // mean cell set of the cells so far, percent of all polygons
+};
+
+struct callbacks {
+  std::function<bool(const progress&)> on_progress;    // false cancels; called on the calling thread
+  std::function<void(const std::string&)> on_message;  // one line: device, estimate, warnings
+};
+
+enum class outcome { done, bound_not_met, cancelled };
+
+struct summary {
+  outcome result = outcome::done;
+  std::uint32_t cells = 0;           // stored in the file
+  std::uint32_t cells_left_out = 0;  // without a free point
+  std::uint32_t cells_over_bound = 0;
+  std::uint32_t cells_resumed = 0;   // taken from the checkpoint
+  double visible_percent = 0.0;
+  double max_upper_bound = 1.0;
+  double cpu_seconds = 0.0;          // of the process, this run
+  std::uint64_t bytes = 0;
+  std::string device;
+};
+
+// Bakes s into output. Finished cells are committed beside it (output + ".bake") as they come; the output appears by
+// rename at the end, or not at all when cancelled (then the same call resumes). fresh: an old checkpoint is thrown away.
+// Throws sightcell::error.
+summary bake(const scene::scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
+             const callbacks& tell);
+
+struct cell_verification {
+  std::uint32_t cell = 0;
+  std::uint64_t rays = 0, misses = 0;
+  double error = 0.0, upper_bound = 1.0;
+};
+
+// A polygon that rays saw and the file does not have, with an eye that sees it.
+struct missing_polygon {
+  std::uint32_t cell = 0, polygon = 0;
+  std::uint64_t rays = 0;  // rays that saw it
+  std::array<float, 3> eye{}, target{};
+};
+
+struct verification {
+  std::uint64_t rays = 0, misses = 0;
+  double pixel_error = 0.0, upper_bound = 1.0, confidence = 0.95;
+  double visible_set_percent = 0.0;
+  std::vector<cell_verification> cells;
+  std::vector<missing_polygon> missing;  // most rays first, at most 100
+};
+
+struct verify_settings {
+  std::uint32_t cells = 0;          // --cells, at most so many, spread evenly; 0: all
+  std::uint64_t rays = 1'000'000;   // --rays, over all cells together, the same number for each
+  std::uint64_t seed = 12345;       // --seed
+  std::uint32_t threads = 0;
+};
+
+// Casts fresh independent rays against the cell sets of a .pvs file: its own ray scene, no sampler code.
+// file: bytes of the .pvs. Throws sightcell::error when the file is broken or belongs to another scene.
+verification verify(const scene::scene& s, const std::filesystem::path& file, const verify_settings& how,
+                    const std::function<void(std::uint32_t done, std::uint32_t total)>& on_progress);
+
+}  // namespace sightcell::bake

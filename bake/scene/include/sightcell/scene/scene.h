@@ -1,0 +1,100 @@
+#pragma once
+// A scene as the bake sees it: plain arrays that load_gltf fills and that any engine could fill itself.
+// Units: metres, glTF axes (right-handed, +Y up). A polygon is one triangle of one instance of one primitive; its source
+// id is its position when all draws are walked in order (design: nodes depth-first in array order, per node its mesh's
+// primitives in order, per primitive its instances in order, per instance its triangles in index order).
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <string>
+#include <vector>
+
+namespace sightcell::scene {
+
+inline constexpr std::uint32_t no_index = 0xFFFFFFFFu;
+
+enum class alpha_mode : std::uint8_t { opaque, mask, blend };
+
+struct material {
+  std::string name;
+  alpha_mode alpha = alpha_mode::opaque;
+  float alpha_cutoff = 0.5f;  // of alpha_mode::mask
+  bool double_sided = false;
+  glm::vec4 base_color{1.0f};             // linear, multiplied with the texture
+  std::uint32_t base_color_image = no_index;  // into scene::images
+};
+
+// An image as it lies in the file (PNG or JPEG bytes); decoded only by who draws it.
+struct image {
+  std::string name;
+  std::vector<std::uint8_t> encoded;
+};
+
+// The triangles of one primitive of one mesh, shared by all its instances.
+struct geometry {
+  std::vector<glm::vec3> positions;         // local space
+  std::vector<glm::vec2> uvs;               // TEXCOORD_0; empty, or one per position
+  std::vector<std::uint32_t> indices;       // three per triangle; strips and fans are expanded
+};
+
+// What a host issues as one draw: one instance of one primitive.
+struct draw {
+  std::uint32_t node = 0, mesh = 0, primitive = 0, instance = 0;  // glTF indices; primitive counts inside its mesh
+  std::uint32_t material = no_index;                              // into scene::materials; no_index: glTF's default
+  std::uint32_t geometry = 0;                                     // into scene::geometries
+  std::uint32_t first_source = 0;                                 // source id of its first polygon
+  std::uint32_t polygon_count = 0;
+  std::uint32_t base_vertex = 0;                                  // vertices of all draws before this one
+  std::uint64_t host_tag = 0;
+  glm::dmat4 to_world{1.0};
+};
+
+struct scene {
+  std::string name;  // file name, for messages
+  std::vector<material> materials;
+  std::vector<image> images;
+  std::vector<geometry> geometries;
+  std::vector<draw> draws;
+  std::uint32_t polygon_count = 0;
+  std::vector<std::string> node_names;         // by glTF node index; for messages
+  std::vector<std::string> warnings;           // one line each, import's findings
+  std::array<std::uint8_t, 16> fingerprint{};  // of all that decides visibility: geometry, transforms, materials' alpha
+};
+
+// How a polygon is seen and what it hides.
+struct polygon_kind {
+  alpha_mode alpha : 2 = alpha_mode::opaque;
+  bool double_sided : 1 = false;
+  bool degenerate : 1 = false;  // no area, or a corner that is not finite: counted, never seen, never hides
+};
+static_assert(sizeof(polygon_kind) == 1);
+
+// The scene flattened into world space: vertices are numbered by flattening (draws in source order, base_vertex + local
+// index), polygons by source id. Front faces are counter-clockwise; mirrored draws have two corners swapped for that.
+struct world_geometry {
+  std::vector<glm::vec3> positions;
+  std::vector<std::uint32_t> indices;  // three per polygon
+  std::vector<polygon_kind> kinds;     // one per polygon
+  glm::vec3 min{0.0f}, max{0.0f};      // bounds of all polygons that are not degenerate
+};
+
+// Reads .glb or .gltf. scene_index: the glTF scene, -1 for the file's default. Throws sightcell::error (bad_input) with
+// one line that names file and cause.
+scene load_gltf(const std::filesystem::path& path, int scene_index = -1);
+
+// Numbers draws (first_source, polygon_count, base_vertex), sums polygon_count and computes the fingerprint. load_gltf
+// has done this; a host that fills a scene itself calls it once at the end. Throws sightcell::error (bad_input) when an
+// index is out of range or there are 2^32 - 1 polygons or more.
+void finish(scene& s);
+
+// Transforms in double precision, rounds once to float.
+world_geometry flatten(const scene& s);
+
+// The draw a polygon belongs to: index into scene::draws. O(log draws).
+std::uint32_t draw_of(const scene& s, std::uint32_t source_id);
+
+}  // namespace sightcell::scene

@@ -1,0 +1,36 @@
+#pragma once
+// Reading numbers out of a buffer the way a glTF accessor describes them. The caller has checked that all bytes are
+// there; nothing here can read outside the spans.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sightcell::scene {
+
+// glTF's component types by their numbers in the file; 0 for any other number.
+std::size_t component_size(int component_type);
+
+struct accessor_view {
+  std::span<const std::uint8_t> bytes;  // from the first element on; empty: all zero
+  std::size_t count = 0;
+  std::size_t stride = 0;  // bytes from one element to the next
+  std::size_t width = 1;   // components per element
+  int component_type = 0;
+  bool normalized = false;
+  // Sparse: elements at these indices are replaced by these tightly packed values.
+  std::size_t sparse_count = 0;
+  std::span<const std::uint8_t> sparse_indices;
+  int sparse_index_type = 0;
+  std::span<const std::uint8_t> sparse_values;
+};
+
+// count * width numbers; normalized integers become max(value / largest, -1), others their value.
+// False: a sparse index is not below count.
+bool read_numbers(const accessor_view& view, std::vector<float>& out);
+bool read_numbers(const accessor_view& view, std::vector<double>& out);
+
+// Scalars of an unsigned type.
+bool read_indices(const accessor_view& view, std::vector<std::uint32_t>& out);
+
+}  // namespace sightcell::scene

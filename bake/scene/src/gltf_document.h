@@ -1,0 +1,29 @@
+#pragma once
+// glTF's JSON, checked. Files are hostile: tinygltf drops a primitive that it cannot parse (and so would shift source
+// ids), allocates what a file asks for and follows any URI. It is therefore given a document of our own making that
+// holds only what the import uses, each value checked for type, range and against the bytes that are really there.
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::scene {
+
+struct gltf_document {
+  std::string json;                                // for tinygltf; its buffers are named buffer_uri(0), ...
+  std::vector<std::vector<std::uint8_t>> buffers;  // exactly byteLength long
+  std::vector<material> materials;
+  std::vector<image> images;
+  std::vector<std::string> warnings;
+};
+
+std::string buffer_uri(std::size_t buffer);
+std::size_t buffer_of_uri(const std::string& uri);  // SIZE_MAX: none
+
+// Throws sightcell::error (bad_input).
+gltf_document read_gltf_document(const std::filesystem::path& path);
+
+}  // namespace sightcell::scene

@@ -1,0 +1,27 @@
+#pragma once
+// Materials and the images that they use as base color, straight from the checked JSON.
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "json_object.h"
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::scene {
+
+struct material_set {
+  std::vector<material> materials;  // by glTF material number
+  std::vector<image> images;        // in order of first use
+};
+
+// bytes_of_view: the bytes of a buffer view. An image that cannot be had is a warning, not an error: the picture lacks
+// it, what is seen stays the same.
+material_set read_materials(const json_object& root, const std::filesystem::path& scene_path,
+                            const std::function<std::span<const std::uint8_t>(std::uint32_t)>& bytes_of_view,
+                            std::size_t view_count, std::vector<std::string>& warnings);
+
+}  // namespace sightcell::scene

@@ -1,0 +1,357 @@
+// glTF to plain arrays. The only file that includes tinygltf.
+#include <algorithm>
+#include <fstream>  // tiny_gltf.h forgets it without its own file access
+#include <glm/mat4x4.hpp>
+#include <map>
+#include <new>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "accessor.h"
+#include "gltf_document.h"
+#include "json_object.h"
+#include "sightcell/scene/error.h"
+#include "sightcell/scene/scene.h"
+
+// Files and images are read elsewhere, under checks; tinygltf sees only memory.
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_FS
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <tiny_gltf.h>
+#pragma GCC diagnostic pop
+
+namespace sightcell::scene {
+namespace {
+
+constexpr std::size_t draw_limit = std::size_t{1} << 23;  // a small file can ask for very many draws of one triangle
+
+// The checked buffers behind tinygltf's file interface; a buffer is handed over, not copied.
+tinygltf::FsCallbacks buffer_callbacks(gltf_document& document) {
+  tinygltf::FsCallbacks callbacks{};
+  callbacks.FileExists = [](const std::string&, void*) { return true; };
+  callbacks.ExpandFilePath = [](const std::string& path, void*) { return path; };
+  callbacks.ReadWholeFile = [](std::vector<unsigned char>* out, std::string*, const std::string& path, void* user) {
+    // Files may have very many buffers, so the name is the number; no search.
+    auto& buffers = static_cast<gltf_document*>(user)->buffers;
+    const std::size_t number = buffer_of_uri(path);
+    if (number >= buffers.size()) return false;
+    *out = std::move(buffers[number]);
+    return true;
+  };
+  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+    return false;
+  };
+  callbacks.user_data = &document;
+  return callbacks;
+}
+
+// An empty base folder makes tinygltf ask for a buffer by its bare name.
+tinygltf::Model parse(gltf_document& document, const std::string& name) {
+  tinygltf::TinyGLTF reader;
+  reader.SetFsCallbacks(buffer_callbacks(document));
+  tinygltf::Model model;
+  std::string problem;
+  std::string warning;
+  if (document.json.size() > std::numeric_limits<unsigned int>::max() ||
+      !reader.LoadASCIIFromString(&model, &problem, &warning, document.json.data(),
+                                  static_cast<unsigned int>(document.json.size()), "", tinygltf::NO_REQUIRE)) {
+    refuse(name, "scene.bad-json", "tinygltf refuses it: " + printable(problem, 160), "export the file again");
+  }
+  document.json = std::string();
+  return model;
+}
+
+accessor_view view_of(const tinygltf::Model& model, int index) {
+  const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(index)];
+  const auto bytes_at = [&model](int view_index, std::size_t offset) {
+    const tinygltf::BufferView& v = model.bufferViews[static_cast<std::size_t>(view_index)];
+    const std::vector<unsigned char>& data = model.buffers[static_cast<std::size_t>(v.buffer)].data;
+    return std::span<const std::uint8_t>(data).subspan(v.byteOffset, v.byteLength).subspan(offset);
+  };
+  accessor_view out;
+  out.count = a.count;
+  out.width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
+  out.component_type = a.componentType;
+  out.normalized = a.normalized;
+  out.stride = out.width * component_size(a.componentType);
+  if (a.bufferView >= 0) {
+    const std::size_t declared = model.bufferViews[static_cast<std::size_t>(a.bufferView)].byteStride;
+    if (declared != 0) out.stride = declared;
+    out.bytes = bytes_at(a.bufferView, a.byteOffset);
+  }
+  if (a.sparse.isSparse && a.sparse.count > 0) {
+    out.sparse_count = static_cast<std::size_t>(a.sparse.count);
+    out.sparse_index_type = a.sparse.indices.componentType;
+    out.sparse_indices = bytes_at(a.sparse.indices.bufferView, static_cast<std::size_t>(a.sparse.indices.byteOffset));
+    out.sparse_values = bytes_at(a.sparse.values.bufferView, static_cast<std::size_t>(a.sparse.values.byteOffset));
+  }
+  return out;
+}
+
+// Three corners per triangle, from a list, strip or fan of vertex numbers; odd triangles of a strip are turned so that
+// all face the same way.
+std::vector<std::uint32_t> to_triangles(std::vector<std::uint32_t> corners, int mode) {
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    corners.resize(corners.size() / 3 * 3);
+    return corners;
+  }
+  std::vector<std::uint32_t> out;
+  if (corners.size() < 3) return out;
+  out.reserve((corners.size() - 2) * 3);
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+    const std::size_t odd = i % 2;
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+      out.insert(out.end(), {corners[i], corners[i + 1 + odd], corners[i + 2 - odd]});
+    } else {
+      out.insert(out.end(), {corners[0], corners[i + 1], corners[i + 2]});
+    }
+  }
+  return out;
+}
+
+glm::dmat4 from_trs(const double* t, const double* q, const double* s) {
+  const double x = q[0], y = q[1], z = q[2], w = q[3];
+  // Not normalised: a scaled quaternion scales, as in every reader that uses this formula.
+  return {glm::dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0) * s[0],
+          glm::dvec4(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0) * s[1],
+          glm::dvec4(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0) * s[2],
+          glm::dvec4(t[0], t[1], t[2], 1)};
+}
+
+constexpr double no_translation[] = {0, 0, 0};
+constexpr double no_rotation[] = {0, 0, 0, 1};
+constexpr double no_scale[] = {1, 1, 1};
+
+glm::dmat4 local_transform(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) {
+    glm::dmat4 m;
+    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
+    return m;
+  }
+  return from_trs(node.translation.size() == 3 ? node.translation.data() : no_translation,
+                  node.rotation.size() == 4 ? node.rotation.data() : no_rotation,
+                  node.scale.size() == 3 ? node.scale.data() : no_scale);
+}
+
+class importer {
+ public:
+  importer(const tinygltf::Model& model, const std::string& file, scene& out) : model_(model), file_(file), out_(out) {}
+
+  // Depth-first in array order with a stack of our own: a chain of a million nodes must not end the program's stack.
+  void walk(const std::vector<int>& roots);
+
+ private:
+  void add_node(std::size_t node, const glm::dmat4& to_world);
+  void check_draws(std::size_t more) const;
+  std::vector<glm::dmat4> instance_transforms(const tinygltf::Node& node) const;
+  std::optional<std::uint32_t> geometry_of(std::size_t mesh, std::size_t primitive);
+  geometry read_geometry(const tinygltf::Primitive& primitive, const std::string& where) const;
+  template <typename T>
+  std::vector<T> numbers(int accessor) const;
+
+  const tinygltf::Model& model_;
+  const std::string& file_;  // for messages
+  scene& out_;
+  // Primitives that differ in material only share their geometry: (positions, texture coordinates, indices, mode).
+  std::map<std::tuple<int, int, int, int>, std::uint32_t> geometries_;
+};
+
+template <typename T>
+std::vector<T> importer::numbers(int accessor) const {
+  std::vector<T> out;
+  if (!read_numbers(view_of(model_, accessor), out)) {
+    refuse(file_, "scene.index-out-of-range",
+           "accessors[" + std::to_string(accessor) + "] has a sparse index beyond its count", "export the file again");
+  }
+  return out;
+}
+
+geometry importer::read_geometry(const tinygltf::Primitive& primitive, const std::string& where) const {
+  geometry out;
+  const std::vector<float> positions = numbers<float>(primitive.attributes.at("POSITION"));
+  out.positions.reserve(positions.size() / 3);
+  for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
+    out.positions.emplace_back(positions[i], positions[i + 1], positions[i + 2]);
+  }
+  const auto uv = primitive.attributes.find("TEXCOORD_0");
+  if (uv != primitive.attributes.end()) {
+    const std::vector<float> values = numbers<float>(uv->second);
+    out.uvs.reserve(values.size() / 2);
+    for (std::size_t i = 0; i + 1 < values.size(); i += 2) out.uvs.emplace_back(values[i], values[i + 1]);
+  }
+  std::vector<std::uint32_t> corners;
+  if (primitive.indices >= 0) {
+    if (!read_indices(view_of(model_, primitive.indices), corners)) {
+      refuse(file_, "scene.index-out-of-range", where + " has a sparse index beyond its count",
+             "export the file again");
+    }
+    const auto largest = std::max_element(corners.begin(), corners.end());
+    if (largest != corners.end() && *largest >= out.positions.size()) {
+      refuse(file_, "scene.index-out-of-range",
+             where + " has index " + std::to_string(*largest) + " but " + std::to_string(out.positions.size()) +
+                 " vertices",
+             "export the file again");
+    }
+  } else {
+    corners.resize(out.positions.size());
+    std::iota(corners.begin(), corners.end(), 0u);
+  }
+  out.indices = to_triangles(std::move(corners), primitive.mode);
+  return out;
+}
+
+std::optional<std::uint32_t> importer::geometry_of(std::size_t mesh, std::size_t primitive) {
+  const tinygltf::Primitive& source = model_.meshes[mesh].primitives[primitive];
+  const auto position = source.attributes.find("POSITION");
+  if (position == source.attributes.end()) return std::nullopt;
+  const auto uv = source.attributes.find("TEXCOORD_0");
+  const std::tuple key(position->second, uv == source.attributes.end() ? -1 : uv->second, source.indices, source.mode);
+  const auto known = geometries_.find(key);
+  if (known != geometries_.end()) return known->second;
+  out_.geometries.push_back(
+      read_geometry(source, "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]"));
+  const auto number = static_cast<std::uint32_t>(out_.geometries.size() - 1);
+  geometries_.emplace(key, number);
+  return number;
+}
+
+void importer::check_draws(std::size_t more) const {
+  if (more > draw_limit - out_.draws.size()) {
+    refuse(file_, "scene.too-large", "the scene has more than " + std::to_string(draw_limit) + " draws",
+           "bake it in parts");
+  }
+}
+
+std::vector<glm::dmat4> importer::instance_transforms(const tinygltf::Node& node) const {
+  const auto found = node.extensions.find("EXT_mesh_gpu_instancing");
+  if (found == node.extensions.end()) return {glm::dmat4(1.0)};
+  const tinygltf::Value& attributes = found->second.Get("attributes");
+  // Before anything is read: instances that are all zero are in no file.
+  for (const std::string& key : attributes.Keys()) {
+    check_draws(model_.accessors[static_cast<std::size_t>(attributes.Get(key).GetNumberAsInt())].count);
+  }
+  std::vector<double> translations, rotations, scales;
+  if (attributes.Has("TRANSLATION")) translations = numbers<double>(attributes.Get("TRANSLATION").GetNumberAsInt());
+  if (attributes.Has("ROTATION")) rotations = numbers<double>(attributes.Get("ROTATION").GetNumberAsInt());
+  if (attributes.Has("SCALE")) scales = numbers<double>(attributes.Get("SCALE").GetNumberAsInt());
+  const std::size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
+  std::vector<glm::dmat4> out;
+  out.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    out.push_back(from_trs(translations.empty() ? no_translation : &translations[3 * i],
+                           rotations.empty() ? no_rotation : &rotations[4 * i],
+                           scales.empty() ? no_scale : &scales[3 * i]));
+  }
+  return out;
+}
+
+void importer::add_node(std::size_t node, const glm::dmat4& to_world) {
+  const tinygltf::Node& source = model_.nodes[node];
+  if (source.mesh < 0) return;
+  const auto mesh = static_cast<std::size_t>(source.mesh);
+  const std::vector<glm::dmat4> instances = instance_transforms(source);
+  for (std::size_t primitive = 0; primitive < model_.meshes[mesh].primitives.size(); ++primitive) {
+    const auto geometry = geometry_of(mesh, primitive);
+    if (!geometry || out_.geometries[*geometry].indices.empty()) continue;
+    check_draws(instances.size());
+    const int material = model_.meshes[mesh].primitives[primitive].material;
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      draw d;
+      d.node = static_cast<std::uint32_t>(node);
+      d.mesh = static_cast<std::uint32_t>(mesh);
+      d.primitive = static_cast<std::uint32_t>(primitive);
+      d.instance = static_cast<std::uint32_t>(i);
+      d.material = material < 0 ? no_index : static_cast<std::uint32_t>(material);
+      d.geometry = *geometry;
+      d.to_world = to_world * instances[i];
+      out_.draws.push_back(d);
+    }
+  }
+}
+
+void importer::walk(const std::vector<int>& roots) {
+  struct pending {
+    int node;
+    glm::dmat4 parent;
+  };
+  std::vector<bool> seen(model_.nodes.size(), false);
+  std::vector<pending> stack;
+  const auto push = [&stack](const std::vector<int>& nodes, const glm::dmat4& parent) {
+    for (auto it = nodes.rbegin(); it != nodes.rend(); ++it) stack.push_back({*it, parent});
+  };
+  push(roots, glm::dmat4(1.0));
+  while (!stack.empty()) {
+    const pending next = stack.back();
+    stack.pop_back();
+    const auto node = static_cast<std::size_t>(next.node);
+    if (seen[node]) {
+      refuse(file_, "scene.node-cycle",
+             "nodes[" + std::to_string(node) + "] is reached twice: it is in a cycle or has two parents",
+             "export the file again");
+    }
+    seen[node] = true;
+    const glm::dmat4 to_world = next.parent * local_transform(model_.nodes[node]);
+    add_node(node, to_world);
+    push(model_.nodes[node].children, to_world);
+  }
+}
+
+// `scene`, else scene 0, else every node that is no one's child.
+std::vector<int> roots_of(const tinygltf::Model& model, int scene_index, const std::string& name) {
+  if (scene_index >= 0) {
+    if (static_cast<std::size_t>(scene_index) >= model.scenes.size()) {
+      throw error(error_kind::wrong_use, "scene.no-such-scene", name,
+                  "has no scene " + std::to_string(scene_index) + ", only " + std::to_string(model.scenes.size()),
+                  "choose another or leave the choice to the file");
+    }
+    return model.scenes[static_cast<std::size_t>(scene_index)].nodes;
+  }
+  if (model.defaultScene >= 0) return model.scenes[static_cast<std::size_t>(model.defaultScene)].nodes;
+  if (!model.scenes.empty()) return model.scenes[0].nodes;
+  std::vector<bool> is_child(model.nodes.size(), false);
+  for (const tinygltf::Node& node : model.nodes) {
+    for (const int child : node.children) is_child[static_cast<std::size_t>(child)] = true;
+  }
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < is_child.size(); ++i) {
+    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+  }
+  if (roots.empty() && !model.nodes.empty()) {
+    refuse(name, "scene.node-cycle", "has no root node: its nodes form cycles", "export the file again");
+  }
+  return roots;
+}
+
+}  // namespace
+
+scene load_gltf(const std::filesystem::path& path, int scene_index) {
+  scene out;
+  out.name = printable(path.filename().string(), 1000);
+  const std::string file = printable(path.string(), 1000);
+  try {
+    gltf_document document = read_gltf_document(path);
+    const tinygltf::Model model = parse(document, file);
+    out.materials = std::move(document.materials);
+    out.images = std::move(document.images);
+    out.warnings = std::move(document.warnings);
+    for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
+    importer(model, file, out).walk(roots_of(model, scene_index, file));
+    if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
+    finish(out);
+  } catch (const std::bad_alloc&) {
+    throw error(error_kind::failed, "scene.out-of-memory", file, "there is not enough memory to load it",
+                "close other programs or take a larger machine");
+  }
+  return out;
+}
+
+}  // namespace sightcell::scene

@@ -1,0 +1,44 @@
+#include "bound/clopper_pearson.h"
+
+#include <cmath>
+
+namespace sightcell::bake {
+namespace {
+
+// P(X <= k) for X ~ Binomial(n, p). Terms are summed downwards from k, each from the one before it, relative to the
+// first: below the mean they only fall, so the sum stops when they no longer count. Called only with k < n p or near it.
+double cumulative(std::uint64_t k, std::uint64_t n, double p) {
+  const double dn = static_cast<double>(n), dk = static_cast<double>(k);
+  const double log_first = std::lgamma(dn + 1.0) - std::lgamma(dk + 1.0) - std::lgamma(dn - dk + 1.0) +
+                           dk * std::log(p) + (dn - dk) * std::log1p(-p);
+  double sum = 1.0, term = 1.0;
+  const double odds = (1.0 - p) / p;
+  for (std::uint64_t i = k; i > 0; --i) {
+    term *= static_cast<double>(i) / static_cast<double>(n - i + 1) * odds;
+    sum += term;
+    if (term < sum * 1e-16) break;
+  }
+  return std::exp(log_first) * sum;
+}
+
+}  // namespace
+
+double clopper_pearson_upper(std::uint64_t misses, std::uint64_t trials, double confidence) {
+  if (trials == 0 || misses >= trials) return 1.0;
+  const double alpha = 1.0 - confidence;
+  if (misses == 0) return -std::expm1(std::log(alpha) / static_cast<double>(trials));
+  // The cumulative falls with p from 1/2-ish at misses/trials to 0 at 1: halve the interval that holds alpha. Where
+  // confidence is below a half the bound lies under the rate, so the search starts at 0.
+  double low = confidence > 0.75 ? static_cast<double>(misses) / static_cast<double>(trials) : 1e-300, high = 1.0;
+  for (int i = 0; i < 200 && high - low > 1e-13 * high; ++i) {
+    const double middle = 0.5 * (low + high);
+    (cumulative(misses, trials, middle) > alpha ? low : high) = middle;
+  }
+  return high;
+}
+
+std::uint64_t trials_without_miss(double target, double confidence) {
+  return static_cast<std::uint64_t>(std::ceil(std::log(1.0 - confidence) / std::log1p(-target)));
+}
+
+}  // namespace sightcell::bake

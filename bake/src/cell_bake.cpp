@@ -1,0 +1,80 @@
+#include "cell_bake.h"
+
+#include <algorithm>
+
+#include "finish/ray_finish.h"
+#include "free_space.h"
+#include "process_time.h"
+#include "sampler/cell_sampling.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::uint64_t free_point_tries = 4096;  // a cell in which all of them fail is not stored
+constexpr std::size_t free_points_wanted = 128;   // for interior cubes, and to tell which polygons inside are faced
+
+}  // namespace
+
+cell_baker::cell_baker(const settings& how, const ray_scene& rays, const vertex_neighbors* neighbors,
+                       hemicube_source& source)
+    : how_(how),
+      rays_(rays),
+      neighbors_(neighbors),
+      source_(source),
+      set_(static_cast<std::uint32_t>(rays.geometry().kinds.size())) {}
+
+cell_record cell_baker::bake(const view_cell& cell) {
+  const double began = process_cpu_seconds();
+  cell_record record;
+  const box own{cell.min, cell.max}, grown = own.grown(how_.margin);
+  // An eye comes into the cell's own box before the margin ever matters, so the own box decides whether it is stored.
+  std::uint64_t tries = 0;
+  random_stream random(how_.seed, cell.place, purpose::free_points);
+  if (draw_free_points(rays_, own, how_.player_radius, 1, free_point_tries, random, tries).empty()) {
+    record.stored = false;
+    return record;
+  }
+  tries = 0;
+  const auto wanted = std::max<std::size_t>(free_points_wanted, how_.samples / 4);
+  const auto free =
+      draw_free_points(rays_, grown, how_.player_radius, wanted, 16 * free_point_tries, random, tries);
+  if (free.empty()) {
+    record.stored = false;
+    return record;
+  }
+
+  set_.clear();
+  const auto inside = polygons_touching(rays_.geometry(), grown);
+  geometry_inside_ = !inside.empty();
+  const sampling_plan plan{how_.sampler, how_.samples, geometry_inside_, how_.seed, cell.place};
+  record.samples = sample_cell(
+      plan, grown, free, [&](const glm::vec3& eye) { return rays_.is_free(eye, how_.player_radius); }, source_, set_);
+
+  // Rule 4: what touches the cell and faces a free point of it is in its set.
+  for (const std::uint32_t polygon : inside)
+    for (const glm::vec3& eye : free)
+      if (faces(rays_, polygon, eye)) {
+        set_.add(polygon, eye);
+        break;
+      }
+
+  if (neighbors_) {
+    const finish_settings finish{.max_pixel_error = how_.max_pixel_error,
+                                 .player_radius = how_.player_radius,
+                                 .free_share = static_cast<double>(free.size()) / static_cast<double>(tries),
+                                 .seed = how_.seed,
+                                 .place = cell.place};
+    const finish_result proof = finish_with_rays(rays_, *neighbors_, grown, finish, set_);
+    record.rays = proof.rays;
+    record.misses = proof.misses;
+    record.upper_bound = proof.upper_bound;
+    record.confidence = proof.confidence;
+    record.rays_spent = proof.rays_spent;
+    record.bound_met = proof.bound_met;
+  }
+  record.set = set_.sorted();
+  record.seconds = process_cpu_seconds() - began;
+  return record;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,41 @@
+#pragma once
+// The cell set while it grows: which polygons were seen, and for each its witness, an eye that sees much of it.
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "source/hemicube_source.h"
+
+namespace sightcell::bake {
+
+class cell_set {
+ public:
+  explicit cell_set(std::uint32_t polygon_count) : entries_(polygon_count) {}
+
+  // Forgets everything; storage stays.
+  void clear();
+
+  bool contains(std::uint32_t polygon) const { return entries_[polygon].pixels != 0; }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(members_.size()); }
+  // In the order in which they joined.
+  const std::vector<std::uint32_t>& members() const { return members_; }
+  const glm::vec3& witness(std::uint32_t polygon) const { return eyes_[entries_[polygon].eye]; }
+
+  // All that a hemicube saw joins; a polygon's witness is the sample that saw most pixels of it.
+  void add_view(const glm::vec3& eye, const std::vector<seen_polygon>& seen);
+  // A ray from eye saw the polygon: true if it is new. Later views with more pixels take over as witness.
+  bool add(std::uint32_t polygon, const glm::vec3& eye);
+
+  std::vector<std::uint32_t> sorted() const;
+
+ private:
+  struct entry {
+    std::uint32_t pixels = 0;  // 0: not a member
+    std::uint32_t eye = 0;     // into eyes_
+  };
+  std::vector<entry> entries_;
+  std::vector<std::uint32_t> members_;
+  std::vector<glm::vec3> eyes_;
+};
+
+}  // namespace sightcell::bake

@@ -1,0 +1,105 @@
+#include "cells/view_cell.h"
+
+#include <fmt/format.h>
+
+#include "cells/cells_file.h"
+#include "cells/lattice.h"
+#include "cells/walkable.h"
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+
+namespace {
+
+// More automatic cells than this are made coarser: nobody waits for so many without having asked.
+constexpr std::size_t automatic_limit = 200'000;
+constexpr std::size_t asked_limit = 1'000'000;  // of --cells-grid
+constexpr double border = 2.0;                  // metres around the scene where no floor is found
+
+std::vector<lattice_position> positions_of(const lattice_range& range) {
+  std::vector<lattice_position> positions;
+  positions.reserve(static_cast<std::size_t>(range.count()));
+  for (std::int64_t z = range.first.z; z <= range.last.z; ++z)
+    for (std::int64_t y = range.first.y; y <= range.last.y; ++y)
+      for (std::int64_t x = range.first.x; x <= range.last.x; ++x) positions.push_back({.z = z, .y = y, .x = x});
+  return positions;
+}
+
+void add_cells(const std::vector<lattice_position>& positions, const lattice& on, cell_list& list) {
+  list.cells.reserve(positions.size());
+  for (const lattice_position& p : positions) list.cells.push_back(on.cell(p));
+}
+
+cell_list cells_of_grid(const std::array<float, 6>& box, double cell_size) {
+  const lattice on(cell_size);
+  const lattice_range range = on.overlapping({box[0], box[1], box[2]}, {box[3], box[4], box[5]});
+  if (range.count() > static_cast<double>(asked_limit))
+    throw error(error_kind::wrong_use, "cells.too-many", "--cells-grid",
+                fmt::format("{:.0f} cells, more than {}", range.count(), asked_limit),
+                "use a larger --cell-size or a smaller box");
+  cell_list list;
+  add_cells(positions_of(range), on, list);
+  list.how = fmt::format("{} cells of {:g} m in a grid", list.cells.size(), on.width());
+  return list;
+}
+
+cell_list automatic_cells(const scene::world_geometry& geometry, const settings& how) {
+  const lattice asked(static_cast<double>(how.cell_size));
+  walkable_cells walkable = find_walkable_cells(geometry, asked, how.all_double_sided);
+  cell_list list;
+  list.warnings = std::move(walkable.warnings);
+  lattice on = walkable.on;
+  auto before = static_cast<double>(walkable.positions.size());
+  const char* where = "over walkable floor";
+  if (!walkable.positions.empty()) {
+    on = coarsen_until(walkable.positions, on, automatic_limit);
+    add_cells(walkable.positions, on, list);
+  } else {
+    list.warnings.push_back("no floor with head room was found: cells fill the bounding box");
+    where = "in a grid over the bounding box";
+    const glm::dvec3 min = glm::dvec3(geometry.min) - border, max = glm::dvec3(geometry.max) + border;
+    on = asked;
+    lattice_range range = on.overlapping(min, max);
+    before = range.count();
+    while (range.count() > static_cast<double>(automatic_limit)) {
+      on = on.coarser();
+      range = on.overlapping(min, max);
+    }
+    add_cells(positions_of(range), on, list);
+  }
+  if (on.width() > asked.width())
+    list.warnings.push_back(fmt::format("the scene is too large for {:g} m cells ({:.0f} or more): they are {:g} m now",
+                                        asked.width(), before, on.width()));
+  list.how = fmt::format("{} cells of {:g} m {}", list.cells.size(), on.width(), where);
+  return list;
+}
+
+// The middle one of each of `limit` equal stretches of the list.
+void apply_limit(cell_list& list, std::uint32_t limit) {
+  const std::size_t all = list.cells.size();
+  if (limit == 0 || limit >= all) return;
+  std::vector<view_cell> chosen;
+  chosen.reserve(limit);
+  for (std::size_t i = 0; i < limit; ++i)
+    chosen.push_back(std::move(list.cells[(2 * i + 1) * all / (2 * std::size_t{limit})]));
+  list.cells = std::move(chosen);
+  list.how = fmt::format("{} of ", limit) + list.how;
+}
+
+}  // namespace
+
+cell_list make_cells(const scene::scene&, const scene::world_geometry& geometry, const settings& how) {
+  cell_list list;
+  if (how.cells_file) {
+    list.cells = read_cells_file(*how.cells_file);
+    list.how = fmt::format("{} cells from {}", list.cells.size(), how.cells_file->filename().string());
+  } else if (how.cells_grid) {
+    list = cells_of_grid(*how.cells_grid, static_cast<double>(how.cell_size));
+  } else {
+    list = automatic_cells(geometry, how);
+  }
+  apply_limit(list, how.cell_limit);
+  return list;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,40 @@
+#pragma once
+// Independent trials of a cell set: rays from uniform free positions in uniform directions.
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "free_space.h"
+#include "random.h"
+#include "rays/ray_scene.h"
+
+namespace sightcell::bake {
+
+// One polygon that a fresh ray saw and the set does not have.
+struct missed_polygon {
+  std::uint32_t polygon = 0;
+  glm::vec3 eye{0.0f};
+  float distance = 0.0f;
+  glm::vec3 direction{0.0f};
+};
+
+struct fresh_batch {
+  std::uint64_t rays = 0;     // cast; fewer than asked only where free places are too rare
+  std::uint64_t misses = 0;   // wrong rays: at least one polygon seen is not in the set
+  std::uint64_t places = 0;   // positions tested to find free ones
+  std::vector<missed_polygon> missed;  // in a fixed order; a ray adds every polygon it missed
+};
+
+struct fresh_source {
+  std::uint64_t seed = 0, place = 0;
+  purpose use = purpose::bound;
+  std::uint64_t round = 0;
+};
+
+// Casts count rays on the calling thread's TBB arena. contains: is a polygon in the set? called from many threads. The
+// result depends on the arguments alone.
+fresh_batch cast_fresh_rays(const ray_scene& rays, const box& grown, float player_radius, std::uint64_t count,
+                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains);
+
+}  // namespace sightcell::bake

@@ -1,0 +1,13 @@
+#pragma once
+// CPU time of the whole process, all threads, in seconds. For progress and reports; never decides a result.
+#include <ctime>
+
+namespace sightcell::bake {
+
+inline double process_cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace sightcell::bake

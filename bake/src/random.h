@@ -1,0 +1,53 @@
+#pragma once
+// Repeatable random numbers. Every stream is named by what it is for, never by thread, order or time.
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <initializer_list>
+
+namespace sightcell::bake {
+
+// The finaliser of splitmix64 (Steele, Lea, Flood 2014): a bijection that mixes all bits.
+constexpr std::uint64_t mix_bits(std::uint64_t x) noexcept {
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
+  return x ^ (x >> 31);
+}
+
+// What a stream is for, so that no two uses in one cell share numbers.
+enum class purpose : std::uint64_t { free_points = 1, boundary = 2, interior = 3, dilation = 4, bound = 5, verify = 6, estimate = 7 };
+
+class random_stream {
+ public:
+  // seed: the user's; place: the cell's; use and round, index: which numbers of that cell.
+  random_stream(std::uint64_t seed, std::uint64_t place, purpose use, std::uint64_t round = 0,
+                std::uint64_t index = 0) noexcept {
+    for (const std::uint64_t part : {seed, place, static_cast<std::uint64_t>(use), round, index})
+      state_ = mix_bits(state_ + 0x9E3779B97F4A7C15ull + part);
+  }
+
+  std::uint64_t bits() noexcept { return mix_bits(state_ += 0x9E3779B97F4A7C15ull); }
+
+  // Uniform in [0, 1), 24 bits: every value is a float exactly.
+  float uniform() noexcept { return static_cast<float>(bits() >> 40) * 0x1p-24f; }
+
+  glm::vec3 in_box(const glm::vec3& min, const glm::vec3& max) noexcept {
+    const float x = uniform(), y = uniform(), z = uniform();
+    return min + (max - min) * glm::vec3{x, y, z};
+  }
+
+  // Uniform on the unit sphere by Marsaglia's method (1972): square roots only, so the same bits on every machine.
+  glm::vec3 on_sphere() noexcept {
+    for (;;) {
+      const float a = 2.0f * uniform() - 1.0f, b = 2.0f * uniform() - 1.0f, s = a * a + b * b;
+      if (s >= 1.0f) continue;
+      const float r = 2.0f * glm::sqrt(1.0f - s);
+      return {a * r, b * r, 1.0f - 2.0f * s};
+    }
+  }
+
+ private:
+  std::uint64_t state_ = 0;
+};
+
+}  // namespace sightcell::bake

@@ -1,0 +1,270 @@
+#include "rays/ray_scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "rays/triangle_math.h"
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::size_t solid_directions = 64;
+constexpr std::size_t packet = 8;  // rays per Embree packet: the width of AVX2
+
+// Evenly spread over the sphere (Fibonacci lattice), turned so that no direction lies in an axis plane.
+std::array<glm::vec3, solid_directions> make_solid_directions() {
+  std::array<glm::vec3, solid_directions> directions{};
+  for (std::size_t i = 0; i < solid_directions; ++i) {
+    const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(solid_directions);
+    const double angle = 0.37 + static_cast<double>(i) * std::numbers::pi * (3.0 - std::sqrt(5.0));
+    const double r = std::sqrt(1.0 - z * z);
+    directions[i] = glm::vec3(glm::dvec3(r * std::cos(angle), z, r * std::sin(angle)));
+  }
+  return directions;
+}
+
+const std::array<glm::vec3, solid_directions>& fixed_directions() {
+  static const auto directions = make_solid_directions();
+  return directions;
+}
+
+struct passed_polygon {
+  std::uint32_t polygon;
+  float distance;
+};
+
+// Embree's context, first, so that the filter can be given the rest.
+struct look_context {
+  RTCIntersectContext base{};
+  const std::vector<std::uint32_t>* ids = nullptr;  // per geometry: primitive number to source id
+  const scene::world_geometry* geometry = nullptr;
+  bool all_double_sided = false;
+  std::vector<passed_polygon>* passed = nullptr;
+};
+
+// Rule 1: backs of single-sided polygons are not there; MASK and BLEND are noted and let the ray on.
+void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
+  const auto* context = reinterpret_cast<const look_context*>(arguments->context);
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] != -1) continue;
+    const unsigned geometry = RTCHitN_geomID(arguments->hit, arguments->N, i);
+    const std::uint32_t polygon = context->ids[geometry][RTCHitN_primID(arguments->hit, arguments->N, i)];
+    const scene::polygon_kind kind = context->geometry->kinds[polygon];
+    const float facing =
+        RTCHitN_Ng_x(arguments->hit, arguments->N, i) * RTCRayN_dir_x(arguments->ray, arguments->N, i) +
+        RTCHitN_Ng_y(arguments->hit, arguments->N, i) * RTCRayN_dir_y(arguments->ray, arguments->N, i) +
+        RTCHitN_Ng_z(arguments->hit, arguments->N, i) * RTCRayN_dir_z(arguments->ray, arguments->N, i);
+    const bool shows_back = facing > 0.0f && !kind.double_sided && !context->all_double_sided;
+    if (!shows_back && kind.alpha == scene::alpha_mode::opaque) continue;
+    if (!shows_back) context->passed->push_back({polygon, RTCRayN_tfar(arguments->ray, arguments->N, i)});
+    arguments->valid[i] = 0;
+  }
+}
+
+struct nearness {
+  const scene::world_geometry* geometry;
+  const std::vector<std::uint32_t>* ids;
+  bool touched = false;
+};
+
+// One ray per point, all along direction; lanes beyond the points repeat the last one.
+RTCRayHit8 parallel_rays(std::span<const glm::vec3> points, const glm::vec3& direction) {
+  RTCRayHit8 r{};
+  for (std::size_t i = 0; i < packet; ++i) {
+    const glm::vec3& p = points[std::min(i, points.size() - 1)];
+    r.ray.org_x[i] = p.x, r.ray.org_y[i] = p.y, r.ray.org_z[i] = p.z;
+    r.ray.dir_x[i] = direction.x, r.ray.dir_y[i] = direction.y, r.ray.dir_z[i] = direction.z;
+    r.ray.tfar[i] = std::numeric_limits<float>::infinity();
+    r.ray.mask[i] = ~0u;
+    r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  return r;
+}
+
+bool note_touch(RTCPointQueryFunctionArguments* arguments) {
+  auto* near = static_cast<nearness*>(arguments->userPtr);
+  const std::uint32_t polygon = near->ids[arguments->geomID][arguments->primID];
+  const glm::vec3 point{arguments->query->x, arguments->query->y, arguments->query->z};
+  const float distance = distance_to_triangle(point, corners_of(*near->geometry, polygon));
+  if (distance >= arguments->query->radius) return false;
+  near->touched = true;
+  arguments->query->radius = 0.0f;  // one is enough: ends the query
+  return true;
+}
+
+}  // namespace
+
+struct ray_scene::embree {
+  RTCDevice device = nullptr;
+  RTCScene solid = nullptr;  // opaque and MASK: what solids are told by
+  RTCScene all = nullptr;    // with BLEND; the same scene where there is none
+  std::array<std::vector<std::uint32_t>, 2> ids;
+
+  ~embree() {
+    if (all && all != solid) rtcReleaseScene(all);
+    if (solid) rtcReleaseScene(solid);
+    if (device) rtcReleaseDevice(device);
+  }
+
+  void check(const char* doing) const {
+    const RTCError failure = rtcGetDeviceError(device);
+    if (failure == RTC_ERROR_NONE) return;
+    throw error(error_kind::failed, "rays.embree", "ray scene",
+                std::string(doing) + " failed with Embree error " + std::to_string(static_cast<int>(failure)),
+                failure == RTC_ERROR_OUT_OF_MEMORY ? "free memory or use a smaller scene" : "report this scene");
+  }
+
+  RTCGeometry make_geometry(const scene::world_geometry& world, const std::vector<std::uint32_t>& polygons) const {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), polygons.size()));
+    auto* vertex = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), world.positions.size()));
+    check("allocating geometry");
+    for (const std::uint32_t polygon : polygons)
+      for (std::size_t k = 0; k < 3; ++k) *index++ = world.indices[3 * std::size_t{polygon} + k];
+    // Vertices that only degenerate polygons use may be NaN; none may reach Embree.
+    for (const glm::vec3& p : world.positions)
+      *vertex++ = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) ? p : glm::vec3{0.0f};
+    rtcCommitGeometry(geometry);
+    return geometry;
+  }
+
+  RTCScene make_scene() const {
+    RTCScene made = rtcNewScene(device);
+    // Robust: no ray slips between two triangles that share an edge. Never HIGH quality: its spatial splits depend on
+    // threads, and a bake has to repeat.
+    rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcSetSceneBuildQuality(made, RTC_BUILD_QUALITY_MEDIUM);
+    return made;
+  }
+};
+
+ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_sided)
+    : geometry_(geometry), all_double_sided_(all_double_sided), embree_(std::make_unique<embree>()) {
+  embree& e = *embree_;
+  e.device = rtcNewDevice("isa=avx2");
+  if (!e.device) e.device = rtcNewDevice(nullptr);
+  if (!e.device) throw error(error_kind::failed, "rays.embree", "ray scene", "no Embree device", "check the CPU");
+  for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon) {
+    const scene::polygon_kind kind = geometry.kinds[polygon];
+    if (!kind.degenerate) e.ids[kind.alpha == scene::alpha_mode::blend ? 1 : 0].push_back(polygon);
+  }
+  e.solid = e.make_scene();
+  RTCGeometry solid = e.make_geometry(geometry, e.ids[0]);
+  rtcAttachGeometryByID(e.solid, solid, 0);
+  rtcCommitScene(e.solid);
+  e.all = e.solid;
+  if (!e.ids[1].empty()) {
+    e.all = e.make_scene();
+    RTCGeometry blend = e.make_geometry(geometry, e.ids[1]);
+    rtcAttachGeometryByID(e.all, solid, 0);
+    rtcAttachGeometryByID(e.all, blend, 1);
+    rtcReleaseGeometry(blend);
+    rtcCommitScene(e.all);
+  }
+  rtcReleaseGeometry(solid);
+  e.check("building the ray scene");
+}
+
+ray_scene::~ray_scene() = default;
+
+void ray_scene::look(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
+  thread_local std::vector<passed_polygon> passed;
+  passed.clear();
+  look_context context;
+  rtcInitIntersectContext(&context.base);
+  context.base.filter = keep_what_occludes;
+  context.ids = embree_->ids.data();
+  context.geometry = &geometry_;
+  context.all_double_sided = all_double_sided_;
+  context.passed = &passed;
+  RTCRayHit r{};
+  r.ray.org_x = eye.x, r.ray.org_y = eye.y, r.ray.org_z = eye.z;
+  r.ray.dir_x = direction.x, r.ray.dir_y = direction.y, r.ray.dir_z = direction.z;
+  r.ray.tnear = 0.0f, r.ray.tfar = std::numeric_limits<float>::infinity();
+  r.ray.mask = ~0u;
+  r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(embree_->all, &context.base, &r);
+
+  const bool hit = r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+  out.front = hit ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon;
+  out.distance = r.ray.tfar;
+  // Traversal is not in order of distance: polygons behind the front one may have been noted too.
+  out.before.clear();
+  for (const passed_polygon& p : passed)
+    if (p.distance < out.distance) out.before.push_back(p.polygon);
+  std::sort(out.before.begin(), out.before.end());
+  out.before.erase(std::unique(out.before.begin(), out.before.end()), out.before.end());
+}
+
+bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {
+  RTCPointQuery query{};
+  query.x = point.x, query.y = point.y, query.z = point.z, query.time = 0.0f, query.radius = radius;
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  nearness near{&geometry_, embree_->ids.data()};
+  rtcPointQuery(embree_->all, &query, &context, note_touch, &near);
+  return near.touched;
+}
+
+// Packets of eight neighboring points along one direction: parallel rays from near places take the same way through
+// the tree, which makes the 64 rays of a place several times cheaper than one by one.
+void ray_scene::find_solid(std::span<const glm::vec3> points, std::span<std::uint8_t> solid) const {
+  for (std::size_t first = 0; first < points.size(); first += packet) {
+    const std::size_t count = std::min(packet, points.size() - first);
+    alignas(32) int valid[packet];
+    std::array<int, packet> hits{}, backs{};
+    for (std::size_t i = 0; i < packet; ++i) valid[i] = i < count ? -1 : 0;
+    std::size_t undecided = count;
+    for (std::size_t k = 0; k < solid_directions && undecided > 0; ++k) {
+      const glm::vec3& direction = fixed_directions()[k];
+      RTCRayHit8 r = parallel_rays(points.subspan(first, count), direction);
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+      rtcIntersect8(valid, embree_->solid, &context, &r);
+      const int left = static_cast<int>(solid_directions - k - 1);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (valid[i] == 0 || r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        ++hits[i];
+        const scene::polygon_kind kind = geometry_.kinds[embree_->ids[0][r.hit.primID[i]]];
+        const glm::vec3 normal{r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]};
+        const bool votes = kind.alpha == scene::alpha_mode::opaque && !kind.double_sided;
+        if (votes && glm::dot(normal, direction) > 0.0f) ++backs[i];
+        // Even if all that is left hit fronts, it would be a solid: seven directions do for most places inside one.
+        if (10 * backs[i] > hits[i] + left) valid[i] = 0, --undecided;
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) solid[first + i] = 10 * backs[i] > hits[i] ? 1 : 0;
+  }
+}
+
+void ray_scene::find_free(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const {
+  std::vector<glm::vec3> clear;
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    free[i] = 0;
+    if (touches_surface(points[i], radius)) continue;
+    clear.push_back(points[i]);
+    which.push_back(i);
+  }
+  std::vector<std::uint8_t> solid(clear.size());
+  find_solid(clear, solid);
+  for (std::size_t i = 0; i < which.size(); ++i) free[which[i]] = solid[i] ? 0 : 1;
+}
+
+bool ray_scene::is_free(const glm::vec3& point, float radius) const {
+  std::uint8_t free = 0;
+  find_free({&point, 1}, radius, {&free, 1});
+  return free != 0;
+}
+
+}  // namespace sightcell::bake

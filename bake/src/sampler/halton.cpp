@@ -1,0 +1,29 @@
+#include "sampler/halton.h"
+
+#include <glm/common.hpp>
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::uint32_t give_up_after = 256;  // rejected places in a row: the face lies in a wall
+
+float radical_inverse(std::uint32_t index, std::uint32_t base) {
+  double value = 0.0, digit = 1.0 / base;
+  for (; index > 0; index /= base, digit /= base) value += digit * (index % base);
+  return static_cast<float>(value);
+}
+
+}  // namespace
+
+halton::halton(random_stream random) {
+  shift_.x = random.uniform();
+  shift_.y = random.uniform();
+}
+
+std::optional<glm::vec2> halton::next() {
+  if (rejected_in_a_row_ >= give_up_after) return std::nullopt;
+  ++index_;
+  return glm::fract(glm::vec2{radical_inverse(index_, 2), radical_inverse(index_, 3)} + shift_);
+}
+
+}  // namespace sightcell::bake

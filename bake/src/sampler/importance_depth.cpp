@@ -1,0 +1,105 @@
+#include "sampler/importance_depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+
+namespace sightcell::bake {
+namespace {
+
+// Above this everywhere, the face is done (step 5 of the thesis).
+constexpr float reliable_enough = 0.995f;
+// sigma^2 never falls below this: a sample with the largest importance still speaks for its surroundings.
+constexpr double variance_floor = 0.02;
+// A place that is not free takes its texels within this distance (face coordinates) out of the search. Small enough to
+// leave a gap of a few texels, large enough that a wall costs tens of tries and not thousands.
+constexpr float exclusion_reach = 1.0f / 48.0f;
+
+// The start grid grows with what the face may spend; the thesis used 3 to 5 with hundreds of samples.
+std::uint32_t start_grid(std::uint32_t samples) {
+  if (samples < 4) return 1;
+  return samples < 16 ? 2 : 3;
+}
+
+}  // namespace
+
+reliability_map::reliability_map(const glm::vec2& face_size)
+    : aspect_(face_size / std::max({face_size.x, face_size.y, 1e-6f})),
+      values_(std::size_t{map_size} * map_size, 0.0f) {}
+
+void reliability_map::add_sample(const glm::vec2& place, const std::array<double, 4>& importance) {
+  samples_.push_back({place, importance});
+  const double largest = *std::max_element(importance.begin(), importance.end());
+  if (largest <= largest_) {
+    raise_around(samples_.back());
+    return;
+  }
+  largest_ = largest;
+  std::fill(values_.begin(), values_.end(), 0.0f);
+  for (const sample& s : samples_) raise_around(s);
+  for (const glm::vec2& e : excluded_) apply_exclusion(e);
+}
+
+// R(p) = a exp(-|p-s|^2 / sH^2) + (1-a) exp(-|p-s|^2 / sV^2), a = du^2 / (du^2 + dv^2): only ever raised.
+void reliability_map::raise_around(const sample& s) {
+  std::array<double, 4> variance{};
+  for (std::size_t k = 0; k < 4; ++k)
+    variance[k] = std::max(1.0 - (largest_ > 0.0 ? s.importance[k] / largest_ : 0.0), variance_floor);
+  for (std::uint32_t y = 0; y < map_size; ++y) {
+    const double dv = ((y + 0.5) / map_size - static_cast<double>(s.place.y)) * static_cast<double>(aspect_.y);
+    const double vertical = variance[dv > 0.0 ? toward_up : toward_down];
+    for (std::uint32_t x = 0; x < map_size; ++x) {
+      const double du = ((x + 0.5) / map_size - static_cast<double>(s.place.x)) * static_cast<double>(aspect_.x);
+      const double horizontal = variance[du < 0.0 ? toward_left : toward_right];
+      const double square = du * du + dv * dv;
+      const double a = square > 0.0 ? du * du / square : 0.5;
+      const double r = a * std::exp(-square / horizontal) + (1.0 - a) * std::exp(-square / vertical);
+      float& value = values_[y * map_size + x];
+      value = std::max(value, static_cast<float>(r));
+    }
+  }
+}
+
+void reliability_map::exclude(const glm::vec2& place) {
+  excluded_.push_back(place);
+  apply_exclusion(place);
+}
+
+void reliability_map::apply_exclusion(const glm::vec2& place) {
+  const auto texel = [](float v) {
+    return static_cast<std::uint32_t>(std::clamp(v * map_size, 0.0f, float{map_size} - 1.0f));
+  };
+  for (std::uint32_t y = texel(place.y - exclusion_reach); y <= texel(place.y + exclusion_reach); ++y)
+    for (std::uint32_t x = texel(place.x - exclusion_reach); x <= texel(place.x + exclusion_reach); ++x)
+      values_[y * map_size + x] = 1.0f;
+}
+
+reliability_map::lowest_place reliability_map::lowest() const {
+  const auto found = std::min_element(values_.begin(), values_.end());
+  const auto index = static_cast<std::uint32_t>(found - values_.begin());
+  return {*found,
+          glm::vec2{static_cast<float>(index % map_size) + 0.5f, static_cast<float>(index / map_size) + 0.5f} /
+              static_cast<float>(map_size)};
+}
+
+importance_depth::importance_depth(const glm::vec2& face_size, std::uint32_t samples)
+    : map_(face_size), grid_(start_grid(samples)) {}
+
+std::optional<glm::vec2> importance_depth::next() {
+  if (grid_next_ < grid_ * grid_) {
+    const glm::vec2 tile{static_cast<float>(grid_next_ % grid_), static_cast<float>(grid_next_ / grid_)};
+    ++grid_next_;
+    return (tile + 0.5f) / static_cast<float>(grid_);
+  }
+  const auto lowest = map_.lowest();
+  if (lowest.reliability >= reliable_enough) return std::nullopt;
+  return lowest.place;
+}
+
+void importance_depth::rendered(const glm::vec2& place, const hemicube_view& view) {
+  map_.add_sample(place, view.importance);
+}
+
+void importance_depth::rejected(const glm::vec2& place) { map_.exclude(place); }
+
+}  // namespace sightcell::bake

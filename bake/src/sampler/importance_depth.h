@@ -1,0 +1,62 @@
+#pragma once
+// The thesis's importance sampler (design.md section 5): a map of reliability over the face, raised around every sample,
+// less far toward the sides where the sample saw gaps; the next sample goes where reliability is lowest.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sampler/face_sampler.h"
+
+namespace sightcell::bake {
+
+// R over one face: map_size x map_size values in [0, 1], texel centers at (i + 0.5) / map_size.
+class reliability_map {
+ public:
+  static constexpr std::uint32_t map_size = 256;
+
+  explicit reliability_map(const glm::vec2& face_size);
+
+  // A sample at place with the sums of I_p toward right, up, left, down. All sums are normalised by the largest
+  // component of any sample of this face so far, so a new maximum rebuilds the map.
+  void add_sample(const glm::vec2& place, const std::array<double, 4>& importance);
+  // Nothing can stand there: texels within reach of place (both in face coordinates) count as reliable.
+  void exclude(const glm::vec2& place);
+
+  struct lowest_place {
+    float reliability;
+    glm::vec2 place;
+  };
+  lowest_place lowest() const;  // ties: first in row order
+  float at(std::uint32_t x, std::uint32_t y) const { return values_[y * map_size + x]; }
+
+ private:
+  struct sample {
+    glm::vec2 place;
+    std::array<double, 4> importance;
+  };
+  void raise_around(const sample& s);
+  void apply_exclusion(const glm::vec2& place);
+
+  glm::vec2 aspect_;  // face size divided by its longest side
+  double largest_ = 0.0;
+  std::vector<sample> samples_;
+  std::vector<glm::vec2> excluded_;
+  std::vector<float> values_;
+};
+
+class importance_depth final : public face_sampler {
+ public:
+  importance_depth(const glm::vec2& face_size, std::uint32_t samples);
+  std::optional<glm::vec2> next() override;
+  void rendered(const glm::vec2& place, const hemicube_view& view) override;
+  void rejected(const glm::vec2& place) override;
+
+  const reliability_map& map() const { return map_; }
+
+ private:
+  reliability_map map_;
+  std::uint32_t grid_;               // the start grid is grid_ x grid_
+  std::uint32_t grid_next_ = 0;
+};
+
+}  // namespace sightcell::bake

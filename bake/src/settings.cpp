@@ -1,0 +1,81 @@
+#include "sightcell/bake/settings.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+
+namespace {
+
+[[noreturn]] void refuse(const char* option, const std::string& value, const std::string& range) {
+  throw error(error_kind::wrong_use, "settings.out-of-range", option, "is " + value, "give " + range);
+}
+
+// Written so that NaN is refused.
+template <typename T>
+void check(const char* option, T value, T low, T high, const char* unit) {
+  if (!(value >= low && value <= high))
+    refuse(option, fmt::format("{}", value), fmt::format("{} to {}{}", low, high, unit));
+}
+
+void check_grid(const std::array<float, 6>& grid) {
+  for (const float value : grid) {
+    if (!(std::abs(value) <= 1e7f)) refuse("--cells-grid", fmt::format("{}", value), "metres within 1e7 of the origin");
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(grid[axis] < grid[axis + 3]))
+      refuse("--cells-grid", fmt::format("{} to {} on {}", grid[axis], grid[axis + 3], "xyz"[axis]),
+             "x0,y0,z0,x1,y1,z1 with the first corner below the second");
+  }
+}
+
+// Shortest text that reads back as the same number; valid JSON because nothing here is infinite.
+template <typename T>
+std::string number(T value) {
+  return fmt::format("{}", value);
+}
+
+const char* kind_of_cells(const settings& s) {
+  if (s.cells_file) return "file";
+  return s.cells_grid ? "grid" : "automatic";
+}
+
+}  // namespace
+
+void validate(const settings& s) {
+  if (s.cells_file && s.cells_grid)
+    throw error(error_kind::wrong_use, "settings.two-kinds-of-cells", "--cells-grid",
+                "is given together with --cells-file", "give one of them");
+  if (s.cells_grid) check_grid(*s.cells_grid);
+  check("--cell-size", s.cell_size, 0.25f, 1000.0f, " m");
+  check("--margin", s.margin, 0.0f, 10.0f, " m");
+  check("--player-radius", s.player_radius, 0.001f, 1.0f, " m");
+  if (s.sampler != "importance-depth" && s.sampler != "halton")
+    refuse("--sampler", "\"" + s.sampler + "\"", "importance-depth or halton");
+  check<std::uint32_t>("--samples", s.samples, 6, 100'000, " hemicubes per cell");
+  check<std::uint32_t>("--resolution", s.resolution, 16, 4096, " pixels");
+  if (s.resolution % 2 != 0) refuse("--resolution", number(s.resolution), "an even number, 16 to 4096");
+  if (s.max_pixel_error != 0.0 && !(s.max_pixel_error >= 1e-7 && s.max_pixel_error <= 0.5))
+    refuse("--max-pixel-error", number(s.max_pixel_error), "0 (no rays) or 1e-07 to 0.5");
+}
+
+std::string describe(const settings& s) {
+  // The path of a cells file is left out: where it lies changes nothing, and the boxes are in the file anyway.
+  std::string text = fmt::format(R"({{"cells":"{}")", kind_of_cells(s));
+  if (s.cells_grid) {
+    const std::array<float, 6>& g = *s.cells_grid;
+    text += fmt::format(R"(,"cells_grid":[{},{},{},{},{},{}])", g[0], g[1], g[2], g[3], g[4], g[5]);
+  }
+  text += fmt::format(R"(,"cell_size":{},"cell_limit":{},"margin":{},"player_radius":{})", number(s.cell_size),
+                      s.cell_limit, number(s.margin), number(s.player_radius));
+  text += fmt::format(R"(,"sampler":{},"samples":{},"resolution":{},"max_pixel_error":{},"seed":{})",
+                      nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);
+  text += fmt::format(R"(,"all_double_sided":{}}})", s.all_double_sided);
+  return text;
+}
+
+}  // namespace sightcell::bake

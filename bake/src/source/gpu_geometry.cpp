@@ -1,0 +1,237 @@
+#include "source/gpu_geometry.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "shared/hemicube_layout.h"
+
+namespace sightcell::bake {
+namespace {
+
+// Polygons per cluster at most. Smaller ones are culled more tightly but cost more commands.
+constexpr std::size_t cluster_size = 512;
+
+struct placed_polygon {
+  glm::vec3 center;
+  std::uint32_t id;
+};
+
+glm::vec3 corner(const scene::world_geometry& world, std::uint32_t id, std::uint32_t k) {
+  return world.positions[world.indices[3 * std::size_t{id} + k]];
+}
+
+polygon_class class_of(scene::polygon_kind kind) {
+  const bool see_through = kind.alpha != scene::alpha_mode::opaque;
+  if (kind.double_sided) return see_through ? see_through_double_sided : opaque_double_sided;
+  return see_through ? see_through_single_sided : opaque_single_sided;
+}
+
+// Splits the polygons at the median of the longest side of their centers' box until the parts are small enough; calls
+// leaf(first, last) in a fixed order. Ids break ties, so the result depends on the scene alone.
+template <class Leaf>
+void split_in_space(std::vector<placed_polygon>& polygons, const Leaf& leaf) {
+  std::vector<std::pair<std::size_t, std::size_t>> open{{0, polygons.size()}};
+  while (!open.empty()) {
+    const auto [first, last] = open.back();
+    open.pop_back();
+    if (last - first <= cluster_size) {
+      if (first != last) leaf(first, last);
+      continue;
+    }
+    glm::vec3 low = polygons[first].center, high = low;
+    for (std::size_t i = first; i < last; ++i) {
+      low = glm::min(low, polygons[i].center);
+      high = glm::max(high, polygons[i].center);
+    }
+    const glm::vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t middle = first + (last - first) / 2;
+    const auto at = [&](std::size_t i) { return polygons.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(first), at(middle), at(last), [axis](const placed_polygon& a, const placed_polygon& b) {
+      return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.id < b.id;
+    });
+    open.emplace_back(middle, last);
+    open.emplace_back(first, middle);
+  }
+}
+
+struct device_vertex {
+  glm::vec3 position;
+  std::uint32_t source_id;  // of the polygon whose last corner it is; else no_index
+};
+static_assert(sizeof(device_vertex) == 16);
+
+// Collects the corners of polygons: equal positions become one vertex, numbered in order of first use, but no two
+// polygons end in the same vertex.
+class vertex_welder {
+ public:
+  explicit vertex_welder(std::size_t expected) : slots_(std::bit_ceil(expected * 2 + 16), scene::no_index) {}
+
+  // The three indices to draw, turned so that the last one carries the id; the winding stays.
+  std::array<std::uint32_t, 3> add(std::uint32_t source_id, const std::array<glm::vec3, 3>& corners) {
+    std::array<std::uint32_t, 3> v{};
+    for (std::size_t k = 0; k < 3; ++k) v[k] = number_of(corners[k]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (vertices_[v[k]].source_id != scene::no_index) continue;
+      vertices_[v[k]].source_id = source_id;
+      return {v[(k + 1) % 3], v[(k + 2) % 3], v[k]};
+    }
+    vertices_.push_back({vertices_[v[2]].position, source_id});
+    return {v[0], v[1], static_cast<std::uint32_t>(vertices_.size() - 1)};
+  }
+  const std::vector<device_vertex>& vertices() const { return vertices_; }
+
+ private:
+  std::uint32_t number_of(glm::vec3 p) {
+    p += 0.0f;  // -0 becomes +0
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t at = hash(p) & mask;; at = (at + 1) & mask) {
+      if (slots_[at] == scene::no_index) {
+        slots_[at] = static_cast<std::uint32_t>(vertices_.size());
+        vertices_.push_back({p, scene::no_index});
+        return slots_[at];
+      }
+      if (vertices_[slots_[at]].position == p) return slots_[at];
+    }
+  }
+  static std::size_t hash(glm::vec3 p) {
+    std::uint64_t h = 0;
+    for (int axis = 0; axis < 3; ++axis) h = (h ^ std::bit_cast<std::uint32_t>(p[axis])) * 0x9E3779B97F4A7C15u;
+    return static_cast<std::size_t>(h ^ (h >> 32));
+  }
+  std::vector<std::uint32_t> slots_;
+  std::vector<device_vertex> vertices_;
+};
+
+}  // namespace
+
+gpu_geometry::gpu_geometry(const scene::world_geometry& world)
+    : polygon_count_(static_cast<std::uint32_t>(world.kinds.size())) {
+  std::array<std::vector<placed_polygon>, polygon_class_count> by_class;
+  for (std::uint32_t id = 0; id < polygon_count_; ++id) {
+    if (world.kinds[id].degenerate) continue;
+    const glm::vec3 center = (corner(world, id, 0) + corner(world, id, 1) + corner(world, id, 2)) / 3.0f;
+    by_class[class_of(world.kinds[id])].push_back({center, id});
+  }
+
+  std::vector<std::uint32_t> source_ids;  // in device order
+  for (std::uint32_t c = 0; c < polygon_class_count; ++c) {
+    std::vector<placed_polygon>& polygons = by_class[c];
+    clusters_of_class_[c].first = static_cast<std::uint32_t>(clusters_.size());
+    split_in_space(polygons, [&](std::size_t first, std::size_t last) {
+      cluster added{};
+      added.first_polygon = static_cast<std::uint32_t>(source_ids.size());
+      added.polygon_count = static_cast<std::uint32_t>(last - first);
+      glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+      for (std::size_t i = first; i < last; ++i) {
+        source_ids.push_back(polygons[i].id);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+          low = glm::min(low, corner(world, polygons[i].id, k));
+          high = glm::max(high, corner(world, polygons[i].id, k));
+        }
+      }
+      // Halved before adding: the sum of two large numbers could overflow.
+      added.center = low * 0.5f + high * 0.5f;
+      added.extent = high * 0.5f - low * 0.5f;
+      // Neighbors in the file mostly share vertices.
+      std::sort(source_ids.begin() + added.first_polygon, source_ids.end());
+      clusters_.push_back(added);
+    });
+    clusters_of_class_[c].count = static_cast<std::uint32_t>(clusters_.size()) - clusters_of_class_[c].first;
+    polygons = {};
+  }
+  upload(world, source_ids);
+}
+
+void gpu_geometry::upload(const scene::world_geometry& world, const std::vector<std::uint32_t>& source_ids) {
+  vertex_welder welder(world.positions.size());
+  std::vector<std::uint32_t> indices;
+  indices.reserve(3 * source_ids.size());
+  for (const std::uint32_t id : source_ids) {
+    for (const std::uint32_t v : welder.add(id, {corner(world, id, 0), corner(world, id, 1), corner(world, id, 2)})) {
+      indices.push_back(v);
+    }
+  }
+  vertices_.emplace(welder.vertices().size() * sizeof(device_vertex), welder.vertices().data());
+  indices_.emplace(indices.size() * sizeof(std::uint32_t), indices.data());
+  index_counts_.reserve(clusters_.size() * face_count);
+  index_offsets_.reserve(clusters_.size() * face_count);
+
+  glCreateVertexArrays(1, &vertex_array_);
+  glVertexArrayElementBuffer(vertex_array_, indices_->id());
+  glVertexArrayVertexBuffer(vertex_array_, 0, vertices_->id(), 0, sizeof(device_vertex));
+  glEnableVertexArrayAttrib(vertex_array_, shaders::hemicube_attribute_position);
+  glVertexArrayAttribFormat(vertex_array_, shaders::hemicube_attribute_position, 3, GL_FLOAT, GL_FALSE,
+                            offsetof(device_vertex, position));
+  glVertexArrayAttribBinding(vertex_array_, shaders::hemicube_attribute_position, 0);
+  glEnableVertexArrayAttrib(vertex_array_, shaders::hemicube_attribute_source_id);
+  glVertexArrayAttribIFormat(vertex_array_, shaders::hemicube_attribute_source_id, 1, GL_UNSIGNED_INT,
+                             offsetof(device_vertex, source_id));
+  glVertexArrayAttribBinding(vertex_array_, shaders::hemicube_attribute_source_id, 0);
+}
+
+gpu_geometry::~gpu_geometry() {
+  glDeleteVertexArrays(1, &vertex_array_);
+}
+
+bool gpu_geometry::has_see_through() const {
+  return clusters_of_class_[see_through_single_sided].count + clusters_of_class_[see_through_double_sided].count > 0;
+}
+
+void gpu_geometry::cull(const glm::vec3& eye, std::span<const face_view, face_count> faces) {
+  index_counts_.clear();
+  index_offsets_.clear();
+  for (std::uint32_t f = 0; f < face_count; ++f) {
+    for (std::uint32_t c = 0; c < polygon_class_count; ++c) {
+      index_range& range = draws_[f][c];
+      range.first = static_cast<std::uint32_t>(index_counts_.size());
+      cull_class(eye, faces[f], static_cast<polygon_class>(c));
+      range.count = static_cast<std::uint32_t>(index_counts_.size()) - range.first;
+    }
+  }
+}
+
+void gpu_geometry::cull_class(const glm::vec3& eye, const face_view& face, polygon_class which) {
+  // Planes through the eye; their normals point inside.
+  const std::array<glm::vec3, 5> planes{face.right - face.min_x * face.forward, face.max_x * face.forward - face.right,
+                                        face.up - face.min_y * face.forward, face.max_y * face.forward - face.up,
+                                        face.forward};
+  const index_range clusters = clusters_of_class_[which];
+  std::uint32_t end_of_last = 0xFFFFFFFFu;  // device number after the last draw of this list
+  for (std::uint32_t i = clusters.first; i < clusters.first + clusters.count; ++i) {
+    const cluster& c = clusters_[i];
+    const glm::vec3 from_eye = c.center - eye;
+    bool outside = false;
+    for (const glm::vec3& plane : planes) {
+      const glm::vec3 size = glm::abs(plane);
+      // A little more than the box, for rounding here and in the vertex shader.
+      const float reach = glm::dot(size, c.extent + 1e-5f * (glm::abs(from_eye) + glm::abs(eye)));
+      outside = outside || glm::dot(plane, from_eye) + reach < 0.0f;
+    }
+    if (outside) continue;
+    if (end_of_last == c.first_polygon) {
+      index_counts_.back() += static_cast<GLsizei>(3 * c.polygon_count);
+    } else {
+      index_counts_.push_back(static_cast<GLsizei>(3 * c.polygon_count));
+      index_offsets_.push_back(reinterpret_cast<const void*>(std::size_t{c.first_polygon} * 3 * sizeof(std::uint32_t)));
+    }
+    end_of_last = c.first_polygon + c.polygon_count;
+  }
+}
+
+void gpu_geometry::bind() const {
+  glBindVertexArray(vertex_array_);
+  glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
+}
+
+void gpu_geometry::draw(std::uint32_t face, polygon_class which) const {
+  const index_range& range = draws_[face][which];
+  if (range.count == 0) return;
+  glMultiDrawElements(GL_TRIANGLES, &index_counts_[range.first], GL_UNSIGNED_INT, &index_offsets_[range.first],
+                      static_cast<GLsizei>(range.count));
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,68 @@
+#pragma once
+// The flattened scene on the device, cut into clusters that are culled per face on the CPU.
+//
+// Polygons are put in device order: by class (how they are drawn), inside a class by a recursive split in space, so
+// that a cluster has a tight box. Degenerate polygons are left out. Corners at the same place share a vertex, but the
+// last (provoking) corner of each polygon is a vertex of its own that carries the source id as a flat attribute: with
+// gl_PrimitiveID in the fragment shader llvmpipe takes indexed triangles apart one by one, 1.5 times the cost in all.
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sightcell/scene/scene.h"
+#include "source/gpu_objects.h"
+#include "source/hemicube_faces.h"
+
+namespace sightcell::bake {
+
+enum polygon_class : std::uint32_t {
+  opaque_single_sided = 0,
+  opaque_double_sided,
+  see_through_single_sided,  // mask and blend: seen, never hiding
+  see_through_double_sided,
+  polygon_class_count
+};
+
+class gpu_geometry {
+ public:
+  explicit gpu_geometry(const scene::world_geometry& world);
+  ~gpu_geometry();
+  gpu_geometry(const gpu_geometry&) = delete;
+  gpu_geometry& operator=(const gpu_geometry&) = delete;
+
+  bool has_see_through() const;
+  std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, degenerate ones included
+
+  // Finds the clusters that each face can see.
+  void cull(const glm::vec3& eye, std::span<const face_view, face_count> faces);
+  // Binds the vertices for draw().
+  void bind() const;
+  // Draws the clusters of one class found by cull() for one face.
+  void draw(std::uint32_t face, polygon_class which) const;
+
+ private:
+  struct cluster {
+    glm::vec3 center, extent;                    // half size
+    std::uint32_t first_polygon, polygon_count;  // device order
+  };
+  struct index_range {
+    std::uint32_t first = 0, count = 0;
+  };
+
+  void upload(const scene::world_geometry& world, const std::vector<std::uint32_t>& source_ids);
+  void cull_class(const glm::vec3& eye, const face_view& face, polygon_class which);
+
+  std::uint32_t polygon_count_ = 0;
+  std::vector<cluster> clusters_;  // grouped by class
+  std::array<index_range, polygon_class_count> clusters_of_class_;
+  // Draws of all faces and classes, as glMultiDrawElements wants them, and the part of each face and class.
+  std::vector<GLsizei> index_counts_;
+  std::vector<const void*> index_offsets_;
+  std::array<std::array<index_range, polygon_class_count>, face_count> draws_;
+  std::optional<gl_buffer> vertices_, indices_;
+  GLuint vertex_array_ = 0;
+};
+
+}  // namespace sightcell::bake

@@ -1,0 +1,189 @@
+#include "source/gpu_source.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "shaders/sources.h"
+#include "shared/hemicube_layout.h"
+#include "sightcell/picture/gl_program.h"
+#include "sightcell/scene/error.h"
+#include "source/gpu_gather.h"
+#include "source/gpu_geometry.h"
+#include "source/hemicube_faces.h"
+
+namespace sightcell::bake {
+namespace {
+
+shaders::vec4 with_w(const glm::vec3& v, float w) {
+  return {v.x, v.y, v.z, w};
+}
+
+// The block of one face in the uniform buffer. 256 is the largest alignment that a device may ask for.
+struct alignas(256) face_block {
+  shaders::hemicube_face face;
+};
+
+face_block block_of(const glm::vec3& eye, const face_view& face) {
+  // Off-center frustum of the kept part: -1..1 across it.
+  const float width = face.max_x - face.min_x, height = face.max_y - face.min_y;
+  const glm::vec3 clip_x = (2.0f * face.right - (face.max_x + face.min_x) * face.forward) / width;
+  const glm::vec3 clip_y = (2.0f * face.up - (face.max_y + face.min_y) * face.forward) / height;
+  return {{with_w(eye, hemicube_near), with_w(clip_x, 0.0f), with_w(clip_y, 0.0f), with_w(face.forward, 0.0f)}};
+}
+
+std::uint32_t checked_resolution(std::uint32_t resolution) {
+  GLint limit = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  if (resolution % 2 != 0 || resolution < 16 || resolution > 4096 ||
+      3 * resolution > static_cast<std::uint32_t>(limit)) {
+    throw error(
+        error_kind::wrong_use, "gpu.resolution", "hemicube resolution " + std::to_string(resolution),
+        "it must be even, from 16 to " + std::to_string(limit / 3 < 4096 ? limit / 3 : 4096) + " on this device",
+        "choose another --resolution");
+  }
+  return resolution;
+}
+
+float checked_far_plane(float far_plane) {
+  if (!(far_plane > hemicube_near) || !std::isfinite(far_plane)) {
+    throw error(error_kind::wrong_use, "gpu.far-plane", "hemicube source", "the far plane is not a distance in metres",
+                "pass the diagonal of the scene's box");
+  }
+  return far_plane;
+}
+
+class gpu_source final : public hemicube_source {
+ public:
+  gpu_source(const picture::gl_context& context, const scene::world_geometry& world, const gpu_source_options& options)
+      : context_(context),
+        resolution_(checked_resolution(options.resolution)),
+        near_over_far_(hemicube_near / checked_far_plane(options.far_plane)),
+        geometry_(world),
+        opaque_("hemicube/opaque", {{GL_VERTEX_SHADER, shaders::hemicube_polygon_vert},
+                                    {GL_FRAGMENT_SHADER, shaders::hemicube_opaque_frag}}),
+        see_through_("hemicube/see_through", {{GL_VERTEX_SHADER, shaders::hemicube_polygon_vert},
+                                              {GL_FRAGMENT_SHADER, shaders::hemicube_see_through_frag}}),
+        ids_(GL_R32UI, static_cast<GLsizei>(3 * resolution_), static_cast<GLsizei>(resolution_)),
+        depths_(GL_DEPTH_COMPONENT32F, static_cast<GLsizei>(3 * resolution_), static_cast<GLsizei>(resolution_)),
+        face_blocks_(face_count * sizeof(face_block), nullptr, GL_DYNAMIC_STORAGE_BIT) {
+    make_framebuffer();
+    const bool compute = options.how == gather::compute || (options.how == gather::automatic && !context.software());
+    std::uint32_t groups = 0;
+    if (compute) groups = gather_compute_groups(resolution_)[0] * gather_compute_groups(resolution_)[1];
+    if (compute || geometry_.has_see_through()) counts_.emplace(geometry_.polygon_count(), groups);
+    gather_ = compute ? make_gather_compute(*counts_)
+                      : make_gather_read_back(geometry_.polygon_count(), counts_ ? &*counts_ : nullptr);
+    const shaders::hemicube_gather block{resolution_, groups, near_over_far_, 0};
+    gather_block_.emplace(sizeof block, &block);
+    context_.check("hemicube setup");
+  }
+
+  ~gpu_source() override { glDeleteFramebuffers(1, &framebuffer_); }
+
+  void render(const pose& where, hemicube_view& view) override {
+    const auto faces = hemicube_faces(where, resolution_);
+    std::array<face_block, face_count> blocks;
+    for (std::uint32_t f = 0; f < face_count; ++f) blocks[f] = block_of(where.eye, faces[f]);
+    glNamedBufferSubData(face_blocks_.id(), 0, sizeof blocks, blocks.data());
+    geometry_.cull(where.eye, faces);
+
+    set_state();
+    glUseProgram(opaque_.id());
+    draw_faces(faces, opaque_single_sided, opaque_double_sided);
+    if (counts_) {
+      counts_->start();
+      counts_->bind();
+    }
+    if (geometry_.has_see_through()) {
+      glUseProgram(see_through_.id());
+      glDepthMask(GL_FALSE);
+      glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+      glDepthFunc(GL_GEQUAL);  // a decal at exactly the depth of its wall is seen
+      draw_faces(faces, see_through_single_sided, see_through_double_sided);
+    }
+    const hemicube_atlas atlas{resolution_, near_over_far_, framebuffer_, ids_.id(), depths_.id()};
+    gather_->run(atlas, faces, view);
+    context_.check("hemicube");
+  }
+
+  std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
+
+ private:
+  void make_framebuffer() {
+    glCreateFramebuffers(1, &framebuffer_);
+    glNamedFramebufferTexture(framebuffer_, GL_COLOR_ATTACHMENT0, ids_.id(), 0);
+    glNamedFramebufferTexture(framebuffer_, GL_DEPTH_ATTACHMENT, depths_.id(), 0);
+    if (glCheckNamedFramebufferStatus(framebuffer_, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      glDeleteFramebuffers(1, &framebuffer_);
+      throw error(error_kind::failed, "gpu.framebuffer", "OpenGL source",
+                  "the device cannot draw 32-bit ids and depths", "use another source");
+    }
+  }
+
+  // Everything is set again for each hemicube: others draw on the same context.
+  void set_state() const {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    glDepthRangef(0.0f, 1.0f);
+    glFrontFace(GL_CCW);
+    glCullFace(GL_BACK);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    for (const GLenum off : {GL_BLEND, GL_STENCIL_TEST, GL_DITHER, GL_MULTISAMPLE, GL_POLYGON_OFFSET_FILL,
+                             GL_DEPTH_CLAMP, GL_COLOR_LOGIC_OP, GL_SAMPLE_ALPHA_TO_COVERAGE}) {
+      glDisable(off);
+    }
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_SCISSOR_TEST);
+    glDepthFunc(GL_GREATER);  // reversed depth: larger is nearer
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    const auto width = static_cast<GLsizei>(3 * resolution_), height = static_cast<GLsizei>(resolution_);
+    glScissor(0, 0, width, height);
+    const GLuint background[4] = {shaders::hemicube_background, 0, 0, 0};
+    const GLfloat farthest = 0.0f;
+    glClearBufferuiv(GL_COLOR, 0, background);
+    glClearBufferfv(GL_DEPTH, 0, &farthest);
+    geometry_.bind();
+    glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_gather, gather_block_->id());
+  }
+
+  void draw_faces(std::span<const face_view, face_count> faces, polygon_class single_sided,
+                  polygon_class double_sided) {
+    for (std::uint32_t f = 0; f < face_count; ++f) {
+      const face_view& face = faces[f];
+      const auto x = static_cast<GLint>(face.x), y = static_cast<GLint>(face.y);
+      const auto width = static_cast<GLsizei>(face.width), height = static_cast<GLsizei>(face.height);
+      glViewport(x, y, width, height);
+      glScissor(x, y, width, height);
+      glBindBufferRange(GL_UNIFORM_BUFFER, shaders::hemicube_block_face, face_blocks_.id(),
+                        static_cast<GLintptr>(f * sizeof(face_block)), sizeof(shaders::hemicube_face));
+      glEnable(GL_CULL_FACE);
+      geometry_.draw(f, single_sided);
+      glDisable(GL_CULL_FACE);
+      geometry_.draw(f, double_sided);
+    }
+  }
+
+  const picture::gl_context& context_;
+  std::uint32_t resolution_;
+  float near_over_far_;
+  gpu_geometry geometry_;
+  picture::gl_program opaque_, see_through_;
+  gl_image ids_, depths_;
+  gl_buffer face_blocks_;
+  std::optional<gl_buffer> gather_block_;
+  std::optional<polygon_counts> counts_;
+  std::unique_ptr<gpu_gather> gather_;
+  GLuint framebuffer_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<hemicube_source> make_gpu_source(const picture::gl_context& context,
+                                                 const scene::world_geometry& geometry,
+                                                 const gpu_source_options& options) {
+  return std::make_unique<gpu_source>(context, geometry, options);
+}
+
+}  // namespace sightcell::bake

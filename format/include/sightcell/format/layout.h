@@ -1,0 +1,67 @@
+#pragma once
+// The constants of the .pvs file, version 0: magic, section ids, record sizes and limits. SPEC.md says what they mean;
+// nothing here touches bytes.
+#include <array>
+#include <cstdint>
+
+namespace sightcell::format::layout {
+
+// 89 "PVS" CR LF 1A LF: the first byte is no ASCII, and the line ends show a transfer that changed line endings.
+inline constexpr std::array<std::uint8_t, 8> magic{0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A};
+inline constexpr std::uint32_t version = 0;
+
+// Sizes of the fixed records, in bytes.
+inline constexpr std::uint64_t header_size = 96;
+inline constexpr std::uint64_t section_record_size = 32;
+inline constexpr std::uint64_t draw_record_size = 48;
+inline constexpr std::uint64_t cell_record_size = 24;
+inline constexpr std::uint64_t chunk_record_size = 16;
+inline constexpr std::uint64_t row_record_size = 8;
+inline constexpr std::uint64_t certificate_record_size = 40;
+
+// Offsets inside the header.
+inline constexpr std::uint64_t header_version = 8;
+inline constexpr std::uint64_t header_section_count = 12;
+inline constexpr std::uint64_t header_total_size = 16;
+inline constexpr std::uint64_t header_fingerprint = 24;
+inline constexpr std::uint64_t header_polygon_count = 40;
+inline constexpr std::uint64_t header_layout = 44;
+inline constexpr std::uint64_t header_margin = 48;
+inline constexpr std::uint64_t header_max_pixel_error = 52;
+inline constexpr std::uint64_t header_confidence = 56;
+inline constexpr std::uint64_t header_flags = 60;
+inline constexpr std::uint64_t header_cell_count = 64;
+inline constexpr std::uint64_t header_draw_count = 68;
+inline constexpr std::uint64_t header_run_bound = 72;
+inline constexpr std::uint64_t header_range_bound = 76;
+inline constexpr std::uint64_t header_reserved = 80;
+inline constexpr std::uint64_t header_table_checksum = 88;
+inline constexpr std::uint64_t header_checksum = 92;
+
+// header_flags
+inline constexpr std::uint32_t flag_not_repeatable = 1;
+
+// Section ids.
+inline constexpr std::uint32_t section_draws = 1;
+inline constexpr std::uint32_t section_cells = 2;
+inline constexpr std::uint32_t section_rows = 3;
+inline constexpr std::uint32_t section_row_directory = 4;
+inline constexpr std::uint32_t section_certificate = 5;
+inline constexpr std::uint32_t section_settings = 6;
+// Section flags.
+inline constexpr std::uint32_t section_required = 1;
+
+// Limits. A file beyond one of them is refused with status::limit, by the reader and by the writer.
+inline constexpr std::uint32_t max_polygons = 0xFFFFFFFEu;
+inline constexpr std::uint32_t max_cells = 1u << 24;
+inline constexpr std::uint32_t max_draws = 1u << 26;
+inline constexpr std::uint32_t max_sections = 64;
+inline constexpr std::uint64_t max_settings_size = 1u << 24;
+inline constexpr std::uint64_t max_chunk_size = 0xFFFFFFFFu;
+inline constexpr float max_margin = 1.0e6f;  // metres
+
+// Rows.
+inline constexpr std::uint32_t cells_per_chunk = 64;     // a chunk is 64 consecutive cells, aligned
+inline constexpr std::uint32_t max_reference_depth = 2;  // row -> reference -> reference
+
+}  // namespace sightcell::format::layout

@@ -1,0 +1,164 @@
+#pragma once
+// Reads a .pvs file (format/SPEC.md) that lies in the caller's memory. Every byte is taken as hostile: no value of the
+// file is used before it is checked, and none is trusted when read again, so that nothing here leaves its buffers even
+// when somebody changes the bytes meanwhile. No exceptions, no allocation, no state: every function is const and may
+// run on any number of threads at once.
+//
+//   reader file;
+//   if (status s = reader::open(bytes, file); s != status::ok) return s;
+//   std::vector<run> row(file.run_bound()), scratch(file.run_bound());
+//   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+//     std::size_t runs = 0;
+//     status s = file.decode_row(cell, row, scratch, runs);   // row[0 .. runs): what the cell sees
+//   }
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "sightcell/format/records.h"
+#include "sightcell/format/status.h"
+
+namespace sightcell::format {
+
+// One entry of the section table, for tools.
+struct section_record {
+  std::uint32_t id = 0;  // layout.h: section_*; other ids are optional sections that this version does not know
+  bool required = false;
+  std::uint64_t offset = 0;  // bytes from the start of the file
+  std::uint64_t size = 0;    // bytes
+};
+
+// How the row of one cell is stored.
+struct row_record {
+  std::uint32_t size = 0;       // bytes of the row; cells with the same set share one row
+  bool delta = false;           // coded as the difference to a reference cell
+  bool shared = false;          // an earlier cell of the chunk has the same row
+  std::uint32_t reference = 0;  // the reference cell; only where delta
+};
+
+// Sums over all cells. A row shared by several cells counts for each of them, except in row_bytes.
+struct row_statistics {
+  std::uint64_t cells = 0;
+  std::uint64_t polygons = 0;         // sum of the sizes of all cell sets
+  std::uint64_t runs = 0;             // sum of runs in stored order
+  std::uint64_t ranges = 0;           // sum of (draw, first, count) ranges
+  std::uint64_t delta_rows = 0;       // cells whose row is a difference
+  std::uint64_t shared_rows = 0;      // cells that use an earlier cell's row
+  std::uint64_t row_bytes = 0;        // size of the rows section
+  std::uint64_t directory_bytes = 0;  // size of the row directory
+
+  [[nodiscard]] double runs_per_cell() const { return per_cell(static_cast<double>(runs)); }
+  [[nodiscard]] double ranges_per_cell() const { return per_cell(static_cast<double>(ranges)); }
+  [[nodiscard]] double delta_row_percent() const { return per_cell(100.0 * static_cast<double>(delta_rows)); }
+  // Bits per (cell, visible polygon): rows and directory. 0 when no cell sees anything.
+  [[nodiscard]] double bits_per_visible_polygon() const {
+    return polygons == 0 ? 0.0 : 8.0 * static_cast<double>(row_bytes + directory_bytes) / static_cast<double>(polygons);
+  }
+
+ private:
+  [[nodiscard]] double per_cell(double sum) const { return cells == 0 ? 0.0 : sum / static_cast<double>(cells); }
+};
+
+// A view of one file: cheap to copy, valid as long as the bytes are. A default-made reader is an empty file.
+class reader {
+ public:
+  // Checks the header, the section table, the draw table, the cells, the row directory, the certificate and the
+  // settings, with their checksums; rows are left to check_chunk and decode_row. bytes: the whole file and nothing
+  // behind it, any alignment; they stay the caller's and must outlive out. out is set only on ok.
+  // not_ours: no .pvs file; version: a version, or a required section, of another Sightcell; truncated: fewer bytes
+  // than the header says; checksum; corrupt: values that contradict each other, bytes behind the end; limit: a number
+  // above layout.h.
+  static status open(std::span<const std::byte> bytes, reader& out) noexcept;
+
+  [[nodiscard]] const file_facts& facts() const noexcept { return facts_; }
+  [[nodiscard]] std::uint32_t format_version() const noexcept { return version_; }
+  [[nodiscard]] std::uint32_t polygon_count() const noexcept { return facts_.polygon_count; }
+  [[nodiscard]] std::uint32_t cell_count() const noexcept { return cell_count_; }
+  [[nodiscard]] std::uint32_t draw_count() const noexcept { return draw_count_; }
+  [[nodiscard]] std::uint64_t total_size() const noexcept { return bytes_.size(); }
+  // The most runs of any row: the room that decode_row needs. At most half the size of the rows section in bytes.
+  [[nodiscard]] std::uint32_t run_bound() const noexcept { return run_bound_; }
+  // The most (draw, first, count) ranges of any cell set.
+  [[nodiscard]] std::uint32_t range_bound() const noexcept { return range_bound_; }
+
+  // One record, read and checked anew. argument: number too high; corrupt: the bytes changed since open.
+  status draw(std::uint32_t number, draw_record& out) const noexcept;
+  status cell_box(std::uint32_t cell, box& out) const noexcept;
+
+  // The section table in file order, for tools. argument: number too high; corrupt: the bytes changed since open.
+  [[nodiscard]] std::uint32_t section_count() const noexcept { return section_count_; }
+  status section(std::uint32_t number, section_record& out) const noexcept;
+
+  // The settings text (JSON) that made the file, empty when there is none. Points into the caller's bytes.
+  [[nodiscard]] std::string_view settings() const noexcept;
+
+  // 0 or cell_count(). argument: number too high; corrupt: the bytes changed since open.
+  [[nodiscard]] std::uint32_t certificate_count() const noexcept { return certificate_count_; }
+  status certificate(std::uint32_t number, certificate_record& out) const noexcept;
+
+  // Rows lie in chunks of 64 consecutive cells; a chunk is decoded without any other and has its own checksum.
+  [[nodiscard]] std::uint32_t chunk_count() const noexcept;
+  [[nodiscard]] static std::uint32_t chunk_of(std::uint32_t cell) noexcept;
+  // ok, or checksum when the chunk's bytes are damaged; argument: no such chunk. Reads the whole chunk: remember it.
+  status check_chunk(std::uint32_t chunk) const noexcept;
+
+  // How a cell's row is stored. argument: no such cell; corrupt.
+  status row(std::uint32_t cell, row_record& out) const noexcept;
+  // Size of a cell's row in bytes; 0 for a bad number or row.
+  [[nodiscard]] std::uint32_t row_size(std::uint32_t cell) const noexcept;
+  // True when the cell's row is a difference to another cell's; false too for a bad number or row.
+  [[nodiscard]] bool is_delta_row(std::uint32_t cell) const noexcept;
+
+  // The cell set as runs in stored order: ascending, disjoint, not touching, inside polygon_count. out and scratch must
+  // each hold run_bound() runs and not overlap; both are overwritten, out[0 .. count) is the answer. Looks at no
+  // checksum: call check_chunk once before. O(runs of the row and its references).
+  // argument: no such cell; capacity: out or scratch too small; corrupt: the row is no row (count is 0 then).
+  status decode_row(std::uint32_t cell, std::span<run> out, std::span<run> scratch, std::size_t& count) const noexcept;
+
+  // How many (draw, first, count) ranges runs make. runs: as decode_row gives them.
+  [[nodiscard]] std::uint64_t count_ranges(std::span<const run> runs) const noexcept;
+
+  // Everything open leaves out: every section's checksum, every chunk and row, that rows fill their chunks without gaps
+  // and keep the bounds. out, scratch: as for decode_row. ok, or the first fault found.
+  status check(std::span<run> out, std::span<run> scratch) const noexcept;
+
+  // Decodes every row and sums. Checks chunks first. out, scratch: as for decode_row.
+  status statistics(std::span<run> out, std::span<run> scratch, row_statistics& sums) const noexcept;
+
+ private:
+  struct extent {
+    std::uint64_t offset = 0;
+    std::uint64_t size = 0;
+  };
+  struct row_place {
+    std::span<const std::byte> bytes;
+    std::uint32_t offset = 0;  // inside the chunk
+  };
+
+  [[nodiscard]] std::span<const std::byte> part(extent where) const noexcept;
+  status read_header() noexcept;
+  status read_sections() noexcept;
+  status check_section(std::uint32_t number) const noexcept;
+  status check_sizes() noexcept;
+  status check_draws() const noexcept;
+  status check_cells() const noexcept;
+  status check_directory() const noexcept;
+  status check_certificate() const noexcept;
+  status chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept;
+  status row_bytes(std::uint32_t cell, row_place& out) const noexcept;
+  status check_chunk_filled(std::uint32_t chunk) const noexcept;
+
+  std::span<const std::byte> bytes_;
+  file_facts facts_;
+  std::uint32_t version_ = 0;
+  std::uint32_t cell_count_ = 0;
+  std::uint32_t draw_count_ = 0;
+  std::uint32_t section_count_ = 0;
+  std::uint32_t certificate_count_ = 0;
+  std::uint32_t run_bound_ = 0;
+  std::uint32_t range_bound_ = 0;
+  extent draws_, cells_, rows_, directory_, certificate_, settings_;
+};
+
+}  // namespace sightcell::format

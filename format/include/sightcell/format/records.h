@@ -1,0 +1,60 @@
+#pragma once
+// The plain values a .pvs file holds, as the writer takes them and the reader gives them. No bytes are described here:
+// SPEC.md and layout.h do that.
+#include <array>
+#include <cstdint>
+
+namespace sightcell::format {
+
+// An axis-aligned box in metres, glTF axes (right-handed, +Y up). Half-open: min <= p < max.
+struct box {
+  std::array<float, 3> min{};
+  std::array<float, 3> max{};
+};
+
+enum class host_layout : std::uint32_t { instanced = 0, merged = 1 };
+
+// One entry of the draw table: what a host issues as one draw, (node, primitive, instance) of the glTF.
+struct draw_record {
+  std::uint32_t node = 0;           // glTF node index
+  std::uint32_t mesh = 0;           // glTF mesh index
+  std::uint32_t primitive = 0;      // index of the primitive inside its mesh
+  std::uint32_t instance = 0;       // index inside EXT_mesh_gpu_instancing, else 0
+  std::uint32_t material = 0;       // glTF material index, 0xFFFFFFFF for the default material
+  std::uint32_t group = 0;          // draw group of the merged layout, else 0
+  std::uint32_t first_source = 0;   // source id of the draw's first polygon
+  std::uint32_t polygon_count = 0;  // polygons of the draw
+  std::uint32_t first_stored = 0;   // stored number of the draw's first polygon
+  std::uint32_t base_vertex = 0;    // vertices of all draws before this one: base(draw) of the flattening
+  std::uint64_t host_tag = 0;       // the host's own value, carried through untouched
+};
+
+// What fresh rays proved about one cell: misses of rays, and the exact one-sided upper bound of the pixel error at that
+// confidence (Clopper-Pearson). rays = 0: nothing was measured for this cell and upper_bound is 1.
+struct certificate_record {
+  std::uint32_t cell = 0;
+  std::uint64_t rays = 0;
+  std::uint64_t misses = 0;
+  double upper_bound = 1.0;
+  double confidence = 0.95;
+  std::uint64_t seed = 0;
+};
+
+// A stretch of polygons that follow each other in stored order: first .. first + count - 1. count >= 1.
+struct run {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
+// Facts about the whole file.
+struct file_facts {
+  std::uint32_t polygon_count = 0;
+  host_layout layout = host_layout::instanced;
+  float margin = 0.0f;           // metres by which cell boxes were grown for the bake
+  float max_pixel_error = 1.0f;  // largest upper bound of any cell; 1 where a cell has none
+  float confidence = 0.95f;
+  bool repeatable = true;  // false: the bake was ended by a clock or a signal
+  std::array<std::uint8_t, 16> scene_fingerprint{};
+};
+
+}  // namespace sightcell::format

@@ -1,0 +1,33 @@
+#pragma once
+// One place for the rules that single values of a file must keep, used by the writer before it writes and by the reader
+// after it read.
+#include <cmath>
+
+#include "sightcell/format/layout.h"
+#include "sightcell/format/records.h"
+
+namespace sightcell::format {
+
+// Finite, and not empty on any axis.
+[[nodiscard]] inline bool box_is_valid(const box& b) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(b.min[axis]) || !std::isfinite(b.max[axis]) || !(b.min[axis] < b.max[axis])) return false;
+  }
+  return true;
+}
+
+// false for NaN too
+[[nodiscard]] inline bool is_share(double value) noexcept {
+  return value >= 0.0 && value <= 1.0;
+}
+
+[[nodiscard]] inline bool certificate_is_valid(const certificate_record& c) noexcept {
+  return c.misses <= c.rays && is_share(c.upper_bound) && is_share(c.confidence);
+}
+
+[[nodiscard]] inline bool facts_are_valid(const file_facts& f) noexcept {
+  return f.layout == host_layout::instanced && f.margin >= 0.0f && std::isfinite(f.margin) &&
+         is_share(static_cast<double>(f.max_pixel_error)) && is_share(static_cast<double>(f.confidence));
+}
+
+}  // namespace sightcell::format

@@ -1,0 +1,169 @@
+#pragma once
+// C++20 skin over sightcell.h, header only: db and view close themselves, lists take spans, failures come back as
+// values. No exceptions, no allocation of its own. What the functions do, and when they fail, is said in sightcell.h.
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "sightcell/sightcell.h"
+
+namespace sightcell {
+
+// A value, or the status that says why there is none.
+template <class T>
+class [[nodiscard]] result {
+ public:
+  result(T value) noexcept : value_(std::move(value)) {}          // NOLINT(google-explicit-constructor)
+  result(sightcell_status failure) noexcept : status_(failure) {  // NOLINT(google-explicit-constructor)
+    assert(failure != SIGHTCELL_OK);
+  }
+
+  explicit operator bool() const noexcept { return status_ == SIGHTCELL_OK; }
+  [[nodiscard]] sightcell_status status() const noexcept { return status_; }
+  [[nodiscard]] const char* text() const noexcept { return sightcell_status_text(status_); }
+
+  // Only after success.
+  [[nodiscard]] T& operator*() noexcept { return value_; }
+  [[nodiscard]] const T& operator*() const noexcept { return value_; }
+  T* operator->() noexcept { return &value_; }
+  const T* operator->() const noexcept { return &value_; }
+
+ private:
+  T value_{};
+  sightcell_status status_ = SIGHTCELL_OK;
+};
+
+struct cell_bounds {
+  std::array<float, 3> min{};
+  std::array<float, 3> max{};
+};
+
+// How a list call ended: how many elements there are, and whether they fitted. After ERR_CAPACITY nothing was written
+// and count says how much room to bring.
+struct [[nodiscard]] list_result {
+  sightcell_status status = SIGHTCELL_OK;
+  std::size_t count = 0;
+  explicit operator bool() const noexcept { return status == SIGHTCELL_OK; }
+};
+
+struct [[nodiscard]] changes_result {
+  sightcell_status status = SIGHTCELL_OK;
+  std::size_t added = 0;
+  std::size_t removed = 0;
+  explicit operator bool() const noexcept { return status == SIGHTCELL_OK; }
+};
+
+// One file. Move-only; a default-made one is closed and sees nothing. Const functions may run on any number of threads.
+class db {
+ public:
+  db() noexcept = default;
+  ~db() { sightcell_db_close(handle_); }
+  db(db&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  db& operator=(db&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  db(const db&) = delete;
+  db& operator=(const db&) = delete;
+
+  // bytes stay the caller's and must outlive the db.
+  static result<db> open(std::span<const std::byte> bytes, const sightcell_allocator* mem = nullptr) noexcept {
+    db file;
+    const sightcell_status s = sightcell_db_open(bytes.data(), bytes.size(), mem, &file.handle_);
+    return s == SIGHTCELL_OK ? result<db>(std::move(file)) : result<db>(s);
+  }
+  static result<db> open_file(const char* path, const sightcell_allocator* mem = nullptr) noexcept {
+    db file;
+    const sightcell_status s = sightcell_db_open_file(path, mem, &file.handle_);
+    return s == SIGHTCELL_OK ? result<db>(std::move(file)) : result<db>(s);
+  }
+
+  [[nodiscard]] std::uint32_t polygon_count() const noexcept { return sightcell_db_polygon_count(handle_); }
+  [[nodiscard]] std::uint32_t cell_count() const noexcept { return sightcell_db_cell_count(handle_); }
+  [[nodiscard]] result<cell_bounds> cell_box(std::uint32_t cell) const noexcept {
+    cell_bounds box;
+    const sightcell_status s = sightcell_db_cell_box(handle_, cell, box.min.data(), box.max.data());
+    return s == SIGHTCELL_OK ? result<cell_bounds>(box) : result<cell_bounds>(s);
+  }
+  [[nodiscard]] result<sightcell_info> info() const noexcept {
+    sightcell_info info{};
+    info.struct_size = sizeof(info);
+    const sightcell_status s = sightcell_db_info(handle_, &info);
+    return s == SIGHTCELL_OK ? result<sightcell_info>(info) : result<sightcell_info>(s);
+  }
+  [[nodiscard]] sightcell_status check() const noexcept { return sightcell_db_check(handle_); }
+  list_result draws(std::span<sightcell_draw> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_db_draws(handle_, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+  list_result order(std::span<std::uint32_t> source_id_of_stored) const noexcept {
+    list_result out;
+    out.status = sightcell_db_order(handle_, source_id_of_stored.data(), source_id_of_stored.size(), &out.count);
+    return out;
+  }
+
+  [[nodiscard]] const sightcell_db* get() const noexcept { return handle_; }
+
+ private:
+  sightcell_db* handle_ = nullptr;
+};
+
+// One camera of one db. Move-only; the db must outlive it. One thread at a time.
+class view {
+ public:
+  view() noexcept = default;
+  ~view() { sightcell_view_destroy(handle_); }
+  view(view&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  view& operator=(view&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  view(const view&) = delete;
+  view& operator=(const view&) = delete;
+
+  static result<view> create(const db& file) noexcept {
+    view camera;
+    const sightcell_status s = sightcell_view_create(file.get(), &camera.handle_);
+    return s == SIGHTCELL_OK ? result<view>(std::move(camera)) : result<view>(s);
+  }
+
+  // frame is filled even when the status is ARGUMENT (a NaN): it says DRAW_ALL then.
+  sightcell_status move(std::span<const float, 3> eye, sightcell_frame& frame) noexcept {
+    return sightcell_view_move(handle_, eye.data(), &frame);
+  }
+
+  list_result polygons(std::span<std::uint32_t> source_ids) const noexcept {
+    list_result out;
+    out.status = sightcell_view_polygons(handle_, source_ids.data(), source_ids.size(), &out.count);
+    return out;
+  }
+  list_result ranges(std::span<sightcell_range> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_view_ranges(handle_, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+  // stored_indices: 3 per stored polygon of the db, all of them.
+  list_result indices(std::span<const std::uint32_t> stored_indices, std::span<std::uint32_t> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_view_indices(handle_, stored_indices.data(), dst.data(), dst.size(), &out.count);
+    return out;
+  }
+  changes_result changes(std::uint32_t since_revision, std::span<sightcell_range> added,
+                         std::span<sightcell_range> removed) const noexcept {
+    changes_result out;
+    out.status = sightcell_view_changes(handle_, since_revision, added.data(), added.size(), &out.added, removed.data(),
+                                        removed.size(), &out.removed);
+    return out;
+  }
+
+  [[nodiscard]] const sightcell_view* get() const noexcept { return handle_; }
+
+ private:
+  sightcell_view* handle_ = nullptr;
+};
+
+}  // namespace sightcell

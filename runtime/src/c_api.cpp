@@ -1,0 +1,225 @@
+// The C functions: checks arguments, then hands over. Statuses of format have the numbers of the C API.
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <span>
+
+#include "db.h"
+#include "file_input.h"
+#include "index_list.h"
+#include "memory.h"
+#include "ranges.h"
+#include "sightcell/sightcell.h"
+#include "view.h"
+
+namespace format = sightcell::format;
+namespace runtime = sightcell::runtime;
+
+static_assert(sizeof(sightcell_frame) == 64 && sizeof(sightcell_range) == 12 && sizeof(sightcell_draw) == 48);
+static_assert(sizeof(sightcell_info) == 56);
+static_assert(static_cast<int>(format::status::limit) == SIGHTCELL_ERR_LIMIT &&
+              static_cast<int>(format::status::other_scene) == SIGHTCELL_ERR_OTHER_SCENE &&
+              static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE);
+
+namespace {
+
+bool take_allocator(const sightcell_allocator* given, sightcell_allocator& out) noexcept {
+  out = given == nullptr ? runtime::default_allocator() : *given;
+  return out.alloc != nullptr && out.release != nullptr;
+}
+
+// What all list functions have in common. OK: dst has room for need elements.
+sightcell_status check_room(const void* dst, std::size_t capacity, std::uint64_t need, std::size_t* count) noexcept {
+  if (count == nullptr || (dst == nullptr && capacity > 0)) return SIGHTCELL_ERR_ARGUMENT;
+  if (need > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_LIMIT;
+  *count = static_cast<std::size_t>(need);
+  return need > capacity ? SIGHTCELL_ERR_CAPACITY : SIGHTCELL_OK;
+}
+
+// Version 0: stored order is source order.
+void write_numbers(std::uint32_t first, std::uint32_t count, std::uint32_t* dst) noexcept {
+  for (std::uint32_t i = 0; i < count; ++i) dst[i] = first + i;
+}
+
+}  // namespace
+
+std::uint32_t sightcell_version(void) {
+  return SIGHTCELL_API_VERSION;
+}
+
+const char* sightcell_status_text(sightcell_status status) {
+  return format::status_text(static_cast<format::status>(status));
+}
+
+sightcell_status sightcell_db_open(const void* bytes, size_t size, const sightcell_allocator* mem, sightcell_db** out) {
+  if (out == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  *out = nullptr;
+  sightcell_allocator allocator;
+  if ((bytes == nullptr && size > 0) || !take_allocator(mem, allocator)) return SIGHTCELL_ERR_ARGUMENT;
+  return sightcell_db::open({static_cast<const std::byte*>(bytes), size}, allocator, nullptr, out);
+}
+
+sightcell_status sightcell_db_open_file(const char* path, const sightcell_allocator* mem, sightcell_db** out) {
+  if (out == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  *out = nullptr;
+  sightcell_allocator allocator;
+  if (path == nullptr || !take_allocator(mem, allocator)) return SIGHTCELL_ERR_ARGUMENT;
+  runtime::file_block file;
+  if (const sightcell_status s = runtime::read_file(path, allocator, file); s != SIGHTCELL_OK) return s;
+  const std::span bytes(static_cast<const std::byte*>(file.bytes), static_cast<std::size_t>(file.size));
+  const sightcell_status s = sightcell_db::open(bytes, allocator, file.bytes, out);
+  if (s != SIGHTCELL_OK) runtime::release(allocator, file.bytes, file.size);
+  return s;
+}
+
+void sightcell_db_close(sightcell_db* db) {
+  sightcell_db::close(db);
+}
+
+std::uint32_t sightcell_db_polygon_count(const sightcell_db* db) {
+  return db == nullptr ? 0 : db->polygon_count();
+}
+
+std::uint32_t sightcell_db_cell_count(const sightcell_db* db) {
+  return db == nullptr ? 0 : db->file().cell_count();
+}
+
+sightcell_status sightcell_db_cell_box(const sightcell_db* db, uint32_t cell, float min[3], float max[3]) {
+  if (db == nullptr || min == nullptr || max == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  format::box bounds;
+  const format::status s = db->file().cell_box(cell, bounds);
+  if (s != format::status::ok) return static_cast<sightcell_status>(s);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    min[axis] = bounds.min[axis];
+    max[axis] = bounds.max[axis];
+  }
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out) {
+  if (db == nullptr || out == nullptr || out->struct_size < sizeof(sightcell_info)) return SIGHTCELL_ERR_ARGUMENT;
+  const format::file_facts& facts = db->file().facts();
+  sightcell_info info{};
+  info.struct_size = sizeof(sightcell_info);
+  info.format_version = db->file().format_version();
+  info.layout = static_cast<std::uint32_t>(facts.layout);
+  info.polygon_count = facts.polygon_count;
+  info.cell_count = db->file().cell_count();
+  info.draw_count = db->file().draw_count();
+  info.range_bound = db->range_bound();
+  info.margin = facts.margin;
+  info.max_pixel_error = facts.max_pixel_error;
+  info.confidence = facts.confidence;
+  std::memcpy(info.scene_fingerprint, facts.scene_fingerprint.data(), facts.scene_fingerprint.size());
+  *out = info;
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_check(const sightcell_db* db) {
+  return db == nullptr ? SIGHTCELL_ERR_ARGUMENT : db->check();
+}
+
+sightcell_status sightcell_db_draws(const sightcell_db* db, sightcell_draw* dst, size_t capacity, size_t* count) {
+  if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const sightcell_status room = check_room(dst, capacity, db->file().draw_count(), count);
+  if (room != SIGHTCELL_OK) return room;
+  for (std::uint32_t number = 0; number < db->file().draw_count(); ++number) {
+    format::draw_record d;
+    if (const format::status s = db->file().draw(number, d); s != format::status::ok) {
+      return static_cast<sightcell_status>(s);
+    }
+    dst[number] = {d.node,         d.mesh,          d.primitive,    d.instance,    d.material, d.group,
+                   d.first_source, d.polygon_count, d.first_stored, d.base_vertex, d.host_tag};
+  }
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_of_stored, size_t capacity,
+                                    size_t* count) {
+  if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const sightcell_status room = check_room(source_id_of_stored, capacity, db->polygon_count(), count);
+  if (room == SIGHTCELL_OK) write_numbers(0, db->polygon_count(), source_id_of_stored);
+  return room;
+}
+
+sightcell_status sightcell_view_create(const sightcell_db* db, sightcell_view** out) {
+  if (out == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  *out = nullptr;
+  return db == nullptr ? SIGHTCELL_ERR_ARGUMENT : sightcell_view::create(*db, out);
+}
+
+void sightcell_view_destroy(sightcell_view* view) {
+  sightcell_view::destroy(view);
+}
+
+sightcell_status sightcell_view_move(sightcell_view* view, const float eye[3], sightcell_frame* frame) {
+  if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  sightcell_frame unread;
+  if (frame != nullptr) return view->move(eye, *frame);
+  // The host cannot see the flags, so the view goes to where nothing can be missed.
+  static_cast<void>(view->move(nullptr, unread));
+  return SIGHTCELL_ERR_ARGUMENT;
+}
+
+sightcell_status sightcell_view_polygons(const sightcell_view* view, uint32_t* source_ids, size_t capacity,
+                                         size_t* count) {
+  if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const sightcell_status room = check_room(source_ids, capacity, view->polygon_count(), count);
+  if (room != SIGHTCELL_OK) return room;
+  if (view->draws_all()) {
+    write_numbers(0, view->polygon_count(), source_ids);
+    return SIGHTCELL_OK;
+  }
+  for (const format::run& r : view->runs()) {
+    write_numbers(r.first, r.count, source_ids);
+    source_ids += r.count;
+  }
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_ranges(const sightcell_view* view, sightcell_range* dst, size_t capacity,
+                                       size_t* count) {
+  if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const sightcell_status room = check_room(dst, capacity, view->range_count(), count);
+  if (room != SIGHTCELL_OK) return room;
+  if (view->draws_all()) {
+    runtime::write_all_ranges(view->db().draw_borders(), dst);
+  } else {
+    runtime::write_ranges(view->runs(), view->db().draw_borders(), dst);
+  }
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_indices(const sightcell_view* view, const uint32_t* stored_indices, uint32_t* dst,
+                                        size_t capacity, size_t* count) {
+  if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const sightcell_status room = check_room(dst, capacity, std::uint64_t{3} * view->polygon_count(), count);
+  if (room != SIGHTCELL_OK || view->polygon_count() == 0) return room;
+  if (stored_indices == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const format::run all{0, view->polygon_count()};
+  runtime::copy_indices(view->draws_all() ? std::span(&all, 1) : view->runs(), stored_indices, dst);
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_changes(const sightcell_view* view, uint32_t since_revision, sightcell_range* added,
+                                        size_t added_capacity, size_t* added_count, sightcell_range* removed,
+                                        size_t removed_capacity, size_t* removed_count) {
+  if (view == nullptr || added_count == nullptr || removed_count == nullptr ||
+      (added == nullptr && added_capacity > 0) || (removed == nullptr && removed_capacity > 0)) {
+    return SIGHTCELL_ERR_ARGUMENT;
+  }
+  *added_count = 0;
+  *removed_count = 0;
+  if (since_revision == view->revision()) return SIGHTCELL_OK;
+  std::span<const format::run> before;
+  if (since_revision != view->revision() - 1 || !view->previous_runs(before)) return SIGHTCELL_ERR_STALE;
+  const runtime::draw_borders borders = view->db().draw_borders();
+  const sightcell_status room_added =
+      check_room(added, added_capacity, runtime::count_difference(view->runs(), before, borders), added_count);
+  const sightcell_status room_removed =
+      check_room(removed, removed_capacity, runtime::count_difference(before, view->runs(), borders), removed_count);
+  if (room_added != SIGHTCELL_OK || room_removed != SIGHTCELL_OK) return SIGHTCELL_ERR_CAPACITY;
+  runtime::write_difference(view->runs(), before, borders, added);
+  runtime::write_difference(before, view->runs(), borders, removed);
+  return SIGHTCELL_OK;
+}

@@ -1,0 +1,105 @@
+#include "db.h"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <new>
+
+using sightcell::runtime::carver;
+using sightcell::runtime::chunk_state;
+using sightcell::runtime::located_cell;
+using sightcell::runtime::locator_node;
+namespace format = sightcell::format;
+
+std::uint64_t sightcell_db::carve(void* block) noexcept {
+  carver space(block);
+  space.take<sightcell_db>(1);
+  const auto give = [&]<class T>(std::span<T>& target, std::uint64_t count) {
+    T* place = space.take<T>(count);
+    if (place == nullptr) return;
+    std::uninitialized_value_construct_n(place, static_cast<std::size_t>(count));
+    target = {place, static_cast<std::size_t>(count)};
+  };
+  give(cells_, file_.cell_count());
+  give(nodes_, sightcell::runtime::cell_locator::node_count(file_.cell_count()));
+  give(draw_borders_, std::uint64_t{file_.draw_count()} + 1);
+  give(chunks_, file_.chunk_count());
+  return space.used();
+}
+
+// Copies what every frame needs, checking each value again: the bytes may have changed since they were opened.
+bool sightcell_db::fill() noexcept {
+  for (std::uint32_t cell = 0; cell < file_.cell_count(); ++cell) {
+    if (file_.cell_box(cell, cells_[cell].bounds) != format::status::ok) return false;
+    cells_[cell].cell = cell;
+  }
+  locator_.build(cells_, nodes_);
+  std::uint32_t next = 0;
+  for (std::uint32_t number = 0; number < file_.draw_count(); ++number) {
+    format::draw_record draw;
+    if (file_.draw(number, draw) != format::status::ok || draw.first_stored != next) return false;
+    draw_borders_[number] = next;
+    next += draw.polygon_count;
+    if (draw.polygon_count > 0) ++filled_draws_;
+  }
+  draw_borders_.back() = next;
+  return next == file_.polygon_count();
+}
+
+sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sightcell_allocator& mem, void* owned_bytes,
+                                    sightcell_db** out) noexcept {
+  sightcell_db plan;
+  const format::status opened = format::reader::open(bytes, plan.file_);
+  if (opened != format::status::ok) return static_cast<sightcell_status>(opened);
+  const std::uint64_t size = plan.carve(nullptr);
+  void* block = sightcell::runtime::allocate(mem, size);
+  if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
+  auto* db = new (block) sightcell_db(plan);
+  db->mem_ = mem;
+  db->block_size_ = size;
+  static_cast<void>(db->carve(block));
+  if (!db->fill()) {
+    close(db);
+    return SIGHTCELL_ERR_CORRUPT;
+  }
+  // Only now: a failed open leaves the bytes to the caller.
+  db->owned_bytes_ = owned_bytes;
+  db->owned_size_ = bytes.size();
+  *out = db;
+  return SIGHTCELL_OK;
+}
+
+void sightcell_db::close(sightcell_db* db) noexcept {
+  if (db == nullptr) return;
+  const sightcell_allocator mem = db->mem_;
+  sightcell::runtime::release(mem, db->owned_bytes_, db->owned_size_);
+  sightcell::runtime::release(mem, db, db->block_size_);
+}
+
+std::uint32_t sightcell_db::range_bound() const noexcept {
+  return std::max(file_.range_bound(), filled_draws_);
+}
+
+bool sightcell_db::cell_is_sound(std::uint32_t cell) const noexcept {
+  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  std::atomic<chunk_state>& state = chunks_[chunk];
+  chunk_state known = state.load(std::memory_order_relaxed);
+  if (known == chunk_state::unknown) {
+    known = file_.check_chunk(chunk) == format::status::ok ? chunk_state::good : chunk_state::damaged;
+    state.store(known, std::memory_order_relaxed);
+  }
+  return known == chunk_state::good;
+}
+
+sightcell_status sightcell_db::check() const noexcept {
+  const std::uint64_t room = std::max<std::uint64_t>(file_.run_bound(), 1);
+  const std::uint64_t size = 2 * room * sizeof(format::run);
+  void* block = sightcell::runtime::allocate(mem_, size);
+  if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
+  auto* runs = static_cast<format::run*>(block);
+  std::uninitialized_value_construct_n(runs, static_cast<std::size_t>(2 * room));
+  const std::span<format::run> all(runs, static_cast<std::size_t>(2 * room));
+  const format::status s = file_.check(all.first(all.size() / 2), all.last(all.size() / 2));
+  sightcell::runtime::release(mem_, block, size);
+  return static_cast<sightcell_status>(s);
+}

@@ -1,0 +1,72 @@
+#include "file_input.h"
+
+#include <cstdio>
+#include <limits>
+
+#if defined(_WIN32)
+#define WIN32_LEAN_AND_MEAN
+#define NOMINMAX
+#include <windows.h>
+#endif
+
+namespace sightcell::runtime {
+namespace {
+
+#if defined(_WIN32)
+
+std::FILE* open_for_reading(const char* path) noexcept {
+  wchar_t wide[1024];
+  constexpr int capacity = static_cast<int>(sizeof(wide) / sizeof(wide[0]));
+  if (MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, capacity) <= 0) return nullptr;
+  return _wfopen(wide, L"rb");
+}
+bool seek_end(std::FILE* file) noexcept {
+  return _fseeki64(file, 0, SEEK_END) == 0;
+}
+std::int64_t place_in(std::FILE* file) noexcept {
+  return _ftelli64(file);
+}
+
+#else
+
+std::FILE* open_for_reading(const char* path) noexcept {
+  return std::fopen(path, "rb");
+}
+bool seek_end(std::FILE* file) noexcept {
+  return fseeko(file, 0, SEEK_END) == 0;
+}
+std::int64_t place_in(std::FILE* file) noexcept {
+  return ftello(file);
+}
+
+#endif
+
+sightcell_status read_open_file(std::FILE* file, const sightcell_allocator& mem, file_block& out) noexcept {
+  // A folder opens as a file on some systems and claims to be huge; only reading tells.
+  if (std::fgetc(file) == EOF) return std::ferror(file) != 0 ? SIGHTCELL_ERR_IO : SIGHTCELL_ERR_TRUNCATED;
+  if (!seek_end(file)) return SIGHTCELL_ERR_IO;
+  const std::int64_t size = place_in(file);
+  if (size <= 0) return SIGHTCELL_ERR_IO;
+  if (static_cast<std::uint64_t>(size) > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_LIMIT;
+  std::rewind(file);
+  file_block block{allocate(mem, static_cast<std::uint64_t>(size)), static_cast<std::uint64_t>(size)};
+  if (block.bytes == nullptr) return SIGHTCELL_ERR_MEMORY;
+  if (std::fread(block.bytes, 1, static_cast<std::size_t>(size), file) != static_cast<std::size_t>(size)) {
+    release(mem, block.bytes, block.size);
+    return SIGHTCELL_ERR_IO;
+  }
+  out = block;
+  return SIGHTCELL_OK;
+}
+
+}  // namespace
+
+sightcell_status read_file(const char* path, const sightcell_allocator& mem, file_block& out) noexcept {
+  std::FILE* file = open_for_reading(path);
+  if (file == nullptr) return SIGHTCELL_ERR_IO;
+  const sightcell_status status = read_open_file(file, mem, out);
+  std::fclose(file);
+  return status;
+}
+
+}  // namespace sightcell::runtime

@@ -1,0 +1,79 @@
+#include "ranges.h"
+
+#include <algorithm>
+
+namespace sightcell::runtime {
+namespace {
+
+template <class Emit>
+void for_each_range(run_span set, draw_borders borders, const Emit& emit) {
+  const auto draws = static_cast<std::uint32_t>(borders.size() - 1);
+  format::for_each_draw_range(
+      set, draws, borders.back(), [borders](std::uint32_t d) { return borders[d]; }, emit);
+}
+
+// Calls emit(run) for every stretch of a that is not in b, ascending.
+template <class Emit>
+void for_each_missing(run_span a, run_span b, const Emit& emit) {
+  std::size_t at = 0;
+  for (const format::run& r : a) {
+    std::uint32_t place = r.first;
+    const std::uint32_t end = r.first + r.count;
+    while (at < b.size() && b[at].first + b[at].count <= place) ++at;
+    for (std::size_t i = at; i < b.size() && b[i].first < end; ++i) {
+      if (b[i].first > place) emit(format::run{place, b[i].first - place});
+      place = b[i].first + b[i].count;
+    }
+    if (place < end) emit(format::run{place, end - place});
+  }
+}
+
+// One run at a time; the search for its draw costs a little more than in write_ranges, which changes can bear.
+template <class Emit>
+void for_each_difference_range(run_span a, run_span b, draw_borders borders, const Emit& emit) {
+  std::size_t draw = 0;
+  for_each_missing(a, b, [&](const format::run& r) {
+    draw = static_cast<std::size_t>(
+               std::upper_bound(borders.begin() + static_cast<std::ptrdiff_t>(draw), borders.end(), r.first) -
+               borders.begin()) -
+           1;
+    for_each_range(run_span(&r, 1), borders.subspan(draw), [&](std::uint32_t d, std::uint32_t first, std::uint32_t n) {
+      emit(static_cast<std::uint32_t>(d + draw), first, n);
+    });
+  });
+}
+
+auto writer_to(sightcell_range*& dst) {
+  return [&dst](std::uint32_t draw, std::uint32_t first, std::uint32_t count) { *dst++ = {draw, first, count}; };
+}
+
+}  // namespace
+
+std::uint64_t count_ranges(run_span set, draw_borders borders) noexcept {
+  std::uint64_t ranges = 0;
+  for_each_range(set, borders, [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
+  return ranges;
+}
+
+std::uint64_t count_difference(run_span a, run_span b, draw_borders borders) noexcept {
+  std::uint64_t ranges = 0;
+  for_each_difference_range(a, b, borders, [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
+  return ranges;
+}
+
+void write_ranges(run_span set, draw_borders borders, sightcell_range* dst) noexcept {
+  for_each_range(set, borders, writer_to(dst));
+}
+
+void write_difference(run_span a, run_span b, draw_borders borders, sightcell_range* dst) noexcept {
+  for_each_difference_range(a, b, borders, writer_to(dst));
+}
+
+void write_all_ranges(draw_borders borders, sightcell_range* dst) noexcept {
+  for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
+    const std::uint32_t count = borders[draw + 1] - borders[draw];
+    if (count > 0) *dst++ = {draw, 0, count};
+  }
+}
+
+}  // namespace sightcell::runtime

@@ -1,0 +1,25 @@
+#pragma once
+// Runs of stored polygons -> draw ranges of the C API, and the difference of two sets in ranges.
+#include <cstdint>
+#include <span>
+
+#include "sightcell/format/draw_ranges.h"
+#include "sightcell/sightcell.h"
+
+namespace sightcell::runtime {
+
+// borders: stored number of each draw's first polygon, then the polygon count; ascending.
+using draw_borders = std::span<const std::uint32_t>;
+using run_span = std::span<const format::run>;
+
+// Ranges of a set; of a without b.
+[[nodiscard]] std::uint64_t count_ranges(run_span set, draw_borders borders) noexcept;
+[[nodiscard]] std::uint64_t count_difference(run_span a, run_span b, draw_borders borders) noexcept;
+
+// Write as many ranges as the functions above count.
+void write_ranges(run_span set, draw_borders borders, sightcell_range* dst) noexcept;
+void write_difference(run_span a, run_span b, draw_borders borders, sightcell_range* dst) noexcept;
+// Every draw that has polygons, whole.
+void write_all_ranges(draw_borders borders, sightcell_range* dst) noexcept;
+
+}  // namespace sightcell::runtime

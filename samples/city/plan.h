@@ -1,0 +1,49 @@
+#pragma once
+// The city in plan: a bent lattice of streets, blocks between them, lots for buildings along every block's edge.
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <string>
+#include <vector>
+
+#include "mesh.h"
+
+namespace sightcell::city {
+
+struct lot {
+  ring footprint;            // edge 0 is the street front, edge 2 the back to the courtyard
+  double front_setback = 0;  // metres behind the building line
+};
+
+struct block {
+  std::uint32_t row = 0, column = 0;
+  ring tile;      // street nodes: its share of the ground
+  ring pavement;  // raised slab
+  ring outline;   // building line
+  ring yard;      // what the buildings enclose; of a square: the whole place
+  bool is_square = false;
+  std::vector<lot> lots;
+};
+
+// A stretch of street between two neighboring nodes.
+struct street {
+  glm::dvec2 from, to;
+  double width = 0;  // between building lines
+};
+
+struct plan {
+  std::uint32_t rows = 0, columns = 0;
+  std::vector<glm::dvec2> nodes;  // (rows + 3) x (columns + 3): the crossings and one ring of ground around them
+  std::vector<block> blocks;      // row by row
+  std::vector<street> streets;
+  std::vector<glm::dvec2> crossings;
+
+  const glm::dvec2& node(std::uint32_t row, std::uint32_t column) const { return nodes[row * (columns + 3) + column]; }
+};
+
+inline constexpr double slab_height = 0.12;
+inline constexpr double building_base = -0.1;  // buildings reach below the slab they stand on
+
+plan make_plan(std::uint32_t rows, std::uint32_t columns, std::uint64_t seed);
+
+}  // namespace sightcell::city

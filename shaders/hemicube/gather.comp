@@ -1,0 +1,68 @@
+#version 450 core
+#include "shared/hemicube_layout.h"
+
+// One invocation per atlas pixel: counts its polygon and adds its importance. The formulas are those of
+// bake/src/source/gather_read_back.cpp.
+layout(local_size_x = hemicube_group_width, local_size_y = hemicube_group_height) in;
+
+layout(binding = hemicube_texture_ids) uniform usampler2D ids;
+layout(binding = hemicube_texture_depth) uniform sampler2D depths;
+layout(std140, binding = hemicube_block_gather) uniform gather_block { hemicube_gather settings; };
+layout(std430, binding = hemicube_buffer_counts) buffer counts_buffer { uint counts[]; };
+layout(std430, binding = hemicube_buffer_found) buffer found_buffer {
+  uint found_count;
+  uint found[];
+};
+layout(std430, binding = hemicube_buffer_result) writeonly buffer result_buffer { uint result[]; };
+
+shared vec4 sums[hemicube_group_width * hemicube_group_height];
+
+// near / far / d, where d is the depth divided by the far plane and at most 1.
+float nearness(ivec2 pixel) { return max(texelFetch(depths, pixel, 0).x, settings.near_over_far); }
+
+// max(0, d(neighbor) - d) / d
+float gap(float here, ivec2 neighbor) {
+  float there = nearness(neighbor);
+  return max(0.0, (1.0 / there - 1.0 / here) * here);
+}
+
+// First pixel and size of the face a pixel belongs to: front, left | right, down under up.
+ivec4 face_of(ivec2 pixel) {
+  int s = int(settings.resolution), h = s / 2;
+  if (pixel.x < s) return ivec4(0, 0, s, s);
+  if (pixel.x < 2 * s) return ivec4(pixel.x < s + h ? s : s + h, 0, h, s);
+  return ivec4(2 * s, pixel.y < h ? 0 : h, s, h);
+}
+
+vec4 importance(ivec2 pixel) {
+  ivec4 face = face_of(pixel);
+  ivec2 at = pixel - face.xy;
+  float here = nearness(pixel);
+  vec2 weight = (vec2(at) + 0.5) / vec2(face.zw);
+  vec4 sum = vec4(0.0);  // toward right, up, left, down
+  if (at.x + 1 < face.z) sum.x = weight.x * gap(here, pixel + ivec2(1, 0));
+  if (at.y + 1 < face.w) sum.y = weight.y * gap(here, pixel + ivec2(0, 1));
+  if (at.x > 0) sum.z = (1.0 - weight.x) * gap(here, pixel - ivec2(1, 0));
+  if (at.y > 0) sum.w = (1.0 - weight.y) * gap(here, pixel - ivec2(0, 1));
+  return sum;
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  uint local = gl_LocalInvocationIndex;
+  sums[local] = vec4(0.0);
+  if (pixel.x < 3 * int(settings.resolution) && pixel.y < int(settings.resolution)) {
+    uint id = texelFetch(ids, pixel, 0).x;
+    if (id != hemicube_background && atomicAdd(counts[id], 1u) == 0u) found[atomicAdd(found_count, 1u)] = id;
+    sums[local] = importance(pixel);
+  }
+  // A tree in fixed order: the same sum every time.
+  for (uint half_size = hemicube_group_width * hemicube_group_height / 2u; half_size > 0u; half_size /= 2u) {
+    barrier();
+    if (local < half_size) sums[local] += sums[local + half_size];
+  }
+  if (local == 0u) {
+    uint at = hemicube_result_header + 4u * (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
+    for (uint i = 0u; i < 4u; ++i) result[at + i] = floatBitsToUint(sums[0][i]);
+  }
+}

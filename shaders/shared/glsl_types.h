@@ -1,0 +1,13 @@
+#pragma once
+// GLSL's types for the C++ reader of the shared headers.
+#include <cstdint>
+
+namespace sightcell::shaders {
+
+using uint = std::uint32_t;
+
+struct vec4 {
+  float x, y, z, w;
+};
+
+}  // namespace sightcell::shaders

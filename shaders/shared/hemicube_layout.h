@@ -1,0 +1,54 @@
+// Structs, bindings and sizes of the hemicube passes; read by GLSL and by C++ (bake/src/source).
+#ifdef __cplusplus
+#pragma once
+#include "shared/glsl_types.h"
+namespace sightcell::shaders {
+#endif
+
+const uint hemicube_background = 0xFFFFFFFFu;  // in the id image: no polygon
+
+// Work group of gather.comp in pixels, and of collect.comp in list entries.
+const uint hemicube_group_width = 16u;
+const uint hemicube_group_height = 16u;
+const uint hemicube_collect_size = 256u;
+
+// Vertex attributes.
+const uint hemicube_attribute_position = 0u;
+const uint hemicube_attribute_source_id = 1u;
+
+// Uniform blocks.
+const uint hemicube_block_face = 0u;
+const uint hemicube_block_gather = 1u;
+
+// Textures.
+const uint hemicube_texture_ids = 0u;
+const uint hemicube_texture_depth = 1u;
+
+// Storage buffers.
+const uint hemicube_buffer_counts = 0u;  // pixels per source id; all 0 between hemicubes
+const uint hemicube_buffer_found = 1u;   // number, then the source ids whose count is not 0, in any order
+const uint hemicube_buffer_result = 2u;  // what is read back, see below
+
+// The result, in 32-bit words: number of polygons, three unused, four floats per work group, (id, pixels) per polygon.
+const uint hemicube_result_header = 4u;
+
+// One face. Clip coordinates are dot products with (position - eye); depth is reversed and has no far plane.
+struct hemicube_face {
+  vec4 eye;     // xyz; w: distance of the near plane in metres
+  vec4 clip_x;  // xyz
+  vec4 clip_y;  // xyz
+  vec4 clip_w;  // xyz; the direction the face looks along
+};
+
+struct hemicube_gather {
+  uint resolution;      // S
+  uint group_count;     // work groups of gather.comp: the polygon list in the result starts after their sums
+  float near_over_far;  // near plane / far plane: depth that counts as 1
+  uint unused_word;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(hemicube_face) == 64);
+static_assert(sizeof(hemicube_gather) == 16);
+}  // namespace sightcell::shaders
+#endif

@@ -1,0 +1,389 @@
+#!/usr/bin/env python3
+"""Runs the program `sightcell` end to end on small scenes: what it prints, answers and leaves on the disk.
+
+usage: cli_test.py --sightcell PROGRAM --city PROGRAM [--drop PROGRAM] [unittest arguments]
+
+Exit code 77: skipped, because this machine has no EGL device.
+"""
+import argparse
+import json
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAMS = None
+TIMEOUT = 300  # seconds; a bake here takes a few
+QUICK_BAKE = ['--samples', '8', '--resolution', '64', '--max-pixel-error', '1e-2']
+
+
+def run(*arguments, program=None):
+    """Exit code, standard output, standard error."""
+    done = subprocess.run([program or PROGRAMS.sightcell, *map(str, arguments)], stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=TIMEOUT)
+    return done.returncode, done.stdout, done.stderr
+
+
+def write_room(path, height=4):
+    """A room of 8 x 4 x 8 m seen from inside: 12 polygons; 0 and 1 are the floor, about a tenth of the view each."""
+    corners = [(x, y, z) for x in (0, 8) for y in (0, height) for z in (0, 8)]
+    quads = [(0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6), (0, 4, 6, 2), (1, 3, 7, 5)]
+    indices = [i for a, b, c, d in quads for i in (a, b, c, a, c, d)]
+    binary = b''.join(struct.pack('<3f', *c) for c in corners) + struct.pack(f'<{len(indices)}H', *indices)
+    document = {
+        'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0]}], 'nodes': [{'mesh': 0, 'name': 'room'}],
+        'meshes': [{'primitives': [{'attributes': {'POSITION': 0}, 'indices': 1}]}],
+        'buffers': [{'byteLength': len(binary)}],
+        'bufferViews': [{'buffer': 0, 'byteOffset': 0, 'byteLength': 96},
+                        {'buffer': 0, 'byteOffset': 96, 'byteLength': len(binary) - 96}],
+        'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 8, 'type': 'VEC3', 'min': [0, 0, 0],
+                       'max': [8, height, 8]},
+                      {'bufferView': 1, 'componentType': 5123, 'count': len(indices), 'type': 'SCALAR'}]}
+    text = json.dumps(document).encode()
+    text += b' ' * (-len(text) % 4)
+    binary += b'\0' * (-len(binary) % 4)
+    with open(path, 'wb') as out:
+        out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(binary)))
+        out.write(struct.pack('<I4s', len(text), b'JSON') + text + struct.pack('<I4s', len(binary), b'BIN\0') + binary)
+
+
+def read(path):
+    with open(path, 'rb') as file:
+        return file.read()
+
+
+class InFolder(unittest.TestCase):
+    """A scene of every kind in a folder of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix='sightcell-cli-')
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.room = cls.path('room.glb')
+        write_room(cls.room)
+        cls.cells = cls.path('cells.json')
+        with open(cls.cells, 'w', encoding='utf-8') as out:
+            out.write('{"cells":[{"name":"middle","min":[3,1,3],"max":[5,2,5]}]}')
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    @classmethod
+    def make_city(cls):
+        cls.city = cls.path('city.glb')
+        code, _, text = run('--polygons', 2000, '--seed', 1, '--out', cls.city, program=PROGRAMS.city)
+        if code != 0:
+            raise RuntimeError(text)
+
+    def expect(self, code, *arguments):
+        answer, out, err = run(*arguments)
+        if answer == 1 and code != 1 and '[gl.' in err:
+            self.skipTest('no EGL device: ' + err)
+        self.assertEqual(answer, code, f'{arguments}\n{out}\n{err}')
+        return out, err
+
+    def assert_one_error_line(self, err, identifier):
+        lines = [line for line in err.splitlines() if line.startswith('sightcell: ')]
+        self.assertEqual(len(lines), 1, err)
+        self.assertTrue(lines[0].endswith(f'[{identifier}]'), lines[0])
+        return lines[0]
+
+
+class Usage(InFolder):
+    def test_help_names_every_verb(self):
+        out, err = self.expect(0, '--help')
+        for verb in ('bake', 'info', 'verify'):
+            self.assertIn(verb, out)
+            self.assertIn('--json', self.expect(0, verb, '--help')[0])
+        self.assertEqual(err, '')
+
+    def test_help_names_every_option_of_this_version(self):
+        out, _ = self.expect(0, 'bake', '--help')
+        for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
+                       '--player-radius', '--scene', '--sampler', '--samples', '--max-pixel-error', '--resolution',
+                       '--all-double-sided', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
+            self.assertIn(option, out)
+
+    def test_version(self):
+        self.assertRegex(self.expect(0, '--version')[0], r'^\d+\.\d+\.\d+\n$')
+
+    def test_wrong_use_is_2(self):
+        scene, file = self.room, self.path('no.pvs')
+        for arguments in ([], ['fly'], ['bake'], ['bake', scene], ['verify', scene], ['info'],
+                          ['info', scene, '--nonsense'],
+                          ['bake', scene, '-o', file, '--samples', 'many'],
+                          ['bake', scene, '-o', file, '--samples', '-8'],
+                          ['bake', scene, '-o', file, '--cells-grid', '1,2,3'],
+                          ['bake', scene, '-o', file, '--progress', 'loud']):
+            out, err = self.expect(2, *arguments)
+            self.assertEqual(out, '', arguments)
+            self.assert_one_error_line(err, 'cli.wrong-use')
+
+    def test_options_of_later_versions_are_unknown(self):
+        for option in ('--seconds-per-cell=1', '--time-budget=9', '--source=cpu', '--metric=view',
+                       '--smallest-gap=0.002', '--animated=rest', '--safety-ring=edge', '--misses=x', '--layout=merged',
+                       '--profile=small', '--importance', '--shard=0/2', '--report=x', '--since=x', '--memory=1G'):
+            _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
+            self.assert_one_error_line(err, 'cli.wrong-use')
+
+    def test_values_out_of_range_are_2_and_name_the_option(self):
+        for option, value in (('--cell-size', '0.1'), ('--margin', '11'), ('--player-radius', '0'),
+                              ('--sampler', 'guided'), ('--samples', '5'), ('--resolution', '255'),
+                              ('--max-pixel-error', '0.9'),
+                              ('--cells-grid', '0,0,0,1,0,1'), ('--cells-grid', '0,0,0,1,nan,1')):
+            _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)
+            self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
+        _, err = self.expect(2, 'verify', self.room, self.path('no.pvs'), '--rays', '0')
+        self.assertIn('--rays', err)
+
+    def test_output_must_not_be_the_scene(self):
+        _, err = self.expect(2, 'bake', self.room, '-o', self.room)
+        self.assert_one_error_line(err, 'cli.output-is-input')
+
+    def test_bad_input_is_4(self):
+        missing = self.path('missing.glb')
+        self.assertIn('missing.glb', self.expect(4, 'info', missing)[1])
+        self.assertIn('missing.glb', self.expect(4, 'bake', missing, '-o', self.path('no.pvs'))[1])
+        self.assertIn('missing.pvs', self.expect(4, 'verify', self.room, self.path('missing.pvs'))[1])
+        self.expect(4, 'info', self.folder)
+        for name, content in (('text.glb', b'hello'), ('empty.glb', b''), ('text.pvs', b'hello'), ('empty.pvs', b'')):
+            with open(self.path(name), 'wb') as out:
+                out.write(content)
+            out, err = self.expect(4, 'info', '--json', self.path(name))
+            self.assertEqual(out, '')
+            self.assertEqual(len(err.splitlines()), 1, err)
+            self.assertIn(name, err)
+
+    def test_info_of_a_scene(self):
+        out, err = self.expect(0, 'info', self.room, '--json')
+        info = json.loads(out)
+        self.assertEqual((info['polygons'], info['draws'], info['instances']), (12, 1, 1))
+        self.assertEqual(info['bounds'], {'min': [0, 0, 0], 'max': [8, 4, 8]})
+        self.assertRegex(info['fingerprint'], '^[0-9a-f]{32}$')
+        self.assertEqual(err, '')
+        self.assertIn('12 polygons', self.expect(0, 'info', self.room)[0])
+
+
+class Bake(InFolder):
+    def bake(self, code, output, *more):
+        return self.expect(code, 'bake', self.room, '-o', output, '--cells-file', self.cells, *QUICK_BAKE, *more)
+
+    def test_bake_info_verify(self):
+        file, summary_file = self.path('room.pvs'), self.path('summary.json')
+        out, err = self.bake(0, file, '--json', '--json-file', summary_file, '--progress', 'json')
+        summary = json.loads(out)
+        self.assertEqual(summary, json.loads(read(summary_file)))
+        self.assertEqual((summary['result'], summary['cells'], summary['polygons']), ('done', 1, 12))
+        self.assertEqual(summary['visible_set_percent'], 100.0)
+        self.assertEqual(summary['bytes'], os.path.getsize(file))
+        progress = [json.loads(line) for line in err.splitlines() if line.startswith('{')]
+        self.assertEqual((progress[-1]['cells'], progress[-1]['cells_total']), (1, 1))
+        self.assertFalse(os.path.exists(file + '.bake'), 'a finished bake leaves no checkpoint')
+
+        info = json.loads(self.expect(0, 'info', file, '--json')[0])
+        for key in ('cells', 'polygons', 'bytes', 'bits_per_visible_polygon', 'runs_per_cell', 'ranges_per_cell',
+                    'delta_row_percent', 'false_visible_percent', 'layout', 'sections', 'fingerprint', 'settings',
+                    'repeatable', 'certificate'):
+            self.assertIn(key, info)
+        self.assertEqual((info['cells'], info['polygons'], info['layout']), (1, 12, 'instanced'))
+        self.assertEqual(info['bytes'], os.path.getsize(file))
+        self.assertEqual(info['settings']['samples'], 8)
+        self.assertTrue(info['repeatable'])
+        self.assertEqual(set(info['certificate'][0]), {'cell', 'rays', 'misses', 'upper_bound', 'confidence', 'seed'})
+        scene = json.loads(self.expect(0, 'info', self.room, '--json')[0])
+        self.assertEqual(info['fingerprint'], scene['fingerprint'])
+        self.assertIn('1 cells', self.expect(0, 'info', file)[0])
+
+        out, _ = self.expect(0, 'verify', self.room, file, '--rays', '20000', '--json')
+        result = json.loads(out)
+        for key in ('pixel_error', 'upper_bound', 'confidence', 'rays', 'misses', 'cells', 'visible_set_percent',
+                    'worst_view', 'worst_cell', 'worst_cell_error', 'worst_cell_upper_bound'):
+            self.assertIn(key, result)
+        self.assertEqual((result['misses'], result['pixel_error'], result['worst_view']), (0, 0.0, None))
+        self.assertEqual((result['rays'], result['cells'], result['confidence']), (20000, 1, 0.95))
+        self.assertAlmostEqual(result['upper_bound'], 1.0 - 0.05 ** (1.0 / 20000), places=9)
+
+    def test_too_few_rays_prove_too_little(self):
+        file = self.path('few.pvs')
+        self.bake(0, file)
+        self.expect(3, 'verify', self.room, file, '--rays', '100')
+        self.expect(0, 'verify', self.room, file, '--rays', '100', '--max-pixel-error', '0.05')
+
+    def test_a_missing_polygon_is_found_named_and_drawn(self):
+        if not PROGRAMS.drop:
+            self.skipTest('no sightcell-test-drop-polygon in this build')
+        file, broken = self.path('whole.pvs'), self.path('broken.pvs')
+        self.bake(0, file)
+        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+        out, err = self.expect(3, 'verify', self.room, broken, '--rays', '20000', '--json',
+                               '--picture', self.path('views'))
+        result = json.loads(out)
+        self.assertGreater(result['pixel_error'], 0.02)
+        self.assertEqual({miss['polygon'] for miss in result['missing']}, {1})
+        worst = result['worst_view']
+        self.assertEqual((worst['cell'], worst['polygon'], worst['node_name']), (0, 1, 'room'))
+        self.assertIn('polygon 1 (draw 0, node 0 "room") in cell 0', err)
+        self.assertEqual(len(worst['pictures']), 3)
+        for picture in worst['pictures']:
+            self.assertEqual(read(picture)[:8], b'\x89PNG\r\n\x1a\n')
+        self.assertGreater(worst['differing_pixels'], 1000)
+
+    def test_file_of_another_scene_is_refused(self):
+        other, file = self.path('other.glb'), self.path('of-this-room.pvs')
+        write_room(other, height=5)
+        self.bake(0, file)
+        out, err = self.expect(4, 'verify', other, file, '--json')
+        self.assertEqual(out, '')
+        self.assertEqual(len([line for line in err.splitlines() if line.startswith('sightcell: ')]), 1, err)
+
+    def test_damaged_files_are_refused(self):
+        file = self.path('damaged.pvs')
+        self.bake(0, file)
+        whole = read(file)
+        for at in range(0, len(whole), max(1, len(whole) // 16)):
+            with open(file, 'wb') as out:
+                out.write(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1:])
+            self.expect(4, 'info', file)
+        with open(file, 'wb') as out:
+            out.write(whole[:-1])
+        self.expect(4, 'info', file)
+
+    def test_broken_cells_file_names_the_cell(self):
+        with open(self.path('bad.json'), 'w', encoding='utf-8') as out:
+            out.write('{"cells":[{"name":"lane 3","min":[0,0,0],"max":[0,1,1]}]}')
+        _, err = self.expect(4, 'bake', self.room, '-o', self.path('no.pvs'), '--cells-file', self.path('bad.json'))
+        self.assertIn('"lane 3"', self.assert_one_error_line(err, 'cells.empty-box'))
+
+    def test_a_folder_that_takes_no_file(self):
+        for output in ('/proc/no.pvs', self.path('no/such/folder/x.pvs')):
+            _, err = self.bake(1, output)
+            self.assertIn(output, self.assert_one_error_line(err, 'checkpoint.not-writable'))
+
+    def test_threads_and_repetition_change_no_byte(self):
+        a, b = self.path('a.pvs'), self.path('b.pvs')
+        self.bake(0, a, '--threads', '1')
+        self.bake(0, b, '--threads', '2')
+        self.assertEqual(read(a), read(b))
+        self.bake(0, a)  # over an existing file
+        self.assertEqual(read(a), read(b))
+
+
+class Resume(InFolder):
+    """A bake of several cells, stopped in all the ways there are."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.make_city()
+
+    def command(self, output, *more):
+        return ['bake', self.city, '-o', output, '--cell-limit', '6', '--samples', '48', '--progress', 'json', *more]
+
+    def start(self, output, *more):
+        """A running bake with at least one finished cell."""
+        running = subprocess.Popen([PROGRAMS.sightcell, *self.command(output, *more)], stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(running.stderr.close)
+        said = ''
+        for line in running.stderr:
+            said += line
+            if line.startswith('{'):
+                return running
+        code = running.wait()
+        if '[gl.' in said:
+            self.skipTest('no EGL device: ' + said)
+        self.fail(f'exit code {code} before the first cell\n{said}')
+
+    def stop(self, output, number):
+        running = self.start(output)
+        running.send_signal(number)
+        running.communicate(timeout=TIMEOUT)
+        self.assertFalse(os.path.exists(output), 'a stopped bake has no output')
+        self.assertTrue(os.path.exists(output + '.bake'), 'a stopped bake has a checkpoint')
+        return running.returncode
+
+    def whole(self):
+        """The bytes of a bake that nobody stopped."""
+        output = self.path('whole.pvs')
+        if not os.path.exists(output):
+            self.expect(0, *self.command(output))
+        return read(output)
+
+    def assert_resumes(self, output):
+        out, err = self.expect(0, *self.command(output, '--json'))
+        self.assertGreaterEqual(json.loads(out)['cells_resumed'], 1)
+        self.assertIn('resuming', err)
+        self.assertEqual(read(output), self.whole())
+        self.assertEqual([n for n in os.listdir(self.folder) if n.startswith(os.path.basename(output) + '.')], [])
+
+    def test_kill_and_resume_gives_the_same_bytes(self):
+        output = self.path('killed.pvs')
+        self.assertEqual(self.stop(output, signal.SIGKILL), -signal.SIGKILL)
+        self.assert_resumes(output)
+
+    def test_two_kills(self):
+        output = self.path('twice.pvs')
+        self.stop(output, signal.SIGKILL)
+        self.assertEqual(self.stop(output, signal.SIGKILL), -signal.SIGKILL)
+        self.assert_resumes(output)
+
+    def test_interrupt_answers_130_and_resumes(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            output = self.path(f'stopped-{number}.pvs')
+            self.assertEqual(self.stop(output, number), 130)
+            self.assert_resumes(output)
+
+    def test_other_settings_are_refused_until_fresh(self):
+        output = self.path('other.pvs')
+        self.stop(output, signal.SIGKILL)
+        _, err = self.expect(2, *self.command(output, '--player-radius', '0.1'))
+        line = self.assert_one_error_line(err, 'checkpoint.other-bake')
+        self.assertIn(output + '.bake', line)
+        self.assertIn('player_radius', line)
+        self.assertIn('--fresh', line)
+        out, _ = self.expect(0, *self.command(output, '--player-radius', '0.1', '--fresh', '--json'))
+        self.assertEqual(json.loads(out)['cells_resumed'], 0)
+        self.assertNotEqual(read(output), self.whole())
+
+    def test_a_second_bake_of_the_same_output_is_refused(self):
+        output = self.path('shared.pvs')
+        running = self.start(output)
+        try:
+            for more in ([], ['--fresh']):
+                _, err = self.expect(1, *self.command(output, *more))
+                self.assert_one_error_line(err, 'checkpoint.in-use')
+        finally:
+            running.kill()
+            running.communicate(timeout=TIMEOUT)
+
+    def test_damaged_checkpoint_is_refused_until_fresh(self):
+        output = self.path('damaged.pvs')
+        with open(output + '.bake', 'wb') as out:
+            out.write(b'no database' * 1000)
+        _, err = self.expect(4, *self.command(output))
+        self.assert_one_error_line(err, 'checkpoint.damaged')
+        self.expect(0, *self.command(output, '--fresh'))
+        self.assertEqual(read(output), self.whole())
+
+
+def main():
+    global PROGRAMS
+    parser = argparse.ArgumentParser()
+    parser.add_argument('--sightcell', required=True)
+    parser.add_argument('--city', required=True)
+    parser.add_argument('--drop', default='')
+    PROGRAMS, rest = parser.parse_known_args()
+    result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
+    if not result.wasSuccessful():
+        sys.exit(1)
+    no_device = [reason for _, reason in result.skipped if reason.startswith('no EGL device')]
+    sys.exit(77 if no_device and len(result.skipped) == result.testsRun else 0)
+
+
+if __name__ == '__main__':
+    main()

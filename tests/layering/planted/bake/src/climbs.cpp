@@ -1,0 +1,1 @@
+#include "../scene/src/second_reader.cpp"

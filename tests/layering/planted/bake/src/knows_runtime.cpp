@@ -1,0 +1,1 @@
+#include <sightcell/sightcell.h>

@@ -1,0 +1,2 @@
+#include "sightcell/format/reader.h"
+#include "sightcell/bake/bake.h"

@@ -1,0 +1,1 @@
+#include "sightcell/format/writer.h"

@@ -1,0 +1,2 @@
+#include <stdint.h>
+#include "sightcell/scene/scene.h"

@@ -1,0 +1,1 @@
+#include <glm/vec3.hpp>

@@ -1,0 +1,51 @@
+#include "bound/clopper_pearson.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sightcell::bake {
+namespace {
+
+// Reference values by root finding on the exact binomial sum in 60-digit arithmetic.
+TEST(clopper_pearson, agrees_with_exact_values) {
+  EXPECT_NEAR(clopper_pearson_upper(0, 1, 0.95), 0.95, 1e-12);
+  EXPECT_NEAR(clopper_pearson_upper(0, 1000, 0.95) / 2.9912495451e-3, 1.0, 1e-9);
+  EXPECT_NEAR(clopper_pearson_upper(1, 10, 0.95) / 0.39416329, 1.0, 1e-7);
+  EXPECT_NEAR(clopper_pearson_upper(5, 10, 0.95) / 0.77755890, 1.0, 1e-7);
+}
+
+TEST(clopper_pearson, defines_itself) {
+  // At the bound, the chance of so few misses is exactly 1 - confidence.
+  for (const std::uint64_t n : {20ull, 1'000ull, 3'000'000ull})
+    for (const std::uint64_t k : {1ull, 3ull, 17ull})
+      for (const double confidence : {0.95, 0.975, 0.999}) {
+        const double p = clopper_pearson_upper(k, n, confidence);
+        double sum = 0.0;
+        for (std::uint64_t i = 0; i <= k; ++i) {
+          const double di = static_cast<double>(i), dn = static_cast<double>(n);
+          sum += std::exp(std::lgamma(dn + 1) - std::lgamma(di + 1) - std::lgamma(dn - di + 1) + di * std::log(p) +
+                          (dn - di) * std::log1p(-p));
+        }
+        EXPECT_NEAR(sum / (1.0 - confidence), 1.0, 1e-6) << k << " of " << n;
+      }
+}
+
+TEST(clopper_pearson, edges) {
+  EXPECT_EQ(clopper_pearson_upper(0, 0, 0.95), 1.0);
+  EXPECT_EQ(clopper_pearson_upper(7, 7, 0.95), 1.0);
+  const double many = clopper_pearson_upper(500'000, 1'000'000, 0.95);
+  EXPECT_GT(many, 0.5);
+  EXPECT_LT(many, 0.502);
+}
+
+TEST(clopper_pearson, fewest_trials) {
+  for (const double target : {1e-2, 1e-3, 1e-6}) {
+    const std::uint64_t n = trials_without_miss(target, 0.975);
+    EXPECT_LE(clopper_pearson_upper(0, n, 0.975), target);
+    EXPECT_GT(clopper_pearson_upper(0, n - 1, 0.975), target);
+  }
+}
+
+}  // namespace
+}  // namespace sightcell::bake

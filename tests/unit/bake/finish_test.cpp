@@ -1,0 +1,173 @@
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <set>
+
+#include "bound/clopper_pearson.h"
+#include "finish/dilation.h"
+#include "finish/fresh_rays.h"
+#include "finish/ray_finish.h"
+#include "tiny_scene.h"
+
+namespace sightcell::bake {
+namespace {
+
+using test::tiny_scene;
+
+// A room of 4 x 4 x 4 m around the origin whose walls are grids of n x n quads each.
+tiny_scene gridded_room(int n) {
+  tiny_scene tiny;
+  const float step = 4.0f / static_cast<float>(n);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-1.0f, 1.0f})
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const float u = -2.0f + step * static_cast<float>(i), v = -2.0f + step * static_cast<float>(j);
+          const auto at = [&](float a, float b) {
+            glm::vec3 p{0.0f};
+            p[axis] = 2.0f * side;
+            p[(axis + 1) % 3] = a;
+            p[(axis + 2) % 3] = b;
+            return p;
+          };
+          // Inward: on the positive side the winding turns round.
+          if (side < 0.0f) tiny.quad(at(u, v), at(u + step, v), at(u + step, v + step), at(u, v + step));
+          else tiny.quad(at(u, v), at(u, v + step), at(u + step, v + step), at(u + step, v));
+        }
+  return tiny;
+}
+
+struct world {
+  scene::scene s;
+  scene::world_geometry geometry;
+  ray_scene rays;
+  vertex_neighbors neighbors;
+  explicit world(tiny_scene tiny)
+      : s(tiny.finished()), geometry(scene::flatten(s)), rays(geometry, false), neighbors(geometry) {}
+};
+
+const box middle{{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}};
+
+TEST(vertex_neighbors, joins_what_shares_a_place) {
+  tiny_scene tiny;
+  const auto first = tiny.triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  const auto second = tiny.triangle({1, 0, 0}, {2, 0, 0}, {1, 1, 0});  // another draw, same place
+  const auto apart = tiny.triangle({5, 0, 0}, {6, 0, 0}, {5, 1, 0});
+  const auto zero = tiny.triangle({-0.0f, 0, 0}, {0, -1, 0}, {-1, 0, 0});
+  const world w(tiny);
+  std::set<std::uint32_t> near;
+  w.neighbors.for_each(first, [&](std::uint32_t n) { near.insert(n); });
+  EXPECT_EQ(near, (std::set<std::uint32_t>{first, second, zero}));
+  near.clear();
+  w.neighbors.for_each(apart, [&](std::uint32_t n) { near.insert(n); });
+  EXPECT_EQ(near, std::set<std::uint32_t>{apart});
+}
+
+TEST(dilation, spreads_over_a_room_from_one_polygon) {
+  const world w(gridded_room(4));
+  cell_set set(w.s.polygon_count);
+  set.add(0, {0, 0, 0});
+  std::uint64_t round = 0;
+  const auto rays = dilate(w.rays, w.neighbors, {1, 1, 1'000'000}, 0, round, set);
+  EXPECT_EQ(set.size(), w.s.polygon_count);
+  EXPECT_LT(rays, 4u * 12u * w.s.polygon_count);
+}
+
+TEST(dilation, never_adds_what_is_not_seen) {
+  tiny_scene tiny;
+  const auto screen = tiny.wall_x(2, -1, 3);
+  tiny.wall_x(4, -1, 2);  // wholly hidden by the screen from the origin
+  const auto reached = tiny.quad({2, 3, 3}, {2, 3, -3}, {2, 6, -3}, {2, 6, 3});  // shares the screen's upper edge
+  const world w(tiny);
+  cell_set set(w.s.polygon_count);
+  set.add(screen, {0, 0, 0});
+  std::uint64_t round = 0;
+  (void)dilate(w.rays, w.neighbors, {1, 1, 1'000'000}, 0, round, set);
+  EXPECT_TRUE(set.contains(screen + 1));
+  EXPECT_FALSE(set.contains(2)) << "hidden";
+  EXPECT_FALSE(set.contains(3)) << "hidden";
+  // The quad above faces the other way, so it is no neighbor to aim at.
+  EXPECT_EQ(set.contains(reached), faces(w.rays, reached, {0, 0, 0}));
+}
+
+TEST(fresh_rays, count_what_the_set_lacks) {
+  const world w(gridded_room(2));
+  // From the middle of a cube's room each wall is hit by a sixth of the rays: leave one wall out.
+  const auto batch = cast_fresh_rays(w.rays, middle, 0.05f, 60'000, {1, 1, purpose::bound, 1},
+                                     [&](std::uint32_t p) { return p >= 8; });
+  EXPECT_EQ(batch.rays, 60'000u);
+  EXPECT_NEAR(static_cast<double>(batch.misses) / 60'000.0, 1.0 / 6.0, 0.01);
+  EXPECT_EQ(batch.misses, batch.missed.size());
+}
+
+TEST(fresh_rays, do_not_depend_on_threads) {
+  const world w(gridded_room(3));
+  const auto cast = [&](int threads) {
+    fresh_batch batch;
+    tbb::task_arena arena(threads);
+    arena.execute([&] {
+      batch = cast_fresh_rays(w.rays, middle, 0.05f, 5'000, {1, 1, purpose::bound, 1},
+                              [&](std::uint32_t p) { return p % 7 != 0; });
+    });
+    return batch;
+  };
+  const fresh_batch one = cast(1), four = cast(4);
+  EXPECT_EQ(one.misses, four.misses);
+  ASSERT_EQ(one.missed.size(), four.missed.size());
+  for (std::size_t i = 0; i < one.missed.size(); ++i) {
+    EXPECT_EQ(one.missed[i].polygon, four.missed[i].polygon);
+    EXPECT_EQ(one.missed[i].eye, four.missed[i].eye);
+  }
+}
+
+TEST(fresh_rays, a_place_without_free_points_ends) {
+  tiny_scene tiny;
+  tiny.closed_box({-3, -3, -3}, {3, 3, 3});
+  const world w(tiny);
+  const auto batch =
+      cast_fresh_rays(w.rays, middle, 0.05f, 64, {1, 1, purpose::bound, 1}, [](std::uint32_t) { return true; });
+  EXPECT_EQ(batch.rays, 0u);
+  EXPECT_EQ(batch.places, 64u * 256u);
+}
+
+TEST(ray_finish, meets_the_bound_from_an_empty_set) {
+  const world w(gridded_room(5));
+  cell_set set(w.s.polygon_count);
+  finish_settings how;
+  how.max_pixel_error = 1e-3;
+  const finish_result result = finish_with_rays(w.rays, w.neighbors, middle, how, set);
+  EXPECT_TRUE(result.bound_met);
+  EXPECT_LE(result.upper_bound, 1e-3);
+  EXPECT_DOUBLE_EQ(result.upper_bound, clopper_pearson_upper(result.misses, result.rays, result.confidence));
+  EXPECT_GE(result.confidence, 0.975);
+  EXPECT_EQ(set.size(), w.s.polygon_count);
+}
+
+TEST(ray_finish, says_so_when_the_budget_ends_first) {
+  const world w(gridded_room(5));
+  cell_set set(w.s.polygon_count);
+  finish_settings how;
+  how.max_pixel_error = 1e-5;
+  how.max_rays = 2'000;
+  const finish_result result = finish_with_rays(w.rays, w.neighbors, middle, how, set);
+  EXPECT_FALSE(result.bound_met);
+  EXPECT_GT(result.upper_bound, 1e-5);
+  EXPECT_LE(result.rays_spent, 10'000u);
+}
+
+TEST(ray_finish, bounds_hold) {
+  // Coverage: on a set with a known error, at least 95 % of one-batch bounds (here at 97.5 %) are above it.
+  const world w(gridded_room(2));
+  int below = 0;
+  constexpr int seeds = 200;
+  for (int seed = 0; seed < seeds; ++seed) {
+    const auto batch = cast_fresh_rays(w.rays, {{-0.01f, -0.01f, -0.01f}, {0.01f, 0.01f, 0.01f}}, 0.005f, 200,
+                                       {static_cast<std::uint64_t>(seed), 1, purpose::bound, 1},
+                                       [](std::uint32_t p) { return p >= 8; });
+    below += clopper_pearson_upper(batch.misses, batch.rays, 0.95) < 1.0 / 6.0;
+  }
+  EXPECT_LE(below, 10 + 6);  // 5 % of 200, plus two standard errors
+}
+
+}  // namespace
+}  // namespace sightcell::bake

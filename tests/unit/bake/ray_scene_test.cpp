@@ -1,0 +1,160 @@
+#include "rays/ray_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "free_space.h"
+#include "rays/triangle_math.h"
+#include "tiny_scene.h"
+
+namespace sightcell::bake {
+namespace {
+
+using test::tiny_scene;
+constexpr tiny_scene::look glass{scene::alpha_mode::blend, false};
+constexpr tiny_scene::look fence{scene::alpha_mode::mask, true};
+
+bool sees(const sight& s, std::uint32_t quad) {
+  const auto is = [&](std::uint32_t id) { return id == quad || id == quad + 1; };
+  if (is(s.front)) return true;
+  for (const std::uint32_t id : s.before)
+    if (is(id)) return true;
+  return false;
+}
+
+struct world {
+  scene::scene s;
+  scene::world_geometry geometry;
+  explicit world(tiny_scene tiny) : s(tiny.finished()), geometry(scene::flatten(s)) {}
+};
+
+TEST(ray_scene, nearest_opaque_polygon_occludes) {
+  tiny_scene tiny;
+  const auto near = tiny.wall_x(2, -1, 1), far = tiny.wall_x(4, -1, 1);
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  sight s;
+  rays.look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  EXPECT_TRUE(sees(s, near));
+  EXPECT_FALSE(sees(s, far));
+  EXPECT_FLOAT_EQ(s.distance, 2.0f);
+  rays.look({0, 0.1f, 0.2f}, {-1, 0, 0}, s);
+  EXPECT_EQ(s.front, no_polygon);
+}
+
+TEST(ray_scene, backs_of_single_sided_polygons_are_not_there) {
+  tiny_scene tiny;
+  const auto back = tiny.wall_x(2, +1, 1), far = tiny.wall_x(4, -1, 1);
+  const world w(tiny);
+  sight s;
+  ray_scene(w.geometry, false).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  EXPECT_FALSE(sees(s, back));
+  EXPECT_TRUE(sees(s, far));
+  ray_scene(w.geometry, true).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  EXPECT_TRUE(sees(s, back));
+  EXPECT_FALSE(sees(s, far));
+}
+
+TEST(ray_scene, glass_and_fences_are_seen_and_let_through) {
+  tiny_scene tiny;
+  const auto wall = tiny.wall_x(8, -1, 1), hidden = tiny.wall_x(9, -1, 1, glass);
+  const auto pane = tiny.wall_x(2, -1, 1, glass), second = tiny.wall_x(3, -1, 1, glass);
+  const auto iron = tiny.wall_x(4, +1, 1, fence), turned = tiny.wall_x(5, +1, 1, glass);
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  sight s;
+  rays.look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  for (const auto seen : {wall, pane, second, iron}) EXPECT_TRUE(sees(s, seen)) << seen;
+  EXPECT_FALSE(sees(s, hidden)) << "glass behind the wall";
+  EXPECT_FALSE(sees(s, turned)) << "glass from behind";
+}
+
+TEST(ray_scene, nan_and_slivers_are_never_seen) {
+  tiny_scene tiny;
+  const auto sliver = tiny.triangle({2, 0, 0}, {2, 1, 0}, {2, 2, 0});
+  const auto broken = tiny.triangle({1, 0, 0}, {1, std::numeric_limits<float>::quiet_NaN(), 0}, {1, 0, 1});
+  const auto wall = tiny.wall_x(4, -1, 1);
+  const world w(tiny);
+  EXPECT_TRUE(w.geometry.kinds[sliver].degenerate);
+  EXPECT_TRUE(w.geometry.kinds[broken].degenerate);
+  sight s;
+  ray_scene(w.geometry, false).look({0, 0.1f, 0.0f}, {1, 0, 0}, s);
+  EXPECT_TRUE(sees(s, wall));
+}
+
+TEST(ray_scene, places_in_solids_and_at_surfaces_are_not_free) {
+  tiny_scene tiny;
+  tiny.closed_box({-10, -10, -10}, {10, 10, 10}, true);  // a room
+  tiny.closed_box({2, -10, -2}, {4, 10, 2});             // a pillar in it
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  EXPECT_TRUE(rays.is_free({0, 0, 0}, 0.05f));
+  EXPECT_FALSE(rays.is_free({3, 0, 0}, 0.05f)) << "inside the pillar";
+  EXPECT_FALSE(rays.is_free({1.96f, 0, 0}, 0.05f)) << "too close to it";
+  EXPECT_TRUE(rays.is_free({1.94f, 0, 0}, 0.05f));
+  EXPECT_FALSE(rays.is_free({12, 0, 0}, 0.05f)) << "behind the room's walls";
+}
+
+TEST(ray_scene, thin_double_sided_things_are_no_solids) {
+  tiny_scene tiny;
+  const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
+  tiny.wall_x(1, 1, 5, sheet);
+  tiny.wall_x(-1, 1, 5, sheet);
+  const world w(tiny);
+  EXPECT_TRUE(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f));
+}
+
+TEST(ray_scene, many_places_answer_as_one) {
+  tiny_scene tiny;
+  tiny.closed_box({-1, -1, -1}, {1, 1, 1});
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  random_stream random(1, 2, purpose::free_points);
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 100; ++i) points.push_back(random.in_box(glm::vec3{-2.0f}, glm::vec3{2.0f}));
+  std::vector<std::uint8_t> free(points.size());
+  rays.find_free(points, 0.05f, free);
+  int inside = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(free[i] != 0, rays.is_free(points[i], 0.05f));
+    inside += free[i] == 0;
+  }
+  EXPECT_GT(inside, 5);
+  EXPECT_LT(inside, 40);
+}
+
+TEST(triangle_math, distance) {
+  const triangle t{glm::vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_FLOAT_EQ(distance_to_triangle({0.2f, 0.2f, 3}, t), 3.0f);
+  EXPECT_FLOAT_EQ(distance_to_triangle({-3, -4, 0}, t), 5.0f);
+  EXPECT_FLOAT_EQ(distance_to_triangle({0.5f, -2, 0}, t), 2.0f);
+  EXPECT_FLOAT_EQ(distance_to_triangle({1, 1, 0}, t), std::sqrt(0.5f));
+  EXPECT_FLOAT_EQ(distance_to_triangle({3, 0, 0}, t), 2.0f);
+}
+
+TEST(triangle_math, touching_a_box) {
+  const glm::vec3 low{0.0f}, high{1.0f};
+  EXPECT_TRUE(triangle_touches_box({glm::vec3{-9, 0.5f, -9}, {9, 0.5f, -9}, {0, 0.5f, 9}}, low, high)) << "cuts through";
+  EXPECT_TRUE(triangle_touches_box({glm::vec3{0.4f, 0.4f, 0.4f}, {0.5f, 0.4f, 0.4f}, {0.4f, 0.5f, 0.4f}}, low, high));
+  EXPECT_FALSE(triangle_touches_box({glm::vec3{2, 0, 0}, {3, 0, 0}, {2, 1, 0}}, low, high));
+  // Its bounds overlap the box, its plane passes by a corner.
+  EXPECT_FALSE(triangle_touches_box({glm::vec3{2.2f, 0, 0}, {0, 2.2f, 0}, {1.1f, 1.1f, 9}}, low, high));
+  EXPECT_TRUE(triangle_touches_box({glm::vec3{1.8f, 0, 0}, {0, 1.8f, 0}, {0.9f, 0.9f, 9}}, low, high));
+}
+
+TEST(free_space, finds_what_touches_and_faces) {
+  tiny_scene tiny;
+  const auto floor = tiny.quad({-5, 0, 5}, {5, 0, 5}, {5, 0, -5}, {-5, 0, -5});
+  const auto away = tiny.wall_x(50, -1, 1);
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  EXPECT_EQ(polygons_touching(w.geometry, {{-1, -1, -1}, {1, 1, 1}}), (std::vector<std::uint32_t>{floor, floor + 1}));
+  EXPECT_TRUE(faces(rays, floor, {0, 1, 0}));
+  EXPECT_FALSE(faces(rays, floor, {0, -1, 0}));
+  EXPECT_TRUE(faces(rays, away, {0, -1, 0}));
+}
+
+}  // namespace
+}  // namespace sightcell::bake

@@ -1,0 +1,180 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "sampler/cell_sampling.h"
+#include "sampler/face_sampler.h"
+#include "sampler/importance_depth.h"
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+// Answers every pose with what a function says, and remembers the poses.
+class scripted_source final : public hemicube_source {
+ public:
+  std::function<void(const pose&, hemicube_view&)> answer = [](const pose&, hemicube_view&) {};
+  std::vector<pose> poses;
+  void render(const pose& where, hemicube_view& view) override {
+    poses.push_back(where);
+    view = {};
+    answer(where, view);
+  }
+  std::string device() const override { return "scripted"; }
+};
+
+TEST(boundary_face, six_faces_cover_the_box_and_look_out) {
+  const glm::vec3 low{1, 2, 3}, high{5, 4, 9};
+  std::set<std::array<float, 3>> corners;
+  for (const boundary_face& face : faces_of(low, high)) {
+    EXPECT_EQ(glm::cross(face.outward, face.up), face.right);
+    for (const glm::vec2 uv : {glm::vec2{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
+      const glm::vec3 eye = face.at(uv).eye;
+      corners.insert({eye.x, eye.y, eye.z});
+      const float along = glm::dot(face.outward, eye);
+      EXPECT_FLOAT_EQ(along, std::max(glm::dot(face.outward, low), glm::dot(face.outward, high)));
+    }
+  }
+  EXPECT_EQ(corners.size(), 8u);
+}
+
+TEST(reliability_map, is_one_at_the_sample_and_falls_with_distance) {
+  reliability_map map({4, 4});
+  map.add_sample({0.5f, 0.5f}, {0, 0, 0, 0});
+  EXPECT_GT(map.at(128, 128), 0.9999f);
+  EXPECT_LT(map.at(255, 128), map.at(200, 128));
+  EXPECT_NEAR(map.at(0, 128), std::exp(-0.25), 0.01);
+}
+
+TEST(reliability_map, falls_faster_toward_a_gap) {
+  reliability_map map({4, 4});
+  std::array<double, 4> gap{};
+  gap[toward_right] = 3.0;
+  map.add_sample({0.5f, 0.5f}, gap);
+  EXPECT_LT(map.at(200, 128), map.at(55, 128));
+  EXPECT_GT(map.lowest().place.x, 0.9f);
+}
+
+TEST(reliability_map, a_new_largest_importance_rebuilds_the_map) {
+  reliability_map small({4, 4});
+  small.add_sample({0.25f, 0.5f}, {1, 0, 0, 0});
+  const float before = small.at(128, 128);
+  small.add_sample({0.9f, 0.5f}, {1000, 0, 0, 0});  // the first one's importance is now next to nothing
+  EXPECT_GT(small.at(128, 128), before);
+}
+
+TEST(reliability_map, is_only_ever_raised_by_samples_of_equal_scale) {
+  reliability_map map({4, 2});
+  map.add_sample({0.3f, 0.3f}, {1, 1, 1, 1});
+  std::vector<float> before;
+  for (std::uint32_t i = 0; i < 256; ++i) before.push_back(map.at(i, i));
+  map.add_sample({0.8f, 0.6f}, {0.5, 1, 0.2, 0});
+  for (std::uint32_t i = 0; i < 256; ++i) EXPECT_GE(map.at(i, i), before[i]);
+}
+
+TEST(importance_depth, starts_with_the_grid_then_goes_where_reliability_is_lowest) {
+  importance_depth sampler({4, 4}, 16);
+  std::vector<glm::vec2> places;
+  for (int i = 0; i < 10; ++i) {
+    const auto place = sampler.next();
+    ASSERT_TRUE(place);
+    if (i >= 9) {
+      EXPECT_EQ(*place, sampler.map().lowest().place);
+    }
+    places.push_back(*place);
+    hemicube_view view;
+    view.importance = {1, 1, 1, 1};
+    sampler.rendered(*place, view);
+  }
+  EXPECT_EQ(places[0], glm::vec2(1.0f / 6, 1.0f / 6));
+  EXPECT_EQ(places[4], glm::vec2(0.5f, 0.5f));
+}
+
+TEST(importance_depth, samples_gather_where_the_gap_is) {
+  // Half the face sees gaps to the right, half sees a flat wall.
+  importance_depth sampler({4, 4}, 40);
+  int in_gap = 0;
+  for (int i = 0; i < 40; ++i) {
+    const auto place = sampler.next();
+    if (!place) break;
+    hemicube_view view;
+    if (place->x > 0.5f) view.importance = {1, 1, 1, 1};
+    sampler.rendered(*place, view);
+    in_gap += place->x > 0.5f;
+  }
+  EXPECT_GT(in_gap, 24);
+}
+
+TEST(importance_depth, ends_when_nothing_is_free) {
+  importance_depth sampler({4, 2}, 10);
+  int asked = 0;
+  while (const auto place = sampler.next()) {
+    sampler.rejected(*place);
+    ASSERT_LT(++asked, 5000);
+  }
+}
+
+TEST(halton, is_even_and_ends_when_nothing_is_free) {
+  const auto places = make_face_sampler("halton", {4, 4}, 100, random_stream(1, 2, purpose::boundary));
+  std::array<int, 4> quarter{};
+  for (int i = 0; i < 64; ++i) {
+    const auto place = places->next();
+    ASSERT_TRUE(place);
+    ASSERT_GE(place->x, 0.0f);
+    ASSERT_LT(place->x, 1.0f);
+    ++quarter[static_cast<std::size_t>((place->x > 0.5f) + 2 * (place->y > 0.5f))];
+    places->rendered(*place, {});
+  }
+  for (const int count : quarter) EXPECT_NEAR(count, 16, 3);
+  int asked = 0;
+  while (const auto place = places->next()) {
+    places->rejected(*place);
+    ASSERT_LT(++asked, 5000);
+  }
+}
+
+TEST(face_sampler, unknown_name_is_an_error) {
+  EXPECT_THROW((void)make_face_sampler("best", {1, 1}, 1, random_stream(1, 1, purpose::boundary)), error);
+}
+
+TEST(sample_cell, an_empty_cell_gets_boundary_samples_only) {
+  scripted_source source;
+  source.answer = [](const pose&, hemicube_view& view) { view.seen = {{3, 10}}; };
+  cell_set set(10);
+  const std::uint32_t rendered = sample_cell({"importance-depth", 24, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {},
+                                             [](const glm::vec3&) { return true; }, source, set);
+  EXPECT_EQ(rendered, 24u);
+  ASSERT_EQ(source.poses.size(), 24u);
+  for (const pose& p : source.poses) {
+    // On the boundary and looking out.
+    const glm::vec3 step = p.eye + p.forward * 0.01f;
+    EXPECT_TRUE(step.x < 0 || step.y < 0 || step.z < 0 || step.x > 4 || step.y > 2 || step.z > 4);
+  }
+  EXPECT_EQ(set.sorted(), std::vector<std::uint32_t>{3});
+}
+
+TEST(sample_cell, half_of_the_images_are_cubes_where_geometry_is_inside) {
+  scripted_source source;
+  cell_set set(10);
+  std::vector<glm::vec3> interior(20, glm::vec3{2, 1, 2});
+  const std::uint32_t rendered = sample_cell({"halton", 24, true, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, interior,
+                                             [](const glm::vec3&) { return true; }, source, set);
+  EXPECT_EQ(rendered, 24u);
+  int inside = 0;
+  for (const pose& p : source.poses) inside += p.eye == glm::vec3(2, 1, 2);
+  EXPECT_EQ(inside, 12);
+}
+
+TEST(sample_cell, no_hemicube_stands_in_a_wall) {
+  scripted_source source;
+  cell_set set(10);
+  const auto is_free = [](const glm::vec3& eye) { return eye.x < 2.0f; };
+  (void)sample_cell({"importance-depth", 60, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, is_free, source, set);
+  EXPECT_GT(source.poses.size(), 20u);
+  for (const pose& p : source.poses) EXPECT_TRUE(is_free(p.eye));
+}
+
+}  // namespace
+}  // namespace sightcell::bake

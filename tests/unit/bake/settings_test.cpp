@@ -1,0 +1,96 @@
+#include "sightcell/bake/settings.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+std::string error_of(const std::function<void(settings&)>& change) {
+  settings s;
+  change(s);
+  try {
+    validate(s);
+  } catch (const error& e) {
+    EXPECT_EQ(e.kind(), error_kind::wrong_use);
+    return e.what();
+  }
+  return "";
+}
+
+TEST(settings, defaults_are_in_range) {
+  EXPECT_NO_THROW(validate({}));
+}
+
+TEST(settings, errors_name_the_option) {
+  const auto expect = [](const char* option, const std::function<void(settings&)>& change) {
+    EXPECT_EQ(error_of(change).find(option), 0u) << option << ": " << error_of(change);
+  };
+  expect("--cell-size", [](settings& s) { s.cell_size = 0.2f; });
+  expect("--cell-size", [](settings& s) { s.cell_size = 1001.0f; });
+  expect("--cell-size", [](settings& s) { s.cell_size = NAN; });
+  expect("--margin", [](settings& s) { s.margin = -0.1f; });
+  expect("--margin", [](settings& s) { s.margin = 10.1f; });
+  expect("--player-radius", [](settings& s) { s.player_radius = 0.0f; });
+  expect("--player-radius", [](settings& s) { s.player_radius = INFINITY; });
+  expect("--sampler", [](settings& s) { s.sampler = "guided"; });
+  expect("--samples", [](settings& s) { s.samples = 5; });
+  expect("--samples", [](settings& s) { s.samples = 100001; });
+  expect("--resolution", [](settings& s) { s.resolution = 255; });
+  expect("--resolution", [](settings& s) { s.resolution = 8; });
+  expect("--resolution", [](settings& s) { s.resolution = 8192; });
+  expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = 1e-8; });
+  expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = 0.6; });
+  expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = -1e-3; });
+  expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = NAN; });
+  expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, 0, 1}}; });
+  expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, NAN, 1}}; });
+  expect("--cells-grid", [](settings& s) {
+    s.cells_grid = {{0, 0, 0, 1, 1, 1}};
+    s.cells_file = "cells.json";
+  });
+}
+
+TEST(settings, ends_of_the_ranges_are_inside) {
+  settings s;
+  s.cell_size = 0.25f;
+  s.margin = 0.0f;
+  s.player_radius = 1.0f;
+  s.sampler = "halton";
+  s.samples = 6;
+  s.resolution = 4096;
+  s.max_pixel_error = 0.0;
+  s.cells_grid = {{-1, -1, -1, 1, 1, 1}};
+  EXPECT_NO_THROW(validate(s));
+  s.max_pixel_error = 1e-7;
+  EXPECT_NO_THROW(validate(s));
+}
+
+TEST(settings, description_is_one_line_of_json_in_fixed_order) {
+  EXPECT_EQ(describe({}),
+            R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,)"
+            R"("sampler":"importance-depth","samples":24,"resolution":256,"max_pixel_error":0.001,"seed":1,)"
+            R"("all_double_sided":false})");
+}
+
+TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_byte) {
+  settings a, b;
+  b.threads = 7;
+  EXPECT_EQ(describe(a), describe(b));
+  b.margin = std::nextafter(0.25f, 1.0f);
+  EXPECT_NE(describe(a), describe(b));
+  a.cells_file = "here/cells.json";
+  b = a;
+  b.cells_file = "there/cells.json";
+  EXPECT_EQ(describe(a), describe(b));
+  a = {};
+  a.cells_grid = {{0, 0, 0, 1.5f, 1, 1}};
+  EXPECT_NE(describe(a).find(R"("cells":"grid","cells_grid":[0,0,0,1.5,1,1])"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sightcell::bake

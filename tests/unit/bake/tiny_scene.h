@@ -1,0 +1,69 @@
+#pragma once
+// Scenes of a few polygons, built by hand.
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::test {
+
+// Collects quads and triangles, one draw per call, and hands out the finished scene.
+class tiny_scene {
+ public:
+  struct look {
+    scene::alpha_mode alpha = scene::alpha_mode::opaque;
+    bool double_sided = false;
+  };
+
+  // Counter-clockwise from the front. Returns the source id of its first polygon.
+  std::uint32_t triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) { return triangle(a, b, c, look{}); }
+  std::uint32_t triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, look how) { return add({a, b, c}, {0, 1, 2}, how); }
+  std::uint32_t quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) { return quad(a, b, c, d, look{}); }
+  std::uint32_t quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, look how) {
+    return add({a, b, c, d}, {0, 1, 2, 0, 2, 3}, how);
+  }
+  // A rectangle at x = place that faces toward +x (facing > 0) or -x, spanning y and z from -half to half.
+  std::uint32_t wall_x(float place, float facing, float half) { return wall_x(place, facing, half, look{}); }
+  std::uint32_t wall_x(float place, float facing, float half, look how) {
+    const float s = facing > 0.0f ? 1.0f : -1.0f;
+    return quad({place, -half, s * half}, {place, -half, -s * half}, {place, half, -s * half}, {place, half, s * half},
+                how);
+  }
+  // A closed box; its polygons face outward (or into it). Returns its first id; it has 12 polygons.
+  std::uint32_t closed_box(glm::vec3 low, glm::vec3 high, bool inward = false) {
+    const glm::vec3 &a = low, &b = high;
+    std::vector<glm::vec3> p{{a.x, a.y, a.z}, {b.x, a.y, a.z}, {b.x, b.y, a.z}, {a.x, b.y, a.z},
+                             {a.x, a.y, b.z}, {b.x, a.y, b.z}, {b.x, b.y, b.z}, {a.x, b.y, b.z}};
+    std::vector<std::uint32_t> i{0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
+                                 3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
+    if (inward)
+      for (std::size_t k = 0; k < i.size(); k += 3) std::swap(i[k], i[k + 1]);
+    return add(std::move(p), std::move(i), look{});
+  }
+
+  scene::scene finished() {
+    scene::finish(scene_);
+    return scene_;
+  }
+
+ private:
+  std::uint32_t add(std::vector<glm::vec3> positions, std::vector<std::uint32_t> indices, look how) {
+    const auto number = static_cast<std::uint32_t>(scene_.draws.size());
+    const auto first = polygons_;
+    polygons_ += static_cast<std::uint32_t>(indices.size() / 3);
+    scene::material m;
+    m.alpha = how.alpha;
+    m.double_sided = how.double_sided;
+    scene_.materials.push_back(m);
+    scene_.geometries.push_back({std::move(positions), {}, std::move(indices)});
+    scene::draw d;
+    d.node = d.mesh = d.material = d.geometry = number;
+    scene_.draws.push_back(d);
+    return first;
+  }
+
+  scene::scene scene_;
+  std::uint32_t polygons_ = 0;
+};
+
+}  // namespace sightcell::test

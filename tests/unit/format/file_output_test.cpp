@@ -1,0 +1,106 @@
+// write_file of writer.h.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+#include <vector>
+
+#include "sightcell/format/writer.h"
+
+#if defined(__linux__)
+#include <sys/resource.h>
+
+#include <csignal>
+#endif
+
+namespace {
+
+namespace fs = std::filesystem;
+using sightcell::format::status;
+using sightcell::format::write_file;
+
+class file_output : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("sightcell_file_output_" + std::to_string(std::hash<std::thread::id>()(std::this_thread::get_id())) +
+               "_" + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+std::vector<std::byte> some_bytes(std::size_t size, int value) {
+  return std::vector<std::byte>(size, static_cast<std::byte>(value));
+}
+
+std::vector<std::byte> read(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST_F(file_output, writes_and_replaces) {
+  const std::string name = path("a.pvs");
+  ASSERT_EQ(write_file(name.c_str(), some_bytes(1000, 1)), status::ok);
+  EXPECT_EQ(read(name), some_bytes(1000, 1));
+  ASSERT_EQ(write_file(name.c_str(), some_bytes(10, 2)), status::ok);
+  EXPECT_EQ(read(name), some_bytes(10, 2));
+  ASSERT_EQ(write_file(name.c_str(), {}), status::ok);
+  EXPECT_EQ(read(name).size(), 0u);
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(file_output, names_are_utf8) {
+  const std::string name = path("\xC3\xA9\xE2\x82\xAC.pvs");
+  ASSERT_EQ(write_file(name.c_str(), some_bytes(3, 1)), status::ok);
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(file_output, wrong_arguments) {
+  EXPECT_EQ(write_file(nullptr, {}), status::argument);
+  EXPECT_EQ(write_file("", {}), status::argument);
+}
+
+TEST_F(file_output, no_folder_no_file) {
+  EXPECT_EQ(write_file(path("nowhere/a.pvs").c_str(), some_bytes(3, 1)), status::io);
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(file_output, a_folder_is_not_replaced) {
+  fs::create_directories(path("a.pvs/inside"));
+  EXPECT_EQ(write_file(path("a.pvs").c_str(), some_bytes(3, 1)), status::io);
+  EXPECT_EQ(files(), 1u) << "the temporary file is gone";
+}
+
+#if defined(__linux__)
+// A disk that fills up, played by the limit on file sizes.
+TEST_F(file_output, a_full_disk_keeps_the_old_file) {
+  const std::string name = path("a.pvs");
+  ASSERT_EQ(write_file(name.c_str(), some_bytes(100, 1)), status::ok);
+  rlimit old{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
+  const rlimit small{1 << 16, old.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const status s = write_file(name.c_str(), some_bytes(1 << 20, 2));
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(s, status::io);
+  EXPECT_EQ(read(name), some_bytes(100, 1));
+  EXPECT_EQ(files(), 1u);
+}
+#endif
+
+}  // namespace

@@ -1,0 +1,329 @@
+// Every byte of a file is hostile. Each test hands the reader an exact-size heap block, so that the sanitizers see a
+// step outside, and then calls everything.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "random_source.h"
+#include "sample_contents.h"
+#include "sightcell/format/layout.h"
+#include "sightcell/format/reader.h"
+
+namespace {
+
+using namespace sightcell::format;
+using namespace sightcell::test;
+
+// A fresh block of exactly the file's size at an odd address as often as an even one.
+class exact_block {
+ public:
+  explicit exact_block(std::span<const std::byte> bytes)
+      : block_(std::make_unique<std::byte[]>(bytes.size())), size_(bytes.size()) {
+    std::copy(bytes.begin(), bytes.end(), block_.get());
+  }
+  [[nodiscard]] std::span<std::byte> bytes() const { return {block_.get(), size_}; }
+
+ private:
+  std::unique_ptr<std::byte[]> block_;
+  std::size_t size_;
+};
+
+// Calls everything there is. An accepted row must be a set inside the scene. Returns what check says.
+status use_everything(const reader& file) {
+  box b;
+  draw_record d;
+  certificate_record c;
+  section_record s;
+  row_record r;
+  row_statistics sums;
+  std::vector<run> out(file.run_bound());
+  std::vector<run> scratch(file.run_bound());
+  for (std::uint32_t i = 0; i < file.section_count(); ++i) static_cast<void>(file.section(i, s));
+  for (std::uint32_t i = 0; i < file.draw_count(); ++i) static_cast<void>(file.draw(i, d));
+  std::size_t text = 0;
+  for (const char letter : file.settings()) text += letter == '{' ? 1 : 0;
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    static_cast<void>(file.cell_box(cell, b));
+    static_cast<void>(file.certificate(cell, c));
+    if (cell % 8 == 1) static_cast<void>(file.row(cell, r));  // looks at the whole chunk: slow
+    std::size_t count = 0;
+    if (file.decode_row(cell, out, scratch, count) != status::ok) {
+      EXPECT_EQ(count, 0u);
+      continue;
+    }
+    std::uint64_t next = 0;
+    for (const run& one : std::span(out).first(count)) {
+      EXPECT_GE(one.first, next);
+      EXPECT_GE(one.count, 1u);
+      next = std::uint64_t{one.first} + one.count + 1;
+    }
+    EXPECT_LE(next, std::uint64_t{file.polygon_count()} + 1);
+    static_cast<void>(file.count_ranges(std::span(out).first(count)));
+  }
+  static_cast<void>(file.statistics(out, scratch, sums));
+  EXPECT_LE(text, file.settings().size());
+  return file.check(out, scratch);
+}
+
+status open_and_use(std::span<const std::byte> bytes) {
+  const exact_block block(bytes);
+  reader file;
+  if (const status s = reader::open(block.bytes(), file); s != status::ok) return s;
+  return use_everything(file);
+}
+
+status open_only(const std::vector<std::byte>& bytes) {
+  reader file;
+  return reader::open(bytes, file);
+}
+
+TEST(reader_hostile, cut_at_every_length) {
+  const auto bytes = small_contents().encode();
+  ASSERT_EQ(open_and_use(bytes), status::ok);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    ASSERT_EQ(open_and_use(std::span(bytes).first(size)), status::truncated) << size;
+  }
+}
+
+TEST(reader_hostile, cut_at_every_length_with_a_header_that_agrees) {
+  const auto whole = small_contents().encode();
+  for (std::size_t size = layout::header_size; size < whole.size(); ++size) {
+    std::vector<std::byte> bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    set_u64(bytes, layout::header_total_size, size);
+    reseal(bytes);
+    ASSERT_NE(open_and_use(bytes), status::ok) << size;
+  }
+}
+
+TEST(reader_hostile, bytes_behind_the_end) {
+  auto bytes = small_contents().encode();
+  bytes.push_back(std::byte{0});
+  EXPECT_EQ(open_and_use(bytes), status::corrupt);
+  set_u64(bytes, layout::header_total_size, bytes.size());
+  reseal(bytes);
+  EXPECT_EQ(open_and_use(bytes), status::corrupt);
+}
+
+TEST(reader_hostile, every_byte_flipped_is_found) {
+  auto bytes = small_contents().encode();
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    const std::byte kept = bytes[at];
+    for (const int mask : {0x01, 0x80, 0xFF}) {
+      bytes[at] = kept ^ static_cast<std::byte>(mask);
+      ASSERT_NE(open_and_use(bytes), status::ok) << at;
+    }
+    bytes[at] = kept;
+  }
+}
+
+// Behind the checksums: the file may be refused or be another valid file, but never leaves its bounds.
+TEST(reader_hostile, every_byte_changed_with_fitting_checksums) {
+  const auto whole = small_contents().encode();
+  std::size_t refused = 0;
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    for (const int mask : {0x01, 0xFF}) {
+      auto bytes = whole;
+      bytes[at] ^= static_cast<std::byte>(mask);
+      reseal(bytes);
+      refused += open_and_use(bytes) == status::ok ? 0 : 1;
+    }
+  }
+  EXPECT_GT(refused, whole.size() / 2);
+}
+
+TEST(reader_hostile, random_damage_with_fitting_checksums) {
+  random_source random(11);
+  const auto whole = random_contents(3, {.polygons = 300, .cells = 70, .changed = 0.05}).encode();
+  for (int round = 0; round < 3000; ++round) {
+    auto bytes = whole;
+    for (unsigned n = 1 + random() % 4; n > 0; --n) {
+      // Small numbers and large ones: both ends of every comparison.
+      const std::size_t at = random() % bytes.size();
+      bytes[at] = static_cast<std::byte>(random() % 3 == 0 ? random() : random() % 2 * 255);
+    }
+    reseal(bytes);
+    static_cast<void>(open_and_use(bytes));
+  }
+}
+
+// The bytes of an open file change: what was checked at open is not true any more.
+TEST(reader_hostile, bytes_that_change_after_open) {
+  random_source random(12);
+  const auto whole = small_contents().encode();
+  for (int round = 0; round < 1500; ++round) {
+    const exact_block block(whole);
+    reader file;
+    ASSERT_EQ(reader::open(block.bytes(), file), status::ok);
+    const bool wild = round % 10 == 0;
+    for (std::size_t n = wild ? whole.size() : 1 + random() % 40; n > 0; --n) {
+      block.bytes()[random() % whole.size()] = static_cast<std::byte>(random());
+    }
+    static_cast<void>(use_everything(file));
+  }
+}
+
+TEST(reader_hostile, other_files_and_versions) {
+  auto bytes = tiny_contents().encode();
+  EXPECT_EQ(open_only({}), status::truncated);
+  EXPECT_EQ(open_only(std::vector<std::byte>(500)), status::not_ours);
+  set_u32(bytes, layout::header_version, 1);
+  EXPECT_EQ(open_only(bytes), status::version);
+}
+
+TEST(reader_hostile, sections_that_overlap_or_leave_gaps) {
+  const auto whole = small_contents().encode();
+  for (const std::uint32_t id : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    for (const std::int64_t step : {-64, -1, 1, 64}) {
+      auto bytes = whole;
+      const std::size_t place = section_place(bytes, id);
+      set_u64(bytes, place + 8, get_u64(bytes, place + 8) + static_cast<std::uint64_t>(step));
+      reseal(bytes);
+      EXPECT_EQ(open_only(bytes), status::corrupt) << id << " " << step;
+      bytes = whole;
+      set_u64(bytes, place + 16, get_u64(bytes, place + 16) + static_cast<std::uint64_t>(step));
+      reseal(bytes);
+      EXPECT_EQ(open_only(bytes), status::corrupt) << id << " " << step;
+    }
+    auto bytes = whole;
+    set_u64(bytes, section_place(bytes, id) + 16, std::numeric_limits<std::uint64_t>::max() - 7);
+    reseal(bytes);
+    EXPECT_EQ(open_only(bytes), status::corrupt) << id;
+  }
+}
+
+TEST(reader_hostile, missing_and_doubled_sections) {
+  const auto whole = small_contents().encode();
+  for (const std::uint32_t id : {1u, 2u, 3u, 4u}) {
+    auto bytes = whole;
+    const std::size_t place = section_place(bytes, id);
+    set_u32(bytes, place, 999);
+    reseal(bytes);
+    EXPECT_EQ(open_only(bytes), status::version) << id;  // unknown and required
+    set_u32(bytes, place + 4, 0);
+    reseal(bytes);
+    EXPECT_EQ(open_only(bytes), status::corrupt) << id;  // unknown and optional, but one is missing
+    bytes = whole;
+    set_u32(bytes, section_place(bytes, 6), id);
+    reseal(bytes);
+    EXPECT_EQ(open_only(bytes), status::corrupt) << id;  // there twice
+  }
+}
+
+TEST(reader_hostile, unknown_optional_sections_are_skipped) {
+  auto bytes = small_contents().encode();
+  const std::size_t place = section_place(bytes, layout::section_settings);
+  set_u32(bytes, place, 0xABCDu);
+  reseal(bytes);
+  EXPECT_EQ(open_and_use(bytes), status::ok);
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  EXPECT_EQ(file.settings(), "");
+  // Skipped at open, but check looks at its checksum too.
+  bytes[get_u64(bytes, place + 8)] ^= std::byte{1};
+  EXPECT_EQ(open_only(bytes), status::ok);
+  EXPECT_EQ(open_and_use(bytes), status::checksum);
+}
+
+void expect_after(std::size_t at, std::uint32_t value, status expected) {
+  auto bytes = small_contents().encode();
+  set_u32(bytes, at, value);
+  reseal(bytes);
+  EXPECT_EQ(open_only(bytes), expected) << at << " " << value;
+}
+
+TEST(reader_hostile, counts_at_and_above_their_limits) {
+  expect_after(layout::header_polygon_count, layout::max_polygons, status::corrupt);  // draws say 300
+  expect_after(layout::header_polygon_count, layout::max_polygons + 1, status::limit);
+  expect_after(layout::header_cell_count, layout::max_cells, status::corrupt);
+  expect_after(layout::header_cell_count, layout::max_cells + 1, status::limit);
+  expect_after(layout::header_draw_count, layout::max_draws, status::corrupt);
+  expect_after(layout::header_draw_count, layout::max_draws + 1, status::limit);
+  expect_after(layout::header_section_count, layout::max_sections, status::corrupt);
+  expect_after(layout::header_section_count, layout::max_sections + 1, status::limit);
+  expect_after(layout::header_section_count, 0, status::corrupt);
+  expect_after(layout::header_run_bound, 0xFFFFFFFFu, status::corrupt);
+  expect_after(layout::header_range_bound, 0xFFFFFFFFu, status::corrupt);
+  expect_after(layout::header_range_bound, 0, status::corrupt);
+  expect_after(layout::header_layout, 1, status::corrupt);
+  expect_after(layout::header_flags, 2, status::corrupt);
+  expect_after(layout::header_reserved, 1, status::corrupt);
+}
+
+TEST(reader_hostile, numbers_that_are_none) {
+  for (const float bad : {std::nanf(""), -1.0f, std::numeric_limits<float>::infinity()}) {
+    const auto bits = std::bit_cast<std::uint32_t>(bad);
+    expect_after(layout::header_margin, bits, status::corrupt);
+    expect_after(layout::header_max_pixel_error, bits, status::corrupt);
+    expect_after(layout::header_confidence, bits, status::corrupt);
+  }
+  expect_after(layout::header_margin, std::bit_cast<std::uint32_t>(2.0e6f), status::limit);
+  const auto whole = small_contents().encode();
+  const std::size_t cells = section_offset(whole, layout::section_cells);
+  expect_after(cells, std::bit_cast<std::uint32_t>(std::nanf("")), status::corrupt);
+  expect_after(cells, std::bit_cast<std::uint32_t>(-std::numeric_limits<float>::infinity()), status::corrupt);
+  expect_after(cells, std::bit_cast<std::uint32_t>(1.0f), status::corrupt);  // min = max
+}
+
+TEST(reader_hostile, bounds_that_rows_do_not_keep) {
+  auto bytes = small_contents().encode();
+  set_u32(bytes, layout::header_run_bound, get_u32(bytes, layout::header_run_bound) - 1);
+  reseal(bytes);
+  EXPECT_EQ(open_and_use(bytes), status::corrupt);
+  bytes = small_contents().encode();
+  set_u32(bytes, layout::header_range_bound, get_u32(bytes, layout::header_range_bound) - 1);
+  reseal(bytes);
+  EXPECT_EQ(open_and_use(bytes), status::corrupt);
+}
+
+// Three differences in a row, and two that stand on each other.
+TEST(reader_hostile, reference_chains_too_deep_or_closed) {
+  sample_contents contents;
+  add_draws(contents, 8, 1);
+  for (std::uint32_t cell = 0; cell < 4; ++cell) {
+    contents.cells.push_back({{static_cast<float>(cell), 0, 0}, {static_cast<float>(cell) + 1, 1, 1}});
+    contents.sets.push_back({cell, cell + 2, cell + 4});  // own rows: one byte and three runs, 7 bytes
+  }
+  const auto whole = contents.encode();
+  const std::size_t rows = section_offset(whole, layout::section_rows);
+  ASSERT_EQ(get_u64(whole, section_place(whole, layout::section_rows) + 16), 28u);
+  // A difference of 7 bytes that changes nothing but the reference: removes 0, adds 0 and 2 runs of rubbish are not
+  // needed: add one run that was removed before. {1 removed, reference, 1 added, 2 bytes removed, run, run}: 8 bytes;
+  // so take {0 removed, reference, 1 added, 0 bytes, gap, length}: 6 bytes, and shorten the row in the directory.
+  const auto make_delta = [&](std::vector<std::byte>& bytes, std::size_t cell, int reference, int added) {
+    const int row[6] = {1, reference, 1, 0, added, 0};
+    for (std::size_t i = 0; i < 6; ++i) bytes[rows + 7 * cell + i] = static_cast<std::byte>(row[i]);
+    const std::size_t directory = section_offset(bytes, layout::section_row_directory);
+    set_u32(bytes, directory + 16 + 8 * cell + 4, 6);
+  };
+  const auto decode_outcome = [&](std::vector<std::byte>& bytes, std::uint32_t cell) {
+    set_u32(bytes, layout::header_run_bound, 8);
+    set_u32(bytes, layout::header_range_bound, 8);
+    reseal(bytes);
+    reader file;
+    EXPECT_EQ(reader::open(bytes, file), status::ok);
+    status s = status::ok;
+    decode_set(file, cell, s);
+    return s;
+  };
+  auto chain = whole;
+  make_delta(chain, 1, 0, 1);
+  make_delta(chain, 2, 1, 3);
+  make_delta(chain, 3, 2, 5);
+  EXPECT_EQ(decode_outcome(chain, 1), status::ok);
+  EXPECT_EQ(decode_outcome(chain, 2), status::ok);
+  EXPECT_EQ(decode_outcome(chain, 3), status::corrupt);
+  auto loop = whole;
+  make_delta(loop, 1, 2, 1);
+  make_delta(loop, 2, 1, 3);
+  EXPECT_EQ(decode_outcome(loop, 1), status::corrupt);
+  auto itself = whole;
+  make_delta(itself, 1, 1, 1);
+  EXPECT_EQ(decode_outcome(itself, 1), status::corrupt);
+  auto nobody = whole;
+  make_delta(nobody, 1, 5, 1);  // the chunk has four cells
+  EXPECT_EQ(decode_outcome(nobody, 1), status::corrupt);
+}
+
+}  // namespace

@@ -1,0 +1,202 @@
+#include "sightcell/format/reader.h"
+
+#include <gtest/gtest.h>
+
+#include "sample_contents.h"
+#include "sightcell/format/layout.h"
+
+namespace {
+
+using namespace sightcell::format;
+using namespace sightcell::test;
+
+status check_all(const reader& file) {
+  std::vector<run> out(file.run_bound());
+  std::vector<run> scratch(file.run_bound());
+  return file.check(out, scratch);
+}
+
+TEST(reader, a_default_reader_is_an_empty_file) {
+  const reader file;
+  box b;
+  EXPECT_EQ(file.cell_count(), 0u);
+  EXPECT_EQ(file.cell_box(0, b), status::argument);
+  EXPECT_EQ(file.settings(), "");
+  EXPECT_EQ(file.chunk_count(), 0u);
+  EXPECT_EQ(check_all(file), status::ok);
+}
+
+TEST(reader, gives_back_what_was_written) {
+  const sample_contents contents = small_contents();
+  const auto bytes = contents.encode();
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  EXPECT_EQ(file.format_version(), 0u);
+  EXPECT_EQ(file.polygon_count(), 300u);
+  EXPECT_EQ(file.total_size(), bytes.size());
+  EXPECT_EQ(file.facts().margin, 0.25f);
+  EXPECT_EQ(file.facts().max_pixel_error, 0.5f);
+  EXPECT_EQ(file.facts().confidence, 0.95f);
+  EXPECT_FALSE(file.facts().repeatable);
+  EXPECT_EQ(file.facts().scene_fingerprint, contents.facts.scene_fingerprint);
+  EXPECT_EQ(file.settings(), contents.settings);
+  ASSERT_EQ(file.draw_count(), contents.draws.size());
+  for (std::uint32_t d = 0; d < file.draw_count(); ++d) {
+    draw_record r;
+    ASSERT_EQ(file.draw(d, r), status::ok);
+    const draw_record& w = contents.draws[d];
+    EXPECT_TRUE(r.node == w.node && r.mesh == w.mesh && r.primitive == w.primitive && r.instance == w.instance &&
+                r.material == w.material && r.group == w.group && r.first_source == w.first_source &&
+                r.polygon_count == w.polygon_count && r.first_stored == w.first_stored &&
+                r.base_vertex == w.base_vertex && r.host_tag == w.host_tag)
+        << d;
+  }
+  ASSERT_EQ(file.certificate_count(), file.cell_count());
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    certificate_record c;
+    ASSERT_EQ(file.certificate(cell, c), status::ok);
+    EXPECT_EQ(c.cell, cell);
+    EXPECT_EQ(c.rays, contents.certificate[cell].rays);
+    EXPECT_EQ(c.misses, contents.certificate[cell].misses);
+    EXPECT_EQ(c.upper_bound, contents.certificate[cell].upper_bound);
+    EXPECT_EQ(c.confidence, contents.certificate[cell].confidence);
+    EXPECT_EQ(c.seed, contents.certificate[cell].seed);
+    box b;
+    ASSERT_EQ(file.cell_box(cell, b), status::ok);
+    EXPECT_EQ(b.min, contents.cells[cell].min);
+    EXPECT_EQ(b.max, contents.cells[cell].max);
+    status s = status::ok;
+    EXPECT_EQ(decode_set(file, cell, s), contents.sets[cell]);
+    EXPECT_EQ(s, status::ok);
+  }
+  EXPECT_EQ(check_all(file), status::ok);
+}
+
+TEST(reader, numbers_out_of_range_are_arguments) {
+  const auto bytes = small_contents().encode();
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  box b;
+  draw_record d;
+  certificate_record c;
+  section_record s;
+  row_record r;
+  EXPECT_EQ(file.cell_box(file.cell_count(), b), status::argument);
+  EXPECT_EQ(file.draw(file.draw_count(), d), status::argument);
+  EXPECT_EQ(file.certificate(file.certificate_count(), c), status::argument);
+  EXPECT_EQ(file.section(file.section_count(), s), status::argument);
+  EXPECT_EQ(file.row(file.cell_count(), r), status::argument);
+  EXPECT_EQ(file.check_chunk(file.chunk_count()), status::argument);
+  EXPECT_EQ(file.row_size(0xFFFFFFFFu), 0u);
+  EXPECT_FALSE(file.is_delta_row(0xFFFFFFFFu));
+  status outcome = status::ok;
+  decode_set(file, file.cell_count(), outcome);
+  EXPECT_EQ(outcome, status::argument);
+}
+
+TEST(reader, too_little_room_is_said) {
+  const auto bytes = small_contents().encode();
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  std::vector<run> enough(file.run_bound());
+  std::vector<run> less(file.run_bound() - 1);
+  std::size_t count = 9;
+  row_statistics sums;
+  EXPECT_EQ(file.decode_row(0, less, enough, count), status::capacity);
+  EXPECT_EQ(count, 0u);
+  EXPECT_EQ(file.decode_row(0, enough, less, count), status::capacity);
+  EXPECT_EQ(file.check(less, enough), status::capacity);
+  EXPECT_EQ(file.statistics(enough, less, sums), status::capacity);
+}
+
+TEST(reader, sections_lie_one_behind_the_other) {
+  const auto bytes = small_contents().encode();
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  ASSERT_EQ(file.section_count(), 6u);
+  std::uint64_t next = layout::header_size + 6 * layout::section_record_size;
+  for (std::uint32_t i = 0; i < file.section_count(); ++i) {
+    section_record s;
+    ASSERT_EQ(file.section(i, s), status::ok);
+    EXPECT_EQ(s.offset, next);
+    EXPECT_EQ(s.required, s.id != layout::section_certificate && s.id != layout::section_settings);
+    next += s.size;
+  }
+  EXPECT_EQ(next, bytes.size());
+}
+
+TEST(reader, statistics_are_the_sums) {
+  const sample_contents contents = small_contents();
+  const auto bytes = contents.encode();
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  std::vector<run> out(file.run_bound());
+  std::vector<run> scratch(file.run_bound());
+  row_statistics sums;
+  ASSERT_EQ(file.statistics(out, scratch, sums), status::ok);
+  row_statistics expected;
+  for (std::uint32_t cell = 0; cell < 67; ++cell) {
+    row_record r;
+    ASSERT_EQ(file.row(cell, r), status::ok);
+    EXPECT_EQ(r.size, file.row_size(cell));
+    EXPECT_EQ(r.delta, file.is_delta_row(cell));
+    EXPECT_EQ(r.shared, cell == 20);
+    EXPECT_TRUE(!r.delta || reader::chunk_of(r.reference) == reader::chunk_of(cell));
+    if (!r.shared) expected.row_bytes += r.size;
+    expected.delta_rows += r.delta ? 1 : 0;
+    expected.polygons += contents.sets[cell].size();
+    for (std::size_t i = 0; i < contents.sets[cell].size(); ++i) {
+      const std::uint32_t p = contents.sets[cell][i];
+      const bool follows = i > 0 && contents.sets[cell][i - 1] + 1 == p;
+      expected.runs += follows ? 0 : 1;
+      expected.ranges += follows && p != 120 ? 0 : 1;
+    }
+  }
+  EXPECT_EQ(sums.cells, 67u);
+  EXPECT_EQ(sums.polygons, expected.polygons);
+  EXPECT_EQ(sums.runs, expected.runs);
+  EXPECT_EQ(sums.ranges, expected.ranges);
+  EXPECT_EQ(sums.delta_rows, expected.delta_rows);
+  EXPECT_GT(sums.delta_rows, 30u);
+  EXPECT_EQ(sums.shared_rows, 1u);
+  EXPECT_EQ(sums.row_bytes, expected.row_bytes);
+  EXPECT_EQ(sums.directory_bytes, 2 * layout::chunk_record_size + 67 * layout::row_record_size);
+  EXPECT_DOUBLE_EQ(sums.bits_per_visible_polygon(), 8.0 * static_cast<double>(sums.row_bytes + sums.directory_bytes) /
+                                                        static_cast<double>(sums.polygons));
+  EXPECT_DOUBLE_EQ(sums.runs_per_cell(), static_cast<double>(sums.runs) / 67.0);
+}
+
+TEST(reader, bounds_are_reached_and_kept) {
+  const sample_contents contents = random_contents(77, {.polygons = 2000, .draws = 40, .cells = 100});
+  const auto bytes = contents.encode();
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  std::vector<run> out(file.run_bound());
+  std::vector<run> scratch(file.run_bound());
+  std::size_t most_runs = 0;
+  std::uint64_t most_ranges = 0;
+  for (std::uint32_t cell = 0; cell < 100; ++cell) {
+    std::size_t count = 0;
+    ASSERT_EQ(file.decode_row(cell, out, scratch, count), status::ok);
+    most_runs = std::max(most_runs, count);
+    most_ranges = std::max(most_ranges, file.count_ranges(std::span(out).first(count)));
+  }
+  EXPECT_EQ(most_runs, file.run_bound());
+  EXPECT_EQ(most_ranges, file.range_bound());
+}
+
+TEST(reader, a_damaged_chunk_leaves_the_others_alone) {
+  const sample_contents contents = random_contents(5, {.cells = 200});
+  auto bytes = contents.encode();
+  const std::size_t directory = section_offset(bytes, layout::section_row_directory);
+  const std::size_t chunk_start = section_offset(bytes, layout::section_rows) + get_u64(bytes, directory + 16);
+  bytes[chunk_start + 5] ^= std::byte{1};
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  EXPECT_EQ(file.check_chunk(0), status::ok);
+  EXPECT_EQ(file.check_chunk(1), status::checksum);
+  EXPECT_EQ(file.check_chunk(2), status::ok);
+  EXPECT_EQ(check_all(file), status::checksum);
+}
+
+}  // namespace

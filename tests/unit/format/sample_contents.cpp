@@ -1,0 +1,251 @@
+#include "sample_contents.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "checksum.h"
+#include "random_source.h"
+#include "sightcell/format/layout.h"
+
+namespace sightcell::test {
+namespace layout = format::layout;
+
+format::file_contents sample_contents::view() const {
+  return {facts, draws, cells, sets, certificate, settings};
+}
+
+std::vector<std::byte> sample_contents::encode() const {
+  std::vector<std::byte> bytes;
+  const format::status s = format::encode(view(), bytes);
+  EXPECT_EQ(s, format::status::ok) << format::status_text(s);
+  return bytes;
+}
+
+void add_draws(sample_contents& contents, std::uint32_t polygons, std::uint32_t draws) {
+  contents.facts.polygon_count = polygons;
+  contents.draws.clear();
+  std::uint32_t next = 0;
+  for (std::uint32_t d = 0; d < draws; ++d) {
+    format::draw_record r;
+    r.node = d + 10;
+    r.mesh = d % 3;
+    r.primitive = d % 2;
+    r.material = d % 4 == 3 ? 0xFFFFFFFFu : d;
+    r.first_source = r.first_stored = next;
+    r.polygon_count = d + 1 == draws ? polygons - next : (d % 5 == 1 ? 0 : std::min(polygons - next, polygons / draws));
+    r.base_vertex = next * 2;
+    r.host_tag = 0x1122334455667788u + d;
+    next += r.polygon_count;
+    contents.draws.push_back(r);
+  }
+}
+
+namespace {
+
+format::box grid_box(std::uint32_t number) {
+  const auto x = static_cast<float>(number % 8);
+  const auto y = static_cast<float>(number / 64);
+  const auto z = static_cast<float>(number / 8 % 8);
+  return {{x, y, z}, {x + 1, y + 1, z + 1}};
+}
+
+format::box random_box(random_source& random) {
+  std::uniform_int_distribution<int> place(0, 20);
+  std::uniform_int_distribution<int> length(1, 8);
+  format::box b;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    b.min[axis] = 0.5f * static_cast<float>(place(random));
+    b.max[axis] = b.min[axis] + 0.5f * static_cast<float>(length(random));
+  }
+  return b;
+}
+
+std::vector<std::uint32_t> numbers_of(const std::vector<bool>& seen) {
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t i = 0; i < seen.size(); ++i) {
+    if (seen[i]) numbers.push_back(i);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+sample_contents random_contents(std::uint32_t seed, const random_options& options) {
+  random_source random(seed);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  sample_contents contents;
+  add_draws(contents, options.polygons, options.draws);
+  contents.facts.margin = 0.25f;
+  contents.facts.max_pixel_error = 0.001f;
+  for (std::size_t i = 0; i < 16; ++i) contents.facts.scene_fingerprint[i] = static_cast<std::uint8_t>(random());
+  contents.settings = "{\"seed\":" + std::to_string(seed) + "}";
+  const std::uint32_t polygons = options.polygons;
+  std::vector<bool> seen(polygons, false);
+  const auto mark = [&](bool value, double amount) {
+    for (double left = amount * polygons; left > 0.0 && polygons > 0;) {
+      const std::uint32_t first = static_cast<std::uint32_t>(share(random) * polygons) % polygons;
+      const std::uint32_t count = std::min(polygons - first, 1 + static_cast<std::uint32_t>(share(random) * 12));
+      std::fill_n(seen.begin() + first, count, value);
+      left -= count;
+    }
+  };
+  for (std::uint32_t cell = 0; cell < options.cells; ++cell) {
+    contents.cells.push_back(options.overlapping ? random_box(random) : grid_box(cell));
+    if (cell % 16 == 0) {
+      seen.assign(polygons, false);
+      mark(true, options.visible);
+    } else if (cell % 7 != 3) {  // every seventh cell has the set of the one before
+      mark(false, options.visible * options.changed);
+      mark(true, options.visible * options.changed);
+    }
+    contents.sets.push_back(numbers_of(cell % 41 == 5   ? std::vector<bool>(polygons, false)
+                                       : cell % 41 == 6 ? std::vector<bool>(polygons, true)
+                                                        : seen));
+    contents.certificate.push_back({cell, random() % 100000 + 10, cell % 3, 1e-3 * share(random), 0.95, random()});
+  }
+  return contents;
+}
+
+sample_contents tiny_contents() {
+  sample_contents contents;
+  contents.facts.polygon_count = 6;
+  contents.facts.margin = 0.25f;
+  for (std::uint8_t i = 0; i < 16; ++i) contents.facts.scene_fingerprint[i] = static_cast<std::uint8_t>(0xA0 + i);
+  contents.draws.push_back({.node = 2, .mesh = 1, .material = 0, .polygon_count = 6});
+  contents.cells = {{{0, 0, 0}, {4, 2, 4}}, {{4, 0, 0}, {8, 2, 4}}};
+  contents.sets = {{0, 1, 2, 4}, {5}};
+  return contents;
+}
+
+sample_contents small_contents() {
+  sample_contents contents;
+  contents.facts.polygon_count = 300;
+  contents.facts.margin = 0.25f;
+  contents.facts.max_pixel_error = 0.5f;
+  contents.facts.repeatable = false;
+  for (std::uint8_t i = 0; i < 16; ++i) contents.facts.scene_fingerprint[i] = static_cast<std::uint8_t>(17 * i);
+  contents.settings = "{\"sampler\":\"importance-depth\",\"seed\":1}";
+  contents.draws = {
+      {.node = 5, .mesh = 1, .primitive = 2, .material = 3, .polygon_count = 120, .host_tag = 77},
+      {.node = 6, .mesh = 0, .material = 0xFFFFFFFFu, .first_source = 120, .first_stored = 120, .base_vertex = 300},
+      {.node = 6,
+       .mesh = 4,
+       .instance = 9,
+       .material = 1,
+       .first_source = 120,
+       .polygon_count = 180,
+       .first_stored = 120,
+       .base_vertex = 300,
+       .host_tag = 0xFFFFFFFFFFFFFFFFu}};
+  for (std::uint32_t cell = 0; cell < 67; ++cell) {
+    contents.cells.push_back(grid_box(cell));
+    std::vector<std::uint32_t> set;
+    for (std::uint32_t p = 0; p < 300; ++p) {
+      const bool common = p % 12 < 5 && p > 30;   // what nearly all cells see, so that differences pay
+      const bool own = p / 4 % 67 == cell;        // what only this cell sees
+      const bool lost = p / 7 % 35 == cell % 35;  // what few cells do not see
+      if (cell == 12 || (cell != 11 && ((common && !lost) || own))) set.push_back(p);
+    }
+    contents.sets.push_back(cell == 20 ? contents.sets[19] : set);
+    contents.certificate.push_back({cell, 1000 + cell, cell % 2, 0.5 / (1.0 + cell), 0.95, cell * 0x100000001u});
+  }
+  return contents;
+}
+
+std::uint64_t get_u64(const std::vector<std::byte>& file, std::size_t at) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < 8; ++i) value |= static_cast<std::uint64_t>(file.at(at + i)) << (8 * i);
+  return value;
+}
+
+std::uint32_t get_u32(const std::vector<std::byte>& file, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value |= static_cast<std::uint32_t>(file.at(at + i)) << (8 * i);
+  return value;
+}
+
+void set_u32(std::vector<std::byte>& file, std::size_t at, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) file.at(at + i) = static_cast<std::byte>(value >> (8 * i) & 0xFFu);
+}
+
+void set_u64(std::vector<std::byte>& file, std::size_t at, std::uint64_t value) {
+  for (std::size_t i = 0; i < 8; ++i) file.at(at + i) = static_cast<std::byte>(value >> (8 * i) & 0xFFu);
+}
+
+namespace {
+
+bool inside(const std::vector<std::byte>& file, std::uint64_t offset, std::uint64_t size) {
+  return offset <= file.size() && size <= file.size() - offset;
+}
+
+std::uint32_t sum_of(const std::vector<std::byte>& file, std::uint64_t offset, std::uint64_t size) {
+  return format::crc32c(std::span(file).subspan(offset, size));
+}
+
+void reseal_chunks(std::vector<std::byte>& file, std::size_t directory, std::size_t rows) {
+  const std::uint64_t chunks = (std::uint64_t{get_u32(file, layout::header_cell_count)} + 63) / 64;
+  const std::uint64_t at = get_u64(file, directory + 8);
+  if (chunks > file.size() || !inside(file, at, chunks * layout::chunk_record_size)) return;
+  for (std::uint64_t c = 0; c < chunks; ++c) {
+    const std::uint64_t record = at + c * layout::chunk_record_size;
+    const std::uint64_t start = get_u64(file, rows + 8);
+    const std::uint64_t offset = get_u64(file, record);
+    const std::uint32_t size = get_u32(file, record + 8);
+    if (!inside(file, start, 0) || offset > file.size() || !inside(file, start + offset, size)) continue;
+    set_u32(file, record + 12, sum_of(file, start + offset, size));
+  }
+}
+
+}  // namespace
+
+void reseal(std::vector<std::byte>& file) {
+  if (file.size() < layout::header_size) return;
+  const std::uint64_t count = get_u32(file, layout::header_section_count);
+  const std::uint64_t table = count * layout::section_record_size;
+  if (inside(file, layout::header_size, table)) {
+    std::size_t directory = 0;
+    std::size_t rows = 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::size_t at = layout::header_size + i * layout::section_record_size;
+      if (get_u32(file, at) == layout::section_row_directory) directory = at;
+      if (get_u32(file, at) == layout::section_rows) rows = at;
+    }
+    if (directory != 0 && rows != 0) reseal_chunks(file, directory, rows);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::size_t at = layout::header_size + i * layout::section_record_size;
+      const std::uint64_t offset = get_u64(file, at + 8);
+      const std::uint64_t size = get_u64(file, at + 16);
+      if (inside(file, offset, size)) set_u32(file, at + 24, sum_of(file, offset, size));
+    }
+    set_u32(file, layout::header_table_checksum, sum_of(file, layout::header_size, table));
+  }
+  set_u32(file, layout::header_checksum, sum_of(file, 0, layout::header_checksum));
+}
+
+std::size_t section_place(const std::vector<std::byte>& file, std::uint32_t id) {
+  for (std::size_t i = 0; i < get_u32(file, layout::header_section_count); ++i) {
+    const std::size_t at = layout::header_size + i * layout::section_record_size;
+    if (get_u32(file, at) == id) return at;
+  }
+  ADD_FAILURE() << "no section " << id;
+  return layout::header_size;
+}
+
+std::size_t section_offset(const std::vector<std::byte>& file, std::uint32_t id) {
+  return get_u64(file, section_place(file, id) + 8);
+}
+
+std::vector<std::uint32_t> decode_set(const format::reader& file, std::uint32_t cell, format::status& s) {
+  std::vector<format::run> out(file.run_bound());
+  std::vector<format::run> scratch(file.run_bound());
+  std::size_t count = 0;
+  s = file.decode_row(cell, out, scratch, count);
+  std::vector<std::uint32_t> set;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::uint32_t k = 0; k < out[i].count; ++k) set.push_back(out[i].first + k);
+  }
+  return set;
+}
+
+}  // namespace sightcell::test

@@ -1,0 +1,65 @@
+#pragma once
+// Contents of .pvs files for tests: small hand-made ones and random ones, kept with the vectors they point into.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sightcell/format/reader.h"
+#include "sightcell/format/writer.h"
+
+namespace sightcell::test {
+
+struct sample_contents {
+  format::file_facts facts;
+  std::vector<format::draw_record> draws;
+  std::vector<format::box> cells;
+  std::vector<std::vector<std::uint32_t>> sets;
+  std::vector<format::certificate_record> certificate;
+  std::string settings;
+
+  // Valid as long as this is.
+  [[nodiscard]] format::file_contents view() const;
+  // Fails the running test, and gives no bytes, when the writer refuses.
+  [[nodiscard]] std::vector<std::byte> encode() const;
+};
+
+// polygons shared out over draws; every fifth draw is empty.
+void add_draws(sample_contents& contents, std::uint32_t polygons, std::uint32_t draws);
+
+struct random_options {
+  std::uint32_t polygons = 1000;
+  std::uint32_t draws = 7;
+  std::uint32_t cells = 150;
+  double visible = 0.1;      // share of the scene that a cell sees
+  double changed = 0.2;      // share of runs that differ from the cell before
+  bool overlapping = false;  // explicit boxes of different sizes; else a grid of 1 m cells
+};
+
+// Sets that resemble their neighbors, some equal, some empty, some full. Same seed, same contents.
+sample_contents random_contents(std::uint32_t seed, const random_options& options);
+
+// Two cells, one draw, six polygons: the worked example of SPEC.md.
+sample_contents tiny_contents();
+// Everything the format has in one small file: three draws (one empty), 67 cells in two chunks, own, delta and shared
+// rows, an empty set and a full one, certificate and settings.
+sample_contents small_contents();
+
+// Makes all checksums of a damaged file fit its bytes again, as far as its directory can be followed: what a clever
+// attacker would do, and the way to test the decoder behind the checksums.
+void reseal(std::vector<std::byte>& file);
+
+// Little-endian access for tests that change files.
+std::uint32_t get_u32(const std::vector<std::byte>& file, std::size_t at);
+std::uint64_t get_u64(const std::vector<std::byte>& file, std::size_t at);
+void set_u32(std::vector<std::byte>& file, std::size_t at, std::uint32_t value);
+void set_u64(std::vector<std::byte>& file, std::size_t at, std::uint64_t value);
+
+// Where the record of section id lies in the table; fails the test when there is none.
+std::size_t section_place(const std::vector<std::byte>& file, std::uint32_t id);
+// Where the section's bytes begin.
+std::size_t section_offset(const std::vector<std::byte>& file, std::uint32_t id);
+
+// Polygons of a cell as the reader gives them. s: status of decoding.
+std::vector<std::uint32_t> decode_set(const format::reader& file, std::uint32_t cell, format::status& s);
+
+}  // namespace sightcell::test

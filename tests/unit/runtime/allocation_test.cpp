@@ -1,0 +1,88 @@
+// Per-frame calls allocate nothing: counted over 10,000 moves in the given allocator, in operator new and, where the C
+// library lets us, in malloc itself.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "allocation_counter.h"
+#include "loaded_file.h"
+#include "unit/format/random_source.h"
+
+namespace {
+
+using namespace sightcell::test;
+
+struct counting_allocator {
+  std::size_t given = 0;
+  std::size_t bytes = 0;
+  sightcell_allocator interface {
+    [](void* user, std::size_t size, std::size_t align) -> void* {
+      auto* self = static_cast<counting_allocator*>(user);
+      EXPECT_TRUE(align <= 16 && (align & (align - 1)) == 0);
+      ++self->given;
+      self->bytes += size;
+      return std::malloc(size);
+    },
+        [](void* user, void* block, std::size_t size) {
+          static_cast<counting_allocator*>(user)->bytes -= size;
+          std::free(block);
+        },
+        this
+  };
+};
+
+TEST(allocation, none_over_10000_moves) {
+  const sample_contents contents = random_contents(51, {.polygons = 3000, .draws = 40, .cells = 512});
+  counting_allocator memory;
+  {
+    const loaded_file file(contents.encode(), &memory.interface);
+    EXPECT_EQ(memory.given, 1u);
+    const test_view view(file.db());
+    EXPECT_EQ(memory.given, 2u);
+    std::vector<std::uint32_t> ids(3000);
+    std::vector<std::uint32_t> stored(9000);
+    std::vector<std::uint32_t> indices(9000);
+    std::vector<sightcell_range> ranges(6000);
+    std::vector<sightcell_range> more(6000);
+    random_source random(52);
+    std::size_t count = 0;
+    std::size_t other = 0;
+    std::size_t changes = 0;
+    int failures = 0;
+    const std::size_t before = allocation_count();
+    for (int i = 0; i < 10000; ++i) {
+      float eye[3];
+      for (float& e : eye) e = static_cast<float>(random() % 900) / 100.0f - 0.5f;
+      sightcell_frame frame;
+      failures += sightcell_view_move(view.get(), eye, &frame) != SIGHTCELL_OK;
+      changes += frame.flags & SIGHTCELL_FRAME_CHANGED;
+      failures += sightcell_view_polygons(view.get(), ids.data(), ids.size(), &count) != SIGHTCELL_OK;
+      failures += sightcell_view_ranges(view.get(), ranges.data(), ranges.size(), &count) != SIGHTCELL_OK;
+      failures +=
+          sightcell_view_indices(view.get(), stored.data(), indices.data(), indices.size(), &count) != SIGHTCELL_OK;
+      const sightcell_status s = sightcell_view_changes(view.get(), frame.revision - 1, ranges.data(), ranges.size(),
+                                                        &count, more.data(), more.size(), &other);
+      failures += s != SIGHTCELL_OK && s != SIGHTCELL_ERR_STALE;
+    }
+    EXPECT_EQ(allocation_count(), before);
+    EXPECT_EQ(memory.given, 2u);
+    EXPECT_EQ(failures, 0);
+    EXPECT_GT(changes, 5000u);
+  }
+  EXPECT_EQ(memory.bytes, 0u) << "every block came back with its size";
+}
+
+TEST(allocation, the_counter_counts) {
+  if (!counts_new()) GTEST_SKIP() << "a sanitizer has its own allocator";
+  const std::size_t before = allocation_count();
+  auto* volatile number = new int(3);
+  EXPECT_GT(allocation_count(), before);
+  delete number;
+  if (!counts_malloc()) return;
+  const std::size_t then = allocation_count();
+  void* volatile block = std::malloc(10);
+  EXPECT_GT(allocation_count(), then);
+  std::free(block);
+}
+
+}  // namespace

@@ -1,0 +1,28 @@
+/* sightcell.h is C11, and its structs have the sizes and offsets that other tools count on. */
+#include <sightcell/sightcell.h>
+#include <stdio.h>
+
+_Static_assert(sizeof(sightcell_frame) == 64, "for ever");
+_Static_assert(offsetof(sightcell_frame, revision) == 12, "frame");
+_Static_assert(sizeof(sightcell_range) == 12, "range");
+_Static_assert(sizeof(sightcell_draw) == 48, "draw");
+_Static_assert(offsetof(sightcell_draw, host_tag) == 40, "draw");
+_Static_assert(sizeof(sightcell_info) == 56, "info");
+_Static_assert(offsetof(sightcell_info, range_bound) == 24, "info");
+_Static_assert(offsetof(sightcell_info, scene_fingerprint) == 40, "info");
+_Static_assert(SIGHTCELL_ERR_STALE == 4 && SIGHTCELL_ERR_IO == 10 && SIGHTCELL_ERR_NOT_OURS == 20, "statuses");
+_Static_assert(SIGHTCELL_ERR_OTHER_SCENE == 26 && SIGHTCELL_ERR_CHECKSUM == 23, "statuses");
+_Static_assert(SIGHTCELL_FRAME_DAMAGED == 16 && SIGHTCELL_FRAME_DRAW_ALL == 2, "flags");
+
+int main(int argc, char **argv) {
+  sightcell_db *db = NULL;
+  if (argc != 2 || sightcell_version() != SIGHTCELL_API_VERSION) return 2;
+  sightcell_status status = sightcell_db_open_file(argv[1], NULL, &db);
+  if (status != SIGHTCELL_OK) {
+    fprintf(stderr, "%s\n", sightcell_status_text(status));
+    return 1;
+  }
+  status = sightcell_db_check(db);
+  sightcell_db_close(db);
+  return status == SIGHTCELL_OK ? 0 : 1;
+}

@@ -1,0 +1,95 @@
+#pragma once
+// A .pvs file made from sample contents, opened through the C API, and what the C API says about a view in plain sets.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sightcell/sightcell.h"
+#include "unit/format/sample_contents.h"
+
+namespace sightcell::test {
+
+// Owns the bytes and the db.
+class loaded_file {
+ public:
+  explicit loaded_file(std::vector<std::byte> bytes, const sightcell_allocator* mem = nullptr)
+      : bytes_(std::move(bytes)) {
+    EXPECT_EQ(sightcell_db_open(bytes_.data(), bytes_.size(), mem, &db_), SIGHTCELL_OK);
+  }
+  explicit loaded_file(const sample_contents& contents) : loaded_file(contents.encode()) {}
+  ~loaded_file() { sightcell_db_close(db_); }
+  loaded_file(const loaded_file&) = delete;
+  loaded_file& operator=(const loaded_file&) = delete;
+
+  [[nodiscard]] const sightcell_db* db() const { return db_; }
+
+ private:
+  std::vector<std::byte> bytes_;
+  sightcell_db* db_ = nullptr;
+};
+
+// Owns a view; asks it for lists the way a careful host does: size first.
+class test_view {
+ public:
+  explicit test_view(const sightcell_db* db) { EXPECT_EQ(sightcell_view_create(db, &view_), SIGHTCELL_OK); }
+  ~test_view() { sightcell_view_destroy(view_); }
+  test_view(const test_view&) = delete;
+  test_view& operator=(const test_view&) = delete;
+
+  sightcell_frame move(float x, float y, float z, sightcell_status expected = SIGHTCELL_OK) {
+    const float eye[3] = {x, y, z};
+    sightcell_frame frame;
+    EXPECT_EQ(sightcell_view_move(view_, eye, &frame), expected);
+    return frame;
+  }
+  [[nodiscard]] std::vector<std::uint32_t> polygons() const {
+    std::size_t count = 0;
+    static_cast<void>(sightcell_view_polygons(view_, nullptr, 0, &count));
+    std::vector<std::uint32_t> ids(count);
+    EXPECT_EQ(sightcell_view_polygons(view_, ids.data(), ids.size(), &count), SIGHTCELL_OK);
+    EXPECT_EQ(count, ids.size());
+    return ids;
+  }
+  [[nodiscard]] std::vector<sightcell_range> ranges() const {
+    std::size_t count = 0;
+    static_cast<void>(sightcell_view_ranges(view_, nullptr, 0, &count));
+    std::vector<sightcell_range> ranges(count);
+    EXPECT_EQ(sightcell_view_ranges(view_, ranges.data(), ranges.size(), &count), SIGHTCELL_OK);
+    return ranges;
+  }
+  [[nodiscard]] std::vector<std::uint32_t> indices(const std::vector<std::uint32_t>& stored) const {
+    std::size_t count = 0;
+    static_cast<void>(sightcell_view_indices(view_, stored.data(), nullptr, 0, &count));
+    std::vector<std::uint32_t> list(count);
+    EXPECT_EQ(sightcell_view_indices(view_, stored.data(), list.data(), list.size(), &count), SIGHTCELL_OK);
+    return list;
+  }
+  [[nodiscard]] sightcell_view* get() const { return view_; }
+
+ private:
+  sightcell_view* view_ = nullptr;
+};
+
+// The polygons that ranges stand for, in the order of the ranges.
+inline std::vector<std::uint32_t> polygons_of(std::span<const sightcell_range> ranges,
+                                              const sample_contents& contents) {
+  std::vector<std::uint32_t> polygons;
+  for (const sightcell_range& r : ranges) {
+    EXPECT_LT(r.draw, contents.draws.size());
+    EXPECT_GE(r.count, 1u);
+    EXPECT_LE(r.first + r.count, contents.draws[r.draw].polygon_count);
+    for (std::uint32_t i = 0; i < r.count; ++i) polygons.push_back(contents.draws[r.draw].first_stored + r.first + i);
+  }
+  return polygons;
+}
+
+// 0, 1, .. count - 1
+inline std::vector<std::uint32_t> all_polygons(std::uint32_t count) {
+  std::vector<std::uint32_t> all(count);
+  for (std::uint32_t i = 0; i < count; ++i) all[i] = i;
+  return all;
+}
+
+}  // namespace sightcell::test

@@ -1,0 +1,66 @@
+#include "sightcell/sightcell.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "unit/format/sample_contents.h"
+
+namespace {
+
+TEST(sightcell_hpp, the_whole_path) {
+  const auto contents = sightcell::test::small_contents();
+  const auto bytes = contents.encode();
+  auto opened = sightcell::db::open(bytes);
+  ASSERT_TRUE(opened) << opened.text();
+  const sightcell::db file = std::move(*opened);
+  EXPECT_EQ(file.polygon_count(), 300u);
+  EXPECT_EQ(file.cell_count(), 67u);
+  EXPECT_EQ(file.check(), SIGHTCELL_OK);
+  const auto info = file.info();
+  ASSERT_TRUE(info);
+  const auto box = file.cell_box(3);
+  ASSERT_TRUE(box);
+  EXPECT_EQ(box->min, contents.cells[3].min);
+  EXPECT_EQ(file.cell_box(999).status(), SIGHTCELL_ERR_ARGUMENT);
+  std::vector<sightcell_draw> draws(info->draw_count);
+  EXPECT_TRUE(file.draws(draws));
+  std::vector<std::uint32_t> order(300);
+  EXPECT_TRUE(file.order(order));
+
+  auto made = sightcell::view::create(file);
+  ASSERT_TRUE(made);
+  sightcell::view camera = std::move(*made);
+  sightcell_frame frame;
+  const float eye[3] = {3.5f, 0.5f, 0.5f};
+  EXPECT_EQ(camera.move(eye, frame), SIGHTCELL_OK);
+  EXPECT_EQ(frame.cell, 3u);
+  std::vector<std::uint32_t> ids(300);
+  auto listed = camera.polygons(ids);
+  ASSERT_TRUE(listed);
+  ids.resize(listed.count);
+  EXPECT_EQ(ids, contents.sets[3]);
+  std::vector<sightcell_range> ranges(info->range_bound);
+  EXPECT_TRUE(camera.ranges(ranges));
+  const std::vector<std::uint32_t> stored(900, 7);
+  std::vector<std::uint32_t> indices(900);
+  EXPECT_EQ(camera.indices(stored, indices).count, 3 * ids.size());
+  const auto changes = camera.changes(0, ranges, {});
+  EXPECT_TRUE(changes);
+  EXPECT_EQ(changes.removed, 0u);
+  EXPECT_EQ(camera.polygons({}).status, SIGHTCELL_ERR_CAPACITY);
+}
+
+TEST(sightcell_hpp, failures_are_values) {
+  const auto file = sightcell::db::open({});
+  EXPECT_FALSE(file);
+  EXPECT_EQ(file.status(), SIGHTCELL_ERR_TRUNCATED);
+  EXPECT_EQ(sightcell::db::open_file("no such file").status(), SIGHTCELL_ERR_IO);
+  EXPECT_EQ(sightcell::view::create(sightcell::db()).status(), SIGHTCELL_ERR_ARGUMENT);
+  sightcell::view none;
+  sightcell_frame frame;
+  const float eye[3] = {0, 0, 0};
+  EXPECT_EQ(none.move(eye, frame), SIGHTCELL_ERR_ARGUMENT);
+}
+
+}  // namespace

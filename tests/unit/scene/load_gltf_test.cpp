@@ -1,0 +1,280 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "gltf_sketch.h"
+#include "sightcell/scene/error.h"
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::scene {
+namespace {
+
+using nlohmann::json;
+
+scene load(const gltf_sketch& sketch, int scene_index = -1) {
+  const temporary_folder folder;
+  return load_gltf(folder.write("test.glb", sketch.glb()), scene_index);
+}
+
+std::vector<std::uint32_t> nodes_of_draws(const scene& s) {
+  std::vector<std::uint32_t> out;
+  for (const draw& d : s.draws) out.push_back(d.node);
+  return out;
+}
+
+TEST(load_gltf, source_ids_go_depth_first_in_array_order) {
+  gltf_sketch g;
+  const int mesh = g.add_mesh(g.add_row_of_triangles(1));
+  // 0 -> (3 -> 1), 4; 2 beside it. Numbers in the file are not the order of the walk.
+  g.add_node({{"mesh", mesh}, {"children", {3, 4}}});
+  g.add_node({{"mesh", mesh}});
+  g.add_node({{"mesh", mesh}});
+  g.add_node({{"mesh", mesh}, {"children", {1}}});
+  g.add_node({{"mesh", mesh}});
+  g.json["scenes"] = {{{"nodes", {2, 0}}}};
+  const scene s = load(g);
+  EXPECT_EQ(nodes_of_draws(s), (std::vector<std::uint32_t>{2, 0, 3, 1, 4}));
+  EXPECT_EQ(s.polygon_count, 5u);
+  EXPECT_EQ(s.geometries.size(), 1u);  // shared
+  for (std::uint32_t i = 0; i < 5; ++i) EXPECT_EQ(s.draws[i].first_source, i);
+}
+
+TEST(load_gltf, primitives_in_order_and_points_and_lines_count_nothing) {
+  gltf_sketch g;
+  const int two = g.add_row_of_triangles(2), three = g.add_row_of_triangles(3);
+  json primitives = json::array();
+  primitives.push_back({{"attributes", {{"POSITION", two}}}, {"mode", 0}});
+  primitives.push_back({{"attributes", {{"POSITION", three}}}});
+  primitives.push_back({{"attributes", {{"POSITION", two}}}, {"mode", 1}});
+  primitives.push_back({{"attributes", {{"POSITION", two}}}, {"mode", 4}});
+  g.json["meshes"].push_back({{"primitives", primitives}});
+  g.add_node({{"mesh", 0}});
+  const scene s = load(g);
+  ASSERT_EQ(s.draws.size(), 2u);
+  EXPECT_EQ(s.draws[0].primitive, 1u);
+  EXPECT_EQ(s.draws[0].polygon_count, 3u);
+  EXPECT_EQ(s.draws[1].primitive, 3u);
+  EXPECT_EQ(s.draws[1].first_source, 3u);
+}
+
+TEST(load_gltf, strips_and_fans_are_expanded_with_one_facing) {
+  const std::vector<float> zigzag = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 2, 0, 0};
+  gltf_sketch strip;
+  strip.add_node({{"mesh", strip.add_mesh(strip.add_positions(zigzag), -1, 5)}});
+  EXPECT_EQ(load(strip).geometries[0].indices, (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
+  gltf_sketch fan;
+  fan.add_node({{"mesh", fan.add_mesh(fan.add_positions(zigzag), -1, 6)}});
+  EXPECT_EQ(load(fan).geometries[0].indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 0, 3, 4}));
+}
+
+TEST(load_gltf, indices_of_all_three_widths) {
+  const std::vector<std::uint8_t> bytes = {5, 4, 3, 2, 1, 0, 0, 0};
+  const std::vector<std::uint16_t> shorts = {5, 4, 3, 2, 1, 0};
+  const std::vector<std::uint32_t> words = {5, 4, 3, 2, 1, 0};
+  gltf_sketch g;
+  const int positions = g.add_row_of_triangles(2);
+  g.add_node({{"mesh", g.add_mesh(positions, g.add_accessor(bytes, "SCALAR", 5121, 6))}});
+  g.add_node({{"mesh", g.add_mesh(positions, g.add_accessor(shorts, "SCALAR", 5123, 6))}});
+  g.add_node({{"mesh", g.add_mesh(positions, g.add_accessor(words, "SCALAR", 5125, 6))}});
+  const scene s = load(g);
+  ASSERT_EQ(s.geometries.size(), 3u);
+  for (const geometry& part : s.geometries) EXPECT_EQ(part.indices, words);
+}
+
+TEST(load_gltf, a_rest_that_is_no_whole_triangle_is_left_out) {
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_positions(std::vector<float>(5 * 3, 1.0f)))}});
+  EXPECT_EQ(load(g).polygon_count, 1u);
+}
+
+TEST(load_gltf, interleaved_vertices) {
+  gltf_sketch g;
+  // Position and texture coordinate of three vertices, 20 bytes apart.
+  const std::vector<float> mixed = {0, 0, 0, .1f, .2f, 1, 0, 0, .3f, .4f, 0, 1, 0, .5f, .6f};
+  const int positions = g.add_accessor(mixed, "VEC3", 5126, 3);
+  g.json["bufferViews"][0]["byteStride"] = 20;
+  json uv = g.json["accessors"][0];
+  uv["type"] = "VEC2";
+  uv["byteOffset"] = 12;
+  g.json["accessors"].push_back(uv);
+  g.add_node({{"mesh", g.add_mesh(positions)}});
+  g.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 1;
+  const scene s = load(g);
+  EXPECT_EQ(s.geometries[0].positions[2], glm::vec3(0, 1, 0));
+  EXPECT_EQ(s.geometries[0].uvs[1], glm::vec2(.3f, .4f));
+}
+
+TEST(load_gltf, quantized_and_normalized_positions) {
+  gltf_sketch g;
+  const std::vector<std::int16_t> values = {32767, -32768, 0, 0, 16384, 0, 0, 0, 5, 0};
+  g.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  const int plain = g.add_accessor(values, "VEC3", 5122, 3);
+  const int normalized = g.add_accessor(values, "VEC3", 5122, 3);
+  for (const int accessor : {plain, normalized}) g.json["accessors"][static_cast<std::size_t>(accessor)]["count"] = 3;
+  g.json["accessors"][1]["normalized"] = true;
+  g.add_node({{"mesh", g.add_mesh(plain)}});
+  g.add_node({{"mesh", g.add_mesh(normalized)}});
+  const scene s = load(g);
+  EXPECT_EQ(s.geometries[0].positions[0], glm::vec3(32767, -32768, 0));
+  EXPECT_EQ(s.geometries[1].positions[0], glm::vec3(1, -1, 0));
+  EXPECT_FLOAT_EQ(s.geometries[1].positions[1].y, 16384.0f / 32767.0f);
+}
+
+TEST(load_gltf, sparse_accessors) {
+  gltf_sketch g;
+  const int positions = g.add_row_of_triangles(1);
+  g.add_accessor(std::vector<std::uint16_t>{2}, "SCALAR", 5123, 1);
+  g.add_accessor(std::vector<float>{7, 8, 9}, "VEC3", 5126, 1);
+  g.json["accessors"][0]["sparse"] = {
+      {"count", 1}, {"indices", {{"bufferView", 1}, {"componentType", 5123}}}, {"values", {{"bufferView", 2}}}};
+  g.add_node({{"mesh", g.add_mesh(positions)}});
+  const scene s = load(g);
+  EXPECT_EQ(s.geometries[0].positions[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(s.geometries[0].positions[2], glm::vec3(7, 8, 9));
+  g.json["accessors"][0].erase("bufferView");  // then all others are zero
+  const scene zeros = load(g);
+  EXPECT_EQ(zeros.geometries[0].positions[1], glm::vec3(0, 0, 0));
+  EXPECT_EQ(zeros.geometries[0].positions[2], glm::vec3(7, 8, 9));
+}
+
+TEST(load_gltf, transforms_multiply_down_the_tree) {
+  gltf_sketch g;
+  const int mesh = g.add_mesh(g.add_row_of_triangles(1));
+  // Move by (10, 0, 0), then turn a quarter around +y (x becomes -z), then scale by 2.
+  g.add_node({{"translation", {10, 0, 0}}, {"children", {1}}});
+  g.add_node({{"rotation", {0, 0.7071067811865476, 0, 0.7071067811865476}}, {"children", {2}}});
+  g.add_node({{"matrix", {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1}}, {"mesh", mesh}});
+  const world_geometry w = flatten(load(g));
+  EXPECT_NEAR(w.positions[1].x, 10.0f, 1e-6f);
+  EXPECT_NEAR(w.positions[1].z, -2.0f, 1e-6f);
+  EXPECT_NEAR(w.positions[2].y, 2.0f, 1e-6f);
+}
+
+TEST(load_gltf, mirrored_nodes_keep_their_fronts) {
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}, {"scale", {1, 1, -1}}});
+  const world_geometry w = flatten(load(g));
+  EXPECT_EQ(w.indices, (std::vector<std::uint32_t>{0, 2, 1}));
+}
+
+TEST(load_gltf, instances_come_per_primitive) {
+  gltf_sketch g;
+  const int one = g.add_row_of_triangles(1), two = g.add_row_of_triangles(2);
+  json primitives = json::array();
+  primitives.push_back({{"attributes", {{"POSITION", one}}}});
+  primitives.push_back({{"attributes", {{"POSITION", two}}}});
+  g.json["meshes"].push_back({{"primitives", primitives}});
+  const int moves = g.add_positions({0, 0, 0, 0, 0, 5, 0, 0, 9});
+  g.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  g.add_node({{"mesh", 0},
+              {"translation", {100, 0, 0}},
+              {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", moves}}}}}}}});
+  const scene s = load(g);
+  ASSERT_EQ(s.draws.size(), 6u);
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(s.draws[i].primitive, i / 3);
+    EXPECT_EQ(s.draws[i].instance, i % 3);
+    EXPECT_EQ(s.draws[i].to_world[3].x, 100.0);
+  }
+  EXPECT_EQ(s.draws[4].to_world[3].z, 5.0);
+  EXPECT_EQ(s.polygon_count, 9u);
+  EXPECT_EQ(s.geometries.size(), 2u);
+}
+
+TEST(load_gltf, default_scene_rules) {
+  gltf_sketch g;
+  const int mesh = g.add_mesh(g.add_row_of_triangles(1));
+  for (int i = 0; i < 3; ++i) g.add_node({{"mesh", mesh}});
+  g.json["nodes"][0]["children"] = {2};
+  EXPECT_EQ(nodes_of_draws(load(g)), (std::vector<std::uint32_t>{0, 2, 1}));  // all roots
+  g.json["scenes"] = {{{"nodes", {1}}}, {{"nodes", {0}}}};
+  EXPECT_EQ(nodes_of_draws(load(g)), (std::vector<std::uint32_t>{1}));  // scene 0
+  g.json["scene"] = 1;
+  EXPECT_EQ(nodes_of_draws(load(g)), (std::vector<std::uint32_t>{0, 2}));  // `scene`
+  EXPECT_EQ(nodes_of_draws(load(g, 0)), (std::vector<std::uint32_t>{1}));  // the caller's
+  try {
+    load(g, 2);
+    FAIL() << "scene 2 is not there";
+  } catch (const error& e) {
+    EXPECT_EQ(e.id(), "scene.no-such-scene");
+    EXPECT_EQ(e.kind(), error_kind::wrong_use);
+  }
+}
+
+TEST(load_gltf, materials_and_images) {
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
+  g.add_accessor(std::vector<std::uint8_t>{'p', 'n', 'g', '!'}, "SCALAR", 5121, 4);
+  g.json["images"] = {{{"name", "unused"}, {"uri", "missing.png"}}, {{"bufferView", 1}, {"mimeType", "image/png"}}};
+  g.json["textures"] = {{{"source", 0}}, {{"source", 1}}};
+  g.json["materials"] = {
+      {{"alphaMode", "MASK"}, {"alphaCutoff", 0.25}, {"doubleSided", true}},
+      {{"alphaMode", "BLEND"},
+       {"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 1, 0.5}}, {"baseColorTexture", {{"index", 1}}}}}}};
+  g.json["meshes"][0]["primitives"][0]["material"] = 1;
+  const scene s = load(g);
+  ASSERT_EQ(s.materials.size(), 2u);
+  EXPECT_EQ(s.materials[0].alpha, alpha_mode::mask);
+  EXPECT_EQ(s.materials[0].alpha_cutoff, 0.25f);
+  EXPECT_TRUE(s.materials[0].double_sided);
+  EXPECT_EQ(s.materials[0].base_color_image, no_index);
+  EXPECT_EQ(s.materials[1].alpha, alpha_mode::blend);
+  EXPECT_EQ(s.materials[1].base_color, glm::vec4(0.5f, 0.25f, 1, 0.5f));
+  ASSERT_EQ(s.materials[1].base_color_image, 0u);  // images that nothing uses are not loaded
+  EXPECT_EQ(s.images[0].encoded, (std::vector<std::uint8_t>{'p', 'n', 'g', '!'}));
+  EXPECT_EQ(s.draws[0].material, 1u);
+  EXPECT_TRUE(s.warnings.empty());
+}
+
+TEST(load_gltf, a_missing_image_is_a_warning) {
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
+  g.json["images"] = {{{"uri", "missing.png"}}};
+  g.json["textures"] = {{{"source", 0}}};
+  g.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  const scene s = load(g);
+  EXPECT_EQ(s.materials[0].base_color_image, no_index);
+  ASSERT_EQ(s.warnings.size(), 1u);
+  EXPECT_NE(s.warnings[0].find("missing.png"), std::string::npos);
+}
+
+TEST(load_gltf, text_files_with_external_buffers_and_data_uris) {
+  const temporary_folder folder;
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0}))}});
+  folder.write("my buffer.bin", g.binary + "and more");
+  g.json["buffers"] = {{{"uri", "my%20buffer.bin"}, {"byteLength", g.binary.size()}}};
+  const scene external = load_gltf(folder.write("a.gltf", g.json.dump()));
+  EXPECT_EQ(external.geometries[0].positions[1], glm::vec3(1, 0, 0));
+  g.json["buffers"][0]["uri"] = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+  const scene embedded = load_gltf(folder.write("b.gltf", "\xEF\xBB\xBF" + g.json.dump()));
+  EXPECT_EQ(embedded.geometries[0].positions, external.geometries[0].positions);
+  EXPECT_EQ(embedded.fingerprint, external.fingerprint);
+}
+
+TEST(load_gltf, optional_extensions_are_warned_about_once) {
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
+  g.json["extensionsUsed"] = {"ACME_sparkles", "ACME_sparkles", "KHR_materials_unlit"};
+  const scene s = load(g);
+  ASSERT_EQ(s.warnings.size(), 1u);
+  EXPECT_NE(s.warnings[0].find("ACME_sparkles"), std::string::npos);
+}
+
+TEST(load_gltf, a_very_deep_chain_of_nodes) {
+  gltf_sketch g;
+  const int mesh = g.add_mesh(g.add_row_of_triangles(1));
+  constexpr int depth = 100000;
+  for (int i = 0; i < depth; ++i) g.add_node({{"children", {i + 1}}});
+  g.add_node({{"mesh", mesh}});
+  EXPECT_EQ(load(g).polygon_count, 1u);
+}
+
+TEST(load_gltf, names_are_kept_on_one_line) {
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}, {"name", "two\nlines"}});
+  EXPECT_EQ(load(g).node_names[0], "two?lines");
+}
+
+}  // namespace
+}  // namespace sightcell::scene
