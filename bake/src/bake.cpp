@@ -74,7 +74,7 @@ void equip(workshop& w, const scene::scene& s, const settings& how, const callba
   // The far plane of the importance: the diagonal of the scene's box.
   const float diagonal = glm::distance(w.geometry.min, w.geometry.max);
   w.source = make_gpu_source(*w.context, *drawn, {.resolution = how.resolution, .far_plane = std::max(diagonal, 1e-3f)});
-  if (tell.on_message) tell.on_message(fmt::format("device: {} ({})", w.source->device(), w.context->choice()));
+  if (tell.on_message) tell.on_message("device: " + w.source->device());
 }
 
 // Times a few hemicubes and rays in cells spread over the list, and says how long the bake will take.

@@ -44,6 +44,14 @@ std::size_t split_axis(std::span<const located_cell> cells) noexcept {
   return best;
 }
 
+// Half-open boxes that only touch have no point in common.
+bool boxes_meet(const format::box& a, const format::box& b) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(a.min[axis] < b.max[axis] && b.min[axis] < a.max[axis])) return false;
+  }
+  return true;
+}
+
 struct pending_node {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
@@ -148,6 +156,27 @@ std::uint32_t cell_locator::find(const float eye[3], double volume_limit, format
     }
   }
   return best;
+}
+
+bool cell_locator::has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept {
+  if (nodes_.empty()) return false;
+  std::array<std::uint32_t, stack_size> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t number = stack[--depth];
+    const locator_node& node = nodes_[number];
+    if (node.smallest_volume >= volume_limit || !boxes_meet(node.bounds, bounds)) continue;
+    if (node.count == 0) {
+      stack[depth++] = node.first;
+      stack[depth++] = number + 1;
+      continue;
+    }
+    for (const located_cell& c : cells_.subspan(node.first, node.count)) {
+      if (box_volume(c.bounds) < volume_limit && boxes_meet(c.bounds, bounds)) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace sightcell::runtime

@@ -46,6 +46,10 @@ class cell_locator {
   // out is set only when a cell is found.
   [[nodiscard]] std::uint32_t find(const float eye[3], double volume_limit, format::box& out) const noexcept;
 
+  // True when some cell smaller than volume_limit has a point in common with bounds. Where it is false, a place inside
+  // bounds needs no search for a smaller cell.
+  [[nodiscard]] bool has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept;
+
  private:
   std::span<const located_cell> cells_;
   std::span<const locator_node> nodes_;

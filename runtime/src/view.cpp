@@ -47,9 +47,10 @@ void sightcell_view::destroy(sightcell_view* view) noexcept {
   sightcell::runtime::release(view->db_->allocator(), view, view->block_size_);
 }
 
-// The old cell first. A smaller one is asked for even inside it, since boxes may overlap; where all cells are of one
-// size that costs one comparison.
+// The old cell first: most frames end with the first line. In the rest of its grown box, and where smaller cells reach
+// into it, a smaller one is looked for.
 std::uint32_t sightcell_view::locate(const float eye[3], format::box& bounds) const noexcept {
+  if (cell_ != no_cell && !shares_box_ && sightcell::runtime::box_holds(bounds_, eye)) return cell_;
   const auto& locator = db_->locator();
   if (cell_ != no_cell && sightcell::runtime::grown_box_holds(bounds_, db_->file().facts().margin, eye)) {
     const std::uint32_t smaller = locator.find(eye, sightcell::runtime::box_volume(bounds_), bounds);
@@ -81,6 +82,7 @@ sightcell_status sightcell_view::move(const float* eye, sightcell_frame& frame) 
 void sightcell_view::enter(std::uint32_t cell, const format::box& bounds) noexcept {
   cell_ = cell;
   bounds_ = bounds;
+  shares_box_ = db_->locator().has_smaller_inside(bounds, sightcell::runtime::box_volume(bounds));
   const bool sound = db_->cell_is_sound(cell) && decode_next(cell);
   flags_ = sound ? 0u : SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
   next_.everything = !sound;

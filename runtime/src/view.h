@@ -51,6 +51,7 @@ struct sightcell_view {
   polygon_set current_, previous_, next_;
   std::span<sightcell::format::run> scratch_;
   sightcell::format::box bounds_;  // of cell_
+  bool shares_box_ = false;        // a smaller cell reaches into it
   std::uint32_t cell_ = sightcell::runtime::no_cell;
   std::uint32_t flags_ = 0;  // all but CHANGED
   std::uint32_t polygon_count_ = 0;

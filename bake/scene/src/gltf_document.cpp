@@ -426,6 +426,12 @@ std::string buffer_uri(std::size_t buffer) {
   return std::to_string(buffer);
 }
 
+std::size_t buffer_of_uri(const std::string& uri) {
+  std::size_t number = SIZE_MAX;
+  const auto [end, problem] = std::from_chars(uri.data(), uri.data() + uri.size(), number);
+  return problem == std::errc() && end == uri.data() + uri.size() ? number : SIZE_MAX;
+}
+
 gltf_document read_gltf_document(const std::filesystem::path& path) {
   gltf_file file = read_gltf_file(path);
   const std::string name = printable(path.string(), 1000);

@@ -68,6 +68,26 @@ TEST(cell_locator, agrees_with_trying_every_box) {
   }
 }
 
+TEST(cell_locator, smaller_cells_inside_a_box) {
+  random_source random(42);
+  for (const std::uint32_t count : {0u, 1u, 10u, 300u}) {
+    const auto boxes = random_boxes(random, count);
+    const built_locator built(boxes);
+    for (const box& place : random_boxes(random, 1000)) {
+      const double limit = static_cast<double>(random() % 200) / 16.0;
+      bool expected = false;
+      for (const box& b : boxes) {
+        bool meet = box_volume(b) < limit;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          meet = meet && std::max(b.min[axis], place.min[axis]) < std::min(b.max[axis], place.max[axis]);
+        }
+        expected = expected || meet;
+      }
+      ASSERT_EQ(built.locator.has_smaller_inside(place, limit), expected);
+    }
+  }
+}
+
 TEST(cell_locator, many_equal_boxes) {
   const std::vector<box> boxes(5000, {{0, 0, 0}, {1, 1, 1}});
   const built_locator built(boxes);

@@ -300,6 +300,23 @@ TEST(view, hostile_rows_fail_open) {
   EXPECT_GT(damaged, 100u);
 }
 
+// A file that promises fewer ranges than a set has would make a host's buffer too small: that set is not shown.
+TEST(view, a_set_with_more_ranges_than_promised_fails_open) {
+  sample_contents contents;
+  add_draws(contents, 40, 4);
+  contents.cells = {{{0, 0, 0}, {1, 1, 1}}, {{1, 0, 0}, {2, 1, 1}}};
+  contents.sets = {{3}, all_polygons(40)};
+  auto bytes = contents.encode();
+  ASSERT_EQ(get_u32(bytes, sightcell::format::layout::header_range_bound), 3u);  // one draw of four is empty
+  set_u32(bytes, sightcell::format::layout::header_range_bound, 2);
+  reseal(bytes);
+  const loaded_file file(std::move(bytes));
+  test_view view(file.db());
+  EXPECT_EQ(go_to(view, contents, 0).flags, SIGHTCELL_FRAME_CHANGED);
+  EXPECT_EQ(go_to(view, contents, 1).flags,
+            SIGHTCELL_FRAME_CHANGED | SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED);
+}
+
 TEST(view, an_empty_file_is_outside_everywhere) {
   const sample_contents contents;
   const loaded_file file(contents);
