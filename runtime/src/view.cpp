@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <new>
 #include <utility>
@@ -61,13 +62,14 @@ std::uint32_t sightcell_view::locate(const float eye[3], format::box& bounds) co
 
 sightcell_status sightcell_view::move(const float* eye, sightcell_frame& frame) noexcept {
   const std::uint32_t before = revision_;
-  if (eye == nullptr || std::isnan(eye[0]) || std::isnan(eye[1]) || std::isnan(eye[2])) {
+  constexpr float nowhere = std::numeric_limits<float>::quiet_NaN();
+  const float place[3] = {eye == nullptr ? nowhere : eye[0], eye == nullptr ? nowhere : eye[1],
+                          eye == nullptr ? nowhere : eye[2]};
+  if (std::isnan(place[0]) || std::isnan(place[1]) || std::isnan(place[2])) {
     leave(SIGHTCELL_FRAME_DRAW_ALL);
     report(before, frame);
     return SIGHTCELL_ERR_ARGUMENT;
   }
-  // The caller's array may be shared with another thread: one look only.
-  const float place[3] = {eye[0], eye[1], eye[2]};
   format::box bounds;
   const std::uint32_t cell = locate(place, bounds);
   if (cell == no_cell) {
@@ -100,12 +102,17 @@ void sightcell_view::leave(std::uint32_t flags) noexcept {
 bool sightcell_view::decode_next(std::uint32_t cell) noexcept {
   const std::span<format::run> room(next_.buffer, scratch_.size());
   if (db_->file().decode_row(cell, room, scratch_, next_.count) != format::status::ok) return false;
-  return sightcell::runtime::count_ranges(next_.runs(), db_->draw_borders()) <= db_->file().range_bound();
+  const std::uint64_t ranges = sightcell::runtime::count_ranges(next_.runs(), db_->draw_borders());
+  next_.range_count = static_cast<std::uint32_t>(ranges);
+  return ranges <= db_->file().range_bound();
 }
 
 // Makes next_ the current set, unless it is the same.
 void sightcell_view::show_next() noexcept {
-  if (next_.everything) next_.count = 0;
+  if (next_.everything) {
+    next_.count = 0;
+    next_.range_count = db_->filled_draw_count();
+  }
   const auto same_run = [](const format::run& a, const format::run& b) {
     return a.first == b.first && a.count == b.count;
   };
@@ -119,14 +126,8 @@ void sightcell_view::show_next() noexcept {
   std::swap(current_, next_);
   moved_ = true;
   ++revision_;
-  if (current_.everything) {
-    polygon_count_ = db_->polygon_count();
-    range_count_ = db_->filled_draw_count();
-    return;
-  }
-  polygon_count_ = 0;
+  polygon_count_ = current_.everything ? db_->polygon_count() : 0;
   for (const format::run& r : current_.runs()) polygon_count_ += r.count;
-  range_count_ = static_cast<std::uint32_t>(sightcell::runtime::count_ranges(current_.runs(), db_->draw_borders()));
 }
 
 void sightcell_view::report(std::uint32_t revision_before, sightcell_frame& frame) const noexcept {

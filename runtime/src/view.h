@@ -21,7 +21,7 @@ struct sightcell_view {
   // The set as runs of stored polygons, ascending.
   [[nodiscard]] std::span<const sightcell::format::run> runs() const noexcept { return current_.runs(); }
   [[nodiscard]] std::uint32_t polygon_count() const noexcept { return polygon_count_; }
-  [[nodiscard]] std::uint32_t range_count() const noexcept { return range_count_; }
+  [[nodiscard]] std::uint32_t range_count() const noexcept { return current_.range_count; }
   [[nodiscard]] std::uint32_t revision() const noexcept { return revision_; }
   // The set of revision() - 1; false when there is none, or when it or the current one is everything.
   [[nodiscard]] bool previous_runs(std::span<const sightcell::format::run>& out) const noexcept;
@@ -31,6 +31,7 @@ struct sightcell_view {
   struct polygon_set {
     sightcell::format::run* buffer = nullptr;
     std::size_t count = 0;
+    std::uint32_t range_count = 0;
     bool everything = false;
 
     [[nodiscard]] std::span<const sightcell::format::run> runs() const noexcept { return {buffer, count}; }
@@ -55,7 +56,6 @@ struct sightcell_view {
   std::uint32_t cell_ = sightcell::runtime::no_cell;
   std::uint32_t flags_ = 0;  // all but CHANGED
   std::uint32_t polygon_count_ = 0;
-  std::uint32_t range_count_ = 0;
   std::uint32_t revision_ = 0;
   bool moved_ = false;  // the first move always counts as a change
 };
