@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "free_place.h"
+#include "overview.h"
 #include "sightcell/picture/picture.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
@@ -76,6 +77,15 @@ void write_pictures(const std::filesystem::path& folder, const std::string& pref
   picture::write_png(folder / (prefix + "difference.png"), p.differs.marked);
 }
 
+// Half the width each, so that the pair is as wide as a frame.
+void write_overview(const std::filesystem::path& folder, picture::renderer& renderer, const scene::world_geometry& world,
+                    const glm::vec3& eye, std::span<const std::uint32_t> seen) {
+  const picture::camera above = headless_walk::camera_above(world, eye);
+  const picture::image_rgba whole = renderer.draw(above, width / 2, height);
+  const picture::image_rgba kept = renderer.draw(above, width / 2, height, seen);
+  picture::write_png(folder / "overview.png", headless_walk::side_by_side(whole, kept));
+}
+
 void print_summary(const totals& t, std::size_t frames, const std::string& out) {
   const double n = static_cast<double>(frames);
   fmt::print(
@@ -86,7 +96,7 @@ void print_summary(const totals& t, std::size_t frames, const std::string& out) 
       static_cast<double>(t.differing_pixels) / n, width * height,
       static_cast<double>(t.differing_pixels) / n / (width * height), t.color_error / n, t.full_milliseconds / n,
       t.culled_milliseconds / n);
-  fmt::print("pictures of the first and the worst frame: {}\n", out);
+  fmt::print("pictures of the first and the worst frame, and overview.png from above: {}\n", out);
 }
 
 void walk(const arguments& args) {
@@ -146,7 +156,10 @@ void walk(const arguments& args) {
     sum.full_milliseconds += full_milliseconds;
     sum.culled_milliseconds += culled_milliseconds;
     sum.color_error += now.differs.color_error;
-    if (f == 0) write_pictures(args.out, "first_", now);
+    if (f == 0) {
+      write_pictures(args.out, "first_", now);
+      write_overview(args.out, renderer, world, path[f].eye, std::span<const std::uint32_t>(seen).first(list.count));
+    }
     if (f == 0 || now.differs.differing_pixels > worst.differs.differing_pixels) worst = std::move(now);
   }
   write_pictures(args.out, "", worst);

@@ -1,0 +1,209 @@
+// Whole cells on scenes of a few polygons: what the set has to hold, and what it must not.
+#include "cell_bake.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <set>
+
+#include "finish/vertex_neighbors.h"
+#include "free_space.h"
+#include "random.h"
+#include "sightcell/picture/gl_context.h"
+#include "sightcell/scene/error.h"
+#include "source/gpu_source.h"
+#include "tiny_scene.h"
+
+namespace sightcell::bake {
+namespace {
+
+using test::tiny_scene;
+constexpr tiny_scene::look glass{scene::alpha_mode::blend, false};
+
+const picture::gl_context* context() {
+  static const auto made = []() -> std::unique_ptr<picture::gl_context> {
+    try {
+      return std::make_unique<picture::gl_context>();
+    } catch (const error& e) {
+      std::fprintf(stderr, "skipped: %s\n", e.what());
+      return nullptr;
+    }
+  }();
+  return made.get();
+}
+
+class cell_bake : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!context()) GTEST_SKIP() << "no EGL context";
+  }
+
+  cell_record bake(tiny_scene tiny, const view_cell& cell, settings how = {}) {
+    const scene::scene s = tiny.finished();
+    const scene::world_geometry geometry = scene::flatten(s);
+    const ray_scene rays(geometry, how.all_double_sided);
+    const vertex_neighbors neighbors(geometry);
+    const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
+    cell_baker baker(how, rays, how.max_pixel_error > 0.0 ? &neighbors : nullptr, *source);
+    cell_record record = baker.bake(cell);
+    if (how.max_pixel_error > 0.0 && record.stored) expect_as_brute_force(rays, cell, how, record);
+    return record;
+  }
+
+  // Everything that 400,000 rays of their own find is in the set; what they never find has to be a polygon inside the
+  // grown box (rule 4 takes those that face a free place even where they are hard to see) or a sliver of the rays.
+  static void expect_as_brute_force(const ray_scene& rays, const view_cell& cell, const settings& how,
+                                    const cell_record& record) {
+    const box grown = box{cell.min, cell.max}.grown(how.margin);
+    random_stream random(99, 99, purpose::verify);
+    std::uint64_t tries = 0;
+    const auto eyes = draw_free_points(rays, grown, how.player_radius, 4'000, 400'000, random, tries);
+    std::vector<std::uint64_t> hits(rays.geometry().kinds.size());
+    sight seen;
+    for (const glm::vec3& eye : eyes)
+      for (int i = 0; i < 100; ++i) {
+        rays.look(eye, random.on_sphere(), seen);
+        if (seen.front != no_polygon) ++hits[seen.front];
+        for (const std::uint32_t polygon : seen.before) ++hits[polygon];
+      }
+    const std::set<std::uint32_t> set(record.set.begin(), record.set.end());
+    const auto inside = polygons_touching(rays.geometry(), grown);
+    for (std::uint32_t polygon = 0; polygon < hits.size(); ++polygon) {
+      if (hits[polygon] >= 400) {
+        EXPECT_TRUE(set.contains(polygon)) << "polygon " << polygon << " is seen by " << hits[polygon] << " rays";
+      }
+      if (set.contains(polygon) && hits[polygon] == 0) {
+        EXPECT_TRUE(std::binary_search(inside.begin(), inside.end(), polygon)) << "polygon " << polygon << " is not seen";
+      }
+    }
+  }
+
+  static bool has(const cell_record& record, std::uint32_t first, std::uint32_t count = 2) {
+    const std::set<std::uint32_t> set(record.set.begin(), record.set.end());
+    for (std::uint32_t i = first; i < first + count; ++i)
+      if (!set.contains(i)) return false;
+    return true;
+  }
+  static bool has_any(const cell_record& record, std::uint32_t first, std::uint32_t count = 2) {
+    const std::set<std::uint32_t> set(record.set.begin(), record.set.end());
+    for (std::uint32_t i = first; i < first + count; ++i)
+      if (set.contains(i)) return true;
+    return false;
+  }
+};
+
+const view_cell around_origin{{-1, -1, -1}, {1, 1, 1}, "", 7};
+
+TEST_F(cell_bake, a_wall_hides_what_is_behind_it) {
+  tiny_scene tiny;
+  const auto wall = tiny.wall_x(4, -1, 30), behind = tiny.wall_x(6, -1, 3), beside = tiny.wall_x(-6, 1, 3);
+  const cell_record record = bake(tiny, around_origin);
+  EXPECT_TRUE(record.bound_met);
+  EXPECT_TRUE(has(record, wall));
+  EXPECT_TRUE(has(record, beside));
+  EXPECT_FALSE(has_any(record, behind));
+}
+
+TEST_F(cell_bake, walls_turned_away_are_not_seen_and_hide_nothing) {
+  tiny_scene tiny;
+  // Small and in a room, or seeing so many backs would tell that the cell lies in a solid.
+  tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+  const auto back = tiny.wall_x(4, +1, 1), behind = tiny.wall_x(6, -1, 1);
+  const cell_record record = bake(tiny, around_origin);
+  EXPECT_TRUE(record.stored);
+  EXPECT_FALSE(has_any(record, back));
+  EXPECT_TRUE(has(record, behind));
+  settings both;
+  both.all_double_sided = true;
+  EXPECT_TRUE(has(bake(tiny, around_origin, both), back)) << "rays see both sides with --all-double-sided";
+}
+
+TEST_F(cell_bake, glass_is_seen_through) {
+  tiny_scene tiny;
+  const auto pane = tiny.wall_x(3, -1, 4, glass), second = tiny.wall_x(4, -1, 4, glass), wall = tiny.wall_x(5, -1, 30);
+  const auto hidden = tiny.wall_x(6, -1, 3, glass);
+  const cell_record record = bake(tiny, around_origin);
+  EXPECT_TRUE(has(record, pane) && has(record, second) && has(record, wall));
+  EXPECT_FALSE(has_any(record, hidden));
+}
+
+TEST_F(cell_bake, all_sides_of_a_pillar_inside_are_in_the_set) {
+  tiny_scene tiny;
+  const auto pillar = tiny.closed_box({-0.2f, -3, -0.2f}, {0.2f, 3, 0.2f});
+  const auto core = tiny.closed_box({-0.1f, -2, -0.1f}, {0.1f, 2, 0.1f});  // inside the pillar
+  const auto room = tiny.closed_box({-5, -5, -5}, {5, 5, 5}, true);
+  const cell_record record = bake(tiny, around_origin);
+  EXPECT_TRUE(has(record, room, 12));
+  // The four sides; its top and bottom face away from everything in the cell.
+  const std::set<std::uint32_t> set(record.set.begin(), record.set.end());
+  int sides = 0;
+  for (std::uint32_t i = pillar; i < pillar + 12; ++i) sides += set.contains(i);
+  EXPECT_EQ(sides, 8);
+  // The core touches the cell and faces its places, so rule 4 takes the sides that look out; never its top and bottom.
+  int core_sides = 0;
+  for (std::uint32_t i = core; i < core + 12; ++i) core_sides += set.contains(i);
+  EXPECT_LE(core_sides, 8);
+}
+
+TEST_F(cell_bake, a_cell_half_in_a_wall_does_not_open_it) {
+  // A closed room; the cell reaches through its wall into the solid between this room and the next.
+  tiny_scene tiny;
+  const auto room = tiny.closed_box({-5, -5, -5}, {0, 5, 5}, true);
+  const auto next = tiny.closed_box({2, -5, -5}, {9, 5, 5}, true);
+  const cell_record record = bake(tiny, around_origin);
+  EXPECT_TRUE(record.stored);
+  EXPECT_TRUE(has(record, room, 12));
+  EXPECT_FALSE(has_any(record, next, 12));
+}
+
+TEST_F(cell_bake, a_cell_inside_a_solid_is_not_stored) {
+  tiny_scene tiny;
+  tiny.closed_box({-5, -5, -5}, {5, 5, 5});
+  EXPECT_FALSE(bake(tiny, around_origin).stored);
+}
+
+TEST_F(cell_bake, the_margin_counts) {
+  // A deep slit above the cell: what lies behind it is seen from the margin alone, which reaches up to it.
+  tiny_scene tiny;
+  tiny.quad({2, -9, -9}, {2, -9, 1.1f}, {2, 9, 1.1f}, {2, 9, -9});
+  tiny.quad({2, -9, 1.3f}, {2, -9, 9}, {2, 9, 9}, {2, 9, 1.3f});
+  tiny.quad({1.0f, -9, 1.1f}, {2, -9, 1.1f}, {2, 9, 1.1f}, {1.0f, 9, 1.1f}, {scene::alpha_mode::opaque, true});
+  tiny.quad({1.0f, -9, 1.3f}, {2, -9, 1.3f}, {2, 9, 1.3f}, {1.0f, 9, 1.3f}, {scene::alpha_mode::opaque, true});
+  const auto target = tiny.quad({2.05f, -9, 1.12f}, {2.05f, -9, 1.28f}, {2.05f, 9, 1.28f}, {2.05f, 9, 1.12f});
+  settings narrow, wide;
+  narrow.margin = 0.0f;
+  wide.margin = 0.25f;
+  const view_cell cell{{0, -0.5f, 0}, {0.5f, 0.5f, 0.85f}, "", 3};
+  EXPECT_FALSE(has_any(bake(tiny, cell, narrow), target));
+  EXPECT_TRUE(has_any(bake(tiny, cell, wide), target));
+}
+
+TEST_F(cell_bake, the_sampler_alone_finds_what_has_pixels) {
+  tiny_scene tiny;
+  const auto wall = tiny.wall_x(4, -1, 30), behind = tiny.wall_x(6, -1, 3);
+  for (const char* sampler : {"importance-depth", "halton"}) {
+    settings how;
+    how.sampler = sampler;
+    how.max_pixel_error = 0.0;
+    const cell_record record = bake(tiny, around_origin, how);
+    EXPECT_EQ(record.samples, how.samples);
+    EXPECT_EQ(record.rays, 0u);
+    EXPECT_EQ(record.upper_bound, 1.0);
+    EXPECT_TRUE(has(record, wall));
+    EXPECT_FALSE(has_any(record, behind));
+  }
+}
+
+TEST_F(cell_bake, repeats_itself) {
+  tiny_scene tiny;
+  tiny.closed_box({-5, -5, -5}, {5, 5, 5}, true);
+  tiny.closed_box({0.3f, -1, -0.2f}, {0.6f, 0.4f, 0.9f});
+  cell_record first = bake(tiny, around_origin), second = bake(tiny, around_origin);
+  first.seconds = second.seconds = 0.0;
+  EXPECT_EQ(first, second);
+}
+
+}  // namespace
+}  // namespace sightcell::bake
