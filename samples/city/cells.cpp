@@ -86,7 +86,7 @@ std::vector<named_cell> choose_cells(const plan& p, std::uint64_t seed) {
       auto cell = fit(p, open.back());
       open.pop_back();
       if (!cell) continue;
-      cell->name += " " + std::to_string(++numbers[kind]);
+      cell->name.append(" ").append(std::to_string(++numbers[kind]));
       cells.push_back(*std::move(cell));
       --wanted;
     }

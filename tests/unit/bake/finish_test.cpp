@@ -75,19 +75,33 @@ TEST(dilation, spreads_over_a_room_from_one_polygon) {
 
 TEST(dilation, never_adds_what_is_not_seen) {
   tiny_scene tiny;
-  const auto screen = tiny.wall_x(2, -1, 3);
-  tiny.wall_x(4, -1, 2);  // wholly hidden by the screen from the origin
-  const auto reached = tiny.quad({2, 3, 3}, {2, 3, -3}, {2, 6, -3}, {2, 6, 3});  // shares the screen's upper edge
+  // The upper and the lower half of a wall share an edge; from the eye a screen hides all of the lower one.
+  const auto upper = tiny.quad({4, 0, -2}, {4, 0, 2}, {4, 2, 2}, {4, 2, -2});
+  const auto lower = tiny.quad({4, -2, -2}, {4, -2, 2}, {4, 0, 2}, {4, 0, -2});
+  const auto screen = tiny.quad({3, -9, -9}, {3, -9, 9}, {3, 0.2f, 9}, {3, 0.2f, -9});
   const world w(tiny);
+  const glm::vec3 eye{0, 0.5f, 0};
+  ASSERT_TRUE(faces(w.rays, lower, eye));
   cell_set set(w.s.polygon_count);
-  set.add(screen, {0, 0, 0});
+  set.add(upper, eye);
   std::uint64_t round = 0;
   (void)dilate(w.rays, w.neighbors, {1, 1, 1'000'000}, 0, round, set);
-  EXPECT_TRUE(set.contains(screen + 1));
-  EXPECT_FALSE(set.contains(2)) << "hidden";
-  EXPECT_FALSE(set.contains(3)) << "hidden";
-  // The quad above faces the other way, so it is no neighbor to aim at.
-  EXPECT_EQ(set.contains(reached), faces(w.rays, reached, {0, 0, 0}));
+  EXPECT_TRUE(set.contains(upper + 1));
+  EXPECT_FALSE(set.contains(lower) || set.contains(lower + 1)) << "hidden";
+  EXPECT_TRUE(set.contains(screen) || set.contains(screen + 1)) << "it was hit on the way to the lower half";
+}
+
+TEST(dilation, aims_at_no_back) {
+  tiny_scene tiny;
+  const auto front = tiny.wall_x(2, -1, 3);
+  const auto back = tiny.quad({2, 3, 3}, {2, 3, -3}, {2, 6, -3}, {2, 6, 3});  // shares the upper edge, turned away
+  const world w(tiny);
+  cell_set set(w.s.polygon_count);
+  set.add(front, {0, 0, 0});
+  set.add(front + 1, {0, 0, 0});
+  std::uint64_t round = 0;
+  EXPECT_EQ(dilate(w.rays, w.neighbors, {1, 1, 1'000'000}, 0, round, set), 0u);
+  EXPECT_FALSE(set.contains(back));
 }
 
 TEST(fresh_rays, count_what_the_set_lacks) {

@@ -62,7 +62,8 @@ TEST(reliability_map, a_new_largest_importance_rebuilds_the_map) {
   small.add_sample({0.25f, 0.5f}, {1, 0, 0, 0});
   const float before = small.at(128, 128);
   small.add_sample({0.9f, 0.5f}, {1000, 0, 0, 0});  // the first one's importance is now next to nothing
-  EXPECT_GT(small.at(128, 128), before);
+  EXPECT_LT(before, 0.1f);
+  EXPECT_NEAR(small.at(128, 128), std::exp(-0.25 * 0.25), 0.01);
 }
 
 TEST(reliability_map, is_only_ever_raised_by_samples_of_equal_scale) {
@@ -163,8 +164,15 @@ TEST(sample_cell, half_of_the_images_are_cubes_where_geometry_is_inside) {
                                              [](const glm::vec3&) { return true; }, source, set);
   EXPECT_EQ(rendered, 24u);
   int inside = 0;
-  for (const pose& p : source.poses) inside += p.eye == glm::vec3(2, 1, 2);
+  glm::vec3 sum{0.0f};
+  for (const pose& p : source.poses) {
+    if (p.eye != glm::vec3(2, 1, 2)) continue;
+    ++inside;
+    sum += p.forward;
+    EXPECT_EQ(glm::cross(p.forward, p.up), p.right);
+  }
   EXPECT_EQ(inside, 12);
+  EXPECT_EQ(sum, glm::vec3(0.0f)) << "two hemicubes back to back make a cube";
 }
 
 TEST(sample_cell, no_hemicube_stands_in_a_wall) {
