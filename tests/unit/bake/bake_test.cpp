@@ -1,0 +1,135 @@
+// The whole bake as a library call, on rooms of a few polygons.
+#include "sightcell/bake/bake.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "sightcell/format/reader.h"
+#include "sightcell/picture/gl_context.h"
+#include "sightcell/scene/error.h"
+#include "tiny_scene.h"
+
+namespace sightcell::bake {
+namespace {
+
+using test::tiny_scene;
+
+std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
+  std::vector<std::byte> bytes(text.size());
+  std::transform(text.begin(), text.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
+  return bytes;
+}
+
+class bake_library : public testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      const picture::gl_context probe;
+    } catch (const error& e) {
+      GTEST_SKIP() << "no EGL context: " << e.what();
+    }
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string("sightcell_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+  }
+
+  // A room with a screen in it that turns its back to the cells.
+  static scene::scene room(std::uint32_t& back) {
+    tiny_scene tiny;
+    tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+    back = tiny.wall_x(5, +1, 1);
+    return tiny.finished();
+  }
+  static settings four_cells() {
+    settings how;
+    how.cells_grid = {-2.0f, 0.0f, -2.0f, 2.0f, 1.0f, 2.0f};
+    how.cell_size = 2.0f;
+    how.resolution = 64;
+    return how;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(bake_library, hemicubes_see_both_sides_when_told) {
+  std::uint32_t back = 0;
+  const scene::scene s = room(back);
+  settings how = four_cells();
+  how.max_pixel_error = 0.0;  // hemicubes alone
+  for (const bool both : {false, true}) {
+    how.all_double_sided = both;
+    const auto path = folder_ / "room.pvs";
+    const summary sum = bake(s, how, path, true, {});
+    EXPECT_EQ(sum.result, outcome::done);
+    const std::vector<std::byte> bytes = bytes_of(path);
+    format::reader file;
+    ASSERT_EQ(format::reader::open(bytes, file), format::status::ok);
+    EXPECT_EQ(file.cell_count(), 4u);
+    std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
+    std::size_t runs = 0;
+    ASSERT_EQ(file.decode_row(0, row, scratch, runs), format::status::ok);
+    const bool has_back = std::any_of(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(runs),
+                                      [&](const format::run& r) { return r.first <= back && back < r.first + r.count; });
+    EXPECT_EQ(has_back, both);
+  }
+}
+
+TEST_F(bake_library, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_bytes) {
+  std::uint32_t back = 0;
+  const scene::scene s = room(back);
+  const settings how = four_cells();
+  const auto whole = folder_ / "whole.pvs", broken = folder_ / "broken.pvs";
+  (void)bake(s, how, whole, false, {});
+
+  callbacks tell;
+  tell.on_progress = [](const progress& now) { return now.cells_done < 2; };
+  const summary stopped = bake(s, how, broken, false, tell);
+  EXPECT_EQ(stopped.result, outcome::cancelled);
+  EXPECT_FALSE(std::filesystem::exists(broken));
+
+  std::vector<progress> told;
+  tell.on_progress = [&](const progress& now) {
+    told.push_back(now);
+    return true;
+  };
+  const summary resumed = bake(s, how, broken, false, tell);
+  EXPECT_EQ(resumed.result, outcome::done);
+  EXPECT_EQ(resumed.cells_resumed, 2u);
+  EXPECT_EQ(bytes_of(whole), bytes_of(broken));
+  ASSERT_EQ(told.size(), 4u);
+  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].cells_done, i + 1);
+  EXPECT_EQ(told.back().cells_total, 4u);
+  // Nothing is left beside the two files.
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2);
+}
+
+TEST_F(bake_library, another_seed_is_another_bake) {
+  std::uint32_t back = 0;
+  const scene::scene s = room(back);
+  settings how = four_cells();
+  callbacks tell;
+  tell.on_progress = [](const progress& now) { return now.cells_done < 2; };
+  (void)bake(s, how, folder_ / "a.pvs", false, tell);
+  how.seed = 2;
+  try {
+    (void)bake(s, how, folder_ / "a.pvs", false, {});
+    FAIL() << "the checkpoint of another seed was taken";
+  } catch (const error& e) {
+    EXPECT_EQ(e.id(), "checkpoint.other-bake");
+  }
+}
+
+}  // namespace
+}  // namespace sightcell::bake

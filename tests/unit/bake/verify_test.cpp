@@ -1,0 +1,156 @@
+// Files with sets that are known to be wrong: verify has to say by how much. And what write_pvs says of its cells.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+
+#include "pvs_output.h"
+#include "sightcell/bake/bake.h"
+#include "sightcell/format/reader.h"
+#include "sightcell/format/writer.h"
+#include "sightcell/scene/error.h"
+#include "tiny_scene.h"
+
+namespace sightcell::bake {
+namespace {
+
+using test::tiny_scene;
+
+class temporary_file {
+ public:
+  explicit temporary_file(const char* name) : path_(std::filesystem::path(testing::TempDir()) / name) {}
+  ~temporary_file() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::vector<std::uint32_t> all_but(const scene::scene& s, std::initializer_list<std::uint32_t> without) {
+  std::vector<std::uint32_t> ids(s.polygon_count);
+  std::iota(ids.begin(), ids.end(), 0u);
+  for (const std::uint32_t id : without) std::erase(ids, id);
+  return ids;
+}
+
+// One cell with this set, through the bake's own output.
+summary write(const scene::scene& s, const view_cell& cell, std::vector<std::uint32_t> set, float margin,
+              const std::filesystem::path& path, bool bound_met = true) {
+  settings how;
+  how.margin = margin;
+  cell_record record;
+  record.set = std::move(set);
+  record.bound_met = bound_met;
+  record.upper_bound = bound_met ? 5e-4 : 5e-2;
+  std::vector<cell_record> records{record};
+  summary sum;
+  write_pvs(s, how, describe(how), {cell}, records, path, {}, sum);
+  return sum;
+}
+
+const view_cell middle{{-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f}, "", 1};
+
+TEST(verify, measures_the_error_of_a_set) {
+  tiny_scene tiny;
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
+  const scene::scene s = tiny.finished();
+  const temporary_file file("verify_room.pvs");
+  (void)write(s, middle, all_but(s, {4, 5}), 0.0f, file.path());  // one wall of six
+  verify_settings how;
+  how.rays = 60'000;
+  const verification v = verify(s, file.path(), how, {});
+  EXPECT_EQ(v.rays, 60'000u);
+  EXPECT_NEAR(v.pixel_error, 1.0 / 6.0, 0.01);
+  EXPECT_GT(v.upper_bound, v.pixel_error);
+  ASSERT_EQ(v.missing.size(), 2u);
+  EXPECT_EQ(v.missing[0].rays + v.missing[1].rays, v.misses);
+  for (const missing_polygon& m : v.missing) EXPECT_TRUE(m.polygon == 4 || m.polygon == 5);
+  EXPECT_NEAR(v.visible_set_percent, 100.0 * 10 / 12, 1e-4);
+
+  (void)write(s, middle, all_but(s, {}), 0.0f, file.path());
+  EXPECT_EQ(verify(s, file.path(), how, {}).misses, 0u);
+}
+
+TEST(verify, looks_from_the_margin_too) {
+  // What lies behind the deep slit is seen from above the cell alone.
+  tiny_scene tiny;
+  tiny.quad({2, -9, -9}, {2, -9, 1.1f}, {2, 9, 1.1f}, {2, 9, -9});
+  tiny.quad({2, -9, 1.3f}, {2, -9, 9}, {2, 9, 9}, {2, 9, 1.3f});
+  tiny.quad({1.0f, -9, 1.1f}, {2, -9, 1.1f}, {2, 9, 1.1f}, {1.0f, 9, 1.1f}, {scene::alpha_mode::opaque, true});
+  tiny.quad({1.0f, -9, 1.3f}, {2, -9, 1.3f}, {2, 9, 1.3f}, {1.0f, 9, 1.3f}, {scene::alpha_mode::opaque, true});
+  const auto target = tiny.quad({2.05f, -9, 1.12f}, {2.05f, -9, 1.28f}, {2.05f, 9, 1.28f}, {2.05f, 9, 1.12f});
+  const scene::scene s = tiny.finished();
+  const view_cell cell{{0, -0.5f, 0}, {0.5f, 0.5f, 0.85f}, "", 3};
+  const temporary_file file("verify_margin.pvs");
+  verify_settings how;
+  how.rays = 100'000;
+  (void)write(s, cell, all_but(s, {target, target + 1}), 0.0f, file.path());
+  EXPECT_EQ(verify(s, file.path(), how, {}).misses, 0u);
+  (void)write(s, cell, all_but(s, {target, target + 1}), 0.25f, file.path());
+  EXPECT_GT(verify(s, file.path(), how, {}).misses, 0u);
+}
+
+TEST(verify, refuses_what_it_cannot_judge) {
+  tiny_scene tiny, other;
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
+  other.closed_box({-2, -2, -2}, {2, 2, 3}, true);
+  const scene::scene s = tiny.finished();
+  const temporary_file file("verify_other.pvs");
+  (void)write(s, middle, all_but(s, {}), 0.0f, file.path());
+  try {
+    (void)verify(other.finished(), file.path(), {}, {});
+    FAIL() << "a file of another scene was judged";
+  } catch (const error& e) {
+    EXPECT_EQ(e.id(), "pvs.other-scene");
+  }
+  EXPECT_THROW((void)verify(s, "no/such/file.pvs", {}, {}), error);
+}
+
+TEST(write_pvs, says_when_a_bound_was_not_met) {
+  tiny_scene tiny;
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
+  const scene::scene s = tiny.finished();
+  const temporary_file file("write_bound.pvs");
+  const summary good = write(s, middle, all_but(s, {}), 0.0f, file.path());
+  EXPECT_EQ(good.result, outcome::done);
+  EXPECT_EQ(good.cells_over_bound, 0u);
+  const summary bad = write(s, middle, all_but(s, {}), 0.0f, file.path(), false);
+  EXPECT_EQ(bad.result, outcome::bound_not_met);
+  EXPECT_EQ(bad.cells_over_bound, 1u);
+  EXPECT_DOUBLE_EQ(bad.max_upper_bound, 5e-2);
+}
+
+TEST(write_pvs, leaves_cells_without_a_free_place_out_and_refuses_none_at_all) {
+  tiny_scene tiny;
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
+  const scene::scene s = tiny.finished();
+  const temporary_file file("write_left_out.pvs");
+  cell_record stored, solid;
+  stored.set = {1, 2};
+  solid.stored = false;
+  const view_cell beside{{0.5f, 0, 0}, {1, 1, 1}, "", 2};
+  std::vector<cell_record> records{solid, stored};
+  std::vector<std::string> messages;
+  callbacks tell;
+  tell.on_message = [&](const std::string& line) { messages.push_back(line); };
+  summary sum;
+  write_pvs(s, {}, "{}", {middle, beside}, records, file.path(), tell, sum);
+  EXPECT_EQ(sum.cells, 1u);
+  EXPECT_EQ(sum.cells_left_out, 1u);
+  EXPECT_EQ(messages.size(), 1u);
+
+  records = {solid};
+  try {
+    write_pvs(s, {}, "{}", {middle}, records, file.path(), tell, sum);
+    FAIL() << "a file without cells was written";
+  } catch (const error& e) {
+    EXPECT_EQ(e.id(), "bake.no-free-cell");
+  }
+}
+
+}  // namespace
+}  // namespace sightcell::bake
