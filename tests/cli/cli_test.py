@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the program `sightcell` end to end on small scenes: what it prints, answers and leaves on the disk.
 
-usage: cli_test.py --sightcell PROGRAM --city PROGRAM [--drop PROGRAM] [unittest arguments]
+usage: cli_test.py --sightcell PROGRAM --city PROGRAM [--drop PROGRAM] [--shares PROGRAM] [unittest arguments]
 
 Exit code 77: skipped, because this machine has no EGL device.
 """
@@ -74,9 +74,9 @@ class InFolder(unittest.TestCase):
         return os.path.join(cls.folder, name)
 
     @classmethod
-    def make_city(cls):
+    def make_city(cls, polygons=2000):
         cls.city = cls.path('city.glb')
-        code, _, text = run('--polygons', 2000, '--seed', 1, '--out', cls.city, program=PROGRAMS.city)
+        code, _, text = run('--polygons', polygons, '--seed', 1, '--out', cls.city, program=PROGRAMS.city)
         if code != 0:
             raise RuntimeError(text)
 
@@ -273,6 +273,51 @@ class Bake(InFolder):
         self.assertEqual(read(a), read(b))
 
 
+class Missing(InFolder):
+    """Files of the city that lack one polygon in one cell: verify has to notice."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.make_city(10000)
+
+    def bake_and_share(self):
+        """The file, a cell in its middle, and what its rays see: (polygon, share), largest first."""
+        file = self.path('city.pvs')
+        self.expect(0, 'bake', self.city, '-o', file, '--cell-limit', '8', '--max-pixel-error', '2e-4',
+                    '--progress', 'none', '--fresh')
+        cell = json.loads(self.expect(0, 'info', file, '--json')[0])['cells'] // 2
+        code, out, err = run(self.city, file, cell, 400000, program=PROGRAMS.shares)
+        self.assertEqual(code, 0, err)
+        shares = [(int(line.split()[0]), float(line.split()[1])) for line in out.splitlines()]
+        return file, cell, shares
+
+    def verify_without(self, code, file, cell, polygon, *more):
+        broken = self.path('broken.pvs')
+        self.assertEqual(run(file, broken, cell, polygon, program=PROGRAMS.drop)[0], 0)
+        out, err = self.expect(code, 'verify', self.city, broken, '--json', *more)
+        return json.loads(out), err
+
+    def test_what_is_missing_is_found_and_named(self):
+        if not (PROGRAMS.drop and PROGRAMS.shares):
+            self.skipTest('no test tools in this build')
+        file, cell, shares = self.bake_and_share()
+        polygon, share = shares[0]
+        result, err = self.verify_without(3, file, cell, polygon)
+        self.assertEqual((result['worst_view']['cell'], result['worst_view']['polygon']), (cell, polygon))
+        self.assertEqual(result['worst_cell'], cell)
+        self.assertAlmostEqual(result['missing'][0]['share'] / share, 1.0, delta=0.2)
+        self.assertIn(f'polygon {polygon} (draw', err)
+        self.assertEqual(len(result['worst_view']['pictures']), 3)
+
+        # One in ten thousand rays of its cell: a million rays find it.
+        polygon, share = min(shares, key=lambda entry: abs(entry[1] - 1e-4))
+        self.assertLess(abs(share - 1e-4), 5e-5)
+        self.verify_without(0, file, cell, polygon, '--rays', '20000')
+        result, _ = self.verify_without(0, file, cell, polygon, '--rays', '1000000')
+        self.assertIn((cell, polygon), [(miss['cell'], miss['polygon']) for miss in result['missing']])
+
+
 class Resume(InFolder):
     """A bake of several cells, stopped in all the ways there are."""
 
@@ -377,6 +422,7 @@ def main():
     parser.add_argument('--sightcell', required=True)
     parser.add_argument('--city', required=True)
     parser.add_argument('--drop', default='')
+    parser.add_argument('--shares')
     PROGRAMS, rest = parser.parse_known_args()
     result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
     if not result.wasSuccessful():
