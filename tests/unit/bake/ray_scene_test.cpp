@@ -128,6 +128,12 @@ TEST(ray_scene, a_tenth_of_backs_tells_a_solid) {
     const world w(tiny);
     EXPECT_EQ(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f), free) << half;
   }
+  // Overhead, where the first of the fixed directions go: the answer may not be given before the rest had their say.
+  tiny_scene tiny;
+  tiny.closed_box({-10, -10, -10}, {10, 10, 10}, true);
+  tiny.quad({-0.5f, 1, 0.5f}, {0.5f, 1, 0.5f}, {0.5f, 1, -0.5f}, {-0.5f, 1, -0.5f});
+  const world w(tiny);
+  EXPECT_TRUE(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f));
 }
 
 TEST(ray_scene, thin_double_sided_things_are_no_solids) {
