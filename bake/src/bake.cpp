@@ -14,8 +14,8 @@
 #include "cells/view_cell.h"
 #include "checkpoint.h"
 #include "finish/fresh_rays.h"
-#include "pvs_output.h"
 #include "process_time.h"
+#include "pvs_output.h"
 #include "sightcell/scene/error.h"
 #include "source/gpu_source.h"
 
@@ -46,8 +46,8 @@ std::string checkpoint_key(const scene::scene& s, const std::vector<view_cell>& 
   }
   const auto cells_hash = XXH3_64bits_digest(state);
   XXH3_freeState(state);
-  return fmt::format("scene {:02x} cells {} {:016x} settings {}", fmt::join(s.fingerprint, ""), cells.size(), cells_hash,
-                     settings);
+  return fmt::format("scene {:02x} cells {} {:016x} settings {}", fmt::join(s.fingerprint, ""), cells.size(),
+                     cells_hash, settings);
 }
 
 // Everything a bake needs at hand, in the order in which it is built.
@@ -73,7 +73,8 @@ void equip(workshop& w, const scene::scene& s, const settings& how, const callba
   }
   // The far plane of the importance: the diagonal of the scene's box.
   const float diagonal = glm::distance(w.geometry.min, w.geometry.max);
-  w.source = make_gpu_source(*w.context, *drawn, {.resolution = how.resolution, .far_plane = std::max(diagonal, 1e-3f)});
+  w.source =
+      make_gpu_source(*w.context, *drawn, {.resolution = how.resolution, .far_plane = std::max(diagonal, 1e-3f)});
   if (tell.on_message) tell.on_message("device: " + w.source->device());
 }
 
@@ -91,8 +92,9 @@ void print_estimate(workshop& w, const std::vector<view_cell>& cells, const sett
     w.source->render({.eye = 0.5f * (cell.min + cell.max)}, view);
     hemicube_seconds += (seconds_now() - start) / trials;
     start = seconds_now();
-    const auto batch = cast_fresh_rays(*w.rays, {cell.min, cell.max}, how.player_radius, trial_rays,
-                                       {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
+    const auto batch =
+        cast_fresh_rays(*w.rays, {cell.min, cell.max}, how.player_radius, trial_rays,
+                        {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
     if (batch.rays > 0) ray_seconds += (seconds_now() - start) / static_cast<double>(batch.rays) / trials;
   }
   // A first batch that holds needs about 15 / max_pixel_error rays; dilation and second batches about as much again.
@@ -129,6 +131,7 @@ bool bake_cells(workshop& w, const scene::scene& s, const settings& how, const s
                 checkpoint& done, const callbacks& tell, std::vector<cell_record>& records, summary& sum) {
   cell_baker baker(how, *w.rays, w.neighbors ? &*w.neighbors : nullptr, *w.source);
   tally so_far;
+  std::uint32_t not_empty = 0;
   so_far.now.cells_total = static_cast<std::uint32_t>(cells.size());
   const double began = seconds_now();
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
@@ -138,6 +141,7 @@ bool bake_cells(workshop& w, const scene::scene& s, const settings& how, const s
       record = baker.bake(cells[i]);
       done.store(i, *record);
       ++so_far.fresh_cells;
+      not_empty += baker.geometry_inside() ? 1 : 0;
     } else {
       ++sum.cells_resumed;
     }
@@ -148,6 +152,11 @@ bool bake_cells(workshop& w, const scene::scene& s, const settings& how, const s
     so_far.now.seconds_left = each * (so_far.now.cells_total - so_far.now.cells_done);
     if (tell.on_progress && !tell.on_progress(so_far.now) && i + 1 < cells.size()) return false;
   }
+  if (tell.on_message && how.max_pixel_error == 0.0 && not_empty > 0)
+    tell.on_message(
+        fmt::format("warning: {} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
+                    "are missed there however many samples are taken",
+                    not_empty));
   return true;
 }
 

@@ -26,6 +26,7 @@ cell_baker::cell_baker(const settings& how, const ray_scene& rays, const vertex_
 cell_record cell_baker::bake(const view_cell& cell) {
   const double began = process_cpu_seconds();
   cell_record record;
+  geometry_inside_ = false;
   const box own{cell.min, cell.max}, grown = own.grown(how_.margin);
   // An eye comes into the cell's own box before the margin ever matters, so the own box decides whether it is stored.
   std::uint64_t tries = 0;
@@ -36,8 +37,7 @@ cell_record cell_baker::bake(const view_cell& cell) {
   }
   tries = 0;
   const auto wanted = std::max<std::size_t>(free_points_wanted, how_.samples / 4);
-  const auto free =
-      draw_free_points(rays_, grown, how_.player_radius, wanted, 16 * free_point_tries, random, tries);
+  const auto free = draw_free_points(rays_, grown, how_.player_radius, wanted, 16 * free_point_tries, random, tries);
   if (free.empty()) {
     record.stored = false;
     return record;

@@ -11,24 +11,24 @@ namespace sightcell::bake {
 
 // All that is known of a finished cell.
 struct cell_record {
-  std::vector<std::uint32_t> set;   // ascending source ids
-  bool stored = true;               // false: no free point was found, the cell is left out of the file
-  std::uint64_t rays = 0;           // certificate: of the last fresh batch
+  std::vector<std::uint32_t> set;  // ascending source ids
+  bool stored = true;              // false: no free point was found, the cell is left out of the file
+  std::uint64_t rays = 0;          // certificate: of the last fresh batch
   std::uint64_t misses = 0;
   double upper_bound = 1.0;
   double confidence = 0.0;
-  std::uint64_t rays_spent = 0;     // of all ray work
-  std::uint32_t samples = 0;        // hemicubes rendered
+  std::uint64_t rays_spent = 0;  // of all ray work
+  std::uint32_t samples = 0;     // hemicubes rendered
   bool bound_met = true;
-  double seconds = 0.0;             // CPU seconds; report only
+  double seconds = 0.0;  // CPU seconds; report only
   bool operator==(const cell_record&) const = default;
 };
 
 class checkpoint {
  public:
-  // Opens or creates path. key names scene, settings, cells, device and version: a file with another key is refused with
-  // sightcell::error "checkpoint.other-bake" (says what to do: --fresh or another output), a file that is in use by
-  // another bake with "checkpoint.in-use". fresh: what is there is thrown away. A file that SQLite finds damaged is
+  // Opens or creates path. key names scene, settings, cells, device and version: a file with another key is refused
+  // with sightcell::error "checkpoint.other-bake" (says what to do: --fresh or another output), a file that is in use
+  // by another bake with "checkpoint.in-use". fresh: what is there is thrown away. A file that SQLite finds damaged is
   // refused by name, never silently dropped.
   checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh);
   ~checkpoint();

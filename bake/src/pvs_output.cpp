@@ -32,9 +32,10 @@ std::vector<format::draw_record> draw_table(const scene::scene& s) {
 void require_ok(format::status outcome, const std::filesystem::path& output, const char* doing) {
   if (outcome == format::status::ok) return;
   const bool disk = outcome == format::status::io;
-  throw error(error_kind::failed, disk ? "output.io" : "output.encode", output.string(),
-              fmt::format("{} failed: {}", doing, format::status_text(outcome)),
-              disk ? "free space or choose another folder, then run the same command: it resumes" : "report this scene");
+  throw error(
+      error_kind::failed, disk ? "output.io" : "output.encode", output.string(),
+      fmt::format("{} failed: {}", doing, format::status_text(outcome)),
+      disk ? "free space or choose another folder, then run the same command: it resumes" : "report this scene");
 }
 
 }  // namespace

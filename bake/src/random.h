@@ -15,7 +15,15 @@ constexpr std::uint64_t mix_bits(std::uint64_t x) noexcept {
 }
 
 // What a stream is for, so that no two uses in one cell share numbers.
-enum class purpose : std::uint64_t { free_points = 1, boundary = 2, interior = 3, dilation = 4, bound = 5, verify = 6, estimate = 7 };
+enum class purpose : std::uint64_t {
+  free_points = 1,
+  boundary = 2,
+  interior = 3,
+  dilation = 4,
+  bound = 5,
+  verify = 6,
+  estimate = 7
+};
 
 class random_stream {
  public:

@@ -107,8 +107,9 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
     set.assign(std::span(row).first(runs));
     format::box corners;
     require_ok(file.cell_box(cell, corners), path);
-    const box grown = box{{corners.min[0], corners.min[1], corners.min[2]}, {corners.max[0], corners.max[1], corners.max[2]}}
-                          .grown(file.facts().margin);
+    const box grown =
+        box{{corners.min[0], corners.min[1], corners.min[2]}, {corners.max[0], corners.max[1], corners.max[2]}}.grown(
+            file.facts().margin);
     const fresh_batch batch =
         cast_fresh_rays(rays, grown, rules.player_radius, rays_each, {how.seed, cell, purpose::verify, 0},
                         [&](std::uint32_t polygon) { return set.contains(polygon); });

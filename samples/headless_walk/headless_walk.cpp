@@ -78,8 +78,8 @@ void write_pictures(const std::filesystem::path& folder, const std::string& pref
 }
 
 // Half the width each, so that the pair is as wide as a frame.
-void write_overview(const std::filesystem::path& folder, picture::renderer& renderer, const scene::world_geometry& world,
-                    const glm::vec3& eye, std::span<const std::uint32_t> seen) {
+void write_overview(const std::filesystem::path& folder, picture::renderer& renderer,
+                    const scene::world_geometry& world, const glm::vec3& eye, std::span<const std::uint32_t> seen) {
   const picture::camera above = headless_walk::camera_above(world, eye);
   const picture::image_rgba whole = renderer.draw(above, width / 2, height);
   const picture::image_rgba kept = renderer.draw(above, width / 2, height, seen);

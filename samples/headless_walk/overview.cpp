@@ -15,8 +15,8 @@ picture::camera camera_above(const sightcell::scene::world_geometry& world, cons
   // From the outside toward the middle of the scene, and past the cell, which then stands in the foreground.
   const glm::vec3 from_middle = eye - 0.5f * (world.min + world.max);
   const float sideways = glm::length(glm::vec2{from_middle.x, from_middle.z});
-  const glm::vec3 outward = sideways > 0.01f * reach ? glm::vec3{from_middle.x, 0.0f, from_middle.z} / sideways
-                                                     : glm::vec3{0.6f, 0.0f, 0.8f};
+  const glm::vec3 outward =
+      sideways > 0.01f * reach ? glm::vec3{from_middle.x, 0.0f, from_middle.z} / sideways : glm::vec3{0.6f, 0.0f, 0.8f};
   const glm::vec3 offset = reach * (0.5f * outward + glm::vec3{0.0f, 0.7f, 0.0f});
   return {.eye = eye + offset, .forward = -offset - 0.3f * reach * outward, .vertical_fov = 0.9f};
 }

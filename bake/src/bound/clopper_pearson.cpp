@@ -6,7 +6,8 @@ namespace sightcell::bake {
 namespace {
 
 // P(X <= k) for X ~ Binomial(n, p). Terms are summed downwards from k, each from the one before it, relative to the
-// first: below the mean they only fall, so the sum stops when they no longer count. Called only with k < n p or near it.
+// first: below the mean they only fall, so the sum stops when they no longer count. Called only with k < n p or near
+// it.
 double cumulative(std::uint64_t k, std::uint64_t n, double p) {
   const double dn = static_cast<double>(n), dk = static_cast<double>(k);
   const double log_first = std::lgamma(dn + 1.0) - std::lgamma(dk + 1.0) - std::lgamma(dn - dk + 1.0) +

@@ -34,8 +34,8 @@ glm::vec3 random_point(const triangle& t, random_stream& random) {
   return t[0] * (1.0f - root) + t[1] * (root * (1.0f - v)) + t[2] * (root * v);
 }
 
-void expand(const ray_scene& rays, const vertex_neighbors& neighbors, const dilation_settings& how,
-            std::uint64_t round, std::uint32_t member, const cell_set& set, expansion& out) {
+void expand(const ray_scene& rays, const vertex_neighbors& neighbors, const dilation_settings& how, std::uint64_t round,
+            std::uint32_t member, const cell_set& set, expansion& out) {
   thread_local std::vector<std::uint32_t> near;
   thread_local sight seen;
   near.clear();

@@ -15,9 +15,9 @@ struct dilation_settings {
   std::uint64_t max_rays = 0;
 };
 
-// Expands the members from index first (in joining order) on, and in turn whatever joins, until nothing does or max_rays
-// are spent. round: names the random numbers; raised by every wave. Returns the rays cast. Runs on the calling thread's
-// TBB arena; does not depend on the number of threads.
+// Expands the members from index first (in joining order) on, and in turn whatever joins, until nothing does or
+// max_rays are spent. round: names the random numbers; raised by every wave. Returns the rays cast. Runs on the calling
+// thread's TBB arena; does not depend on the number of threads.
 std::uint64_t dilate(const ray_scene& rays, const vertex_neighbors& neighbors, const dilation_settings& how,
                      std::size_t first, std::uint64_t& round, cell_set& set);
 

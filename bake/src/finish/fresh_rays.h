@@ -20,9 +20,9 @@ struct missed_polygon {
 };
 
 struct fresh_batch {
-  std::uint64_t rays = 0;     // cast; fewer than asked only where free places are too rare
-  std::uint64_t misses = 0;   // wrong rays: at least one polygon seen is not in the set
-  std::uint64_t places = 0;   // positions tested to find free ones
+  std::uint64_t rays = 0;              // cast; fewer than asked only where free places are too rare
+  std::uint64_t misses = 0;            // wrong rays: at least one polygon seen is not in the set
+  std::uint64_t places = 0;            // positions tested to find free ones
   std::vector<missed_polygon> missed;  // in a fixed order; a ray adds every polygon it missed
 };
 

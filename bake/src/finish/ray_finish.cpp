@@ -12,7 +12,9 @@ namespace {
 
 // A batch of only the rays that zero misses need would fail whenever the set is not far better than asked, so there is
 // room for a few misses; not where free places are rare and every ray costs hundreds of tested places.
-constexpr std::uint64_t headroom(double free_share) { return free_share < 0.05 ? 1 : 4; }
+constexpr std::uint64_t headroom(double free_share) {
+  return free_share < 0.05 ? 1 : 4;
+}
 
 }  // namespace
 
@@ -29,7 +31,8 @@ finish_result finish_with_rays(const ray_scene& rays, const vertex_neighbors& ne
   for (std::uint64_t batch = 1; result.rays_spent < how.max_rays; ++batch) {
     const double confidence = 1.0 - 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
     const std::uint64_t doubled = std::uint64_t{1} << std::min<std::uint64_t>(batch - 1, 20);
-    const std::uint64_t wanted = headroom(how.free_share) * doubled * trials_without_miss(how.max_pixel_error, confidence);
+    const std::uint64_t wanted =
+        headroom(how.free_share) * doubled * trials_without_miss(how.max_pixel_error, confidence);
     const std::uint64_t count = std::min(wanted, how.max_rays - result.rays_spent);
     const fresh_batch fresh =
         cast_fresh_rays(rays, grown, how.player_radius, count, {how.seed, how.place, purpose::bound, batch},

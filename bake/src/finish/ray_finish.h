@@ -12,7 +12,7 @@ namespace sightcell::bake {
 struct finish_settings {
   double max_pixel_error = 1e-3;
   float player_radius = 0.05f;
-  double free_share = 1.0;                // about this share of the grown box is free; decides the size of batches only
+  double free_share = 1.0;              // about this share of the grown box is free; decides the size of batches only
   std::uint64_t max_rays = 40'000'000;  // sight rays and tested places together
   std::uint64_t seed = 0, place = 0;
 };
@@ -22,14 +22,14 @@ struct finish_result {
   std::uint64_t rays = 0, misses = 0;  // of the last fresh batch; what missed has joined the set since
   double upper_bound = 1.0;            // exact, at this batch's confidence
   double confidence = 0.0;
-  std::uint64_t rays_spent = 0;        // sight rays and tested places, all batches and dilation
+  std::uint64_t rays_spent = 0;  // sight rays and tested places, all batches and dilation
 };
 
 // Verified dilation from all members, then batches of fresh rays: position uniform over the free points of the grown
-// box, direction uniform on the sphere, all independent, so that for a fixed set the misses are binomial and the bound is
-// exact. Batch j has the confidence share 0.05 / 2^j: stopping at the first batch that meets the target keeps 95 % for
-// the whole run. Misses join with their position as witness and are dilated. Runs on the calling thread's TBB arena;
-// the result does not depend on the number of threads.
+// box, direction uniform on the sphere, all independent, so that for a fixed set the misses are binomial and the bound
+// is exact. Batch j has the confidence share 0.05 / 2^j: stopping at the first batch that meets the target keeps 95 %
+// for the whole run. Misses join with their position as witness and are dilated. Runs on the calling thread's TBB
+// arena; the result does not depend on the number of threads.
 finish_result finish_with_rays(const ray_scene& rays, const vertex_neighbors& neighbors, const box& grown,
                                const finish_settings& how, cell_set& set);
 

@@ -1,6 +1,7 @@
 #pragma once
 // The scene for rays: what a ray sees under the rules of seeing, and which places an eye can be at. Built from the
-// flattened import alone; bake's finish and verify each build their own. Queries are const and may come from any thread.
+// flattened import alone; bake's finish and verify each build their own. Queries are const and may come from any
+// thread.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -15,9 +16,9 @@ inline constexpr std::uint32_t no_polygon = 0xFFFFFFFFu;
 
 // What one ray sees.
 struct sight {
-  std::uint32_t front = no_polygon;    // the front occluding polygon; no_polygon: the ray leaves the scene
-  float distance = 0.0f;               // to it, metres; infinity when there is none
-  std::vector<std::uint32_t> before;   // MASK and BLEND polygons passed on the way, each once, ascending
+  std::uint32_t front = no_polygon;   // the front occluding polygon; no_polygon: the ray leaves the scene
+  float distance = 0.0f;              // to it, metres; infinity when there is none
+  std::vector<std::uint32_t> before;  // MASK and BLEND polygons passed on the way, each once, ascending
 };
 
 class ray_scene {

@@ -10,10 +10,10 @@
 namespace sightcell::bake {
 
 struct boundary_face {
-  glm::vec3 corner{0.0f};                  // u = v = 0
-  glm::vec3 right{0.0f}, up{0.0f};         // unit vectors of u and v, as the hemicube's image axes
+  glm::vec3 corner{0.0f};           // u = v = 0
+  glm::vec3 right{0.0f}, up{0.0f};  // unit vectors of u and v, as the hemicube's image axes
   glm::vec3 outward{0.0f};
-  glm::vec2 size{0.0f};                    // metres along u and v
+  glm::vec2 size{0.0f};  // metres along u and v
 
   // uv in [0,1] x [0,1].
   pose at(const glm::vec2& uv) const {

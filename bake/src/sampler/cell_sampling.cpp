@@ -45,7 +45,8 @@ std::uint32_t sample_cube(const glm::vec3& eye, hemicube_source& source, cell_se
 }  // namespace
 
 std::uint32_t sample_cell(const sampling_plan& plan, const box& grown, std::span<const glm::vec3> interior,
-                          const std::function<bool(const glm::vec3&)>& is_free, hemicube_source& source, cell_set& set) {
+                          const std::function<bool(const glm::vec3&)>& is_free, hemicube_source& source,
+                          cell_set& set) {
   std::uint32_t rendered = 0;
   const auto cubes = std::min<std::size_t>(interior_cubes(plan), interior.size());
   for (std::size_t i = 0; i < cubes; ++i) rendered += sample_cube(interior[i], source, set);

@@ -14,13 +14,15 @@ namespace sightcell::bake {
 
 struct sampling_plan {
   std::string_view sampler;
-  std::uint32_t samples = 0;      // hemicubes, at most
-  bool geometry_inside = false;   // half of the hemicubes become full cubes at interior points
+  std::uint32_t samples = 0;     // hemicubes, at most
+  bool geometry_inside = false;  // half of the hemicubes become full cubes at interior points
   std::uint64_t seed = 0, place = 0;
 };
 
 // A full cube is two hemicubes back to back, so it counts as two samples.
-inline std::uint32_t interior_cubes(const sampling_plan& plan) { return plan.geometry_inside ? plan.samples / 4 : 0; }
+inline std::uint32_t interior_cubes(const sampling_plan& plan) {
+  return plan.geometry_inside ? plan.samples / 4 : 0;
+}
 
 // Renders the plan into set. is_free: may an eye be there? interior: free points of the grown box, used in order.
 // Returns the number of hemicubes rendered; fewer than planned when faces lie in walls.

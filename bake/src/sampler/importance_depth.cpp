@@ -77,9 +77,8 @@ void reliability_map::apply_exclusion(const glm::vec2& place) {
 reliability_map::lowest_place reliability_map::lowest() const {
   const auto found = std::min_element(values_.begin(), values_.end());
   const auto index = static_cast<std::uint32_t>(found - values_.begin());
-  return {*found,
-          glm::vec2{static_cast<float>(index % map_size) + 0.5f, static_cast<float>(index / map_size) + 0.5f} /
-              static_cast<float>(map_size)};
+  return {*found, glm::vec2{static_cast<float>(index % map_size) + 0.5f, static_cast<float>(index / map_size) + 0.5f} /
+                      static_cast<float>(map_size)};
 }
 
 importance_depth::importance_depth(const glm::vec2& face_size, std::uint32_t samples)
@@ -100,6 +99,8 @@ void importance_depth::rendered(const glm::vec2& place, const hemicube_view& vie
   map_.add_sample(place, view.importance);
 }
 
-void importance_depth::rejected(const glm::vec2& place) { map_.exclude(place); }
+void importance_depth::rejected(const glm::vec2& place) {
+  map_.exclude(place);
+}
 
 }  // namespace sightcell::bake

@@ -1,6 +1,6 @@
 #pragma once
-// The thesis's importance sampler (design.md section 5): a map of reliability over the face, raised around every sample,
-// less far toward the sides where the sample saw gaps; the next sample goes where reliability is lowest.
+// The thesis's importance sampler (design.md section 5): a map of reliability over the face, raised around every
+// sample, less far toward the sides where the sample saw gaps; the next sample goes where reliability is lowest.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -55,7 +55,7 @@ class importance_depth final : public face_sampler {
 
  private:
   reliability_map map_;
-  std::uint32_t grid_;               // the start grid is grid_ x grid_
+  std::uint32_t grid_;  // the start grid is grid_ x grid_
   std::uint32_t grid_next_ = 0;
 };
 

@@ -20,7 +20,8 @@ struct gpu_source_options {
 
 // Uploads the geometry. context and geometry must outlive the source, and context must be current at every call.
 // Throws sightcell::error when the device cannot do it.
-std::unique_ptr<hemicube_source> make_gpu_source(const picture::gl_context& context, const scene::world_geometry& geometry,
+std::unique_ptr<hemicube_source> make_gpu_source(const picture::gl_context& context,
+                                                 const scene::world_geometry& geometry,
                                                  const gpu_source_options& options);
 
 }  // namespace sightcell::bake

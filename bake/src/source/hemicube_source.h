@@ -24,7 +24,8 @@ enum direction : std::uint32_t { toward_right = 0, toward_up = 1, toward_left = 
 
 struct hemicube_view {
   std::vector<seen_polygon> seen;  // ascending ids, each once
-  // Sum of the pixel importance I_p (thesis; design.md section 5) over the five faces, in image axes, positive parts only.
+  // Sum of the pixel importance I_p (thesis; design.md section 5) over the five faces, in image axes, positive parts
+  // only.
   std::array<double, 4> importance{};
 };
 

@@ -80,8 +80,9 @@ TEST_F(bake_library, hemicubes_see_both_sides_when_told) {
     std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
     std::size_t runs = 0;
     ASSERT_EQ(file.decode_row(0, row, scratch, runs), format::status::ok);
-    const bool has_back = std::any_of(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(runs),
-                                      [&](const format::run& r) { return r.first <= back && back < r.first + r.count; });
+    const bool has_back =
+        std::any_of(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(runs),
+                    [&](const format::run& r) { return r.first <= back && back < r.first + r.count; });
     EXPECT_EQ(has_back, both);
   }
 }

@@ -75,7 +75,8 @@ class cell_bake : public testing::Test {
         EXPECT_TRUE(set.contains(polygon)) << "polygon " << polygon << " is seen by " << hits[polygon] << " rays";
       }
       if (set.contains(polygon) && hits[polygon] == 0) {
-        EXPECT_TRUE(std::binary_search(inside.begin(), inside.end(), polygon)) << "polygon " << polygon << " is not seen";
+        EXPECT_TRUE(std::binary_search(inside.begin(), inside.end(), polygon))
+            << "polygon " << polygon << " is not seen";
       }
     }
   }
@@ -168,11 +169,7 @@ TEST_F(cell_bake, a_cell_inside_a_solid_is_not_stored) {
 TEST_F(cell_bake, the_margin_counts) {
   // A deep slit above the cell: what lies behind it is seen from the margin alone, which reaches up to it.
   tiny_scene tiny;
-  tiny.quad({2, -9, -9}, {2, -9, 1.1f}, {2, 9, 1.1f}, {2, 9, -9});
-  tiny.quad({2, -9, 1.3f}, {2, -9, 9}, {2, 9, 9}, {2, 9, 1.3f});
-  tiny.quad({1.0f, -9, 1.1f}, {2, -9, 1.1f}, {2, 9, 1.1f}, {1.0f, 9, 1.1f}, {scene::alpha_mode::opaque, true});
-  tiny.quad({1.0f, -9, 1.3f}, {2, -9, 1.3f}, {2, 9, 1.3f}, {1.0f, 9, 1.3f}, {scene::alpha_mode::opaque, true});
-  const auto target = tiny.quad({2.05f, -9, 1.12f}, {2.05f, -9, 1.28f}, {2.05f, 9, 1.28f}, {2.05f, 9, 1.12f});
+  const auto target = tiny.deep_slit();
   settings narrow, wide;
   narrow.margin = 0.0f;
   wide.margin = 0.25f;

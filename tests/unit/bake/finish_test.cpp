@@ -31,8 +31,10 @@ tiny_scene gridded_room(int n) {
             return p;
           };
           // Inward: on the positive side the winding turns round.
-          if (side < 0.0f) tiny.quad(at(u, v), at(u + step, v), at(u + step, v + step), at(u, v + step));
-          else tiny.quad(at(u, v), at(u, v + step), at(u + step, v + step), at(u + step, v));
+          if (side < 0.0f)
+            tiny.quad(at(u, v), at(u + step, v), at(u + step, v + step), at(u, v + step));
+          else
+            tiny.quad(at(u, v), at(u, v + step), at(u + step, v + step), at(u + step, v));
         }
   return tiny;
 }

@@ -28,7 +28,8 @@ bake::box grown_cell(const std::filesystem::path& path, std::uint32_t cell) {
   if (format::reader::open(std::as_bytes(std::span(bytes)), file) != format::status::ok ||
       file.cell_box(cell, corners) != format::status::ok)
     throw std::runtime_error(path.string() + ": no .pvs file with that cell");
-  const bake::box own{{corners.min[0], corners.min[1], corners.min[2]}, {corners.max[0], corners.max[1], corners.max[2]}};
+  const bake::box own{{corners.min[0], corners.min[1], corners.min[2]},
+                      {corners.max[0], corners.max[1], corners.max[2]}};
   return own.grown(file.facts().margin);
 }
 
@@ -36,9 +37,9 @@ void print_shares(const char* scene_path, const char* file, std::uint32_t cell, 
   const scene::scene s = scene::load_gltf(scene_path);
   const scene::world_geometry geometry = scene::flatten(s);
   const bake::ray_scene rays(geometry, false);
-  const bake::fresh_batch batch =
-      bake::cast_fresh_rays(rays, grown_cell(file, cell), bake::settings{}.player_radius, count,
-                            {.seed = 777, .place = cell, .use = bake::purpose::estimate}, [](std::uint32_t) { return false; });
+  const bake::fresh_batch batch = bake::cast_fresh_rays(
+      rays, grown_cell(file, cell), bake::settings{}.player_radius, count,
+      {.seed = 777, .place = cell, .use = bake::purpose::estimate}, [](std::uint32_t) { return false; });
   std::map<std::uint32_t, std::uint64_t> hits;
   for (const bake::missed_polygon& seen : batch.missed) ++hits[seen.polygon];
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;

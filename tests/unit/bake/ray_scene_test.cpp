@@ -175,7 +175,8 @@ TEST(triangle_math, distance) {
 
 TEST(triangle_math, touching_a_box) {
   const glm::vec3 low{0.0f}, high{1.0f};
-  EXPECT_TRUE(triangle_touches_box({glm::vec3{-9, 0.5f, -9}, {9, 0.5f, -9}, {0, 0.5f, 9}}, low, high)) << "cuts through";
+  EXPECT_TRUE(triangle_touches_box({glm::vec3{-9, 0.5f, -9}, {9, 0.5f, -9}, {0, 0.5f, 9}}, low, high))
+      << "cuts through";
   EXPECT_TRUE(triangle_touches_box({glm::vec3{0.4f, 0.4f, 0.4f}, {0.5f, 0.4f, 0.4f}, {0.4f, 0.5f, 0.4f}}, low, high));
   EXPECT_FALSE(triangle_touches_box({glm::vec3{2, 0, 0}, {3, 0, 0}, {2, 1, 0}}, low, high));
   // Its bounds overlap the box, its plane passes by a corner.

@@ -144,8 +144,9 @@ TEST(sample_cell, an_empty_cell_gets_boundary_samples_only) {
   scripted_source source;
   source.answer = [](const pose&, hemicube_view& view) { view.seen = {{3, 10}}; };
   cell_set set(10);
-  const std::uint32_t rendered = sample_cell({"importance-depth", 24, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {},
-                                             [](const glm::vec3&) { return true; }, source, set);
+  const std::uint32_t rendered = sample_cell(
+      {"importance-depth", 24, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, [](const glm::vec3&) { return true; }, source,
+      set);
   EXPECT_EQ(rendered, 24u);
   ASSERT_EQ(source.poses.size(), 24u);
   for (const pose& p : source.poses) {
@@ -160,8 +161,8 @@ TEST(sample_cell, half_of_the_images_are_cubes_where_geometry_is_inside) {
   scripted_source source;
   cell_set set(10);
   std::vector<glm::vec3> interior(20, glm::vec3{2, 1, 2});
-  const std::uint32_t rendered = sample_cell({"halton", 24, true, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, interior,
-                                             [](const glm::vec3&) { return true; }, source, set);
+  const std::uint32_t rendered = sample_cell(
+      {"halton", 24, true, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, interior, [](const glm::vec3&) { return true; }, source, set);
   EXPECT_EQ(rendered, 24u);
   int inside = 0;
   glm::vec3 sum{0.0f};

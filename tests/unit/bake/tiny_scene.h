@@ -41,6 +41,17 @@ class tiny_scene {
     return add(std::move(p), std::move(i), look{});
   }
 
+  // A wall at x = 2 with a slit from z = 1.1 to 1.3, a meter deep toward -x, and a quad right behind it. Returns the
+  // quad: it is seen from places with x < 1 only under flat angles, so from z around the slit's and not from far below.
+  std::uint32_t deep_slit() {
+    const look sheet{scene::alpha_mode::opaque, true};
+    quad({2, -9, -9}, {2, -9, 1.1f}, {2, 9, 1.1f}, {2, 9, -9});
+    quad({2, -9, 1.3f}, {2, -9, 9}, {2, 9, 9}, {2, 9, 1.3f});
+    quad({1, -9, 1.1f}, {2, -9, 1.1f}, {2, 9, 1.1f}, {1, 9, 1.1f}, sheet);
+    quad({1, -9, 1.3f}, {2, -9, 1.3f}, {2, 9, 1.3f}, {1, 9, 1.3f}, sheet);
+    return quad({2.05f, -9, 1.12f}, {2.05f, -9, 1.28f}, {2.05f, 9, 1.28f}, {2.05f, 9, 1.12f});
+  }
+
   scene::scene finished() {
     scene::finish(scene_);
     return scene_;

@@ -78,11 +78,7 @@ TEST(verify, measures_the_error_of_a_set) {
 TEST(verify, looks_from_the_margin_too) {
   // What lies behind the deep slit is seen from above the cell alone.
   tiny_scene tiny;
-  tiny.quad({2, -9, -9}, {2, -9, 1.1f}, {2, 9, 1.1f}, {2, 9, -9});
-  tiny.quad({2, -9, 1.3f}, {2, -9, 9}, {2, 9, 9}, {2, 9, 1.3f});
-  tiny.quad({1.0f, -9, 1.1f}, {2, -9, 1.1f}, {2, 9, 1.1f}, {1.0f, 9, 1.1f}, {scene::alpha_mode::opaque, true});
-  tiny.quad({1.0f, -9, 1.3f}, {2, -9, 1.3f}, {2, 9, 1.3f}, {1.0f, 9, 1.3f}, {scene::alpha_mode::opaque, true});
-  const auto target = tiny.quad({2.05f, -9, 1.12f}, {2.05f, -9, 1.28f}, {2.05f, 9, 1.28f}, {2.05f, 9, 1.12f});
+  const auto target = tiny.deep_slit();
   const scene::scene s = tiny.finished();
   const view_cell cell{{0, -0.5f, 0}, {0.5f, 0.5f, 0.85f}, "", 3};
   const temporary_file file("verify_margin.pvs");

@@ -14,11 +14,11 @@ namespace sightcell::bake {
 // Told after every finished cell.
 struct progress {
   std::uint32_t cells_done = 0, cells_total = 0;
-  double seconds = 0.0;         // wall clock since the bake began
-  double seconds_left = 0.0;    // estimate from the cells of this run
-  double pixel_error = 0.0;     // pooled misses / rays of the last fresh batches so far
-  double worst_bound = 0.0;     // largest upper bound of a finished cell
-  double visible_percent = 0.0; // mean cell set of the cells so far, percent of all polygons
+  double seconds = 0.0;          // wall clock since the bake began
+  double seconds_left = 0.0;     // estimate from the cells of this run
+  double pixel_error = 0.0;      // pooled misses / rays of the last fresh batches so far
+  double worst_bound = 0.0;      // largest upper bound of a finished cell
+  double visible_percent = 0.0;  // mean cell set of the cells so far, percent of all polygons
 };
 
 struct callbacks {
@@ -33,17 +33,17 @@ struct summary {
   std::uint32_t cells = 0;           // stored in the file
   std::uint32_t cells_left_out = 0;  // without a free point
   std::uint32_t cells_over_bound = 0;
-  std::uint32_t cells_resumed = 0;   // taken from the checkpoint
+  std::uint32_t cells_resumed = 0;  // taken from the checkpoint
   double visible_percent = 0.0;
   double max_upper_bound = 1.0;
-  double cpu_seconds = 0.0;          // of the process, this run
+  double cpu_seconds = 0.0;  // of the process, this run
   std::uint64_t bytes = 0;
   std::string device;
 };
 
 // Bakes s into output. Finished cells are committed beside it (output + ".bake") as they come; the output appears by
-// rename at the end, or not at all when cancelled (then the same call resumes). fresh: an old checkpoint is thrown away.
-// Throws sightcell::error.
+// rename at the end, or not at all when cancelled (then the same call resumes). fresh: an old checkpoint is thrown
+// away. Throws sightcell::error.
 summary bake(const scene::scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
              const callbacks& tell);
 
@@ -69,9 +69,9 @@ struct verification {
 };
 
 struct verify_settings {
-  std::uint32_t cells = 0;          // --cells, at most so many, spread evenly; 0: all
-  std::uint64_t rays = 1'000'000;   // --rays, over all cells together, the same number for each
-  std::uint64_t seed = 12345;       // --seed
+  std::uint32_t cells = 0;         // --cells, at most so many, spread evenly; 0: all
+  std::uint64_t rays = 1'000'000;  // --rays, over all cells together, the same number for each
+  std::uint64_t seed = 12345;      // --seed
   std::uint32_t threads = 0;
 };
 

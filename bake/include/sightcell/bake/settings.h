@@ -11,25 +11,25 @@ namespace sightcell::bake {
 
 struct settings {
   // --- cells
-  std::optional<std::filesystem::path> cells_file;     // --cells-file: explicit boxes
-  std::optional<std::array<float, 6>> cells_grid;      // --cells-grid x0,y0,z0,x1,y1,z1: every lattice cell of this box
-  float cell_size = 4.0f;                              // --cell-size, metres, 0.25..1000; cells are half as high
-  std::uint32_t cell_limit = 0;                        // --cell-limit, bake only so many, spread evenly; 0: all
-  float margin = 0.25f;                                // --margin, metres, 0..10: boxes are grown by it for the bake
-  float player_radius = 0.05f;                         // --player-radius, metres, 0.001..1: eyes keep off surfaces by it
+  std::optional<std::filesystem::path> cells_file;  // --cells-file: explicit boxes
+  std::optional<std::array<float, 6>> cells_grid;   // --cells-grid x0,y0,z0,x1,y1,z1: every lattice cell of this box
+  float cell_size = 4.0f;                           // --cell-size, metres, 0.25..1000; cells are half as high
+  std::uint32_t cell_limit = 0;                     // --cell-limit, bake only so many, spread evenly; 0: all
+  float margin = 0.25f;                             // --margin, metres, 0..10: boxes are grown by it for the bake
+  float player_radius = 0.05f;                      // --player-radius, metres, 0.001..1: eyes keep off surfaces by it
 
   // --- sampling
-  std::string sampler = "importance-depth";            // --sampler: importance-depth or halton
-  std::uint32_t samples = 24;                          // --samples, hemicubes per cell, 6..100000
-  std::uint32_t resolution = 256;                      // --resolution, pixels along a hemicube face, even, 16..4096
-  double max_pixel_error = 1e-3;                       // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
-  std::uint64_t seed = 1;                              // --seed
+  std::string sampler = "importance-depth";  // --sampler: importance-depth or halton
+  std::uint32_t samples = 24;                // --samples, hemicubes per cell, 6..100000
+  std::uint32_t resolution = 256;            // --resolution, pixels along a hemicube face, even, 16..4096
+  double max_pixel_error = 1e-3;             // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
+  std::uint64_t seed = 1;                    // --seed
 
   // --- seeing
-  bool all_double_sided = false;                       // --all-double-sided
+  bool all_double_sided = false;  // --all-double-sided
 
   // --- running; none of these changes a byte of the file
-  std::uint32_t threads = 0;                           // --threads, 0: all
+  std::uint32_t threads = 0;  // --threads, 0: all
 };
 
 // Throws sightcell::error (wrong_use) naming the option when a value is out of its range.

@@ -16,7 +16,7 @@ class gl_context {
   gl_context(const gl_context&) = delete;
   gl_context& operator=(const gl_context&) = delete;
 
-  void make_current() const;         // binds to the calling thread
+  void make_current() const;            // binds to the calling thread
   const std::string& renderer() const;  // GL_RENDERER
   const std::string& choice() const;    // how it was found, for logs: "EGL device 1 of 2, hardware"
   bool software() const;                // true on a software rasteriser such as llvmpipe

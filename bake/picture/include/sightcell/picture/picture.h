@@ -17,7 +17,7 @@ struct camera {
   glm::vec3 eye{0.0f};
   glm::vec3 forward{0.0f, 0.0f, -1.0f};  // need not be normalised
   glm::vec3 up{0.0f, 1.0f, 0.0f};
-  float vertical_fov = 1.2f;             // radians
+  float vertical_fov = 1.2f;  // radians
 };
 
 // RGBA, 8 bits each, rows from the top.

@@ -1,8 +1,8 @@
 #pragma once
 // A scene as the bake sees it: plain arrays that load_gltf fills and that any engine could fill itself.
-// Units: metres, glTF axes (right-handed, +Y up). A polygon is one triangle of one instance of one primitive; its source
-// id is its position when all draws are walked in order (design: nodes depth-first in array order, per node its mesh's
-// primitives in order, per primitive its instances in order, per instance its triangles in index order).
+// Units: metres, glTF axes (right-handed, +Y up). A polygon is one triangle of one instance of one primitive; its
+// source id is its position when all draws are walked in order (design: nodes depth-first in array order, per node its
+// mesh's primitives in order, per primitive its instances in order, per instance its triangles in index order).
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -24,7 +24,7 @@ struct material {
   alpha_mode alpha = alpha_mode::opaque;
   float alpha_cutoff = 0.5f;  // of alpha_mode::mask
   bool double_sided = false;
-  glm::vec4 base_color{1.0f};             // linear, multiplied with the texture
+  glm::vec4 base_color{1.0f};                 // linear, multiplied with the texture
   std::uint32_t base_color_image = no_index;  // into scene::images
 };
 
@@ -36,9 +36,9 @@ struct image {
 
 // The triangles of one primitive of one mesh, shared by all its instances.
 struct geometry {
-  std::vector<glm::vec3> positions;         // local space
-  std::vector<glm::vec2> uvs;               // TEXCOORD_0; empty, or one per position
-  std::vector<std::uint32_t> indices;       // three per triangle; strips and fans are expanded
+  std::vector<glm::vec3> positions;    // local space
+  std::vector<glm::vec2> uvs;          // TEXCOORD_0; empty, or one per position
+  std::vector<std::uint32_t> indices;  // three per triangle; strips and fans are expanded
 };
 
 // What a host issues as one draw: one instance of one primitive.
@@ -48,7 +48,7 @@ struct draw {
   std::uint32_t geometry = 0;                                     // into scene::geometries
   std::uint32_t first_source = 0;                                 // source id of its first polygon
   std::uint32_t polygon_count = 0;
-  std::uint32_t base_vertex = 0;                                  // vertices of all draws before this one
+  std::uint32_t base_vertex = 0;  // vertices of all draws before this one
   std::uint64_t host_tag = 0;
   glm::dmat4 to_world{1.0};
 };
