@@ -26,7 +26,6 @@ struct bake_options {
   std::filesystem::path scene, output, json_file;
   std::filesystem::path cells_file;
   std::vector<float> cells_grid;
-  int scene_index = -1;
   bake::settings settings;
   bool fresh = false, json = false;
   std::string progress = "auto";
@@ -112,7 +111,7 @@ int run_bake(bake_options options) {
   bake::validate(how);  // before minutes of loading
   refuse_overwriting_the_scene(options);
   progress_line line(mode_of(options.progress));
-  const scene::scene s = scene::load_gltf(options.scene, options.scene_index);
+  const scene::scene s = scene::load_gltf(options.scene);
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   line.message(fmt::format("{}: {} polygons in {} draws", s.name, grouped(s.polygon_count), grouped(s.draws.size())));
 
@@ -155,10 +154,6 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
   add(verb, "--cell-size", s.cell_size, "M", "width of automatic and grid cells, metres; half as high")->group("Cells");
   add(verb, "--cell-limit", s.cell_limit, "N", "bake only so many cells, spread evenly; 0: all")->group("Cells");
   add(verb, "--margin", s.margin, "M", "metres by which every cell is grown for the bake")->group("Cells");
-  verb.add_option("--scene", o.scene_index, "glTF scene number; default: the file's own")
-      ->type_name("N")
-      ->check(CLI::NonNegativeNumber)
-      ->group("Cells");
 }
 
 void add_sampling_options(CLI::App& verb, bake_options& o) {

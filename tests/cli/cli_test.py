@@ -105,7 +105,7 @@ class Usage(InFolder):
     def test_help_names_every_option_of_this_version(self):
         out, _ = self.expect(0, 'bake', '--help')
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
-                       '--player-radius', '--scene', '--sampler', '--samples', '--max-pixel-error', '--resolution',
+                       '--player-radius', '--sampler', '--samples', '--max-pixel-error', '--resolution',
                        '--all-double-sided', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
