@@ -318,6 +318,26 @@ class Missing(InFolder):
         self.assertIn((cell, polygon), [(miss['cell'], miss['polygon']) for miss in result['missing']])
 
 
+class Data(InFolder):
+    """Real scenes, found by SIGHTCELL_DATA: a few cells of each meet the bound, by the bake's word and by verify's."""
+
+    def test_cells_of_real_scenes_meet_the_bound(self):
+        data = os.environ.get('SIGHTCELL_DATA', '')
+        scenes = [os.path.join(data, name) for name in ('levels/czest3ctf.glb', 'city/denhaag_01.glb')]
+        if not data or not all(os.path.exists(scene) for scene in scenes):
+            self.skipTest('SIGHTCELL_DATA does not name a folder with the real scenes')
+        for scene in scenes:
+            with self.subTest(scene=os.path.basename(scene)):
+                file = self.path('real.pvs')
+                out, _ = self.expect(0, 'bake', scene, '-o', file, '--cell-limit', '5', '--fresh', '--json',
+                                     '--progress', 'none')
+                baked = json.loads(out)
+                self.assertLessEqual(baked['max_upper_bound'], 1e-3)
+                self.assertLess(baked['visible_set_percent'], 30.0)
+                out, _ = self.expect(0, 'verify', scene, file, '--rays', '200000', '--json', '--picture', self.folder)
+                self.assertLessEqual(json.loads(out)['upper_bound'], 1e-3)
+
+
 class Resume(InFolder):
     """A bake of several cells, stopped in all the ways there are."""
 
