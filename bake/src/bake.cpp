@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -62,6 +63,10 @@ struct workshop {
 
 void equip(workshop& w, const scene::scene& s, const settings& how, const callbacks& tell) {
   w.geometry = scene::flatten(s);
+  if (std::all_of(w.geometry.kinds.begin(), w.geometry.kinds.end(),
+                  [](const scene::polygon_kind& kind) { return kind.degenerate; }))
+    throw error(error_kind::bad_input, "bake.nothing-to-see", s.name, "has no triangle that could be seen",
+                "export meshes with triangles, or name another file");
   w.rays.emplace(w.geometry, how.all_double_sided);
   if (how.max_pixel_error > 0.0) w.neighbors.emplace(w.geometry);
   w.context = std::make_unique<picture::gl_context>();
@@ -73,8 +78,7 @@ void equip(workshop& w, const scene::scene& s, const settings& how, const callba
   }
   // The far plane of the importance: the diagonal of the scene's box.
   const float diagonal = glm::distance(w.geometry.min, w.geometry.max);
-  w.source =
-      make_gpu_source(*w.context, *drawn, {.resolution = how.resolution, .far_plane = std::max(diagonal, 1e-3f)});
+  w.source = make_gpu_source(*w.context, *drawn, {.resolution = how.resolution, .far_plane = diagonal});
   if (tell.on_message) tell.on_message("device: " + w.source->device());
 }
 

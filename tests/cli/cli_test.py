@@ -253,6 +253,14 @@ class Bake(InFolder):
             out.write(whole[:-1])
         self.expect(4, 'info', file)
 
+    def test_a_scene_without_triangles(self):
+        empty = self.path('empty.gltf')
+        with open(empty, 'w', encoding='utf-8') as out:
+            out.write('{"asset":{"version":"2.0"}}')
+        self.expect(0, 'info', empty)
+        _, err = self.expect(4, 'bake', empty, '-o', self.path('empty.pvs'))
+        self.assertIn('empty.gltf', self.assert_one_error_line(err, 'bake.nothing-to-see'))
+
     def test_broken_cells_file_names_the_cell(self):
         with open(self.path('bad.json'), 'w', encoding='utf-8') as out:
             out.write('{"cells":[{"name":"lane 3","min":[0,0,0],"max":[0,1,1]}]}')
