@@ -82,9 +82,10 @@ void equip(workshop& w, const scene::scene& s, const settings& how, const callba
   if (tell.on_message) tell.on_message("device: " + w.source->device());
 }
 
-// Times a few hemicubes and rays in cells spread over the list, and says how long the bake will take.
-void print_estimate(workshop& w, const std::vector<view_cell>& cells, const settings& how, const callbacks& tell) {
-  if (!tell.on_message || cells.empty()) return;
+// Times a few hemicubes and rays in cells spread over the list, and says how long the cells that are left will take.
+void print_estimate(workshop& w, const std::vector<view_cell>& cells, std::size_t left, const settings& how,
+                    const callbacks& tell) {
+  if (!tell.on_message || left == 0) return;
   constexpr std::size_t trials = 4;
   constexpr std::uint64_t trial_rays = 2048;
   double hemicube_seconds = 0.0, ray_seconds = 0.0;
@@ -104,10 +105,10 @@ void print_estimate(workshop& w, const std::vector<view_cell>& cells, const sett
   // A first batch that holds needs about 15 / max_pixel_error rays; dilation and second batches about as much again.
   const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
   const double per_cell = how.samples * hemicube_seconds + rays * ray_seconds;
-  tell.on_message(fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", cells.size(),
-                              how.samples, 1e3 * hemicube_seconds,
+  tell.on_message(fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", left, how.samples,
+                              1e3 * hemicube_seconds,
                               rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
-                              std::ceil(per_cell * static_cast<double>(cells.size()))));
+                              std::ceil(per_cell * static_cast<double>(left))));
 }
 
 // What is known so far, over the cells of this run and those resumed.
@@ -187,7 +188,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
     checkpoint done(beside, checkpoint_key(s, list.cells, settings), fresh);
     if (tell.on_message && done.finished() > 0)
       tell.on_message(fmt::format("resuming: {} of {} cells are done", done.finished(), list.cells.size()));
-    print_estimate(w, list.cells, how, tell);
+    print_estimate(w, list.cells, list.cells.size() - done.finished(), how, tell);
 
     std::vector<cell_record> records;
     if (!bake_cells(w, s, how, list.cells, done, tell, records, sum)) {
