@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sightcell/format/reader.h"
@@ -19,6 +20,7 @@ class pvs_file {
   static pvs_file open(const std::filesystem::path& path);
 
   const format::reader& content() const { return reader_; }
+  std::span<const std::byte> bytes() const { return bytes_; }
   std::uint64_t size() const { return bytes_.size(); }
   format::row_statistics statistics() const;
   std::vector<std::uint32_t> cell_set(std::uint32_t cell) const;  // ascending stored numbers; version 0: source ids

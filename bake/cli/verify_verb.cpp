@@ -144,8 +144,9 @@ int run_verify(const verify_options& options) {
   const pvs_file file = pvs_file::open(options.file);
   const scene::scene s = scene::load_gltf(options.scene);
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
-  const bake::verification v = bake::verify(
-      s, options.file, options.how, [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
+  const bake::verification v =
+      bake::verify(s, file.bytes(), options.file.string(), options.how,
+                   [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
   std::vector<named_miss> missing;
   for (const bake::missing_polygon& miss : v.missing) missing.push_back(name_miss(s, v, miss));
   const ordered_json view = try_worst_view(s, file, missing, options, line);

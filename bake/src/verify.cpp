@@ -3,7 +3,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -19,19 +18,9 @@ namespace {
 
 constexpr std::size_t reported_polygons = 100;
 
-std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary | std::ios::ate);
-  if (!in) throw error(error_kind::bad_input, "file.unreadable", path.string(), "cannot be opened", "check the path");
-  std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
-  in.seekg(0);
-  if (!in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
-    throw error(error_kind::bad_input, "file.unreadable", path.string(), "cannot be read", "check the disk");
-  return bytes;
-}
-
-void require_ok(format::status outcome, const std::filesystem::path& file) {
+void require_ok(format::status outcome, const std::string& name) {
   if (outcome != format::status::ok)
-    throw error(error_kind::bad_input, "pvs.broken", file.string(), format::status_text(outcome), "bake it again");
+    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
 }
 
 // What the bake was told and the check has to know too.
@@ -85,7 +74,7 @@ void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<miss
   for (const auto& [polygon, entry] : by_polygon) missing.push_back(entry);
 }
 
-verification verify_cells(const scene::scene& s, const format::reader& file, const std::filesystem::path& path,
+verification verify_cells(const scene::scene& s, const format::reader& file, const std::string& name,
                           const verify_settings& how,
                           const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
   const eye_rules rules = rules_of(file);
@@ -101,12 +90,12 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
   double visible = 0.0;
   for (std::uint32_t i = 0; i < chosen; ++i) {
     const auto cell = static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen);
-    require_ok(file.check_chunk(format::reader::chunk_of(cell)), path);
+    require_ok(file.check_chunk(format::reader::chunk_of(cell)), name);
     std::size_t runs = 0;
-    require_ok(file.decode_row(cell, row, scratch, runs), path);
+    require_ok(file.decode_row(cell, row, scratch, runs), name);
     set.assign(std::span(row).first(runs));
     format::box corners;
-    require_ok(file.cell_box(cell, corners), path);
+    require_ok(file.cell_box(cell, corners), name);
     const box grown =
         box{{corners.min[0], corners.min[1], corners.min[2]}, {corners.max[0], corners.max[1], corners.max[2]}}.grown(
             file.facts().margin);
@@ -134,17 +123,16 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
 
 }  // namespace
 
-verification verify(const scene::scene& s, const std::filesystem::path& file, const verify_settings& how,
-                    const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
-  const std::vector<std::byte> bytes = read_bytes(file);
+verification verify(const scene::scene& s, std::span<const std::byte> file, const std::string& name,
+                    const verify_settings& how, const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
   format::reader opened;
-  require_ok(format::reader::open(bytes, opened), file);
+  require_ok(format::reader::open(file, opened), name);
   if (opened.polygon_count() != s.polygon_count || opened.facts().scene_fingerprint != s.fingerprint)
-    throw error(error_kind::bad_input, "pvs.other-scene", file.string(), "was baked from another scene than " + s.name,
+    throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s.name,
                 "give the scene it was baked from, or bake again");
   verification result;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
-  arena.execute([&] { result = verify_cells(s, opened, file, how, on_progress); });
+  arena.execute([&] { result = verify_cells(s, opened, name, how, on_progress); });
   return result;
 }
 

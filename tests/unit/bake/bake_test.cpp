@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
+#include "file_bytes.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/error.h"
@@ -18,14 +17,6 @@ namespace sightcell::bake {
 namespace {
 
 using test::tiny_scene;
-
-std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
-  std::vector<std::byte> bytes(text.size());
-  std::transform(text.begin(), text.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
-  return bytes;
-}
 
 class bake_library : public testing::Test {
  protected:
@@ -73,7 +64,7 @@ TEST_F(bake_library, hemicubes_see_both_sides_when_told) {
     const auto path = folder_ / "room.pvs";
     const summary sum = bake(s, how, path, true, {});
     EXPECT_EQ(sum.result, outcome::done);
-    const std::vector<std::byte> bytes = bytes_of(path);
+    const std::vector<std::byte> bytes = test::file_bytes(path);
     format::reader file;
     ASSERT_EQ(format::reader::open(bytes, file), format::status::ok);
     EXPECT_EQ(file.cell_count(), 4u);
@@ -108,7 +99,7 @@ TEST_F(bake_library, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_byt
   const summary resumed = bake(s, how, broken, false, tell);
   EXPECT_EQ(resumed.result, outcome::done);
   EXPECT_EQ(resumed.cells_resumed, 2u);
-  EXPECT_EQ(bytes_of(whole), bytes_of(broken));
+  EXPECT_EQ(test::file_bytes(whole), test::file_bytes(broken));
   ASSERT_EQ(told.size(), 4u);
   for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].cells_done, i + 1);
   EXPECT_EQ(told.back().cells_total, 4u);

@@ -5,13 +5,12 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "file_bytes.h"
 #include "finish/fresh_rays.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/format/reader.h"
@@ -21,12 +20,10 @@ namespace {
 using namespace sightcell;
 
 bake::box grown_cell(const std::filesystem::path& path, std::uint32_t cell) {
-  std::ifstream in(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::vector<std::byte> bytes = test::file_bytes(path);
   format::reader file;
   format::box corners;
-  if (format::reader::open(std::as_bytes(std::span(bytes)), file) != format::status::ok ||
-      file.cell_box(cell, corners) != format::status::ok)
+  if (format::reader::open(bytes, file) != format::status::ok || file.cell_box(cell, corners) != format::status::ok)
     throw std::runtime_error(path.string() + ": no .pvs file with that cell");
   const bake::box own{{corners.min[0], corners.min[1], corners.min[2]},
                       {corners.max[0], corners.max[1], corners.max[2]}};

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "file_bytes.h"
 #include "pvs_output.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
@@ -52,6 +53,10 @@ summary write(const scene::scene& s, const view_cell& cell, std::vector<std::uin
   return sum;
 }
 
+verification check(const scene::scene& s, const std::filesystem::path& path, const verify_settings& how) {
+  return verify(s, test::file_bytes(path), path.string(), how, {});
+}
+
 const view_cell middle{{-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f}, "", 1};
 
 TEST(verify, measures_the_error_of_a_set) {
@@ -62,7 +67,7 @@ TEST(verify, measures_the_error_of_a_set) {
   (void)write(s, middle, all_but(s, {4, 5}), 0.0f, file.path());  // one wall of six
   verify_settings how;
   how.rays = 60'000;
-  const verification v = verify(s, file.path(), how, {});
+  const verification v = check(s, file.path(), how);
   EXPECT_EQ(v.rays, 60'000u);
   EXPECT_NEAR(v.pixel_error, 1.0 / 6.0, 0.01);
   EXPECT_GT(v.upper_bound, v.pixel_error);
@@ -72,7 +77,7 @@ TEST(verify, measures_the_error_of_a_set) {
   EXPECT_NEAR(v.visible_set_percent, 100.0 * 10 / 12, 1e-4);
 
   (void)write(s, middle, all_but(s, {}), 0.0f, file.path());
-  EXPECT_EQ(verify(s, file.path(), how, {}).misses, 0u);
+  EXPECT_EQ(check(s, file.path(), how).misses, 0u);
 }
 
 TEST(verify, looks_from_the_margin_too) {
@@ -85,9 +90,9 @@ TEST(verify, looks_from_the_margin_too) {
   verify_settings how;
   how.rays = 100'000;
   (void)write(s, cell, all_but(s, {target, target + 1}), 0.0f, file.path());
-  EXPECT_EQ(verify(s, file.path(), how, {}).misses, 0u);
+  EXPECT_EQ(check(s, file.path(), how).misses, 0u);
   (void)write(s, cell, all_but(s, {target, target + 1}), 0.25f, file.path());
-  EXPECT_GT(verify(s, file.path(), how, {}).misses, 0u);
+  EXPECT_GT(check(s, file.path(), how).misses, 0u);
 }
 
 TEST(verify, refuses_what_it_cannot_judge) {
@@ -98,12 +103,12 @@ TEST(verify, refuses_what_it_cannot_judge) {
   const temporary_file file("verify_other.pvs");
   (void)write(s, middle, all_but(s, {}), 0.0f, file.path());
   try {
-    (void)verify(other.finished(), file.path(), {}, {});
+    (void)check(other.finished(), file.path(), {});
     FAIL() << "a file of another scene was judged";
   } catch (const error& e) {
     EXPECT_EQ(e.id(), "pvs.other-scene");
   }
-  EXPECT_THROW((void)verify(s, "no/such/file.pvs", {}, {}), error);
+  EXPECT_THROW((void)check(s, "no/such/file.pvs", {}), error);
 }
 
 TEST(write_pvs, says_when_a_bound_was_not_met) {

@@ -1,8 +1,11 @@
 #pragma once
 // The bake: scene in, .pvs file out.
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -76,8 +79,10 @@ struct verify_settings {
 };
 
 // Casts fresh independent rays against the cell sets of a .pvs file: its own ray scene, no sampler code.
-// file: bytes of the .pvs. Throws sightcell::error when the file is broken or belongs to another scene.
-verification verify(const scene::scene& s, const std::filesystem::path& file, const verify_settings& how,
+// file: the bytes of the .pvs, read during the call; name: of the file, for messages. Throws sightcell::error when the
+// file is broken or belongs to another scene.
+verification verify(const scene::scene& s, std::span<const std::byte> file, const std::string& name,
+                    const verify_settings& how,
                     const std::function<void(std::uint32_t done, std::uint32_t total)>& on_progress);
 
 }  // namespace sightcell::bake
