@@ -11,10 +11,10 @@
 #include <optional>
 #include <utility>
 
+#include "bound/fresh_rays.h"
 #include "cell_bake.h"
 #include "cells/view_cell.h"
 #include "checkpoint.h"
-#include "finish/fresh_rays.h"
 #include "process_time.h"
 #include "pvs_output.h"
 #include "sightcell/scene/error.h"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bound/clopper_pearson.h"
-#include "finish/fresh_rays.h"
+#include "bound/fresh_rays.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/scene/error.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "bound/clopper_pearson.h"
+#include "bound/fresh_rays.h"
 #include "finish/dilation.h"
-#include "finish/fresh_rays.h"
 
 namespace sightcell::bake {
 namespace {

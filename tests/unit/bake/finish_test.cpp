@@ -4,8 +4,8 @@
 #include <set>
 
 #include "bound/clopper_pearson.h"
+#include "bound/fresh_rays.h"
 #include "finish/dilation.h"
-#include "finish/fresh_rays.h"
 #include "finish/ray_finish.h"
 #include "tiny_scene.h"
 

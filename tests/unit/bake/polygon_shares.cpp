@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "bound/fresh_rays.h"
 #include "file_bytes.h"
-#include "finish/fresh_rays.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/format/reader.h"
 

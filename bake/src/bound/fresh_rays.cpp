@@ -1,4 +1,4 @@
-#include "finish/fresh_rays.h"
+#include "bound/fresh_rays.h"
 
 #include <tbb/parallel_for.h>
 
