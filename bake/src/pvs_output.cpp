@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "sightcell/format/writer.h"
@@ -27,6 +28,12 @@ std::vector<format::draw_record> draw_table(const scene::scene& s) {
                      .base_vertex = d.base_vertex,
                      .host_tag = d.host_tag});
   return table;
+}
+
+// A bound may only be rounded upwards.
+float rounded_up(double bound) {
+  const auto nearest = static_cast<float>(bound);
+  return static_cast<double>(nearest) < bound ? std::nextafter(nearest, 2.0f) : nearest;
 }
 
 void require_ok(format::status outcome, const std::filesystem::path& output, const char* doing) {
@@ -78,7 +85,7 @@ void write_pvs(const scene::scene& s, const settings& how, const std::string& se
   format::file_contents contents;
   contents.facts.polygon_count = s.polygon_count;
   contents.facts.margin = how.margin;
-  contents.facts.max_pixel_error = static_cast<float>(sum.max_upper_bound);
+  contents.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
   contents.facts.scene_fingerprint = s.fingerprint;
   contents.draws = draws;
   contents.cells = boxes;

@@ -125,6 +125,26 @@ TEST(write_pvs, says_when_a_bound_was_not_met) {
   EXPECT_DOUBLE_EQ(bad.max_upper_bound, 5e-2);
 }
 
+TEST(write_pvs, rounds_the_bound_upwards) {
+  tiny_scene tiny;
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
+  const scene::scene s = tiny.finished();
+  const temporary_file file("write_rounding.pvs");
+  for (const double bound : {1e-3, 0.5, 0.7, 0.9, 1.0 / 3.0}) {  // some lie above the nearest float, some below
+    cell_record record;
+    record.set = {1};
+    record.upper_bound = bound;
+    std::vector<cell_record> records{record};
+    summary sum;
+    write_pvs(s, {}, "{}", {middle}, records, file.path(), {}, sum);
+    const std::vector<std::byte> bytes = test::file_bytes(file.path());
+    format::reader written;
+    ASSERT_EQ(format::reader::open(bytes, written), format::status::ok);
+    EXPECT_GE(static_cast<double>(written.facts().max_pixel_error), bound);
+    EXPECT_LE(static_cast<double>(written.facts().max_pixel_error), bound * (1.0 + 1e-6));
+  }
+}
+
 TEST(write_pvs, leaves_cells_without_a_free_place_out_and_refuses_none_at_all) {
   tiny_scene tiny;
   tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
