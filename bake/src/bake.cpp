@@ -24,7 +24,7 @@ namespace sightcell::bake {
 namespace {
 
 // Raised whenever the same settings may give other bytes: old checkpoints are then refused by name.
-constexpr int bake_version = 1;
+constexpr int bake_version = 2;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -79,7 +79,10 @@ void equip(workshop& w, const scene::scene& s, const settings& how, const callba
   // The far plane of the importance: the diagonal of the scene's box.
   const float diagonal = glm::distance(w.geometry.min, w.geometry.max);
   w.source = make_gpu_source(*w.context, *drawn, {.resolution = how.resolution, .far_plane = diagonal});
-  if (tell.on_message) tell.on_message("device: " + w.source->device());
+  if (tell.on_message) {
+    for (const std::string& warning : w.geometry.warnings) tell.on_message("warning: " + warning);
+    tell.on_message("device: " + w.source->device());
+  }
 }
 
 // Times a few hemicubes and rays in cells spread over the list, and says how long the cells that are left will take.

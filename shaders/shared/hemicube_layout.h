@@ -15,6 +15,8 @@ const uint hemicube_collect_size = 256u;
 // Vertex attributes.
 const uint hemicube_attribute_position = 0u;
 const uint hemicube_attribute_source_id = 1u;
+const uint hemicube_attribute_uv = 2u;    // of masked polygons
+const uint hemicube_attribute_mask = 3u;  // which mask
 
 // Uniform blocks.
 const uint hemicube_block_face = 0u;
@@ -28,6 +30,9 @@ const uint hemicube_texture_depth = 1u;
 const uint hemicube_buffer_counts = 0u;  // pixels per source id; all 0 between hemicubes
 const uint hemicube_buffer_found = 1u;   // number, then the source ids whose count is not 0, in any order
 const uint hemicube_buffer_result = 2u;  // what is read back, see below
+
+const uint hemicube_buffer_masks = 3u;   // hemicube_mask per mask
+const uint hemicube_buffer_texels = 4u;  // alphas, four per word, lowest byte first
 
 // The result, in 32-bit words: number of polygons, three unused, four floats per work group, (id, pixels) per polygon.
 const uint hemicube_result_header = 4u;
@@ -47,7 +52,16 @@ struct hemicube_gather {
   uint unused_word;
 };
 
+// Where a MASK material is there: see bake/scene/include/sightcell/scene/alpha_mask.h.
+struct hemicube_mask {
+  uint first_texel;
+  uint width;
+  uint height;
+  float cutoff;
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(hemicube_mask) == 16);
 static_assert(sizeof(hemicube_face) == 64);
 static_assert(sizeof(hemicube_gather) == 16);
 }  // namespace sightcell::shaders

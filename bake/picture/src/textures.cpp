@@ -4,15 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
-#include <memory>
-
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_NO_STDIO
-#define STBI_ONLY_JPEG
-#define STBI_ONLY_PNG
-#include <stb_image.h>
 
 namespace sightcell::picture {
 namespace {
@@ -32,18 +23,11 @@ GLuint make_texture(GLsizei width, GLsizei height, const unsigned char* rgba) {
 
 // 0 when the image cannot be decoded or is larger than the device's textures.
 GLuint decode_and_upload(const scene::image& image) {
-  if (image.encoded.empty() || image.encoded.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    return 0;
-  const auto bytes = static_cast<int>(image.encoded.size());
   GLint limit = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
-  int width = 0, height = 0, channels = 0;
-  // The size first: a broken header must not make the decoder allocate gigabytes.
-  if (stbi_info_from_memory(image.encoded.data(), bytes, &width, &height, &channels) == 0) return 0;
-  if (width < 1 || height < 1 || width > limit || height > limit) return 0;
-  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-      stbi_load_from_memory(image.encoded.data(), bytes, &width, &height, &channels, 4), stbi_image_free);
-  return pixels ? make_texture(width, height, pixels.get()) : 0;
+  const auto pixels = scene::decode(image, static_cast<std::uint32_t>(limit));
+  if (!pixels) return 0;
+  return make_texture(static_cast<GLsizei>(pixels->width), static_cast<GLsizei>(pixels->height), pixels->rgba.data());
 }
 
 }  // namespace

@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 #include <limits>
 #include <memory>
 #include <new>
@@ -30,6 +27,22 @@ void check_materials(const scene& s) {
              "material " + std::to_string(i) + " uses image " + std::to_string(image) + " of " +
                  std::to_string(s.images.size()),
              "correct the image index");
+    }
+    const std::uint32_t map = s.materials[i].alpha_map;
+    if (map != no_index && map >= s.alpha_maps.size()) {
+      refuse(s, "scene.index-out-of-range",
+             "material " + std::to_string(i) + " uses alpha map " + std::to_string(map) + " of " +
+                 std::to_string(s.alpha_maps.size()),
+             "correct the index");
+    }
+  }
+  for (std::size_t i = 0; i < s.alpha_maps.size(); ++i) {
+    const alpha_map& map = s.alpha_maps[i];
+    if (map.texels.empty() || map.texels.size() != std::size_t{map.width} * map.height) {
+      refuse(s, "scene.bad-field",
+             "alpha map " + std::to_string(i) + " of " + std::to_string(map.width) + " x " +
+                 std::to_string(map.height) + " has " + std::to_string(map.texels.size()) + " texels",
+             "give one byte per texel");
     }
   }
 }
@@ -129,7 +142,12 @@ std::array<std::uint8_t, 16> fingerprint_of(const scene& s) {
     if (m.alpha != alpha_mode::mask) continue;
     hash.value(m.alpha_cutoff);
     hash.value(m.base_color.a);
-    if (m.base_color_image != no_index) hash.array(s.images[m.base_color_image].encoded);
+    if (m.alpha_map != no_index) {
+      hash.value(s.alpha_maps[m.alpha_map].width);
+      hash.array(s.alpha_maps[m.alpha_map].texels);
+    } else if (m.base_color_image != no_index) {
+      hash.array(s.images[m.base_color_image].encoded);
+    }
   }
   hash.value(static_cast<std::uint64_t>(s.geometries.size()));
   for (std::size_t i = 0; i < s.geometries.size(); ++i) {
@@ -149,51 +167,6 @@ std::array<std::uint8_t, 16> fingerprint_of(const scene& s) {
   return hash.digest();
 }
 
-bool is_finite(const glm::vec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
-// Differences of floats and their products are exact or nearly so in double precision: only a polygon whose corners
-// lie on one line in the rounded positions counts as having no area.
-bool has_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-  const glm::dvec3 n = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
-  return n.x != 0.0 || n.y != 0.0 || n.z != 0.0;
-}
-
-polygon_kind kind_of(const scene& s, const draw& d) {
-  polygon_kind kind;
-  if (d.material != no_index) {
-    kind.alpha = s.materials[d.material].alpha;
-    kind.double_sided = s.materials[d.material].double_sided;
-  }
-  return kind;
-}
-
-void append_draw(const scene& s, const draw& d, world_geometry& out) {
-  const geometry& g = s.geometries[d.geometry];
-  const glm::dmat4& m = d.to_world;
-  for (const glm::vec3& local : g.positions) {
-    const glm::dvec3 p(local);
-    out.positions.emplace_back(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]);
-  }
-  const bool mirrored = glm::determinant(glm::dmat3(m)) < 0.0;
-  const polygon_kind kind = kind_of(s, d);
-  for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) {
-    const std::uint32_t a = d.base_vertex + g.indices[i];
-    const std::uint32_t b = d.base_vertex + g.indices[i + (mirrored ? 2 : 1)];
-    const std::uint32_t c = d.base_vertex + g.indices[i + (mirrored ? 1 : 2)];
-    out.indices.insert(out.indices.end(), {a, b, c});
-    const glm::vec3& pa = out.positions[a];
-    const glm::vec3& pb = out.positions[b];
-    const glm::vec3& pc = out.positions[c];
-    polygon_kind& stored = out.kinds.emplace_back(kind);
-    stored.degenerate = !(is_finite(pa) && is_finite(pb) && is_finite(pc) && has_area(pa, pb, pc));
-    if (stored.degenerate) continue;
-    out.min = glm::min(out.min, glm::min(pa, glm::min(pb, pc)));
-    out.max = glm::max(out.max, glm::max(pa, glm::max(pb, pc)));
-  }
-}
-
 }  // namespace
 
 void finish(scene& s) {
@@ -201,26 +174,6 @@ void finish(scene& s) {
   check_geometries(s);
   number_draws(s);
   s.fingerprint = fingerprint_of(s);
-}
-
-world_geometry flatten(const scene& s) {
-  world_geometry out;
-  std::size_t vertices = 0;
-  if (!s.draws.empty()) vertices = s.draws.back().base_vertex + s.geometries[s.draws.back().geometry].positions.size();
-  out.positions.reserve(vertices);
-  out.indices.reserve(std::size_t{s.polygon_count} * 3);
-  out.kinds.reserve(s.polygon_count);
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  out.min = glm::vec3(infinity);
-  out.max = glm::vec3(-infinity);
-  for (const draw& d : s.draws) append_draw(s, d, out);
-  if (out.min.x > out.max.x) out.min = out.max = glm::vec3(0.0f);
-  // Every polygon at a corner that is not finite is degenerate already, so the place is free; no NaN must reach a
-  // ray tracer or a GPU that is given the whole array.
-  for (glm::vec3& p : out.positions) {
-    if (!is_finite(p)) p = glm::vec3(0.0f);
-  }
-  return out;
 }
 
 std::uint32_t draw_of(const scene& s, std::uint32_t source_id) {

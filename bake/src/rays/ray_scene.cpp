@@ -35,6 +35,9 @@ const std::array<glm::vec3, solid_directions>& fixed_directions() {
   return directions;
 }
 
+// Embree's geometries. The primitives of with_tests are numbered as world_geometry::masked.
+enum : unsigned { with_opaque = 0, with_tests, with_blend, geometry_count };
+
 struct passed_polygon {
   std::uint32_t polygon;
   float distance;
@@ -49,21 +52,35 @@ struct look_context {
   std::vector<passed_polygon>* passed = nullptr;
 };
 
-// Rule 1: backs of single-sided polygons are not there; MASK and BLEND are noted and let the ray on.
+// Where a hit lies in the texture of a masked polygon.
+glm::vec2 uv_at(const scene::masked_polygon& p, float u, float v) {
+  return p.uvs[0] + (p.uvs[1] - p.uvs[0]) * u + (p.uvs[2] - p.uvs[0]) * v;
+}
+
+// Rule 1: backs of single-sided polygons are not there, nor is a MASK where its alpha is below the cutoff; BLEND is
+// noted and lets the ray on.
 void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
   const auto* context = reinterpret_cast<const look_context*>(arguments->context);
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] != -1) continue;
     const unsigned geometry = RTCHitN_geomID(arguments->hit, arguments->N, i);
-    const std::uint32_t polygon = context->ids[geometry][RTCHitN_primID(arguments->hit, arguments->N, i)];
+    const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, i);
+    const std::uint32_t polygon = context->ids[geometry][primitive];
     const scene::polygon_kind kind = context->geometry->kinds[polygon];
     const float facing =
         RTCHitN_Ng_x(arguments->hit, arguments->N, i) * RTCRayN_dir_x(arguments->ray, arguments->N, i) +
         RTCHitN_Ng_y(arguments->hit, arguments->N, i) * RTCRayN_dir_y(arguments->ray, arguments->N, i) +
         RTCHitN_Ng_z(arguments->hit, arguments->N, i) * RTCRayN_dir_z(arguments->ray, arguments->N, i);
     const bool shows_back = facing > 0.0f && !kind.double_sided && !context->all_double_sided;
-    if (!shows_back && kind.alpha == scene::alpha_mode::opaque) continue;
-    if (!shows_back) context->passed->push_back({polygon, RTCRayN_tfar(arguments->ray, arguments->N, i)});
+    if (!shows_back && geometry == with_opaque) continue;
+    if (!shows_back && geometry == with_tests) {
+      const scene::masked_polygon& masked = context->geometry->masked[primitive];
+      const glm::vec2 uv =
+          uv_at(masked, RTCHitN_u(arguments->hit, arguments->N, i), RTCHitN_v(arguments->hit, arguments->N, i));
+      if (context->geometry->masks[masked.mask].passes(uv)) continue;
+    }
+    if (!shows_back && geometry == with_blend)
+      context->passed->push_back({polygon, RTCRayN_tfar(arguments->ray, arguments->N, i)});
     arguments->valid[i] = 0;
   }
 }
@@ -105,7 +122,7 @@ struct ray_scene::embree {
   RTCDevice device = nullptr;
   RTCScene solid = nullptr;  // opaque and MASK: what solids are told by
   RTCScene all = nullptr;    // with BLEND; the same scene where there is none
-  std::array<std::vector<std::uint32_t>, 2> ids;
+  std::array<std::vector<std::uint32_t>, geometry_count> ids;
 
   ~embree() {
     if (all && all != solid) rtcReleaseScene(all);
@@ -121,18 +138,27 @@ struct ray_scene::embree {
                 failure == RTC_ERROR_OUT_OF_MEMORY ? "free memory or use a smaller scene" : "report this scene");
   }
 
-  RTCGeometry make_geometry(const scene::world_geometry& world, const std::vector<std::uint32_t>& polygons) const {
+  // All vertices, once for all geometries; Embree's own memory, because it reads a few bytes past the last one.
+  RTCBuffer make_vertices(const scene::world_geometry& world) const {
+    RTCBuffer buffer = rtcNewBuffer(device, std::max<std::size_t>(world.positions.size(), 1) * sizeof(glm::vec3) + 16);
+    check("allocating vertices");
+    auto* vertex = static_cast<glm::vec3*>(rtcGetBufferData(buffer));
+    // No NaN may reach Embree, whoever made the geometry.
+    for (const glm::vec3& p : world.positions)
+      *vertex++ = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) ? p : glm::vec3{0.0f};
+    return buffer;
+  }
+
+  RTCGeometry make_geometry(const scene::world_geometry& world, const std::vector<std::uint32_t>& polygons,
+                            RTCBuffer vertices) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), polygons.size()));
-    auto* vertex = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), world.positions.size()));
+    rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, sizeof(glm::vec3),
+                         world.positions.size());
     check("allocating geometry");
     for (const std::uint32_t polygon : polygons)
       for (std::size_t k = 0; k < 3; ++k) *index++ = world.indices[3 * std::size_t{polygon} + k];
-    // Vertices that only degenerate polygons use may be NaN; none may reach Embree.
-    for (const glm::vec3& p : world.positions)
-      *vertex++ = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) ? p : glm::vec3{0.0f};
     rtcCommitGeometry(geometry);
     return geometry;
   }
@@ -155,22 +181,30 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
   if (!e.device) throw error(error_kind::failed, "rays.embree", "ray scene", "no Embree device", "check the CPU");
   for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon) {
     const scene::polygon_kind kind = geometry.kinds[polygon];
-    if (!kind.degenerate) e.ids[kind.alpha == scene::alpha_mode::blend ? 1 : 0].push_back(polygon);
+    if (kind.degenerate) continue;
+    e.ids[kind.alpha == scene::alpha_mode::blend ? with_blend
+          : kind.alpha_tested                    ? with_tests
+                                                 : with_opaque]
+        .push_back(polygon);
   }
   e.solid = e.make_scene();
-  RTCGeometry solid = e.make_geometry(geometry, e.ids[0]);
-  rtcAttachGeometryByID(e.solid, solid, 0);
+  RTCBuffer vertices = e.make_vertices(geometry);
+  std::array<RTCGeometry, geometry_count> parts{};
+  for (unsigned i = 0; i < geometry_count; ++i)
+    if (!e.ids[i].empty() || i == with_opaque) parts[i] = e.make_geometry(geometry, e.ids[i], vertices);
+  for (const unsigned i : {unsigned{with_opaque}, unsigned{with_tests}})
+    if (parts[i]) rtcAttachGeometryByID(e.solid, parts[i], i);
   rtcCommitScene(e.solid);
   e.all = e.solid;
-  if (!e.ids[1].empty()) {
+  if (parts[with_blend]) {
     e.all = e.make_scene();
-    RTCGeometry blend = e.make_geometry(geometry, e.ids[1]);
-    rtcAttachGeometryByID(e.all, solid, 0);
-    rtcAttachGeometryByID(e.all, blend, 1);
-    rtcReleaseGeometry(blend);
+    for (unsigned i = 0; i < geometry_count; ++i)
+      if (parts[i]) rtcAttachGeometryByID(e.all, parts[i], i);
     rtcCommitScene(e.all);
   }
-  rtcReleaseGeometry(solid);
+  for (const RTCGeometry part : parts)
+    if (part) rtcReleaseGeometry(part);
+  rtcReleaseBuffer(vertices);
   e.check("building the ray scene");
 }
 
@@ -235,7 +269,7 @@ void ray_scene::find_solid(std::span<const glm::vec3> points, std::span<std::uin
       for (std::size_t i = 0; i < count; ++i) {
         if (valid[i] == 0 || r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         ++hits[i];
-        const scene::polygon_kind kind = geometry_.kinds[embree_->ids[0][r.hit.primID[i]]];
+        const scene::polygon_kind kind = geometry_.kinds[embree_->ids[r.hit.geomID[i]][r.hit.primID[i]]];
         const glm::vec3 normal{r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]};
         const bool votes = kind.alpha == scene::alpha_mode::opaque && !kind.double_sided;
         if (votes && glm::dot(normal, direction) > 0.0f) ++backs[i];

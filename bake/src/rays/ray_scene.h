@@ -18,7 +18,7 @@ inline constexpr std::uint32_t no_polygon = 0xFFFFFFFFu;
 struct sight {
   std::uint32_t front = no_polygon;   // the front occluding polygon; no_polygon: the ray leaves the scene
   float distance = 0.0f;              // to it, metres; infinity when there is none
-  std::vector<std::uint32_t> before;  // MASK and BLEND polygons passed on the way, each once, ascending
+  std::vector<std::uint32_t> before;  // BLEND polygons passed on the way, each once, ascending
 };
 
 class ray_scene {

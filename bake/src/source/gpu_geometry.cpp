@@ -24,9 +24,10 @@ glm::vec3 corner(const scene::world_geometry& world, std::uint32_t id, std::uint
 }
 
 polygon_class class_of(scene::polygon_kind kind) {
-  const bool see_through = kind.alpha != scene::alpha_mode::opaque;
-  if (kind.double_sided) return see_through ? see_through_double_sided : opaque_double_sided;
-  return see_through ? see_through_single_sided : opaque_single_sided;
+  if (kind.alpha == scene::alpha_mode::blend)
+    return kind.double_sided ? see_through_double_sided : see_through_single_sided;
+  if (kind.alpha_tested) return kind.double_sided ? masked_double_sided : masked_single_sided;
+  return kind.double_sided ? opaque_double_sided : opaque_single_sided;
 }
 
 // Splits the polygons at the median of the longest side of their centers' box until the parts are small enough; calls
@@ -64,6 +65,13 @@ struct device_vertex {
 };
 static_assert(sizeof(device_vertex) == 16);
 
+// What the corner of a masked polygon has besides.
+struct mask_vertex {
+  glm::vec2 uv;
+  std::uint32_t mask;
+};
+static_assert(sizeof(mask_vertex) == 12);
+
 // Collects the corners of polygons: equal positions become one vertex, numbered in order of first use, but no two
 // polygons end in the same vertex.
 class vertex_welder {
@@ -81,6 +89,12 @@ class vertex_welder {
     }
     vertices_.push_back({vertices_[v[2]].position, source_id});
     return {v[0], v[1], static_cast<std::uint32_t>(vertices_.size() - 1)};
+  }
+  // The same with vertices of its own, numbered onward.
+  std::array<std::uint32_t, 3> add_apart(std::uint32_t source_id, const std::array<glm::vec3, 3>& corners) {
+    const auto first = static_cast<std::uint32_t>(vertices_.size());
+    for (const glm::vec3& p : corners) vertices_.push_back({p, source_id});
+    return {first, first + 1, first + 2};
   }
   const std::vector<device_vertex>& vertices() const { return vertices_; }
 
@@ -148,33 +162,83 @@ gpu_geometry::gpu_geometry(const scene::world_geometry& world)
 
 void gpu_geometry::upload(const scene::world_geometry& world, const std::vector<std::uint32_t>& source_ids) {
   vertex_welder welder(world.positions.size());
-  std::vector<std::uint32_t> indices;
-  indices.reserve(3 * source_ids.size());
-  for (const std::uint32_t id : source_ids) {
-    for (const std::uint32_t v : welder.add(id, {corner(world, id, 0), corner(world, id, 1), corner(world, id, 2)})) {
-      indices.push_back(v);
+  std::vector<mask_vertex> masked;
+  std::vector<std::uint32_t> indices(3 * source_ids.size());
+  // Masked polygons first, so that their vertices are the first; indices stay in device order.
+  for (const bool want_masked : {true, false}) {
+    for (std::size_t i = 0; i < source_ids.size(); ++i) {
+      const std::uint32_t id = source_ids[i];
+      if (world.kinds[id].alpha_tested != want_masked) continue;
+      const std::array<glm::vec3, 3> corners{corner(world, id, 0), corner(world, id, 1), corner(world, id, 2)};
+      const auto numbers = want_masked ? welder.add_apart(id, corners) : welder.add(id, corners);
+      std::copy(numbers.begin(), numbers.end(), indices.begin() + static_cast<std::ptrdiff_t>(3 * i));
+      if (!want_masked) continue;
+      const auto test = std::lower_bound(world.masked.begin(), world.masked.end(), id,
+                                         [](const scene::masked_polygon& p, std::uint32_t key) { return p.id < key; });
+      for (const glm::vec2& uv : test->uvs) masked.push_back({uv, test->mask});
     }
   }
   vertices_.emplace(welder.vertices().size() * sizeof(device_vertex), welder.vertices().data());
   indices_.emplace(indices.size() * sizeof(std::uint32_t), indices.data());
+  vertex_array_ = make_vertex_array();
+  if (!masked.empty()) {
+    mask_vertices_.emplace(masked.size() * sizeof(mask_vertex), masked.data());
+    upload_masks(world);
+    masked_array_ = make_vertex_array();
+    add_mask_attributes(masked_array_);
+  }
   index_counts_.reserve(clusters_.size() * face_count);
   index_offsets_.reserve(clusters_.size() * face_count);
+}
 
-  glCreateVertexArrays(1, &vertex_array_);
-  glVertexArrayElementBuffer(vertex_array_, indices_->id());
-  glVertexArrayVertexBuffer(vertex_array_, 0, vertices_->id(), 0, sizeof(device_vertex));
-  glEnableVertexArrayAttrib(vertex_array_, shaders::hemicube_attribute_position);
-  glVertexArrayAttribFormat(vertex_array_, shaders::hemicube_attribute_position, 3, GL_FLOAT, GL_FALSE,
+void gpu_geometry::upload_masks(const scene::world_geometry& world) {
+  std::vector<shaders::hemicube_mask> masks;
+  std::vector<std::uint8_t> texels;
+  for (const scene::alpha_mask& mask : world.masks) {
+    masks.push_back({static_cast<std::uint32_t>(texels.size()), mask.width, mask.height, mask.cutoff});
+    texels.insert(texels.end(), mask.texels.begin(), mask.texels.end());
+  }
+  static_assert(std::endian::native == std::endian::little, "the shader takes the lowest byte of a word first");
+  texels.resize((texels.size() + 3) / 4 * 4);
+  masks_.emplace(masks.size() * sizeof(shaders::hemicube_mask), masks.data());
+  texels_.emplace(texels.size(), texels.data());
+}
+
+GLuint gpu_geometry::make_vertex_array() const {
+  GLuint made = 0;
+  glCreateVertexArrays(1, &made);
+  glVertexArrayElementBuffer(made, indices_->id());
+  glVertexArrayVertexBuffer(made, 0, vertices_->id(), 0, sizeof(device_vertex));
+  glVertexArrayAttribFormat(made, shaders::hemicube_attribute_position, 3, GL_FLOAT, GL_FALSE,
                             offsetof(device_vertex, position));
-  glVertexArrayAttribBinding(vertex_array_, shaders::hemicube_attribute_position, 0);
-  glEnableVertexArrayAttrib(vertex_array_, shaders::hemicube_attribute_source_id);
-  glVertexArrayAttribIFormat(vertex_array_, shaders::hemicube_attribute_source_id, 1, GL_UNSIGNED_INT,
+  glVertexArrayAttribIFormat(made, shaders::hemicube_attribute_source_id, 1, GL_UNSIGNED_INT,
                              offsetof(device_vertex, source_id));
-  glVertexArrayAttribBinding(vertex_array_, shaders::hemicube_attribute_source_id, 0);
+  for (const GLuint attribute : {shaders::hemicube_attribute_position, shaders::hemicube_attribute_source_id}) {
+    glEnableVertexArrayAttrib(made, attribute);
+    glVertexArrayAttribBinding(made, attribute, 0);
+  }
+  return made;
+}
+
+void gpu_geometry::add_mask_attributes(GLuint vertex_array) const {
+  glVertexArrayVertexBuffer(vertex_array, 1, mask_vertices_->id(), 0, sizeof(mask_vertex));
+  glVertexArrayAttribFormat(vertex_array, shaders::hemicube_attribute_uv, 2, GL_FLOAT, GL_FALSE,
+                            offsetof(mask_vertex, uv));
+  glVertexArrayAttribIFormat(vertex_array, shaders::hemicube_attribute_mask, 1, GL_UNSIGNED_INT,
+                             offsetof(mask_vertex, mask));
+  for (const GLuint attribute : {shaders::hemicube_attribute_uv, shaders::hemicube_attribute_mask}) {
+    glEnableVertexArrayAttrib(vertex_array, attribute);
+    glVertexArrayAttribBinding(vertex_array, attribute, 1);
+  }
 }
 
 gpu_geometry::~gpu_geometry() {
   glDeleteVertexArrays(1, &vertex_array_);
+  glDeleteVertexArrays(1, &masked_array_);  // 0 is ignored
+}
+
+bool gpu_geometry::has_masked() const {
+  return masks_.has_value();
 }
 
 bool gpu_geometry::has_see_through() const {
@@ -223,13 +287,16 @@ void gpu_geometry::cull_class(const glm::vec3& eye, const face_view& face, polyg
 }
 
 void gpu_geometry::bind() const {
-  glBindVertexArray(vertex_array_);
   glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
+  if (!masks_) return;
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_masks, masks_->id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_texels, texels_->id());
 }
 
 void gpu_geometry::draw(std::uint32_t face, polygon_class which) const {
   const index_range& range = draws_[face][which];
   if (range.count == 0) return;
+  glBindVertexArray(which == masked_single_sided || which == masked_double_sided ? masked_array_ : vertex_array_);
   glMultiDrawElements(GL_TRIANGLES, &index_counts_[range.first], GL_UNSIGNED_INT, &index_offsets_[range.first],
                       static_cast<GLsizei>(range.count));
 }

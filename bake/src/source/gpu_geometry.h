@@ -2,9 +2,10 @@
 // The flattened scene on the device, cut into clusters that are culled per face on the CPU.
 //
 // Polygons are put in device order: by class (how they are drawn), inside a class by a recursive split in space, so
-// that a cluster has a tight box. Degenerate polygons are left out. Corners at the same place share a vertex, but the
-// last (provoking) corner of each polygon is a vertex of its own that carries the source id as a flat attribute: with
-// gl_PrimitiveID in the fragment shader llvmpipe takes indexed triangles apart one by one, 1.5 times the cost in all.
+// that a cluster has a tight box. Corners of masked polygons come first among the vertices and share none. Degenerate
+// polygons are left out. Corners at the same place share a vertex, but the last (provoking) corner of each polygon is a
+// vertex of its own that carries the source id as a flat attribute: with gl_PrimitiveID in the fragment shader llvmpipe
+// takes indexed triangles apart one by one, 1.5 times the cost in all.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -20,7 +21,9 @@ namespace sightcell::bake {
 enum polygon_class : std::uint32_t {
   opaque_single_sided = 0,
   opaque_double_sided,
-  see_through_single_sided,  // mask and blend: seen, never hiding
+  masked_single_sided,  // there where their alpha passes
+  masked_double_sided,
+  see_through_single_sided,  // blend: seen, never hiding
   see_through_double_sided,
   polygon_class_count
 };
@@ -33,11 +36,12 @@ class gpu_geometry {
   gpu_geometry& operator=(const gpu_geometry&) = delete;
 
   bool has_see_through() const;
+  bool has_masked() const;
   std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, degenerate ones included
 
   // Finds the clusters that each face can see.
   void cull(const glm::vec3& eye, std::span<const face_view, face_count> faces);
-  // Binds the vertices for draw().
+  // Sets what all draws share; needed once before a row of draw().
   void bind() const;
   // Draws the clusters of one class found by cull() for one face.
   void draw(std::uint32_t face, polygon_class which) const;
@@ -52,6 +56,9 @@ class gpu_geometry {
   };
 
   void upload(const scene::world_geometry& world, const std::vector<std::uint32_t>& source_ids);
+  void upload_masks(const scene::world_geometry& world);
+  GLuint make_vertex_array() const;
+  void add_mask_attributes(GLuint vertex_array) const;
   void cull_class(const glm::vec3& eye, const face_view& face, polygon_class which);
 
   std::uint32_t polygon_count_ = 0;
@@ -62,7 +69,8 @@ class gpu_geometry {
   std::vector<const void*> index_offsets_;
   std::array<std::array<index_range, polygon_class_count>, face_count> draws_;
   std::optional<gl_buffer> vertices_, indices_;
-  GLuint vertex_array_ = 0;
+  std::optional<gl_buffer> mask_vertices_, masks_, texels_;  // only where something is masked
+  GLuint vertex_array_ = 0, masked_array_ = 0;
 };
 
 }  // namespace sightcell::bake

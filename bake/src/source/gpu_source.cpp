@@ -68,6 +68,11 @@ class gpu_source final : public hemicube_source {
         depths_(GL_DEPTH_COMPONENT32F, static_cast<GLsizei>(3 * resolution_), static_cast<GLsizei>(resolution_)),
         face_blocks_(face_count * sizeof(face_block), nullptr, GL_DYNAMIC_STORAGE_BIT) {
     make_framebuffer();
+    if (geometry_.has_masked()) {
+      masked_.emplace("hemicube/masked", std::initializer_list<picture::gl_program::stage>{
+                                             {GL_VERTEX_SHADER, shaders::hemicube_masked_vert},
+                                             {GL_FRAGMENT_SHADER, shaders::hemicube_masked_frag}});
+    }
     const bool compute = options.how == gather::compute || (options.how == gather::automatic && !context.software());
     std::uint32_t groups = 0;
     if (compute) groups = gather_compute_groups(resolution_)[0] * gather_compute_groups(resolution_)[1];
@@ -91,6 +96,10 @@ class gpu_source final : public hemicube_source {
     set_state();
     glUseProgram(opaque_.id());
     draw_faces(faces, opaque_single_sided, opaque_double_sided);
+    if (geometry_.has_masked()) {
+      glUseProgram(masked_->id());
+      draw_faces(faces, masked_single_sided, masked_double_sided);
+    }
     if (counts_) {
       counts_->start();
       counts_->bind();
@@ -170,6 +179,7 @@ class gpu_source final : public hemicube_source {
   float near_over_far_;
   gpu_geometry geometry_;
   picture::gl_program opaque_, see_through_;
+  std::optional<picture::gl_program> masked_;  // only where something is masked
   gl_image ids_, depths_;
   gl_buffer face_blocks_;
   std::optional<gl_buffer> gather_block_;

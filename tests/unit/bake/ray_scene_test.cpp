@@ -16,6 +16,7 @@ namespace {
 using test::tiny_scene;
 constexpr tiny_scene::look glass{scene::alpha_mode::blend, false};
 constexpr tiny_scene::look fence{scene::alpha_mode::mask, true};
+const scene::alpha_map left_half{2, 1, {255, 0}};  // passes for u from 0 to 0.5
 
 bool sees(const sight& s, std::uint32_t quad) {
   const auto is = [&](std::uint32_t id) { return id == quad || id == quad + 1; };
@@ -58,24 +59,71 @@ TEST(ray_scene, backs_of_single_sided_polygons_are_not_there) {
   EXPECT_FALSE(sees(s, far));
 }
 
-TEST(ray_scene, glass_and_fences_are_seen_and_let_through) {
+TEST(ray_scene, glass_is_seen_and_lets_through) {
   tiny_scene tiny;
   const auto wall = tiny.wall_x(8, -1, 1), hidden = tiny.wall_x(9, -1, 1, glass);
   const auto pane = tiny.wall_x(2, -1, 1, glass), second = tiny.wall_x(3, -1, 1, glass);
-  const auto iron = tiny.wall_x(4, +1, 1, fence), turned = tiny.wall_x(5, +1, 1, glass);
+  const auto third = tiny.wall_x(4, +1, 1, {scene::alpha_mode::blend, true}), turned = tiny.wall_x(5, +1, 1, glass);
   const world w(tiny);
   const ray_scene rays(w.geometry, false);
   sight s;
   rays.look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
-  for (const auto seen : {wall, pane, second, iron}) EXPECT_TRUE(sees(s, seen)) << seen;
+  for (const auto seen : {wall, pane, second, third}) EXPECT_TRUE(sees(s, seen)) << seen;
   EXPECT_FALSE(sees(s, hidden)) << "glass behind the wall";
   EXPECT_FALSE(sees(s, turned)) << "glass from behind";
 }
 
-TEST(ray_scene, a_fence_behind_the_wall_is_not_seen_whatever_is_met_first) {
-  // The fence's bounds begin before the wall's, so that the tree is likely to offer its hit, behind the wall, first.
+TEST(ray_scene, a_mask_without_texture_is_a_wall) {
   tiny_scene tiny;
-  const auto hidden = tiny.quad({1, -9, -9}, {12, -9, 9}, {12, 9, 9}, {1, 9, -9}, fence);
+  const auto wall = tiny.wall_x(8, -1, 1), iron = tiny.wall_x(4, +1, 1, fence);
+  const world w(tiny);
+  sight s;
+  ray_scene(w.geometry, false).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  EXPECT_TRUE(sees(s, iron));
+  EXPECT_FALSE(sees(s, wall));
+}
+
+TEST(ray_scene, a_mask_is_there_where_its_alpha_passes_and_nowhere_else) {
+  tiny_scene tiny;
+  const auto wall = tiny.wall_x(8, -1, 4);
+  // Faces -x; u runs along +z from -2 to 2.
+  const auto iron = tiny.masked_quad({4, -2, -2}, {4, -2, 2}, {4, 2, 2}, {4, 2, -2}, left_half);
+  const auto turned = tiny.masked_quad({3, -2, 2}, {3, -2, -2}, {3, 2, -2}, {3, 2, 2}, left_half);
+  const auto both = tiny.masked_quad({5, 5, -2}, {5, 5, 2}, {5, 7, 2}, {5, 7, -2}, left_half, true);
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  sight s;
+  rays.look({0, 0, -1}, {1, 0, 0}, s);
+  EXPECT_TRUE(sees(s, iron));
+  EXPECT_FALSE(sees(s, wall));
+  EXPECT_FLOAT_EQ(s.distance, 4.0f);
+  rays.look({0, 0, 1}, {1, 0, 0}, s);
+  EXPECT_FALSE(sees(s, iron)) << "cut away here";
+  EXPECT_TRUE(sees(s, wall));
+  EXPECT_FALSE(sees(s, turned)) << "single-sided, from behind";
+  rays.look({9, 6, -1}, {-1, 0, 0}, s);
+  EXPECT_TRUE(sees(s, both)) << "double-sided, from behind";
+  rays.look({9, 6, 1}, {-1, 0, 0}, s);
+  EXPECT_EQ(s.front, no_polygon);
+}
+
+TEST(ray_scene, masks_and_solids_mix) {
+  // A mask still ends the rays that tell solids, all over, and has no vote: only opaque single-sided backs have one.
+  tiny_scene tiny;
+  tiny.closed_box({-1, -1, -1}, {1, 1, 1});
+  const auto iron = tiny.masked_quad({-9, 3, -9}, {9, 3, -9}, {9, 3, 9}, {-9, 3, 9}, {1, 2, {0, 255}}, true);
+  const world w(tiny);
+  EXPECT_TRUE(w.geometry.kinds[iron].alpha_tested);
+  const ray_scene rays(w.geometry, false);
+  EXPECT_FALSE(rays.is_free({0, 0, 0}, 0.05f));
+  EXPECT_TRUE(rays.is_free({0, 2, 0}, 0.05f));
+  EXPECT_FALSE(rays.is_free({0, 3.01f, 0}, 0.05f)) << "at the mask's surface";
+}
+
+TEST(ray_scene, a_pane_behind_the_wall_is_not_seen_whatever_is_met_first) {
+  // The pane's bounds begin before the wall's, so that the tree is likely to offer its hit, behind the wall, first.
+  tiny_scene tiny;
+  const auto hidden = tiny.quad({1, -9, -9}, {12, -9, 9}, {12, 9, 9}, {1, 9, -9}, {scene::alpha_mode::blend, true});
   std::uint32_t wall = scene::no_index;
   for (int i = 0; i < 32; ++i) {
     const float low = -8.0f + 0.5f * static_cast<float>(i);

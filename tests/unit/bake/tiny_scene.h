@@ -29,6 +29,16 @@ class tiny_scene {
     return quad({place, -half, s * half}, {place, -half, -s * half}, {place, half, -s * half}, {place, half, s * half},
                 how);
   }
+  // A MASK quad over which the whole map lies: a at (0, 0), b at (1, 0), c at (1, 1), d at (0, 1).
+  std::uint32_t masked_quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, scene::alpha_map map,
+                            bool double_sided = false) {
+    const auto first = quad(a, b, c, d, look{scene::alpha_mode::mask, double_sided});
+    scene_.geometries.back().uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    scene_.materials.back().alpha_map = static_cast<std::uint32_t>(scene_.alpha_maps.size());
+    scene_.alpha_maps.push_back(std::move(map));
+    return first;
+  }
+
   // A closed box; its polygons face outward (or into it). Returns its first id; it has 12 polygons.
   std::uint32_t closed_box(glm::vec3 low, glm::vec3 high, bool inward = false) {
     const glm::vec3 &a = low, &b = high;

@@ -13,6 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "sightcell/scene/alpha_mask.h"
+#include "sightcell/scene/image.h"
+
 namespace sightcell::scene {
 
 inline constexpr std::uint32_t no_index = 0xFFFFFFFFu;
@@ -26,12 +29,13 @@ struct material {
   bool double_sided = false;
   glm::vec4 base_color{1.0f};                 // linear, multiplied with the texture
   std::uint32_t base_color_image = no_index;  // into scene::images
+  std::uint32_t alpha_map = no_index;         // into scene::alpha_maps: takes the place of the image's alpha
 };
 
-// An image as it lies in the file (PNG or JPEG bytes); decoded only by who draws it.
-struct image {
-  std::string name;
-  std::vector<std::uint8_t> encoded;
+// Alpha that a host gave as bytes or as a function instead of an image.
+struct alpha_map {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> texels;  // width x height, rows from v = 0 on
 };
 
 // The triangles of one primitive of one mesh, shared by all its instances.
@@ -57,6 +61,7 @@ struct scene {
   std::string name;  // file name, for messages
   std::vector<material> materials;
   std::vector<image> images;
+  std::vector<alpha_map> alpha_maps;
   std::vector<geometry> geometries;
   std::vector<draw> draws;
   std::uint32_t polygon_count = 0;
@@ -69,9 +74,19 @@ struct scene {
 struct polygon_kind {
   alpha_mode alpha : 2 = alpha_mode::opaque;
   bool double_sided : 1 = false;
-  bool degenerate : 1 = false;  // no area, or a corner that is not finite: counted, never seen, never hides
+  // No area, a corner that is not finite, or a MASK that is cut away everywhere: counted, never seen, never hides.
+  bool degenerate : 1 = false;
+  // MASK whose alpha decides: world_geometry::masked has it. Every other MASK is there all over, like opaque ones.
+  bool alpha_tested : 1 = false;
 };
 static_assert(sizeof(polygon_kind) == 1);
+
+// A polygon that is there only where its mask passes.
+struct masked_polygon {
+  std::uint32_t id = 0;          // source id
+  std::uint32_t mask = 0;        // into world_geometry::masks
+  std::array<glm::vec2, 3> uvs;  // of its corners, in the order of world_geometry::indices; finite
+};
 
 // The scene flattened into world space: vertices are numbered by flattening (draws in source order, base_vertex + local
 // index), polygons by source id. Front faces are counter-clockwise; mirrored draws have two corners swapped for that.
@@ -79,6 +94,9 @@ struct world_geometry {
   std::vector<glm::vec3> positions;
   std::vector<std::uint32_t> indices;  // three per polygon
   std::vector<polygon_kind> kinds;     // one per polygon
+  std::vector<masked_polygon> masked;  // those whose alpha is tested, ascending ids
+  std::vector<alpha_mask> masks;       // what they are tested with
+  std::vector<std::string> warnings;   // one line each: images that could not be used
   glm::vec3 min{0.0f}, max{0.0f};      // bounds of all polygons that are not degenerate
 };
 
@@ -91,7 +109,8 @@ scene load_gltf(const std::filesystem::path& path, int scene_index = -1);
 // index is out of range or there are 2^32 - 1 polygons or more.
 void finish(scene& s);
 
-// Transforms in double precision, rounds once to float.
+// Transforms in double precision, rounds once to float. Decodes the images of MASK materials, and no others; where all
+// masks together have more than 64 Mi texels the largest are halved, which is said in the warnings.
 world_geometry flatten(const scene& s);
 
 // The draw a polygon belongs to: index into scene::draws. O(log draws).

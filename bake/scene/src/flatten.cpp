@@ -1,0 +1,189 @@
+// The scene in world space, and what its MASK materials are tested with.
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <string>
+
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::scene {
+namespace {
+
+constexpr std::size_t mask_texel_limit = std::size_t{64} << 20;  // together: what every device can hold in one buffer
+constexpr std::uint32_t image_side_limit = 16384;
+
+// What alpha decides for all polygons of a material.
+enum class presence : std::uint8_t { everywhere, nowhere, where_mask_passes };
+
+struct material_presence {
+  presence where = presence::everywhere;
+  std::uint32_t mask = 0;
+};
+
+bool is_finite(const glm::vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+bool is_finite(const glm::vec2& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y);
+}
+
+// Differences of floats and their products are exact or nearly so in double precision: only a polygon whose corners
+// lie on one line in the rounded positions counts as having no area.
+bool has_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const glm::dvec3 n = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
+  return n.x != 0.0 || n.y != 0.0 || n.z != 0.0;
+}
+
+class flattener {
+ public:
+  explicit flattener(const scene& s) : scene_(s) {}
+
+  world_geometry run() {
+    make_masks();
+    std::size_t vertices = 0;
+    if (!scene_.draws.empty()) {
+      const draw& last = scene_.draws.back();
+      vertices = last.base_vertex + scene_.geometries[last.geometry].positions.size();
+    }
+    out_.positions.reserve(vertices);
+    out_.indices.reserve(std::size_t{scene_.polygon_count} * 3);
+    out_.kinds.reserve(scene_.polygon_count);
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    out_.min = glm::vec3(infinity);
+    out_.max = glm::vec3(-infinity);
+    for (const draw& d : scene_.draws) append_draw(d);
+    if (out_.min.x > out_.max.x) out_.min = out_.max = glm::vec3(0.0f);
+    // Every polygon at a corner that is not finite is degenerate already, so the place is free; no NaN must reach a
+    // ray tracer or a GPU that is given the whole array.
+    for (glm::vec3& p : out_.positions) {
+      if (!is_finite(p)) p = glm::vec3(0.0f);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  // Materials that share texels still get a mask each: the cutoff may differ.
+  void make_masks() {
+    presences_.resize(scene_.materials.size());
+    for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+      if (scene_.materials[i].alpha == alpha_mode::mask) presences_[i] = presence_of(scene_.materials[i]);
+    }
+    const auto texels = [&] {
+      std::size_t sum = 0;
+      for (const alpha_mask& mask : out_.masks) sum += mask.texels.size();
+      return sum;
+    };
+    bool too_many = false;
+    for (; texels() > mask_texel_limit; too_many = true) {
+      const auto largest =
+          std::max_element(out_.masks.begin(), out_.masks.end(),
+                           [](const alpha_mask& a, const alpha_mask& b) { return a.texels.size() < b.texels.size(); });
+      *largest = halved(*largest);
+    }
+    if (too_many) {
+      out_.warnings.push_back(scene_.name + ": the alpha of its MASK materials has more than " +
+                              std::to_string(mask_texel_limit) + " texels; the largest are used at lower resolution");
+    }
+  }
+
+  material_presence presence_of(const material& m) {
+    const float constant = m.base_color.a;
+    const auto constantly = [](bool there) {
+      return material_presence{there ? presence::everywhere : presence::nowhere, 0};
+    };
+    alpha_mask mask = texels_of(m);
+    if (mask.texels.empty() || !(constant > 0.0f)) return constantly(constant >= m.alpha_cutoff);
+    mask.cutoff = m.alpha_cutoff / constant;
+    const auto [least, most] = std::minmax_element(mask.texels.begin(), mask.texels.end());
+    if (static_cast<float>(*least) / 255.0f >= mask.cutoff) return constantly(true);
+    if (!(static_cast<float>(*most) / 255.0f >= mask.cutoff)) return constantly(false);
+    out_.masks.push_back(std::move(mask));
+    return {presence::where_mask_passes, static_cast<std::uint32_t>(out_.masks.size() - 1)};
+  }
+
+  // Empty when the material has no alpha but its constant one.
+  alpha_mask texels_of(const material& m) {
+    alpha_mask mask;
+    if (m.alpha_map != no_index) {
+      const alpha_map& map = scene_.alpha_maps[m.alpha_map];
+      mask.width = map.width, mask.height = map.height, mask.texels = map.texels;
+      return mask;
+    }
+    if (m.base_color_image == no_index) return mask;
+    const image& source = scene_.images[m.base_color_image];
+    const auto pixels = decode(source, image_side_limit);
+    if (!pixels) {
+      out_.warnings.push_back(scene_.name + ": image \"" + source.name + "\" of the MASK material \"" + m.name +
+                              "\" cannot be decoded; the material's color alone decides");
+      return mask;
+    }
+    mask.width = pixels->width, mask.height = pixels->height;
+    mask.texels.resize(std::size_t{mask.width} * mask.height);
+    for (std::size_t i = 0; i < mask.texels.size(); ++i) mask.texels[i] = pixels->rgba[4 * i + 3];
+    return mask;
+  }
+
+  void append_draw(const draw& d) {
+    const geometry& g = scene_.geometries[d.geometry];
+    const glm::dmat4& m = d.to_world;
+    for (const glm::vec3& local : g.positions) {
+      const glm::dvec3 p(local);
+      out_.positions.emplace_back(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]);
+    }
+    const bool mirrored = glm::determinant(glm::dmat3(m)) < 0.0;
+    polygon_kind kind;
+    material_presence there;
+    if (d.material != no_index) {
+      kind.alpha = scene_.materials[d.material].alpha;
+      kind.double_sided = scene_.materials[d.material].double_sided;
+      there = presences_[d.material];
+    }
+    for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) {
+      const std::array<std::uint32_t, 3> local = {g.indices[i], g.indices[i + (mirrored ? 2 : 1)],
+                                                  g.indices[i + (mirrored ? 1 : 2)]};
+      append_polygon(d, local, kind, there);
+    }
+  }
+
+  void append_polygon(const draw& d, const std::array<std::uint32_t, 3>& local, polygon_kind kind,
+                      const material_presence& there) {
+    for (const std::uint32_t vertex : local) out_.indices.push_back(d.base_vertex + vertex);
+    const glm::vec3& a = out_.positions[d.base_vertex + local[0]];
+    const glm::vec3& b = out_.positions[d.base_vertex + local[1]];
+    const glm::vec3& c = out_.positions[d.base_vertex + local[2]];
+    kind.degenerate =
+        !(is_finite(a) && is_finite(b) && is_finite(c) && has_area(a, b, c)) || there.where == presence::nowhere;
+    if (!kind.degenerate) {
+      out_.min = glm::min(out_.min, glm::min(a, glm::min(b, c)));
+      out_.max = glm::max(out_.max, glm::max(a, glm::max(b, c)));
+      kind.alpha_tested = there.where == presence::where_mask_passes;
+    }
+    const auto id = static_cast<std::uint32_t>(out_.kinds.size());
+    out_.kinds.push_back(kind);
+    if (!kind.alpha_tested) return;
+    masked_polygon& tested = out_.masked.emplace_back();
+    tested.id = id;
+    tested.mask = there.mask;
+    // Corners without coordinates, or with broken ones, take those of the origin, as pictures do.
+    const std::vector<glm::vec2>& uvs = scene_.geometries[d.geometry].uvs;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::vec2 uv = local[k] < uvs.size() ? uvs[local[k]] : glm::vec2(0.0f);
+      tested.uvs[k] = is_finite(uv) ? uv : glm::vec2(0.0f);
+    }
+  }
+
+  const scene& scene_;
+  world_geometry out_;
+  std::vector<material_presence> presences_;
+};
+
+}  // namespace
+
+world_geometry flatten(const scene& s) {
+  return flattener(s).run();
+}
+
+}  // namespace sightcell::scene

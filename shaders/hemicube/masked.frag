@@ -1,0 +1,37 @@
+#version 450 core
+#include "shared/hemicube_layout.h"
+
+// MASK polygons are there, seen and occluding, where their alpha reaches the cutoff. The formula is that of
+// bake/scene/src/alpha_mask.cpp, in the same order.
+layout(std430, binding = hemicube_buffer_masks) readonly buffer masks_buffer { hemicube_mask masks[]; };
+layout(std430, binding = hemicube_buffer_texels) readonly buffer texels_buffer { uint texels[]; };
+
+flat in uint polygon_id;
+flat in uint polygon_mask;
+in vec2 place;
+layout(location = 0) out uint id;
+
+float texel(hemicube_mask mask, uint column, uint row) {
+  uint at = mask.first_texel + row * mask.width + column;
+  return float((texels[at / 4u] >> (8u * (at % 4u))) & 0xFFu);
+}
+
+// First and second texel that a coordinate lies between.
+uvec2 texels_at(float coordinate, uint size, out float toward_second) {
+  float at = (coordinate - floor(coordinate)) * float(size) - 0.5;
+  float below = floor(at);
+  uint first = below < 0.0 ? size - 1u : min(uint(below), size - 1u);
+  toward_second = at - below;
+  return uvec2(first, first + 1u == size ? 0u : first + 1u);
+}
+
+void main() {
+  hemicube_mask mask = masks[polygon_mask];
+  float right, down;
+  uvec2 x = texels_at(place.x, mask.width, right);
+  uvec2 y = texels_at(place.y, mask.height, down);
+  float low = texel(mask, x.x, y.x) + (texel(mask, x.y, y.x) - texel(mask, x.x, y.x)) * right;
+  float high = texel(mask, x.x, y.y) + (texel(mask, x.y, y.y) - texel(mask, x.x, y.y)) * right;
+  if ((low + (high - low) * down) / 255.0 < mask.cutoff) discard;
+  id = polygon_id;
+}

@@ -1,0 +1,179 @@
+#include "sightcell/scene/alpha_mask.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sightcell/scene/error.h"
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::scene {
+namespace {
+
+// A 2 x 2 PNG, RGBA, made with a standard encoder: alphas 255 0 / 64 128.
+const std::vector<std::uint8_t> png = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
+    0x00, 0x02, 0x00, 0x00, 0x00, 0x02, 0x08, 0x06, 0x00, 0x00, 0x00, 0x72, 0xb6, 0x0d, 0x24, 0x00, 0x00, 0x00,
+    0x1d, 0x49, 0x44, 0x41, 0x54, 0x78, 0x01, 0x01, 0x12, 0x00, 0xed, 0xff, 0x00, 0x0a, 0x14, 0x1e, 0xff, 0x01,
+    0x02, 0x03, 0x00, 0x00, 0x09, 0x09, 0x09, 0x40, 0x07, 0x07, 0x07, 0x80, 0x14, 0xb2, 0x02, 0x32, 0xcd, 0xac,
+    0xbb, 0xc7, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+
+TEST(alpha_mask, is_exact_at_texel_centers_and_linear_between) {
+  const alpha_mask mask{4, 2, {0, 51, 102, 255, 255, 0, 0, 0}, 0.5f};
+  EXPECT_FLOAT_EQ(mask.alpha({0.125f, 0.25f}), 0.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({0.375f, 0.25f}), 0.2f);
+  EXPECT_FLOAT_EQ(mask.alpha({0.5f, 0.25f}), 0.3f);
+  EXPECT_FLOAT_EQ(mask.alpha({0.875f, 0.25f}), 1.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({0.125f, 0.5f}), 0.5f);
+  EXPECT_FLOAT_EQ(mask.alpha({0.5f, 0.5f}), 0.15f);
+}
+
+TEST(alpha_mask, repeats) {
+  const alpha_mask mask{4, 1, {255, 51, 102, 0}, 0.5f};
+  EXPECT_FLOAT_EQ(mask.alpha({0.0f, 0.3f}), 0.5f) << "between the last texel and the first";
+  EXPECT_FLOAT_EQ(mask.alpha({1.0f, 0.7f}), 0.5f);
+  EXPECT_FLOAT_EQ(mask.alpha({-0.875f, 9.0f}), 1.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({3.375f, -2.0f}), 0.2f);
+  EXPECT_TRUE(mask.passes({0.0f, 0.0f}));
+  EXPECT_FALSE(mask.passes({-0.125f, 0.0f}));
+  // Coordinates without a fraction, and the last float below 1, stay inside the texels.
+  for (const float u : {1e30f, -1e30f, std::nextafter(1.0f, 0.0f), -1e-30f, 16777217.0f})
+    EXPECT_LE(mask.alpha({u, u}), 1.0f) << u;
+}
+
+TEST(alpha_mask, halving_takes_means_and_rounds_sizes_up) {
+  const alpha_mask half = halved({3, 2, {0, 100, 50, 200, 100, 150}, 0.25f});
+  EXPECT_EQ(half.width, 2u);
+  EXPECT_EQ(half.height, 1u);
+  EXPECT_EQ(half.texels, (std::vector<std::uint8_t>{100, 100}));
+  EXPECT_EQ(half.cutoff, 0.25f);
+}
+
+scene masked_scene(material m) {
+  scene s;
+  s.name = "test";
+  m.alpha = alpha_mode::mask;
+  s.materials = {m};
+  geometry g;
+  g.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  g.uvs = {{0, 0}, {1, 0}, {0, 1}};
+  g.indices = {0, 1, 2};
+  s.geometries = {g};
+  draw d;
+  d.material = 0;
+  s.draws = {d};
+  return s;
+}
+
+world_geometry flat(scene s) {
+  finish(s);
+  return flatten(s);
+}
+
+scene with_map(float alpha, float cutoff, std::vector<std::uint8_t> texels) {
+  material m;
+  m.base_color.a = alpha;
+  m.alpha_cutoff = cutoff;
+  scene s = masked_scene(m);
+  const auto width = static_cast<std::uint32_t>(texels.size());
+  s.alpha_maps.push_back({width, 1, std::move(texels)});
+  s.materials[0].alpha_map = 0;
+  return s;
+}
+
+TEST(masks, constant_alpha_decides_for_the_whole_polygon) {
+  material m;
+  m.base_color.a = 0.5f;
+  EXPECT_FALSE(flat(masked_scene(m)).kinds[0].degenerate);
+  EXPECT_TRUE(flat(masked_scene(m)).masked.empty());
+  m.alpha_cutoff = 0.6f;
+  EXPECT_TRUE(flat(masked_scene(m)).kinds[0].degenerate) << "never there";
+}
+
+TEST(masks, only_those_that_decide_are_tested) {
+  EXPECT_TRUE(flat(with_map(1.0f, 0.5f, {128, 255})).masked.empty());
+  EXPECT_FALSE(flat(with_map(1.0f, 0.5f, {128, 255})).kinds[0].degenerate);
+  EXPECT_TRUE(flat(with_map(1.0f, 0.5f, {127, 0})).kinds[0].degenerate);
+  EXPECT_TRUE(flat(with_map(0.0f, 0.5f, {255, 255})).kinds[0].degenerate);
+  const world_geometry w = flat(with_map(0.5f, 0.25f, {127, 128}));
+  ASSERT_EQ(w.masked.size(), 1u);
+  EXPECT_TRUE(w.kinds[0].alpha_tested);
+  EXPECT_EQ(w.masks[0].cutoff, 0.5f) << "of the texel: 0.5 x texel against 0.25";
+  EXPECT_EQ(w.masked[0].uvs[1], glm::vec2(1, 0));
+}
+
+TEST(masks, mirrored_draws_keep_coordinates_at_their_corners) {
+  scene s = with_map(1.0f, 0.5f, {0, 255});
+  s.draws[0].to_world[0][0] = -1.0;
+  const world_geometry w = flat(s);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::vec3 p = w.positions[w.indices[k]];
+    EXPECT_EQ(w.masked[0].uvs[k], glm::vec2(-p.x, p.y)) << k;
+  }
+}
+
+TEST(masks, missing_and_broken_coordinates_are_those_of_the_origin) {
+  scene s = with_map(1.0f, 0.5f, {0, 255});
+  s.geometries[0].uvs[1].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(flat(s).masked[0].uvs[1], glm::vec2(0, 0));
+  s.geometries[0].uvs.clear();
+  EXPECT_EQ(flat(s).masked[0].uvs[2], glm::vec2(0, 0));
+}
+
+TEST(masks, alpha_comes_from_the_image_of_the_file) {
+  scene s = masked_scene({});
+  s.images.push_back({"leaf", png});
+  s.materials[0].base_color_image = 0;
+  const world_geometry w = flat(s);
+  ASSERT_EQ(w.masks.size(), 1u);
+  EXPECT_EQ(w.masks[0].texels, (std::vector<std::uint8_t>{255, 0, 64, 128}));
+  EXPECT_TRUE(w.warnings.empty());
+}
+
+TEST(masks, an_image_that_cannot_be_decoded_is_said_and_left_out) {
+  scene s = masked_scene({});
+  s.images.push_back({"leaf", std::vector<std::uint8_t>(png.begin(), png.begin() + 40)});
+  s.materials[0].base_color_image = 0;
+  const world_geometry w = flat(s);
+  EXPECT_TRUE(w.masked.empty());
+  ASSERT_EQ(w.warnings.size(), 1u);
+  EXPECT_NE(w.warnings[0].find("\"leaf\""), std::string::npos) << w.warnings[0];
+}
+
+TEST(masks, opaque_materials_do_not_decode) {
+  scene s = masked_scene({});
+  s.images.push_back({"leaf", {1, 2, 3}});
+  s.materials[0].base_color_image = 0;
+  s.materials[0].alpha = alpha_mode::opaque;
+  EXPECT_TRUE(flat(s).warnings.empty());
+}
+
+TEST(masks, too_many_texels_are_halved_and_said) {
+  scene s = with_map(1.0f, 0.5f, {0, 255});
+  constexpr std::uint32_t side = 8448;  // 68 Mi texels
+  s.alpha_maps[0] = {side, side, std::vector<std::uint8_t>(std::size_t{side} * side, 255)};
+  s.alpha_maps[0].texels[0] = 0;
+  const world_geometry w = flat(s);
+  ASSERT_EQ(w.masks.size(), 1u);
+  EXPECT_EQ(w.masks[0].width, side / 2);
+  EXPECT_EQ(w.warnings.size(), 1u);
+}
+
+TEST(masks, maps_that_do_not_fit_are_refused) {
+  scene s = with_map(1.0f, 0.5f, {0, 255});
+  s.alpha_maps[0].height = 2;
+  EXPECT_THROW(finish(s), error);
+  s = with_map(1.0f, 0.5f, {0, 255});
+  s.materials[0].alpha_map = 1;
+  EXPECT_THROW(finish(s), error);
+}
+
+TEST(masks, the_fingerprint_follows_the_map) {
+  scene a = with_map(1.0f, 0.5f, {0, 255}), b = with_map(1.0f, 0.5f, {0, 254});
+  finish(a), finish(b);
+  EXPECT_NE(a.fingerprint, b.fingerprint);
+}
+
+}  // namespace
+}  // namespace sightcell::scene
