@@ -119,10 +119,12 @@ int run_bake(bake_options options) {
   std::signal(SIGTERM, ask_to_stop);
   bake::callbacks tell;
   tell.on_progress = [&line](const bake::progress& now) {
-    line.update(now);
+    if (now.cells_done > 0) line.update(now);
     return stop_asked == 0;
   };
-  tell.on_message = [&line](const std::string& text) { line.message(text); };
+  tell.on_message = [&line](bake::severity how_bad, const std::string& text) {
+    line.message(how_bad == bake::severity::warning ? "warning: " + text : text);
+  };
   const bake::summary sum = bake::bake(s, how, options.output, options.fresh, tell);
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);

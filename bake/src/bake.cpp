@@ -15,6 +15,7 @@
 #include "cell_bake.h"
 #include "cells/view_cell.h"
 #include "checkpoint.h"
+#include "host_scene.h"
 #include "process_time.h"
 #include "pvs_output.h"
 #include "sightcell/scene/error.h"
@@ -80,8 +81,8 @@ void equip(workshop& w, const scene::scene& s, const settings& how, const callba
   const float diagonal = glm::distance(w.geometry.min, w.geometry.max);
   w.source = make_gpu_source(*w.context, *drawn, {.resolution = how.resolution, .far_plane = diagonal});
   if (tell.on_message) {
-    for (const std::string& warning : w.geometry.warnings) tell.on_message("warning: " + warning);
-    tell.on_message("device: " + w.source->device());
+    for (const std::string& warning : w.geometry.warnings) tell.on_message(severity::warning, warning);
+    tell.on_message(severity::note, "device: " + w.source->device());
   }
 }
 
@@ -108,7 +109,8 @@ void print_estimate(workshop& w, const std::vector<view_cell>& cells, std::size_
   // A first batch that holds needs about 15 / max_pixel_error rays; dilation and second batches about as much again.
   const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
   const double per_cell = how.samples * hemicube_seconds + rays * ray_seconds;
-  tell.on_message(fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", left, how.samples,
+  tell.on_message(severity::note,
+                  fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", left, how.samples,
                               1e3 * hemicube_seconds,
                               rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
                               std::ceil(per_cell * static_cast<double>(left))));
@@ -142,6 +144,7 @@ bool bake_cells(workshop& w, const scene::scene& s, const settings& how, const s
   std::uint32_t not_empty = 0;
   so_far.now.cells_total = static_cast<std::uint32_t>(cells.size());
   const double began = seconds_now();
+  if (tell.on_progress && !tell.on_progress(so_far.now)) return false;
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
     auto record = done.load(i);
     const bool resumed = record.has_value();
@@ -161,10 +164,10 @@ bool bake_cells(workshop& w, const scene::scene& s, const settings& how, const s
     if (tell.on_progress && !tell.on_progress(so_far.now) && i + 1 < cells.size()) return false;
   }
   if (tell.on_message && how.max_pixel_error == 0.0 && not_empty > 0)
-    tell.on_message(
-        fmt::format("warning: {} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
-                    "are missed there however many samples are taken",
-                    not_empty));
+    tell.on_message(severity::warning,
+                    fmt::format("{} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
+                                "are missed there however many samples are taken",
+                                not_empty));
   return true;
 }
 
@@ -180,17 +183,18 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
     workshop w;
     equip(w, s, how, tell);
     sum.device = w.source->device();
-    const cell_list list = make_cells(s, w.geometry, how);
+    const cell_list list = make_cells(w.geometry, how);
     if (tell.on_message) {
-      tell.on_message("cells: " + list.how);
-      for (const std::string& warning : list.warnings) tell.on_message("warning: " + warning);
+      tell.on_message(severity::note, "cells: " + list.how);
+      for (const std::string& warning : list.warnings) tell.on_message(severity::warning, warning);
     }
     const std::string settings = settings_text(how, sum.device);
     std::filesystem::path beside = output;
     beside += ".bake";
     checkpoint done(beside, checkpoint_key(s, list.cells, settings), fresh);
     if (tell.on_message && done.finished() > 0)
-      tell.on_message(fmt::format("resuming: {} of {} cells are done", done.finished(), list.cells.size()));
+      tell.on_message(severity::note,
+                      fmt::format("resuming: {} of {} cells are done", done.finished(), list.cells.size()));
     print_estimate(w, list.cells, list.cells.size() - done.finished(), how, tell);
 
     std::vector<cell_record> records;
@@ -203,6 +207,12 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   });
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;
+}
+
+summary bake(const host_scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
+             const callbacks& tell) {
+  validate(how);  // before alpha functions are called
+  return bake(scene_of(s), how, output, fresh, tell);
 }
 
 }  // namespace sightcell::bake

@@ -78,7 +78,8 @@ void write_pvs(const scene::scene& s, const settings& how, const std::string& se
     throw error(error_kind::failed, "bake.no-free-cell", s.name, "no cell has a place where an eye can be",
                 "give boxes with --cells-file or --cells-grid, or a smaller --player-radius");
   if (sum.cells_left_out > 0 && tell.on_message)
-    tell.on_message(fmt::format("warning: {} of {} cells have no free point and are left out; an eye there is outside",
+    tell.on_message(severity::warning,
+                    fmt::format("{} of {} cells have no free point and are left out; an eye there is outside",
                                 sum.cells_left_out, cells.size()));
 
   const std::vector<format::draw_record> draws = draw_table(s);

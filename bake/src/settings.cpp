@@ -40,6 +40,7 @@ std::string number(T value) {
 }
 
 const char* kind_of_cells(const settings& s) {
+  if (!s.cells.empty()) return "given";
   if (s.cells_file) return "file";
   return s.cells_grid ? "grid" : "automatic";
 }
@@ -50,6 +51,9 @@ void validate(const settings& s) {
   if (s.cells_file && s.cells_grid)
     throw error(error_kind::wrong_use, "settings.two-kinds-of-cells", "--cells-grid",
                 "is given together with --cells-file", "give one of them");
+  if (!s.cells.empty() && (s.cells_file || s.cells_grid))
+    throw error(error_kind::wrong_use, "settings.two-kinds-of-cells", "settings.cells",
+                "is given together with a file or a grid of cells", "give one of them");
   if (s.cells_grid) check_grid(*s.cells_grid);
   check("--cell-size", s.cell_size, 0.25f, 1000.0f, " m");
   check("--margin", s.margin, 0.0f, 10.0f, " m");

@@ -9,6 +9,7 @@
 
 #include "bound/clopper_pearson.h"
 #include "bound/fresh_rays.h"
+#include "host_scene.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/scene/error.h"
@@ -134,6 +135,11 @@ verification verify(const scene::scene& s, std::span<const std::byte> file, cons
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   arena.execute([&] { result = verify_cells(s, opened, name, how, on_progress); });
   return result;
+}
+
+verification verify(const host_scene& s, std::span<const std::byte> file, const std::string& name,
+                    const verify_settings& how, const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
+  return verify(scene_of(s), file, name, how, on_progress);
 }
 
 }  // namespace sightcell::bake

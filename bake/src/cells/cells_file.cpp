@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <bit>
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "cells/lattice.h"
+#include "cells/explicit_cells.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -17,8 +17,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uintmax_t file_size_limit = 256u << 20;  // bytes; a million cells take about a third of it
-constexpr std::size_t cell_count_limit = 1'000'000;
-constexpr double coordinate_limit = 1e7;  // metres; beyond it a float steps by a metre
 
 constexpr const char* shape = R"(write {"cells":[{"name":"lane 3","min":[x,y,z],"max":[x,y,z]}]}, metres)";
 
@@ -27,32 +25,26 @@ constexpr const char* shape = R"(write {"cells":[{"name":"lane 3","min":[x,y,z],
   throw error(error_kind::bad_input, id, subject, cause, remedy);
 }
 
-glm::vec3 read_corner(const json& cell, const char* key, const std::string& label, const std::string& subject) {
+std::array<float, 3> read_corner(const json& cell, const char* key, const std::string& label,
+                                 const std::string& subject) {
   const auto found = cell.find(key);
   if (found == cell.end() || !found->is_array() || found->size() != 3)
     refuse("cells.bad-box", subject, fmt::format("{} has no \"{}\" of three numbers", label, key));
-  glm::vec3 corner{0.0f};
-  for (int axis = 0; axis < 3; ++axis) {
-    const json& number = (*found)[static_cast<std::size_t>(axis)];
+  std::array<float, 3> corner{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const json& number = (*found)[axis];
     if (!number.is_number())
       refuse("cells.bad-box", subject, fmt::format("{}: \"{}\" holds a {}", label, key, number.type_name()));
-    const double value = number.get<double>();
-    if (!std::isfinite(value))
-      refuse("cells.not-finite", subject, fmt::format("{}: \"{}\" holds a number that is not finite", label, key));
-    if (std::abs(value) > coordinate_limit)
-      refuse(
-          "cells.too-far", subject,
-          fmt::format("{}: \"{}\" holds {:g}, more than {:g} m from the origin", label, key, value, coordinate_limit),
-          "use metres, and a scene near the origin");
-    corner[axis] = static_cast<float>(value);
+    // What a float cannot hold is too far in any case.
+    corner[axis] = static_cast<float>(std::clamp(number.get<double>(), -1e30, 1e30));
   }
   return corner;
 }
 
-view_cell read_cell(const json& entry, std::size_t number, const std::string& subject) {
+cell_box read_cell(const json& entry, std::size_t number, const std::string& subject) {
   std::string label = fmt::format("cell {}", number);
   if (!entry.is_object()) refuse("cells.bad-box", subject, label + " is not an object");
-  view_cell cell;
+  cell_box cell;
   if (const auto name = entry.find("name"); name != entry.end()) {
     if (!name->is_string()) refuse("cells.bad-name", subject, label + ": its name is not a text");
     cell.name = name->get<std::string>();
@@ -60,16 +52,6 @@ view_cell read_cell(const json& entry, std::size_t number, const std::string& su
   }
   cell.min = read_corner(entry, "min", label, subject);
   cell.max = read_corner(entry, "max", label, subject);
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(cell.min[axis] < cell.max[axis]))
-      refuse("cells.empty-box", subject,
-             fmt::format("{}: min {} is not below max {} on {}", label, cell.min[axis], cell.max[axis], "xyz"[axis]),
-             "give it a volume, in single precision");
-  }
-  for (const glm::vec3& corner : {cell.min, cell.max}) {
-    for (int axis = 0; axis < 3; ++axis)
-      cell.place = mix(cell.place, std::bit_cast<std::uint32_t>(corner[axis] + 0.0f));  // + 0: one zero, not two
-  }
   return cell;
 }
 
@@ -89,13 +71,10 @@ std::vector<view_cell> parse_cells(std::string_view text, const std::string& sub
   if (!document.is_object() || list == document.end() || !list->is_array())
     refuse("cells.no-list", subject, "has no \"cells\" array");
   if (list->empty()) refuse("cells.no-list", subject, "its \"cells\" array is empty");
-  if (list->size() > cell_count_limit)
-    refuse("cells.too-many", subject, fmt::format("holds {} cells, more than {}", list->size(), cell_count_limit),
-           "split the scene into several bakes");
-  std::vector<view_cell> cells;
-  cells.reserve(list->size());
-  for (std::size_t i = 0; i < list->size(); ++i) cells.push_back(read_cell((*list)[i], i, subject));
-  return cells;
+  std::vector<cell_box> boxes;
+  boxes.reserve(list->size());
+  for (std::size_t i = 0; i < list->size(); ++i) boxes.push_back(read_cell((*list)[i], i, subject));
+  return explicit_cells(boxes, subject, "give metres near the origin, min below max on every axis");
 }
 
 std::vector<view_cell> read_cells_file(const std::filesystem::path& path) {

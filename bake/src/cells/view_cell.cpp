@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cells/cells_file.h"
+#include "cells/explicit_cells.h"
 #include "cells/lattice.h"
 #include "cells/walkable.h"
 #include "sightcell/scene/error.h"
@@ -88,9 +89,12 @@ void apply_limit(cell_list& list, std::uint32_t limit) {
 
 }  // namespace
 
-cell_list make_cells(const scene::scene&, const scene::world_geometry& geometry, const settings& how) {
+cell_list make_cells(const scene::world_geometry& geometry, const settings& how) {
   cell_list list;
-  if (how.cells_file) {
+  if (!how.cells.empty()) {
+    list.cells = explicit_cells(how.cells, "settings.cells", "give metres, min below max on every axis");
+    list.how = fmt::format("{} cells given", list.cells.size());
+  } else if (how.cells_file) {
     list.cells = read_cells_file(*how.cells_file);
     list.how = fmt::format("{} cells from {}", list.cells.size(), how.cells_file->filename().string());
   } else if (how.cells_grid) {

@@ -22,10 +22,11 @@ struct cell_list {
   std::vector<std::string> warnings;  // one line each
 };
 
-// The cells that settings ask for: --cells-file, else --cells-grid, else automatic: lattice cells (cell_size wide and
-// deep, half as high, anchored at the world's origin) that hold an eye 1.6 m above an up-facing floor with head room;
-// where no floor is found, a grid over the bounding box grown by 2 m. Deterministic; --cell-limit is applied. Whether a
-// cell has a free point is not asked here. Throws sightcell::error (bad_input) on a broken cells file.
-cell_list make_cells(const scene::scene& s, const scene::world_geometry& geometry, const settings& how);
+// The cells that settings ask for: the host's own, else --cells-file, else --cells-grid, else automatic: lattice cells
+// (cell_size wide and deep, half as high, anchored at the world's origin) that hold an eye 1.6 m above an up-facing
+// floor with head room; where no floor is found, a grid over the bounding box grown by 2 m. Deterministic; --cell-limit
+// is applied. Whether a cell has a free point is not asked here. Throws sightcell::error (bad_input) on a broken cells
+// file.
+cell_list make_cells(const scene::world_geometry& geometry, const settings& how);
 
 }  // namespace sightcell::bake

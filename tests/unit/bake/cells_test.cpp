@@ -33,7 +33,7 @@ void add_floor(scene::world_geometry& g, float x0, float z0, float x1, float z1,
 }
 
 cell_list cells_of(const scene::world_geometry& g, const settings& how = {}) {
-  return make_cells({}, g, how);
+  return make_cells(g, how);
 }
 
 bool holds(const view_cell& cell, glm::vec3 p) {

@@ -157,7 +157,7 @@ TEST(write_pvs, leaves_cells_without_a_free_place_out_and_refuses_none_at_all) {
   std::vector<cell_record> records{solid, stored};
   std::vector<std::string> messages;
   callbacks tell;
-  tell.on_message = [&](const std::string& line) { messages.push_back(line); };
+  tell.on_message = [&](bake::severity, const std::string& line) { messages.push_back(line); };
   summary sum;
   write_pvs(s, {}, "{}", {middle, beside}, records, file.path(), tell, sum);
   EXPECT_EQ(sum.cells, 1u);

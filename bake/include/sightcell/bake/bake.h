@@ -1,5 +1,11 @@
 #pragma once
-// The bake: scene in, .pvs file out.
+// The bake: scene in, .pvs file out. An engine gives its own arrays (host_scene.h); a tool gives what
+// scene::load_gltf read.
+//
+// Threads: the work is spread over all cores (settings::threads); callbacks come on the calling thread. Hemicubes are
+// drawn on a headless OpenGL context that is current on the calling thread during the call, so none of the host's may
+// be: call from a thread that does not render. Several bakes may run at once, from different threads.
+// Failures: sightcell::error (sightcell/scene/error.h), one line with id, subject, cause and what to do.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -9,12 +15,16 @@
 #include <string>
 #include <vector>
 
+#include "sightcell/bake/host_scene.h"
 #include "sightcell/bake/settings.h"
-#include "sightcell/scene/scene.h"
+
+namespace sightcell::scene {
+struct scene;  // sightcell/scene/scene.h, for who loads glTF
+}
 
 namespace sightcell::bake {
 
-// Told after every finished cell.
+// Told before the first cell and after every finished one.
 struct progress {
   std::uint32_t cells_done = 0, cells_total = 0;
   double seconds = 0.0;          // wall clock since the bake began
@@ -24,9 +34,13 @@ struct progress {
   double visible_percent = 0.0;  // mean cell set of the cells so far, percent of all polygons
 };
 
+enum class severity { note, warning };
+
+// Both are optional and may throw: the bake ends there, and what was finished is kept.
 struct callbacks {
-  std::function<bool(const progress&)> on_progress;    // false cancels; called on the calling thread
-  std::function<void(const std::string&)> on_message;  // one line: device, estimate, warnings
+  std::function<bool(const progress&)> on_progress;  // false cancels
+  // The log: one line of text without a line end. Notes are device, cells, estimate; warnings what may surprise.
+  std::function<void(severity, const std::string&)> on_message;
 };
 
 enum class outcome { done, bound_not_met, cancelled };
@@ -48,6 +62,8 @@ struct summary {
 // rename at the end, or not at all when cancelled (then the same call resumes). fresh: an old checkpoint is thrown
 // away. Throws sightcell::error.
 summary bake(const scene::scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
+             const callbacks& tell);
+summary bake(const host_scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
              const callbacks& tell);
 
 struct cell_verification {
@@ -82,6 +98,9 @@ struct verify_settings {
 // file: the bytes of the .pvs, read during the call; name: of the file, for messages. Throws sightcell::error when the
 // file is broken or belongs to another scene.
 verification verify(const scene::scene& s, std::span<const std::byte> file, const std::string& name,
+                    const verify_settings& how,
+                    const std::function<void(std::uint32_t done, std::uint32_t total)>& on_progress);
+verification verify(const host_scene& s, std::span<const std::byte> file, const std::string& name,
                     const verify_settings& how,
                     const std::function<void(std::uint32_t done, std::uint32_t total)>& on_progress);
 

@@ -6,12 +6,20 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace sightcell::bake {
+
+// A view cell given by hand: metres, min below max on every axis.
+struct cell_box {
+  std::string name;  // for people; may be empty
+  std::array<float, 3> min{}, max{};
+};
 
 struct settings {
   // --- cells
   std::optional<std::filesystem::path> cells_file;  // --cells-file: explicit boxes
+  std::vector<cell_box> cells;                      // the host's own boxes; of these three, one at most
   std::optional<std::array<float, 6>> cells_grid;   // --cells-grid x0,y0,z0,x1,y1,z1: every lattice cell of this box
   float cell_size = 4.0f;                           // --cell-size, metres, 0.25..1000; cells are half as high
   std::uint32_t cell_limit = 0;                     // --cell-limit, bake only so many, spread evenly; 0: all

@@ -14,13 +14,12 @@
 #include <vector>
 
 #include "sightcell/scene/alpha_mask.h"
+#include "sightcell/scene/alpha_mode.h"
 #include "sightcell/scene/image.h"
 
 namespace sightcell::scene {
 
 inline constexpr std::uint32_t no_index = 0xFFFFFFFFu;
-
-enum class alpha_mode : std::uint8_t { opaque, mask, blend };
 
 struct material {
   std::string name;

@@ -1,0 +1,11 @@
+#pragma once
+// The host's arrays as a scene.
+#include "sightcell/bake/host_scene.h"
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::bake {
+
+// Checks and copies; calls alpha functions. Throws sightcell::error (bad_input) naming the mesh, material or draw.
+scene::scene scene_of(const host_scene& host);
+
+}  // namespace sightcell::bake
