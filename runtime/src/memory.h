@@ -1,5 +1,6 @@
 #pragma once
 // The caller's allocator, or malloc, behind one pair of functions.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -7,8 +8,9 @@
 
 namespace sightcell::runtime {
 
-// Every block is aligned to this; alloc is never asked for more.
-inline constexpr std::size_t block_alignment = 16;
+// Every block is aligned to this; alloc is never asked for more. 16, or less on the machines where malloc promises less
+// (8 on s390x).
+inline constexpr std::size_t block_alignment = std::min<std::size_t>(16, alignof(std::max_align_t));
 
 // malloc and free.
 sightcell_allocator default_allocator() noexcept;

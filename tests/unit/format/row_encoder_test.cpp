@@ -35,7 +35,7 @@ TEST(row_encoder, difference_is_what_sets_say) {
   sightcell::test::random_source random(3);
   std::vector<run> removed;
   std::vector<run> added;
-  for (int round = 0; round < 300; ++round) {
+  for (unsigned round = 0; round < 300; ++round) {
     const auto a = random_set(random, 120, 2 + round % 9);
     const auto b = random_set(random, 120, 2 + round % 5);
     difference(runs_of(a), runs_of(b), removed, added);

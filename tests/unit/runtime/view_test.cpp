@@ -14,6 +14,8 @@ namespace {
 
 using namespace sightcell::test;
 
+constexpr std::uint32_t changed = SIGHTCELL_FRAME_CHANGED;
+
 std::vector<std::uint32_t> stored_indices(std::uint32_t polygons) {
   std::vector<std::uint32_t> indices(std::size_t{3} * polygons);
   for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = static_cast<std::uint32_t>(i * 7 + 1);
@@ -63,7 +65,7 @@ TEST(view, every_cell_shows_its_set) {
       const std::uint32_t cell = i * 77 % 200;
       const sightcell_frame frame = go_to(view, contents, cell);
       ASSERT_EQ(frame.cell, cell);
-      EXPECT_EQ(frame.flags & ~SIGHTCELL_FRAME_CHANGED, 0u);
+      EXPECT_EQ(frame.flags & ~changed, 0u);
       EXPECT_EQ(frame.polygon_count, contents.sets[cell].size());
       EXPECT_LE(view.ranges().size(), info.range_bound);
       expect_set(view, contents, contents.sets[cell]);
@@ -114,7 +116,7 @@ TEST(view, outside_draws_everything) {
   for (const float x : {-100.0f, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
     const sightcell_frame frame = view.move(x, 0.5f, 0.5f);
     EXPECT_EQ(frame.cell, SIGHTCELL_NO_CELL);
-    EXPECT_EQ(frame.flags & ~SIGHTCELL_FRAME_CHANGED, SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE);
+    EXPECT_EQ(frame.flags & ~changed, SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE);
     EXPECT_EQ(frame.polygon_count, 300u);
     expect_set(view, contents, all_polygons(300));
   }
@@ -262,10 +264,10 @@ TEST(view, a_damaged_chunk_draws_everything_and_leaves_the_others_alone) {
       const sightcell_frame frame = go_to(view, contents, cell);
       EXPECT_EQ(frame.cell, cell) << round;
       if (cell / 64 == 1) {
-        EXPECT_EQ(frame.flags & ~SIGHTCELL_FRAME_CHANGED, SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED);
+        EXPECT_EQ(frame.flags & ~changed, SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED);
         expect_set(view, contents, all_polygons(contents.facts.polygon_count));
       } else {
-        EXPECT_EQ(frame.flags & ~SIGHTCELL_FRAME_CHANGED, 0u);
+        EXPECT_EQ(frame.flags & ~changed, 0u);
         expect_set(view, contents, contents.sets[cell]);
       }
     }
