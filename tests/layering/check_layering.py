@@ -54,7 +54,7 @@ ALLOWED = {
     'samples/engine_bake': BAKE + RUNTIME + SCENE + PICTURE,
     'samples/viewer': RUNTIME + SCENE + PICTURE + GL + ['GLFW/', 'imgui'],
     # Tests may look at everything, inside the rooms too.
-    'tests': BAKE + SCENE + PICTURE + FORMAT + RUNTIME + SHADERS + GL + POSIX +
+    'tests': BAKE + SCENE + PICTURE + FORMAT + RUNTIME + SHADERS + GL + PLATFORM +
              ['gtest/', 'gmock/', 'benchmark/', 'embree3/', 'tbb/', 'fmt/', 'nlohmann/', 'xxhash.h', 'sqlite3.h',
               'CLI/'],
 }

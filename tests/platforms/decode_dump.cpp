@@ -1,0 +1,122 @@
+#include "decode_dump.h"
+
+#include <cinttypes>
+#include <cstdio>
+#include <vector>
+
+namespace sightcell::test {
+namespace {
+
+template <class... Values>
+void add(std::string& text, const char* format, Values... values) {
+  char line[512];
+  const int size = std::snprintf(line, sizeof(line), format, values...);
+  text.append(line, static_cast<std::size_t>(size));
+}
+
+template <class Element, class Fill>
+std::vector<Element> list_of(std::string& text, const Fill& fill) {
+  std::size_t count = 0;
+  sightcell_status s = fill(nullptr, 0, &count);
+  std::vector<Element> list(s == SIGHTCELL_OK || s == SIGHTCELL_ERR_CAPACITY ? count : 0);
+  s = fill(list.data(), list.size(), &count);
+  if (s != SIGHTCELL_OK) add(text, "WRONG: %s\n", sightcell_status_text(s));
+  return list;
+}
+
+void add_facts(const sightcell_db* db, std::string& text) {
+  sightcell_info info{};
+  info.struct_size = sizeof(info);
+  if (sightcell_db_info(db, &info) != SIGHTCELL_OK) text += "WRONG: no info\n";
+  add(text, "version %" PRIu32 "\nfingerprint ", info.format_version);
+  for (const unsigned byte : info.scene_fingerprint) add(text, "%02x", byte);
+  add(text, "\npolygons %" PRIu32 "\nmargin %.9g\nmax_pixel_error %.9g\nconfidence %.9g\n", info.polygon_count,
+      static_cast<double>(info.margin), static_cast<double>(info.max_pixel_error),
+      static_cast<double>(info.confidence));
+  add(text, "layout %" PRIu32 " cells %" PRIu32 " draws %" PRIu32 " range_bound %" PRIu32 "\n", info.layout,
+      info.cell_count, info.draw_count, info.range_bound);
+}
+
+void add_draws(const std::vector<sightcell_draw>& draws, std::string& text) {
+  for (std::size_t i = 0; i < draws.size(); ++i) {
+    const sightcell_draw& d = draws[i];
+    add(text, "draw %" PRIu64 ":", static_cast<std::uint64_t>(i));
+    for (const std::uint32_t value : {d.node, d.mesh, d.primitive, d.instance, d.material, d.group, d.first_source,
+                                      d.polygon_count, d.first_stored, d.base_vertex}) {
+      add(text, " %" PRIu32, value);
+    }
+    add(text, " %" PRIu64 "\n", d.host_tag);
+  }
+}
+
+// What the view answers now, in all its ways.
+void add_answers(const sightcell_view* view, std::uint32_t cell, const std::vector<sightcell_draw>& draws,
+                 const std::vector<std::uint32_t>& stored_indices, std::string& text) {
+  const auto set = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
+    return sightcell_view_polygons(view, dst, room, count);
+  });
+  const auto ranges = list_of<sightcell_range>(text, [&](sightcell_range* dst, std::size_t room, std::size_t* count) {
+    return sightcell_view_ranges(view, dst, room, count);
+  });
+  const auto indices = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
+    return sightcell_view_indices(view, stored_indices.data(), dst, room, count);
+  });
+  for (const std::uint32_t polygon : set) add(text, " %" PRIu32, polygon);
+  add(text, "\nranges %" PRIu32 ":", cell);
+  std::vector<std::uint32_t> from_ranges;
+  for (const sightcell_range& r : ranges) {
+    add(text, " %" PRIu32 " %" PRIu32 " %" PRIu32, r.draw, r.first, r.count);
+    for (std::uint32_t i = 0; i < r.count && r.draw < draws.size(); ++i) {
+      from_ranges.push_back(draws[r.draw].first_stored + r.first + i);
+    }
+  }
+  fnv_hash hash;
+  for (const std::uint32_t index : indices) hash.add(index);
+  add(text, "\nindices %" PRIu32 ": %016" PRIx64 "\n", cell, hash.value());
+  if (from_ranges != set) add(text, "WRONG: the ranges of cell %" PRIu32 " are not its set\n", cell);
+}
+
+}  // namespace
+
+std::string dump(const sightcell_db* db) {
+  std::string text;
+  add_facts(db, text);
+  const auto draws = list_of<sightcell_draw>(text, [&](sightcell_draw* dst, std::size_t room, std::size_t* count) {
+    return sightcell_db_draws(db, dst, room, count);
+  });
+  const auto order = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
+    return sightcell_db_order(db, dst, room, count);
+  });
+  add_draws(draws, text);
+  fnv_hash hash;
+  for (const std::uint32_t source : order) hash.add(source);
+  add(text, "order %016" PRIx64 "\n", hash.value());
+  std::vector<std::uint32_t> stored_indices(std::size_t{3} * sightcell_db_polygon_count(db));
+  for (std::size_t i = 0; i < stored_indices.size(); ++i) {
+    stored_indices[i] = static_cast<std::uint32_t>(i) * 2654435761u;
+  }
+  sightcell_view* view = nullptr;
+  if (sightcell_view_create(db, &view) != SIGHTCELL_OK) return text + "WRONG: no view\n";
+  for (std::uint32_t cell = 0; cell < sightcell_db_cell_count(db); ++cell) {
+    float min[3] = {};
+    float max[3] = {};
+    float eye[3] = {};
+    if (sightcell_db_cell_box(db, cell, min, max) != SIGHTCELL_OK) text += "WRONG: no box\n";
+    add(text, "cell %" PRIu32 ": %.9g %.9g %.9g  %.9g %.9g %.9g  sees", cell, static_cast<double>(min[0]),
+        static_cast<double>(min[1]), static_cast<double>(min[2]), static_cast<double>(max[0]),
+        static_cast<double>(max[1]), static_cast<double>(max[2]));
+    for (std::size_t axis = 0; axis < 3; ++axis) eye[axis] = 0.5f * min[axis] + 0.5f * max[axis];
+    sightcell_frame frame{};
+    // First to nowhere, so that the cell before is not kept.
+    static_cast<void>(sightcell_view_move(view, nullptr, &frame));
+    const sightcell_status s = sightcell_view_move(view, eye, &frame);
+    if (s != SIGHTCELL_OK || frame.cell != cell || (frame.flags & SIGHTCELL_FRAME_DRAW_ALL) != 0) {
+      add(text, " from cell %" PRIu32 " flags %" PRIu32 " status %d", frame.cell, frame.flags, static_cast<int>(s));
+    }
+    add_answers(view, cell, draws, stored_indices, text);
+  }
+  sightcell_view_destroy(view);
+  return text;
+}
+
+}  // namespace sightcell::test

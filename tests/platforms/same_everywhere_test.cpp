@@ -1,0 +1,119 @@
+// The same contents make the same bytes, and the same bytes decode to the same sets, on every platform: each runs this
+// against the same committed files and numbers.
+#include <gtest/gtest.h>
+
+#include <cinttypes>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "decode_dump.h"
+#include "generated_city.h"
+#include "unit/runtime/loaded_file.h"
+
+namespace {
+
+using namespace sightcell::test;
+
+std::string golden_path(const std::string& name) {
+  return std::string(SIGHTCELL_TEST_GOLDEN_FOLDER "/") + name;
+}
+
+// The lines that begin with one of the given words: what both the C runtime and the golden text know.
+std::vector<std::string> common_lines(std::istream& text) {
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) {
+    for (const std::string word :
+         {"version ", "fingerprint ", "polygons ", "margin ", "max_pixel_error ", "confidence ", "draw ", "cell "}) {
+      if (line.starts_with(word)) lines.push_back(line);
+    }
+  }
+  return lines;
+}
+
+void expect_golden_text(const std::string& name, std::size_t lines) {
+  sightcell_db* db = nullptr;
+  ASSERT_EQ(sightcell_db_open_file(golden_path(name + ".pvs").c_str(), nullptr, &db), SIGHTCELL_OK);
+  const std::string text = dump(db);
+  sightcell_db_close(db);
+  EXPECT_EQ(text.find("WRONG"), std::string::npos) << text;
+  std::ifstream expected(golden_path(name + ".txt"));
+  std::istringstream decoded(text);
+  const auto expected_lines = common_lines(expected);
+  EXPECT_EQ(expected_lines.size(), lines);
+  EXPECT_EQ(common_lines(decoded), expected_lines);
+}
+
+TEST(same_everywhere, golden_tiny) {
+  expect_golden_text("v0_tiny", 9);
+}
+TEST(same_everywhere, golden_small) {
+  expect_golden_text("v0_small", 76);
+}
+
+std::string hex(std::uint64_t number) {
+  char text[20];
+  std::snprintf(text, sizeof(text), "%016" PRIx64, number);
+  return text;
+}
+
+std::string hash_of(std::span<const std::byte> bytes) {
+  fnv_hash hash;
+  hash.add(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  return hex(hash.value());
+}
+
+// Frames and changes of a walk that stays at the borders of cells and grown boxes.
+std::string hash_of_walk(const sightcell_db* db) {
+  fnv_hash hash;
+  const test_view view(db);
+  std::vector<sightcell_range> added(sightcell_db_polygon_count(db));
+  std::vector<sightcell_range> removed(added.size());
+  std::set<std::uint32_t> cells;
+  std::uint32_t state = 1;
+  for (int step = 0; step < 20000; ++step) {
+    float eye[3];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      state = state * 1664525u + 1013904223u;
+      const float border = 0.7f * static_cast<float>((state >> 16) % (axis == 1 ? 3 : 21)) - 5.3f;
+      eye[axis] = border + 0.05f * static_cast<float>((state >> 8) % 7) - 0.15f;
+    }
+    sightcell_frame frame{};
+    std::size_t added_count = 0;
+    std::size_t removed_count = 0;
+    EXPECT_EQ(sightcell_view_move(view.get(), eye, &frame), SIGHTCELL_OK);
+    const sightcell_status s = sightcell_view_changes(view.get(), frame.revision - 1, added.data(), added.size(),
+                                                      &added_count, removed.data(), removed.size(), &removed_count);
+    cells.insert(frame.cell);
+    for (const std::uint32_t value :
+         {frame.cell, frame.flags, frame.polygon_count, frame.revision, static_cast<std::uint32_t>(s)}) {
+      hash.add(value);
+    }
+    for (std::size_t i = 0; i < added_count; ++i) {
+      for (const std::uint32_t value : {added[i].draw, added[i].first, added[i].count}) hash.add(value);
+    }
+    for (std::size_t i = 0; i < removed_count; ++i) {
+      for (const std::uint32_t value : {removed[i].draw, removed[i].first, removed[i].count}) hash.add(value);
+    }
+  }
+  EXPECT_EQ(cells.size(), 801u) << "all cells and outside";
+  return hex(hash.value());
+}
+
+// The numbers are those of g++ on x86-64. They change when the format or its encoder does; with the golden files then.
+TEST(same_everywhere, generated_city) {
+  const sample_contents contents = generated_city();
+  const auto bytes = contents.encode();
+  EXPECT_EQ(contents.facts.polygon_count, 38400u);
+  EXPECT_EQ(bytes.size(), 658877u);
+  EXPECT_EQ(hash_of(bytes), "9c6ed460955a6c5d");
+  const loaded_file file(bytes);
+  EXPECT_EQ(sightcell_db_check(file.db()), SIGHTCELL_OK);
+  const std::string text = dump(file.db());
+  EXPECT_EQ(text.find("WRONG"), std::string::npos);
+  EXPECT_EQ(text.size(), 7510391u);
+  EXPECT_EQ(hash_of(std::as_bytes(std::span(text))), "22f8456d57afe08c");
+  EXPECT_EQ(hash_of_walk(file.db()), "3a7c774bd159a3c0");
+}
+
+}  // namespace
