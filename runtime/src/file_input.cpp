@@ -16,11 +16,18 @@ namespace {
 
 #if defined(_WIN32)
 
-std::FILE* open_for_reading(const char* path) noexcept {
-  wchar_t wide[1024];
-  constexpr int capacity = static_cast<int>(sizeof(wide) / sizeof(wide[0]));
-  if (MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, capacity) <= 0) return nullptr;
-  return _wfopen(wide, L"rb");
+// path as Windows takes it. The system allows 32,767 letters: too many for the stacks of some hosts.
+sightcell_status open_for_reading(const char* path, const sightcell_allocator& mem, std::FILE*& out) noexcept {
+  const int letters = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, nullptr, 0);
+  if (letters <= 0) return SIGHTCELL_ERR_IO;
+  wchar_t few[260];
+  const bool fits = letters <= static_cast<int>(sizeof(few) / sizeof(few[0]));
+  const std::uint64_t size = static_cast<std::uint64_t>(letters) * sizeof(wchar_t);
+  auto* wide = fits ? few : static_cast<wchar_t*>(allocate(mem, size));
+  if (wide == nullptr) return SIGHTCELL_ERR_MEMORY;
+  if (MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, letters) > 0) out = _wfopen(wide, L"rb");
+  if (!fits) release(mem, wide, size);
+  return out == nullptr ? SIGHTCELL_ERR_IO : SIGHTCELL_OK;
 }
 bool seek_end(std::FILE* file) noexcept {
   return _fseeki64(file, 0, SEEK_END) == 0;
@@ -31,8 +38,9 @@ std::int64_t place_in(std::FILE* file) noexcept {
 
 #else
 
-std::FILE* open_for_reading(const char* path) noexcept {
-  return std::fopen(path, "rb");
+sightcell_status open_for_reading(const char* path, const sightcell_allocator&, std::FILE*& out) noexcept {
+  out = std::fopen(path, "rb");
+  return out == nullptr ? SIGHTCELL_ERR_IO : SIGHTCELL_OK;
 }
 bool seek_end(std::FILE* file) noexcept {
   return fseeko(file, 0, SEEK_END) == 0;
@@ -64,8 +72,8 @@ sightcell_status read_open_file(std::FILE* file, const sightcell_allocator& mem,
 }  // namespace
 
 sightcell_status read_file(const char* path, const sightcell_allocator& mem, file_block& out) noexcept {
-  std::FILE* file = open_for_reading(path);
-  if (file == nullptr) return SIGHTCELL_ERR_IO;
+  std::FILE* file = nullptr;
+  if (const sightcell_status s = open_for_reading(path, mem, file); s != SIGHTCELL_OK) return s;
   const sightcell_status status = read_open_file(file, mem, out);
   std::fclose(file);
   return status;

@@ -214,8 +214,13 @@ class c_api_file : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
+  // What the C API takes, whatever the system's own names are made of.
+  static std::string utf8(const std::filesystem::path& path) {
+    const std::u8string name = path.u8string();
+    return {name.begin(), name.end()};
+  }
   [[nodiscard]] std::string write(const std::vector<std::byte>& bytes) const {
-    const std::string name = (folder_ / "a.pvs").string();
+    const std::string name = utf8(folder_ / "a.pvs");
     EXPECT_EQ(sightcell::format::write_file(name.c_str(), bytes), sightcell::format::status::ok);
     return name;
   }
@@ -240,10 +245,77 @@ TEST_F(c_api_file, opens_from_disk) {
   }
 }
 
+// The name is given to the system as the standard library does it (wide on Windows) and to us as UTF-8.
+TEST_F(c_api_file, names_are_utf8) {
+  const auto bytes = small_contents().encode();
+  const std::filesystem::path path = folder_ / std::u8string(u8"\u00E9\u20AC\u4E2D\U0001F3D9.pvs");
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
+  sightcell_db* db = nullptr;
+  EXPECT_EQ(sightcell_db_open_file(utf8(path).c_str(), nullptr, &db), SIGHTCELL_OK);
+  sightcell_db_close(db);
+  EXPECT_EQ(sightcell_db_open_file((utf8(folder_) + "/\xFF\xFE.pvs").c_str(), nullptr, &db), SIGHTCELL_ERR_IO);
+}
+
+TEST_F(c_api_file, long_names) {
+#if defined(_WIN32)
+  // Windows takes more than 260 letters only in this form.
+  std::filesystem::path path = L"\\\\?\\" + std::filesystem::absolute(folder_).make_preferred().wstring();
+#else
+  std::filesystem::path path = folder_;
+#endif
+  std::vector<std::filesystem::path> made;
+  while (utf8(path).size() < 1500) {
+    path /= std::string(100, 'x');
+    std::filesystem::create_directory(path);
+    made.push_back(path);
+  }
+  const std::string name = utf8(path / "a.pvs");
+  const auto bytes = small_contents().encode();
+  ASSERT_EQ(sightcell::format::write_file(name.c_str(), bytes), sightcell::format::status::ok);
+  failing_allocator memory;
+  memory.left = 3;
+  sightcell_db* db = nullptr;
+  EXPECT_EQ(sightcell_db_open_file(name.c_str(), &memory.interface, &db), SIGHTCELL_OK);
+  EXPECT_EQ(memory.given, 2);
+  sightcell_db_close(db);
+  EXPECT_EQ(memory.given, 0);
+  EXPECT_TRUE(std::filesystem::remove(path / "a.pvs"));
+  // One by one: not every library can list such a folder.
+  for (; !made.empty(); made.pop_back()) EXPECT_TRUE(std::filesystem::remove(made.back()));
+}
+
+// Sizes above 4 GB survive the C library's file functions: the allocator is asked for as much, and has no more to give.
+TEST_F(c_api_file, size_of_a_file_above_4_gb) {
+  const std::string name = write(small_contents().encode());
+  constexpr std::uint64_t size = 5'000'000'000u;
+  std::error_code error;
+  std::filesystem::resize_file(folder_ / "a.pvs", size, error);
+  if (error) GTEST_SKIP() << "no room for a file with holes: " << error.message();
+  static std::uint64_t asked = 0;
+  const sightcell_allocator none{[](void*, std::size_t bytes, std::size_t) -> void* {
+                                   asked = bytes;
+                                   return nullptr;
+                                 },
+                                 [](void*, void*, std::size_t) {}, nullptr};
+  sightcell_db* db = nullptr;
+  if (sizeof(std::size_t) < 8) {
+    EXPECT_EQ(sightcell_db_open_file(name.c_str(), &none, &db), SIGHTCELL_ERR_LIMIT);
+  } else {
+    EXPECT_EQ(sightcell_db_open_file(name.c_str(), &none, &db), SIGHTCELL_ERR_MEMORY);
+    EXPECT_EQ(asked, size);
+  }
+}
+
 TEST_F(c_api_file, files_that_are_none) {
   sightcell_db* db = nullptr;
-  EXPECT_EQ(sightcell_db_open_file((folder_ / "nobody").string().c_str(), nullptr, &db), SIGHTCELL_ERR_IO);
-  EXPECT_EQ(sightcell_db_open_file(folder_.string().c_str(), nullptr, &db), SIGHTCELL_ERR_IO);
+#if defined(_WIN32)
+  EXPECT_EQ(sightcell_db_open_file("NUL", nullptr, &db), SIGHTCELL_ERR_TRUNCATED);
+#else
+  EXPECT_EQ(sightcell_db_open_file("/dev/null", nullptr, &db), SIGHTCELL_ERR_TRUNCATED);
+  EXPECT_EQ(sightcell_db_open_file("/dev/zero", nullptr, &db), SIGHTCELL_ERR_IO);
+#endif
+  EXPECT_EQ(sightcell_db_open_file(utf8(folder_ / "nobody").c_str(), nullptr, &db), SIGHTCELL_ERR_IO);
+  EXPECT_EQ(sightcell_db_open_file(utf8(folder_).c_str(), nullptr, &db), SIGHTCELL_ERR_IO);
   EXPECT_EQ(sightcell_db_open_file("", nullptr, &db), SIGHTCELL_ERR_IO);
   EXPECT_EQ(sightcell_db_open_file(write({}).c_str(), nullptr, &db), SIGHTCELL_ERR_TRUNCATED);
   EXPECT_EQ(sightcell_db_open_file(write(std::vector<std::byte>(5, std::byte{7})).c_str(), nullptr, &db),
