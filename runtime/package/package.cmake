@@ -1,0 +1,32 @@
+# What find_package(sightcell) and pkg-config read. Nothing here knows where it will lie: the prefix may be moved.
+include(CMakePackageConfigHelpers)
+
+set(sightcell_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightcell)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/package/sightcell-config-version.cmake
+  COMPATIBILITY SameMajorVersion)
+install(FILES runtime/package/sightcell-config.cmake ${PROJECT_BINARY_DIR}/package/sightcell-config-version.cmake
+  DESTINATION ${sightcell_cmake_dir} COMPONENT dev)
+install(EXPORT sightcell-runtime NAMESPACE sightcell:: FILE sightcell-runtime-targets.cmake
+  DESTINATION ${sightcell_cmake_dir} COMPONENT dev)
+if(SIGHTCELL_BUILD_BAKE)
+  install(FILES bake/package/sightcell-bake.cmake bake/package/FindRecast.cmake
+    DESTINATION ${sightcell_cmake_dir} COMPONENT bake-dev)
+  install(EXPORT sightcell-bake NAMESPACE sightcell:: FILE sightcell-bake-targets.cmake
+    DESTINATION ${sightcell_cmake_dir} COMPONENT bake-dev)
+  install(EXPORT sightcell-tools NAMESPACE sightcell:: FILE sightcell-tools-targets.cmake
+    DESTINATION ${sightcell_cmake_dir} COMPONENT tools)
+endif()
+
+# In a .pc file the prefix is counted from the file itself; an absolute folder, as some distributions set, stays one.
+foreach(folder LIB INCLUDE)
+  if(IS_ABSOLUTE ${CMAKE_INSTALL_${folder}DIR})
+    set(sightcell_pc_${folder} ${CMAKE_INSTALL_${folder}DIR})
+  else()
+    set(sightcell_pc_${folder} "\${prefix}/${CMAKE_INSTALL_${folder}DIR}")
+  endif()
+endforeach()
+file(RELATIVE_PATH sightcell_pc_up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+string(REGEX REPLACE "/$" "" sightcell_pc_up "${sightcell_pc_up}")
+configure_file(runtime/package/sightcell.pc.in ${PROJECT_BINARY_DIR}/package/sightcell.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/package/sightcell.pc
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)

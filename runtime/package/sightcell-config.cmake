@@ -1,0 +1,52 @@
+# find_package(sightcell [0.1] [COMPONENTS runtime bake tools])
+#   runtime (also when none is named): sightcell::runtime, static, and sightcell::runtime_shared; needs nothing else
+#   bake: sightcell::bake, sightcell::scene, sightcell::picture, sightcell::format_write; needs the libraries it stands on
+#   tools: the programs sightcell::cli and sightcell::city, for add_custom_command
+# Each component is a file beside this one, which is there when that half was installed.
+if(NOT sightcell_FIND_COMPONENTS)
+  set(sightcell_FIND_COMPONENTS runtime)
+endif()
+
+# Sets sightcell_<component>_FOUND, and sightcell_missing to the reason when it is not.
+macro(sightcell_load component)
+  set(sightcell_missing)
+  if(NOT "${component}" MATCHES "^(runtime|bake|tools)$")
+    set(sightcell_missing "there is no component '${component}', only runtime, bake and tools")
+  elseif(NOT EXISTS "${CMAKE_CURRENT_LIST_DIR}/sightcell-${component}-targets.cmake")
+    set(sightcell_missing "component '${component}' is not installed in ${CMAKE_CURRENT_LIST_DIR}")
+    if("${component}" STREQUAL "bake")
+      string(APPEND sightcell_missing ", only the runtime is: install the component bake-dev "
+        "(Debian: libsightcell-bake-dev) of a build with SIGHTCELL_BUILD_BAKE=ON")
+    else()
+      string(APPEND sightcell_missing ": install the component tools (Debian: sightcell-tools)")
+    endif()
+  elseif("${component}" STREQUAL "bake")
+    include("${CMAKE_CURRENT_LIST_DIR}/sightcell-bake.cmake")  # looks for what bake stands on
+  endif()
+  if(sightcell_missing)
+    set(sightcell_${component}_FOUND FALSE)
+  else()
+    include("${CMAKE_CURRENT_LIST_DIR}/sightcell-${component}-targets.cmake")
+    set(sightcell_${component}_FOUND TRUE)
+  endif()
+endmacro()
+
+set(sightcell_FOUND TRUE)
+set(sightcell_reasons)
+# The other halves stand on the runtime's targets.
+sightcell_load(runtime)
+foreach(sightcell_component IN LISTS sightcell_FIND_COMPONENTS)
+  if(NOT sightcell_component STREQUAL "runtime")
+    sightcell_load(${sightcell_component})
+    if(sightcell_missing AND sightcell_FIND_REQUIRED_${sightcell_component})
+      set(sightcell_FOUND FALSE)
+      list(APPEND sightcell_reasons "${sightcell_missing}")
+    elseif(sightcell_missing AND NOT sightcell_FIND_QUIETLY)
+      message(STATUS "sightcell: ${sightcell_missing}")
+    endif()
+  endif()
+endforeach()
+if(sightcell_reasons)
+  list(JOIN sightcell_reasons "\n  sightcell: " sightcell_NOT_FOUND_MESSAGE)
+  set(sightcell_NOT_FOUND_MESSAGE "sightcell: ${sightcell_NOT_FOUND_MESSAGE}")
+endif()
