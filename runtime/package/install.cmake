@@ -22,3 +22,10 @@ function(sightcell_install target)
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${arg_COMPONENT}
     ${headers})
 endfunction()
+
+# sightcell_install_in_bundle(TARGET): a program that only the bundle has, for a machine where nothing can be built.
+function(sightcell_install_in_bundle target)
+  if(SIGHTCELL_INSTALL)
+    install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT bundle EXCLUDE_FROM_ALL)
+  endif()
+endfunction()

@@ -30,3 +30,22 @@ string(REGEX REPLACE "/$" "" sightcell_pc_up "${sightcell_pc_up}")
 configure_file(runtime/package/sightcell.pc.in ${PROJECT_BINARY_DIR}/package/sightcell.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/package/sightcell.pc
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+
+# One licence file per component, where Debian's packages have theirs.
+set(sightcell_components runtime dev)
+if(SIGHTCELL_BUILD_BAKE)
+  list(APPEND sightcell_components bake-dev tools)
+  install(FILES THIRD_PARTY.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/sightcell-tools COMPONENT tools)
+endif()
+set(sightcell_runtime_package libsightcell1)
+set(sightcell_dev_package libsightcell-dev)
+set(sightcell_bake-dev_package libsightcell-bake-dev)
+set(sightcell_tools_package sightcell-tools)
+foreach(component IN LISTS sightcell_components)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${sightcell_${component}_package} RENAME copyright
+    COMPONENT ${component})
+endforeach()
+
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT CMAKE_CROSSCOMPILING)
+  include(runtime/package/bundle.cmake)
+endif()

@@ -45,9 +45,12 @@ def run(*command, code=0, **more):
 
 
 def install(prefix, *components):
+    """What CMake said."""
+    text = ''
     for component in components or [None]:
-        run(ARGS.cmake, '--install', ARGS.build, '--config', ARGS.config, '--prefix', prefix,
+        text += run(ARGS.cmake, '--install', ARGS.build, '--config', ARGS.config, '--prefix', prefix,
             *(['--component', component] if component else []))
+    return text
 
 
 def configure(source, prefix, *arguments, code=0):

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <vector>
 
+#include "bundled_driver.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::picture {
@@ -173,6 +174,7 @@ gl_context::gl_context(bool debug) : state_(std::make_unique<state>()) {
     throw error(error_kind::failed, "gl.no-context", "OpenGL", cause,
                 "install a driver with OpenGL 4.5 for EGL, for example Mesa's (libegl-mesa0, libgl1-mesa-dri)");
   };
+  offer_bundled_driver();
   if (!epoxy_has_egl()) fail("libEGL is not installed");
   made_context made;
   candidate chosen;
