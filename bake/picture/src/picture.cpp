@@ -12,8 +12,8 @@
 #include "shaders/sources.h"
 #include "shared/picture_layout.h"
 #include "sightcell/picture/gl_program.h"
+#include "sightcell/picture/textures.h"
 #include "sightcell/scene/error.h"
-#include "textures.h"
 
 namespace sightcell::picture {
 namespace {

@@ -1,4 +1,4 @@
-#include "textures.h"
+#include "sightcell/picture/textures.h"
 
 #include <epoxy/gl.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-// The base-color textures of a scene on the device.
+// The base-color textures of a scene on the device, for whoever draws on a context of their own: the viewer.
 #include <cstdint>
 #include <vector>
 
@@ -9,7 +9,7 @@ namespace sightcell::picture {
 
 class texture_set {
  public:
-  // Decodes and uploads the images that materials use. What cannot be decoded is white.
+  // Decodes and uploads the images that materials use, on the current context. What cannot be decoded is white.
   explicit texture_set(const scene::scene& s);
   ~texture_set();
   texture_set(const texture_set&) = delete;
