@@ -52,7 +52,8 @@ ALLOWED = {
     'samples': RUNTIME + SCENE + PICTURE + ['CLI/', 'fmt/', 'nlohmann/', 'stb_image_write.h'] + GL,
     'samples/hello_cull': RUNTIME,  # C, and nothing else: it is what a host writes
     'samples/engine_bake': BAKE + RUNTIME + SCENE + PICTURE,
-    'samples/viewer': RUNTIME + SCENE + PICTURE + GL + ['GLFW/', 'imgui'],
+    'samples/viewer': RUNTIME + SCENE + PICTURE + GL +
+                      ['GLFW/', 'imgui', 'backends/imgui_impl_opengl3.h', 'CLI/', 'fmt/', 'nlohmann/'],
     # Tests may look at everything, inside the rooms too.
     'tests': BAKE + SCENE + PICTURE + FORMAT + RUNTIME + SHADERS + GL + PLATFORM +
              ['gtest/', 'gmock/', 'benchmark/', 'embree3/', 'tbb/', 'fmt/', 'nlohmann/', 'xxhash.h', 'sqlite3.h',
@@ -65,7 +66,7 @@ ROOMS = ['format', 'runtime', 'shaders', 'bake/scene', 'bake/picture', 'bake/cli
 ROOTS_IN_ROOM = ['', 'src', 'include']
 # Rooms whose private headers a test may look at.
 PRIVATE_FOR_TESTS = ['format/src', 'runtime/src', 'bake/src', 'bake/scene/src', 'bake/picture/src', 'bake/cli',
-                     'samples/city']
+                     'samples/city', 'samples/viewer']
 
 
 def longest(path, candidates):

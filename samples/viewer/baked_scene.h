@@ -1,0 +1,43 @@
+#pragma once
+// A scene and, where there is one, the .pvs file baked from it, in the form in which the viewer keeps them.
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "draw_lists.h"
+#include "sightcell/scene/scene.h"
+#include "sightcell/sightcell.hpp"
+
+namespace viewer {
+
+struct cell {
+  glm::vec3 min, max;
+  std::string name;  // empty when nobody said one
+};
+
+struct baked_scene {
+  std::string scene_name, pvs_name;  // pvs_name is empty without a file
+  std::optional<sightcell::db> db;
+  std::vector<cell> cells;
+  float margin = 0.0f;  // metres by which cells were grown for the bake
+  std::size_t range_bound = 0;
+  std::vector<sightcell_draw> draws;          // of the file, or made from the scene
+  std::vector<std::uint32_t> stored_indices;  // into the flattened vertices, three per polygon in stored order
+  std::uint32_t polygon_count = 0;
+  glm::vec3 min{0.0f}, max{0.0f};
+};
+
+// Takes world's indices. pvs_file, cells_file (which gives cells their names): may be empty. Throws sightcell::error
+// (bad_input) with one line when a file is broken or was baked from another scene.
+baked_scene open_baked(const sightcell::scene::scene& s, sightcell::scene::world_geometry& world,
+                       const std::string& pvs_file, const std::string& cells_file);
+
+// A whole scene as ranges.
+std::vector<sightcell_range> all_ranges(std::span<const sightcell_draw> draws);
+
+// The flags of a frame in words, "-" for none.
+std::string flags_text(std::uint32_t flags);
+
+}  // namespace viewer

@@ -1,0 +1,76 @@
+#pragma once
+// What keys and mouse do: input -> state, without a window, so that tests can press every key.
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+
+namespace viewer {
+
+enum class action : std::uint8_t {
+  // While held.
+  forward,
+  back,
+  left,
+  right,
+  up,
+  down,
+  faster,
+  // When pressed.
+  pvs,
+  freeze,
+  tint,
+  box,
+  all_cells,
+  next_cell,
+  previous_cell,
+  wireframe,
+  hud,
+  screenshot,
+  quit,
+  count
+};
+using action_set = std::bitset<static_cast<std::size_t>(action::count)>;
+
+// One key. Key numbers are GLFW's: ASCII for letters and digits.
+struct key_binding {
+  int key;
+  action what;
+  const char* name;
+  const char* help;
+};
+std::span<const key_binding> key_bindings();
+std::optional<action> action_of_key(int key);
+
+// Angles in radians. Yaw 0 looks along -Z and grows to the right; pitch grows upwards.
+struct fly_camera {
+  glm::vec3 eye{0.0f};
+  float yaw = 0.0f, pitch = 0.0f;
+  glm::vec3 forward() const;
+  glm::vec3 right() const;
+};
+
+// What happened since the last frame.
+struct input {
+  action_set held, pressed;
+  glm::vec2 look{0.0f};  // pixels the mouse was dragged, right and down
+  float wheel = 0.0f;    // notches, forward is positive
+  float seconds = 0.0f;
+};
+
+struct controls {
+  fly_camera camera;
+  float speed = 4.0f;  // metres per second
+  bool pvs = true, frozen = false, tint = false;
+  bool box = true, all_cells = false, wireframe = false, hud = true;
+  // Asked for by the last step.
+  int cell_steps = 0;
+  bool screenshot = false, quit = false;
+};
+
+void step(controls& state, const input& in);
+
+}  // namespace viewer

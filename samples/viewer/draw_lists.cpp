@@ -1,0 +1,87 @@
+#include "draw_lists.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace viewer {
+
+namespace scene = sightcell::scene;
+
+draw_groups::draw_groups(const scene::scene& s) {
+  const auto group_of = [&](const scene::draw& d) {
+    if (d.material >= s.materials.size()) {
+      const scene::material none;
+      return draw_group{none.alpha, none.double_sided, static_cast<std::uint32_t>(s.materials.size())};
+    }
+    const scene::material& m = s.materials[d.material];
+    return draw_group{m.alpha, m.double_sided, d.material};
+  };
+  const auto key = [](const draw_group& g) { return std::tuple(g.alpha, g.double_sided, g.material); };
+  const auto before = [&](const draw_group& a, const draw_group& b) { return key(a) < key(b); };
+  for (const scene::draw& d : s.draws) groups_.push_back(group_of(d));
+  std::sort(groups_.begin(), groups_.end(), before);
+  groups_.erase(
+      std::unique(groups_.begin(), groups_.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),
+      groups_.end());
+  for (const scene::draw& d : s.draws) {
+    const auto at = std::lower_bound(groups_.begin(), groups_.end(), group_of(d), before);
+    group_of_draw_.push_back(static_cast<std::uint32_t>(at - groups_.begin()));
+  }
+}
+
+void make_stretches(const draw_groups& groups, std::span<const sightcell_range> ranges,
+                    std::vector<group_stretches>& out) {
+  out.resize(groups.groups().size());
+  for (group_stretches& g : out) {
+    g.counts.clear();
+    g.offsets.clear();
+  }
+  std::uintptr_t end_of_last = 0;  // byte offset behind the last stretch
+  std::uint32_t last_group = scene::no_index;
+  for (const sightcell_range& range : ranges) {
+    const std::uint32_t group = groups.group_of_draw(range.draw);
+    group_stretches& g = out[group];
+    const auto indices = static_cast<std::int32_t>(3 * range.count);
+    if (group == last_group) {
+      g.counts.back() += indices;  // goes on where the last one ended
+    } else {
+      g.counts.push_back(indices);
+      g.offsets.push_back(reinterpret_cast<const void*>(end_of_last));
+    }
+    last_group = group;
+    end_of_last += sizeof(std::uint32_t) * static_cast<std::uintptr_t>(indices);
+  }
+}
+
+std::vector<sightcell_range> complement(std::span<const sightcell_draw> draws,
+                                        std::span<const sightcell_range> ranges) {
+  std::vector<sightcell_range> out;
+  std::size_t next = 0;
+  for (std::uint32_t d = 0; d < draws.size(); ++d) {
+    std::uint32_t at = 0;
+    for (; next < ranges.size() && ranges[next].draw == d; ++next) {
+      if (ranges[next].first > at) out.push_back({d, at, ranges[next].first - at});
+      at = ranges[next].first + ranges[next].count;
+    }
+    if (draws[d].polygon_count > at) out.push_back({d, at, draws[d].polygon_count - at});
+  }
+  return out;
+}
+
+void gather_indices(std::span<const sightcell_draw> draws, std::span<const sightcell_range> ranges,
+                    std::span<const std::uint32_t> stored_indices, std::vector<std::uint32_t>& out) {
+  out.clear();
+  out.reserve(3 * polygons_in(ranges));
+  for (const sightcell_range& range : ranges) {
+    const auto from = stored_indices.begin() + 3 * (std::ptrdiff_t{draws[range.draw].first_stored} + range.first);
+    out.insert(out.end(), from, from + 3 * std::ptrdiff_t{range.count});
+  }
+}
+
+std::uint64_t polygons_in(std::span<const sightcell_range> ranges) {
+  std::uint64_t sum = 0;
+  for (const sightcell_range& range : ranges) sum += range.count;
+  return sum;
+}
+
+}  // namespace viewer

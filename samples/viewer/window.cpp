@@ -1,0 +1,146 @@
+#include "window.h"
+
+#include <epoxy/gl.h>
+// After epoxy, which brings its own OpenGL header.
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+
+#include "sightcell/scene/error.h"
+
+namespace viewer {
+namespace {
+
+using sightcell::error;
+using sightcell::error_kind;
+
+// The pure half knows these numbers without GLFW's header.
+static_assert(GLFW_KEY_A == 'A' && GLFW_KEY_1 == '1' && GLFW_KEY_ESCAPE == 256 && GLFW_KEY_LEFT_SHIFT == 340 &&
+              GLFW_KEY_RIGHT_SHIFT == 344);
+
+std::string last_glfw_error() {
+  const char* text = nullptr;
+  if (glfwGetError(&text) == GLFW_NO_ERROR || text == nullptr) return "no reason given";
+  std::string line = text;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
+}
+
+}  // namespace
+
+window::window(const std::string& title, std::uint32_t width, std::uint32_t height, bool visible) {
+  if (glfwInit() != GLFW_TRUE) {
+    throw error(error_kind::failed, "viewer.no-display", "display", "cannot be opened: " + last_glfw_error(),
+                "set DISPLAY to a running X server, or start one with xvfb-run");
+  }
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // the scene is drawn into a frame of our own
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
+  handle_ = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), title.c_str(), nullptr, nullptr);
+  if (handle_ == nullptr) {
+    const std::string cause = last_glfw_error();
+    glfwTerminate();
+    throw error(error_kind::failed, "viewer.no-context", "window", "no OpenGL 4.5 core: " + cause,
+                "install a driver with OpenGL 4.5, for example Mesa's (libgl1-mesa-dri)");
+  }
+  glfwMakeContextCurrent(handle_);
+  glfwSwapInterval(visible ? 1 : 0);
+  glfwSetWindowUserPointer(handle_, this);
+  glfwSetKeyCallback(handle_, on_key);
+  glfwSetScrollCallback(handle_, on_scroll);
+  glfwSetWindowFocusCallback(handle_, on_focus);
+  glfwSetMouseButtonCallback(handle_, on_button);
+  last_poll_ = glfwGetTime();
+}
+
+window::~window() {
+  glfwDestroyWindow(handle_);
+  glfwTerminate();
+}
+
+bool window::closing() const {
+  return glfwWindowShouldClose(handle_) == GLFW_TRUE;
+}
+
+input window::poll() {
+  const bool hidden = width() == 0 || height() == 0 || glfwGetWindowAttrib(handle_, GLFW_ICONIFIED) == GLFW_TRUE;
+  if (hidden) {
+    glfwWaitEventsTimeout(0.5);
+  } else {
+    glfwPollEvents();
+  }
+  if (looking_) {
+    double x = 0.0, y = 0.0;
+    glfwGetCursorPos(handle_, &x, &y);
+    events_.look = {static_cast<float>(x - mouse_x_), static_cast<float>(y - mouse_y_)};
+    mouse_x_ = x;
+    mouse_y_ = y;
+  }
+  const double now = glfwGetTime();
+  events_.seconds = static_cast<float>(now - last_poll_);
+  last_poll_ = now;
+  const input result = events_;
+  const action_set still_held = events_.held;
+  events_ = {};
+  events_.held = still_held;
+  return result;
+}
+
+std::uint32_t window::width() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(handle_, &width, &height);
+  return static_cast<std::uint32_t>(std::max(width, 0));
+}
+
+std::uint32_t window::height() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(handle_, &width, &height);
+  return static_cast<std::uint32_t>(std::max(height, 0));
+}
+
+float window::scale() const {
+  float x = 1.0f, y = 1.0f;
+  glfwGetWindowContentScale(handle_, &x, &y);
+  return std::clamp(x, 1.0f, 4.0f);
+}
+
+void window::present() {
+  glfwSwapBuffers(handle_);
+}
+
+window& window::of(GLFWwindow* handle) {
+  return *static_cast<window*>(glfwGetWindowUserPointer(handle));
+}
+
+void window::on_key(GLFWwindow* handle, int key, int, int what, int) {
+  const auto found = action_of_key(key);
+  if (!found) return;
+  input& events = of(handle).events_;
+  events.held.set(static_cast<std::size_t>(*found), what != GLFW_RELEASE);
+  if (what == GLFW_PRESS) events.pressed.set(static_cast<std::size_t>(*found));
+}
+
+void window::on_scroll(GLFWwindow* handle, double, double up) {
+  of(handle).events_.wheel += static_cast<float>(up);
+}
+
+void window::on_focus(GLFWwindow* handle, int focused) {
+  if (focused == GLFW_TRUE) return;
+  of(handle).events_.held.reset();  // a key released elsewhere would be held for ever
+  of(handle).set_looking(false);
+}
+
+void window::on_button(GLFWwindow* handle, int, int what, int) {
+  of(handle).set_looking(what == GLFW_PRESS);
+}
+
+void window::set_looking(bool looking) {
+  looking_ = looking;
+  glfwSetInputMode(handle_, GLFW_CURSOR, looking ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+  glfwGetCursorPos(handle_, &mouse_x_, &mouse_y_);
+}
+
+}  // namespace viewer

@@ -1,0 +1,115 @@
+#include "draw_lists.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "baked_scene.h"
+
+namespace viewer {
+namespace {
+
+namespace scene = sightcell::scene;
+
+sightcell_draw draw_of(std::uint32_t first, std::uint32_t count) {
+  sightcell_draw d{};
+  d.first_source = d.first_stored = first;
+  d.polygon_count = count;
+  return d;
+}
+
+// Four draws of 3, 0, 4 and 2 polygons.
+const std::vector<sightcell_draw> four{draw_of(0, 3), draw_of(3, 0), draw_of(3, 4), draw_of(7, 2)};
+
+// The stored polygons of some ranges.
+std::vector<std::uint32_t> polygons_of(std::span<const sightcell_range> ranges) {
+  std::vector<std::uint32_t> out;
+  for (const sightcell_range& r : ranges) {
+    for (std::uint32_t i = 0; i < r.count; ++i) out.push_back(four[r.draw].first_stored + r.first + i);
+  }
+  return out;
+}
+
+scene::scene painted(std::initializer_list<std::uint32_t> materials) {
+  scene::scene s;
+  s.materials.resize(4);
+  s.materials[0].alpha = scene::alpha_mode::blend;
+  s.materials[2].alpha = scene::alpha_mode::mask;
+  s.materials[3].double_sided = true;
+  for (const std::uint32_t m : materials) s.draws.emplace_back().material = m;
+  return s;
+}
+
+TEST(draw_groups, blended_surfaces_come_last_and_masked_ones_before_them) {
+  const scene::scene s = painted({0, 1, 2, 3, scene::no_index, 1, 0});
+  const draw_groups g(s);
+  ASSERT_EQ(g.groups().size(), 5u);
+  EXPECT_EQ(g.groups()[3].alpha, scene::alpha_mode::mask);
+  EXPECT_EQ(g.groups()[4].alpha, scene::alpha_mode::blend);
+  EXPECT_EQ(g.group_of_draw(0), 4u);
+  EXPECT_EQ(g.group_of_draw(6), 4u);
+  EXPECT_EQ(g.group_of_draw(1), g.group_of_draw(5));
+  EXPECT_EQ(g.groups()[g.group_of_draw(3)].double_sided, true);
+  EXPECT_EQ(g.groups()[g.group_of_draw(4)].material, 4u) << "glTF's default material lies behind the last";
+  EXPECT_EQ(g.groups()[g.group_of_draw(4)].double_sided, false);
+}
+
+TEST(draw_lists, stretches_cover_the_list_once_and_neighbors_of_one_group_join) {
+  const scene::scene s = painted({1, 1, 1, 0});
+  const draw_groups g(s);
+  const std::vector<sightcell_range> ranges{{0, 0, 1}, {0, 2, 1}, {2, 1, 3}, {3, 0, 2}};
+  std::vector<group_stretches> out;
+  make_stretches(g, ranges, out);
+  make_stretches(g, ranges, out);  // replaces, does not add
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].counts, (std::vector<std::int32_t>{15})) << "draws 0 and 2 are drawn with one state";
+  EXPECT_EQ(out[0].offsets, (std::vector<const void*>{nullptr}));
+  EXPECT_EQ(out[1].counts, (std::vector<std::int32_t>{6}));
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(out[1].offsets.at(0)), 15 * sizeof(std::uint32_t));
+}
+
+TEST(draw_lists, groups_that_alternate_get_their_own_stretches) {
+  const scene::scene s = painted({1, 0, 2, 1});
+  const draw_groups g(s);
+  const std::vector<sightcell_range> ranges{{0, 1, 2}, {2, 0, 4}, {3, 1, 1}};
+  std::vector<group_stretches> out;
+  make_stretches(g, ranges, out);
+  EXPECT_EQ(out[g.group_of_draw(0)].counts, (std::vector<std::int32_t>{6, 3}));
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(out[g.group_of_draw(0)].offsets.at(1)), 18 * sizeof(std::uint32_t));
+  EXPECT_TRUE(out[g.group_of_draw(1)].counts.empty());
+}
+
+TEST(draw_lists, complement_is_all_the_rest) {
+  const auto expect_split = [](const std::vector<sightcell_range>& ranges) {
+    std::vector<std::uint32_t> both = polygons_of(ranges);
+    const auto rest = polygons_of(complement(four, ranges));
+    both.insert(both.end(), rest.begin(), rest.end());
+    std::sort(both.begin(), both.end());
+    std::vector<std::uint32_t> every(9);
+    std::iota(every.begin(), every.end(), 0u);
+    EXPECT_EQ(both, every);
+  };
+  expect_split({});
+  expect_split({{0, 0, 3}, {2, 0, 4}, {3, 0, 2}});
+  expect_split({{0, 1, 1}, {2, 0, 1}, {2, 3, 1}});
+  expect_split({{3, 1, 1}});
+  EXPECT_TRUE(complement(four, all_ranges(four)).empty());
+  EXPECT_EQ(polygons_in(complement(four, {})), 9u);
+}
+
+TEST(draw_lists, gathered_indices_follow_the_stored_numbers) {
+  std::vector<std::uint32_t> stored(27);
+  std::iota(stored.begin(), stored.end(), 100u);
+  std::vector<std::uint32_t> out;
+  gather_indices(four, std::vector<sightcell_range>{{0, 2, 1}, {3, 1, 1}}, stored, out);
+  EXPECT_EQ(out, (std::vector<std::uint32_t>{106, 107, 108, 124, 125, 126}));
+}
+
+TEST(baked_scene, flags_in_words) {
+  EXPECT_EQ(flags_text(0), "-");
+  EXPECT_EQ(flags_text(SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE), "DRAW_ALL OUTSIDE");
+  EXPECT_EQ(flags_text(31), "CHANGED DRAW_ALL OUTSIDE PENDING DAMAGED");
+}
+
+}  // namespace
+}  // namespace viewer

@@ -1,0 +1,321 @@
+#!/usr/bin/env python3
+"""Runs sightcell-viewer under a virtual X server, looks at its pictures and presses its keys.
+
+usage: viewer_test.py --viewer PROGRAM --sightcell PROGRAM --city PROGRAM --drop PROGRAM [unittest arguments]
+
+Exit code 77: every test was skipped, because this machine has no Xvfb or no OpenGL.
+"""
+import argparse
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import numpy
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'cli'))
+from cli_test import write_room  # noqa: E402
+from png import read_png  # noqa: E402
+
+PROGRAMS = None
+TIMEOUT = 120  # seconds; a picture here takes a quarter of one
+SIZE = '320x240'
+SAME = 0.001  # of all pixels: the bound that a bake keeps by default
+
+
+def run(program, *arguments, display=None):
+    """Exit code, standard output, standard error."""
+    environment = {k: v for k, v in os.environ.items() if k not in ('DISPLAY', 'WAYLAND_DISPLAY')}
+    if display:
+        environment['DISPLAY'] = display
+    done = subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=TIMEOUT, env=environment)
+    return done.returncode, done.stdout, done.stderr
+
+
+class InFolder(unittest.TestCase):
+    """A baked city of ours and a baked room, in a folder of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix='sightcell-viewer-')
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.city, cls.city_cells, cls.city_pvs = map(cls.path, ('city.glb', 'cells.json', 'city.pvs'))
+        cls.must(PROGRAMS.city, '--polygons', 3000, '--seed', 1, '--out', cls.city, '--cells', cls.city_cells)
+        cls.bake(cls.city, cls.city_pvs, cls.city_cells, '--cell-limit', 3)
+        cls.room, cls.room_cells, cls.room_pvs = map(cls.path, ('room.glb', 'room.json', 'room.pvs'))
+        write_room(cls.room)
+        with open(cls.room_cells, 'w', encoding='utf-8') as out:
+            out.write('{"cells":[{"name":"middle","min":[3,1,3],"max":[5,2,5]}]}')
+        cls.bake(cls.room, cls.room_pvs, cls.room_cells)
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    @classmethod
+    def must(cls, *command):
+        code, _, err = run(*command)
+        if code == 1 and '[gl.' in err:
+            raise unittest.SkipTest('no EGL device: ' + err)
+        if code != 0:
+            raise RuntimeError(f'{command}: {code}\n{err}')
+
+    @classmethod
+    def bake(cls, scene, out, cells, *more):
+        cls.must(PROGRAMS.sightcell, 'bake', scene, '-o', out, '--cells-file', cells, '--progress', 'none', *more)
+
+
+class UnderX(InFolder):
+    """One virtual X server for the class."""
+
+    @classmethod
+    def setUpClass(cls):
+        if shutil.which('Xvfb') is None:
+            raise unittest.SkipTest('Xvfb is not installed')
+        super().setUpClass()
+        ready, told = os.pipe()
+        server = subprocess.Popen(['Xvfb', '-displayfd', str(told), '-screen', '0', '1024x768x24', '-nolisten', 'tcp'],
+                                  stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                  pass_fds=[told])
+        os.close(told)
+        cls.addClassCleanup(server.wait)
+        cls.addClassCleanup(server.terminate)
+        with os.fdopen(ready) as pipe:
+            number = pipe.readline().strip()
+        if not number:
+            raise unittest.SkipTest('Xvfb does not start here')
+        cls.display = ':' + number
+
+    def view(self, scene, pvs, *arguments):
+        """A screenshot and what the viewer says about it."""
+        picture = self.path('picture.png')
+        files = [scene, pvs] if pvs else [scene]
+        code, out, err = run(PROGRAMS.viewer, *files, '--screenshot', picture, '--size', SIZE, *arguments,
+                             display=self.display)
+        if code == 1 and '[viewer.no-context]' in err:
+            self.skipTest('no OpenGL under Xvfb: ' + err)
+        self.assertEqual(code, 0, f'{arguments}\n{out}\n{err}')
+        self.assertEqual(len(out.splitlines()), 1, out)
+        pixels = read_png(picture)
+        self.assertEqual(pixels.shape, (240, 320, 3))
+        return pixels, json.loads(out)
+
+
+def differing(a, b):
+    """Share of the pixels that differ."""
+    return float((a != b).any(axis=2).mean())
+
+
+def commonest(picture):
+    """Share of the pixels that have the most frequent color."""
+    return float(numpy.unique(picture.reshape(-1, 3), axis=0, return_counts=True)[1].max() / picture[:, :, 0].size)
+
+
+def red(picture):
+    """Share of the pixels in the color of what a set leaves out."""
+    r, g, b = (picture[:, :, c].astype(int) for c in range(3))
+    return float(((r > 150) & (g < 20) & (b < 20)).mean())
+
+
+class Pictures(UnderX):
+    def test_from_inside_a_cell_nothing_is_missing(self):
+        for cell in range(3):
+            for yaw in (0, 120, 240):
+                aim = ['--cell', cell, f'--look={yaw},5']
+                full, said = self.view(self.city, self.city_pvs, *aim, '--mode', 'all')
+                self.assertEqual((said['polygons_drawn'], said['polygons'], said['cells']), (3000, 3000, 3))
+                culled, said = self.view(self.city, self.city_pvs, *aim)
+                self.assertEqual((said['cell'], said['shown_cell'], said['flags']), (cell, cell, '-'))
+                self.assertLess(said['polygons_drawn'], 1500)
+                self.assertLess(commonest(full), 0.8, 'hardly anything to be seen')
+                self.assertLessEqual(differing(full, culled), SAME, aim)
+                tinted, _ = self.view(self.city, self.city_pvs, *aim, '--mode', 'tint')
+                self.assertLessEqual(red(tinted), SAME, aim)
+                self.assertLessEqual(differing(full, tinted), SAME, aim)
+
+    def test_frozen_from_above_most_is_missing(self):
+        aim = ['--eye=0,160,120', '--look=0,-50']
+        full, said = self.view(self.city, self.city_pvs, *aim)
+        self.assertEqual((said['cell'], said['flags'], said['polygons_drawn']), (None, 'DRAW_ALL OUTSIDE', 3000))
+        inside = self.view(self.city, self.city_pvs, '--cell', 0)[1]['polygons_drawn']
+        frozen, said = self.view(self.city, self.city_pvs, *aim, '--frozen-from', 0)
+        self.assertEqual((said['cell'], said['shown_cell'], said['frozen']), (None, 0, True))
+        self.assertEqual(said['polygons_drawn'], inside)
+        self.assertGreater(differing(full, frozen), 0.1)
+        tinted, _ = self.view(self.city, self.city_pvs, *aim, '--frozen-from', 0, '--mode', 'tint')
+        self.assertGreater(red(tinted), 0.1)
+        self.assertEqual(red(frozen), 0.0)
+        # The tinted picture has the shape of the whole scene: what is not red is as in the full picture.
+        r, g, b = (tinted[:, :, c].astype(int) for c in range(3))
+        clean = ~((r > g + 20) & (r > b + 20))  # panes that blend over red are reddish
+        self.assertLess(float((tinted != full).any(axis=2)[clean].mean()), 0.01)
+
+    def test_the_box_and_the_text_are_drawn_where_asked_for(self):
+        aim = ['--eye=0,160,120', '--look=0,-50', '--frozen-from', 0]
+        plain, _ = self.view(self.city, self.city_pvs, *aim)
+        for word in ('box', 'cells', 'hud', 'wireframe'):
+            shown, _ = self.view(self.city, self.city_pvs, *aim, '--show', word)
+            self.assertGreater(differing(plain, shown), 0.0005, word)
+
+    def test_a_missing_polygon_shows(self):
+        aim = ['--cell', 0, '--look=0,-60']
+        damaged = self.path('damaged.pvs')
+        full, _ = self.view(self.room, self.room_pvs, *aim, '--mode', 'all')
+        whole, said = self.view(self.room, self.room_pvs, *aim)
+        self.assertEqual((said['polygons_drawn'], differing(full, whole)), (12, 0.0))
+        self.assertEqual(red(self.view(self.room, self.room_pvs, *aim, '--mode', 'tint')[0]), 0.0)
+        self.must(PROGRAMS.drop, self.room_pvs, damaged, 0, 0)  # half of the floor
+        culled, said = self.view(self.room, damaged, *aim)
+        self.assertEqual(said['polygons_drawn'], 11)
+        hole = differing(full, culled)
+        self.assertGreater(hole, 0.1)
+        self.assertAlmostEqual(red(self.view(self.room, damaged, *aim, '--mode', 'tint')[0]), hole, delta=0.001)
+
+    def test_a_scene_alone(self):
+        pixels, said = self.view(self.city, None)
+        self.assertEqual((said['cells'], said['polygons_drawn']), (0, 3000))
+        self.assertLess(commonest(pixels), 0.9, 'nothing but sky')
+
+
+class Window(UnderX):
+    """The window itself: keys, focus, sizes."""
+
+    @classmethod
+    def setUpClass(cls):
+        if shutil.which('xdotool') is None:
+            raise unittest.SkipTest('xdotool is not installed')
+        super().setUpClass()
+
+    def tell(self, *arguments):
+        return run('xdotool', *arguments, display=self.display)
+
+    def setUp(self):
+        self.shots = tempfile.mkdtemp(dir=self.folder)
+        self.viewer = subprocess.Popen(
+            [PROGRAMS.viewer, self.city, self.city_pvs, '--cell', '0', '--size', '400x300'], cwd=self.shots,
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env={**os.environ, 'DISPLAY': self.display})
+        self.addCleanup(self.end)
+        code, out, err = self.tell('search', '--sync', '--onlyvisible', '--pid', self.viewer.pid)
+        self.assertEqual(code, 0, err)
+        self.window = out.split()[-1]
+
+    def end(self):
+        if self.viewer.poll() is None:
+            self.viewer.kill()
+        self.viewer.communicate(timeout=TIMEOUT)
+
+    def press(self, *keys):
+        for key in keys:
+            self.assertEqual(self.tell('key', '--window', self.window, key)[0], 0)
+            time.sleep(0.05)
+
+    def shot(self):
+        self.press('1')
+        return read_png(os.path.join(self.shots, self.viewer.stdout.readline().strip()))
+
+    def test_keys_sizes_and_the_way_out(self):
+        self.press('h', 'o')  # no text, no box: what is left is the scene
+        inside = self.shot()
+        self.assertEqual(inside.shape, (300, 400, 3))
+        self.press('p')
+        self.assertLessEqual(differing(inside, self.shot()), SAME, 'PVS off looks the same from inside')
+        self.press('p', 'x')
+        self.assertGreater(differing(inside, self.shot()), 0.2, 'wireframe')
+        self.press('x', 'n')
+        self.assertGreater(differing(inside, self.shot()), 0.2, 'the next cell')
+        self.press('b')
+        self.assertEqual(differing(inside, self.shot()), 0.0, 'and back')
+        self.press('f', 'n', 'v')
+        self.assertGreater(red(self.shot()), 0.01, "from another cell the frozen cell's set lacks something")
+        self.press('v', 'f', 'b')
+        self.assertEqual(self.tell('windowsize', '--sync', self.window, 500, 200)[0], 0)
+        time.sleep(0.2)
+        self.assertEqual(self.shot().shape, (200, 500, 3))
+        self.assertEqual(self.tell('windowunmap', '--sync', self.window)[0], 0)
+        time.sleep(0.2)
+        self.assertIsNone(self.viewer.poll(), 'a hidden window ends nothing')
+        self.assertEqual(self.tell('windowmap', '--sync', self.window)[0], 0)
+        self.tell('keydown', '--window', self.window, 'Escape')
+        self.assertEqual(self.viewer.wait(timeout=TIMEOUT), 0, self.viewer.stderr.read())
+
+
+class Refusals(InFolder):
+    """One line and an exit code for all that cannot be shown. None of it needs a display."""
+
+    def refuse(self, code, identifier, *arguments):
+        answer, out, err = run(PROGRAMS.viewer, *arguments)
+        self.assertEqual((answer, out), (code, ''), f'{arguments}\n{err}')
+        lines = err.splitlines()
+        self.assertEqual(len(lines), 1, err)
+        self.assertTrue(lines[0].startswith('sightcell-viewer: '), err)
+        self.assertTrue(lines[0].endswith(f'[{identifier}]'), err)
+        return lines[0]
+
+    def test_wrong_use(self):
+        for arguments in ([], [self.city, self.city_pvs, '--fly'], [self.city, '--mode', 'half'],
+                          [self.city, '--size', '800'], [self.city, '--size', '0x0'], [self.city, '--size', '8x8k'],
+                          [self.city, '--eye', '1,2'], [self.city, '--eye', '1,nan,2'], [self.city, '--look', 'up,1'],
+                          [self.city, '--frames', '3'], [self.city, '--cell', '0'],
+                          [self.city, '--screenshot', 'x.png', '--show', 'map'],
+                          [self.city, '--screenshot', 'x.png', '--frames', '0']):
+            self.refuse(2, 'viewer.wrong-use', *arguments)
+
+    def test_another_scene_names_both(self):
+        line = self.refuse(4, 'viewer.other-scene', self.room, self.city_pvs)
+        self.assertIn('room.glb', line)
+        self.assertIn('city.pvs', line)
+
+    def test_broken_files(self):
+        broken = self.path('broken')
+        with open(broken, 'wb') as out:
+            out.write(b'nothing of ours' * 100)
+        with open(self.city_pvs, 'rb') as file:
+            whole = file.read()
+        cut = self.path('cut.pvs')
+        with open(cut, 'wb') as out:
+            out.write(whole[:len(whole) // 2])
+        self.assertIn(broken, self.refuse(4, 'viewer.runtime', self.city, broken))
+        self.assertIn(cut, self.refuse(4, 'viewer.runtime', self.city, cut))
+        self.assertIn('no.pvs', self.refuse(4, 'viewer.runtime', self.city, self.path('no.pvs')))
+        self.assertIn('no.json', self.refuse(4, 'viewer.cells', self.city, self.city_pvs, '--cells-file',
+                                             self.path('no.json')))
+        self.refuse(4, 'viewer.cells', self.city, self.city_pvs, '--cells-file', broken)
+        for scene in (broken, self.path('no.glb')):
+            answer, _, err = run(PROGRAMS.viewer, scene)
+            self.assertEqual((answer, len(err.splitlines())), (4, 1), err)
+
+    def test_no_display(self):
+        line = self.refuse(1, 'viewer.no-display', self.city, self.city_pvs)
+        self.assertIn('DISPLAY', line)
+
+    def test_help(self):
+        answer, out, err = run(PROGRAMS.viewer, '--help')
+        self.assertEqual((answer, err), (0, ''))
+        for option in ('--cells-file', '--size', '--cell', '--eye', '--look', '--mode', '--frozen-from',
+                       '--screenshot', '--frames', '--show'):
+            self.assertIn(option, out)
+
+
+def main():
+    global PROGRAMS
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    parser = argparse.ArgumentParser()
+    for name in ('--viewer', '--sightcell', '--city', '--drop'):
+        parser.add_argument(name, required=True)
+    PROGRAMS, rest = parser.parse_known_args()
+    result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
+    if not result.wasSuccessful():
+        sys.exit(1)
+    # A class that is skipped as a whole has run no test.
+    sys.exit(77 if len(result.skipped) >= max(result.testsRun, 1) else 0)
+
+
+if __name__ == '__main__':
+    main()
