@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Runs sightcell-viewer under a virtual X server, looks at its pictures and presses its keys.
 
-usage: viewer_test.py --viewer PROGRAM --sightcell PROGRAM --city PROGRAM --drop PROGRAM [unittest arguments]
+usage: viewer_test.py --viewer PROGRAM --sightcell PROGRAM --city PROGRAM --drop PROGRAM
+                      --reference PROGRAM [unittest arguments]
 
 Exit code 77: every test was skipped, because this machine has no Xvfb or no OpenGL.
 """
@@ -10,6 +11,7 @@ import json
 import os
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -21,6 +23,7 @@ import numpy
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'cli'))
 from cli_test import write_room  # noqa: E402
 from png import read_png  # noqa: E402
+from surfaces_scene import write_surfaces  # noqa: E402
 
 PROGRAMS = None
 TIMEOUT = 120  # seconds; a picture here takes a quarter of one
@@ -80,9 +83,9 @@ class UnderX(InFolder):
             raise unittest.SkipTest('Xvfb is not installed')
         super().setUpClass()
         ready, told = os.pipe()
-        server = subprocess.Popen(['Xvfb', '-displayfd', str(told), '-screen', '0', '1024x768x24', '-nolisten', 'tcp'],
-                                  stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                                  pass_fds=[told])
+        server = subprocess.Popen(['Xvfb', '-displayfd', str(told), '-screen', '0', '1024x768x24', '-nolisten', 'tcp',
+                                   '-fbdir', cls.folder], stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, pass_fds=[told])
         os.close(told)
         cls.addClassCleanup(server.wait)
         cls.addClassCleanup(server.terminate)
@@ -177,6 +180,24 @@ class Pictures(UnderX):
         self.assertGreater(hole, 0.1)
         self.assertAlmostEqual(red(self.view(self.room, damaged, *aim, '--mode', 'tint')[0]), hole, delta=0.001)
 
+    def test_surfaces_are_drawn_as_the_other_renderer_draws_them(self):
+        # Textures, mask, blend, sides, mirrored instances: sightcell::picture shares no drawing code with the viewer.
+        surfaces, surfaces_pvs, cells = map(self.path, ('surfaces.glb', 'surfaces.pvs', 'surfaces.json'))
+        write_surfaces(surfaces)
+        with open(cells, 'w', encoding='utf-8') as out:
+            out.write('{"cells":[{"name":"before","min":[-1,-1,9.5],"max":[1,1,11.5]}]}')
+        self.bake(surfaces, surfaces_pvs, cells)
+        for scene, pvs, eye in ((surfaces, None, '0,-0.5,10.5'), (surfaces, surfaces_pvs, '0,-0.5,10.5'),
+                                (self.city, None, '0,40,160')):
+            reference = self.path('reference.png')
+            self.must(PROGRAMS.reference, scene, reference, *SIZE.split('x'), *eye.split(','), 0, 0, -1)
+            expected = read_png(reference).astype(int)
+            drawn, said = self.view(scene, pvs, f'--eye={eye}', '--look=0,0')
+            self.assertLess(commonest(drawn), 0.9, 'nothing but sky')
+            wrong = float((abs(drawn.astype(int) - expected).max(axis=2) > 3).mean())
+            self.assertLess(wrong, 0.002, (scene, pvs))
+        self.assertEqual(said['polygons'], 3000)
+
     def test_a_scene_alone(self):
         pixels, said = self.view(self.city, None)
         self.assertEqual((said['cells'], said['polygons_drawn']), (0, 3000))
@@ -220,10 +241,28 @@ class Window(UnderX):
         self.press('1')
         return read_png(os.path.join(self.shots, self.viewer.stdout.readline().strip()))
 
+    def on_the_screen(self):
+        """What the X server really shows of the window."""
+        _, out, _ = self.tell('getwindowgeometry', '--shell', self.window)
+        where = {k: int(v) for k, v in (line.split('=') for line in out.split())}
+        with open(self.path('Xvfb_screen0'), 'rb') as file:
+            screen = file.read()
+        header = struct.unpack('>25I', screen[:100])
+        size, height, line, colors = header[0], header[5], header[12], header[19]
+        self.assertEqual((header[11], header[7]), (32, 0), 'not 32 bits per pixel, least significant byte first')
+        begin = size + 12 * colors
+        rows = numpy.frombuffer(screen[begin:begin + height * line], numpy.uint8).reshape(height, line // 4, 4)
+        x, y = where['X'], where['Y']
+        return rows[y:y + where['HEIGHT'], x:x + where['WIDTH'], 2::-1]
+
     def test_keys_sizes_and_the_way_out(self):
         self.press('h', 'o')  # no text, no box: what is left is the scene
         inside = self.shot()
         self.assertEqual(inside.shape, (300, 400, 3))
+        deadline = time.monotonic() + 10  # the frame is shown after its screenshot is written
+        while differing(inside, self.on_the_screen()) > 0 and time.monotonic() < deadline:
+            time.sleep(0.1)
+        self.assertEqual(differing(inside, self.on_the_screen()), 0.0, 'the window shows what the screenshot does')
         self.press('p')
         self.assertLessEqual(differing(inside, self.shot()), SAME, 'PVS off looks the same from inside')
         self.press('p', 'x')
@@ -271,6 +310,9 @@ class Refusals(InFolder):
         line = self.refuse(4, 'viewer.other-scene', self.room, self.city_pvs)
         self.assertIn('room.glb', line)
         self.assertIn('city.pvs', line)
+        higher = self.path('higher.glb')  # as many draws and polygons
+        write_room(higher, 5)
+        self.refuse(4, 'viewer.other-scene', higher, self.room_pvs)
 
     def test_broken_files(self):
         broken = self.path('broken')
@@ -307,7 +349,7 @@ def main():
     global PROGRAMS
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     parser = argparse.ArgumentParser()
-    for name in ('--viewer', '--sightcell', '--city', '--drop'):
+    for name in ('--viewer', '--sightcell', '--city', '--drop', '--reference'):
         parser.add_argument(name, required=True)
     PROGRAMS, rest = parser.parse_known_args()
     result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
