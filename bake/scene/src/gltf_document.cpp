@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -11,9 +13,11 @@
 #include <utility>
 
 #include "accessor.h"
+#include "draco_decode.h"
 #include "gltf_file.h"
 #include "gltf_materials.h"
 #include "json_object.h"
+#include "meshopt_decode.h"
 
 namespace sightcell::scene {
 namespace {
@@ -26,9 +30,10 @@ constexpr std::uint64_t zero_filled_limit = std::uint64_t{1} << 24;
 
 // What a file may require: read here, or without influence on which polygons there are and where.
 bool is_supported_extension(std::string_view name) {
-  static constexpr std::array<std::string_view, 7> known = {
-      "EXT_mesh_gpu_instancing", "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual",
-      "KHR_xmp_json_ld",         "EXT_texture_webp",      "KHR_texture_basisu"};
+  static constexpr std::array<std::string_view, 9> known = {
+      "EXT_mesh_gpu_instancing", "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_draco_mesh_compression",
+      "KHR_texture_transform",   "KHR_lights_punctual",   "KHR_xmp_json_ld",         "EXT_texture_webp",
+      "KHR_texture_basisu"};
   return name.starts_with("KHR_materials_") || std::find(known.begin(), known.end(), name) != known.end();
 }
 
@@ -72,6 +77,11 @@ class document_reader {
   view_bytes view(std::uint32_t index);
   json reduced_mesh(const json_object& mesh);
   json reduced_primitive(const json_object& primitive);
+  json reduced_draco(const json_object& primitive, const json_object& attributes, const json_object& draco);
+  std::uint32_t decoded_buffer(std::uint32_t view_index, const json_object& meshopt);
+  std::uint32_t add_buffer(std::vector<std::uint8_t> bytes);
+  template <typename T>
+  std::uint32_t add_accessor(const std::vector<T>& values, const char* type, std::uint64_t width);
   json reduced_node(const json_object& node);
   json reduced_instancing(const json_object& instancing);
   void use_accessor(std::uint32_t index);
@@ -91,7 +101,9 @@ class document_reader {
   json_object root_;
   std::vector<json_object> accessors_, views_, buffers_, meshes_, nodes_, scenes_;
   std::size_t material_count_ = 0;
-  std::vector<json> reduced_accessors_, reduced_views_;  // null until used
+  std::vector<json> reduced_accessors_, reduced_views_;     // null until used
+  std::map<std::uint32_t, std::uint32_t> decoded_buffers_;  // by compressed view
+  std::map<std::string, json> decoded_primitives_;          // by Draco's view and attributes, as text
   std::set<std::string> warned_;
   gltf_document out_;
 };
@@ -152,6 +164,51 @@ std::span<const std::uint8_t> document_reader::buffer(std::uint32_t index) {
   return bytes;
 }
 
+// The buffer of our own that holds a compressed view's bytes.
+std::uint32_t document_reader::decoded_buffer(std::uint32_t view_index, const json_object& meshopt) {
+  const auto known = decoded_buffers_.find(view_index);
+  if (known != decoded_buffers_.end()) return known->second;
+  const std::uint32_t from = meshopt.required_index("buffer", "buffers", buffers_.size());
+  const std::uint64_t offset = meshopt.number("byteOffset", byte_limit).value_or(0);
+  const std::uint64_t length = meshopt.required_number("byteLength", byte_limit);
+  const std::span<const std::uint8_t> all = buffer(from);
+  if (offset + length > all.size()) {
+    meshopt.fail("scene.buffer-size",
+                 "ends at byte " + std::to_string(offset + length) + " of a buffer of " + std::to_string(all.size()),
+                 "export the file again");
+  }
+  const meshopt_stream stream{meshopt.required_text("mode"), meshopt.text("filter").value_or("NONE"),
+                              meshopt.required_number("count", UINT32_MAX), meshopt.required_number("byteStride", 256)};
+  std::string why_not;
+  auto bytes = decode_meshopt(stream, all.subspan(offset, length), why_not);
+  if (!bytes) meshopt.fail("scene.meshopt", "cannot be decoded: " + why_not, "export the file again");
+  const std::uint32_t made = add_buffer(std::move(*bytes));
+  decoded_buffers_.emplace(view_index, made);
+  return made;
+}
+
+std::uint32_t document_reader::add_buffer(std::vector<std::uint8_t> bytes) {
+  if (bytes.empty()) bytes.resize(1);  // empty means not loaded yet
+  out_.buffers.push_back(std::move(bytes));
+  return static_cast<std::uint32_t>(out_.buffers.size() - 1);
+}
+
+// Numbers of our own as an accessor of the reduced document.
+template <typename T>
+std::uint32_t document_reader::add_accessor(const std::vector<T>& values, const char* type, std::uint64_t width) {
+  std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
+  if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  const std::size_t length = std::max<std::size_t>(bytes.size(), 1);
+  reduced_accessors_.push_back({{"type", type},
+                                {"componentType", std::is_same_v<T, float> ? 5126 : 5125},
+                                {"count", values.size() / width},
+                                {"normalized", false},
+                                {"bufferView", reduced_views_.size()},
+                                {"byteOffset", 0}});
+  reduced_views_.push_back({{"buffer", add_buffer(std::move(bytes))}, {"byteOffset", 0}, {"byteLength", length}});
+  return static_cast<std::uint32_t>(reduced_accessors_.size() - 1);
+}
+
 view_bytes document_reader::view(std::uint32_t index) {
   const json_object& source = views_[index];
   view_bytes out;
@@ -160,11 +217,13 @@ view_bytes document_reader::view(std::uint32_t index) {
   out.length = source.required_number("byteLength", byte_limit);
   out.stride = source.number("byteStride", 252).value_or(0);
   const auto extensions = source.object("extensions");
-  for (const char* compressed : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-    if (extensions && extensions->has(compressed)) {
-      source.fail("scene.extension", std::string("is compressed with ") + compressed + ", which is not supported",
-                  "export the scene without it");
-    }
+  if (extensions && extensions->has("EXT_meshopt_compression")) {
+    const json_object meshopt = extensions->required_object("EXT_meshopt_compression");
+    out.buffer = decoded_buffer(index, meshopt);
+    out.offset = 0;
+  } else if (extensions && extensions->has("KHR_meshopt_compression")) {
+    source.fail("scene.extension", "is compressed with KHR_meshopt_compression, which is not supported",
+                "export the scene without it");
   }
   const std::size_t size = buffer(out.buffer).size();
   if (out.offset + out.length > size) {
@@ -299,9 +358,10 @@ json document_reader::reduced_primitive(const json_object& primitive) {
   if (mode < 4 || !attributes || !attributes->has("POSITION")) return reduced;
   const auto extensions = primitive.object("extensions");
   const std::uint32_t position = attributes->required_index("POSITION", "accessors", accessors_.size());
+  // A file may bring the same triangles uncompressed too.
   if (extensions && extensions->has("KHR_draco_mesh_compression") && !accessors_[position].has("bufferView")) {
-    primitive.fail("scene.extension", "is compressed with KHR_draco_mesh_compression, which is not supported",
-                   "export the scene without it");
+    reduced.update(reduced_draco(primitive, *attributes, extensions->required_object("KHR_draco_mesh_compression")));
+    return reduced;
   }
   require_accessor(*attributes, position, "positions", {"VEC3"}, {5120, 5121, 5122, 5123, 5126});
   reduced["attributes"]["POSITION"] = position;
@@ -322,6 +382,45 @@ json document_reader::reduced_primitive(const json_object& primitive) {
     if (!reduced_accessors_[*indices].contains("bufferView")) add_zero_view(*indices);
     reduced["indices"] = *indices;
   }
+  return reduced;
+}
+
+// What replaces attributes, indices and mode of a compressed primitive.
+json document_reader::reduced_draco(const json_object& primitive, const json_object& attributes,
+                                    const json_object& draco) {
+  const std::uint32_t view_index = draco.required_index("bufferView", "bufferViews", views_.size());
+  const json_object ids = draco.required_object("attributes");
+  std::vector<draco_wish> wishes = {{static_cast<std::uint32_t>(ids.required_number("POSITION", UINT32_MAX)), 3}};
+  if (const auto uv = ids.number("TEXCOORD_0", UINT32_MAX)) wishes.push_back({static_cast<std::uint32_t>(*uv), 2});
+  std::string key = std::to_string(view_index);
+  for (const draco_wish& wish : wishes) key += " " + std::to_string(wish.id);
+  const auto known = decoded_primitives_.find(key);
+  if (known != decoded_primitives_.end()) return known->second;
+
+  const view_bytes v = view(view_index);
+  std::string why_not;
+  const auto mesh = decode_draco(buffer(v.buffer).subspan(v.offset, v.length), wishes, why_not);
+  if (!mesh) draco.fail("scene.draco", "cannot be decoded: " + printable(why_not), "export the file again");
+  // Source ids count what the accessors promise: a stream that holds something else would shift all that follow.
+  const auto require_count = [&](const json_object& user, const char* key_of, std::uint64_t decoded) {
+    const auto accessor = user.index(key_of, "accessors", accessors_.size());
+    if (!accessor) return;
+    const std::uint64_t promised = accessors_[*accessor].required_number("count", UINT32_MAX);
+    if (promised != decoded) {
+      draco.fail("scene.draco",
+                 "holds " + std::to_string(decoded) + " of what accessors[" + std::to_string(*accessor) + "] counts " +
+                     std::to_string(promised) + " of",
+                 "export the file again");
+    }
+  };
+  require_count(attributes, "POSITION", mesh->vertex_count);
+  if (primitive.number("mode", 6).value_or(4) == 4) require_count(primitive, "indices", mesh->indices.size());
+
+  json reduced = {{"mode", 4}, {"attributes", json::object()}};
+  reduced["attributes"]["POSITION"] = add_accessor(mesh->attributes[0], "VEC3", 3);
+  if (wishes.size() > 1) reduced["attributes"]["TEXCOORD_0"] = add_accessor(mesh->attributes[1], "VEC2", 2);
+  reduced["indices"] = add_accessor(mesh->indices, "SCALAR", 1);
+  decoded_primitives_.emplace(std::move(key), reduced);
   return reduced;
 }
 

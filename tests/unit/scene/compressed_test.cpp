@@ -1,0 +1,258 @@
+// Draco and meshopt streams, made with the libraries' own encoders.
+#include <gtest/gtest.h>
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "gltf_sketch.h"
+#include "sightcell/scene/error.h"
+#include "sightcell/scene/scene.h"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wpedantic"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+#pragma GCC diagnostic pop
+
+namespace sightcell::scene {
+namespace {
+
+using nlohmann::json;
+
+// A strip of four quads, bent, so that every triangle differs: 10 vertices, 8 triangles.
+struct strip {
+  std::vector<float> positions, uvs;
+  std::vector<std::uint32_t> indices;
+  strip() {
+    for (int i = 0; i < 10; ++i) {
+      const auto x = static_cast<float>(i / 2), y = static_cast<float>(i % 2);
+      positions.insert(positions.end(), {x, y, x * x * 0.25f});
+      uvs.insert(uvs.end(), {x * 0.25f, y});
+    }
+    for (std::uint32_t i = 0; i < 8; i += 2) indices.insert(indices.end(), {i, i + 2, i + 1, i + 1, i + 2, i + 3});
+  }
+};
+
+// The corners of all triangles as a sorted list: codecs may turn triangles and number vertices anew.
+std::vector<std::vector<float>> triangles_of(const scene& s) {
+  std::vector<std::vector<float>> out;
+  const geometry& g = s.geometries.at(0);
+  for (std::size_t t = 0; t < g.indices.size(); t += 3) {
+    std::size_t first = 0;  // the same triangle begins with its smallest corner
+    const auto corner = [&](std::size_t k) {
+      const std::uint32_t v = g.indices[t + k % 3];
+      std::vector<float> c = {g.positions[v].x, g.positions[v].y, g.positions[v].z};
+      if (!g.uvs.empty()) c.insert(c.end(), {g.uvs[v].x, g.uvs[v].y});
+      return c;
+    };
+    for (std::size_t k = 1; k < 3; ++k)
+      if (corner(k) < corner(first)) first = k;
+    std::vector<float> all;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto c = corner(first + k);
+      all.insert(all.end(), c.begin(), c.end());
+    }
+    out.push_back(std::move(all));
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+gltf_sketch plain() {
+  const strip s;
+  gltf_sketch g;
+  const int positions = g.add_positions(s.positions);
+  const int indices = g.add_accessor(s.indices, "SCALAR", 5125, s.indices.size());
+  const int uvs = g.add_accessor(s.uvs, "VEC2", 5126, s.uvs.size() / 2);
+  g.json["meshes"] = {
+      {{"primitives", {{{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", uvs}}}, {"indices", indices}}}}}};
+  g.json["nodes"] = {{{"mesh", 0}}};
+  return g;
+}
+
+scene load(const gltf_sketch& sketch) {
+  const temporary_folder folder;
+  return load_gltf(folder.write("compressed.glb", sketch.glb()));
+}
+
+std::string refusal(const gltf_sketch& sketch) {
+  try {
+    (void)load(sketch);
+  } catch (const error& e) {
+    EXPECT_EQ(e.kind(), error_kind::bad_input);
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+    return e.id();
+  }
+  return "none";
+}
+
+// Replaces the bytes of a buffer view by a compressed stream at the end of the buffer.
+void compress_view(gltf_sketch& g, std::size_t view, std::vector<unsigned char> bytes, const char* mode,
+                   std::size_t count, std::size_t stride, const char* filter = nullptr) {
+  while (g.binary.size() % 4 != 0) g.binary += '\0';
+  json extension = {{"buffer", 0},    {"byteOffset", g.binary.size()}, {"byteLength", bytes.size()},
+                    {"count", count}, {"byteStride", stride},          {"mode", mode}};
+  if (filter != nullptr) extension["filter"] = filter;
+  g.binary.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  json& v = g.json["bufferViews"][view];
+  v = {{"buffer", 1}, {"byteLength", count * stride}, {"extensions", {{"EXT_meshopt_compression", extension}}}};
+  if (std::string(mode) == "ATTRIBUTES") v["byteStride"] = stride;
+  // The fallback buffer that such files have: no bytes behind it.
+  g.json["buffers"] = {{{"byteLength", g.binary.size()}}, {{"byteLength", 1000}}};
+}
+
+gltf_sketch meshopt(const char* index_mode) {
+  const strip s;
+  gltf_sketch g = plain();
+  std::vector<unsigned char> bytes(meshopt_encodeVertexBufferBound(10, 12));
+  bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), s.positions.data(), 10, 12));
+  compress_view(g, 0, bytes, "ATTRIBUTES", 10, 12);
+  if (std::string(index_mode) == "TRIANGLES") {
+    bytes.resize(meshopt_encodeIndexBufferBound(s.indices.size(), 10));
+    bytes.resize(meshopt_encodeIndexBuffer(bytes.data(), bytes.size(), s.indices.data(), s.indices.size()));
+  } else {
+    bytes.resize(meshopt_encodeIndexSequenceBound(s.indices.size(), 10));
+    bytes.resize(meshopt_encodeIndexSequence(bytes.data(), bytes.size(), s.indices.data(), s.indices.size()));
+  }
+  compress_view(g, 1, bytes, index_mode, s.indices.size(), 4);
+  g.json["extensionsRequired"] = {"EXT_meshopt_compression"};
+  return g;
+}
+
+TEST(meshopt, attributes_and_both_kinds_of_indices) {
+  const auto expected = triangles_of(load(plain()));
+  ASSERT_EQ(expected.size(), 8u);
+  EXPECT_EQ(triangles_of(load(meshopt("TRIANGLES"))), expected);
+  EXPECT_EQ(triangles_of(load(meshopt("INDICES"))), expected);
+}
+
+TEST(meshopt, the_exponential_filter) {
+  const strip s;
+  gltf_sketch g = plain();
+  std::vector<float> filtered(s.positions.size());
+  meshopt_encodeFilterExp(filtered.data(), 10, 12, 24, s.positions.data());
+  std::vector<unsigned char> bytes(meshopt_encodeVertexBufferBound(10, 12));
+  bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), filtered.data(), 10, 12));
+  compress_view(g, 0, bytes, "ATTRIBUTES", 10, 12, "EXPONENTIAL");
+  const auto expected = triangles_of(load(plain())), got = triangles_of(load(g));
+  ASSERT_EQ(got.size(), expected.size());
+  for (std::size_t t = 0; t < got.size(); ++t)
+    for (std::size_t k = 0; k < got[t].size(); ++k) EXPECT_NEAR(got[t][k], expected[t][k], 1e-5);
+}
+
+TEST(meshopt, broken_streams_are_refused) {
+  const auto after = [](const std::function<void(gltf_sketch&, json&)>& change) {
+    gltf_sketch g = meshopt("TRIANGLES");
+    change(g, g.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]);
+    return refusal(g);
+  };
+  EXPECT_EQ(after([](gltf_sketch&, json&) {}), "none");
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e["mode"] = "SOMETHING"; }), "scene.meshopt");
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e["filter"] = "SOMETHING"; }), "scene.meshopt");
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e["filter"] = "QUATERNION"; }), "scene.meshopt") << "needs a stride of 8";
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e["byteStride"] = 6; }), "scene.meshopt");
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e["byteLength"] = 20; }), "scene.meshopt") << "cut short";
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e["byteLength"] = 1 << 20; }), "scene.buffer-size");
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e["count"] = 4'000'000'000u; }), "scene.meshopt") << "48 GB";
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e["count"] = 9; }), "scene.buffer-size") << "fewer than the view has";
+  EXPECT_EQ(after([](gltf_sketch&, json& e) { e.erase("count"); }), "scene.missing-field");
+  EXPECT_EQ(after([](gltf_sketch& g, json&) {
+              g.json["bufferViews"][1]["extensions"]["EXT_meshopt_compression"]["count"] = 23;
+            }),
+            "scene.meshopt");
+}
+
+// The strip as a Draco stream in its own buffer view; positions are not quantised.
+gltf_sketch draco_sketch(int uv_components = 2) {
+  const strip s;
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(static_cast<int>(s.indices.size() / 3));
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int uv = builder.AddAttribute(draco::GeometryAttribute::TEX_COORD, static_cast<std::int8_t>(uv_components),
+                                      draco::DT_FLOAT32);
+  for (std::uint32_t t = 0; t < s.indices.size() / 3; ++t) {
+    const auto p = [&](std::uint32_t k) { return &s.positions[3 * s.indices[3 * t + k]]; };
+    const auto c = [&](std::uint32_t k) { return &s.uvs[2 * s.indices[3 * t + k]]; };
+    builder.SetAttributeValuesForFace(position, draco::FaceIndex(t), p(0), p(1), p(2));
+    builder.SetAttributeValuesForFace(uv, draco::FaceIndex(t), c(0), c(1), c(2));
+  }
+  const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
+  draco::Encoder encoder;
+  draco::EncoderBuffer bytes;
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &bytes).ok());
+
+  gltf_sketch g;
+  g.json["accessors"] = {{{"componentType", 5126}, {"count", 10}, {"type", "VEC3"}},
+                         {{"componentType", 5125}, {"count", 24}, {"type", "SCALAR"}},
+                         {{"componentType", 5126}, {"count", 10}, {"type", "VEC2"}}};
+  g.json["bufferViews"] = {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", bytes.size()}}};
+  g.binary.assign(bytes.data(), bytes.size());
+  const json extension = {
+      {"bufferView", 0},
+      {"attributes",
+       {{"POSITION", mesh->attribute(position)->unique_id()}, {"TEXCOORD_0", mesh->attribute(uv)->unique_id()}}}};
+  g.json["meshes"] = {{{"primitives",
+                        {{{"attributes", {{"POSITION", 0}, {"TEXCOORD_0", 2}}},
+                          {"indices", 1},
+                          {"extensions", {{"KHR_draco_mesh_compression", extension}}}}}}}};
+  g.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"translation", {9, 0, 0}}}};
+  g.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  return g;
+}
+
+json& draco_extension(gltf_sketch& g) {
+  return g.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+}
+
+TEST(draco, triangles_and_coordinates_come_back) {
+  const scene s = load(draco_sketch());
+  EXPECT_EQ(s.polygon_count, 16u) << "two nodes";
+  EXPECT_EQ(s.geometries.size(), 1u) << "decoded once";
+  EXPECT_EQ(triangles_of(s), triangles_of(load(plain())));
+}
+
+TEST(draco, primitives_of_one_stream_share_their_geometry) {
+  gltf_sketch g = draco_sketch();
+  g.json["meshes"].push_back(g.json["meshes"][0]);
+  g.json["nodes"][1]["mesh"] = 1;
+  EXPECT_EQ(load(g).geometries.size(), 1u);
+}
+
+TEST(draco, broken_streams_are_refused) {
+  const auto after = [](const std::function<void(gltf_sketch&)>& change) {
+    gltf_sketch g = draco_sketch();
+    change(g);
+    return refusal(g);
+  };
+  EXPECT_EQ(after([](gltf_sketch&) {}), "none");
+  EXPECT_EQ(after([](gltf_sketch& g) { g.json["bufferViews"][0]["byteLength"] = 30; }), "scene.draco");
+  EXPECT_EQ(after([](gltf_sketch& g) { g.binary[0] = 'X'; }), "scene.draco");
+  EXPECT_EQ(after([](gltf_sketch& g) { draco_extension(g)["attributes"]["POSITION"] = 77; }), "scene.draco");
+  EXPECT_EQ(after([](gltf_sketch& g) { draco_extension(g)["attributes"].erase("POSITION"); }), "scene.missing-field");
+  EXPECT_EQ(after([](gltf_sketch& g) { draco_extension(g)["bufferView"] = 5; }), "scene.index-out-of-range");
+  EXPECT_EQ(after([](gltf_sketch& g) { g.json["accessors"][1]["count"] = 27; }), "scene.draco") << "promises more";
+  EXPECT_EQ(after([](gltf_sketch& g) { g.json["accessors"][0]["count"] = 9; }), "scene.draco");
+  EXPECT_EQ(refusal(draco_sketch(1)), "scene.draco") << "texture coordinates of one component";
+}
+
+// Every byte of the stream flipped, and the stream cut at every length: a scene or one line.
+TEST(draco, damage_anywhere_ends_in_a_scene_or_one_line) {
+  const gltf_sketch fine = draco_sketch();
+  std::size_t refused = 0;
+  for (std::size_t i = 0; i < fine.binary.size(); ++i) {
+    gltf_sketch g = fine;
+    g.binary[i] = static_cast<char>(g.binary[i] ^ 0x55);
+    refused += refusal(g) != "none";
+    g = fine;
+    g.json["bufferViews"][0]["byteLength"] = i;
+    refused += refusal(g) != "none";
+  }
+  EXPECT_GT(refused, fine.binary.size());
+}
+
+}  // namespace
+}  // namespace sightcell::scene
