@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <glm/vector_relational.hpp>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -133,6 +134,15 @@ baked_scene open_baked(const scene::scene& s, scene::world_geometry& world, cons
   out.stored_indices = std::move(world.indices);
   if (out.db) out.stored_indices = in_stored_order(std::move(out.stored_indices), *out.db, pvs_file);
   return out;
+}
+
+std::uint32_t cell_after(std::span<const cell> cells, std::uint32_t visited, std::uint32_t here, const glm::vec3& eye,
+                         int steps) {
+  const cell& last = cells[visited];
+  const bool still_there = glm::all(glm::greaterThanEqual(eye, last.min)) && glm::all(glm::lessThan(eye, last.max));
+  const std::int64_t from = still_there || here >= cells.size() ? visited : here;
+  const auto count = static_cast<std::int64_t>(cells.size());
+  return static_cast<std::uint32_t>(((from + steps) % count + count) % count);
 }
 
 std::vector<sightcell_range> all_ranges(std::span<const sightcell_draw> draws) {

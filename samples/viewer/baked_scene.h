@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,11 @@ struct baked_scene {
 // (bad_input) with one line when a file is broken or was baked from another scene.
 baked_scene open_baked(const sightcell::scene::scene& s, sightcell::scene::world_geometry& world,
                        const std::string& pvs_file, const std::string& cells_file);
+
+// The cell to go to from an eye in cell `here`: `steps` on from the one visited last while the eye is still in its box
+// (a smaller cell may lie over its middle: going on from `here` could go in circles), else from here. There are cells.
+std::uint32_t cell_after(std::span<const cell> cells, std::uint32_t visited, std::uint32_t here, const glm::vec3& eye,
+                         int steps);
 
 // A whole scene as ranges.
 std::vector<sightcell_range> all_ranges(std::span<const sightcell_draw> draws);

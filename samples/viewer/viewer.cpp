@@ -116,6 +116,8 @@ fly_camera first_camera(const options& chosen, const baked_scene& baked) {
 controls first_state(const options& chosen, const baked_scene& baked) {
   controls state;
   state.camera = first_camera(chosen, baked);
+  // Where there are no cells the whole scene is before the eye: not longer than half a minute through all of it.
+  if (baked.cells.empty()) state.speed = std::clamp(glm::distance(baked.min, baked.max) / 30.0f, state.speed, 1000.0f);
   state.pvs = chosen.mode != draw_mode::all;
   state.tint = chosen.mode == draw_mode::tint;
   state.frozen = chosen.frozen_from.has_value();
@@ -133,6 +135,7 @@ class session {
         state_(first_state(chosen, baked)) {
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     facts_.renderer = name != nullptr ? name : "unknown";
+    visited_ = chosen.cell.value_or(0);
     if (chosen.frozen_from) lists_.move(middle(cell_at(baked, *chosen.frozen_from, "--frozen-from")), false);
   }
 
@@ -140,11 +143,7 @@ class session {
 
   void teleport() {
     if (state_.cell_steps == 0 || baked_.cells.empty()) return;
-    const auto count = static_cast<std::int64_t>(baked_.cells.size());
-    const std::uint32_t here = lists_.here().cell;
-    // From outside of all cells: on from the last one visited.
-    if (here != SIGHTCELL_NO_CELL) visited_ = here;
-    visited_ = static_cast<std::uint32_t>((visited_ + count + state_.cell_steps) % count);
+    visited_ = cell_after(baked_.cells, visited_, lists_.here().cell, state_.camera.eye, state_.cell_steps);
     state_.camera.eye = middle(baked_.cells[visited_]);
   }
 

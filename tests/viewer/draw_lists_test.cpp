@@ -105,6 +105,19 @@ TEST(draw_lists, gathered_indices_follow_the_stored_numbers) {
   EXPECT_EQ(out, (std::vector<std::uint32_t>{106, 107, 108, 124, 125, 126}));
 }
 
+TEST(baked_scene, the_next_cell_counts_on_from_where_the_eye_is) {
+  // Cell 2 is small and lies over the middle of cell 0.
+  const std::vector<cell> cells{{{0, 0, 0}, {4, 4, 4}, ""}, {{9, 0, 0}, {13, 4, 4}, ""}, {{1, 1, 1}, {3, 3, 3}, ""}};
+  const glm::vec3 middle_of_0(2.0f), middle_of_1(11, 2, 2), nowhere(-5.0f);
+  EXPECT_EQ(cell_after(cells, 0, 0, middle_of_0, 1), 1u);
+  EXPECT_EQ(cell_after(cells, 0, 2, middle_of_0, 1), 1u) << "the runtime says 2, the smaller one";
+  EXPECT_EQ(cell_after(cells, 1, 1, middle_of_1, 1), 2u);
+  EXPECT_EQ(cell_after(cells, 2, 2, middle_of_0, 1), 0u);
+  EXPECT_EQ(cell_after(cells, 0, 0, middle_of_0, -1), 2u);
+  EXPECT_EQ(cell_after(cells, 0, 1, middle_of_1, 1), 2u) << "flown to 1: on from there";
+  EXPECT_EQ(cell_after(cells, 1, SIGHTCELL_NO_CELL, nowhere, 1), 2u) << "outside: on from the last one";
+}
+
 TEST(baked_scene, flags_in_words) {
   EXPECT_EQ(flags_text(0), "-");
   EXPECT_EQ(flags_text(SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE), "DRAW_ALL OUTSIDE");

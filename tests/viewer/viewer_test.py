@@ -241,6 +241,15 @@ class Window(UnderX):
         self.press('1')
         return read_png(os.path.join(self.shots, self.viewer.stdout.readline().strip()))
 
+    def shot_that_differs(self, before, what, *again):
+        """Takes some: a busy machine may not have drawn a frame since the key went down."""
+        for _ in range(20):
+            if again:
+                self.tell(*again)
+            if differing(before, self.shot()) > 0.01:
+                return
+        self.fail(what + ' changes nothing')
+
     def on_the_screen(self):
         """What the X server really shows of the window."""
         _, out, _ = self.tell('getwindowgeometry', '--shell', self.window)
@@ -271,6 +280,16 @@ class Window(UnderX):
         self.assertGreater(differing(inside, self.shot()), 0.2, 'the next cell')
         self.press('b')
         self.assertEqual(differing(inside, self.shot()), 0.0, 'and back')
+        self.tell('keydown', '--window', self.window, 'w')
+        self.shot_that_differs(inside, 'flown forward')
+        self.tell('keyup', '--window', self.window, 'w')
+        ahead = self.shot()
+        self.assertEqual(differing(ahead, self.shot()), 0.0, 'and stopped')
+        self.press('n', 'b')
+        self.assertEqual(differing(inside, self.shot()), 0.0, 'and back')
+        self.tell('mousemove', '--window', self.window, 200, 150, 'mousedown', 1)
+        self.shot_that_differs(inside, 'dragged round', 'mousemove_relative', 20, 0)
+        self.tell('mouseup', 1)
         self.press('f', 'n', 'v')
         self.assertGreater(red(self.shot()), 0.01, "from another cell the frozen cell's set lacks something")
         self.press('v', 'f', 'b')
