@@ -70,8 +70,8 @@ void take_apart(const words& rest, viewer::options& chosen) {
     unsigned width = 0, height = 0;
     char end = 0;
     if (std::sscanf(rest.size.c_str(), "%5ux%5u%c", &width, &height, &end) != 2 || width < 16 || height < 16 ||
-        width > 16384 || height > 16384) {
-      refuse("--size " + rest.size, "is no size", "say it as 1280x800, 16 to 16384 each");
+        width > 8192 || height > 8192) {
+      refuse("--size " + rest.size, "is no size", "say it as 1280x800, 16 to 8192 each");
     }
     chosen.width = width;
     chosen.height = height;

@@ -121,22 +121,19 @@ controls first_state(const options& chosen, const baked_scene& baked) {
   state.pvs = chosen.mode != draw_mode::all;
   state.tint = chosen.mode == draw_mode::tint;
   state.frozen = chosen.frozen_from.has_value();
+  if (state.frozen) (void)cell_at(baked, *chosen.frozen_from, "--frozen-from");
   return state;
 }
 
 class session {
  public:
-  session(const options& chosen, const baked_scene& baked, const draw_groups& groups, scene_renderer& renderer,
-          float text_scale)
-      : baked_(baked),
-        renderer_(renderer),
-        lists_(baked, groups),
-        hud_(text_scale),
-        state_(first_state(chosen, baked)) {
+  session(const options& chosen, const controls& start, const baked_scene& baked, const draw_groups& groups,
+          scene_renderer& renderer, float text_scale)
+      : baked_(baked), renderer_(renderer), lists_(baked, groups), hud_(text_scale), state_(start) {
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     facts_.renderer = name != nullptr ? name : "unknown";
     visited_ = chosen.cell.value_or(0);
-    if (chosen.frozen_from) lists_.move(middle(cell_at(baked, *chosen.frozen_from, "--frozen-from")), false);
+    if (chosen.frozen_from) lists_.move(middle(baked.cells[*chosen.frozen_from]), false);
   }
 
   controls& state() { return state_; }
@@ -262,13 +259,14 @@ void run(const options& chosen) {
   const draw_groups groups(s);
   scene::world_geometry world = scene::flatten(s);
   const baked_scene baked = open_baked(s, world, chosen.pvs_file, chosen.cells_file);
+  const controls start = first_state(chosen, baked);
   const bool flying = chosen.screenshot.empty();
   window w(s.name + " - Sightcell", chosen.width, chosen.height, flying);
   scene_renderer renderer(s, world, groups);
   // All that is drawn lies on the device now, but for the index lists.
   s = {};
   world = {};
-  session now(chosen, baked, groups, renderer, flying ? w.scale() : 1.0f);
+  session now(chosen, start, baked, groups, renderer, flying ? w.scale() : 1.0f);
   if (flying) {
     fly(now, w, renderer);
   } else {
