@@ -107,6 +107,7 @@ class importer {
     const bool has_texture = from.texture.alpha != nullptr;
     if (has_texture && from.alpha_function) refuse(thing, "has both a texture and an alpha function", "give one");
     if (!has_texture && !from.alpha_function) return;
+    if (has_texture) m.wrap_u = from.texture.wrap_u, m.wrap_v = from.texture.wrap_v;
     m.alpha_map = static_cast<std::uint32_t>(out_.alpha_maps.size());
     out_.alpha_maps.push_back(has_texture ? read_texture(from.texture, thing) : sample_function(from, thing));
   }

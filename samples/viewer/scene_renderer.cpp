@@ -37,7 +37,7 @@ struct surface {
 
 surface surface_of(const scene::material& m, const picture::texture_set& textures) {
   return {m.base_color, m.alpha == scene::alpha_mode::mask ? m.alpha_cutoff : 0.0f,
-          m.alpha == scene::alpha_mode::blend ? 0.0f : 1.0f, textures.of_image(m.base_color_image)};
+          m.alpha == scene::alpha_mode::blend ? 0.0f : 1.0f, textures.of_material(m)};
 }
 
 template <class T>
@@ -118,7 +118,7 @@ struct scene_renderer::state {
       : groups(groups_used), textures(s) {
     for (const scene::material& m : s.materials) surfaces.push_back(surface_of(m, textures));
     surfaces.push_back(surface_of(scene::material{}, textures));
-    glCreateBuffers(3, buffers);
+    glCreateBuffers(4, buffers);
     glCreateVertexArrays(2, arrays);
     upload_vertices(s, world);
     glVertexArrayVertexBuffer(arrays[1], 0, buffers[2], 0, sizeof(outline));
@@ -132,7 +132,7 @@ struct scene_renderer::state {
   }
   ~state() {
     glDeleteVertexArrays(2, arrays);
-    glDeleteBuffers(3, buffers);
+    glDeleteBuffers(4, buffers);
   }
   state(const state&) = delete;
   state& operator=(const state&) = delete;
@@ -141,6 +141,7 @@ struct scene_renderer::state {
     upload(buffers[0], world.positions);
     glVertexArrayVertexBuffer(arrays[0], 0, buffers[0], 0, sizeof(glm::vec3));
     add_attribute(arrays[0], 0, 3, 0, 0);
+    upload_colors(s, world);
     const bool textured = std::any_of(s.materials.begin(), s.materials.end(),
                                       [](const scene::material& m) { return m.base_color_image != scene::no_index; });
     if (!textured) return;  // a third of the memory for nothing; the shader reads zeros
@@ -154,6 +155,22 @@ struct scene_renderer::state {
     upload(buffers[1], uvs);
     glVertexArrayVertexBuffer(arrays[0], 1, buffers[1], 0, sizeof(glm::vec2));
     add_attribute(arrays[0], 1, 2, 0, 1);
+  }
+
+  void upload_colors(const scene::scene& s, const scene::world_geometry& world) {
+    std::vector<glm::u8vec4> colors;  // only where the scene has any; else the shader reads a constant
+    for (const scene::draw& d : s.draws) {
+      const std::vector<glm::u8vec4>& own = s.geometries[d.geometry].colors;
+      if (own.empty()) continue;
+      colors.resize(world.positions.size(), glm::u8vec4(255));
+      std::copy(own.begin(), own.end(), colors.begin() + static_cast<std::ptrdiff_t>(d.base_vertex));
+    }
+    if (colors.empty()) return;
+    upload(buffers[3], colors);
+    glVertexArrayVertexBuffer(arrays[0], 2, buffers[3], 0, sizeof(glm::u8vec4));
+    glEnableVertexArrayAttrib(arrays[0], 2);
+    glVertexArrayAttribFormat(arrays[0], 2, 4, GL_UNSIGNED_BYTE, GL_TRUE, 0);
+    glVertexArrayAttribBinding(arrays[0], 2, 2);
   }
 
   void aim(const fly_camera& camera) const {
@@ -201,7 +218,7 @@ struct scene_renderer::state {
   picture::gl_program outline_program{"viewer/outline",
                                       {{GL_VERTEX_SHADER, outline_vert}, {GL_FRAGMENT_SHADER, outline_frag}}};
   std::vector<surface> surfaces;  // by material; glTF's default material comes last
-  GLuint buffers[3] = {};         // positions, texture coordinates, outlines
+  GLuint buffers[4] = {};         // positions, texture coordinates, outlines, colors
   GLuint arrays[2] = {};          // scene, outlines
   offscreen_frame frame;
   float haze = 0.0f;
@@ -235,6 +252,7 @@ void scene_renderer::begin(const fly_camera& camera, std::uint32_t width, std::u
 void scene_renderer::draw(std::span<const painted_list> lists, bool wireframe) {
   glUseProgram(state_->scene_program.id());
   glBindVertexArray(state_->arrays[0]);
+  glVertexAttrib4f(2, 1.0f, 1.0f, 1.0f, 1.0f);  // the tint of scenes without colors
   glDepthFunc(GL_GREATER);  // reversed depth: larger is nearer
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glPolygonMode(GL_FRONT_AND_BACK, wireframe ? GL_LINE : GL_FILL);

@@ -6,16 +6,19 @@ namespace viewer {
 inline constexpr const char* scene_vert = R"(#version 450 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 uv;
+layout(location = 2) in vec4 tint;
 layout(location = 0) uniform vec4 eye;  // w: distance of the near plane
 layout(location = 1) uniform vec3 clip_x;
 layout(location = 2) uniform vec3 clip_y;
 layout(location = 3) uniform vec3 clip_w;
 out vec3 from_eye;
 out vec2 texture_uv;
+out vec4 vertex_color;
 
 void main() {
   from_eye = position - eye.xyz;
   texture_uv = uv;
+  vertex_color = tint;
   gl_Position = vec4(dot(from_eye, clip_x), dot(from_eye, clip_y), eye.w, dot(from_eye, clip_w));
 }
 )";
@@ -31,13 +34,14 @@ layout(location = 7) uniform vec4 mark;
 layout(binding = 0) uniform sampler2D base_texture;
 in vec3 from_eye;
 in vec2 texture_uv;
+in vec4 vertex_color;
 layout(location = 0) out vec4 color;
 
 const vec3 toward_sun = vec3(0.432, 0.792, 0.432);  // length 1
 
 void main() {
   vec3 normal = cross(dFdx(from_eye), dFdy(from_eye));
-  vec4 base = texture(base_texture, texture_uv) * base_color;
+  vec4 base = texture(base_texture, texture_uv) * base_color * vertex_color;
   if (base.a < alpha.x) discard;
   float distance_squared = dot(from_eye, from_eye);
   vec3 toward_eye = -from_eye * inversesqrt(max(distance_squared, 1e-12));

@@ -5,12 +5,14 @@ layout(location = hemicube_attribute_position) in vec3 position;
 layout(location = hemicube_attribute_source_id) in uint source_id;
 layout(location = hemicube_attribute_uv) in vec2 uv;
 layout(location = hemicube_attribute_mask) in uint mask;
+layout(location = hemicube_attribute_alpha) in float alpha;
 
 layout(std140, binding = hemicube_block_face) uniform face_block { hemicube_face face; };
 
 flat out uint polygon_id;
 flat out uint polygon_mask;
 out vec2 place;
+out float place_alpha;
 // The see-through pass tests against these depths too.
 invariant gl_Position;
 
@@ -21,4 +23,5 @@ void main() {
   polygon_id = source_id;
   polygon_mask = mask;
   place = uv;
+  place_alpha = alpha;
 }

@@ -7,6 +7,7 @@ layout(binding = picture_texture_base_color) uniform sampler2D base_color;
 
 in vec3 from_eye;
 in vec2 texture_uv;
+in vec4 vertex_color;
 layout(location = 0) out vec4 color;
 
 const vec3 sun_direction = vec3(0.432, 0.792, 0.432);  // toward the sun, length 1
@@ -14,7 +15,7 @@ const vec3 sun_direction = vec3(0.432, 0.792, 0.432);  // toward the sun, length
 void main() {
   // The polygon's own normal from derivatives, turned to the viewer: needs no normals in the file.
   vec3 normal = cross(dFdx(from_eye), dFdy(from_eye));
-  vec4 base = texture(base_color, texture_uv) * material.base_color;
+  vec4 base = texture(base_color, texture_uv) * material.base_color * vertex_color;
   if (base.a < material.alpha_cutoff) discard;
 
   float distance_squared = dot(from_eye, from_eye);

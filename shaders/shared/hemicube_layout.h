@@ -17,6 +17,7 @@ const uint hemicube_attribute_position = 0u;
 const uint hemicube_attribute_source_id = 1u;
 const uint hemicube_attribute_uv = 2u;    // of masked polygons
 const uint hemicube_attribute_mask = 3u;  // which mask
+const uint hemicube_attribute_alpha = 4u;  // of the corner's color
 
 // Uniform blocks.
 const uint hemicube_block_face = 0u;
@@ -58,10 +59,13 @@ struct hemicube_mask {
   uint width;
   uint height;
   float cutoff;
+  uint wrap_u;  // as in scene::wrap: 0 repeats, 1 clamps, 2 mirrors
+  uint wrap_v;
+  uint unused_a, unused_b;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(hemicube_mask) == 16);
+static_assert(sizeof(hemicube_mask) == 32);
 static_assert(sizeof(hemicube_face) == 64);
 static_assert(sizeof(hemicube_gather) == 16);
 }  // namespace sightcell::shaders

@@ -7,6 +7,7 @@ namespace sightcell::shaders {
 
 const uint picture_attribute_position = 0u;
 const uint picture_attribute_uv = 1u;
+const uint picture_attribute_color = 2u;
 
 const uint picture_block_view = 0u;
 const uint picture_block_material = 1u;

@@ -142,14 +142,20 @@ struct renderer::state {
 
   void upload_vertices(const scene::scene& s, const scene::world_geometry& g) {
     std::vector<glm::vec2> uvs(g.positions.size(), glm::vec2(0.0f));
+    std::vector<glm::u8vec4> colors;  // only where the scene has any
     for (const scene::draw& d : s.draws) {
       const std::vector<glm::vec2>& own = s.geometries[d.geometry].uvs;
       if (d.base_vertex + own.size() <= uvs.size()) {
         std::copy(own.begin(), own.end(), uvs.begin() + static_cast<std::ptrdiff_t>(d.base_vertex));
       }
+      const std::vector<glm::u8vec4>& tints = s.geometries[d.geometry].colors;
+      if (tints.empty()) continue;
+      colors.resize(g.positions.size(), glm::u8vec4(255));
+      std::copy(tints.begin(), tints.end(), colors.begin() + static_cast<std::ptrdiff_t>(d.base_vertex));
     }
     fill(buffers[positions], g.positions, GL_STATIC_DRAW);
     fill(buffers[texture_uvs], uvs, GL_STATIC_DRAW);
+    fill(buffers[vertex_colors], colors, GL_STATIC_DRAW);
     glCreateVertexArrays(1, &vertex_array);
     glVertexArrayVertexBuffer(vertex_array, 0, buffers[positions], 0, sizeof(glm::vec3));
     glVertexArrayVertexBuffer(vertex_array, 1, buffers[texture_uvs], 0, sizeof(glm::vec2));
@@ -159,6 +165,11 @@ struct renderer::state {
     glEnableVertexArrayAttrib(vertex_array, shaders::picture_attribute_uv);
     glVertexArrayAttribFormat(vertex_array, shaders::picture_attribute_uv, 2, GL_FLOAT, GL_FALSE, 0);
     glVertexArrayAttribBinding(vertex_array, shaders::picture_attribute_uv, 1);
+    if (colors.empty()) return;  // the shader reads the constant that set_state gives
+    glVertexArrayVertexBuffer(vertex_array, 2, buffers[vertex_colors], 0, sizeof(glm::u8vec4));
+    glEnableVertexArrayAttrib(vertex_array, shaders::picture_attribute_color);
+    glVertexArrayAttribFormat(vertex_array, shaders::picture_attribute_color, 4, GL_UNSIGNED_BYTE, GL_TRUE, 0);
+    glVertexArrayAttribBinding(vertex_array, shaders::picture_attribute_color, 2);
   }
 
   // glTF's default material comes last, for draws without one.
@@ -166,10 +177,10 @@ struct renderer::state {
     std::vector<material_block> blocks;
     for (const scene::material& m : s.materials) {
       blocks.push_back(block_of(m));
-      images.push_back(m.base_color_image);
+      texture_of.push_back(textures.of_material(m));
     }
     blocks.push_back(block_of(scene::material{}));
-    images.push_back(scene::no_index);
+    texture_of.push_back(textures.of_material(scene::material{}));
     fill(buffers[material_blocks], blocks, GL_STATIC_DRAW);
   }
 
@@ -193,6 +204,7 @@ struct renderer::state {
     glClearBufferfv(GL_DEPTH, 0, &farthest);
     glUseProgram(program.id());
     glBindVertexArray(vertex_array);
+    glVertexAttrib4f(shaders::picture_attribute_color, 1.0f, 1.0f, 1.0f, 1.0f);
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::picture_block_view, buffers[view_block]);
   }
 
@@ -208,16 +220,16 @@ struct renderer::state {
         glEnable(GL_BLEND);
         glDepthMask(GL_FALSE);
       }
-      const std::size_t material = std::min<std::size_t>(group.material, images.size() - 1);
+      const std::size_t material = std::min<std::size_t>(group.material, texture_of.size() - 1);
       glBindBufferRange(GL_UNIFORM_BUFFER, shaders::picture_block_material, buffers[material_blocks],
                         static_cast<GLintptr>(material * sizeof(material_block)), sizeof(shaders::picture_material));
-      glBindTextureUnit(shaders::picture_texture_base_color, textures.of_image(images[material]));
+      glBindTextureUnit(shaders::picture_texture_base_color, texture_of[material]);
       glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.count), GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(range.first * sizeof(std::uint32_t)));
     }
   }
 
-  enum : int { positions, texture_uvs, all_indices, some_indices, material_blocks, view_block, buffer_count };
+  enum : int { positions, texture_uvs, vertex_colors, all_indices, some_indices, material_blocks, view_block, buffer_count };
 
   const gl_context& context;
   polygon_lists lists;
@@ -225,7 +237,7 @@ struct renderer::state {
   gl_program program;
   GLuint buffers[buffer_count] = {};
   GLuint vertex_array = 0;
-  std::vector<std::uint32_t> images;  // by material block
+  std::vector<unsigned> texture_of;   // by material block
   std::vector<std::uint32_t> list;    // index list of the last gathering
   std::vector<index_range> all_ranges, some_ranges;
   std::unique_ptr<frame> target;

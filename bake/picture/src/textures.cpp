@@ -30,6 +30,28 @@ GLuint decode_and_upload(const scene::image& image) {
   return make_texture(static_cast<GLsizei>(pixels->width), static_cast<GLsizei>(pixels->height), pixels->rgba.data());
 }
 
+GLint wrap_mode(scene::wrap mode) {
+  return mode == scene::wrap::clamp ? GL_CLAMP_TO_EDGE : mode == scene::wrap::mirror ? GL_MIRRORED_REPEAT : GL_REPEAT;
+}
+
+bool repeats(const scene::material& m) {
+  return m.wrap_u == scene::wrap::repeat && m.wrap_v == scene::wrap::repeat;
+}
+
+// The pixels of a texture under parameters of their own.
+GLuint make_wrapped(GLuint texture, scene::wrap wrap_u, scene::wrap wrap_v) {
+  GLint levels = 0;
+  glGetTextureParameteriv(texture, GL_TEXTURE_IMMUTABLE_LEVELS, &levels);
+  GLuint view = 0;
+  glGenTextures(1, &view);
+  glTextureView(view, GL_TEXTURE_2D, texture, GL_SRGB8_ALPHA8, 0, static_cast<GLuint>(levels), 0, 1);
+  glTextureParameteri(view, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTextureParameteri(view, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTextureParameteri(view, GL_TEXTURE_WRAP_S, wrap_mode(wrap_u));
+  glTextureParameteri(view, GL_TEXTURE_WRAP_T, wrap_mode(wrap_v));
+  return view;
+}
+
 }  // namespace
 
 texture_set::texture_set(const scene::scene& s) : textures_(s.images.size(), 0) {
@@ -38,19 +60,25 @@ texture_set::texture_set(const scene::scene& s) : textures_(s.images.size(), 0) 
   std::vector<bool> tried(s.images.size(), false);
   for (const scene::material& m : s.materials) {
     const std::uint32_t image = m.base_color_image;
-    if (image >= s.images.size() || tried[image]) continue;
+    if (image >= s.images.size()) continue;
+    if (!tried[image]) textures_[image] = decode_and_upload(s.images[image]);
     tried[image] = true;
-    textures_[image] = decode_and_upload(s.images[image]);
+    if (textures_[image] == 0 || repeats(m)) continue;
+    unsigned& wrapped = wrapped_[{image, m.wrap_u, m.wrap_v}];
+    if (wrapped == 0) wrapped = make_wrapped(textures_[image], m.wrap_u, m.wrap_v);
   }
 }
 
 texture_set::~texture_set() {
+  for (const auto& [what, view] : wrapped_) glDeleteTextures(1, &view);
   glDeleteTextures(1, &white_);
   glDeleteTextures(static_cast<GLsizei>(textures_.size()), textures_.data());  // zeros are ignored
 }
 
-unsigned texture_set::of_image(std::uint32_t image) const {
-  return image < textures_.size() && textures_[image] != 0 ? textures_[image] : white_;
+unsigned texture_set::of_material(const scene::material& m) const {
+  if (m.base_color_image >= textures_.size() || textures_[m.base_color_image] == 0) return white_;
+  const auto wrapped = wrapped_.find({m.base_color_image, m.wrap_u, m.wrap_v});
+  return wrapped != wrapped_.end() ? wrapped->second : textures_[m.base_color_image];
 }
 
 }  // namespace sightcell::picture

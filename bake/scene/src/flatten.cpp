@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <map>
 #include <string>
 
 #include "sightcell/scene/scene.h"
@@ -17,6 +18,7 @@ constexpr std::uint32_t image_side_limit = 16384;
 // What alpha decides for all polygons of a material.
 enum class presence : std::uint8_t { everywhere, nowhere, where_mask_passes };
 
+// The presence of a material's polygons without vertex colors; with them a mask is needed where there is any alpha.
 struct material_presence {
   presence where = presence::everywhere;
   std::uint32_t mask = 0;
@@ -95,6 +97,7 @@ class flattener {
       return material_presence{there ? presence::everywhere : presence::nowhere, 0};
     };
     alpha_mask mask = texels_of(m);
+    mask.wrap_u = m.wrap_u, mask.wrap_v = m.wrap_v;
     if (mask.texels.empty() || !(constant > 0.0f)) return constantly(constant >= m.alpha_cutoff);
     mask.cutoff = m.alpha_cutoff / constant;
     const auto [least, most] = std::minmax_element(mask.texels.begin(), mask.texels.end());
@@ -154,19 +157,24 @@ class flattener {
     const glm::vec3& a = out_.positions[d.base_vertex + local[0]];
     const glm::vec3& b = out_.positions[d.base_vertex + local[1]];
     const glm::vec3& c = out_.positions[d.base_vertex + local[2]];
+    const bool fades = kind.alpha == alpha_mode::mask && has_alpha(d, local);
     kind.degenerate =
         !(is_finite(a) && is_finite(b) && is_finite(c) && has_area(a, b, c)) || there.where == presence::nowhere;
     if (!kind.degenerate) {
       out_.min = glm::min(out_.min, glm::min(a, glm::min(b, c)));
       out_.max = glm::max(out_.max, glm::max(a, glm::max(b, c)));
-      kind.alpha_tested = there.where == presence::where_mask_passes;
+      kind.alpha_tested = there.where == presence::where_mask_passes || fades;
     }
     const auto id = static_cast<std::uint32_t>(out_.kinds.size());
     out_.kinds.push_back(kind);
     if (!kind.alpha_tested) return;
     masked_polygon& tested = out_.masked.emplace_back();
     tested.id = id;
-    tested.mask = there.mask;
+    tested.mask = there.where == presence::where_mask_passes ? there.mask : full_mask(d.material);
+    if (fades) {
+      const std::vector<glm::u8vec4>& colors = scene_.geometries[d.geometry].colors;
+      for (std::size_t k = 0; k < 3; ++k) tested.alphas[k] = static_cast<float>(colors[local[k]].a) / 255.0f;
+    }
     // Corners without coordinates, or with broken ones, take those of the origin, as pictures do.
     const std::vector<glm::vec2>& uvs = scene_.geometries[d.geometry].uvs;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -175,8 +183,32 @@ class flattener {
     }
   }
 
+  bool has_alpha(const draw& d, const std::array<std::uint32_t, 3>& local) const {
+    const std::vector<glm::u8vec4>& colors = scene_.geometries[d.geometry].colors;
+    return !colors.empty() &&
+           std::any_of(local.begin(), local.end(), [&](std::uint32_t vertex) { return colors[vertex].a != 255; });
+  }
+
+  // For materials that are there everywhere but for the alpha of vertex colors. Texels that all pass alone may fail
+  // with a factor, so they are kept.
+  std::uint32_t full_mask(std::uint32_t material_number) {
+    const auto known = full_masks_.find(material_number);
+    if (known != full_masks_.end()) return known->second;
+    const material& m = scene_.materials[material_number];
+    alpha_mask mask = texels_of(m);
+    mask.wrap_u = m.wrap_u, mask.wrap_v = m.wrap_v;
+    if (mask.texels.empty()) mask.width = mask.height = 1, mask.texels = {255};
+    // Constant alpha 0 that is enough: so is it with every factor.
+    mask.cutoff = m.base_color.a > 0.0f ? m.alpha_cutoff / m.base_color.a : -1.0f;
+    const auto number = static_cast<std::uint32_t>(out_.masks.size());
+    out_.masks.push_back(std::move(mask));
+    full_masks_.emplace(material_number, number);
+    return number;
+  }
+
   const scene& scene_;
   world_geometry out_;
+  std::map<std::uint32_t, std::uint32_t> full_masks_;  // by material
   std::vector<material_presence> presences_;
 };
 

@@ -39,7 +39,7 @@ bool is_supported_extension(std::string_view name) {
 
 // Supported in the sense above, but a picture will show the difference.
 bool is_ignored_in_pictures(std::string_view name) {
-  return name == "KHR_texture_transform" || name == "EXT_texture_webp" || name == "KHR_texture_basisu";
+  return name == "EXT_texture_webp" || name == "KHR_texture_basisu";
 }
 
 struct view_bytes {
@@ -76,8 +76,10 @@ class document_reader {
   std::span<const std::uint8_t> buffer(std::uint32_t index);
   view_bytes view(std::uint32_t index);
   json reduced_mesh(const json_object& mesh);
+  std::string uv_key(std::optional<std::uint32_t> material) const;
   json reduced_primitive(const json_object& primitive);
-  json reduced_draco(const json_object& primitive, const json_object& attributes, const json_object& draco);
+  json reduced_draco(const json_object& primitive, const json_object& attributes, const json_object& draco,
+                     std::optional<std::uint32_t> material);
   std::uint32_t decoded_buffer(std::uint32_t view_index, const json_object& meshopt);
   std::uint32_t add_buffer(std::vector<std::uint8_t> bytes);
   template <typename T>
@@ -348,6 +350,11 @@ void document_reader::add_zero_view(std::uint32_t accessor) {
   out_.buffers.emplace_back(bytes);
 }
 
+// The coordinates that the material's base color texture takes.
+std::string document_reader::uv_key(std::optional<std::uint32_t> material) const {
+  return "TEXCOORD_" + std::to_string(material ? out_.coordinates[*material].set : 0);
+}
+
 json document_reader::reduced_primitive(const json_object& primitive) {
   const std::uint64_t mode = primitive.number("mode", 6).value_or(4);
   json reduced = {{"mode", mode}, {"attributes", json::object()}};
@@ -360,22 +367,27 @@ json document_reader::reduced_primitive(const json_object& primitive) {
   const std::uint32_t position = attributes->required_index("POSITION", "accessors", accessors_.size());
   // A file may bring the same triangles uncompressed too.
   if (extensions && extensions->has("KHR_draco_mesh_compression") && !accessors_[position].has("bufferView")) {
-    reduced.update(reduced_draco(primitive, *attributes, extensions->required_object("KHR_draco_mesh_compression")));
+    reduced.update(
+        reduced_draco(primitive, *attributes, extensions->required_object("KHR_draco_mesh_compression"), material));
     return reduced;
   }
   require_accessor(*attributes, position, "positions", {"VEC3"}, {5120, 5121, 5122, 5123, 5126});
   reduced["attributes"]["POSITION"] = position;
-  const auto uv = attributes->index("TEXCOORD_0", "accessors", accessors_.size());
-  if (uv) {
-    require_accessor(*attributes, *uv, "texture coordinates", {"VEC2"}, {5120, 5121, 5122, 5123, 5126});
-    if (accessor_count(*uv) != accessor_count(position)) {
+  const auto take = [&](const std::string& key, const char* as, const char* what,
+                        std::initializer_list<const char*> types, std::initializer_list<int> components) {
+    const auto accessor = attributes->index(key.c_str(), "accessors", accessors_.size());
+    if (!accessor) return;
+    require_accessor(*attributes, *accessor, what, types, components);
+    if (accessor_count(*accessor) != accessor_count(position)) {
       attributes->fail("scene.bad-field",
-                       "has " + std::to_string(accessor_count(*uv)) + " texture coordinates for " +
+                       "has " + std::to_string(accessor_count(*accessor)) + " " + what + " for " +
                            std::to_string(accessor_count(position)) + " positions",
                        "export the file again");
     }
-    reduced["attributes"]["TEXCOORD_0"] = *uv;
-  }
+    reduced["attributes"][as] = *accessor;
+  };
+  take(uv_key(material), "TEXCOORD_0", "texture coordinates", {"VEC2"}, {5120, 5121, 5122, 5123, 5126});
+  take("COLOR_0", "COLOR_0", "colors", {"VEC3", "VEC4"}, {5121, 5123, 5126});
   const auto indices = primitive.index("indices", "accessors", accessors_.size());
   if (indices) {
     require_accessor(primitive, *indices, "indices", {"SCALAR"}, {5121, 5123, 5125});
@@ -387,13 +399,28 @@ json document_reader::reduced_primitive(const json_object& primitive) {
 
 // What replaces attributes, indices and mode of a compressed primitive.
 json document_reader::reduced_draco(const json_object& primitive, const json_object& attributes,
-                                    const json_object& draco) {
+                                    const json_object& draco, std::optional<std::uint32_t> material) {
   const std::uint32_t view_index = draco.required_index("bufferView", "bufferViews", views_.size());
   const json_object ids = draco.required_object("attributes");
-  std::vector<draco_wish> wishes = {{static_cast<std::uint32_t>(ids.required_number("POSITION", UINT32_MAX)), 3}};
-  if (const auto uv = ids.number("TEXCOORD_0", UINT32_MAX)) wishes.push_back({static_cast<std::uint32_t>(*uv), 2});
+  // What the reduced document calls it, its type there, and what the stream calls it.
+  struct wanted {
+    const char *as, *type;
+    draco_wish wish;
+  };
+  std::vector<wanted> wants = {
+      {"POSITION", "VEC3", {static_cast<std::uint32_t>(ids.required_number("POSITION", UINT32_MAX)), 3}}};
+  if (const auto uv = ids.number(uv_key(material).c_str(), UINT32_MAX))
+    wants.push_back({"TEXCOORD_0", "VEC2", {static_cast<std::uint32_t>(*uv), 2}});
+  const auto color_accessor = attributes.index("COLOR_0", "accessors", accessors_.size());
+  if (const auto color = ids.number("COLOR_0", UINT32_MAX); color && color_accessor) {
+    const bool has_alpha = accessors_[*color_accessor].required_text("type") == "VEC4";
+    wants.push_back(
+        {"COLOR_0", has_alpha ? "VEC4" : "VEC3", {static_cast<std::uint32_t>(*color), has_alpha ? 4u : 3u}});
+  }
+  std::vector<draco_wish> wishes;
+  for (const wanted& w : wants) wishes.push_back(w.wish);
   std::string key = std::to_string(view_index);
-  for (const draco_wish& wish : wishes) key += " " + std::to_string(wish.id);
+  for (const wanted& w : wants) key += std::string(" ") + w.as + " " + std::to_string(w.wish.id);
   const auto known = decoded_primitives_.find(key);
   if (known != decoded_primitives_.end()) return known->second;
 
@@ -417,8 +444,8 @@ json document_reader::reduced_draco(const json_object& primitive, const json_obj
   if (primitive.number("mode", 6).value_or(4) == 4) require_count(primitive, "indices", mesh->indices.size());
 
   json reduced = {{"mode", 4}, {"attributes", json::object()}};
-  reduced["attributes"]["POSITION"] = add_accessor(mesh->attributes[0], "VEC3", 3);
-  if (wishes.size() > 1) reduced["attributes"]["TEXCOORD_0"] = add_accessor(mesh->attributes[1], "VEC2", 2);
+  for (std::size_t i = 0; i < wants.size(); ++i)
+    reduced["attributes"][wants[i].as] = add_accessor(mesh->attributes[i], wants[i].type, wants[i].wish.width);
   reduced["indices"] = add_accessor(mesh->indices, "SCALAR", 1);
   decoded_primitives_.emplace(std::move(key), reduced);
   return reduced;
@@ -479,6 +506,15 @@ gltf_document document_reader::read() {
   check_version();
   check_extensions();
   if (root_.has("animations")) warn_once("animations are ignored, the scene is taken as it rests");
+  const auto bytes_of_view = [this](std::uint32_t index) {
+    const view_bytes v = view(index);
+    return buffer(v.buffer).subspan(v.offset, v.length);
+  };
+  material_set materials = read_materials(root_, path_, bytes_of_view, views_.size(), out_.warnings);
+  out_.materials = std::move(materials.materials);
+  out_.coordinates = std::move(materials.coordinates);
+  out_.images = std::move(materials.images);
+
   json reduced = {{"asset", {{"version", "2.0"}}}};
   reduced["meshes"] = json::array();
   for (const json_object& mesh : meshes_) reduced["meshes"].push_back(reduced_mesh(mesh));
@@ -490,14 +526,6 @@ gltf_document document_reader::read() {
   }
   const auto default_scene = root_.index("scene", "scenes", scenes_.size());
   if (default_scene) reduced["scene"] = *default_scene;
-
-  const auto bytes_of_view = [this](std::uint32_t index) {
-    const view_bytes v = view(index);
-    return buffer(v.buffer).subspan(v.offset, v.length);
-  };
-  material_set materials = read_materials(root_, path_, bytes_of_view, views_.size(), out_.warnings);
-  out_.materials = std::move(materials.materials);
-  out_.images = std::move(materials.images);
 
   // Numbers must stay what they are, so what nothing uses is replaced by a stub.
   reduced["accessors"] = json::array();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gltf_materials.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {
@@ -16,6 +17,7 @@ struct gltf_document {
   std::string json;                                // for tinygltf; its buffers are named buffer_uri(0), ...
   std::vector<std::vector<std::uint8_t>> buffers;  // exactly byteLength long
   std::vector<material> materials;
+  std::vector<texture_coordinates> coordinates;  // by material; TEXCOORD_0 of json is already the set that they name
   std::vector<image> images;
   std::vector<std::string> warnings;
 };

@@ -1,5 +1,6 @@
 #include "gltf_materials.h"
 
+#include <cmath>
 #include <unordered_map>
 
 #include "gltf_file.h"
@@ -18,10 +19,14 @@ class material_reader {
         view_count_(view_count),
         warnings_(warnings),
         textures_(root.objects("textures")),
+        samplers_(root.objects("samplers")),
         images_(root.objects("images")) {}
 
   material_set read(const json_object& root) {
-    for (const json_object& source : root.objects("materials")) out_.materials.push_back(read_material(source));
+    for (const json_object& source : root.objects("materials")) {
+      out_.coordinates.emplace_back();
+      out_.materials.push_back(read_material(source));
+    }
     return std::move(out_);
   }
 
@@ -44,15 +49,46 @@ class material_reader {
     const std::vector<double> factor = pbr->reals("baseColorFactor", 4);
     if (!factor.empty()) m.base_color = glm::vec4(factor[0], factor[1], factor[2], factor[3]);
     const auto texture = pbr->object("baseColorTexture");
-    if (texture) m.base_color_image = image_of(*texture);
+    if (texture) read_texture(*texture, m);
     return m;
   }
 
-  std::uint32_t image_of(const json_object& texture_info) {
-    if (texture_info.number("texCoord", UINT32_MAX).value_or(0) != 0) {
-      warnings_.push_back(texture_info.where() + " uses another set than TEXCOORD_0; its picture may look wrong");
+  void read_texture(const json_object& info, material& m) {
+    texture_coordinates& coordinates = out_.coordinates.back();
+    constexpr std::uint64_t set_limit = 1000;
+    coordinates.set = static_cast<std::uint32_t>(info.number("texCoord", set_limit).value_or(0));
+    const auto extensions = info.object("extensions");
+    const auto transform = extensions ? extensions->object("KHR_texture_transform") : std::nullopt;
+    if (transform) {
+      const std::vector<double> offset = transform->reals("offset", 2), scale = transform->reals("scale", 2);
+      const double angle = transform->real("rotation").value_or(0.0);
+      const double c = std::cos(angle), s = std::sin(angle);
+      const double sx = scale.empty() ? 1.0 : scale[0], sy = scale.empty() ? 1.0 : scale[1];
+      // The extension's matrix: translation x rotation x scale, the rotation turns from v toward u.
+      coordinates.across = glm::vec2(sx * c, -sx * s);
+      coordinates.down = glm::vec2(sy * s, sy * c);
+      if (!offset.empty()) coordinates.offset = glm::vec2(offset[0], offset[1]);
+      if (const auto set = transform->number("texCoord", set_limit)) coordinates.set = static_cast<std::uint32_t>(*set);
     }
-    const std::uint32_t texture = texture_info.required_index("index", "textures", textures_.size());
+    const std::uint32_t texture = info.required_index("index", "textures", textures_.size());
+    m.base_color_image = image_of(texture);
+    const auto sampler = textures_[texture].index("sampler", "samplers", samplers_.size());
+    if (!sampler) return;
+    m.wrap_u = wrap_of(samplers_[*sampler], "wrapS");
+    m.wrap_v = wrap_of(samplers_[*sampler], "wrapT");
+  }
+
+  wrap wrap_of(const json_object& sampler, const char* key) {
+    const std::uint64_t mode = sampler.number(key, UINT32_MAX).value_or(10497);
+    if (mode == 33071) return wrap::clamp;
+    if (mode == 33648) return wrap::mirror;
+    if (mode != 10497)
+      warnings_.push_back(sampler.where() + " has the unknown " + key + " " + std::to_string(mode) +
+                          ", taken as repeat");
+    return wrap::repeat;
+  }
+
+  std::uint32_t image_of(std::uint32_t texture) {
     const auto source = textures_[texture].index("source", "images", images_.size());
     if (!source) {
       warnings_.push_back(textures_[texture].where() + " has no PNG or JPEG image; the base color alone is used");
@@ -89,6 +125,7 @@ class material_reader {
   std::size_t view_count_;
   std::vector<std::string>& warnings_;
   std::vector<json_object> textures_;
+  std::vector<json_object> samplers_;
   std::vector<json_object> images_;
   std::unordered_map<std::uint32_t, std::uint32_t> scene_image_;
   material_set out_;

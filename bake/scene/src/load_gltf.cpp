@@ -1,5 +1,6 @@
 // glTF to plain arrays. The only file that includes tinygltf.
 #include <algorithm>
+#include <cmath>
 #include <fstream>  // tiny_gltf.h forgets it without its own file access
 #include <glm/mat4x4.hpp>
 #include <map>
@@ -144,7 +145,10 @@ glm::dmat4 local_transform(const tinygltf::Node& node) {
 
 class importer {
  public:
-  importer(const tinygltf::Model& model, const std::string& file, scene& out) : model_(model), file_(file), out_(out) {}
+  // coordinates: by material.
+  importer(const tinygltf::Model& model, const std::vector<texture_coordinates>& coordinates, const std::string& file,
+           scene& out)
+      : model_(model), coordinates_(coordinates), file_(file), out_(out) {}
 
   // Depth-first in array order with a stack of our own: a chain of a million nodes must not end the program's stack.
   void walk(const std::vector<int>& roots);
@@ -158,11 +162,17 @@ class importer {
   template <typename T>
   std::vector<T> numbers(int accessor) const;
 
+  // The first material with the same coordinates, so that materials that differ otherwise share their geometry.
+  int coordinates_of(int material) const;
+  std::vector<glm::u8vec4> read_colors(int accessor) const;
+
   const tinygltf::Model& model_;
+  const std::vector<texture_coordinates>& coordinates_;
   const std::string& file_;  // for messages
   scene& out_;
-  // Primitives that differ in material only share their geometry: (positions, texture coordinates, indices, mode).
-  std::map<std::tuple<int, int, int, int>, std::uint32_t> geometries_;
+  // Primitives that differ in material only share their geometry: (positions, texture coordinates, their transform,
+  // colors, indices, mode).
+  std::map<std::tuple<int, int, int, int, int, int>, std::uint32_t> geometries_;
 };
 
 template <typename T>
@@ -186,8 +196,13 @@ geometry importer::read_geometry(const tinygltf::Primitive& primitive, const std
   if (uv != primitive.attributes.end()) {
     const std::vector<float> values = numbers<float>(uv->second);
     out.uvs.reserve(values.size() / 2);
-    for (std::size_t i = 0; i + 1 < values.size(); i += 2) out.uvs.emplace_back(values[i], values[i + 1]);
+    const int with = coordinates_of(primitive.material);
+    const texture_coordinates c = with < 0 ? texture_coordinates{} : coordinates_[static_cast<std::size_t>(with)];
+    for (std::size_t i = 0; i + 1 < values.size(); i += 2)
+      out.uvs.push_back(values[i] * c.across + values[i + 1] * c.down + c.offset);
   }
+  const auto color = primitive.attributes.find("COLOR_0");
+  if (color != primitive.attributes.end()) out.colors = read_colors(color->second);
   std::vector<std::uint32_t> corners;
   if (primitive.indices >= 0) {
     if (!read_indices(view_of(model_, primitive.indices), corners)) {
@@ -209,12 +224,36 @@ geometry importer::read_geometry(const tinygltf::Primitive& primitive, const std
   return out;
 }
 
+int importer::coordinates_of(int material) const {
+  if (material < 0) return -1;
+  const texture_coordinates& wanted = coordinates_[static_cast<std::size_t>(material)];
+  if (wanted == texture_coordinates{.set = wanted.set}) return -1;  // the set is in the accessor already
+  return static_cast<int>(std::find(coordinates_.begin(), coordinates_.end(), wanted) - coordinates_.begin());
+}
+
+std::vector<glm::u8vec4> importer::read_colors(int accessor) const {
+  const std::vector<float> values = numbers<float>(accessor);
+  const auto width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(
+      static_cast<std::uint32_t>(model_.accessors[static_cast<std::size_t>(accessor)].type)));
+  const auto byte = [](float v) {
+    return static_cast<std::uint8_t>(std::lround((v > 0.0f ? std::min(v, 1.0f) : 0.0f) * 255.0f));
+  };
+  std::vector<glm::u8vec4> out(values.size() / width, glm::u8vec4(255));
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (std::size_t k = 0; k < width; ++k) out[i][static_cast<int>(k)] = byte(values[i * width + k]);
+  }
+  return out;
+}
+
 std::optional<std::uint32_t> importer::geometry_of(std::size_t mesh, std::size_t primitive) {
   const tinygltf::Primitive& source = model_.meshes[mesh].primitives[primitive];
   const auto position = source.attributes.find("POSITION");
   if (position == source.attributes.end()) return std::nullopt;
   const auto uv = source.attributes.find("TEXCOORD_0");
-  const std::tuple key(position->second, uv == source.attributes.end() ? -1 : uv->second, source.indices, source.mode);
+  const auto color = source.attributes.find("COLOR_0");
+  const bool has_uv = uv != source.attributes.end();
+  const std::tuple key(position->second, has_uv ? uv->second : -1, has_uv ? coordinates_of(source.material) : -1,
+                       color == source.attributes.end() ? -1 : color->second, source.indices, source.mode);
   const auto known = geometries_.find(key);
   if (known != geometries_.end()) return known->second;
   out_.geometries.push_back(
@@ -344,7 +383,7 @@ scene load_gltf(const std::filesystem::path& path, int scene_index) {
     out.images = std::move(document.images);
     out.warnings = std::move(document.warnings);
     for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
-    importer(model, file, out).walk(roots_of(model, scene_index, file));
+    importer(model, document.coordinates, file, out).walk(roots_of(model, scene_index, file));
     if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
     finish(out);
   } catch (const std::bad_alloc&) {

@@ -62,6 +62,12 @@ void check_geometries(const scene& s) {
                  std::to_string(g.positions.size()) + " positions",
              "give one per position or none");
     }
+    if (!g.colors.empty() && g.colors.size() != g.positions.size()) {
+      refuse(s, "scene.bad-field",
+             subject + " has " + std::to_string(g.colors.size()) + " colors for " + std::to_string(g.positions.size()) +
+                 " positions",
+             "give one per position or none");
+    }
     const auto largest = std::max_element(g.indices.begin(), g.indices.end());
     if (largest != g.indices.end() && *largest >= g.positions.size()) {
       refuse(s, "scene.index-out-of-range",
@@ -142,6 +148,8 @@ std::array<std::uint8_t, 16> fingerprint_of(const scene& s) {
     if (m.alpha != alpha_mode::mask) continue;
     hash.value(m.alpha_cutoff);
     hash.value(m.base_color.a);
+    if (m.wrap_u != wrap::repeat || m.wrap_v != wrap::repeat)
+      hash.value(static_cast<std::uint8_t>(4 + static_cast<int>(m.wrap_u) * 4 + static_cast<int>(m.wrap_v)));
     if (m.alpha_map != no_index) {
       hash.value(s.alpha_maps[m.alpha_map].width);
       hash.array(s.alpha_maps[m.alpha_map].texels);
@@ -153,7 +161,9 @@ std::array<std::uint8_t, 16> fingerprint_of(const scene& s) {
   for (std::size_t i = 0; i < s.geometries.size(); ++i) {
     hash.array(s.geometries[i].positions);
     hash.array(s.geometries[i].indices);
-    if (masked[i]) hash.array(s.geometries[i].uvs);
+    if (!masked[i]) continue;
+    hash.array(s.geometries[i].uvs);
+    for (const glm::u8vec4& color : s.geometries[i].colors) hash.value(color.a);
   }
   hash.value(static_cast<std::uint64_t>(s.draws.size()));
   for (const draw& d : s.draws) {

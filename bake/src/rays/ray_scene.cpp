@@ -52,9 +52,11 @@ struct look_context {
   std::vector<passed_polygon>* passed = nullptr;
 };
 
-// Where a hit lies in the texture of a masked polygon.
-glm::vec2 uv_at(const scene::masked_polygon& p, float u, float v) {
-  return p.uvs[0] + (p.uvs[1] - p.uvs[0]) * u + (p.uvs[2] - p.uvs[0]) * v;
+// Whether a masked polygon is there at a hit.
+bool passes(const scene::world_geometry& world, const scene::masked_polygon& p, float u, float v) {
+  const glm::vec2 uv = p.uvs[0] + (p.uvs[1] - p.uvs[0]) * u + (p.uvs[2] - p.uvs[0]) * v;
+  const float alpha = p.alphas[0] + (p.alphas[1] - p.alphas[0]) * u + (p.alphas[2] - p.alphas[0]) * v;
+  return world.masks[p.mask].passes(uv, alpha);
 }
 
 // Rule 1: backs of single-sided polygons are not there, nor is a MASK where its alpha is below the cutoff; BLEND is
@@ -74,10 +76,9 @@ void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
     const bool shows_back = facing > 0.0f && !kind.double_sided && !context->all_double_sided;
     if (!shows_back && geometry == with_opaque) continue;
     if (!shows_back && geometry == with_tests) {
-      const scene::masked_polygon& masked = context->geometry->masked[primitive];
-      const glm::vec2 uv =
-          uv_at(masked, RTCHitN_u(arguments->hit, arguments->N, i), RTCHitN_v(arguments->hit, arguments->N, i));
-      if (context->geometry->masks[masked.mask].passes(uv)) continue;
+      if (passes(*context->geometry, context->geometry->masked[primitive],
+                 RTCHitN_u(arguments->hit, arguments->N, i), RTCHitN_v(arguments->hit, arguments->N, i)))
+        continue;
     }
     if (!shows_back && geometry == with_blend)
       context->passed->push_back({polygon, RTCRayN_tfar(arguments->ray, arguments->N, i)});

@@ -69,8 +69,9 @@ static_assert(sizeof(device_vertex) == 16);
 struct mask_vertex {
   glm::vec2 uv;
   std::uint32_t mask;
+  float alpha;
 };
-static_assert(sizeof(mask_vertex) == 12);
+static_assert(sizeof(mask_vertex) == 16);
 
 // Collects the corners of polygons: equal positions become one vertex, numbered in order of first use, but no two
 // polygons end in the same vertex.
@@ -175,7 +176,7 @@ void gpu_geometry::upload(const scene::world_geometry& world, const std::vector<
       if (!want_masked) continue;
       const auto test = std::lower_bound(world.masked.begin(), world.masked.end(), id,
                                          [](const scene::masked_polygon& p, std::uint32_t key) { return p.id < key; });
-      for (const glm::vec2& uv : test->uvs) masked.push_back({uv, test->mask});
+      for (std::size_t k = 0; k < 3; ++k) masked.push_back({test->uvs[k], test->mask, test->alphas[k]});
     }
   }
   vertices_.emplace(welder.vertices().size() * sizeof(device_vertex), welder.vertices().data());
@@ -195,7 +196,8 @@ void gpu_geometry::upload_masks(const scene::world_geometry& world) {
   std::vector<shaders::hemicube_mask> masks;
   std::vector<std::uint8_t> texels;
   for (const scene::alpha_mask& mask : world.masks) {
-    masks.push_back({static_cast<std::uint32_t>(texels.size()), mask.width, mask.height, mask.cutoff});
+    masks.push_back({static_cast<std::uint32_t>(texels.size()), mask.width, mask.height, mask.cutoff,
+                     static_cast<std::uint32_t>(mask.wrap_u), static_cast<std::uint32_t>(mask.wrap_v), 0, 0});
     texels.insert(texels.end(), mask.texels.begin(), mask.texels.end());
   }
   static_assert(std::endian::native == std::endian::little, "the shader takes the lowest byte of a word first");
@@ -226,7 +228,10 @@ void gpu_geometry::add_mask_attributes(GLuint vertex_array) const {
                             offsetof(mask_vertex, uv));
   glVertexArrayAttribIFormat(vertex_array, shaders::hemicube_attribute_mask, 1, GL_UNSIGNED_INT,
                              offsetof(mask_vertex, mask));
-  for (const GLuint attribute : {shaders::hemicube_attribute_uv, shaders::hemicube_attribute_mask}) {
+  glVertexArrayAttribFormat(vertex_array, shaders::hemicube_attribute_alpha, 1, GL_FLOAT, GL_FALSE,
+                            offsetof(mask_vertex, alpha));
+  for (const GLuint attribute :
+       {shaders::hemicube_attribute_uv, shaders::hemicube_attribute_mask, shaders::hemicube_attribute_alpha}) {
     glEnableVertexArrayAttrib(vertex_array, attribute);
     glVertexArrayAttribBinding(vertex_array, attribute, 1);
   }

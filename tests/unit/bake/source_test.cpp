@@ -221,6 +221,10 @@ TEST_P(source_test, masks_agree_with_rays) {
   scene::scene finished = s.finished();
   finished.geometries[2].uvs = {{-3.5f, 2}, {4, 2}, {4, -1}, {-3.5f, -1}};  // repeats, and runs backwards
   finished.draws[3].to_world[2][2] = -1.0;
+  finished.geometries[1].uvs = {{-0.4f, -0.2f}, {1.7f, -0.2f}, {1.7f, 1.5f}, {-0.4f, 1.5f}};
+  finished.materials[1].wrap_u = scene::wrap::mirror;
+  finished.materials[1].wrap_v = scene::wrap::clamp;
+  finished.geometries[3].colors = {glm::u8vec4(255), {0, 0, 0, 200}, {0, 0, 0, 90}, glm::u8vec4(255)};
   const scene::world_geometry world = scene::flatten(finished);
   ASSERT_EQ(world.masked.size(), 6u);
   // Turned a little, so that no edge runs through pixel centers.

@@ -42,6 +42,25 @@ TEST(alpha_mask, repeats) {
     EXPECT_LE(mask.alpha({u, u}), 1.0f) << u;
 }
 
+TEST(alpha_mask, clamps_and_mirrors) {
+  alpha_mask mask{4, 1, {255, 51, 102, 0}, 0.5f, wrap::clamp};
+  EXPECT_FLOAT_EQ(mask.alpha({0.0f, 0.5f}), 1.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({-3.0f, 0.5f}), 1.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({1.0f, 0.5f}), 0.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({7.0f, 0.5f}), 0.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({0.5f, 0.5f}), 0.3f);
+  mask.wrap_u = wrap::mirror;
+  EXPECT_FLOAT_EQ(mask.alpha({0.0f, 0.5f}), 1.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({-0.375f, 0.5f}), 0.2f);
+  EXPECT_FLOAT_EQ(mask.alpha({1.0f, 0.5f}), 0.0f);
+  EXPECT_FLOAT_EQ(mask.alpha({1.625f, 0.5f}), 0.2f);
+  EXPECT_FLOAT_EQ(mask.alpha({2.375f, 0.5f}), 0.2f);
+  const alpha_mask upright{1, 2, {255, 0}, 0.5f, wrap::repeat, wrap::clamp};
+  EXPECT_FLOAT_EQ(upright.alpha({5.0f, -1.0f}), 1.0f);
+  EXPECT_FLOAT_EQ(upright.alpha({5.0f, 1.0f}), 0.0f);
+  EXPECT_EQ(halved(upright).wrap_v, wrap::clamp);
+}
+
 TEST(alpha_mask, halving_takes_means_and_rounds_sizes_up) {
   const alpha_mask half = halved({3, 2, {0, 100, 50, 200, 100, 150}, 0.25f});
   EXPECT_EQ(half.width, 2u);
@@ -101,6 +120,30 @@ TEST(masks, only_those_that_decide_are_tested) {
   EXPECT_TRUE(w.kinds[0].alpha_tested);
   EXPECT_EQ(w.masks[0].cutoff, 0.5f) << "of the texel: 0.5 x texel against 0.25";
   EXPECT_EQ(w.masked[0].uvs[1], glm::vec2(1, 0));
+}
+
+TEST(masks, alphas_of_colors_are_tested_with_and_without_a_texture) {
+  material m;
+  m.base_color.a = 0.8f;
+  scene s = masked_scene(m);
+  s.geometries[0].colors = {glm::u8vec4(255), glm::u8vec4(255), glm::u8vec4(255)};
+  EXPECT_TRUE(flat(s).masked.empty()) << "they change nothing";
+  s.geometries[0].colors[1].a = 51;
+  const world_geometry w = flat(s);
+  ASSERT_EQ(w.masked.size(), 1u);
+  EXPECT_FLOAT_EQ(w.masked[0].alphas[1], 0.2f);
+  EXPECT_FLOAT_EQ(w.masked[0].alphas[2], 1.0f);
+  const alpha_mask& mask = w.masks[w.masked[0].mask];
+  EXPECT_TRUE(mask.passes({0.3f, 0.3f}, 0.65f)) << "0.65 x 0.8";
+  EXPECT_FALSE(mask.passes({0.3f, 0.3f}, 0.6f));
+  // Texels that pass everywhere alone do not with a factor.
+  scene textured = with_map(1.0f, 0.5f, {128, 255});
+  textured.geometries[0].colors = s.geometries[0].colors;
+  const world_geometry t = flat(textured);
+  ASSERT_EQ(t.masked.size(), 1u);
+  EXPECT_EQ(t.masks[t.masked[0].mask].texels, (std::vector<std::uint8_t>{128, 255}));
+  s.geometries[0].colors.pop_back();
+  EXPECT_THROW(finish(s), error);
 }
 
 TEST(masks, mirrored_draws_keep_coordinates_at_their_corners) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 
 #include "gltf_sketch.h"
@@ -274,6 +275,104 @@ TEST(load_gltf, names_are_kept_on_one_line) {
   gltf_sketch g;
   g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}, {"name", "two\nlines"}});
   EXPECT_EQ(load(g).node_names[0], "two?lines");
+}
+
+// A triangle with two coordinate sets and colors, and a material that a test completes.
+gltf_sketch textured_triangle(const nlohmann::json& texture_info) {
+  gltf_sketch g;
+  const int positions = g.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const int first = g.add_accessor(std::vector<float>{0, 0, 1, 0, 0, 1}, "VEC2", 5126, 3);
+  const int second = g.add_accessor(std::vector<float>{5, 5, 6, 5, 5, 6}, "VEC2", 5126, 3);
+  g.json["meshes"] = {{{"primitives",
+                        {{{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", first}, {"TEXCOORD_1", second}}},
+                          {"material", 0}}}}}};
+  g.json["nodes"] = {{{"mesh", 0}}};
+  g.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", texture_info}}}}};
+  g.json["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  g.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
+  g.json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}}};
+  return g;
+}
+
+std::vector<glm::vec2> uvs_of(const gltf_sketch& g) {
+  const temporary_folder folder;
+  return load_gltf(folder.write("textured.glb", g.glb())).geometries.at(0).uvs;
+}
+
+TEST(load_gltf, the_coordinate_set_is_the_one_that_the_material_names) {
+  EXPECT_EQ(uvs_of(textured_triangle({{"index", 0}})), (std::vector<glm::vec2>{{0, 0}, {1, 0}, {0, 1}}));
+  EXPECT_EQ(uvs_of(textured_triangle({{"index", 0}, {"texCoord", 1}})),
+            (std::vector<glm::vec2>{{5, 5}, {6, 5}, {5, 6}}));
+  EXPECT_TRUE(uvs_of(textured_triangle({{"index", 0}, {"texCoord", 2}})).empty()) << "the primitive has no such set";
+}
+
+TEST(load_gltf, texture_transforms_are_applied) {
+  const auto transformed = [](const nlohmann::json& transform) {
+    return uvs_of(textured_triangle({{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}));
+  };
+  EXPECT_EQ(transformed({{"offset", {0, 1}}, {"scale", {1, -1}}}), (std::vector<glm::vec2>{{0, 1}, {1, 1}, {0, 0}}));
+  EXPECT_EQ(transformed({{"texCoord", 1}}), (std::vector<glm::vec2>{{5, 5}, {6, 5}, {5, 6}}));
+  // The extension's own example: the lower left quadrant, turned by 90 degrees.
+  const auto turned = transformed({{"offset", {0, 1}}, {"rotation", 1.57079632679}, {"scale", {0.5, 0.5}}});
+  const std::vector<glm::vec2> expected = {{0, 1}, {0, 0.5f}, {0.5f, 1}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(turned[i].x, expected[i].x, 1e-6) << i;
+    EXPECT_NEAR(turned[i].y, expected[i].y, 1e-6) << i;
+  }
+}
+
+TEST(load_gltf, materials_that_differ_in_their_coordinates_alone_split_a_shared_primitive) {
+  gltf_sketch g = textured_triangle({{"index", 0}});
+  const auto add = [&](const nlohmann::json& material) {
+    g.json["materials"].push_back(material);
+    g.json["meshes"].push_back(g.json["meshes"][0]);
+    g.json["meshes"].back()["primitives"][0]["material"] = g.json["materials"].size() - 1;
+    g.json["nodes"].push_back({{"mesh", g.json["meshes"].size() - 1}});
+  };
+  add(g.json["materials"][0]);
+  add({{"pbrMetallicRoughness",
+        {{"baseColorTexture", {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"scale", {2, 2}}}}}}}}}}});
+  add(g.json["materials"][2]);
+  const temporary_folder folder;
+  const scene s = load_gltf(folder.write("shared.glb", g.glb()));
+  ASSERT_EQ(s.draws.size(), 4u);
+  EXPECT_EQ(s.draws[0].geometry, s.draws[1].geometry);
+  EXPECT_NE(s.draws[0].geometry, s.draws[2].geometry);
+  EXPECT_EQ(s.draws[2].geometry, s.draws[3].geometry);
+}
+
+TEST(load_gltf, samplers_say_how_textures_wrap) {
+  const temporary_folder folder;
+  gltf_sketch g = textured_triangle({{"index", 0}});
+  scene s = load_gltf(folder.write("a.glb", g.glb()));
+  EXPECT_EQ(s.materials[0].wrap_u, wrap::clamp);
+  EXPECT_EQ(s.materials[0].wrap_v, wrap::mirror);
+  g.json["samplers"] = {{{"wrapS", 10497}, {"wrapT", 7}}};
+  s = load_gltf(folder.write("b.glb", g.glb()));
+  EXPECT_EQ(s.materials[0].wrap_u, wrap::repeat);
+  EXPECT_EQ(s.materials[0].wrap_v, wrap::repeat);
+  EXPECT_TRUE(std::any_of(s.warnings.begin(), s.warnings.end(),
+                          [](const std::string& w) { return w.find("wrapT 7") != std::string::npos; }));
+  g.json["textures"][0]["sampler"] = 4;
+  EXPECT_THROW((void)load_gltf(folder.write("c.glb", g.glb())), error);
+}
+
+TEST(load_gltf, vertex_colors_of_every_kind) {
+  const auto colors_of = [](const auto& values, const char* type, int component, bool normalized) {
+    gltf_sketch g = textured_triangle({{"index", 0}});
+    const int accessor = g.add_accessor(values, type, component, 3);
+    if (normalized) g.json["accessors"].back()["normalized"] = true;
+    g.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = accessor;
+    const temporary_folder folder;
+    return load_gltf(folder.write("colors.glb", g.glb())).geometries.at(0).colors;
+  };
+  using colors = std::vector<glm::u8vec4>;
+  EXPECT_EQ(colors_of(std::vector<float>{0, 0.2f, 1, -1, 2, 0.4f, 1, 1, 1}, "VEC3", 5126, false),
+            (colors{{0, 51, 255, 255}, {0, 255, 102, 255}, {255, 255, 255, 255}}));
+  EXPECT_EQ(colors_of(std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, "VEC4", 5121, true),
+            (colors{{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 10, 11, 12}}));
+  EXPECT_EQ(colors_of(std::vector<std::uint16_t>{0, 65535, 257, 514, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 5123, true)[0],
+            glm::u8vec4(0, 255, 1, 2));
 }
 
 }  // namespace

@@ -35,12 +35,13 @@ struct host_mesh {
 };
 
 // Alpha by texel: `alpha` points at the alpha byte of texel (0, 0), which is the one next to u = 0, v = 0. RGBA8 pixels
-// are given as pixels + 3 with a texel_stride of 4. Looked up bilinearly, repeating in both directions.
+// are given as pixels + 3 with a texel_stride of 4. Looked up bilinearly.
 struct host_texture {
   const std::uint8_t* alpha = nullptr;
   std::uint32_t width = 0, height = 0;  // 1 to 16,384
   std::size_t texel_stride = 1;         // bytes
   std::size_t row_stride = 0;           // bytes; 0: width x texel_stride
+  scene::wrap wrap_u = scene::wrap::repeat, wrap_v = scene::wrap::repeat;  // beyond 0 and 1
 };
 
 struct host_material {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <glm/ext/vector_uint4_sized.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -28,7 +29,8 @@ struct material {
   bool double_sided = false;
   glm::vec4 base_color{1.0f};                 // linear, multiplied with the texture
   std::uint32_t base_color_image = no_index;  // into scene::images
-  std::uint32_t alpha_map = no_index;         // into scene::alpha_maps: takes the place of the image's alpha
+  wrap wrap_u = wrap::repeat, wrap_v = wrap::repeat;
+  std::uint32_t alpha_map = no_index;  // into scene::alpha_maps: takes the place of the image's alpha
 };
 
 // Alpha that a host gave as bytes or as a function instead of an image.
@@ -40,8 +42,9 @@ struct alpha_map {
 // The triangles of one primitive of one mesh, shared by all its instances.
 struct geometry {
   std::vector<glm::vec3> positions;    // local space
-  std::vector<glm::vec2> uvs;          // TEXCOORD_0; empty, or one per position
+  std::vector<glm::vec2> uvs;          // of the material's base color, transformed; empty, or one per position
   std::vector<std::uint32_t> indices;  // three per triangle; strips and fans are expanded
+  std::vector<glm::u8vec4> colors{};   // linear, multiplied with the base color; empty, or one per position
 };
 
 // What a host issues as one draw: one instance of one primitive.
@@ -82,9 +85,10 @@ static_assert(sizeof(polygon_kind) == 1);
 
 // A polygon that is there only where its mask passes.
 struct masked_polygon {
-  std::uint32_t id = 0;          // source id
-  std::uint32_t mask = 0;        // into world_geometry::masks
-  std::array<glm::vec2, 3> uvs;  // of its corners, in the order of world_geometry::indices; finite
+  std::uint32_t id = 0;                           // source id
+  std::uint32_t mask = 0;                         // into world_geometry::masks
+  std::array<glm::vec2, 3> uvs;                   // of its corners, in the order of world_geometry::indices; finite
+  std::array<float, 3> alphas{1.0f, 1.0f, 1.0f};  // of its corners' colors, multiplied with the mask's
 };
 
 // The scene flattened into world space: vertices are numbered by flattening (draws in source order, base_vertex + local
