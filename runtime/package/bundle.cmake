@@ -20,7 +20,10 @@ if(SIGHTCELL_BUILD_BAKE)
     find_file(SIGHTCELL_BUNDLE_swrast_dri.so swrast_dri.so
       PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE} /usr/lib64 /usr/lib PATH_SUFFIXES dri NO_DEFAULT_PATH)
     mark_as_advanced(SIGHTCELL_BUNDLE_libEGL_mesa.so.0 SIGHTCELL_BUNDLE_swrast_dri.so)
-    set(sightcell_bundle_mesa "${SIGHTCELL_BUNDLE_libEGL_mesa.so.0};${SIGHTCELL_BUNDLE_swrast_dri.so}")
+    set(sightcell_bundle_mesa "${SIGHTCELL_BUNDLE_libEGL_mesa.so.0}")
+    if(SIGHTCELL_BUNDLE_swrast_dri.so)  # since Mesa 24 the driver is a library that libEGL_mesa names
+      list(APPEND sightcell_bundle_mesa "${SIGHTCELL_BUNDLE_swrast_dri.so}")
+    endif()
   endif()
 endif()
 find_program(SIGHTCELL_PATCHELF patchelf)
