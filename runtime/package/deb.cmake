@@ -1,5 +1,5 @@
-# cpack -G DEB, in the build folder: one Debian package per component. Configure with -DCMAKE_INSTALL_PREFIX=/usr to have
-# the libraries in Debian's own folder of the architecture.
+# cpack -G DEB, in the build folder: one Debian package per component. Configure with -DCMAKE_INSTALL_PREFIX=/usr to
+# have the libraries in Debian's own folder of the architecture.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME sightcell)
 set(CPACK_PACKAGE_VENDOR "The Sightcell authors")
@@ -41,8 +41,9 @@ set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "g++ | libstdc++-dev")  # for a static C
 
 sightcell_deb(bake-dev libdevel "baked visibility for engines: the baker as a library"
   "This package has the headers and static libraries of the baker, for editors\nand asset pipelines.")
-string(JOIN ", " CPACK_DEBIAN_BAKE-DEV_PACKAGE_DEPENDS "libsightcell-dev ${exact}" libembree-dev libtbb-dev librecast-dev libdraco-dev libmeshoptimizer-dev
-  libfmt-dev libsqlite3-dev nlohmann-json3-dev libglm-dev libepoxy-dev libegl-dev libxxhash-dev pkg-config)
+string(JOIN ", " CPACK_DEBIAN_BAKE-DEV_PACKAGE_DEPENDS "libsightcell-dev ${exact}" libembree-dev libtbb-dev
+  librecast-dev libdraco-dev libmeshoptimizer-dev libfmt-dev libsqlite3-dev nlohmann-json3-dev libglm-dev libepoxy-dev
+  libegl-dev libxxhash-dev pkg-config)
 
 sightcell_deb(tools graphics "baked visibility for engines: the baker"
   "This package has the programs: sightcell, the baker, and sightcell-city, a\ngenerator of test scenes.")

@@ -35,7 +35,8 @@ install(FILES ${PROJECT_BINARY_DIR}/package/sightcell.pc
 set(sightcell_components runtime dev)
 if(SIGHTCELL_BUILD_BAKE)
   list(APPEND sightcell_components bake-dev tools)
-  install(FILES THIRD_PARTY.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/sightcell-tools COMPONENT tools)
+  install(FILES THIRD_PARTY.md CHANGELOG.md
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/sightcell-tools COMPONENT tools)
 endif()
 set(sightcell_runtime_package libsightcell1)
 set(sightcell_dev_package libsightcell-dev)

@@ -1,6 +1,6 @@
 # find_package(sightcell [0.1] [COMPONENTS runtime bake tools])
 #   runtime (also when none is named): sightcell::runtime, static, and sightcell::runtime_shared; needs nothing else
-#   bake: sightcell::bake, sightcell::scene, sightcell::picture, sightcell::format_write; needs the libraries it stands on
+#   bake: sightcell::bake, sightcell::scene, sightcell::picture, sightcell::format_write; needs what it stands on
 #   tools: the programs sightcell::cli and sightcell::city, for add_custom_command
 # Each component is a file beside this one, which is there when that half was installed.
 if(NOT sightcell_FIND_COMPONENTS)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The bundle: nothing it loads comes from outside but glibc; it runs in a root where nothing else is; hosts build on it."""
+"""The bundle: all it loads but glibc comes from inside; it runs in a root where nothing else is; hosts build on it."""
 import os
 import re
 import shutil
@@ -136,9 +136,9 @@ class Bundle(unittest.TestCase):
 
         def inside(program, *arguments, code=0, **variables):
             script = f'mount -t proc proc {self.root}/proc && exec chroot {self.root} "$@"'
-            done = subprocess.run([*IN_NEW_NAMESPACE, 'sh', '-c', script, 'sh', '/opt/moved/bin/' + program, *arguments],
-                                  env={'PATH': os.environ['PATH'], **variables}, stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, text=True, check=False)
+            command = [*IN_NEW_NAMESPACE, 'sh', '-c', script, 'sh', '/opt/moved/bin/' + program, *arguments]
+            done = subprocess.run(command, env={'PATH': os.environ['PATH'], **variables}, text=True, check=False,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
             self.assertEqual(done.returncode, code, f'{program} {arguments}: {done.stdout}')
             return done.stdout
 

@@ -79,8 +79,9 @@ class Everything(Prefix):
         folder, text = build('bake', self.prefix)
         self.assertIn('0.1.0', text)  # of the imported programs
         self.assertIn('Usage: sightcell-city', text)
-        run(os.path.join(self.prefix, 'bin/sightcell-city'), '--polygons', '600', '--out', os.path.join(folder, 'c.glb'))
-        text = run(os.path.join(folder, 'bake_consumer'), os.path.join(folder, 'c.glb'))
+        scene = os.path.join(folder, 'c.glb')
+        run(os.path.join(self.prefix, 'bin/sightcell-city'), '--polygons', '600', '--out', scene)
+        text = run(os.path.join(folder, 'bake_consumer'), scene)
         self.assertIn('polygons 600\n', text)
         self.assertIn('samples', text)  # the message of the wrong setting
         _, text = configure(os.path.join(installed.ARGS.source, 'tests/install/bake'), self.prefix,

@@ -62,7 +62,8 @@ class Packages(unittest.TestCase):
             self.assertIn('libsightcell-dev (= 0.1.0), libembree-dev', self.field(BAKE_DEV, 'Depends'))
             self.assertIn('bake.h', self.names_in(BAKE_DEV))
             # Every package that the config file tells a Debian user to install comes with this one.
-            with open(os.path.join(installed.ARGS.source, 'bake/package/sightcell-bake.cmake'), encoding='utf-8') as file:
+            config = os.path.join(installed.ARGS.source, 'bake/package/sightcell-bake.cmake')
+            with open(config, encoding='utf-8') as file:
                 wanted = [w.rstrip(')') for line in file if line.startswith('sightcell_need')
                           for w in line.split() if w.rstrip(')').endswith(('-dev', 'pkg-config'))]
             self.assertGreater(len(wanted), 9)

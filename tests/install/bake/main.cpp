@@ -1,10 +1,10 @@
 // Reads a scene, says what is in it, and is told that a setting is wrong. Given a second file it bakes, which needs
 // OpenGL; naming the call is enough to link all of the bake half.
-#include <cstdio>
 #include <sightcell/bake/bake.h>
 #include <sightcell/bake/settings.h>
 #include <sightcell/scene/error.h>
 #include <sightcell/scene/scene.h>
+#include <cstdio>
 
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
