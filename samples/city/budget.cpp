@@ -109,13 +109,6 @@ class spender {
   std::vector<house_option> scattered_cells_;  // in any order
 };
 
-std::uint64_t base_of_house(const building& house) {
-  std::uint64_t around = 0;
-  for (std::size_t edge = 0; edge < 4; ++edge) around += house.columns(edge);
-  const std::uint64_t roof = house.is_pitched() ? house.columns(0) + house.columns(2) + 4 : around;
-  return 2 * around * house.floors() + around + roof;
-}
-
 }  // namespace
 
 std::uint64_t base_polygons(const draft& d) {
@@ -125,7 +118,7 @@ std::uint64_t base_polygons(const draft& d) {
   for (const block_draft& block : d.blocks) {
     total += 12;  // pavement
     if (block.has_lawn) total += 12;
-    for (const building& house : block.houses) total += base_of_house(house);
+    for (const building& house : block.houses) total += house.base_cost();
     for (const prop_place& place : block.fixed_props) total += prop_cost(d, place);
   }
   return total;

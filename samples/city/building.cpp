@@ -19,8 +19,9 @@ double length_of(const glm::dvec2& v) {
 
 }  // namespace
 
-building::building(std::string name, const lot& place, bool plain, random_stream& random)
-    : name_(std::move(name)), footprint_(place.footprint) {
+building::building(std::string name, const lot& place, const house_style& style, random_stream& random)
+    : name_(std::move(name)), footprint_(place.footprint), is_over_passage_(place.is_over_passage), base_(style.base) {
+  const bool plain = style.plain;
   const double depth = length_of(footprint_[3] - footprint_[0]);
   const double setback = place.front_setback / depth;
   const ring lot_ring = footprint_;
@@ -30,11 +31,15 @@ building::building(std::string name, const lot& place, bool plain, random_stream
   footprint_[2] = mix(lot_ring[2], lot_ring[1], back);
   footprint_[3] = mix(lot_ring[3], lot_ring[0], back);
 
-  floors_ = 3 + random.below(4);
+  floors_ = style.floors_low + random.below(style.floors_more);
   floor_height_ = random.range(3.0, 3.4);
   if (plain) {
     ground_floor_ += (floors_ - 1) * floor_height_;
     floors_ = 1;
+  }
+  if (is_over_passage_) {
+    base_ = passage_head_room;
+    ground_floor_ = base_ + 0.7;
   }
   pitched_ = random.chance(0.7);
   ridge_height_ = random.range(2.4, 4.6);
@@ -48,7 +53,7 @@ building::building(std::string name, const lot& place, bool plain, random_stream
     const std::size_t cells = fits_window(f.edge) && !plain ? std::size_t{columns_[f.edge]} * floors_ : 0;
     f.cells.assign(cells, window_level::none);
     f.balconies.assign(cells, false);
-    if (cells != 0) f.door = random.below(columns_[f.edge]);
+    if (cells != 0 && !is_over_passage_) f.door = random.below(columns_[f.edge]);
   }
 }
 
@@ -58,7 +63,7 @@ bool building::fits_window(std::size_t edge) const {
 }
 
 double building::row_height(std::uint32_t row) const {
-  return row == 0 ? building_base : ground_floor_ + (row - 1) * floor_height_;
+  return row == 0 ? base_ : ground_floor_ + (row - 1) * floor_height_;
 }
 
 // The ends are the very corners, so that the walls of two edges meet without a gap.
@@ -87,6 +92,13 @@ std::uint64_t building::window_cost(window_level level) {
 
 glm::dvec2 building::inside(double along, double deep) const {
   return mix(mix(footprint_[0], footprint_[1], along), mix(footprint_[3], footprint_[2], along), deep);
+}
+
+std::uint64_t building::base_cost() const {
+  std::uint64_t around = 0;
+  for (std::size_t edge = 0; edge < 4; ++edge) around += columns_[edge];
+  const std::uint64_t roof = pitched_ ? columns_[0] + columns_[2] + 4 : around;
+  return 2 * around * floors_ + around + roof;
 }
 
 mesh building::build() const {
@@ -132,20 +144,29 @@ void building::build_cell(mesh& m, const facade& f, std::uint32_t row, std::uint
     m.quad(wall_, cell[0], cell[1], cell[2], cell[3]);
     return;
   }
-  build_window(m, level, row == 0 && column == f.door, cell, row == 0, f.balconies[index]);
+  build_window(m, level, row == 0 && column == f.door, cell, place_of_window(f, row, column), f.balconies[index]);
+}
+
+window_place building::place_of_window(const facade& f, std::uint32_t row, std::uint32_t column) const {
+  const glm::dvec2 left = column_point(f.edge, column), right = column_point(f.edge, column + 1);
+  const double width = length_of(right - left);
+  const bool is_ground = row == 0, is_door = is_ground && column == f.door;
+  window_place out;
+  out.along = (right - left) / width;
+  out.out = outward_normal(left, right);
+  out.middle = (left + right) * 0.5;
+  out.half = is_door ? 0.7 : is_ground ? std::min(1.3, width * 0.5 - 0.45) : 0.6;
+  // The ground floor's walls may begin below the ground.
+  out.low = is_door ? slab_height + 0.03 : (is_ground ? building_base + 1.0 : row_height(row) + 0.85);
+  out.high = is_ground ? 3.1 : row_height(row) + 2.55;
+  return out;
 }
 
 // cell: low left, low right, high right, high left, as seen from outside.
 void building::build_window(mesh& m, window_level level, bool is_door, const std::array<glm::dvec3, 4>& cell,
-                            bool is_ground, bool has_balcony) const {
-  const glm::dvec2 left(cell[0].x, cell[0].z), right(cell[1].x, cell[1].z);
-  const double width = length_of(right - left);
-  const glm::dvec2 along = (right - left) / width;
-  const glm::dvec2 out = outward_normal(left, right);
-  const double half = is_door ? 0.7 : is_ground ? std::min(1.3, width * 0.5 - 0.45) : 0.6;
-  const double low = is_door ? slab_height + 0.03 : cell[0].y + (is_ground ? 1.0 : 0.85);
-  const double high = is_ground ? 3.1 : cell[0].y + 2.55;
-  const glm::dvec2 middle = (left + right) * 0.5;
+                            const window_place& place, bool has_balcony) const {
+  const glm::dvec2 along = place.along, out = place.out, middle = place.middle;
+  const double half = place.half, low = place.low, high = place.high;
   const auto opening = [&](double depth) {
     const glm::dvec2 l = middle - along * half - out * depth, r = middle + along * half - out * depth;
     return std::array<glm::dvec3, 4>{at_height(l, low), at_height(r, low), at_height(r, high), at_height(l, high)};
@@ -187,11 +208,11 @@ void building::build_window(mesh& m, window_level level, bool is_door, const std
 // Caps are fans around the middle: all points of an edge lie on one line, so a fan from a corner would have polygons
 // without area.
 void building::build_bottom(mesh& m) const {
-  const glm::dvec3 center = at_height(centroid(footprint_), building_base);
+  const glm::dvec3 center = at_height(centroid(footprint_), base_);
   for (std::size_t edge = 0; edge < 4; ++edge) {
     for (std::uint32_t column = 0; column < columns_[edge]; ++column) {
-      m.triangle(wall_, center, at_height(column_point(edge, column + 1), building_base),
-                 at_height(column_point(edge, column), building_base));
+      m.triangle(wall_, center, at_height(column_point(edge, column + 1), base_),
+                 at_height(column_point(edge, column), base_));
     }
   }
 }

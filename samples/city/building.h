@@ -22,10 +22,22 @@ struct facade {
   std::uint32_t door = 0xFFFFFFFFu;  // column of the door on the ground floor
 };
 
+// How houses of a style differ from the plainest.
+struct house_style {
+  bool plain = false;  // one cell per wall and no floors, for the smallest cities
+  std::uint32_t floors_low = 3, floors_more = 4;
+  double base = building_base;  // where the walls begin; lower on slopes
+};
+
+// An opening in a street or yard wall, as seen from outside.
+struct window_place {
+  glm::dvec2 middle{0, 0}, along{1, 0}, out{0, 1};  // on the wall's plane; unit vectors
+  double half = 0, low = 0, high = 0;
+};
+
 class building {
  public:
-  // plain: one cell per wall and no floors, for the smallest cities.
-  building(std::string name, const lot& place, bool plain, random_stream& random);
+  building(std::string name, const lot& place, const house_style& style, random_stream& random);
 
   std::uint32_t columns(std::size_t edge) const { return columns_[edge]; }
   std::uint32_t floors() const { return floors_; }
@@ -33,6 +45,14 @@ class building {
   bool is_pitched() const { return pitched_; }
   double eaves() const { return row_height(floors_); }
   const ring& footprint() const { return footprint_; }
+  bool is_over_passage() const { return is_over_passage_; }
+  double ridge_height() const { return pitched_ ? ridge_height_ : 0.0; }
+  surface wall() const { return wall_; }
+  surface roof() const { return roof_; }
+  double row_height(std::uint32_t row) const;
+  window_place place_of_window(const facade& f, std::uint32_t row, std::uint32_t column) const;
+  glm::dvec2 inside(double along, double deep) const;  // 0..1 from the left party wall, 0..1 from the street
+  std::uint64_t base_cost() const;                     // polygons with no detail at all
 
   // What may be changed between making the house and building its mesh.
   std::array<facade, 2> facades;  // street, yard
@@ -45,24 +65,25 @@ class building {
   static constexpr std::uint64_t balcony_cost = 18;
 
   mesh build() const;
+  double lift = 0;  // of its node: the ground it stands on
 
  private:
-  double row_height(std::uint32_t row) const;
   glm::dvec2 column_point(std::size_t edge, std::uint32_t column) const;
   void build_wall(mesh& m, std::size_t edge) const;
   void build_cell(mesh& m, const facade& f, std::uint32_t row, std::uint32_t column) const;
-  void build_window(mesh& m, window_level level, bool is_door, const std::array<glm::dvec3, 4>& cell, bool is_ground,
-                    bool has_balcony) const;
+  void build_window(mesh& m, window_level level, bool is_door, const std::array<glm::dvec3, 4>& cell,
+                    const window_place& place, bool has_balcony) const;
   void build_bottom(mesh& m) const;
   void build_flat_roof(mesh& m) const;
   void build_pitched_roof(mesh& m) const;
   void build_extras(mesh& m) const;
-  glm::dvec2 inside(double along, double deep) const;
 
   std::string name_;
   ring footprint_;
   std::array<std::uint32_t, 4> columns_{1, 1, 1, 1};
   std::uint32_t floors_ = 1;
+  bool is_over_passage_ = false;
+  double base_ = building_base;
   double ground_floor_ = 4.0;
   double floor_height_ = 3.2;
   bool pitched_ = false;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plan.h"
+#include "relief.h"
 
 namespace sightcell::city {
 
@@ -19,6 +20,9 @@ inline constexpr std::size_t cell_count = 20;
 
 // At most cell_count: cities of one or two blocks have fewer places.
 std::vector<named_cell> choose_cells(const plan& p, std::uint64_t seed);
+
+// The same over a relief, with bridges, sunken streets and passages among the places.
+std::vector<named_cell> choose_town_cells(const plan& p, const relief& r, std::uint64_t seed);
 
 // The plan of a cell, grown to all sides.
 ring cell_ring(const named_cell& cell, double grown);

@@ -138,16 +138,6 @@ class model_builder {
   model out_;
 };
 
-std::uint64_t count_polygons(const model& m) {
-  std::vector<std::uint64_t> of_mesh;
-  for (const mesh& part : m.meshes) of_mesh.push_back(part.polygon_count());
-  std::uint64_t total = 0;
-  for (const node& n : m.nodes) {
-    if (n.mesh < of_mesh.size()) total += of_mesh[n.mesh];
-  }
-  return total;
-}
-
 // The smallest square or nearly square town that has room for about twice as many polygons, so that detail stops at
 // window sills; where the bare walls of that town are too many already, the smallest that has room at all.
 bool find_draft(std::uint64_t polygons, std::uint64_t seed, draft& out) {
@@ -174,6 +164,16 @@ bool find_draft(std::uint64_t polygons, std::uint64_t seed, draft& out) {
 }
 
 }  // namespace
+
+std::uint64_t count_polygons(const model& m) {
+  std::vector<std::uint64_t> of_mesh;
+  for (const mesh& part : m.meshes) of_mesh.push_back(part.polygon_count());
+  std::uint64_t total = 0;
+  for (const node& n : m.nodes) {
+    if (n.mesh < of_mesh.size()) total += of_mesh[n.mesh];
+  }
+  return total;
+}
 
 model make_city(std::uint64_t polygons, std::uint64_t seed) {
   if (polygons < fewest_polygons || polygons > most_polygons) {

@@ -165,8 +165,10 @@ draft make_draft(std::uint32_t rows, std::uint32_t columns, bool plain, std::uin
   for (const block& b : d.layout.blocks) {
     block_draft& out = d.blocks.emplace_back();
     random_stream houses{seed, stream_houses, b.row, b.column};
+    house_style plainness;
+    plainness.plain = plain;
     for (const lot& place : b.lots) {
-      out.houses.emplace_back("house " + std::to_string(out.houses.size() + 1), place, plain, houses);
+      out.houses.emplace_back("house " + std::to_string(out.houses.size() + 1), place, plainness, houses);
     }
     random_stream props{seed, stream_props, b.row, b.column};
     prop_planner planner(d, b, props);

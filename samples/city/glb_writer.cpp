@@ -46,11 +46,26 @@ constexpr std::array<look, static_cast<std::size_t>(surface::count)> looks = {{
     {"metal", {0.06, 0.07, 0.07, 1}},
     {"paint", {0.75, 0.72, 0.62, 1}},
     {"fence", {0.10, 0.12, 0.10, 1}, "MASK", true},
+    {"brick", {0.35, 0.17, 0.11, 1}},
+    {"foliage", {0.16, 0.33, 0.07, 1}, "MASK", true},
+    {"litter", {0.80, 0.78, 0.70, 1}, "OPAQUE", true},
+    {"cloth", {0.25, 0.35, 0.62, 1}, "OPAQUE", true},
+    {"flower", {0.70, 0.10, 0.22, 1}},
+    {"fruit", {0.85, 0.48, 0.06, 1}},
+    {"sign red", {0.62, 0.05, 0.04, 1}},
+    {"sign blue", {0.05, 0.14, 0.45, 1}},
+    {"concrete", {0.42, 0.41, 0.39, 1}},
+    {"panel light", {0.66, 0.64, 0.58, 1}},
+    {"panel grey", {0.38, 0.39, 0.39, 1}},
+    {"panel rose", {0.58, 0.40, 0.34, 1}},
+    {"panel dark", {0.09, 0.10, 0.12, 1}},
+    {"rust", {0.30, 0.14, 0.07, 1}},
 }};
 
-json materials() {
+json materials(const model& city) {
   json out = json::array();
-  for (const look& l : looks) {
+  for (std::size_t i = 0; i < city.surface_count; ++i) {
+    const look& l = looks[i];
     json m = {
         {"name", l.name},
         {"pbrMetallicRoughness", {{"baseColorFactor", l.color}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}}};
@@ -149,7 +164,7 @@ json nodes(const model& m) {
     if (n.translation != glm::dvec3(0.0)) {
       entry["translation"] = {n.translation.x, n.translation.y, n.translation.z};
     }
-    if (n.turn.x != 0.0) entry["rotation"] = {0.0, n.turn.x, 0.0, n.turn.y};
+    if (n.turn.x != 0.0 || n.tilt != glm::dvec2(0.0)) entry["rotation"] = {n.tilt.x, n.turn.x, n.tilt.y, n.turn.y};
     if (n.scale != 1.0) entry["scale"] = {n.scale, n.scale, n.scale};
     out.push_back(std::move(entry));
   }
@@ -173,7 +188,7 @@ void write_glb(const model& m, const std::filesystem::path& path) {
                    {"scene", 0},
                    {"scenes", json::array({{{"name", "city"}, {"nodes", m.roots}}})},
                    {"nodes", nodes(m)},
-                   {"materials", materials()}};
+                   {"materials", materials(m)}};
   document["meshes"] = pack.pack(m);
   document["accessors"] = pack.accessors();
   document["bufferViews"] = pack.views();

@@ -28,8 +28,11 @@ int main(int argc, char** argv) {
                "sightcell-city");
   std::uint64_t polygons = 100'000;
   std::uint64_t seed = 1;
-  std::string out, cells;
-  app.add_option("--polygons", polygons, "how many polygons, 500 or more")->capture_default_str();
+  std::string out, cells, preset;
+  CLI::Option* count = app.add_option("--polygons", polygons, "how many polygons, 500 or more")->capture_default_str();
+  CLI::Option* named =
+      app.add_option("--preset", preset, "a larger, richer town: " + std::string(sightcell::city::preset_names()));
+  named->excludes(count);
   app.add_option("--seed", seed, "another number gives another town")->capture_default_str();
   app.add_option("--out", out, "the .glb to write")->required();
   app.add_option("--cells", cells, "a JSON file of view cells to write");
@@ -39,7 +42,17 @@ int main(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   try {
-    const sightcell::city::model city = sightcell::city::make_city(polygons, seed);
+    const sightcell::city::style* style = nullptr;
+    if (!preset.empty()) {
+      style = sightcell::city::find_preset(preset);
+      if (style == nullptr) {
+        throw sightcell::error(sightcell::error_kind::wrong_use, "city.preset", "the preset '" + preset + "'",
+                               "there is none of that name", "ask for " + std::string(sightcell::city::preset_names()));
+      }
+      polygons = style->polygons;
+    }
+    const sightcell::city::model city = style != nullptr ? sightcell::city::make_town(*style, polygons, seed)
+                                                         : sightcell::city::make_city(polygons, seed);
     sightcell::city::write_glb(city, out);
     if (!cells.empty()) sightcell::city::write_cells(city, cells);
     std::cerr << out << ": " << polygons << " polygons, " << city.nodes.size() << " nodes, " << city.meshes.size()

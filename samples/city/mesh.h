@@ -32,8 +32,25 @@ enum class surface : std::uint8_t {
   metal,
   paint,
   fence,
+  // Only in the richer styles:
+  brick,
+  foliage,  // MASK, double-sided
+  litter,   // double-sided
+  cloth,    // double-sided
+  flower,
+  fruit,
+  sign_red,
+  sign_blue,
+  concrete,
+  panel_light,  // panels are single sheets in front of a solid
+  panel_grey,
+  panel_rose,
+  panel_dark,
+  rust,
   count
 };
+
+inline constexpr std::size_t plain_surface_count = static_cast<std::size_t>(surface::fence) + 1;
 
 using ring = std::array<glm::dvec2, 4>;  // a convex quadrilateral in plan, in up order
 

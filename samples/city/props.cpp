@@ -1,5 +1,7 @@
 #include "props.h"
 
+#include "rich_props.h"
+
 namespace sightcell::city {
 namespace {
 
@@ -94,8 +96,27 @@ std::vector<mesh> make_prop_meshes(std::uint64_t seed) {
           stall(),          fountain(),       crate()};
 }
 
+std::vector<mesh> make_town_prop_meshes(std::uint64_t seed) {
+  std::vector<mesh> out = make_prop_meshes(seed);
+  for (mesh& m : make_rich_props(seed)) out.push_back(std::move(m));
+  return out;
+}
+
 double prop_radius(prop kind) {
   switch (kind) {
+    case prop::leafy_tree:
+    case prop::fruit_stall:
+      return 2.3;
+    case prop::young_tree:
+    case prop::cafe_table:
+      return 1.2;
+    case prop::bush:
+    case prop::bicycle:
+      return 1.0;
+    case prop::motor_car:
+      return 2.3;
+    case prop::barrow:
+      return 1.3;
     case prop::car:
       return 2.3;
     case prop::stall:
