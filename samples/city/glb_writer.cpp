@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sightcell/scene/error.h"
+#include "textures.h"
 
 namespace sightcell::city {
 namespace {
@@ -62,13 +63,14 @@ constexpr std::array<look, static_cast<std::size_t>(surface::count)> looks = {{
     {"rust", {0.30, 0.14, 0.07, 1}},
 }};
 
-json materials(const model& city) {
+json materials(const model& city, bool textured) {
   json out = json::array();
   for (std::size_t i = 0; i < city.surface_count; ++i) {
     const look& l = looks[i];
     json m = {
         {"name", l.name},
         {"pbrMetallicRoughness", {{"baseColorFactor", l.color}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}}};
+    if (textured) m["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", i}};
     if (std::strcmp(l.alpha, "OPAQUE") != 0) m["alphaMode"] = l.alpha;
     if (l.double_sided) m["doubleSided"] = true;
     out.push_back(std::move(m));
@@ -78,12 +80,16 @@ json materials(const model& city) {
 
 class packer {
  public:
+  explicit packer(bool textured) : textured_(textured) {}
+
   json pack(const model& m) {
     json meshes = json::array();
     for (const mesh& part : m.meshes) {
       json primitives = json::array();
       for (const primitive& p : part.primitives()) {
-        primitives.push_back({{"attributes", {{"POSITION", add_positions(p)}}},
+        json attributes = {{"POSITION", add_positions(p)}};
+        if (textured_) attributes["TEXCOORD_0"] = add_texture_coordinates(p);
+        primitives.push_back({{"attributes", std::move(attributes)},
                               {"indices", add_indices(p)},
                               {"material", static_cast<unsigned>(p.material)}});
       }
@@ -92,10 +98,43 @@ class packer {
     return meshes;
   }
 
-  // One buffer: all positions, then all indices.
+  // One buffer: all positions, then all indices; then texture coordinates and textures, where there are any.
   json views() const {
-    return {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", positions_.size()}, {"target", 34962}},
-            {{"buffer", 0}, {"byteOffset", positions_.size()}, {"byteLength", indices_.size()}, {"target", 34963}}};
+    std::size_t offset = 0;
+    json out = json::array();
+    const auto add = [&](std::size_t bytes, int target) {
+      out.push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes}});
+      if (target != 0) out.back()["target"] = target;
+      offset += bytes;
+    };
+    add(positions_.size(), 34962);
+    add(indices_.size(), 34963);
+    if (!textured_) return out;
+    add(coordinates_.size(), 34962);
+    for (const texture& t : textures_) add(t.png.size(), 0);
+    return out;
+  }
+
+  json images() const {
+    json out = json::array();
+    for (std::size_t i = 0; i < textures_.size(); ++i) {
+      out.push_back({{"name", looks[i].name}, {"bufferView", 3 + i}, {"mimeType", "image/png"}});
+    }
+    return out;
+  }
+
+  json textures() const {
+    json out = json::array();
+    for (std::size_t i = 0; i < textures_.size(); ++i) out.push_back({{"source", i}, {"sampler", 0}});
+    return out;
+  }
+
+  // What follows the indices.
+  std::vector<char> rest() const {
+    std::vector<char> out = coordinates_;
+    for (const texture& t : textures_) out.insert(out.end(), t.png.begin(), t.png.end());
+    while (out.size() % 4 != 0) out.push_back(0);
+    return out;
   }
 
   json accessors() { return std::move(accessors_); }
@@ -151,8 +190,21 @@ class packer {
     return accessors_.size() - 1;
   }
 
+  std::size_t add_texture_coordinates(const primitive& p) {
+    const std::size_t offset = coordinates_.size();
+    for (const auto& uv : texture_coordinates(p)) append(coordinates_, uv);
+    accessors_.push_back({{"bufferView", 2},
+                          {"byteOffset", offset},
+                          {"componentType", 5126},
+                          {"count", p.positions.size()},
+                          {"type", "VEC2"}});
+    return accessors_.size() - 1;
+  }
+
+  bool textured_;
+  std::vector<texture> textures_ = textured_ ? make_textures() : std::vector<texture>();
   json accessors_ = json::array();
-  std::vector<char> positions_, indices_;
+  std::vector<char> positions_, indices_, coordinates_;
 };
 
 json nodes(const model& m) {
@@ -182,17 +234,23 @@ void put_u32(std::ofstream& stream, std::uint32_t value) {
 
 }  // namespace
 
-void write_glb(const model& m, const std::filesystem::path& path) {
-  packer pack;
+void write_glb(const model& m, const std::filesystem::path& path, bool textured) {
+  packer pack(textured);
   json document = {{"asset", {{"version", "2.0"}, {"generator", "sightcell-city"}}},
                    {"scene", 0},
                    {"scenes", json::array({{{"name", "city"}, {"nodes", m.roots}}})},
                    {"nodes", nodes(m)},
-                   {"materials", materials(m)}};
+                   {"materials", materials(m, textured)}};
   document["meshes"] = pack.pack(m);
   document["accessors"] = pack.accessors();
   document["bufferViews"] = pack.views();
-  const std::uint64_t binary = pack.positions().size() + pack.indices().size();
+  if (textured) {
+    document["images"] = pack.images();
+    document["textures"] = pack.textures();
+    document["samplers"] = json::array({{{"wrapS", 10497}, {"wrapT", 10497}}});
+  }
+  const std::vector<char> rest = pack.rest();
+  const std::uint64_t binary = pack.positions().size() + pack.indices().size() + rest.size();
   document["buffers"] = json::array({{{"byteLength", binary}}});
   std::string text = document.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
@@ -212,6 +270,7 @@ void write_glb(const model& m, const std::filesystem::path& path) {
   put_u32(stream, 0x004E4942u);  // "BIN"
   stream.write(pack.positions().data(), static_cast<std::streamsize>(pack.positions().size()));
   stream.write(pack.indices().data(), static_cast<std::streamsize>(pack.indices().size()));
+  stream.write(rest.data(), static_cast<std::streamsize>(rest.size()));
   stream.close();
   if (!stream) fail_to_write(path);
 }

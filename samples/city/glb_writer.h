@@ -7,7 +7,8 @@
 namespace sightcell::city {
 
 // Both throw sightcell::error (failed) when the file cannot be written.
-void write_glb(const model& m, const std::filesystem::path& path);
+// textured: the same polygons in the same order, with texture coordinates and embedded PNG textures.
+void write_glb(const model& m, const std::filesystem::path& path, bool textured = false);
 void write_cells(const model& m, const std::filesystem::path& path);
 
 }  // namespace sightcell::city

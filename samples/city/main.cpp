@@ -29,10 +29,12 @@ int main(int argc, char** argv) {
   std::uint64_t polygons = 100'000;
   std::uint64_t seed = 1;
   std::string out, cells, preset;
+  bool textured = false;
   CLI::Option* count = app.add_option("--polygons", polygons, "how many polygons, 500 or more")->capture_default_str();
   CLI::Option* named =
       app.add_option("--preset", preset, "a larger, richer town: " + std::string(sightcell::city::preset_names()));
   named->excludes(count);
+  app.add_flag("--textured", textured, "with textures; the polygons stay the same")->needs(named);
   app.add_option("--seed", seed, "another number gives another town")->capture_default_str();
   app.add_option("--out", out, "the .glb to write")->required();
   app.add_option("--cells", cells, "a JSON file of view cells to write");
@@ -53,7 +55,7 @@ int main(int argc, char** argv) {
     }
     const sightcell::city::model city = style != nullptr ? sightcell::city::make_town(*style, polygons, seed)
                                                          : sightcell::city::make_city(polygons, seed);
-    sightcell::city::write_glb(city, out);
+    sightcell::city::write_glb(city, out, textured);
     if (!cells.empty()) sightcell::city::write_cells(city, cells);
     std::cerr << out << ": " << polygons << " polygons, " << city.nodes.size() << " nodes, " << city.meshes.size()
               << " meshes, " << city.cells.size() << " cells, seed " << seed << '\n';

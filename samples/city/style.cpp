@@ -5,7 +5,7 @@ namespace {
 
 constexpr style old_town() {
   style s;
-  s.polygons_per_block = 40000;
+  s.polygons_per_block = 54000;
   s.relief_height = 11.0;
   s.relief_length = 120.0;
   s.plan.sunken_every = 4;

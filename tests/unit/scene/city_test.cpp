@@ -28,11 +28,11 @@ namespace {
 class written_city {
  public:
   written_city(std::uint64_t polygons, std::uint64_t seed) : written_city(make_city(polygons, seed)) {}
-  explicit written_city(model made) : model_(std::move(made)) {
+  explicit written_city(model made, bool textured = false) : model_(std::move(made)) {
     static int count = 0;
     path_ = std::filesystem::temp_directory_path() /
             ("sightcell-city-test-" + std::to_string(getpid()) + "-" + std::to_string(count++) + ".glb");
-    write_glb(model_, path_);
+    write_glb(model_, path_, textured);
   }
   ~written_city() { std::filesystem::remove(path_); }
   written_city(const written_city&) = delete;
@@ -233,9 +233,38 @@ TEST(town, shells_are_closed_and_face_outward) {
   EXPECT_GT(count_closed_shells(make_town(preset("hongkong"), 300000, 1)), 30u);
 }
 
+TEST(town, textures_change_no_polygon) {
+  const scene::scene bare = written_city(make_town(preset("vienna800k"), 150000, 1)).load();
+  const scene::scene rich = written_city(make_town(preset("vienna800k"), 150000, 1), true).load();
+  const scene::world_geometry a = scene::flatten(bare), b = scene::flatten(rich);
+  EXPECT_TRUE(a.positions == b.positions);
+  EXPECT_TRUE(a.indices == b.indices);
+  EXPECT_TRUE(bare.images.empty());
+  EXPECT_TRUE(rich.warnings.empty());
+  std::size_t cut_outs = 0;
+  for (const scene::draw& d : rich.draws) {
+    const scene::geometry& g = rich.geometries[d.geometry];
+    ASSERT_EQ(g.uvs.size(), g.positions.size());
+    const scene::material& m = rich.materials[d.material];
+    ASSERT_LT(m.base_color_image, rich.images.size()) << m.name;
+    const std::vector<std::uint8_t>& png = rich.images[m.base_color_image].encoded;
+    ASSERT_GT(png.size(), 8u);
+    EXPECT_EQ(png[1], 'P');
+    if (m.alpha != scene::alpha_mode::mask) continue;
+    ++cut_outs;
+    // A quad takes the whole texture: each of its triangles covers half of it.
+    for (std::size_t i = 0; i < g.indices.size(); i += 3) {
+      const glm::vec2 u = g.uvs[g.indices[i + 1]] - g.uvs[g.indices[i]];
+      const glm::vec2 v = g.uvs[g.indices[i + 2]] - g.uvs[g.indices[i]];
+      ASSERT_EQ(std::abs(u.x * v.y - u.y * v.x), 1.0f) << m.name;
+    }
+  }
+  EXPECT_GT(cut_outs, 0u);
+}
+
 // A town large enough for bridges, squares and all kinds of cells.
 const written_city& old_town() {
-  static const written_city town(make_town(preset("vienna800k"), 360000, 1));
+  static const written_city town(make_town(preset("vienna800k"), 490000, 1));
   return town;
 }
 
