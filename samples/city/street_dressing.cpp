@@ -45,6 +45,10 @@ void dresser::stand(std::vector<prop_place>& out, prop kind, const glm::dvec2& a
   const double lean_x = random_.range(-lean, lean), lean_z = random_.range(-lean, lean);
   const double height = relief_.at(at) + lift;
   if (!is_free(at_height(at, height), prop_radius(kind) * scale, true)) return;
+  for (const prop_place& other : out) {
+    const double apart = prop_radius(other.kind) * other.scale + prop_radius(kind) * scale;
+    if (glm::dot(other.at - at, other.at - at) < apart * apart) return;
+  }
   prop_place place;
   place.kind = kind;
   place.at = at;
@@ -60,6 +64,14 @@ void dresser::stand(std::vector<prop_place>& out, prop kind, const glm::dvec2& a
 }
 
 void dresser::furnish(const block& b, std::vector<prop_place>& out) {
+  const std::size_t before = out.size();
+  if (b.is_square) {
+    // Holds its place against the others; the town has one of its own there already.
+    prop_place fountain;
+    fountain.kind = prop::fountain;
+    fountain.at = centroid(b.yard);
+    out.push_back(fountain);
+  }
   const glm::dvec2 any(0.3, 1.0);
   for (std::size_t edge = 0; edge < 4; ++edge) {
     const glm::dvec2 from = b.outline[edge], to = b.outline[(edge + 1) % 4];
@@ -112,6 +124,7 @@ void dresser::furnish(const block& b, std::vector<prop_place>& out) {
       stand(out, kind, at, direction, slab_height);
     }
   }
+  if (b.is_square) out.erase(out.begin() + static_cast<std::ptrdiff_t>(before));
 }
 
 void dresser::dress_street(const plan& p, const block& b, std::vector<clutter_wish>& out) {

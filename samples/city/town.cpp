@@ -175,6 +175,11 @@ town_block town::make_block(const block& b) const {
   mesh ground("ground");
   add_street_ground(ground, layout_, relief_, b.row + 1, b.column + 1, &b);
   add_pavement(ground, b.pavement, relief_);
+  const ring lawn = inset(b.yard, {4.0, 4.0, 4.0, 4.0});
+  const glm::dvec2 width = b.yard[2] - b.yard[1], depth = b.yard[1] - b.yard[0];
+  if (!b.is_square && std::min(glm::dot(width, width), glm::dot(depth, depth)) > 18.0 * 18.0) {
+    add_lawn(ground, lawn, relief_);
+  }
   out.parts.push_back({std::move(ground), 0, {}});
   std::vector<named_cell> near;
   const glm::dvec2 middle = centroid(b.tile);
@@ -197,7 +202,7 @@ town_block town::make_block(const block& b) const {
   d.furnish(b, out.props);
   if (b.is_square) {
     const glm::dvec2 at = centroid(b.yard);
-    out.fixed_props.push_back({prop::fountain, at, {0, 1}, 1.0, relief_.at(at) + slab_height});
+    out.fixed_props.push_back({prop::fountain, at, {0, 1}, 1.0, relief_.at(at) + slab_height - 0.12});
   }
   return out;
 }
