@@ -307,14 +307,14 @@ int main(int argc, char** argv) {
   }
   try {
     std::vector<std::vector<row>> columns;
-    nlohmann::json document = nlohmann::json::object();
+    nlohmann::json document = nlohmann::json::object();  // scene: [name, value, is a share]...
     std::string head = "| share of the polygons |", rule = "|---|";
     for (const std::string& path : paths) {
       const scene s = sightcell::scene::load_gltf(path);
       columns.push_back(measure(s, quick ? 2000 : 20000));
       head += " " + s.name + " |";
       rule += "---|";
-      for (const row& r : columns.back()) document[s.name][r.name] = r.value;
+      for (const row& r : columns.back()) document[s.name].push_back({r.name, r.value, r.is_share});
     }
     std::cout << head << '\n' << rule << '\n';
     for (std::size_t i = 0; i < columns.front().size(); ++i) {
