@@ -111,7 +111,7 @@ int run_bake(bake_options options) {
   bake::validate(how);  // before minutes of loading
   refuse_overwriting_the_scene(options);
   progress_line line(mode_of(options.progress));
-  const scene::scene s = scene::load_gltf(options.scene);
+  const scene::scene s = scene::load_gltf(options.scene, how.scene);
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   line.message(fmt::format("{}: {} polygons in {} draws", s.name, grouped(s.polygon_count), grouped(s.draws.size())));
 
@@ -188,6 +188,9 @@ void add_bake_verb(CLI::App& program, action& chosen) {
   CLI::App& verb = *program.add_subcommand("bake", "bake the visibility of a scene; an interrupted bake resumes");
   verb.add_option("SCENE", options->scene, ".glb or .gltf")->type_name("FILE")->required();
   verb.add_option("-o", options->output, "the .pvs file to write")->type_name("FILE.pvs")->required();
+  verb.add_option("--scene", options->settings.scene, "which scene of the file; without: its default")
+      ->type_name("N")
+      ->check(CLI::Range(0, INT32_MAX));
   add_cell_options(verb, *options);
   add_sampling_options(verb, *options);
   add_running_options(verb, *options);

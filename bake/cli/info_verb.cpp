@@ -24,6 +24,7 @@ using nlohmann::ordered_json;
 struct info_options {
   std::filesystem::path path;
   bool json = false;
+  int scene = -1;
 };
 
 std::string hex(const std::array<std::uint8_t, 16>& bytes) {
@@ -165,7 +166,7 @@ void print_scene(const std::filesystem::path& path, const ordered_json& info) {
 
 int run_info(const info_options& options) {
   const std::optional<pvs_file> pvs = pvs_file::open_if_pvs(options.path);
-  const ordered_json info = pvs ? file_json(*pvs) : scene_json(scene::load_gltf(options.path));
+  const ordered_json info = pvs ? file_json(*pvs) : scene_json(scene::load_gltf(options.path, options.scene));
   if (options.json)
     fmt::print("{}\n", info.dump(2, ' ', false, ordered_json::error_handler_t::replace));
   else if (pvs)
@@ -181,6 +182,9 @@ void add_info_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<info_options>();
   CLI::App& verb = *program.add_subcommand("info", "what a scene or a .pvs file holds");
   verb.add_option("FILE", options->path, ".glb, .gltf or .pvs")->type_name("SCENE|FILE.pvs")->required();
+  verb.add_option("--scene", options->scene, "which scene of a glTF file; without: its default")
+      ->type_name("N")
+      ->check(CLI::Range(0, INT32_MAX));
   verb.add_flag("--json", options->json, "print one JSON object on standard output");
   verb.callback([options, &chosen] { chosen = [options] { return run_info(*options); }; });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "sightcell/format/layout.h"
 #include "sightcell/scene/error.h"
@@ -59,6 +60,14 @@ format::row_statistics pvs_file::statistics() const {
   format::row_statistics sums;
   check(reader_.statistics(row, scratch, sums));
   return sums;
+}
+
+int pvs_file::scene() const {
+  const auto settings = nlohmann::json::parse(reader_.settings(), nullptr, false);
+  if (!settings.is_object()) return -1;
+  const auto scene = settings.find("scene");
+  const bool given = scene != settings.end() && scene->is_number_unsigned() && *scene <= INT32_MAX;
+  return given ? scene->get<int>() : -1;
 }
 
 std::vector<std::uint32_t> pvs_file::cell_set(std::uint32_t cell) const {

@@ -142,7 +142,7 @@ int run_verify(const verify_options& options) {
     throw error(error_kind::wrong_use, "settings.out-of-range", "--rays", "is 0", "give at least 1");
   progress_line line(progress_mode::automatic);
   const pvs_file file = pvs_file::open(options.file);
-  const scene::scene s = scene::load_gltf(options.scene);
+  const scene::scene s = scene::load_gltf(options.scene, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const bake::verification v =
       bake::verify(s, file.bytes(), options.file.string(), options.how,

@@ -78,7 +78,9 @@ std::string describe(const settings& s) {
                       s.cell_limit, number(s.margin), number(s.player_radius));
   text += fmt::format(R"(,"sampler":{},"samples":{},"resolution":{},"max_pixel_error":{},"seed":{})",
                       nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);
-  text += fmt::format(R"(,"all_double_sided":{}}})", s.all_double_sided);
+  text += fmt::format(R"(,"all_double_sided":{})", s.all_double_sided);
+  if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
+  text += "}";
   return text;
 }
 

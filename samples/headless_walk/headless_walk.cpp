@@ -30,6 +30,7 @@ constexpr std::uint32_t width = 960, height = 600;
 struct arguments {
   std::string scene_file, pvs_file, out;
   std::uint32_t frames = 32;
+  int scene = -1;
 };
 
 struct frame_pictures {
@@ -100,7 +101,7 @@ void print_summary(const totals& t, std::size_t frames, const std::string& out) 
 }
 
 void walk(const arguments& args) {
-  const scene::scene s = scene::load_gltf(args.scene_file);
+  const scene::scene s = scene::load_gltf(args.scene_file, args.scene);
   const scene::world_geometry world = scene::flatten(s);
   const sightcell::db db = open_baked(args.pvs_file, s);
   auto camera = sightcell::view::create(db);
@@ -174,6 +175,8 @@ int main(int argc, char** argv) {
   app.add_option("scene", args.scene_file, "the scene, .glb or .gltf")->required();
   app.add_option("pvs", args.pvs_file, "the baked file")->required();
   app.add_option("--out", args.out, "folder for the pictures")->required();
+  app.add_option("--scene", args.scene, "which scene of the file; without: its default")
+      ->check(CLI::Range(0, INT32_MAX));
   app.add_option("--frames", args.frames, "frames of the walk")->check(CLI::Range(1, 100000))->capture_default_str();
   try {
     app.parse(argc, argv);

@@ -40,6 +40,8 @@ void add_options(CLI::App& app, viewer::options& chosen, words& rest) {
       {"pvs", viewer::draw_mode::pvs}, {"all", viewer::draw_mode::all}, {"tint", viewer::draw_mode::tint}};
   app.add_option("scene", chosen.scene_file, "the scene, .glb or .gltf")->required();
   app.add_option("pvs", chosen.pvs_file, "the file baked from it; without: the scene alone");
+  app.add_option("--scene", chosen.scene, "which scene of the file; without: its default")
+      ->check(CLI::Range(0, INT32_MAX));
   app.add_option("--cells-file", chosen.cells_file, "the cells file of the bake: gives cells their names");
   app.add_option("--size", rest.size, "of the window, WxH in pixels")->default_str("1280x800");
   app.add_option("--cell", chosen.cell, "start in the middle of this cell");

@@ -255,7 +255,7 @@ void take_screenshot(session& s, const scene_renderer& renderer, const options& 
 }  // namespace
 
 void run(const options& chosen) {
-  scene::scene s = scene::load_gltf(chosen.scene_file);
+  scene::scene s = scene::load_gltf(chosen.scene_file, chosen.scene);
   const draw_groups groups(s);
   scene::world_geometry world = scene::flatten(s);
   const baked_scene baked = open_baked(s, world, chosen.pvs_file, chosen.cells_file);

@@ -12,6 +12,7 @@ enum class draw_mode { pvs, all, tint };
 
 struct options {
   std::string scene_file, pvs_file, cells_file;
+  int scene = -1;  // of the glTF file; -1: its default
   std::uint32_t width = 1280, height = 800;
   std::optional<std::array<float, 3>> eye;
   std::optional<std::array<float, 2>> look;  // yaw, pitch in degrees

@@ -28,14 +28,16 @@ def run(*arguments, program=None):
     return done.returncode, done.stdout, done.stderr
 
 
-def write_room(path, height=4):
-    """A room of 8 x 4 x 8 m seen from inside: 12 polygons; 0 and 1 are the floor, about a tenth of the view each."""
+def write_room(path, height=4, scenes=((0,),)):
+    """A room of 8 x 4 x 8 m seen from inside: 12 polygons; 0 and 1 are the floor, about a tenth of the view each. Nodes 0
+    and 1 are both the room; scenes: the nodes of each."""
     corners = [(x, y, z) for x in (0, 8) for y in (0, height) for z in (0, 8)]
     quads = [(0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6), (0, 4, 6, 2), (1, 3, 7, 5)]
     indices = [i for a, b, c, d in quads for i in (a, b, c, a, c, d)]
     binary = b''.join(struct.pack('<3f', *c) for c in corners) + struct.pack(f'<{len(indices)}H', *indices)
     document = {
-        'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0]}], 'nodes': [{'mesh': 0, 'name': 'room'}],
+        'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': list(nodes)} for nodes in scenes],
+        'nodes': [{'mesh': 0, 'name': 'room'}, {'mesh': 0, 'name': 'again'}],
         'meshes': [{'primitives': [{'attributes': {'POSITION': 0}, 'indices': 1}]}],
         'buffers': [{'byteLength': len(binary)}],
         'bufferViews': [{'buffer': 0, 'byteOffset': 0, 'byteLength': 96},
@@ -207,6 +209,19 @@ class Bake(InFolder):
         self.assertEqual((result['misses'], result['pixel_error'], result['worst_view']), (0, 0.0, None))
         self.assertEqual((result['rays'], result['cells'], result['confidence']), (20000, 1, 0.95))
         self.assertAlmostEqual(result['upper_bound'], 1.0 - 0.05 ** (1.0 / 20000), places=9)
+
+    def test_verify_loads_the_scene_of_the_bake(self):
+        """A file of two scenes: the room, and the room twice."""
+        two, file = self.path('two.glb'), self.path('two.pvs')
+        write_room(two, scenes=[[0], [0, 1]])
+        self.expect(0, 'bake', two, '-o', file, '--scene', '1', '--cells-file', self.cells, *QUICK_BAKE)
+        info = json.loads(self.expect(0, 'info', file, '--json')[0])
+        self.assertEqual((info['polygons'], info['settings']['scene']), (24, 1))
+        self.assertEqual(json.loads(self.expect(0, 'info', two, '--json')[0])['polygons'], 12)
+        self.assertEqual(json.loads(self.expect(0, 'info', two, '--scene', '1', '--json')[0])['polygons'], 24)
+        self.expect(0, 'verify', two, file, '--rays', '20000')
+        self.assertIn('[scene.no-such-scene]',
+                      self.expect(2, 'bake', two, '-o', file, '--scene', '2', '--cells-file', self.cells)[1])
 
     def test_too_few_rays_prove_too_little(self):
         file = self.path('few.pvs')

@@ -17,6 +17,10 @@ struct cell_box {
 };
 
 struct settings {
+  // --scene, which scene of a glTF file; -1: the file's default. bake() takes the scene it is given: this is written
+  // into the file, so that verify can load the same one.
+  std::int32_t scene = -1;
+
   // --- cells
   std::optional<std::filesystem::path> cells_file;  // --cells-file: explicit boxes
   std::vector<cell_box> cells;                      // the host's own boxes; of these three, one at most
