@@ -156,7 +156,9 @@ std::vector<sightcell_range> all_ranges(std::span<const sightcell_draw> draws) {
 std::string flags_text(std::uint32_t flags) {
   std::string text;
   const auto add = [&](std::uint32_t flag, const char* word) {
-    if ((flags & flag) != 0) text += (text.empty() ? "" : " ") + std::string(word);
+    if ((flags & flag) == 0) return;
+    if (!text.empty()) text += ' ';
+    text += word;
   };
   add(SIGHTCELL_FRAME_CHANGED, "CHANGED");
   add(SIGHTCELL_FRAME_DRAW_ALL, "DRAW_ALL");
