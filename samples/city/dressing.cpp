@@ -150,7 +150,7 @@ void dresser::dress_bays(const tower& t, const ring& r, std::size_t edge, double
   const double length = length_of(b - a);
   if (length < 1.8) return;
   const glm::dvec2 along = (b - a) / length;
-  const auto bays = static_cast<std::uint32_t>(std::max(1.0, std::floor(length / 3.4)));
+  const auto bays = static_cast<std::uint32_t>(std::max(1.0, std::floor(length / 4.0)));
   const double width = length / bays;
   const bool is_gable = edge % 2 == 1;
   for (std::uint32_t column = 0; column < bays; ++column) {

@@ -31,10 +31,10 @@ constexpr style hongkong() {
   style s;
   s.name = "hongkong";
   s.polygons = 2'164'567;
-  s.polygons_per_block = 105000;
+  s.polygons_per_block = 68000;
   s.has_towers = true;
-  s.floors_low = 9;
-  s.floors_more = 13;
+  s.floors_low = 7;
+  s.floors_more = 9;
   s.relief_height = 14.0;
   s.relief_length = 170.0;
   s.plan.street_widths = {14.0, 7.0, 18.0, 10.0};
