@@ -6,7 +6,8 @@ usage: bench_city.py --bin FOLDER [--preset NAME ...] [--seed N ...] [--cheap | 
 
 --bin: the folder with sightcell, sightcell-city and bench_city. For each preset and seed: makes the scene twice and
 compares the bytes, checks the number of polygons, imports it, prints histograms (bench_city), and bakes its cells as a
-dense reference: halton hemicubes and rays down to a small bound, see DENSE and, for what is too dear, COARSER. --cheap: with the bake's defaults instead. --fine: DENSE for all.
+dense reference: halton hemicubes and rays down to a small bound, see DENSE and, for what is too dear, COARSER. --cheap:
+with the bake's defaults instead. --fine: DENSE for all.
 --cell-limit: only so many cells, spread evenly. --converge CELL: bakes that cell alone (its name) with half, once and
 twice the samples, to show how much the reference itself still moves. --quick: the smallest preset, one seed, defaults,
 four cells.
@@ -38,7 +39,10 @@ def say(text):
 def run(command):
     """Runs a command; gives its standard output, CPU seconds, wall seconds and its largest resident set in bytes."""
     start = time.monotonic()
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    except FileNotFoundError:
+        sys.exit(f"bench_city: {command[0]} is not there; build it: cmake --build --preset release")
     output = process.stdout.read()
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
