@@ -204,8 +204,8 @@ TEST_P(source_test, masks_know_sides_and_panes_behind_their_holes) {
   EXPECT_TRUE(sees_wall(view, seen_glass)) << "behind the hole";
 }
 
-// Leaves of random alpha in perspective, turned and mirrored: as many pixels of each polygon as rays see. They do not
-// cross each other: where they do, the depths of a software device decide.
+// Leaves of random alpha in perspective, turned, mirrored and crossing each other: as many pixels of each polygon as
+// rays see.
 TEST_P(source_test, masks_agree_with_rays) {
   std::mt19937 random(7);
   const auto noise = [&](std::uint32_t width, std::uint32_t height) {
@@ -215,8 +215,8 @@ TEST_P(source_test, masks_agree_with_rays) {
   };
   tiny_scene s;
   s.wall_x(9, -1, 20);
-  s.masked_quad({2, -0.9f, -1}, {5, -0.9f, 2}, {5, 3, 2}, {2, 3, -1}, noise(7, 5), true);
-  s.masked_quad({6, -0.9f, -9}, {3, -0.9f, -2}, {3, 2, -2}, {6, 2, -9}, noise(13, 1), true);
+  s.masked_quad({2, -3, -1}, {7, -3, 4}, {7, 3, 4}, {2, 3, -1}, noise(7, 5), true);
+  s.masked_quad({6, -4, -9}, {3, -4, 3}, {3, 2, 3}, {6, 2, -9}, noise(13, 1), true);
   s.masked_quad({1, -1, -4}, {8, -1, -4}, {8, -1, 4}, {1, -1, 4}, noise(8, 8), true);
   scene::scene finished = s.finished();
   finished.geometries[2].uvs = {{-3.5f, 2}, {4, 2}, {4, -1}, {-3.5f, -1}};  // repeats, and runs backwards
