@@ -146,6 +146,15 @@ void add_block(plan& p, std::uint32_t row, std::uint32_t column, const std::arra
 
 }  // namespace
 
+std::vector<glm::dvec2> rim_of(const plan& p) {
+  std::vector<glm::dvec2> rim;
+  for (std::uint32_t row = 0; row < p.rows + 2; ++row) rim.push_back(p.node(row, 0));
+  for (std::uint32_t column = 0; column < p.columns + 2; ++column) rim.push_back(p.node(p.rows + 2, column));
+  for (std::uint32_t row = p.rows + 2; row > 0; --row) rim.push_back(p.node(row, p.columns + 2));
+  for (std::uint32_t column = p.columns + 2; column > 0; --column) rim.push_back(p.node(0, column));
+  return rim;
+}
+
 plan make_plan(std::uint32_t rows, std::uint32_t columns, std::uint64_t seed, const plan_style& style) {
   plan p;
   p.rows = rows;

@@ -55,6 +55,9 @@ struct plan {
 inline constexpr double slab_height = 0.12;
 inline constexpr double building_base = -0.1;  // buildings reach below the slab they stand on
 
+// The outermost nodes in up order: where the town wall stands.
+std::vector<glm::dvec2> rim_of(const plan& p);
+
 plan make_plan(std::uint32_t rows, std::uint32_t columns, std::uint64_t seed, const plan_style& style = {});
 
 }  // namespace sightcell::city

@@ -118,12 +118,7 @@ std::vector<mesh> town::make_outskirts() const {
 }
 
 mesh town::make_town_wall() const {
-  const plan& p = layout_;
-  std::vector<glm::dvec2> rim;  // in up order
-  for (std::uint32_t row = 0; row < p.rows + 2; ++row) rim.push_back(p.node(row, 0));
-  for (std::uint32_t column = 0; column < p.columns + 2; ++column) rim.push_back(p.node(p.rows + 2, column));
-  for (std::uint32_t row = p.rows + 2; row > 0; --row) rim.push_back(p.node(row, p.columns + 2));
-  for (std::uint32_t column = p.columns + 2; column > 0; --column) rim.push_back(p.node(0, column));
+  const std::vector<glm::dvec2> rim = rim_of(layout_);
   mesh m("town wall");
   for (std::size_t i = 0; i < rim.size(); ++i) {
     const glm::dvec2& a = rim[i];

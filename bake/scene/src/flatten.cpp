@@ -116,17 +116,19 @@ class flattener {
       return mask;
     }
     if (m.base_color_image == no_index) return mask;
+    const auto known = decoded_.find(m.base_color_image);
+    if (known != decoded_.end()) return known->second;
     const image& source = scene_.images[m.base_color_image];
     const auto pixels = decode(source, image_side_limit);
     if (!pixels) {
       out_.warnings.push_back(scene_.name + ": image \"" + source.name + "\" of the MASK material \"" + m.name +
                               "\" cannot be decoded; the material's color alone decides");
-      return mask;
+      return decoded_[m.base_color_image] = mask;
     }
     mask.width = pixels->width, mask.height = pixels->height;
     mask.texels.resize(std::size_t{mask.width} * mask.height);
     for (std::size_t i = 0; i < mask.texels.size(); ++i) mask.texels[i] = pixels->rgba[4 * i + 3];
-    return mask;
+    return decoded_[m.base_color_image] = std::move(mask);
   }
 
   void append_draw(const draw& d) {
@@ -209,6 +211,7 @@ class flattener {
   const scene& scene_;
   world_geometry out_;
   std::map<std::uint32_t, std::uint32_t> full_masks_;  // by material
+  std::map<std::uint32_t, alpha_mask> decoded_;        // by image: an atlas serves many materials
   std::vector<material_presence> presences_;
 };
 
