@@ -30,8 +30,7 @@ std::vector<glm::vec3> draw_free_points(const ray_scene& rays, const box& where,
 std::vector<std::uint32_t> polygons_touching(const scene::world_geometry& geometry, const box& where) {
   std::vector<std::uint32_t> touching;
   for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon)
-    if (!geometry.kinds[polygon].degenerate &&
-        triangle_touches_box(corners_of(geometry, polygon), where.min, where.max))
+    if (!geometry.kinds[polygon].absent && triangle_touches_box(corners_of(geometry, polygon), where.min, where.max))
       touching.push_back(polygon);
   return touching;
 }

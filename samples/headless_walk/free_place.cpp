@@ -47,7 +47,7 @@ void cross_line(const world_geometry& world, std::size_t polygon, const glm::vec
 bool is_free(const world_geometry& world, const glm::vec3& p, float clearance) {
   std::array<std::array<first_hit, 2>, 3> hits;
   for (std::size_t polygon = 0; polygon < world.kinds.size(); ++polygon) {
-    if (world.kinds[polygon].degenerate) continue;
+    if (world.kinds[polygon].absent) continue;
     for (int axis = 0; axis < 3; ++axis)
       cross_line(world, polygon, p, axis, hits[static_cast<std::size_t>(axis)].data());
   }

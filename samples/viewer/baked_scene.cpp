@@ -60,10 +60,10 @@ void make_draws(const scene::scene& s, baked_scene& out) {
   }
 }
 
-// Degenerate polygons become three times one corner: nothing is drawn, and every polygon keeps its place.
-void blank_degenerate(scene::world_geometry& world) {
+// Absent polygons become three times one corner: nothing is drawn, and every polygon keeps its place.
+void blank_absent(scene::world_geometry& world) {
   for (std::size_t p = 0; p < world.kinds.size(); ++p) {
-    if (world.kinds[p].degenerate) std::fill_n(world.indices.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, 0u);
+    if (world.kinds[p].absent) std::fill_n(world.indices.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, 0u);
   }
 }
 
@@ -130,7 +130,7 @@ baked_scene open_baked(const scene::scene& s, scene::world_geometry& world, cons
     open_file(s, pvs_file, out);
   }
   if (!cells_file.empty()) name_cells(cells_file, out.cells);
-  blank_degenerate(world);
+  blank_absent(world);
   out.stored_indices = std::move(world.indices);
   if (out.db) out.stored_indices = in_stored_order(std::move(out.stored_indices), *out.db, pvs_file);
   return out;

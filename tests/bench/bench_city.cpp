@@ -114,7 +114,7 @@ void measure_pieces(const world_geometry& w, std::vector<row>& out) {
   }
   histogram<lengths.size()> sizes(lengths);
   for (std::size_t i = 0; i < w.kinds.size(); ++i) {
-    if (w.kinds[i].degenerate) continue;
+    if (w.kinds[i].absent) continue;
     const std::uint32_t r = root(corner[w.indices[i * 3]]);
     const glm::vec3 size = high[r] - low[r];
     sizes.add(std::max({size.x, size.y, size.z}));
@@ -128,7 +128,7 @@ void measure_shapes(const world_geometry& w, std::vector<row>& out) {
   histogram<aspects.size()> thinness(aspects);
   std::uint64_t level = 0, upright = 0, tilted = 0, off_axis = 0, total = 0;
   for (std::size_t i = 0; i < w.kinds.size(); ++i) {
-    if (w.kinds[i].degenerate) continue;
+    if (w.kinds[i].absent) continue;
     const triangle t = triangle_of(w, i);
     const glm::dvec3 n = t.normal();
     const double longest = t.longest(), area2 = glm::length(n);
@@ -162,7 +162,7 @@ class neighbor_search {
   neighbor_search(const world_geometry& w, std::size_t samples) : w_(w) {
     const std::size_t step = std::max<std::size_t>(1, w.kinds.size() / samples);
     for (std::size_t i = step / 2; i < w.kinds.size(); i += step) {
-      if (w.kinds[i].degenerate) continue;
+      if (w.kinds[i].absent) continue;
       const triangle t = triangle_of(w, i);
       const glm::dvec3 middle = (t.p[0] + t.p[1] + t.p[2]) / 3.0;
       points_.push_back({i, middle, glm::normalize(t.normal()), reach});
@@ -172,7 +172,7 @@ class neighbor_search {
 
   void print(std::vector<row>& out) {
     for (std::size_t i = 0; i < w_.kinds.size(); ++i) {
-      if (!w_.kinds[i].degenerate) compare(i);
+      if (!w_.kinds[i].absent) compare(i);
     }
     static constexpr std::array<double, 3> limits = {0.0002, 0.005, 0.03};
     histogram<limits.size()> gaps(limits);
@@ -239,7 +239,7 @@ class neighbor_search {
 void measure_ground(const world_geometry& w, std::vector<row>& out) {
   std::unordered_map<std::uint64_t, double> lowest;
   for (std::size_t i = 0; i < w.kinds.size(); ++i) {
-    if (w.kinds[i].degenerate) continue;
+    if (w.kinds[i].absent) continue;
     const triangle t = triangle_of(w, i);
     const glm::dvec3 n = t.normal();
     if (n.y < 0.7 * glm::length(n) || t.longest() < 1.0) continue;

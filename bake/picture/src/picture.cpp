@@ -229,7 +229,16 @@ struct renderer::state {
     }
   }
 
-  enum : int { positions, texture_uvs, vertex_colors, all_indices, some_indices, material_blocks, view_block, buffer_count };
+  enum : int {
+    positions,
+    texture_uvs,
+    vertex_colors,
+    all_indices,
+    some_indices,
+    material_blocks,
+    view_block,
+    buffer_count
+  };
 
   const gl_context& context;
   polygon_lists lists;
@@ -237,8 +246,8 @@ struct renderer::state {
   gl_program program;
   GLuint buffers[buffer_count] = {};
   GLuint vertex_array = 0;
-  std::vector<unsigned> texture_of;   // by material block
-  std::vector<std::uint32_t> list;    // index list of the last gathering
+  std::vector<unsigned> texture_of;  // by material block
+  std::vector<std::uint32_t> list;   // index list of the last gathering
   std::vector<index_range> all_ranges, some_ranges;
   std::unique_ptr<frame> target;
   float haze = 0.0f;

@@ -28,7 +28,7 @@ polygon_lists::polygon_lists(const scene::scene& s, const scene::world_geometry&
   const auto for_each_polygon = [&](const auto& visit) {
     for (const scene::draw& d : s.draws) {
       for (std::uint32_t id = d.first_source; id < d.first_source + d.polygon_count; ++id) {
-        if (!geometry.kinds[id].degenerate) visit(d, id);
+        if (!geometry.kinds[id].absent) visit(d, id);
       }
     }
   };

@@ -31,7 +31,7 @@ class polygon_lists {
   // Opaque groups first, then mask, then blend: blended polygons need all others behind them.
   const std::vector<draw_group>& groups() const { return groups_; }
 
-  // Lists the polygons with these source ids, or all; degenerate ones are left out. Inside a group the order is that of
+  // Lists the polygons with these source ids, or all; absent ones are left out. Inside a group the order is that of
   // source_ids, so a subset is drawn in the order in which the whole scene is. Throws sightcell::error when an id is
   // not in the scene.
   void gather(std::optional<std::span<const std::uint32_t>> source_ids, std::vector<std::uint32_t>& indices,
@@ -40,7 +40,7 @@ class polygon_lists {
  private:
   const scene::world_geometry& geometry_;
   std::vector<draw_group> groups_;
-  std::vector<std::uint32_t> group_of_;  // by source id; no_index for degenerate polygons
+  std::vector<std::uint32_t> group_of_;  // by source id; no_index for absent polygons
 };
 
 }  // namespace sightcell::picture

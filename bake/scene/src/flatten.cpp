@@ -41,7 +41,7 @@ bool has_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
 
 class flattener {
  public:
-  explicit flattener(const scene& s) : scene_(s) {}
+  flattener(const scene& s, animated_as animated) : scene_(s), animated_(animated) {}
 
   world_geometry run() {
     make_masks();
@@ -57,8 +57,9 @@ class flattener {
     out_.min = glm::vec3(infinity);
     out_.max = glm::vec3(-infinity);
     for (const draw& d : scene_.draws) append_draw(d);
+    list_lods();
     if (out_.min.x > out_.max.x) out_.min = out_.max = glm::vec3(0.0f);
-    // Every polygon at a corner that is not finite is degenerate already, so the place is free; no NaN must reach a
+    // Every polygon at a corner that is not finite is absent already, so the place is free; no NaN must reach a
     // ray tracer or a GPU that is given the whole array.
     for (glm::vec3& p : out_.positions) {
       if (!is_finite(p)) p = glm::vec3(0.0f);
@@ -139,7 +140,7 @@ class flattener {
       out_.positions.emplace_back(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]);
     }
     const bool mirrored = glm::determinant(glm::dmat3(m)) < 0.0;
-    polygon_kind kind;
+    polygon_kind kind = kind_of(d);
     material_presence there;
     if (d.material != no_index) {
       kind.alpha = scene_.materials[d.material].alpha;
@@ -153,6 +154,42 @@ class flattener {
     }
   }
 
+  // What the tags alone decide.
+  polygon_kind kind_of(const draw& d) const {
+    polygon_kind kind;
+    const bool left_alone = !d.tags.animated || animated_ == animated_as::rest;
+    kind.absent = d.tags.dynamic || d.tags.never || (!left_alone && animated_ == animated_as::dynamic) ||
+                  (d.lod_object != no_index && d.lod_level > 0);
+    kind.always = !kind.absent && (d.tags.always || !left_alone);
+    kind.never_hides = !d.tags.occluder || d.tags.group != no_index || !left_alone;
+    return kind;
+  }
+
+  void count_absent(const draw& d, const polygon_kind& kind, bool finite, bool area) {
+    absent_counts& counts = out_.absent;
+    ++(!finite                                       ? counts.not_finite
+       : !area                                       ? counts.no_area
+       : !kind.absent                                ? counts.cut_away
+       : d.lod_object != no_index && d.lod_level > 0 ? counts.coarser_level
+                                                     : counts.tagged);
+  }
+
+  // A coarser level that is tagged out of all sets stays out.
+  void list_lods() {
+    std::map<std::uint32_t, lod_object> objects;
+    for (const draw& d : scene_.draws) {
+      if (d.lod_object == no_index || d.polygon_count == 0) continue;
+      lod_object& object = objects[d.lod_object];
+      const polygon_range range{d.first_source, d.polygon_count};
+      if (d.lod_level == 0)
+        object.finest.push_back(range);
+      else if (!d.tags.dynamic && !d.tags.never)
+        object.coarser.push_back(range);
+    }
+    for (auto& [number, object] : objects)
+      if (!object.finest.empty() && !object.coarser.empty()) out_.lods.push_back(std::move(object));
+  }
+
   void append_polygon(const draw& d, const std::array<std::uint32_t, 3>& local, polygon_kind kind,
                       const material_presence& there) {
     for (const std::uint32_t vertex : local) out_.indices.push_back(d.base_vertex + vertex);
@@ -160,9 +197,12 @@ class flattener {
     const glm::vec3& b = out_.positions[d.base_vertex + local[1]];
     const glm::vec3& c = out_.positions[d.base_vertex + local[2]];
     const bool fades = kind.alpha == alpha_mode::mask && has_alpha(d, local);
-    kind.degenerate =
-        !(is_finite(a) && is_finite(b) && is_finite(c) && has_area(a, b, c)) || there.where == presence::nowhere;
-    if (!kind.degenerate) {
+    const bool finite = is_finite(a) && is_finite(b) && is_finite(c), area = finite && has_area(a, b, c);
+    if (kind.absent || !area || there.where == presence::nowhere) {
+      count_absent(d, kind, finite, area);
+      kind.absent = true;
+      kind.always = false;
+    } else {
       out_.min = glm::min(out_.min, glm::min(a, glm::min(b, c)));
       out_.max = glm::max(out_.max, glm::max(a, glm::max(b, c)));
       kind.alpha_tested = there.where == presence::where_mask_passes || fades;
@@ -209,6 +249,7 @@ class flattener {
   }
 
   const scene& scene_;
+  animated_as animated_;
   world_geometry out_;
   std::map<std::uint32_t, std::uint32_t> full_masks_;  // by material
   std::map<std::uint32_t, alpha_mask> decoded_;        // by image: an atlas serves many materials
@@ -217,8 +258,8 @@ class flattener {
 
 }  // namespace
 
-world_geometry flatten(const scene& s) {
-  return flattener(s).run();
+world_geometry flatten(const scene& s, animated_as animated) {
+  return flattener(s, animated).run();
 }
 
 }  // namespace sightcell::scene

@@ -88,6 +88,12 @@ void number_draws(scene& s) {
       refuse(s, "scene.index-out-of-range",
              "draw " + std::to_string(i) + " uses a geometry or material that is not there", "correct the index");
     }
+    if (d.tags.group != no_index && d.tags.group >= s.groups.size()) {
+      refuse(s, "scene.index-out-of-range",
+             "draw " + std::to_string(i) + " is of group " + std::to_string(d.tags.group) + " of " +
+                 std::to_string(s.groups.size()),
+             "correct the index");
+    }
     const geometry& g = s.geometries[d.geometry];
     d.first_source = static_cast<std::uint32_t>(polygons);
     d.polygon_count = static_cast<std::uint32_t>(g.indices.size() / 3);
@@ -172,6 +178,18 @@ std::array<std::uint8_t, 16> fingerprint_of(const scene& s) {
     }
     for (int column = 0; column < 4; ++column) {
       for (int row = 0; row < 4; ++row) hash.value(d.to_world[column][row]);
+    }
+    // A marker first: without tags the hash is what it was.
+    if (d.tags != draw_tags{}) {
+      const draw_tags& t = d.tags;
+      hash.value(std::uint8_t{1});
+      for (const bool b : {t.occluder, t.dynamic, t.always, t.never, t.animated, t.group != no_index})
+        hash.value(static_cast<std::uint8_t>(b));
+    }
+    if (d.lod_object != no_index) {
+      hash.value(std::uint8_t{2});
+      hash.value(d.lod_object);
+      hash.value(d.lod_level);
     }
   }
   return hash.digest();

@@ -36,7 +36,7 @@ struct field_shape {
 };
 
 bool is_obstacle(const scene::polygon_kind& kind) {
-  return !kind.degenerate && kind.alpha != scene::alpha_mode::blend;
+  return !kind.absent && kind.alpha != scene::alpha_mode::blend;
 }
 
 std::array<glm::dvec3, 3> corners(const scene::world_geometry& geometry, std::size_t polygon) {

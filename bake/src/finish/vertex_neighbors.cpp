@@ -12,7 +12,7 @@ namespace {
 std::vector<std::uint32_t> weld(const std::vector<glm::vec3>& positions, std::uint32_t& count) {
   std::vector<std::uint32_t> order(positions.size());
   std::iota(order.begin(), order.end(), 0u);
-  // A NaN would break the strict weak ordering; such vertices belong to degenerate polygons only and sort first.
+  // A NaN would break the strict weak ordering; such vertices belong to absent polygons only and sort first.
   const auto key = [&](std::uint32_t i) {
     const glm::vec3& p = positions[i];
     const bool finite = p.x == p.x && p.y == p.y && p.z == p.z;
@@ -37,7 +37,7 @@ vertex_neighbors::vertex_neighbors(const scene::world_geometry& geometry) {
   corners_.assign(geometry.indices.size(), scene::no_index);
   starts_.assign(std::size_t{vertices} + 1, 0);
   for (std::size_t i = 0; i < geometry.indices.size(); ++i) {
-    if (geometry.kinds[i / 3].degenerate) continue;
+    if (geometry.kinds[i / 3].absent) continue;
     corners_[i] = welded[geometry.indices[i]];
     ++starts_[corners_[i] + 1];
   }

@@ -12,7 +12,7 @@ class vertex_neighbors {
   explicit vertex_neighbors(const scene::world_geometry& geometry);
 
   // Calls visit(neighbor) for every polygon that shares a vertex with this one, in a fixed order; one that shares two
-  // vertices is visited twice, the polygon itself three times. Degenerate polygons have no neighbors.
+  // vertices is visited twice, the polygon itself three times. Absent polygons have no neighbors.
   template <typename Visit>
   void for_each(std::uint32_t polygon, Visit visit) const {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -23,7 +23,7 @@ class vertex_neighbors {
   }
 
  private:
-  std::vector<std::uint32_t> corners_;   // per polygon three welded vertices; no_index for degenerate ones
+  std::vector<std::uint32_t> corners_;   // per polygon three welded vertices; no_index for absent ones
   std::vector<std::uint32_t> starts_;    // per welded vertex: first entry in polygons_
   std::vector<std::uint32_t> polygons_;  // ascending per vertex
 };

@@ -182,7 +182,7 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
   if (!e.device) throw error(error_kind::failed, "rays.embree", "ray scene", "no Embree device", "check the CPU");
   for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon) {
     const scene::polygon_kind kind = geometry.kinds[polygon];
-    if (kind.degenerate) continue;
+    if (kind.absent) continue;
     e.ids[kind.alpha == scene::alpha_mode::blend ? with_blend
           : kind.alpha_tested                    ? with_tests
                                                  : with_opaque]

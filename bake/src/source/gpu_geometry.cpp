@@ -127,7 +127,7 @@ gpu_geometry::gpu_geometry(const scene::world_geometry& world)
     : polygon_count_(static_cast<std::uint32_t>(world.kinds.size())) {
   std::array<std::vector<placed_polygon>, polygon_class_count> by_class;
   for (std::uint32_t id = 0; id < polygon_count_; ++id) {
-    if (world.kinds[id].degenerate) continue;
+    if (world.kinds[id].absent) continue;
     const glm::vec3 center = (corner(world, id, 0) + corner(world, id, 1) + corner(world, id, 2)) / 3.0f;
     by_class[class_of(world.kinds[id])].push_back({center, id});
   }

@@ -2,7 +2,7 @@
 // The flattened scene on the device, cut into clusters that are culled per face on the CPU.
 //
 // Polygons are put in device order: by class (how they are drawn), inside a class by a recursive split in space, so
-// that a cluster has a tight box. Corners of masked polygons come first among the vertices and share none. Degenerate
+// that a cluster has a tight box. Corners of masked polygons come first among the vertices and share none. Absent
 // polygons are left out. Corners at the same place share a vertex, but the last (provoking) corner of each polygon is a
 // vertex of its own that carries the source id as a flat attribute: with gl_PrimitiveID in the fragment shader llvmpipe
 // takes indexed triangles apart one by one, 1.5 times the cost in all.
@@ -37,7 +37,7 @@ class gpu_geometry {
 
   bool has_see_through() const;
   bool has_masked() const;
-  std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, degenerate ones included
+  std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, absent ones included
 
   // Finds the clusters that each face can see.
   void cull(const glm::vec3& eye, std::span<const face_view, face_count> faces);

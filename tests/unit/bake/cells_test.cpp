@@ -24,7 +24,7 @@ void add_floor(scene::world_geometry& g, float x0, float z0, float x1, float z1,
       up ? std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3} : std::vector<std::uint32_t>{0, 2, 1, 0, 3, 2};
   for (const std::uint32_t c : corners) g.indices.push_back(base + c);
   g.kinds.insert(g.kinds.end(), 2, kind);
-  if (kind.degenerate) return;
+  if (kind.absent) return;
   const bool first = g.kinds.size() == 2;
   for (const glm::vec3 p : {glm::vec3(x0, y, z0), glm::vec3(x1, y, z1)}) {
     g.min = first && p.x == x0 ? p : glm::min(g.min, p);
@@ -239,7 +239,7 @@ TEST(walkable, no_floor_gives_a_grid_and_says_so) {
 TEST(walkable, degenerate_polygons_never_reach_the_field) {
   scene::world_geometry g;
   scene::polygon_kind broken;
-  broken.degenerate = true;
+  broken.absent = true;
   add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 0.0f);
   add_floor(g, NAN, 0.0f, INFINITY, 4.0f, 0.0f, true, broken);
   EXPECT_EQ(cells_of(g).cells.size(), 1u);

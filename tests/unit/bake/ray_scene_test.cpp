@@ -147,8 +147,8 @@ TEST(ray_scene, nan_and_slivers_are_never_seen) {
   const auto broken = tiny.triangle({1, 0, 0}, {1, std::numeric_limits<float>::quiet_NaN(), 0}, {1, 0, 1});
   const auto wall = tiny.wall_x(4, -1, 1);
   const world w(tiny);
-  EXPECT_TRUE(w.geometry.kinds[sliver].degenerate);
-  EXPECT_TRUE(w.geometry.kinds[broken].degenerate);
+  EXPECT_TRUE(w.geometry.kinds[sliver].absent);
+  EXPECT_TRUE(w.geometry.kinds[broken].absent);
   sight s;
   ray_scene(w.geometry, false).look({0, 0.1f, 0.0f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, wall));

@@ -104,17 +104,17 @@ scene with_map(float alpha, float cutoff, std::vector<std::uint8_t> texels) {
 TEST(masks, constant_alpha_decides_for_the_whole_polygon) {
   material m;
   m.base_color.a = 0.5f;
-  EXPECT_FALSE(flat(masked_scene(m)).kinds[0].degenerate);
+  EXPECT_FALSE(flat(masked_scene(m)).kinds[0].absent);
   EXPECT_TRUE(flat(masked_scene(m)).masked.empty());
   m.alpha_cutoff = 0.6f;
-  EXPECT_TRUE(flat(masked_scene(m)).kinds[0].degenerate) << "never there";
+  EXPECT_TRUE(flat(masked_scene(m)).kinds[0].absent) << "never there";
 }
 
 TEST(masks, only_those_that_decide_are_tested) {
   EXPECT_TRUE(flat(with_map(1.0f, 0.5f, {128, 255})).masked.empty());
-  EXPECT_FALSE(flat(with_map(1.0f, 0.5f, {128, 255})).kinds[0].degenerate);
-  EXPECT_TRUE(flat(with_map(1.0f, 0.5f, {127, 0})).kinds[0].degenerate);
-  EXPECT_TRUE(flat(with_map(0.0f, 0.5f, {255, 255})).kinds[0].degenerate);
+  EXPECT_FALSE(flat(with_map(1.0f, 0.5f, {128, 255})).kinds[0].absent);
+  EXPECT_TRUE(flat(with_map(1.0f, 0.5f, {127, 0})).kinds[0].absent);
+  EXPECT_TRUE(flat(with_map(0.0f, 0.5f, {255, 255})).kinds[0].absent);
   const world_geometry w = flat(with_map(0.5f, 0.25f, {127, 128}));
   ASSERT_EQ(w.masked.size(), 1u);
   EXPECT_TRUE(w.kinds[0].alpha_tested);

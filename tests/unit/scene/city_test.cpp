@@ -74,7 +74,7 @@ TEST(city, has_exactly_as_many_polygons_as_asked_for) {
     EXPECT_EQ(s.polygon_count, polygons);
     EXPECT_TRUE(s.warnings.empty());
     const scene::world_geometry w = scene::flatten(s);
-    for (const scene::polygon_kind kind : w.kinds) ASSERT_FALSE(kind.degenerate);
+    for (const scene::polygon_kind kind : w.kinds) ASSERT_FALSE(kind.absent);
   }
 }
 
@@ -208,7 +208,7 @@ TEST(town, has_exactly_as_many_polygons_as_asked_for) {
         EXPECT_TRUE(s.warnings.empty());
         if (seed == 2) continue;
         const scene::world_geometry w = scene::flatten(s);
-        for (const scene::polygon_kind kind : w.kinds) ASSERT_FALSE(kind.degenerate) << name;
+        for (const scene::polygon_kind kind : w.kinds) ASSERT_FALSE(kind.absent) << name;
       }
     }
   }
@@ -223,7 +223,8 @@ TEST(town, the_same_numbers_give_the_same_bytes) {
 }
 
 TEST(town, pinned_towns_are_the_same_on_every_machine) {
-  EXPECT_EQ(fingerprint_of(written_city(make_town(preset("vienna800k"), 150000, 1))), "bd3b9a3249fa08e71afe7eb7c2eb9f56");
+  EXPECT_EQ(fingerprint_of(written_city(make_town(preset("vienna800k"), 150000, 1))),
+            "bd3b9a3249fa08e71afe7eb7c2eb9f56");
   EXPECT_EQ(fingerprint_of(written_city(make_town(preset("hongkong"), 150000, 1))), "007d47aedebc8b7a1ffacc20289d0f34");
 }
 

@@ -115,7 +115,7 @@ TEST(scene, flatten_places_vertices_and_turns_mirrored_polygons) {
   EXPECT_EQ(w.max, glm::vec3(6, 1, 0));
 }
 
-TEST(scene, polygons_without_area_or_finite_corners_are_degenerate_and_out_of_the_bounds) {
+TEST(scene, polygons_without_area_or_finite_corners_are_absent_and_out_of_the_bounds) {
   scene s;
   s.geometries = {triangles(3)};
   s.geometries[0].positions[5] = {100, 0, 0};  // on the line of its other corners
@@ -123,9 +123,11 @@ TEST(scene, polygons_without_area_or_finite_corners_are_degenerate_and_out_of_th
   s.draws = {draw_with(0)};
   finish(s);
   const world_geometry w = flatten(s);
-  EXPECT_FALSE(w.kinds[0].degenerate);
-  EXPECT_TRUE(w.kinds[1].degenerate);
-  EXPECT_TRUE(w.kinds[2].degenerate);
+  EXPECT_FALSE(w.kinds[0].absent);
+  EXPECT_TRUE(w.kinds[1].absent);
+  EXPECT_TRUE(w.kinds[2].absent);
+  EXPECT_EQ(w.absent.no_area, 1u);
+  EXPECT_EQ(w.absent.not_finite, 1u);
   EXPECT_EQ(w.max, glm::vec3(1, 1, 0));
   for (const glm::vec3& p : w.positions) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
 }
@@ -140,6 +142,56 @@ TEST(scene, kinds_come_from_materials) {
   EXPECT_FALSE(w.kinds[0].double_sided);
   EXPECT_EQ(w.kinds[2].alpha, alpha_mode::mask);
   EXPECT_TRUE(w.kinds[2].double_sided);
+}
+
+TEST(scene, tags_decide_what_hides_and_what_is_left_out) {
+  const auto kind_with = [](const std::function<void(draw&)>& mark, animated_as animated = animated_as::always) {
+    scene s;
+    s.geometries = {triangles(1)};
+    s.groups = {"door"};
+    s.draws = {draw_with(0)};
+    mark(s.draws[0]);
+    finish(s);
+    return flatten(s, animated).kinds[0];
+  };
+  const polygon_kind plain = kind_with([](draw&) {});
+  EXPECT_TRUE(plain.hides() && !plain.always);
+  const polygon_kind open = kind_with([](draw& d) { d.tags.occluder = false; });
+  EXPECT_TRUE(!open.hides() && !open.absent && !open.always);
+  const polygon_kind door = kind_with([](draw& d) { d.tags.group = 0; });
+  EXPECT_TRUE(!door.hides() && !door.absent && !door.always);
+  const polygon_kind sky = kind_with([](draw& d) { d.tags.always = true; });
+  EXPECT_TRUE(sky.hides() && sky.always);
+  const auto left_out = [](const polygon_kind& k) { return k.absent && !k.hides() && !k.always; };
+  EXPECT_TRUE(left_out(kind_with([](draw& d) { d.tags.dynamic = true; })));
+  EXPECT_TRUE(left_out(kind_with([](draw& d) { d.tags.never = d.tags.always = true; }))) << "never wins";
+  EXPECT_TRUE(left_out(kind_with([](draw& d) { d.lod_object = 0, d.lod_level = 1; })));
+
+  const auto moving = [](draw& d) { d.tags.animated = true; };
+  const polygon_kind moves = kind_with(moving);
+  EXPECT_TRUE(!moves.hides() && !moves.absent && moves.always);
+  const polygon_kind rests = kind_with(moving, animated_as::rest);
+  EXPECT_TRUE(rests.hides() && !rests.always);
+  EXPECT_TRUE(left_out(kind_with(moving, animated_as::dynamic)));
+}
+
+TEST(scene, coarser_levels_follow_the_finest) {
+  scene s;
+  s.geometries = {triangles(2)};
+  s.draws = {draw_with(0), draw_with(0), draw_with(0), draw_with(0)};
+  s.draws[1].lod_object = s.draws[2].lod_object = s.draws[3].lod_object = 5;
+  s.draws[2].lod_level = 1;
+  s.draws[3].lod_level = 2;
+  s.draws[3].tags.never = true;
+  finish(s);
+  const world_geometry w = flatten(s);
+  ASSERT_EQ(w.lods.size(), 1u);
+  ASSERT_EQ(w.lods[0].finest.size(), 1u);
+  EXPECT_EQ(w.lods[0].finest[0].first, 2u);
+  ASSERT_EQ(w.lods[0].coarser.size(), 1u) << "never is in no set";
+  EXPECT_EQ(w.lods[0].coarser[0].first, 4u);
+  EXPECT_EQ(w.lods[0].coarser[0].count, 2u);
+  EXPECT_EQ(w.absent.coarser_level, 4u);
 }
 
 TEST(scene, fingerprint_follows_what_decides_visibility_and_nothing_else) {
@@ -161,6 +213,8 @@ TEST(scene, fingerprint_follows_what_decides_visibility_and_nothing_else) {
   EXPECT_NE(print_after([](scene& c) { c.draws[0].to_world[3][0] = 1; }), s.fingerprint);
   EXPECT_NE(print_after([](scene& c) { c.materials[0].alpha = alpha_mode::mask; }), s.fingerprint);
   EXPECT_NE(print_after([](scene& c) { c.materials[0].double_sided = true; }), s.fingerprint);
+  EXPECT_NE(print_after([](scene& c) { c.draws[0].tags.always = true; }), s.fingerprint);
+  EXPECT_NE(print_after([](scene& c) { c.draws[0].lod_object = 0; }), s.fingerprint);
 }
 
 TEST(scene, an_empty_scene_is_fine) {

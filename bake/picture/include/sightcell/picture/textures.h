@@ -23,7 +23,7 @@ class texture_set {
  private:
   using key = std::tuple<std::uint32_t, scene::wrap, scene::wrap>;  // image and wrap modes
   unsigned white_ = 0;
-  std::vector<unsigned> textures_;  // by image; 0: white
+  std::vector<unsigned> textures_;   // by image; 0: white
   std::map<key, unsigned> wrapped_;  // the same pixels under other wrap modes than repeat
 };
 

@@ -47,6 +47,25 @@ struct geometry {
   std::vector<glm::u8vec4> colors{};   // linear, multiplied with the base color; empty, or one per position
 };
 
+// What moves, and what the host knows better (design: rule 6 of seeing). Without any of these a draw is seen and hides.
+struct draw_tags {
+  bool occluder = true;            // false: seen, never hides
+  bool dynamic = false;            // left out: in no set, hides nothing; the host draws it itself
+  bool always = false;             // in every set; hides as it would otherwise
+  bool never = false;              // in no set, hides nothing
+  bool animated = false;           // moved by an animation or a skin and without a mark: animated_as decides
+  std::uint32_t group = no_index;  // into scene::groups: seen, never hides, and the host may hide it by that name
+
+  bool operator==(const draw_tags&) const = default;
+};
+
+// What becomes of draws that are animated and not marked.
+enum class animated_as : std::uint8_t {
+  always,   // in every set, never hide
+  rest,     // static, as they stand in the file
+  dynamic,  // left out
+};
+
 // What a host issues as one draw: one instance of one primitive.
 struct draw {
   std::uint32_t node = 0, mesh = 0, primitive = 0, instance = 0;  // glTF indices; primitive counts inside its mesh
@@ -57,6 +76,10 @@ struct draw {
   std::uint32_t base_vertex = 0;  // vertices of all draws before this one
   std::uint64_t host_tag = 0;
   glm::dmat4 to_world{1.0};
+  draw_tags tags;
+  // Levels of detail: draws of one object share its number. Level 0 is seen and hides; the others hide nothing and are
+  // in a set when any polygon of level 0 is.
+  std::uint32_t lod_object = no_index, lod_level = 0;
 };
 
 struct scene {
@@ -66,6 +89,7 @@ struct scene {
   std::vector<alpha_map> alpha_maps;
   std::vector<geometry> geometries;
   std::vector<draw> draws;
+  std::vector<std::string> groups;  // names that draw_tags::group counts in
   std::uint32_t polygon_count = 0;
   std::vector<std::string> node_names;         // by glTF node index; for messages
   std::vector<std::string> warnings;           // one line each, import's findings
@@ -76,12 +100,32 @@ struct scene {
 struct polygon_kind {
   alpha_mode alpha : 2 = alpha_mode::opaque;
   bool double_sided : 1 = false;
-  // No area, a corner that is not finite, or a MASK that is cut away everywhere: counted, never seen, never hides.
-  bool degenerate : 1 = false;
+  // Counted, never seen, hides nothing: no area, a corner that is not finite, a MASK that is cut away everywhere;
+  // tagged dynamic or never; a level of detail below the finest.
+  bool absent : 1 = false;
   // MASK whose alpha decides: world_geometry::masked has it. Every other MASK is there all over, like opaque ones.
   bool alpha_tested : 1 = false;
+  bool never_hides : 1 = false;  // by its tags; what BLEND never does is not said here
+  bool always : 1 = false;       // in every set
+
+  bool hides() const { return !absent && !never_hides && alpha != alpha_mode::blend; }
 };
 static_assert(sizeof(polygon_kind) == 1);
+
+// Source ids first to first + count - 1.
+struct polygon_range {
+  std::uint32_t first = 0, count = 0;
+};
+
+// The levels of detail of one object: when any polygon of the finest is in a set, so are all of the coarser ones.
+struct lod_object {
+  std::vector<polygon_range> finest, coarser;
+};
+
+// Why polygons are absent.
+struct absent_counts {
+  std::uint32_t not_finite = 0, no_area = 0, cut_away = 0, tagged = 0, coarser_level = 0;
+};
 
 // A polygon that is there only where its mask passes.
 struct masked_polygon {
@@ -99,8 +143,10 @@ struct world_geometry {
   std::vector<polygon_kind> kinds;     // one per polygon
   std::vector<masked_polygon> masked;  // those whose alpha is tested, ascending ids
   std::vector<alpha_mask> masks;       // what they are tested with
-  std::vector<std::string> warnings;   // one line each: images that could not be used
-  glm::vec3 min{0.0f}, max{0.0f};      // bounds of all polygons that are not degenerate
+  std::vector<lod_object> lods;        // objects that have coarser levels
+  absent_counts absent;
+  std::vector<std::string> warnings;  // one line each: images that could not be used
+  glm::vec3 min{0.0f}, max{0.0f};     // bounds of all polygons that are not absent
 };
 
 // Reads .glb or .gltf. scene_index: the glTF scene, -1 for the file's default. Throws sightcell::error (bad_input) with
@@ -114,7 +160,7 @@ void finish(scene& s);
 
 // Transforms in double precision, rounds once to float. Decodes the images of MASK materials, and no others; where all
 // masks together have more than 64 Mi texels the largest are halved, which is said in the warnings.
-world_geometry flatten(const scene& s);
+world_geometry flatten(const scene& s, animated_as animated = animated_as::always);
 
 // The draw a polygon belongs to: index into scene::draws. O(log draws).
 std::uint32_t draw_of(const scene& s, std::uint32_t source_id);
