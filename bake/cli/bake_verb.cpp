@@ -166,6 +166,8 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
       ->group("Sampling");
   add(verb, "--resolution", s.resolution, "S", "pixels along a hemicube face, even")->group("Sampling");
   add(verb, "--player-radius", s.player_radius, "M", "metres that eyes keep from every surface")->group("Seeing");
+  add(verb, "--smallest-gap", s.smallest_gap, "M", "metres; narrower cracks let nothing through; 0: all do")
+      ->group("Seeing");
   verb.add_flag("--all-double-sided", s.all_double_sided, "polygons are seen, and hide, from behind too")
       ->group("Seeing");
 }

@@ -25,7 +25,7 @@ namespace sightcell::bake {
 namespace {
 
 // Raised whenever the same settings may give other bytes: old checkpoints are then refused by name.
-constexpr int bake_version = 2;
+constexpr int bake_version = 3;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -102,7 +102,7 @@ void print_estimate(workshop& w, const std::vector<view_cell>& cells, std::size_
     hemicube_seconds += (seconds_now() - start) / trials;
     start = seconds_now();
     const auto batch =
-        cast_fresh_rays(*w.rays, {cell.min, cell.max}, how.player_radius, trial_rays,
+        cast_fresh_rays(*w.rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap}, trial_rays,
                         {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
     if (batch.rays > 0) ray_seconds += (seconds_now() - start) / static_cast<double>(batch.rays) / trials;
   }

@@ -6,12 +6,30 @@
 #include "free_space.h"
 #include "process_time.h"
 #include "sampler/cell_sampling.h"
+#include "seeing/gap_filter.h"
 
 namespace sightcell::bake {
 namespace {
 
 constexpr std::uint64_t free_point_tries = 4096;  // a cell in which all of them fail is not stored
 constexpr std::size_t free_points_wanted = 128;   // for interior cubes, and to tell which polygons inside are faced
+
+// Levels of detail: where any polygon of the finest is in the set, all of the coarser ones are. set: ascending.
+void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vector<std::uint32_t>& set) {
+  const std::size_t seen = set.size();
+  const auto any_in = [&](const scene::polygon_range& range) {
+    const auto end = set.begin() + static_cast<std::ptrdiff_t>(seen);
+    const auto first = std::lower_bound(set.begin(), end, range.first);
+    return first != end && *first - range.first < range.count;
+  };
+  for (const scene::lod_object& object : objects) {
+    if (std::none_of(object.finest.begin(), object.finest.end(), any_in)) continue;
+    for (const scene::polygon_range& range : object.coarser)
+      for (std::uint32_t i = 0; i < range.count; ++i) set.push_back(range.first + i);
+  }
+  std::sort(set.begin(), set.end());
+  set.erase(std::unique(set.begin(), set.end()), set.end());
+}
 
 }  // namespace
 
@@ -21,7 +39,11 @@ cell_baker::cell_baker(const settings& how, const ray_scene& rays, const vertex_
       rays_(rays),
       neighbors_(neighbors),
       source_(source),
-      set_(static_cast<std::uint32_t>(rays.geometry().kinds.size())) {}
+      set_(static_cast<std::uint32_t>(rays.geometry().kinds.size())) {
+  const auto& kinds = rays.geometry().kinds;
+  for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
+    if (kinds[polygon].always) always_.push_back(polygon);
+}
 
 cell_record cell_baker::bake(const view_cell& cell) {
   const double began = process_cpu_seconds();
@@ -44,11 +66,14 @@ cell_record cell_baker::bake(const view_cell& cell) {
   }
 
   set_.clear();
+  for (const std::uint32_t polygon : always_) set_.add(polygon, free.front());
   const auto inside = polygons_touching(rays_.geometry(), grown);
   geometry_inside_ = !inside.empty();
   const sampling_plan plan{how_.sampler, how_.samples, geometry_inside_, how_.seed, cell.place};
+  gap_filter without_cracks(source_, rays_, set_, how_.smallest_gap);
   record.samples = sample_cell(
-      plan, grown, free, [&](const glm::vec3& eye) { return rays_.is_free(eye, how_.player_radius); }, source_, set_);
+      plan, grown, free, [&](const glm::vec3& eye) { return rays_.is_free(eye, how_.player_radius); }, without_cracks,
+      set_);
 
   // Rule 4: what touches the cell and faces a free point of it is in its set.
   for (const std::uint32_t polygon : inside)
@@ -60,7 +85,7 @@ cell_record cell_baker::bake(const view_cell& cell) {
 
   if (neighbors_) {
     const finish_settings finish{.max_pixel_error = how_.max_pixel_error,
-                                 .player_radius = how_.player_radius,
+                                 .rules = {how_.player_radius, how_.smallest_gap},
                                  .free_share = static_cast<double>(free.size()) / static_cast<double>(tries),
                                  .seed = how_.seed,
                                  .place = cell.place};
@@ -73,6 +98,7 @@ cell_record cell_baker::bake(const view_cell& cell) {
     record.bound_met = proof.bound_met;
   }
   record.set = set_.sorted();
+  add_coarser_levels(rays_.geometry().lods, record.set);
   record.seconds = process_cpu_seconds() - began;
   return record;
 }

@@ -1,7 +1,7 @@
 #pragma once
 // One cell from start to end: free places, hemicubes, polygons inside, rays.
 #include <cstdint>
-#include <optional>
+#include <vector>
 
 #include "cell_set.h"
 #include "cells/view_cell.h"
@@ -30,6 +30,7 @@ class cell_baker {
   const vertex_neighbors* neighbors_;
   hemicube_source& source_;
   cell_set set_;
+  std::vector<std::uint32_t> always_;  // polygons that are in every set
   bool geometry_inside_ = false;
 };
 

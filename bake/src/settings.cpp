@@ -58,6 +58,7 @@ void validate(const settings& s) {
   check("--cell-size", s.cell_size, 0.25f, 1000.0f, " m");
   check("--margin", s.margin, 0.0f, 10.0f, " m");
   check("--player-radius", s.player_radius, 0.001f, 1.0f, " m");
+  check("--smallest-gap", s.smallest_gap, 0.0f, 0.1f, " m");
   if (s.sampler != "importance-depth" && s.sampler != "halton")
     refuse("--sampler", "\"" + s.sampler + "\"", "importance-depth or halton");
   check<std::uint32_t>("--samples", s.samples, 6, 100'000, " hemicubes per cell");
@@ -79,6 +80,7 @@ std::string describe(const settings& s) {
   text += fmt::format(R"(,"sampler":{},"samples":{},"resolution":{},"max_pixel_error":{},"seed":{})",
                       nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);
   text += fmt::format(R"(,"all_double_sided":{})", s.all_double_sided);
+  text += fmt::format(R"(,"smallest_gap":{})", number(s.smallest_gap));
   if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
   text += "}";
   return text;

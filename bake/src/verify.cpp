@@ -25,17 +25,19 @@ void require_ok(format::status outcome, const std::string& name) {
 }
 
 // What the bake was told and the check has to know too.
-struct eye_rules {
-  float player_radius = settings{}.player_radius;
+struct seeing_rules {
+  fresh_rules fresh{settings{}.player_radius, 0.0f};  // files from before rule 3 have no smallest gap
   bool all_double_sided = false;
 };
 
-eye_rules rules_of(const format::reader& file) {
-  eye_rules rules;
+seeing_rules rules_of(const format::reader& file) {
+  seeing_rules rules;
   const auto text = nlohmann::json::parse(file.settings(), nullptr, false);
   if (!text.is_object()) return rules;
   if (const auto radius = text.find("player_radius"); radius != text.end() && radius->is_number())
-    rules.player_radius = std::clamp(radius->get<float>(), 0.001f, 1.0f);
+    rules.fresh.player_radius = std::clamp(radius->get<float>(), 0.001f, 1.0f);
+  if (const auto gap = text.find("smallest_gap"); gap != text.end() && gap->is_number())
+    rules.fresh.smallest_gap = std::clamp(gap->get<float>(), 0.0f, 0.1f);
   if (const auto both = text.find("all_double_sided"); both != text.end() && both->is_boolean())
     rules.all_double_sided = both->get<bool>();
   return rules;
@@ -64,6 +66,7 @@ class membership {
 void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<missing_polygon>& missing) {
   std::map<std::uint32_t, missing_polygon> by_polygon;
   for (const missed_polygon& m : batch.missed) {
+    if (m.excused) continue;
     missing_polygon& entry = by_polygon[m.polygon];
     if (entry.rays++ > 0) continue;
     const glm::vec3 target = m.eye + m.direction * std::min(m.distance, 1e6f);
@@ -78,7 +81,7 @@ void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<miss
 verification verify_cells(const scene::scene& s, const format::reader& file, const std::string& name,
                           const verify_settings& how,
                           const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
-  const eye_rules rules = rules_of(file);
+  const seeing_rules rules = rules_of(file);
   const scene::world_geometry geometry = scene::flatten(s);
   const ray_scene rays(geometry, rules.all_double_sided);
   const std::uint32_t stored = file.cell_count();
@@ -100,9 +103,8 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
     const box grown =
         box{{corners.min[0], corners.min[1], corners.min[2]}, {corners.max[0], corners.max[1], corners.max[2]}}.grown(
             file.facts().margin);
-    const fresh_batch batch =
-        cast_fresh_rays(rays, grown, rules.player_radius, rays_each, {how.seed, cell, purpose::verify, 0},
-                        [&](std::uint32_t polygon) { return set.contains(polygon); });
+    const fresh_batch batch = cast_fresh_rays(rays, grown, rules.fresh, rays_each, {how.seed, cell, purpose::verify, 0},
+                                              [&](std::uint32_t polygon) { return set.contains(polygon); });
     cell_verification one{.cell = cell, .rays = batch.rays, .misses = batch.misses};
     one.error = batch.rays > 0 ? static_cast<double>(batch.misses) / static_cast<double>(batch.rays) : 0.0;
     one.upper_bound = clopper_pearson_upper(batch.misses, batch.rays, result.confidence);

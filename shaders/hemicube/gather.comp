@@ -1,5 +1,6 @@
 #version 450 core
 #include "shared/hemicube_layout.h"
+#include "hemicube/mark.glsl"
 
 // One invocation per atlas pixel: counts its polygon and adds its importance. The formulas are those of
 // bake/src/source/gather_read_back.cpp.
@@ -7,12 +8,6 @@ layout(local_size_x = hemicube_group_width, local_size_y = hemicube_group_height
 
 layout(binding = hemicube_texture_ids) uniform usampler2D ids;
 layout(binding = hemicube_texture_depth) uniform sampler2D depths;
-layout(std140, binding = hemicube_block_gather) uniform gather_block { hemicube_gather settings; };
-layout(std430, binding = hemicube_buffer_counts) buffer counts_buffer { uint counts[]; };
-layout(std430, binding = hemicube_buffer_found) buffer found_buffer {
-  uint found_count;
-  uint found[];
-};
 layout(std430, binding = hemicube_buffer_result) writeonly buffer result_buffer { uint result[]; };
 
 shared vec4 sums[hemicube_group_width * hemicube_group_height];
@@ -53,7 +48,7 @@ void main() {
   sums[local] = vec4(0.0);
   if (pixel.x < 3 * int(settings.resolution) && pixel.y < int(settings.resolution)) {
     uint id = texelFetch(ids, pixel, 0).x;
-    if (id != hemicube_background && atomicAdd(counts[id], 1u) == 0u) found[atomicAdd(found_count, 1u)] = id;
+    if (id != hemicube_background) mark(id, pixel);
     sums[local] = importance(pixel);
   }
   // A tree in fixed order: the same sum every time.

@@ -28,14 +28,14 @@ const uint hemicube_texture_ids = 0u;
 const uint hemicube_texture_depth = 1u;
 
 // Storage buffers.
-const uint hemicube_buffer_counts = 0u;  // pixels per source id; all 0 between hemicubes
+const uint hemicube_buffer_counts = 0u;  // hemicube_count per source id; all 0 between hemicubes
 const uint hemicube_buffer_found = 1u;   // number, then the source ids whose count is not 0, in any order
 const uint hemicube_buffer_result = 2u;  // what is read back, see below
 
 const uint hemicube_buffer_masks = 3u;   // hemicube_mask per mask
 const uint hemicube_buffer_texels = 4u;  // alphas, four per word, lowest byte first
 
-// The result, in 32-bit words: number of polygons, three unused, four floats per work group, (id, pixels) per polygon.
+// The result, in 32-bit words: number of polygons, three unused, four floats per work group, (id, pixels, first pixel) per polygon.
 const uint hemicube_result_header = 4u;
 
 // One face. Clip coordinates are dot products with (position - eye); depth is reversed and has no far plane.
@@ -53,6 +53,12 @@ struct hemicube_gather {
   uint unused_word;
 };
 
+// Pixels of the atlas count from its lower left corner, row by row.
+struct hemicube_count {
+  uint pixels;
+  uint pixels_after;  // 9 S^2 less the first pixel: a maximum, so that 0 means none
+};
+
 // Where a MASK material is there: see bake/scene/include/sightcell/scene/alpha_mask.h.
 struct hemicube_mask {
   uint first_texel;
@@ -66,6 +72,7 @@ struct hemicube_mask {
 
 #ifdef __cplusplus
 static_assert(sizeof(hemicube_mask) == 32);
+static_assert(sizeof(hemicube_count) == 8);
 static_assert(sizeof(hemicube_face) == 64);
 static_assert(sizeof(hemicube_gather) == 16);
 }  // namespace sightcell::shaders

@@ -34,37 +34,67 @@ glm::vec3 random_point(const triangle& t, random_stream& random) {
   return t[0] * (1.0f - root) + t[1] * (root * (1.0f - v)) + t[2] * (root * v);
 }
 
-void expand(const ray_scene& rays, const vertex_neighbors& neighbors, const dilation_settings& how, std::uint64_t round,
-            std::uint32_t member, const cell_set& set, expansion& out) {
-  thread_local std::vector<std::uint32_t> near;
-  thread_local sight seen;
-  near.clear();
-  const glm::vec3 eye = set.witness(member);
-  neighbors.for_each(member, [&](std::uint32_t neighbor) {
-    if (!set.contains(neighbor)) near.push_back(neighbor);
-  });
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
-  random_stream random(how.seed, how.place, purpose::dilation, round, member);
-  const auto note = [&](std::uint32_t polygon) {
-    if (polygon != no_polygon && !set.contains(polygon)) out.found.push_back({polygon, eye});
-  };
-  for (const std::uint32_t neighbor : near) {
-    if (!faces(rays, neighbor, eye)) continue;  // its back cannot be seen from here
-    const triangle corners = corners_of(rays.geometry(), neighbor);
-    for (int i = 0; i < rays_per_neighbor; ++i) {
-      const glm::vec3 toward = random_point(corners, random) - eye;
-      const float length = glm::length(toward);
-      if (!(length > 0.0f)) continue;
-      rays.look(eye, toward / length, seen);
-      ++out.rays;
-      note(seen.front);
-      for (const std::uint32_t polygon : seen.before) note(polygon);
-      const bool hit = seen.front == neighbor || std::binary_search(seen.before.begin(), seen.before.end(), neighbor);
-      if (hit) break;  // it has joined: the other tries would tell nothing
+class expander {
+ public:
+  expander(const ray_scene& rays, const vertex_neighbors& neighbors, const dilation_settings& how, const cell_set& set)
+      : rays_(rays), neighbors_(neighbors), how_(how), set_(set) {}
+
+  void expand(std::uint32_t member, std::uint64_t round, expansion& out) {
+    near_.clear();
+    eye_ = set_.witness(member);
+    neighbors_.for_each(member, [&](std::uint32_t neighbor) {
+      if (!set_.contains(neighbor)) near_.push_back(neighbor);
+    });
+    std::sort(near_.begin(), near_.end());
+    near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
+    random_stream random(how_.seed, how_.place, purpose::dilation, round, member);
+    for (const std::uint32_t neighbor : near_) {
+      if (!faces(rays_, neighbor, eye_)) continue;  // its back cannot be seen from here
+      const triangle corners = corners_of(rays_.geometry(), neighbor);
+      for (int i = 0; i < rays_per_neighbor; ++i) {
+        const glm::vec3 toward = random_point(corners, random) - eye_;
+        const float length = glm::length(toward);
+        if (!(length > 0.0f)) continue;
+        ++out.rays;
+        if (aim(toward / length, length, neighbor, out)) break;  // it has joined: other tries would tell nothing
+      }
     }
   }
-}
+
+ private:
+  // Notes all that the ray sees; true when the target is among it.
+  bool aim(const glm::vec3& direction, float length, std::uint32_t target, expansion& out) {
+    rays_.look(eye_, direction, seen_);
+    bool hit = seen_.front == target;
+    note(seen_.front, direction, seen_.distance, out);
+    for (const passed_polygon& p : seen_.before) {
+      note(p.polygon, direction, p.distance, out);
+      hit = hit || p.polygon == target;
+    }
+    // Rule 2: what is hit where the target ought to be may lie in the same place.
+    if (hit || !(std::abs(seen_.distance - length) <= coincidence_reach(seen_.distance))) return hit;
+    rays_.coincident(eye_, direction, seen_.distance, coincident_);
+    for (const std::uint32_t polygon : coincident_) {
+      note(polygon, direction, seen_.distance, out);
+      hit = hit || polygon == target;
+    }
+    return hit;
+  }
+
+  void note(std::uint32_t polygon, const glm::vec3& direction, float distance, expansion& out) const {
+    if (polygon == no_polygon || set_.contains(polygon)) return;
+    if (rays_.through_gap(eye_, direction, distance, how_.smallest_gap)) return;
+    out.found.push_back({polygon, eye_});
+  }
+
+  const ray_scene& rays_;
+  const vertex_neighbors& neighbors_;
+  const dilation_settings& how_;
+  const cell_set& set_;
+  glm::vec3 eye_{0.0f};
+  std::vector<std::uint32_t> near_, coincident_;
+  sight seen_;
+};
 
 }  // namespace
 
@@ -76,8 +106,8 @@ std::uint64_t dilate(const ray_scene& rays, const vertex_neighbors& neighbors, c
     const std::size_t end = set.members().size();
     std::vector<expansion> wave(end - first);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(first, end, 64), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i)
-        expand(rays, neighbors, how, round, set.members()[i], set, wave[i - first]);
+      expander from(rays, neighbors, how, set);
+      for (std::size_t i = range.begin(); i < range.end(); ++i) from.expand(set.members()[i], round, wave[i - first]);
     });
     for (const expansion& e : wave) {
       spent += e.rays;

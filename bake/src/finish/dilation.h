@@ -1,6 +1,6 @@
 #pragma once
-// Verified dilation: what lies next to a seen polygon is likely seen too, so rays are aimed at it from where the seen
-// one was seen best. Only what a ray truly hits joins.
+// Verified dilation: what lies next to a seen polygon, or in the same place, is likely seen too, so rays are aimed at
+// it from where the seen one was seen best. Only what a ray truly hits joins.
 #include <cstddef>
 #include <cstdint>
 
@@ -12,6 +12,7 @@ namespace sightcell::bake {
 
 struct dilation_settings {
   std::uint64_t seed = 0, place = 0;
+  float smallest_gap = 0.0f;  // what is seen only through narrower cracks does not join (rule 3)
   std::uint64_t max_rays = 0;
 };
 

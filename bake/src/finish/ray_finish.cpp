@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "bound/clopper_pearson.h"
-#include "bound/fresh_rays.h"
 #include "finish/dilation.h"
 
 namespace sightcell::bake {
@@ -24,7 +23,7 @@ finish_result finish_with_rays(const ray_scene& rays, const vertex_neighbors& ne
   std::uint64_t wave = 0;
   const auto dilate_from = [&](std::size_t first) {
     const std::uint64_t left = how.max_rays - std::min(how.max_rays, result.rays_spent);
-    result.rays_spent += dilate(rays, neighbors, {how.seed, how.place, left}, first, wave, set);
+    result.rays_spent += dilate(rays, neighbors, {how.seed, how.place, how.rules.smallest_gap, left}, first, wave, set);
   };
   dilate_from(0);
 
@@ -35,7 +34,7 @@ finish_result finish_with_rays(const ray_scene& rays, const vertex_neighbors& ne
         headroom(how.free_share) * doubled * trials_without_miss(how.max_pixel_error, confidence);
     const std::uint64_t count = std::min(wanted, how.max_rays - result.rays_spent);
     const fresh_batch fresh =
-        cast_fresh_rays(rays, grown, how.player_radius, count, {how.seed, how.place, purpose::bound, batch},
+        cast_fresh_rays(rays, grown, how.rules, count, {how.seed, how.place, purpose::bound, batch},
                         [&](std::uint32_t polygon) { return set.contains(polygon); });
     result.rays = fresh.rays;
     result.misses = fresh.misses;

@@ -2,6 +2,7 @@
 // After the hemicubes: rays find what pixels missed, until fresh rays bound what is left (design.md section 6).
 #include <cstdint>
 
+#include "bound/fresh_rays.h"
 #include "cell_set.h"
 #include "finish/vertex_neighbors.h"
 #include "free_space.h"
@@ -11,7 +12,7 @@ namespace sightcell::bake {
 
 struct finish_settings {
   double max_pixel_error = 1e-3;
-  float player_radius = 0.05f;
+  fresh_rules rules;
   double free_share = 1.0;              // about this share of the grown box is free; decides the size of batches only
   std::uint64_t max_rays = 40'000'000;  // sight rays and tested places together
   std::uint64_t seed = 0, place = 0;

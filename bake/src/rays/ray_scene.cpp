@@ -35,21 +35,41 @@ const std::array<glm::vec3, solid_directions>& fixed_directions() {
   return directions;
 }
 
-// Embree's geometries. The primitives of with_tests are numbered as world_geometry::masked.
-enum : unsigned { with_opaque = 0, with_tests, with_blend, geometry_count };
-
-struct passed_polygon {
-  std::uint32_t polygon;
-  float distance;
+// Embree's geometries, in order of what they do: the first two hide, the first three keep eyes off, all are seen.
+enum : unsigned {
+  opaque_standing = 0,
+  tested_standing,  // MASK
+  blend_standing,
+  open_untested,  // never hides by its tags, because it may move: where it stands today says little
+  open_tested,
+  geometry_count
 };
+
+constexpr bool hides(unsigned geometry) {
+  return geometry <= tested_standing;
+}
+constexpr bool keeps_eyes_off(unsigned geometry) {
+  return geometry <= blend_standing;
+}
+constexpr bool is_tested(unsigned geometry) {
+  return geometry == tested_standing || geometry == open_tested;
+}
+
+unsigned geometry_of(scene::polygon_kind kind) {
+  if (kind.never_hides) return kind.alpha_tested ? open_tested : open_untested;
+  if (kind.alpha == scene::alpha_mode::blend) return blend_standing;
+  return kind.alpha_tested ? tested_standing : opaque_standing;
+}
 
 // Embree's context, first, so that the filter can be given the rest.
 struct look_context {
   RTCIntersectContext base{};
-  const std::vector<std::uint32_t>* ids = nullptr;  // per geometry: primitive number to source id
+  const std::vector<std::uint32_t>* ids = nullptr;    // per geometry: primitive number to source id
+  const std::vector<std::uint32_t>* tests = nullptr;  // of tested ones: to the number in world_geometry::masked
   const scene::world_geometry* geometry = nullptr;
   bool all_double_sided = false;
-  std::vector<passed_polygon>* passed = nullptr;
+  std::vector<passed_polygon>* passed = nullptr;  // what was met and does not hide; null: nobody asks
+  bool pass_all = false;                          // what hides is noted there too, and the ray goes on
 };
 
 // Whether a masked polygon is there at a hit.
@@ -59,8 +79,8 @@ bool passes(const scene::world_geometry& world, const scene::masked_polygon& p, 
   return world.masks[p.mask].passes(uv, alpha);
 }
 
-// Rule 1: backs of single-sided polygons are not there, nor is a MASK where its alpha is below the cutoff; BLEND is
-// noted and lets the ray on.
+// Rule 1: backs of single-sided polygons are not there, nor is a MASK where its alpha is below the cutoff; what never
+// hides is noted and lets the ray on.
 void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
   const auto* context = reinterpret_cast<const look_context*>(arguments->context);
   for (unsigned i = 0; i < arguments->N; ++i) {
@@ -74,14 +94,12 @@ void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
         RTCHitN_Ng_y(arguments->hit, arguments->N, i) * RTCRayN_dir_y(arguments->ray, arguments->N, i) +
         RTCHitN_Ng_z(arguments->hit, arguments->N, i) * RTCRayN_dir_z(arguments->ray, arguments->N, i);
     const bool shows_back = facing > 0.0f && !kind.double_sided && !context->all_double_sided;
-    if (!shows_back && geometry == with_opaque) continue;
-    if (!shows_back && geometry == with_tests) {
-      if (passes(*context->geometry, context->geometry->masked[primitive],
-                 RTCHitN_u(arguments->hit, arguments->N, i), RTCHitN_v(arguments->hit, arguments->N, i)))
-        continue;
-    }
-    if (!shows_back && geometry == with_blend)
-      context->passed->push_back({polygon, RTCRayN_tfar(arguments->ray, arguments->N, i)});
+    const bool there =
+        !shows_back && (!is_tested(geometry) ||
+                        passes(*context->geometry, context->geometry->masked[context->tests[geometry][primitive]],
+                               RTCHitN_u(arguments->hit, arguments->N, i), RTCHitN_v(arguments->hit, arguments->N, i)));
+    if (there && hides(geometry) && !context->pass_all) continue;
+    if (there && context->passed) context->passed->push_back({polygon, RTCRayN_tfar(arguments->ray, arguments->N, i)});
     arguments->valid[i] = 0;
   }
 }
@@ -106,8 +124,18 @@ RTCRayHit8 parallel_rays(std::span<const glm::vec3> points, const glm::vec3& dir
   return r;
 }
 
+RTCRay one_ray(const glm::vec3& eye, const glm::vec3& direction, float from, float to) {
+  RTCRay r{};
+  r.org_x = eye.x, r.org_y = eye.y, r.org_z = eye.z;
+  r.dir_x = direction.x, r.dir_y = direction.y, r.dir_z = direction.z;
+  r.tnear = from, r.tfar = to;
+  r.mask = ~0u;
+  return r;
+}
+
 bool note_touch(RTCPointQueryFunctionArguments* arguments) {
   auto* near = static_cast<nearness*>(arguments->userPtr);
+  if (!keeps_eyes_off(arguments->geomID)) return false;
   const std::uint32_t polygon = near->ids[arguments->geomID][arguments->primID];
   const glm::vec3 point{arguments->query->x, arguments->query->y, arguments->query->z};
   const float distance = distance_to_triangle(point, corners_of(*near->geometry, polygon));
@@ -121,9 +149,13 @@ bool note_touch(RTCPointQueryFunctionArguments* arguments) {
 
 struct ray_scene::embree {
   RTCDevice device = nullptr;
-  RTCScene solid = nullptr;  // opaque and MASK: what solids are told by
-  RTCScene all = nullptr;    // with BLEND; the same scene where there is none
-  std::array<std::vector<std::uint32_t>, geometry_count> ids;
+  RTCScene solid = nullptr;  // what hides: solids are told by it, and sight lines blocked
+  RTCScene all = nullptr;    // with what is seen and does not hide; the same scene where there is nothing of it
+  std::array<std::vector<std::uint32_t>, geometry_count> ids, tests;
+
+  look_context context(const ray_scene& rays) const;
+  // All that a ray meets and that is there, whether it hides or not.
+  void collect(look_context& context, const RTCRay& along, std::vector<std::uint32_t>& out) const;
 
   ~embree() {
     if (all && all != solid) rtcReleaseScene(all);
@@ -180,24 +212,29 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
   e.device = rtcNewDevice("isa=avx2");
   if (!e.device) e.device = rtcNewDevice(nullptr);
   if (!e.device) throw error(error_kind::failed, "rays.embree", "ray scene", "no Embree device", "check the CPU");
+  std::uint32_t test = 0;
   for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon) {
     const scene::polygon_kind kind = geometry.kinds[polygon];
-    if (kind.absent) continue;
-    e.ids[kind.alpha == scene::alpha_mode::blend ? with_blend
-          : kind.alpha_tested                    ? with_tests
-                                                 : with_opaque]
-        .push_back(polygon);
+    // What is in every set and hides nothing need not be looked for.
+    const bool needed = !kind.absent && (kind.hides() || !kind.always);
+    if (needed) e.ids[geometry_of(kind)].push_back(polygon);
+    if (!kind.alpha_tested) continue;
+    while (test < geometry.masked.size() && geometry.masked[test].id < polygon) ++test;
+    if (needed) e.tests[geometry_of(kind)].push_back(test);
   }
   e.solid = e.make_scene();
   RTCBuffer vertices = e.make_vertices(geometry);
   std::array<RTCGeometry, geometry_count> parts{};
-  for (unsigned i = 0; i < geometry_count; ++i)
-    if (!e.ids[i].empty() || i == with_opaque) parts[i] = e.make_geometry(geometry, e.ids[i], vertices);
-  for (const unsigned i : {unsigned{with_opaque}, unsigned{with_tests}})
-    if (parts[i]) rtcAttachGeometryByID(e.solid, parts[i], i);
+  bool all_hide = true;
+  for (unsigned i = 0; i < geometry_count; ++i) {
+    if (e.ids[i].empty() && i != opaque_standing) continue;
+    parts[i] = e.make_geometry(geometry, e.ids[i], vertices);
+    if (hides(i)) rtcAttachGeometryByID(e.solid, parts[i], i);
+    all_hide = all_hide && hides(i);
+  }
   rtcCommitScene(e.solid);
   e.all = e.solid;
-  if (parts[with_blend]) {
+  if (!all_hide) {
     e.all = e.make_scene();
     for (unsigned i = 0; i < geometry_count; ++i)
       if (parts[i]) rtcAttachGeometryByID(e.all, parts[i], i);
@@ -211,33 +248,88 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
 
 ray_scene::~ray_scene() = default;
 
+look_context ray_scene::embree::context(const ray_scene& rays) const {
+  look_context made;
+  rtcInitIntersectContext(&made.base);
+  made.base.filter = keep_what_occludes;
+  made.ids = ids.data();
+  made.tests = tests.data();
+  made.geometry = &rays.geometry_;
+  made.all_double_sided = rays.all_double_sided_;
+  return made;
+}
+
 void ray_scene::look(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
   thread_local std::vector<passed_polygon> passed;
   passed.clear();
-  look_context context;
-  rtcInitIntersectContext(&context.base);
-  context.base.filter = keep_what_occludes;
-  context.ids = embree_->ids.data();
-  context.geometry = &geometry_;
-  context.all_double_sided = all_double_sided_;
+  look_context context = embree_->context(*this);
   context.passed = &passed;
-  RTCRayHit r{};
-  r.ray.org_x = eye.x, r.ray.org_y = eye.y, r.ray.org_z = eye.z;
-  r.ray.dir_x = direction.x, r.ray.dir_y = direction.y, r.ray.dir_z = direction.z;
-  r.ray.tnear = 0.0f, r.ray.tfar = std::numeric_limits<float>::infinity();
-  r.ray.mask = ~0u;
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  RTCRayHit r{.ray = one_ray(eye, direction, 0.0f, infinity), .hit = {}};
   r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(embree_->all, &context.base, &r);
 
   const bool hit = r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   out.front = hit ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon;
-  out.distance = r.ray.tfar;
-  // Traversal is not in order of distance: polygons behind the front one may have been noted too.
+  out.distance = hit ? r.ray.tfar : infinity;
+  // Traversal is not in order of distance: polygons behind the front one may have been noted too, and some twice.
   out.before.clear();
-  for (const passed_polygon& p : passed)
-    if (p.distance < out.distance) out.before.push_back(p.polygon);
-  std::sort(out.before.begin(), out.before.end());
-  out.before.erase(std::unique(out.before.begin(), out.before.end()), out.before.end());
+  std::sort(passed.begin(), passed.end(), [](const passed_polygon& a, const passed_polygon& b) {
+    return a.polygon != b.polygon ? a.polygon < b.polygon : a.distance < b.distance;
+  });
+  for (const passed_polygon& p : passed) {
+    const bool again = !out.before.empty() && out.before.back().polygon == p.polygon;
+    if (p.distance < out.distance && !again) out.before.push_back(p);
+  }
+}
+
+void ray_scene::embree::collect(look_context& context, const RTCRay& along, std::vector<std::uint32_t>& out) const {
+  thread_local std::vector<passed_polygon> passed;
+  passed.clear();
+  context.passed = &passed;
+  context.pass_all = true;
+  RTCRayHit r{.ray = along, .hit = {}};
+  r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(all, &context.base, &r);
+  out.clear();
+  for (const passed_polygon& p : passed) out.push_back(p.polygon);
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+}
+
+void ray_scene::coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,
+                           std::vector<std::uint32_t>& out) const {
+  look_context context = embree_->context(*this);
+  const float reach = coincidence_reach(distance);
+  embree_->collect(context, one_ray(eye, direction, std::max(0.0f, distance - reach), distance + reach), out);
+}
+
+void ray_scene::stacked(const glm::vec3& point, const glm::vec3& normal, float reach,
+                        std::vector<std::uint32_t>& out) const {
+  look_context context = embree_->context(*this);
+  context.all_double_sided = true;
+  embree_->collect(context, one_ray(point + normal * reach, -normal, 0.0f, 2.0f * reach), out);
+}
+
+bool ray_scene::through_gap(const glm::vec3& eye, const glm::vec3& direction, float distance,
+                            float smallest_gap) const {
+  const float blocked_before = distance - std::max(0.02f, 0.01f * distance);
+  if (!(smallest_gap > 0.0f) || !(blocked_before > 0.0f)) return false;
+  const auto blocked = [&](const glm::vec3& beside) {
+    look_context context = embree_->context(*this);
+    RTCRay r = one_ray(eye + beside, direction, 0.0f, blocked_before);
+    rtcOccluded1(embree_->solid, &context.base, &r);
+    return r.tfar < 0.0f;  // Embree's mark for a hit
+  };
+  // Along the horizon first: most cracks stand or lie.
+  const glm::vec3 up = std::abs(direction.y) < 0.999f ? glm::vec3{0.0f, 1.0f, 0.0f} : glm::vec3{1.0f, 0.0f, 0.0f};
+  const glm::vec3 across = glm::normalize(glm::cross(direction, up)), along = glm::cross(across, direction);
+  constexpr float half_root = 0.70710678f;
+  for (const glm::vec3& side : {across, along, (across + along) * half_root, (across - along) * half_root}) {
+    const glm::vec3 beside = side * smallest_gap;
+    if (blocked(beside) && blocked(-beside)) return true;
+  }
+  return false;
 }
 
 bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {

@@ -2,6 +2,7 @@
 // The scene for rays: what a ray sees under the rules of seeing, and which places an eye can be at. Built from the
 // flattened import alone; bake's finish and verify each build their own. Queries are const and may come from any
 // thread.
+#include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -14,12 +15,23 @@ namespace sightcell::bake {
 
 inline constexpr std::uint32_t no_polygon = 0xFFFFFFFFu;
 
+// A polygon that a ray passes and that hides nothing: BLEND, or tagged so.
+struct passed_polygon {
+  std::uint32_t polygon = no_polygon;
+  float distance = 0.0f;  // metres; the nearest, where the polygon is passed twice
+};
+
 // What one ray sees.
 struct sight {
-  std::uint32_t front = no_polygon;   // the front occluding polygon; no_polygon: the ray leaves the scene
-  float distance = 0.0f;              // to it, metres; infinity when there is none
-  std::vector<std::uint32_t> before;  // BLEND polygons passed on the way, each once, ascending
+  std::uint32_t front = no_polygon;    // the front occluding polygon; no_polygon: the ray leaves the scene
+  float distance = 0.0f;               // to it, metres; infinity when there is none
+  std::vector<passed_polygon> before;  // passed on the way to it, each polygon once, ascending ids
 };
+
+// Rule 2 of seeing: what lies within this of a surface is in the same place, metres.
+inline float coincidence_reach(float distance) {
+  return std::max(2e-4f, 2e-5f * distance);
+}
 
 class ray_scene {
  public:
@@ -32,6 +44,19 @@ class ray_scene {
 
   // direction is a unit vector. out is overwritten; its storage is reused.
   void look(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+
+  // Rule 2 of seeing: all polygons that are there from this side and lie within coincidence_reach of a place on the
+  // ray, the one that was hit there included. out is overwritten: ascending, each once.
+  void coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,
+                  std::vector<std::uint32_t>& out) const;
+
+  // Rule 3 of seeing: does the sight line to a place at distance go through a crack narrower than smallest_gap? For one
+  // of four directions across it both lines beside it, smallest_gap away, are blocked before the place by more than
+  // 2 cm or 1 %. Up to that width nothing passes, from twice the width on everything. False where smallest_gap is 0.
+  bool through_gap(const glm::vec3& eye, const glm::vec3& direction, float distance, float smallest_gap) const;
+
+  // Polygons within reach of a point along a unit normal, front or back of it, whichever way they face; ascending.
+  void stacked(const glm::vec3& point, const glm::vec3& normal, float reach, std::vector<std::uint32_t>& out) const;
 
   // Free points: they keep radius from every surface and are not inside a solid. A function of the place alone: of 64
   // fixed directions that ignore sidedness, at most a tenth of the hits may show the back of an opaque single-sided

@@ -32,7 +32,7 @@ void over_row(std::uint32_t count, const Term& term) {
 class gather_read_back final : public gpu_gather {
  public:
   gather_read_back(std::uint32_t polygon_count, polygon_counts* marked)
-      : marked_(marked), pixels_(polygon_count), found_((polygon_count + 63) / 64) {}
+      : marked_(marked), counts_(polygon_count), found_((polygon_count + 63) / 64) {}
 
   void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view) override {
     const std::uint32_t s = atlas.resolution;
@@ -40,7 +40,7 @@ class gather_read_back final : public gpu_gather {
     count_pixels();
     if (marked_ != nullptr) {
       marked_->collect(marked_list_, no_sums_);
-      for (const seen_polygon& p : marked_list_) add(p.id, p.pixels);
+      for (const seen_polygon& p : marked_list_) add(p.id, p.pixels, p.pixel);
     }
     list_found(view.seen);
 
@@ -62,8 +62,10 @@ class gather_read_back final : public gpu_gather {
     glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depths_.data());
   }
 
-  void add(std::uint32_t id, std::uint32_t pixels) {
-    pixels_[id] += pixels;
+  void add(std::uint32_t id, std::uint32_t pixels, std::size_t first) {
+    count& c = counts_[id];
+    if (c.pixels == 0) c.first = static_cast<std::uint32_t>(first);
+    c.pixels += pixels;
     found_[id / 64] |= std::uint64_t{1} << (id % 64);
   }
 
@@ -73,12 +75,12 @@ class gather_read_back final : public gpu_gather {
       std::size_t end = i + 1;
       while (end < ids_.size() && ids_[end] == id) ++end;
       if (id != shaders::hemicube_background) {
-        if (id >= pixels_.size()) {
+        if (id >= counts_.size()) {
           throw error(error_kind::failed, "gpu.bad-id", "OpenGL source",
                       "the device drew a polygon that does not exist",
                       "use another source and report this with the name of your graphics driver");
         }
-        add(id, static_cast<std::uint32_t>(end - i));
+        add(id, static_cast<std::uint32_t>(end - i), i);
       }
       i = end;
     }
@@ -90,8 +92,8 @@ class gather_read_back final : public gpu_gather {
     for (std::size_t word = 0; word < found_.size(); ++word) {
       for (std::uint64_t bits = found_[word]; bits != 0; bits &= bits - 1) {
         const auto id = static_cast<std::uint32_t>(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
-        seen.push_back({id, pixels_[id]});
-        pixels_[id] = 0;
+        seen.push_back({id, counts_[id].pixels, counts_[id].first});
+        counts_[id] = {};
       }
       found_[word] = 0;
     }
@@ -139,8 +141,11 @@ class gather_read_back final : public gpu_gather {
   }
 
   polygon_counts* marked_;
-  std::vector<std::uint32_t> pixels_;  // by source id; all 0 between hemicubes
-  std::vector<std::uint64_t> found_;   // a bit per source id with pixels
+  struct count {
+    std::uint32_t pixels = 0, first = 0;
+  };
+  std::vector<count> counts_;         // by source id; all 0 between hemicubes
+  std::vector<std::uint64_t> found_;  // a bit per source id with pixels
   std::vector<std::uint32_t> ids_;
   std::vector<float> depths_;
   std::vector<seen_polygon> marked_list_;

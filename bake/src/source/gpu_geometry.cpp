@@ -24,10 +24,16 @@ glm::vec3 corner(const scene::world_geometry& world, std::uint32_t id, std::uint
 }
 
 polygon_class class_of(scene::polygon_kind kind) {
-  if (kind.alpha == scene::alpha_mode::blend)
-    return kind.double_sided ? see_through_double_sided : see_through_single_sided;
-  if (kind.alpha_tested) return kind.double_sided ? masked_double_sided : masked_single_sided;
-  return kind.double_sided ? opaque_double_sided : opaque_single_sided;
+  const polygon_class single = kind.alpha_tested
+                                   ? (kind.hides() ? masked_single_sided : see_through_masked_single_sided)
+                               : kind.hides() ? opaque_single_sided
+                                              : see_through_single_sided;
+  return static_cast<polygon_class>(single + (kind.double_sided ? 1 : 0));
+}
+
+bool is_masked(polygon_class which) {
+  return which == masked_single_sided || which == masked_double_sided || which == see_through_masked_single_sided ||
+         which == see_through_masked_double_sided;
 }
 
 // Splits the polygons at the median of the longest side of their centers' box until the parts are small enough; calls
@@ -127,9 +133,11 @@ gpu_geometry::gpu_geometry(const scene::world_geometry& world)
     : polygon_count_(static_cast<std::uint32_t>(world.kinds.size())) {
   std::array<std::vector<placed_polygon>, polygon_class_count> by_class;
   for (std::uint32_t id = 0; id < polygon_count_; ++id) {
-    if (world.kinds[id].absent) continue;
+    // What is in every set and hides nothing need not be drawn.
+    const scene::polygon_kind kind = world.kinds[id];
+    if (kind.absent || (kind.always && !kind.hides())) continue;
     const glm::vec3 center = (corner(world, id, 0) + corner(world, id, 1) + corner(world, id, 2)) / 3.0f;
-    by_class[class_of(world.kinds[id])].push_back({center, id});
+    by_class[class_of(kind)].push_back({center, id});
   }
 
   std::vector<std::uint32_t> source_ids;  // in device order
@@ -242,12 +250,13 @@ gpu_geometry::~gpu_geometry() {
   glDeleteVertexArrays(1, &masked_array_);  // 0 is ignored
 }
 
-bool gpu_geometry::has_masked() const {
-  return masks_.has_value();
+bool gpu_geometry::has(polygon_class single_sided, polygon_class double_sided) const {
+  return clusters_of_class_[single_sided].count + clusters_of_class_[double_sided].count > 0;
 }
 
 bool gpu_geometry::has_see_through() const {
-  return clusters_of_class_[see_through_single_sided].count + clusters_of_class_[see_through_double_sided].count > 0;
+  return has(see_through_single_sided, see_through_double_sided) ||
+         has(see_through_masked_single_sided, see_through_masked_double_sided);
 }
 
 void gpu_geometry::cull(const glm::vec3& eye, std::span<const face_view, face_count> faces) {
@@ -301,7 +310,7 @@ void gpu_geometry::bind() const {
 void gpu_geometry::draw(std::uint32_t face, polygon_class which) const {
   const index_range& range = draws_[face][which];
   if (range.count == 0) return;
-  glBindVertexArray(which == masked_single_sided || which == masked_double_sided ? masked_array_ : vertex_array_);
+  glBindVertexArray(is_masked(which) ? masked_array_ : vertex_array_);
   glMultiDrawElements(GL_TRIANGLES, &index_counts_[range.first], GL_UNSIGNED_INT, &index_offsets_[range.first],
                       static_cast<GLsizei>(range.count));
 }

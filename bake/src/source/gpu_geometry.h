@@ -23,8 +23,10 @@ enum polygon_class : std::uint32_t {
   opaque_double_sided,
   masked_single_sided,  // there where their alpha passes
   masked_double_sided,
-  see_through_single_sided,  // blend: seen, never hiding
+  see_through_single_sided,  // BLEND, or tagged so: seen, never hiding
   see_through_double_sided,
+  see_through_masked_single_sided,
+  see_through_masked_double_sided,
   polygon_class_count
 };
 
@@ -35,8 +37,8 @@ class gpu_geometry {
   gpu_geometry(const gpu_geometry&) = delete;
   gpu_geometry& operator=(const gpu_geometry&) = delete;
 
-  bool has_see_through() const;
-  bool has_masked() const;
+  bool has(polygon_class single_sided, polygon_class double_sided) const;
+  bool has_see_through() const;                                   // any of the four classes
   std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, absent ones included
 
   // Finds the clusters that each face can see.

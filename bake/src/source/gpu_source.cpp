@@ -68,10 +68,15 @@ class gpu_source final : public hemicube_source {
         depths_(GL_DEPTH_COMPONENT32F, static_cast<GLsizei>(3 * resolution_), static_cast<GLsizei>(resolution_)),
         face_blocks_(face_count * sizeof(face_block), nullptr, GL_DYNAMIC_STORAGE_BIT) {
     make_framebuffer();
-    if (geometry_.has_masked()) {
-      masked_.emplace("hemicube/masked", std::initializer_list<picture::gl_program::stage>{
-                                             {GL_VERTEX_SHADER, shaders::hemicube_masked_vert},
-                                             {GL_FRAGMENT_SHADER, shaders::hemicube_masked_frag}});
+    using stages = std::initializer_list<picture::gl_program::stage>;
+    if (geometry_.has(masked_single_sided, masked_double_sided)) {
+      masked_.emplace("hemicube/masked", stages{{GL_VERTEX_SHADER, shaders::hemicube_masked_vert},
+                                                {GL_FRAGMENT_SHADER, shaders::hemicube_masked_frag}});
+    }
+    if (geometry_.has(see_through_masked_single_sided, see_through_masked_double_sided)) {
+      see_through_masked_.emplace("hemicube/see_through_masked",
+                                  stages{{GL_VERTEX_SHADER, shaders::hemicube_masked_vert},
+                                         {GL_FRAGMENT_SHADER, shaders::hemicube_see_through_masked_frag}});
     }
     const bool compute = options.how == gather::compute || (options.how == gather::automatic && !context.software());
     std::uint32_t groups = 0;
@@ -96,7 +101,7 @@ class gpu_source final : public hemicube_source {
     set_state();
     glUseProgram(opaque_.id());
     draw_faces(faces, opaque_single_sided, opaque_double_sided);
-    if (geometry_.has_masked()) {
+    if (masked_) {
       glUseProgram(masked_->id());
       draw_faces(faces, masked_single_sided, masked_double_sided);
     }
@@ -110,12 +115,17 @@ class gpu_source final : public hemicube_source {
       glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
       glDepthFunc(GL_GEQUAL);  // a decal at exactly the depth of its wall is seen
       draw_faces(faces, see_through_single_sided, see_through_double_sided);
+      if (see_through_masked_) {
+        glUseProgram(see_through_masked_->id());
+        draw_faces(faces, see_through_masked_single_sided, see_through_masked_double_sided);
+      }
     }
     const hemicube_atlas atlas{resolution_, near_over_far_, framebuffer_, ids_.id(), depths_.id()};
     gather_->run(atlas, faces, view);
     context_.check("hemicube");
   }
 
+  std::uint32_t resolution() const override { return resolution_; }
   std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
 
  private:
@@ -179,7 +189,7 @@ class gpu_source final : public hemicube_source {
   float near_over_far_;
   gpu_geometry geometry_;
   picture::gl_program opaque_, see_through_;
-  std::optional<picture::gl_program> masked_;  // only where something is masked
+  std::optional<picture::gl_program> masked_, see_through_masked_;  // only where there is such a polygon
   gl_image ids_, depths_;
   gl_buffer face_blocks_;
   std::optional<gl_buffer> gather_block_;

@@ -1,5 +1,7 @@
 #include "source/hemicube_faces.h"
 
+#include <glm/geometric.hpp>
+
 namespace sightcell::bake {
 
 std::array<face_view, face_count> hemicube_faces(const pose& where, std::uint32_t resolution) {
@@ -12,6 +14,19 @@ std::array<face_view, face_count> hemicube_faces(const pose& where, std::uint32_
   faces[face_up] = {u, r, -f, -1, 1, -1, 0, 2 * s, h, s, h};
   faces[face_down] = {-u, r, f, -1, 1, 0, 1, 2 * s, 0, s, h};
   return faces;
+}
+
+glm::vec3 pixel_direction(const pose& where, std::uint32_t resolution, std::uint32_t pixel) {
+  const std::uint32_t x = pixel % (3 * resolution), y = pixel / (3 * resolution);
+  for (const face_view& face : hemicube_faces(where, resolution)) {
+    if (x < face.x || x >= face.x + face.width || y < face.y || y >= face.y + face.height) continue;
+    const auto part = [](std::uint32_t at, std::uint32_t first, std::uint32_t size, float low, float high) {
+      return low + (static_cast<float>(at - first) + 0.5f) / static_cast<float>(size) * (high - low);
+    };
+    return glm::normalize(face.forward + part(x, face.x, face.width, face.min_x, face.max_x) * face.right +
+                          part(y, face.y, face.height, face.min_y, face.max_y) * face.up);
+  }
+  return where.forward;  // no pixel of the atlas
 }
 
 }  // namespace sightcell::bake

@@ -32,4 +32,7 @@ enum : std::uint32_t { face_front = 0, face_right = 1, face_left = 2, face_up = 
 
 std::array<face_view, face_count> hemicube_faces(const pose& where, std::uint32_t resolution);
 
+// Unit vector from the eye through the center of a pixel of the atlas, counted row by row from its lower left corner.
+glm::vec3 pixel_direction(const pose& where, std::uint32_t resolution, std::uint32_t pixel);
+
 }  // namespace sightcell::bake

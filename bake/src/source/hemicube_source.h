@@ -17,6 +17,7 @@ struct pose {
 struct seen_polygon {
   std::uint32_t id = 0;      // source id
   std::uint32_t pixels = 0;  // pixels of the hemicube it covers, at least 1
+  std::uint32_t pixel = 0;   // one of them: the first of the atlas (hemicube_faces.h), row by row from its lower left
 };
 
 // The four components of the thesis's importance, in this order everywhere.
@@ -37,7 +38,8 @@ class hemicube_source {
   // Renders one hemicube; view is overwritten. Same pose, same result. Calls come from one thread at a time.
   // Throws sightcell::error when the device is lost.
   virtual void render(const pose& where, hemicube_view& view) = 0;
-  virtual std::string device() const = 0;  // for progress, report and checkpoint
+  virtual std::uint32_t resolution() const = 0;  // S
+  virtual std::string device() const = 0;        // for progress, report and checkpoint
 };
 
 }  // namespace sightcell::bake

@@ -66,7 +66,7 @@ class cell_bake : public testing::Test {
       for (int i = 0; i < 100; ++i) {
         rays.look(eye, random.on_sphere(), seen);
         if (seen.front != no_polygon) ++hits[seen.front];
-        for (const std::uint32_t polygon : seen.before) ++hits[polygon];
+        for (const passed_polygon& p : seen.before) ++hits[p.polygon];
       }
     const std::set<std::uint32_t> set(record.set.begin(), record.set.end());
     const auto inside = polygons_touching(rays.geometry(), grown);

@@ -70,7 +70,7 @@ TEST(dilation, spreads_over_a_room_from_one_polygon) {
   cell_set set(w.s.polygon_count);
   set.add(0, {0, 0, 0});
   std::uint64_t round = 0;
-  const auto rays = dilate(w.rays, w.neighbors, {1, 1, 1'000'000}, 0, round, set);
+  const auto rays = dilate(w.rays, w.neighbors, {1, 1, 0.0f, 1'000'000}, 0, round, set);
   EXPECT_EQ(set.size(), w.s.polygon_count);
   EXPECT_LT(rays, 4u * 12u * w.s.polygon_count);
 }
@@ -87,7 +87,7 @@ TEST(dilation, never_adds_what_is_not_seen) {
   cell_set set(w.s.polygon_count);
   set.add(upper, eye);
   std::uint64_t round = 0;
-  (void)dilate(w.rays, w.neighbors, {1, 1, 1'000'000}, 0, round, set);
+  (void)dilate(w.rays, w.neighbors, {1, 1, 0.0f, 1'000'000}, 0, round, set);
   EXPECT_TRUE(set.contains(upper + 1));
   EXPECT_FALSE(set.contains(lower) || set.contains(lower + 1)) << "hidden";
   EXPECT_TRUE(set.contains(screen) || set.contains(screen + 1)) << "it was hit on the way to the lower half";
@@ -102,15 +102,15 @@ TEST(dilation, aims_at_no_back) {
   set.add(front, {0, 0, 0});
   set.add(front + 1, {0, 0, 0});
   std::uint64_t round = 0;
-  EXPECT_EQ(dilate(w.rays, w.neighbors, {1, 1, 1'000'000}, 0, round, set), 0u);
+  EXPECT_EQ(dilate(w.rays, w.neighbors, {1, 1, 0.0f, 1'000'000}, 0, round, set), 0u);
   EXPECT_FALSE(set.contains(back));
 }
 
 TEST(fresh_rays, count_what_the_set_lacks) {
   const world w(gridded_room(2));
   // From the middle of a cube's room each wall is hit by a sixth of the rays: leave one wall out.
-  const auto batch = cast_fresh_rays(w.rays, middle, 0.05f, 60'000, {1, 1, purpose::bound, 1},
-                                     [&](std::uint32_t p) { return p >= 8; });
+  const auto batch =
+      cast_fresh_rays(w.rays, middle, {}, 60'000, {1, 1, purpose::bound, 1}, [&](std::uint32_t p) { return p >= 8; });
   EXPECT_EQ(batch.rays, 60'000u);
   EXPECT_NEAR(static_cast<double>(batch.misses) / 60'000.0, 1.0 / 6.0, 0.01);
   EXPECT_EQ(batch.misses, batch.missed.size());
@@ -122,7 +122,7 @@ TEST(fresh_rays, do_not_depend_on_threads) {
     fresh_batch batch;
     tbb::task_arena arena(threads);
     arena.execute([&] {
-      batch = cast_fresh_rays(w.rays, middle, 0.05f, 5'000, {1, 1, purpose::bound, 1},
+      batch = cast_fresh_rays(w.rays, middle, {}, 5'000, {1, 1, purpose::bound, 1},
                               [&](std::uint32_t p) { return p % 7 != 0; });
     });
     return batch;
@@ -141,7 +141,7 @@ TEST(fresh_rays, a_place_without_free_points_ends) {
   tiny.closed_box({-3, -3, -3}, {3, 3, 3});
   const world w(tiny);
   const auto batch =
-      cast_fresh_rays(w.rays, middle, 0.05f, 64, {1, 1, purpose::bound, 1}, [](std::uint32_t) { return true; });
+      cast_fresh_rays(w.rays, middle, {}, 64, {1, 1, purpose::bound, 1}, [](std::uint32_t) { return true; });
   EXPECT_EQ(batch.rays, 0u);
   EXPECT_EQ(batch.places, 64u * 256u);
 }
@@ -177,9 +177,9 @@ TEST(ray_finish, bounds_hold) {
   int below = 0;
   constexpr int seeds = 200;
   for (int seed = 0; seed < seeds; ++seed) {
-    const auto batch = cast_fresh_rays(w.rays, {{-0.01f, -0.01f, -0.01f}, {0.01f, 0.01f, 0.01f}}, 0.005f, 200,
-                                       {static_cast<std::uint64_t>(seed), 1, purpose::bound, 1},
-                                       [](std::uint32_t p) { return p >= 8; });
+    const auto batch = cast_fresh_rays(
+        w.rays, {{-0.01f, -0.01f, -0.01f}, {0.01f, 0.01f, 0.01f}}, {.player_radius = 0.005f}, 200,
+        {static_cast<std::uint64_t>(seed), 1, purpose::bound, 1}, [](std::uint32_t p) { return p >= 8; });
     below += clopper_pearson_upper(batch.misses, batch.rays, 0.95) < 1.0 / 6.0;
   }
   EXPECT_LE(below, 10 + 6);  // 5 % of 200, plus two standard errors

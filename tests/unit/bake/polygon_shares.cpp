@@ -34,9 +34,9 @@ void print_shares(const char* scene_path, const char* file, std::uint32_t cell, 
   const scene::scene s = scene::load_gltf(scene_path);
   const scene::world_geometry geometry = scene::flatten(s);
   const bake::ray_scene rays(geometry, false);
-  const bake::fresh_batch batch = bake::cast_fresh_rays(
-      rays, grown_cell(file, cell), bake::settings{}.player_radius, count,
-      {.seed = 777, .place = cell, .use = bake::purpose::estimate}, [](std::uint32_t) { return false; });
+  const bake::fresh_batch batch = bake::cast_fresh_rays(rays, grown_cell(file, cell), {}, count,
+                                                        {.seed = 777, .place = cell, .use = bake::purpose::estimate},
+                                                        [](std::uint32_t) { return false; });
   std::map<std::uint32_t, std::uint64_t> hits;
   for (const bake::missed_polygon& seen : batch.missed) ++hits[seen.polygon];
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;

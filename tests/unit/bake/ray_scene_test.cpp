@@ -21,8 +21,8 @@ const scene::alpha_map left_half{2, 1, {255, 0}};  // passes for u from 0 to 0.5
 bool sees(const sight& s, std::uint32_t quad) {
   const auto is = [&](std::uint32_t id) { return id == quad || id == quad + 1; };
   if (is(s.front)) return true;
-  for (const std::uint32_t id : s.before)
-    if (is(id)) return true;
+  for (const passed_polygon& p : s.before)
+    if (is(p.polygon)) return true;
   return false;
 }
 
@@ -71,6 +71,108 @@ TEST(ray_scene, glass_is_seen_and_lets_through) {
   for (const auto seen : {wall, pane, second, third}) EXPECT_TRUE(sees(s, seen)) << seen;
   EXPECT_FALSE(sees(s, hidden)) << "glass behind the wall";
   EXPECT_FALSE(sees(s, turned)) << "glass from behind";
+}
+
+TEST(ray_scene, what_never_hides_is_seen_and_keeps_no_eye_off) {
+  tiny_scene tiny;
+  const auto wall = tiny.wall_x(8, -1, 4), door = tiny.wall_x(2, -1, 1), hidden = tiny.wall_x(9, -1, 1);
+  const auto leaf = tiny.masked_quad({3, -2, -2}, {3, -2, 2}, {3, 2, 2}, {3, 2, -2}, left_half);
+  const auto turned = tiny.wall_x(4, 1, 1);
+  for (const auto id : {door, leaf, hidden, turned}) tiny.tag(id, {.occluder = false});
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  sight s;
+  rays.look({0, 0.1f, -0.2f}, {1, 0, 0}, s);
+  EXPECT_TRUE(sees(s, door) && sees(s, leaf) && sees(s, wall));
+  EXPECT_FALSE(sees(s, hidden) || sees(s, turned));
+  ASSERT_EQ(s.before.size(), 2u);
+  EXPECT_FLOAT_EQ(s.before[0].distance + s.before[1].distance, 5.0f);
+  rays.look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  EXPECT_FALSE(sees(s, leaf)) << "cut away here";
+  EXPECT_TRUE(sees(s, door));
+  EXPECT_TRUE(rays.is_free({2.01f, 0.1f, 0.2f}, 0.05f)) << "it may move";
+  EXPECT_FALSE(rays.is_free({7.99f, 0.1f, 0.2f}, 0.05f));
+}
+
+TEST(ray_scene, a_closed_box_that_may_move_is_no_solid) {
+  tiny_scene tiny;
+  const auto lift = tiny.closed_box({-1, -1, -1}, {1, 1, 1});
+  tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+  EXPECT_FALSE(ray_scene(world(tiny).geometry, false).is_free({0, 0, 0}, 0.05f));
+  tiny.tag(lift, {.occluder = false});
+  const world w(tiny);
+  EXPECT_TRUE(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f));
+}
+
+TEST(ray_scene, what_is_in_every_set_hides_unless_it_may_move) {
+  tiny_scene tiny;
+  const auto sky = tiny.wall_x(4, -1, 1), bird = tiny.wall_x(2, -1, 1), wall = tiny.wall_x(8, -1, 1);
+  tiny.tag(sky, {.always = true});
+  tiny.tag(bird, {.animated = true});
+  const world w(tiny);
+  sight s;
+  ray_scene(w.geometry, false).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  EXPECT_TRUE(sees(s, sky));
+  EXPECT_FALSE(sees(s, wall));
+  EXPECT_TRUE(s.before.empty()) << "nobody has to find the bird";
+}
+
+TEST(ray_scene, coincident_polygons_are_those_within_reach_that_face_the_eye) {
+  tiny_scene tiny;
+  const auto wall = tiny.wall_x(4, -1, 1), same = tiny.wall_x(4, -1, 2), front = tiny.wall_x(3.9999f, -1, 1),
+             behind = tiny.wall_x(4.00015f, -1, 1), further = tiny.wall_x(4.001f, -1, 1), back = tiny.wall_x(4, 1, 1),
+             pane = tiny.wall_x(4, -1, 1, glass);
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  std::vector<std::uint32_t> found;
+  const auto has = [&](std::uint32_t quad) {
+    return std::any_of(found.begin(), found.end(), [&](std::uint32_t id) { return id == quad || id == quad + 1; });
+  };
+  rays.coincident({0, 0.1f, 0.2f}, {1, 0, 0}, 4.0f, found);
+  for (const auto quad : {wall, same, front, behind, pane}) EXPECT_TRUE(has(quad)) << quad;
+  for (const auto quad : {further, back}) EXPECT_FALSE(has(quad)) << quad;
+  rays.coincident({-96, 0.1f, 0.2f}, {1, 0, 0}, 100.0f, found);
+  EXPECT_TRUE(has(further)) << "2 mm at 100 m";
+  rays.stacked({4, 0.1f, 0.2f}, {1, 0, 0}, 2e-4f, found);
+  for (const auto quad : {wall, same, front, behind, pane, back}) EXPECT_TRUE(has(quad)) << quad;
+  EXPECT_FALSE(has(further));
+}
+
+// Two walls at x = 2 with a crack of this width between them, turned about the x axis by the angle; the quad behind.
+world cracked(float width, float angle) {
+  tiny_scene tiny;
+  const auto at = [&](float across, float along) {
+    return glm::vec3{2, across * std::cos(angle) - along * std::sin(angle),
+                     across * std::sin(angle) + along * std::cos(angle)};
+  };
+  const float half = width / 2;
+  const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
+  tiny.quad(at(half, -9), at(9, -9), at(9, 9), at(half, 9), sheet);
+  tiny.quad(at(-half, -9), at(-9, -9), at(-9, 9), at(-half, 9), sheet);
+  tiny.wall_x(3, -1, 9);
+  return world(tiny);
+}
+
+TEST(ray_scene, narrow_cracks_let_nothing_through_and_wide_ones_all) {
+  for (const float angle : {0.0f, 0.785f, 1.571f, 2.356f, 0.35f, 2.0f}) {
+    const world narrow = cracked(0.0015f, angle), wide = cracked(0.0045f, angle);
+    const ray_scene through_narrow(narrow.geometry, false), through_wide(wide.geometry, false);
+    sight s;
+    through_narrow.look({0, 0, 0}, {1, 0, 0}, s);
+    ASSERT_FLOAT_EQ(s.distance, 3.0f) << angle;
+    EXPECT_TRUE(through_narrow.through_gap({0, 0, 0}, {1, 0, 0}, 3.0f, 0.002f)) << angle;
+    EXPECT_FALSE(through_wide.through_gap({0, 0, 0}, {1, 0, 0}, 3.0f, 0.002f)) << angle;
+    EXPECT_FALSE(through_narrow.through_gap({0, 0, 0}, {1, 0, 0}, 3.0f, 0.0f)) << "0 turns it off";
+    EXPECT_FALSE(through_narrow.through_gap({0, 0, 0}, {1, 0, 0}, 2.01f, 0.002f)) << "blocked less than 2 cm before";
+  }
+}
+
+TEST(ray_scene, an_edge_is_no_crack) {
+  tiny_scene tiny;
+  tiny.quad({2, 0.0005f, 9}, {2, 9, 9}, {2, 9, -9}, {2, 0.0005f, -9}, {scene::alpha_mode::opaque, true});
+  tiny.wall_x(3, -1, 9);
+  const world w(tiny);
+  EXPECT_FALSE(ray_scene(w.geometry, false).through_gap({0, 0, 0}, {1, 0, 0}, 3.0f, 0.002f));
 }
 
 TEST(ray_scene, a_mask_without_texture_is_a_wall) {

@@ -22,6 +22,7 @@ class scripted_source final : public hemicube_source {
     view = {};
     answer(where, view);
   }
+  std::uint32_t resolution() const override { return 64; }
   std::string device() const override { return "scripted"; }
 };
 

@@ -37,6 +37,8 @@ TEST(settings, errors_name_the_option) {
   expect("--margin", [](settings& s) { s.margin = 10.1f; });
   expect("--player-radius", [](settings& s) { s.player_radius = 0.0f; });
   expect("--player-radius", [](settings& s) { s.player_radius = INFINITY; });
+  expect("--smallest-gap", [](settings& s) { s.smallest_gap = -0.001f; });
+  expect("--smallest-gap", [](settings& s) { s.smallest_gap = 0.2f; });
   expect("--sampler", [](settings& s) { s.sampler = "guided"; });
   expect("--samples", [](settings& s) { s.samples = 5; });
   expect("--samples", [](settings& s) { s.samples = 100001; });
@@ -74,7 +76,7 @@ TEST(settings, description_is_one_line_of_json_in_fixed_order) {
   EXPECT_EQ(describe({}),
             R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,)"
             R"("sampler":"importance-depth","samples":24,"resolution":256,"max_pixel_error":0.001,"seed":1,)"
-            R"("all_double_sided":false})");
+            R"("all_double_sided":false,"smallest_gap":0.002})");
 }
 
 TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_byte) {

@@ -10,6 +10,7 @@
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/error.h"
 #include "source/gpu_source.h"
+#include "source/hemicube_faces.h"
 #include "tiny_scene.h"
 
 namespace {
@@ -286,6 +287,27 @@ TEST_P(source_test, a_decal_on_its_wall_is_seen) {
   EXPECT_TRUE(sees_wall(view, decal));
 }
 
+TEST_P(source_test, what_never_hides_is_seen_where_it_is) {
+  tiny_scene s;
+  const auto wall = s.wall_x(9, -1, 20), door = s.wall_x(2, -1, 1), hidden = s.wall_x(10, -1, 1);
+  // Faces -x; u runs along +z from -2 to 2; there where u is below a half.
+  const auto leaf = s.masked_quad({3, -2, -2}, {3, -2, 2}, {3, 2, 2}, {3, 2, -2}, {2, 1, {255, 0}});
+  const auto bird = s.wall_x(4, -1, 1);
+  for (const auto id : {door, leaf, hidden}) s.tag(id, {.occluder = false});
+  s.tag(bird, {.animated = true});
+  const auto view = look_at(s);
+  EXPECT_TRUE(sees_wall(view, wall));
+  EXPECT_TRUE(sees_wall(view, door));
+  EXPECT_FALSE(sees(view, hidden) || sees(view, hidden + 1));
+  EXPECT_FALSE(sees(view, bird)) << "in every set without being looked for";
+  // Half of a square that spans 4/6 of the front image; the wall keeps all pixels that it would have.
+  const std::uint32_t expected = size * size * 4 / 9 / 2;
+  EXPECT_NEAR(pixels_of(view, leaf) + pixels_of(view, leaf + 1), expected, expected / 10);
+  EXPECT_EQ(all_pixels(view) - pixels_of(view, leaf) - pixels_of(view, leaf + 1) - pixels_of(view, door) -
+                pixels_of(view, door + 1),
+            std::uint64_t{pixels_of(view, wall)} + pixels_of(view, wall + 1));
+}
+
 TEST_P(source_test, degenerate_polygons_are_never_seen) {
   tiny_scene s;
   const auto line = s.triangle({2, -1, -1}, {2, 0, 0}, {2, 1, 1});
@@ -445,6 +467,30 @@ tiny_scene cloud() {
     s.triangle(a, b, c, how);
   }
   return s;
+}
+
+TEST_P(source_test, the_noted_pixel_shows_the_polygon) {
+  tiny_scene s = cloud();
+  const scene::world_geometry world = scene::flatten(s.finished());
+  const bake::ray_scene rays(world, false);
+  bake::pose turned = along_x;
+  turned.forward = glm::normalize(glm::vec3(1, 0.03f, 0.07f));
+  turned.right = glm::normalize(glm::cross(turned.forward, glm::vec3(0, 1, 0.05f)));
+  turned.up = glm::cross(turned.right, turned.forward);
+  bake::hemicube_view view;
+  const auto drawn = source(world, GetParam());
+  drawn->render(turned, view);
+  EXPECT_EQ(drawn->resolution(), size);
+  ASSERT_GT(view.seen.size(), 50u);
+  bake::sight seen;
+  std::size_t same = 0;
+  for (const bake::seen_polygon& p : view.seen) {
+    rays.look(turned.eye, bake::pixel_direction(turned, size, p.pixel), seen);
+    same += seen.front == p.id ||
+            std::any_of(seen.before.begin(), seen.before.end(), [&](const auto& b) { return b.polygon == p.id; });
+  }
+  // A pixel's center on an edge may be given to either side.
+  EXPECT_GE(same + view.seen.size() / 200, view.seen.size());
 }
 
 void expect_same_seen(const bake::hemicube_view& a, const bake::hemicube_view& b) {

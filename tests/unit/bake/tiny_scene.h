@@ -62,6 +62,15 @@ class tiny_scene {
     return quad({2.05f, -9, 1.12f}, {2.05f, -9, 1.28f}, {2.05f, 9, 1.28f}, {2.05f, 9, 1.12f});
   }
 
+  // Tags the draw that holds this polygon.
+  void tag(std::uint32_t first, scene::draw_tags tags) {
+    std::uint32_t polygon = 0;
+    for (scene::draw& d : scene_.draws) {
+      if (polygon == first) d.tags = tags;
+      polygon += static_cast<std::uint32_t>(scene_.geometries[d.geometry].indices.size() / 3);
+    }
+  }
+
   scene::scene finished() {
     scene::finish(scene_);
     return scene_;

@@ -39,6 +39,7 @@ struct settings {
 
   // --- seeing
   bool all_double_sided = false;  // --all-double-sided
+  float smallest_gap = 0.002f;    // --smallest-gap, metres, 0..0.1: narrower cracks let nothing through; 0: all do
 
   // --- running; none of these changes a byte of the file
   std::uint32_t threads = 0;  // --threads, 0: all

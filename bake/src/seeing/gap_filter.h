@@ -1,0 +1,32 @@
+#pragma once
+// Rule 3 of seeing for hemicubes: what a hemicube sees only through cracks is taken out of its answer.
+#include <string>
+
+#include "cell_set.h"
+#include "rays/ray_scene.h"
+#include "source/hemicube_source.h"
+
+namespace sightcell::bake {
+
+// A source in front of another. Of every polygon that is new to the set and covers no more pixels than the hemicube is
+// wide (a crack is a line at most), the sight line through one pixel is tested; through a crack the polygon is dropped
+// from this view. Importance stays as it was. References must outlive it.
+class gap_filter final : public hemicube_source {
+ public:
+  gap_filter(hemicube_source& behind, const ray_scene& rays, const cell_set& set, float smallest_gap)
+      : behind_(behind), rays_(rays), set_(set), smallest_gap_(smallest_gap) {}
+
+  void render(const pose& where, hemicube_view& view) override;
+  std::uint32_t resolution() const override { return behind_.resolution(); }
+  std::string device() const override { return behind_.device(); }
+
+ private:
+  bool through_gap(const pose& where, const seen_polygon& seen) const;
+
+  hemicube_source& behind_;
+  const ray_scene& rays_;
+  const cell_set& set_;
+  float smallest_gap_;
+};
+
+}  // namespace sightcell::bake

@@ -1,0 +1,13 @@
+// Counts a pixel of a polygon, and notes the first one of the atlas that it covers.
+layout(std140, binding = hemicube_block_gather) uniform gather_block { hemicube_gather settings; };
+layout(std430, binding = hemicube_buffer_counts) buffer counts_buffer { hemicube_count counts[]; };
+layout(std430, binding = hemicube_buffer_found) buffer found_buffer {
+  uint found_count;
+  uint found[];
+};
+
+void mark(uint id, ivec2 pixel) {
+  uint at = uint(pixel.y) * 3u * settings.resolution + uint(pixel.x);
+  atomicMax(counts[id].pixels_after, 9u * settings.resolution * settings.resolution - at);
+  if (atomicAdd(counts[id].pixels, 1u) == 0u) found[atomicAdd(found_count, 1u)] = id;
+}

@@ -1,0 +1,13 @@
+#version 450 core
+#include "shared/hemicube_layout.h"
+#include "hemicube/alpha_test.glsl"
+#include "hemicube/mark.glsl"
+
+// MASK polygons that never hide: as see_through.frag, where their alpha passes.
+layout(early_fragment_tests) in;
+
+flat in uint polygon_id;
+
+void main() {
+  if (alpha_passes()) mark(polygon_id, ivec2(gl_FragCoord.xy));
+}
