@@ -20,7 +20,8 @@
 
 namespace sightcell::scene {
 struct scene;  // sightcell/scene/scene.h, for who loads glTF
-}
+struct world_geometry;
+}  // namespace sightcell::scene
 
 namespace sightcell::bake {
 
@@ -103,5 +104,14 @@ verification verify(const scene::scene& s, std::span<const std::byte> file, cons
 verification verify(const host_scene& s, std::span<const std::byte> file, const std::string& name,
                     const verify_settings& how,
                     const std::function<void(std::uint32_t done, std::uint32_t total)>& on_progress);
+
+// Polygons whose three corners are exactly those of another one. Absent ones do not count.
+struct coincident_counts {
+  std::uint32_t duplicates = 0;   // of the same kind and facing: seen together, always
+  std::uint32_t any_winding = 0;  // whatever the kinds and facings; contains the other two
+  std::uint32_t opposite = 0;     // some of those in one place are wound one way, some the other
+};
+
+coincident_counts count_coincident(const scene::world_geometry& geometry);
 
 }  // namespace sightcell::bake
