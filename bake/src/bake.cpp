@@ -57,7 +57,7 @@ struct workshop {
   scene::world_geometry geometry;
   std::optional<scene::world_geometry> both_sides;  // what the hemicubes draw with --all-double-sided
   std::optional<ray_scene> rays;
-  std::optional<vertex_neighbors> neighbors;
+  std::optional<near_polygons> neighbors;
   std::unique_ptr<picture::gl_context> context;
   std::unique_ptr<hemicube_source> source;
 };
@@ -69,7 +69,7 @@ void equip(workshop& w, const scene::scene& s, const settings& how, const callba
     throw error(error_kind::bad_input, "bake.nothing-to-see", s.name, "has no triangle that could be seen",
                 "export meshes with triangles, or name another file");
   w.rays.emplace(w.geometry, how.all_double_sided);
-  if (how.max_pixel_error > 0.0) w.neighbors.emplace(w.geometry);
+  if (how.max_pixel_error > 0.0) w.neighbors.emplace(*w.rays);
   w.context = std::make_unique<picture::gl_context>();
   const scene::world_geometry* drawn = &w.geometry;
   if (how.all_double_sided) {

@@ -33,13 +33,14 @@ void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vect
 
 }  // namespace
 
-cell_baker::cell_baker(const settings& how, const ray_scene& rays, const vertex_neighbors* neighbors,
+cell_baker::cell_baker(const settings& how, const ray_scene& rays, const near_polygons* neighbors,
                        hemicube_source& source)
     : how_(how),
       rays_(rays),
       neighbors_(neighbors),
       source_(source),
-      set_(static_cast<std::uint32_t>(rays.geometry().kinds.size())) {
+      duplicates_(rays.geometry(), how.all_double_sided),
+      set_(static_cast<std::uint32_t>(rays.geometry().kinds.size()), &duplicates_) {
   const auto& kinds = rays.geometry().kinds;
   for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
     if (kinds[polygon].always) always_.push_back(polygon);

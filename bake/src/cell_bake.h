@@ -6,7 +6,7 @@
 #include "cell_set.h"
 #include "cells/view_cell.h"
 #include "checkpoint.h"
-#include "finish/vertex_neighbors.h"
+#include "finish/near_polygons.h"
 #include "rays/ray_scene.h"
 #include "sightcell/bake/settings.h"
 #include "source/hemicube_source.h"
@@ -16,7 +16,7 @@ namespace sightcell::bake {
 class cell_baker {
  public:
   // References must outlive the baker. neighbors: null when max_pixel_error is 0 (no rays).
-  cell_baker(const settings& how, const ray_scene& rays, const vertex_neighbors* neighbors, hemicube_source& source);
+  cell_baker(const settings& how, const ray_scene& rays, const near_polygons* neighbors, hemicube_source& source);
 
   // The record depends on settings, scene and the cell's box and place alone. Not thread-safe: one baker, one thread
   // (rays run on its TBB arena).
@@ -27,8 +27,9 @@ class cell_baker {
  private:
   const settings& how_;
   const ray_scene& rays_;
-  const vertex_neighbors* neighbors_;
+  const near_polygons* neighbors_;
   hemicube_source& source_;
+  duplicate_classes duplicates_;
   cell_set set_;
   std::vector<std::uint32_t> always_;  // polygons that are in every set
   bool geometry_inside_ = false;

@@ -4,13 +4,16 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "seeing/duplicates.h"
 #include "source/hemicube_source.h"
 
 namespace sightcell::bake {
 
 class cell_set {
  public:
-  explicit cell_set(std::uint32_t polygon_count) : entries_(polygon_count) {}
+  // duplicates: whoever joins brings the others of its class with it; null: nobody. Must outlive the set.
+  explicit cell_set(std::uint32_t polygon_count, const duplicate_classes* duplicates = nullptr)
+      : entries_(polygon_count), duplicates_(duplicates) {}
 
   // Forgets everything; storage stays.
   void clear();
@@ -33,7 +36,10 @@ class cell_set {
     std::uint32_t pixels = 0;  // 0: not a member
     std::uint32_t eye = 0;     // into eyes_
   };
+  void join(std::uint32_t polygon, const entry& as);
+
   std::vector<entry> entries_;
+  const duplicate_classes* duplicates_;
   std::vector<std::uint32_t> members_;
   std::vector<glm::vec3> eyes_;
 };

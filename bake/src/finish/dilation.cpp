@@ -36,7 +36,7 @@ glm::vec3 random_point(const triangle& t, random_stream& random) {
 
 class expander {
  public:
-  expander(const ray_scene& rays, const vertex_neighbors& neighbors, const dilation_settings& how, const cell_set& set)
+  expander(const ray_scene& rays, const near_polygons& neighbors, const dilation_settings& how, const cell_set& set)
       : rays_(rays), neighbors_(neighbors), how_(how), set_(set) {}
 
   void expand(std::uint32_t member, std::uint64_t round, expansion& out) {
@@ -88,7 +88,7 @@ class expander {
   }
 
   const ray_scene& rays_;
-  const vertex_neighbors& neighbors_;
+  const near_polygons& neighbors_;
   const dilation_settings& how_;
   const cell_set& set_;
   glm::vec3 eye_{0.0f};
@@ -98,7 +98,7 @@ class expander {
 
 }  // namespace
 
-std::uint64_t dilate(const ray_scene& rays, const vertex_neighbors& neighbors, const dilation_settings& how,
+std::uint64_t dilate(const ray_scene& rays, const near_polygons& neighbors, const dilation_settings& how,
                      std::size_t first, std::uint64_t& round, cell_set& set) {
   std::uint64_t spent = 0;
   while (first < set.members().size() && spent < how.max_rays) {

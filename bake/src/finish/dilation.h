@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "cell_set.h"
-#include "finish/vertex_neighbors.h"
+#include "finish/near_polygons.h"
 #include "rays/ray_scene.h"
 
 namespace sightcell::bake {
@@ -19,7 +19,7 @@ struct dilation_settings {
 // Expands the members from index first (in joining order) on, and in turn whatever joins, until nothing does or
 // max_rays are spent. round: names the random numbers; raised by every wave. Returns the rays cast. Runs on the calling
 // thread's TBB arena; does not depend on the number of threads.
-std::uint64_t dilate(const ray_scene& rays, const vertex_neighbors& neighbors, const dilation_settings& how,
+std::uint64_t dilate(const ray_scene& rays, const near_polygons& neighbors, const dilation_settings& how,
                      std::size_t first, std::uint64_t& round, cell_set& set);
 
 }  // namespace sightcell::bake

@@ -17,7 +17,7 @@ constexpr std::uint64_t headroom(double free_share) {
 
 }  // namespace
 
-finish_result finish_with_rays(const ray_scene& rays, const vertex_neighbors& neighbors, const box& grown,
+finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
                                const finish_settings& how, cell_set& set) {
   finish_result result;
   std::uint64_t wave = 0;

@@ -4,7 +4,7 @@
 
 #include "bound/fresh_rays.h"
 #include "cell_set.h"
-#include "finish/vertex_neighbors.h"
+#include "finish/near_polygons.h"
 #include "free_space.h"
 #include "rays/ray_scene.h"
 
@@ -31,7 +31,7 @@ struct finish_result {
 // is exact. Batch j has the confidence share 0.05 / 2^j: stopping at the first batch that meets the target keeps 95 %
 // for the whole run. Misses join with their position as witness and are dilated. Runs on the calling thread's TBB
 // arena; the result does not depend on the number of threads.
-finish_result finish_with_rays(const ray_scene& rays, const vertex_neighbors& neighbors, const box& grown,
+finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
                                const finish_settings& how, cell_set& set);
 
 }  // namespace sightcell::bake

@@ -342,6 +342,17 @@ bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {
   return near.touched;
 }
 
+// Walls are modeled as two single-sided layers back to back, too: which of them a ray meets first is chance, and their
+// backs say nothing.
+bool ray_scene::has_front(const glm::vec3& point, const glm::vec3& direction, float distance) const {
+  look_context context = embree_->context(*this);
+  context.all_double_sided = false;
+  const float reach = coincidence_reach(distance);
+  RTCRay r = one_ray(point, direction, std::max(0.0f, distance - reach), distance + reach);
+  rtcOccluded1(embree_->solid, &context.base, &r);
+  return r.tfar < 0.0f;
+}
+
 // Packets of eight neighboring points along one direction: parallel rays from near places take the same way through
 // the tree, which makes the 64 rays of a place several times cheaper than one by one.
 void ray_scene::find_solid(std::span<const glm::vec3> points, std::span<std::uint8_t> solid) const {
@@ -365,7 +376,8 @@ void ray_scene::find_solid(std::span<const glm::vec3> points, std::span<std::uin
         const scene::polygon_kind kind = geometry_.kinds[embree_->ids[r.hit.geomID[i]][r.hit.primID[i]]];
         const glm::vec3 normal{r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]};
         const bool votes = kind.alpha == scene::alpha_mode::opaque && !kind.double_sided;
-        if (votes && glm::dot(normal, direction) > 0.0f) ++backs[i];
+        if (votes && glm::dot(normal, direction) > 0.0f && !has_front(points[first + i], direction, r.ray.tfar[i]))
+          ++backs[i];
         // Even if all that is left hit fronts, it would be a solid: seven directions do for most places inside one.
         if (10 * backs[i] > hits[i] + left) valid[i] = 0, --undecided;
       }

@@ -60,7 +60,7 @@ class ray_scene {
 
   // Free points: they keep radius from every surface and are not inside a solid. A function of the place alone: of 64
   // fixed directions that ignore sidedness, at most a tenth of the hits may show the back of an opaque single-sided
-  // polygon (design.md section 6). free[i] is set for points[i].
+  // polygon (design.md section 6) with no front in the same place. free[i] is set for points[i].
   void find_free(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const;
   bool is_free(const glm::vec3& point, float radius) const;
 
@@ -72,6 +72,7 @@ class ray_scene {
  private:
   struct embree;
   bool touches_surface(const glm::vec3& point, float radius) const;
+  bool has_front(const glm::vec3& point, const glm::vec3& direction, float distance) const;
   void find_solid(std::span<const glm::vec3> points, std::span<std::uint8_t> solid) const;
 
   const scene::world_geometry& geometry_;

@@ -8,7 +8,7 @@
 #include <memory>
 #include <set>
 
-#include "finish/vertex_neighbors.h"
+#include "finish/near_polygons.h"
 #include "free_space.h"
 #include "random.h"
 #include "sightcell/picture/gl_context.h"
@@ -44,7 +44,7 @@ class cell_bake : public testing::Test {
     const scene::scene s = tiny.finished();
     const scene::world_geometry geometry = scene::flatten(s);
     const ray_scene rays(geometry, how.all_double_sided);
-    const vertex_neighbors neighbors(geometry);
+    const near_polygons neighbors(rays);
     const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
     cell_baker baker(how, rays, how.max_pixel_error > 0.0 ? &neighbors : nullptr, *source);
     cell_record record = baker.bake(cell);
@@ -62,11 +62,15 @@ class cell_bake : public testing::Test {
     const auto eyes = draw_free_points(rays, grown, how.player_radius, 4'000, 400'000, random, tries);
     std::vector<std::uint64_t> hits(rays.geometry().kinds.size());
     sight seen;
+    std::vector<std::uint32_t> coincident;
     for (const glm::vec3& eye : eyes)
       for (int i = 0; i < 100; ++i) {
-        rays.look(eye, random.on_sphere(), seen);
-        if (seen.front != no_polygon) ++hits[seen.front];
+        const glm::vec3 direction = random.on_sphere();
+        rays.look(eye, direction, seen);
         for (const passed_polygon& p : seen.before) ++hits[p.polygon];
+        if (seen.front == no_polygon) continue;
+        rays.coincident(eye, direction, seen.distance, coincident);
+        for (const std::uint32_t polygon : coincident) ++hits[polygon];
       }
     const std::set<std::uint32_t> set(record.set.begin(), record.set.end());
     const auto inside = polygons_touching(rays.geometry(), grown);
@@ -74,7 +78,9 @@ class cell_bake : public testing::Test {
       if (hits[polygon] >= 400) {
         EXPECT_TRUE(set.contains(polygon)) << "polygon " << polygon << " is seen by " << hits[polygon] << " rays";
       }
-      if (set.contains(polygon) && hits[polygon] == 0) {
+      const scene::polygon_kind kind = rays.geometry().kinds[polygon];
+      const bool untraced = kind.always || kind.absent;  // by its tags, or a coarser level of detail
+      if (set.contains(polygon) && hits[polygon] == 0 && !untraced) {
         EXPECT_TRUE(std::binary_search(inside.begin(), inside.end(), polygon))
             << "polygon " << polygon << " is not seen";
       }
@@ -194,6 +200,55 @@ TEST_F(cell_bake, the_sampler_alone_finds_what_has_pixels) {
   }
 }
 
+TEST_F(cell_bake, what_lies_in_the_same_place_is_seen_together) {
+  // A wall of two layers back to back, modeled twice: its backs do not make a solid of the room.
+  tiny_scene tiny;
+  const auto wall = tiny.wall_x(4, -1, 30), again = tiny.wall_x(4, -1, 30), decal = tiny.wall_x(4.0001f, -1, 1);
+  const auto back = tiny.wall_x(4, 1, 30), behind = tiny.wall_x(4.005f, -1, 1);
+  const cell_record record = bake(tiny, around_origin);
+  EXPECT_TRUE(has(record, wall) && has(record, again));
+  EXPECT_TRUE(has(record, decal)) << "0.1 mm behind";
+  EXPECT_FALSE(has_any(record, back) || has_any(record, behind));
+}
+
+TEST_F(cell_bake, nothing_is_seen_through_a_crack) {
+  for (const float width : {0.0001f, 0.005f}) {
+    tiny_scene tiny;
+    tiny.quad({3, -9, width / 2}, {3, -9, 9}, {3, 9, 9}, {3, 9, width / 2});
+    tiny.quad({3, -9, -9}, {3, -9, -width / 2}, {3, 9, -width / 2}, {3, 9, -9});
+    const auto behind = tiny.wall_x(5, -1, 3);
+    const cell_record record = bake(tiny, around_origin);
+    EXPECT_EQ(has_any(record, behind), width > 0.004f) << width;
+  }
+}
+
+TEST_F(cell_bake, tags_say_what_is_in_every_set_and_in_none) {
+  tiny_scene tiny;
+  tiny.wall_x(4, -1, 30);
+  const auto sky = tiny.wall_x(8, -1, 3), bird = tiny.wall_x(9, -1, 3), door = tiny.wall_x(3, -1, 2),
+             player = tiny.wall_x(2, -1, 2), ghost = tiny.wall_x(2.5f, -1, 2), beyond = tiny.wall_x(7, -1, 3);
+  tiny.tag(sky, {.always = true});
+  tiny.tag(bird, {.animated = true});
+  tiny.tag(door, {.occluder = false});
+  tiny.tag(beyond, {.occluder = false});
+  tiny.tag(player, {.dynamic = true});
+  tiny.tag(ghost, {.never = true});
+  const cell_record record = bake(tiny, around_origin);
+  EXPECT_TRUE(has(record, sky) && has(record, bird) && has(record, door));
+  EXPECT_FALSE(has_any(record, player) || has_any(record, ghost) || has_any(record, beyond));
+}
+
+TEST_F(cell_bake, coarser_levels_come_with_the_finest) {
+  tiny_scene tiny;
+  tiny.wall_x(4, -1, 30);
+  const auto near = tiny.wall_x(3, -1, 1), near_coarse = tiny.wall_x(3, -1, 2), far = tiny.wall_x(6, -1, 1),
+             far_coarse = tiny.wall_x(6, -1, 2);
+  tiny.level(near, 1, 0), tiny.level(near_coarse, 1, 1), tiny.level(far, 2, 0), tiny.level(far_coarse, 2, 1);
+  const cell_record record = bake(tiny, around_origin);
+  EXPECT_TRUE(has(record, near) && has(record, near_coarse));
+  EXPECT_FALSE(has_any(record, far) || has_any(record, far_coarse));
+}
+
 TEST_F(cell_bake, every_cell_starts_afresh) {
   tiny_scene tiny;
   const auto first_room = tiny.closed_box({-5, -5, -5}, {5, 5, 5}, true);
@@ -201,7 +256,7 @@ TEST_F(cell_bake, every_cell_starts_afresh) {
   const scene::scene s = tiny.finished();
   const scene::world_geometry geometry = scene::flatten(s);
   const ray_scene rays(geometry, false);
-  const vertex_neighbors neighbors(geometry);
+  const near_polygons neighbors(rays);
   const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
   const settings how;
   cell_baker baker(how, rays, &neighbors, *source);

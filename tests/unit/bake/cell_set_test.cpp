@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tiny_scene.h"
+
 namespace sightcell::bake {
 namespace {
 
@@ -32,6 +34,22 @@ TEST(cell_set, clear_forgets_everything) {
   set.add(1, {2, 0, 0});
   EXPECT_EQ(set.members(), (std::vector<std::uint32_t>{3, 1}));
   EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{1, 3}));
+}
+
+TEST(cell_set, who_joins_brings_its_duplicates) {
+  test::tiny_scene tiny;
+  const auto wall = tiny.wall_x(2, -1, 1), apart = tiny.wall_x(3, -1, 1), again = tiny.wall_x(2, -1, 1);
+  const scene::scene s = tiny.finished();
+  const scene::world_geometry geometry = scene::flatten(s);
+  const duplicate_classes classes(geometry, false);
+  cell_set set(s.polygon_count, &classes);
+  EXPECT_TRUE(set.add(wall, {0, 0, 0}));
+  EXPECT_FALSE(set.add(again, {0, 0, 1}));
+  EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{wall, again}));
+  EXPECT_EQ(set.witness(again), glm::vec3(0, 0, 0));
+  set.add_view({1, 0, 0}, {{again + 1, 9}, {apart, 3}});
+  EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{wall, wall + 1, apart, again, again + 1}));
+  EXPECT_EQ(set.witness(wall + 1), glm::vec3(1, 0, 0));
 }
 
 }  // namespace

@@ -43,9 +43,9 @@ struct world {
   scene::scene s;
   scene::world_geometry geometry;
   ray_scene rays;
-  vertex_neighbors neighbors;
+  near_polygons neighbors;
   explicit world(tiny_scene tiny)
-      : s(tiny.finished()), geometry(scene::flatten(s)), rays(geometry, false), neighbors(geometry) {}
+      : s(tiny.finished()), geometry(scene::flatten(s)), rays(geometry, false), neighbors(rays) {}
 };
 
 const box middle{{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}};
@@ -58,10 +58,10 @@ TEST(vertex_neighbors, joins_what_shares_a_place) {
   const auto zero = tiny.triangle({-0.0f, 0, 0}, {0, -1, 0}, {-1, 0, 0});
   const world w(tiny);
   std::set<std::uint32_t> near;
-  w.neighbors.for_each(first, [&](std::uint32_t n) { near.insert(n); });
+  w.neighbors.sharing.for_each(first, [&](std::uint32_t n) { near.insert(n); });
   EXPECT_EQ(near, (std::set<std::uint32_t>{first, second, zero}));
   near.clear();
-  w.neighbors.for_each(apart, [&](std::uint32_t n) { near.insert(n); });
+  w.neighbors.sharing.for_each(apart, [&](std::uint32_t n) { near.insert(n); });
   EXPECT_EQ(near, std::set<std::uint32_t>{apart});
 }
 

@@ -117,6 +117,18 @@ TEST(ray_scene, what_is_in_every_set_hides_unless_it_may_move) {
   EXPECT_TRUE(s.before.empty()) << "nobody has to find the bird";
 }
 
+TEST(ray_scene, walls_of_two_layers_back_to_back_make_no_solid) {
+  for (const bool first_inward : {true, false}) {
+    tiny_scene tiny;
+    tiny.closed_box({-5, -5, -5}, {5, 5, 5}, first_inward);
+    tiny.closed_box({-5, -5, -5}, {5, 5, 5}, !first_inward);
+    const world w(tiny);
+    const ray_scene rays(w.geometry, false);
+    random_stream random(1, 1, purpose::verify);
+    for (int i = 0; i < 50; ++i) EXPECT_TRUE(rays.is_free(random.in_box({-4, -4, -4}, {4, 4, 4}), 0.05f));
+  }
+}
+
 TEST(ray_scene, coincident_polygons_are_those_within_reach_that_face_the_eye) {
   tiny_scene tiny;
   const auto wall = tiny.wall_x(4, -1, 1), same = tiny.wall_x(4, -1, 2), front = tiny.wall_x(3.9999f, -1, 1),

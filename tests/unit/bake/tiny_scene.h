@@ -62,13 +62,12 @@ class tiny_scene {
     return quad({2.05f, -9, 1.12f}, {2.05f, -9, 1.28f}, {2.05f, 9, 1.28f}, {2.05f, 9, 1.12f});
   }
 
-  // Tags the draw that holds this polygon.
-  void tag(std::uint32_t first, scene::draw_tags tags) {
-    std::uint32_t polygon = 0;
-    for (scene::draw& d : scene_.draws) {
-      if (polygon == first) d.tags = tags;
-      polygon += static_cast<std::uint32_t>(scene_.geometries[d.geometry].indices.size() / 3);
-    }
+  // Tags the draw that begins with this polygon.
+  void tag(std::uint32_t first, scene::draw_tags tags) { draw_at(first).tags = tags; }
+  // Makes the draw that begins with this polygon a level of detail of an object.
+  void level(std::uint32_t first, std::uint32_t object, std::uint32_t level) {
+    draw_at(first).lod_object = object;
+    draw_at(first).lod_level = level;
   }
 
   scene::scene finished() {
@@ -77,6 +76,13 @@ class tiny_scene {
   }
 
  private:
+  scene::draw& draw_at(std::uint32_t first) {
+    std::size_t number = 0;
+    for (std::uint32_t polygon = 0; polygon < first; ++number)
+      polygon += static_cast<std::uint32_t>(scene_.geometries[scene_.draws[number].geometry].indices.size() / 3);
+    return scene_.draws[number];
+  }
+
   std::uint32_t add(std::vector<glm::vec3> positions, std::vector<std::uint32_t> indices, look how) {
     const auto number = static_cast<std::uint32_t>(scene_.draws.size());
     const auto first = polygons_;

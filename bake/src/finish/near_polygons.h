@@ -1,0 +1,25 @@
+#pragma once
+// Where dilation looks: what shares a vertex with a polygon, and what lies on top of it.
+#include <cstdint>
+
+#include "finish/vertex_neighbors.h"
+#include "rays/ray_scene.h"
+#include "seeing/coincident.h"
+
+namespace sightcell::bake {
+
+struct near_polygons {
+  explicit near_polygons(const ray_scene& rays) : sharing(rays.geometry()), coinciding(rays) {}
+
+  vertex_neighbors sharing;
+  coincident_partners coinciding;
+
+  // Calls visit(neighbor), some more than once, the polygon itself too; in a fixed order.
+  template <typename Visit>
+  void for_each(std::uint32_t polygon, Visit visit) const {
+    sharing.for_each(polygon, visit);
+    for (const std::uint32_t partner : coinciding.of(polygon)) visit(partner);
+  }
+};
+
+}  // namespace sightcell::bake
