@@ -63,6 +63,7 @@ class document_reader {
     nodes_ = root_.objects("nodes");
     scenes_ = root_.objects("scenes");
     material_count_ = root_.objects("materials").size();
+    skin_count_ = root_.objects("skins").size();
     reduced_accessors_.resize(accessors_.size());
     reduced_views_.resize(views_.size());
     out_.buffers.resize(buffers_.size());
@@ -102,7 +103,7 @@ class document_reader {
   const std::string& name_;
   json_object root_;
   std::vector<json_object> accessors_, views_, buffers_, meshes_, nodes_, scenes_;
-  std::size_t material_count_ = 0;
+  std::size_t material_count_ = 0, skin_count_ = 0;
   std::vector<json> reduced_accessors_, reduced_views_;     // null until used
   std::map<std::uint32_t, std::uint32_t> decoded_buffers_;  // by compressed view
   std::map<std::string, json> decoded_primitives_;          // by Draco's view and attributes, as text
@@ -493,7 +494,8 @@ json document_reader::reduced_node(const json_object& node) {
       if (!values.empty()) reduced[key] = values;
     }
   }
-  if (node.has("skin")) warn_once("skinned meshes are taken in the pose and place their nodes give them");
+  const auto skin = mesh ? node.index("skin", "skins", skin_count_) : std::nullopt;
+  if (skin) reduced["skin"] = *skin;
   const auto extensions = node.object("extensions");
   if (mesh && extensions && extensions->has("EXT_mesh_gpu_instancing")) {
     const json_object instancing = extensions->required_object("EXT_mesh_gpu_instancing");
@@ -505,7 +507,6 @@ json document_reader::reduced_node(const json_object& node) {
 gltf_document document_reader::read() {
   check_version();
   check_extensions();
-  if (root_.has("animations")) warn_once("animations are ignored, the scene is taken as it rests");
   const auto bytes_of_view = [this](std::uint32_t index) {
     const view_bytes v = view(index);
     return buffer(v.buffer).subspan(v.offset, v.length);
@@ -514,6 +515,7 @@ gltf_document document_reader::read() {
   out_.materials = std::move(materials.materials);
   out_.coordinates = std::move(materials.coordinates);
   out_.images = std::move(materials.images);
+  out_.nodes = read_nodes(root_, out_.warnings);
 
   json reduced = {{"asset", {{"version", "2.0"}}}};
   reduced["meshes"] = json::array();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gltf_materials.h"
+#include "gltf_nodes.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {
@@ -19,6 +20,7 @@ struct gltf_document {
   std::vector<material> materials;
   std::vector<texture_coordinates> coordinates;  // by material; TEXCOORD_0 of json is already the set that they name
   std::vector<image> images;
+  node_list nodes;
   std::vector<std::string> warnings;
 };
 

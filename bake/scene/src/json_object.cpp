@@ -30,7 +30,7 @@ void json_object::fail(const std::string& id, const std::string& cause, const st
   refuse(*file_, id, (where_.empty() ? "it" : where_) + " " + cause, remedy);
 }
 
-const nlohmann::json* json_object::find(const char* key) const {
+const nlohmann::json* json_object::raw(const char* key) const {
   const auto it = value_->find(key);
   return it == value_->end() ? nullptr : &*it;
 }
@@ -75,20 +75,20 @@ std::uint32_t json_object::to_index(const nlohmann::json& value, const char* key
 }
 
 std::optional<std::uint64_t> json_object::number(const char* key, std::uint64_t largest) const {
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return std::nullopt;
   return to_number(*value, key, largest);
 }
 
 std::optional<std::uint32_t> json_object::index(const char* key, const char* section, std::size_t section_size) const {
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return std::nullopt;
   return to_index(*value, key, section, section_size);
 }
 
 std::vector<std::uint32_t> json_object::indices(const char* key, const char* section, std::size_t section_size) const {
   std::vector<std::uint32_t> out;
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return out;
   if (!value->is_array()) fail_type(key, "an array");
   out.reserve(value->size());
@@ -97,7 +97,7 @@ std::vector<std::uint32_t> json_object::indices(const char* key, const char* sec
 }
 
 std::optional<double> json_object::real(const char* key) const {
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_number()) fail_type(key, "a number");
   return value->get<double>();
@@ -105,7 +105,7 @@ std::optional<double> json_object::real(const char* key) const {
 
 std::vector<double> json_object::reals(const char* key, std::size_t count) const {
   std::vector<double> out;
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return out;
   const std::string expected = "an array of " + std::to_string(count) + " numbers";
   if (!value->is_array() || value->size() != count) fail_type(key, expected.c_str());
@@ -117,14 +117,14 @@ std::vector<double> json_object::reals(const char* key, std::size_t count) const
 }
 
 std::optional<bool> json_object::boolean(const char* key) const {
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_boolean()) fail_type(key, "true or false");
   return value->get<bool>();
 }
 
 std::optional<std::string> json_object::text(const char* key) const {
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_string()) fail_type(key, "a string");
   return value->get<std::string>();
@@ -132,7 +132,7 @@ std::optional<std::string> json_object::text(const char* key) const {
 
 std::vector<std::string> json_object::texts(const char* key) const {
   std::vector<std::string> out;
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return out;
   if (!value->is_array()) fail_type(key, "an array of strings");
   for (const nlohmann::json& entry : *value) {
@@ -143,14 +143,14 @@ std::vector<std::string> json_object::texts(const char* key) const {
 }
 
 std::optional<json_object> json_object::object(const char* key) const {
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return std::nullopt;
   return json_object(*value, where_.empty() ? key : where_ + "." + key, *file_);
 }
 
 std::vector<json_object> json_object::objects(const char* key) const {
   std::vector<json_object> out;
-  const nlohmann::json* value = find(key);
+  const nlohmann::json* value = raw(key);
   if (value == nullptr) return out;
   if (!value->is_array()) fail_type(key, "an array");
   const std::string prefix = where_.empty() ? key : where_ + "." + key;

@@ -23,6 +23,7 @@ class json_object {
 
   const std::string& where() const { return where_; }
   bool has(const char* key) const { return value_->contains(key); }
+  const nlohmann::json* raw(const char* key) const;  // unchecked; null: not there
 
   // Absent keys give an empty result; wrong types and values out of range throw.
   std::optional<std::uint64_t> number(const char* key, std::uint64_t largest) const;
@@ -46,7 +47,6 @@ class json_object {
   [[noreturn]] void fail(const std::string& id, const std::string& cause, const std::string& remedy) const;
 
  private:
-  const nlohmann::json* find(const char* key) const;
   [[noreturn]] void fail_type(const char* key, const char* expected) const;
   [[noreturn]] void fail_missing(const char* key) const;
   std::uint64_t to_number(const nlohmann::json& value, const char* key, std::uint64_t largest) const;

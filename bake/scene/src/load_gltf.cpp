@@ -145,16 +145,25 @@ glm::dmat4 local_transform(const tinygltf::Node& node) {
 
 class importer {
  public:
-  // coordinates: by material.
-  importer(const tinygltf::Model& model, const std::vector<texture_coordinates>& coordinates, const std::string& file,
-           scene& out)
-      : model_(model), coordinates_(coordinates), file_(file), out_(out) {}
+  importer(const tinygltf::Model& model, const gltf_document& document, const std::string& file, scene& out)
+      : model_(model), coordinates_(document.coordinates), nodes_(document.nodes), file_(file), out_(out) {
+    group_numbers_.resize(nodes_.groups.size(), no_index);
+  }
 
   // Depth-first in array order with a stack of our own: a chain of a million nodes must not end the program's stack.
   void walk(const std::vector<int>& roots);
 
  private:
-  void add_node(std::size_t node, const glm::dmat4& to_world);
+  // What a node has from those above it.
+  struct from_above {
+    glm::dmat4 to_world{1.0};
+    node_marks marks;
+    bool moves = false;
+  };
+
+  void add_node(std::size_t node, const from_above& here);
+  draw_tags tags_of_node(std::size_t node, const from_above& here);
+  void warn_of_movement();
   void check_draws(std::size_t more) const;
   std::vector<glm::dmat4> instance_transforms(const tinygltf::Node& node) const;
   std::optional<std::uint32_t> geometry_of(std::size_t mesh, std::size_t primitive);
@@ -167,8 +176,10 @@ class importer {
   std::vector<glm::u8vec4> read_colors(int accessor) const;
 
   const tinygltf::Model& model_;
-  const std::vector<texture_coordinates>& coordinates_;
-  const std::string& file_;  // for messages
+  const std::vector<texture_coordinates>& coordinates_;  // by material
+  const node_list& nodes_;
+  std::vector<std::uint32_t> group_numbers_;  // in the scene, by number in nodes_; no_index: not used yet
+  const std::string& file_;                   // for messages
   scene& out_;
   // Primitives that differ in material only share their geometry: (positions, texture coordinates, their transform,
   // colors, indices, mode).
@@ -293,7 +304,34 @@ std::vector<glm::dmat4> importer::instance_transforms(const tinygltf::Node& node
   return out;
 }
 
-void importer::add_node(std::size_t node, const glm::dmat4& to_world) {
+// Only groups that have draws become the scene's.
+draw_tags importer::tags_of_node(std::size_t node, const from_above& here) {
+  draw_tags tags = tags_of(here.marks, here.moves || nodes_.nodes[node].morphs || model_.nodes[node].skin >= 0);
+  if (tags.group == no_index) return tags;
+  std::uint32_t& number = group_numbers_[tags.group];
+  if (number == no_index) {
+    number = static_cast<std::uint32_t>(out_.groups.size());
+    out_.groups.push_back(nodes_.groups[tags.group]);
+  }
+  tags.group = number;
+  return tags;
+}
+
+void importer::warn_of_movement() {
+  std::size_t draws = 0;
+  std::uint64_t polygons = 0;
+  for (const draw& d : out_.draws) {
+    if (!d.tags.animated) continue;
+    ++draws;
+    polygons += out_.geometries[d.geometry].indices.size() / 3;
+  }
+  if (draws == 0) return;
+  out_.warnings.push_back("animations and skins move " + std::to_string(draws) + (draws == 1 ? " draw" : " draws") +
+                          " of " + std::to_string(polygons) +
+                          " polygons: unless --animated says otherwise they are in every set and hide nothing");
+}
+
+void importer::add_node(std::size_t node, const from_above& here) {
   const tinygltf::Node& source = model_.nodes[node];
   if (source.mesh < 0) return;
   const auto mesh = static_cast<std::size_t>(source.mesh);
@@ -303,6 +341,7 @@ void importer::add_node(std::size_t node, const glm::dmat4& to_world) {
     if (!geometry || out_.geometries[*geometry].indices.empty()) continue;
     check_draws(instances.size());
     const int material = model_.meshes[mesh].primitives[primitive].material;
+    const draw_tags tags = tags_of_node(node, here);
     for (std::size_t i = 0; i < instances.size(); ++i) {
       draw d;
       d.node = static_cast<std::uint32_t>(node);
@@ -311,7 +350,8 @@ void importer::add_node(std::size_t node, const glm::dmat4& to_world) {
       d.instance = static_cast<std::uint32_t>(i);
       d.material = material < 0 ? no_index : static_cast<std::uint32_t>(material);
       d.geometry = *geometry;
-      d.to_world = to_world * instances[i];
+      d.to_world = here.to_world * instances[i];
+      d.tags = tags;
       out_.draws.push_back(d);
     }
   }
@@ -320,14 +360,14 @@ void importer::add_node(std::size_t node, const glm::dmat4& to_world) {
 void importer::walk(const std::vector<int>& roots) {
   struct pending {
     int node;
-    glm::dmat4 parent;
+    from_above parent;
   };
   std::vector<bool> seen(model_.nodes.size(), false);
   std::vector<pending> stack;
-  const auto push = [&stack](const std::vector<int>& nodes, const glm::dmat4& parent) {
+  const auto push = [&stack](const std::vector<int>& nodes, const from_above& parent) {
     for (auto it = nodes.rbegin(); it != nodes.rend(); ++it) stack.push_back({*it, parent});
   };
-  push(roots, glm::dmat4(1.0));
+  push(roots, {});
   while (!stack.empty()) {
     const pending next = stack.back();
     stack.pop_back();
@@ -338,10 +378,13 @@ void importer::walk(const std::vector<int>& roots) {
              "export the file again");
     }
     seen[node] = true;
-    const glm::dmat4 to_world = next.parent * local_transform(model_.nodes[node]);
-    add_node(node, to_world);
-    push(model_.nodes[node].children, to_world);
+    const node_notes& notes = nodes_.nodes[node];
+    const from_above here{next.parent.to_world * local_transform(model_.nodes[node]),
+                          inherited(next.parent.marks, notes.marks), next.parent.moves || notes.moves};
+    add_node(node, here);
+    push(model_.nodes[node].children, here);
   }
+  warn_of_movement();
 }
 
 // `scene`, else scene 0, else every node that is no one's child.
@@ -383,7 +426,7 @@ scene load_gltf(const std::filesystem::path& path, int scene_index) {
     out.images = std::move(document.images);
     out.warnings = std::move(document.warnings);
     for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
-    importer(model, document.coordinates, file, out).walk(roots_of(model, scene_index, file));
+    importer(model, document, file, out).walk(roots_of(model, scene_index, file));
     if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
     finish(out);
   } catch (const std::bad_alloc&) {

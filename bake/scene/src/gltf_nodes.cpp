@@ -1,0 +1,163 @@
+#include "gltf_nodes.h"
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+#include <string_view>
+#include <unordered_map>
+
+namespace sightcell::scene {
+namespace {
+
+class node_reader {
+ public:
+  node_reader(const json_object& root, std::vector<std::string>& warnings)
+      : root_(root), nodes_(root.objects("nodes")), warnings_(warnings) {}
+
+  node_list read() {
+    out_.nodes.resize(nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) read_extras(nodes_[i], out_.nodes[i].marks);
+    for (const json_object& animation : root_.objects("animations")) {
+      for (const json_object& channel : animation.objects("channels")) read_channel(channel);
+    }
+    for (std::size_t i = 0; i < nodes_.size() && !morphing_meshes_.empty(); ++i) {
+      const nlohmann::json* mesh = nodes_[i].raw("mesh");
+      if (mesh != nullptr && mesh->is_number() && morphing_meshes_.contains(mesh->get<double>()))
+        out_.nodes[i].morphs = true;
+    }
+    return std::move(out_);
+  }
+
+ private:
+  void warn_once(const std::string& cause, const std::string& line) {
+    if (warned_.insert(cause).second) warnings_.push_back(line);
+  }
+
+  void ignore(const json_object& node, const std::string& key, const std::string& why) {
+    warn_once("key " + key,
+              "extras.sightcell of " + node.where() + " " + why + "; it is ignored there and wherever it comes again");
+  }
+
+  void read_extras(const json_object& node, node_marks& marks) {
+    const nlohmann::json* extras = node.raw("extras");
+    if (extras == nullptr || !extras->is_object()) return;  // anything may be there
+    const auto found = extras->find("sightcell");
+    if (found == extras->end()) return;
+    if (!found->is_object()) {
+      ignore(node, "", "is not a JSON object");
+      return;
+    }
+    for (auto it = found->begin(); it != found->end(); ++it) read_mark(node, it.key(), it.value(), marks);
+  }
+
+  void read_mark(const json_object& node, const std::string& key, const nlohmann::json& value, node_marks& marks) {
+    if (key == "group") {
+      if (value.is_string())
+        marks.group = group_of(value.get<std::string>());
+      else
+        ignore(node, key, "has a \"group\" that is not a name");
+      return;
+    }
+    std::optional<bool>* const mark = key == "static"     ? &marks.is_static
+                                      : key == "occluder" ? &marks.occluder
+                                      : key == "dynamic"  ? &marks.dynamic
+                                      : key == "always"   ? &marks.always
+                                      : key == "never"    ? &marks.never
+                                                          : nullptr;
+    if (mark == nullptr)
+      ignore(node, key, "has the unknown key \"" + printable(key) + "\"");
+    else if (!value.is_boolean())
+      ignore(node, key, "has a \"" + key + "\" that is not true or false");
+    else
+      *mark = value.get<bool>();
+  }
+
+  std::uint32_t group_of(const std::string& name) {
+    if (name.empty()) return no_group;
+    const auto [entry, added] = group_numbers_.emplace(name, static_cast<std::uint32_t>(out_.groups.size()));
+    if (added) out_.groups.push_back(name);
+    return entry->second;
+  }
+
+  // Samplers and keyframes are not read: a channel that does nothing counts as one that moves, which hides nothing.
+  void read_channel(const json_object& channel) {
+    const auto target = channel.object("target");
+    if (!target) return;
+    const auto node = target->index("node", "nodes", nodes_.size());
+    const std::string path = target->text("path").value_or("");
+    if (path == "pointer") {
+      const auto extensions = target->object("extensions");
+      const auto pointer = extensions ? extensions->object("KHR_animation_pointer") : std::nullopt;
+      if (pointer) read_pointer(pointer->text("pointer").value_or(""));
+    } else if (node && path == "weights") {
+      out_.nodes[*node].morphs = true;
+    } else if (node && (path == "translation" || path == "rotation" || path == "scale")) {
+      out_.nodes[*node].moves = true;
+    }
+  }
+
+  // KHR_animation_pointer: "/nodes/3/translation", "/meshes/0/weights/1", "/materials/2/alphaCutoff".
+  void read_pointer(const std::string& pointer) {
+    auto part = [&pointer, at = std::size_t{1}]() mutable {
+      const std::size_t from = std::min(at, pointer.size()), to = std::min(pointer.find('/', from), pointer.size());
+      at = to + 1;
+      return std::string_view(pointer).substr(from, to - from);
+    };
+    const std::string_view section = part(), number = part(), property = part();
+    std::size_t index = 0;
+    const auto [end, problem] = std::from_chars(number.data(), number.data() + number.size(), index);
+    if (problem != std::errc() || end != number.data() + number.size()) return;
+    if (section == "nodes" && index < nodes_.size()) {
+      // Any other property, such as an extension's, may do anything to all that hangs on the node.
+      (property == "weights" ? out_.nodes[index].morphs : out_.nodes[index].moves) = true;
+    } else if (section == "meshes") {
+      morphing_meshes_.insert(static_cast<double>(index));
+    } else if (section == "materials") {
+      warn_once("materials", "animations change materials: they are taken as they rest");
+    }
+  }
+
+  const json_object& root_;
+  std::vector<json_object> nodes_;
+  std::vector<std::string>& warnings_;
+  std::set<std::string> warned_;
+  std::set<double> morphing_meshes_;
+  std::unordered_map<std::string, std::uint32_t> group_numbers_;
+  node_list out_;
+};
+
+}  // namespace
+
+node_list read_nodes(const json_object& root, std::vector<std::string>& warnings) {
+  return node_reader(root, warnings).read();
+}
+
+node_marks inherited(const node_marks& parent, const node_marks& own) {
+  node_marks out = own;
+  const auto inherit = [](std::optional<bool>& mark, const std::optional<bool>& from) {
+    if (!mark) mark = from;
+  };
+  inherit(out.is_static, parent.is_static);
+  inherit(out.occluder, parent.occluder);
+  inherit(out.dynamic, parent.dynamic);
+  inherit(out.always, parent.always);
+  inherit(out.never, parent.never);
+  if (out.group == no_index) out.group = parent.group;
+  return out;
+}
+
+draw_tags tags_of(const node_marks& marks, bool moving) {
+  draw_tags tags;
+  tags.occluder = marks.occluder.value_or(true);
+  tags.dynamic = marks.dynamic.value_or(false);
+  tags.always = marks.always.value_or(false);
+  tags.never = marks.never.value_or(false);
+  if (marks.group != no_group) tags.group = marks.group;
+  if (!moving || marks.is_static.value_or(false)) return tags;
+  // Nobody who says "in every set" of a thing that moves means that it hides what lies behind its rest.
+  if (tags.always && !marks.occluder) tags.occluder = false;
+  tags.animated = tags == draw_tags{};
+  return tags;
+}
+
+}  // namespace sightcell::scene
