@@ -28,7 +28,7 @@ struct bake_options {
   std::vector<float> cells_grid;
   bake::settings settings;
   bool fresh = false, json = false;
-  std::string progress = "auto";
+  std::string progress = "auto", animated = std::string(scene::animated_as_names.front());
 };
 
 volatile std::sig_atomic_t stop_asked = 0;
@@ -108,6 +108,7 @@ int run_bake(bake_options options) {
     how.cells_grid.emplace();
     std::copy_n(options.cells_grid.begin(), how.cells_grid->size(), how.cells_grid->begin());
   }
+  how.animated = *scene::animated_as_of(options.animated);
   bake::validate(how);  // before minutes of loading
   refuse_overwriting_the_scene(options);
   progress_line line(mode_of(options.progress));
@@ -169,6 +170,12 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
   add(verb, "--smallest-gap", s.smallest_gap, "M", "metres; narrower cracks let nothing through; 0: all do")
       ->group("Seeing");
   verb.add_flag("--all-double-sided", s.all_double_sided, "polygons are seen, and hide, from behind too")
+      ->group("Seeing");
+  const auto& names = scene::animated_as_names;
+  add(verb, "--animated", o.animated, "HOW",
+      "what animations or skins move and no mark speaks for: always (in every set, hides nothing), rest (static, as "
+      "the file poses it) or dynamic (left out)")
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
       ->group("Seeing");
 }
 

@@ -62,6 +62,13 @@ format::row_statistics pvs_file::statistics() const {
   return sums;
 }
 
+scene::animated_as pvs_file::animated() const {
+  const auto settings = nlohmann::json::parse(reader_.settings(), nullptr, false);
+  const auto found = settings.is_object() ? settings.find("animated") : settings.end();
+  const auto named = found != settings.end() && found->is_string() ? found->get<std::string>() : std::string();
+  return scene::animated_as_of(named).value_or(scene::animated_as::always);
+}
+
 int pvs_file::scene() const {
   const auto settings = nlohmann::json::parse(reader_.settings(), nullptr, false);
   if (!settings.is_object()) return -1;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightcell/format/reader.h"
+#include "sightcell/scene/animated_as.h"
 
 namespace sightcell::cli {
 
@@ -23,7 +24,8 @@ class pvs_file {
   std::span<const std::byte> bytes() const { return bytes_; }
   std::uint64_t size() const { return bytes_.size(); }
   format::row_statistics statistics() const;
-  int scene() const;  // the glTF scene that it was baked from; -1: the default one
+  scene::animated_as animated() const;  // what it was baked with
+  int scene() const;                    // the glTF scene that it was baked from; -1: the default one
   std::vector<std::uint32_t> cell_set(std::uint32_t cell) const;  // ascending stored numbers; version 0: source ids
 
  private:

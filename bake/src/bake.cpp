@@ -63,7 +63,7 @@ struct workshop {
 };
 
 void equip(workshop& w, const scene::scene& s, const settings& how, const callbacks& tell) {
-  w.geometry = scene::flatten(s);
+  w.geometry = scene::flatten(s, how.animated);
   if (std::all_of(w.geometry.kinds.begin(), w.geometry.kinds.end(),
                   [](const scene::polygon_kind& kind) { return kind.absent; }))
     throw error(error_kind::bad_input, "bake.nothing-to-see", s.name, "has no triangle that could be seen",

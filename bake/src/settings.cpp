@@ -66,6 +66,8 @@ void validate(const settings& s) {
   if (s.resolution % 2 != 0) refuse("--resolution", number(s.resolution), "an even number, 16 to 4096");
   if (s.max_pixel_error != 0.0 && !(s.max_pixel_error >= 1e-7 && s.max_pixel_error <= 0.5))
     refuse("--max-pixel-error", number(s.max_pixel_error), "0 (no rays) or 1e-07 to 0.5");
+  if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
+    refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
 }
 
 std::string describe(const settings& s) {
@@ -81,6 +83,8 @@ std::string describe(const settings& s) {
                       nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);
   text += fmt::format(R"(,"all_double_sided":{})", s.all_double_sided);
   text += fmt::format(R"(,"smallest_gap":{})", number(s.smallest_gap));
+  if (s.animated != scene::animated_as::always)
+    text += fmt::format(R"(,"animated":"{}")", scene::animated_as_names[static_cast<std::size_t>(s.animated)]);
   if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
   text += "}";
   return text;

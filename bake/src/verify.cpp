@@ -28,6 +28,7 @@ void require_ok(format::status outcome, const std::string& name) {
 struct seeing_rules {
   fresh_rules fresh{settings{}.player_radius, 0.0f};  // files from before rule 3 have no smallest gap
   bool all_double_sided = false;
+  scene::animated_as animated = scene::animated_as::always;
 };
 
 seeing_rules rules_of(const format::reader& file) {
@@ -40,6 +41,8 @@ seeing_rules rules_of(const format::reader& file) {
     rules.fresh.smallest_gap = std::clamp(gap->get<float>(), 0.0f, 0.1f);
   if (const auto both = text.find("all_double_sided"); both != text.end() && both->is_boolean())
     rules.all_double_sided = both->get<bool>();
+  if (const auto animated = text.find("animated"); animated != text.end() && animated->is_string())
+    rules.animated = scene::animated_as_of(animated->get<std::string>()).value_or(rules.animated);
   return rules;
 }
 
@@ -82,7 +85,7 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
                           const verify_settings& how,
                           const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
   const seeing_rules rules = rules_of(file);
-  const scene::world_geometry geometry = scene::flatten(s);
+  const scene::world_geometry geometry = scene::flatten(s, rules.animated);
   const ray_scene rays(geometry, rules.all_double_sided);
   const std::uint32_t stored = file.cell_count();
   const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);

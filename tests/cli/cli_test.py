@@ -28,9 +28,9 @@ def run(*arguments, program=None):
     return done.returncode, done.stdout, done.stderr
 
 
-def write_room(path, height=4, scenes=((0,),)):
+def write_room(path, height=4, scenes=((0,),), **more):
     """A room of 8 x 4 x 8 m seen from inside: 12 polygons; 0 and 1 are the floor, about a tenth of the view each. Nodes 0
-    and 1 are both the room; scenes: the nodes of each."""
+    and 1 are both the room; scenes: the nodes of each; more: of the document."""
     corners = [(x, y, z) for x in (0, 8) for y in (0, height) for z in (0, 8)]
     quads = [(0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6), (0, 4, 6, 2), (1, 3, 7, 5)]
     indices = [i for a, b, c, d in quads for i in (a, b, c, a, c, d)]
@@ -45,7 +45,7 @@ def write_room(path, height=4, scenes=((0,),)):
         'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 8, 'type': 'VEC3', 'min': [0, 0, 0],
                        'max': [8, height, 8]},
                       {'bufferView': 1, 'componentType': 5123, 'count': len(indices), 'type': 'SCALAR'}]}
-    text = json.dumps(document).encode()
+    text = json.dumps({**document, **more}).encode()
     text += b' ' * (-len(text) % 4)
     binary += b'\0' * (-len(binary) % 4)
     with open(path, 'wb') as out:
@@ -108,7 +108,7 @@ class Usage(InFolder):
         out, _ = self.expect(0, 'bake', '--help')
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
                        '--player-radius', '--sampler', '--samples', '--max-pixel-error', '--resolution',
-                       '--all-double-sided', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
+                       '--all-double-sided', '--animated', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
     def test_version(self):
@@ -121,6 +121,7 @@ class Usage(InFolder):
                           ['bake', scene, '-o', file, '--samples', 'many'],
                           ['bake', scene, '-o', file, '--samples', '-8'],
                           ['bake', scene, '-o', file, '--cells-grid', '1,2,3'],
+                          ['bake', scene, '-o', file, '--animated', 'sometimes'],
                           ['bake', scene, '-o', file, '--progress', 'loud']):
             out, err = self.expect(2, *arguments)
             self.assertEqual(out, '', arguments)
@@ -128,7 +129,7 @@ class Usage(InFolder):
 
     def test_options_of_later_versions_are_unknown(self):
         for option in ('--seconds-per-cell=1', '--time-budget=9', '--source=cpu', '--metric=view',
-                       '--animated=rest', '--safety-ring=edge', '--misses=x', '--layout=merged',
+                       '--safety-ring=edge', '--misses=x', '--layout=merged',
                        '--profile=small', '--importance', '--shard=0/2', '--report=x', '--since=x', '--memory=1G'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
@@ -222,6 +223,19 @@ class Bake(InFolder):
         self.expect(0, 'verify', two, file, '--rays', '20000')
         self.assertIn('[scene.no-such-scene]',
                       self.expect(2, 'bake', two, '-o', file, '--scene', '2', '--cells-file', self.cells)[1])
+
+    def test_verify_takes_what_moves_as_the_bake_did(self):
+        """The room twice, the second one moved by an animation: left out, it is in no set and rays pass through it."""
+        two, file = self.path('moving.glb'), self.path('moving.pvs')
+        moves = [{'channels': [{'sampler': 0, 'target': {'node': 1, 'path': 'scale'}}], 'samplers': []}]
+        write_room(two, scenes=[[0, 1]], animations=moves)
+        _, err = self.expect(0, 'bake', two, '-o', file, '--animated', 'dynamic', '--cells-file', self.cells,
+                             *QUICK_BAKE)
+        self.assertIn('warning: animations and skins move 1 draw of 12 polygons', err)
+        info = json.loads(self.expect(0, 'info', file, '--json')[0])
+        self.assertEqual((info['polygons'], info['visible_set_percent']), (24, 50.0))
+        self.assertEqual(info['settings']['animated'], 'dynamic')
+        self.expect(0, 'verify', two, file, '--rays', '20000')
 
     def test_too_few_rays_prove_too_little(self):
         file = self.path('few.pvs')

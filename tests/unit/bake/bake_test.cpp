@@ -78,6 +78,31 @@ TEST_F(bake_library, hemicubes_see_both_sides_when_told) {
   }
 }
 
+TEST_F(bake_library, what_moves_is_in_the_sets_unless_told_to_be_left_out) {
+  tiny_scene tiny;
+  tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+  const std::uint32_t screen = tiny.wall_x(5, -1, 1);
+  scene::scene s = tiny.finished();
+  s.draws.back().tags.animated = true;
+  scene::finish(s);
+  settings how = four_cells();
+  how.max_pixel_error = 0.0;
+  for (const auto animated : {scene::animated_as::always, scene::animated_as::rest, scene::animated_as::dynamic}) {
+    how.animated = animated;
+    (void)bake(s, how, folder_ / "screen.pvs", true, {});
+    const std::vector<std::byte> bytes = test::file_bytes(folder_ / "screen.pvs");
+    format::reader file;
+    ASSERT_EQ(format::reader::open(bytes, file), format::status::ok);
+    std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
+    std::size_t runs = 0;
+    ASSERT_EQ(file.decode_row(0, row, scratch, runs), format::status::ok);
+    row.resize(runs);
+    const bool has_screen = std::any_of(
+        row.begin(), row.end(), [&](const format::run& r) { return r.first <= screen && screen < r.first + r.count; });
+    EXPECT_EQ(has_screen, animated != scene::animated_as::dynamic);
+  }
+}
+
 TEST_F(bake_library, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_bytes) {
   std::uint32_t back = 0;
   const scene::scene s = room(back);

@@ -49,6 +49,7 @@ TEST(settings, errors_name_the_option) {
   expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = 0.6; });
   expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = -1e-3; });
   expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = NAN; });
+  expect("--animated", [](settings& s) { s.animated = static_cast<scene::animated_as>(3); });
   expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, 0, 1}}; });
   expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, NAN, 1}}; });
   expect("--cells-grid", [](settings& s) {
@@ -85,6 +86,11 @@ TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_b
   EXPECT_EQ(describe(a), describe(b));
   b.margin = std::nextafter(0.25f, 1.0f);
   EXPECT_NE(describe(a), describe(b));
+  b = a;
+  b.animated = scene::animated_as::rest;
+  EXPECT_NE(describe(b).find(R"("animated":"rest")"), std::string::npos);
+  b.animated = scene::animated_as::dynamic;
+  EXPECT_NE(describe(b).find(R"("animated":"dynamic")"), std::string::npos);
   a.cells_file = "here/cells.json";
   b = a;
   b.cells_file = "there/cells.json";

@@ -40,8 +40,7 @@ std::vector<std::uint32_t> all_but(const scene::scene& s, std::initializer_list<
 
 // One cell with this set, through the bake's own output.
 summary write(const scene::scene& s, const view_cell& cell, std::vector<std::uint32_t> set, float margin,
-              const std::filesystem::path& path, bool bound_met = true) {
-  settings how;
+              const std::filesystem::path& path, bool bound_met = true, settings how = {}) {
   how.margin = margin;
   cell_record record;
   record.set = std::move(set);
@@ -93,6 +92,27 @@ TEST(verify, looks_from_the_margin_too) {
   EXPECT_EQ(check(s, file.path(), how).misses, 0u);
   (void)write(s, cell, all_but(s, {target, target + 1}), 0.25f, file.path());
   EXPECT_GT(check(s, file.path(), how).misses, 0u);
+}
+
+TEST(verify, takes_what_moves_as_the_bake_did) {
+  tiny_scene tiny;
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
+  const auto moving = tiny.wall_x(1, -1, 0.5f);
+  scene::scene s = tiny.finished();
+  s.draws.back().tags.animated = true;
+  scene::finish(s);
+  const temporary_file file("verify_animated.pvs");
+  verify_settings how;
+  how.rays = 20'000;
+  const auto misses_with = [&](scene::animated_as animated) {
+    settings baked;
+    baked.animated = animated;
+    (void)write(s, middle, all_but(s, {moving, moving + 1}), 0.0f, file.path(), true, baked);
+    return check(s, file.path(), how).misses;
+  };
+  EXPECT_EQ(misses_with(scene::animated_as::dynamic), 0u) << "left out";
+  EXPECT_GT(misses_with(scene::animated_as::always), 0u);
+  EXPECT_GT(misses_with(scene::animated_as::rest), 0u);
 }
 
 TEST(verify, refuses_what_it_cannot_judge) {

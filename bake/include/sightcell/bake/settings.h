@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "sightcell/scene/animated_as.h"
+
 namespace sightcell::bake {
 
 // A view cell given by hand: metres, min below max on every axis.
@@ -40,6 +42,8 @@ struct settings {
   // --- seeing
   bool all_double_sided = false;  // --all-double-sided
   float smallest_gap = 0.002f;    // --smallest-gap, metres, 0..0.1: narrower cracks let nothing through; 0: all do
+  // --animated: what animations or skins move and no mark speaks for.
+  scene::animated_as animated = scene::animated_as::always;
 
   // --- running; none of these changes a byte of the file
   std::uint32_t threads = 0;  // --threads, 0: all

@@ -16,6 +16,7 @@
 
 #include "sightcell/scene/alpha_mask.h"
 #include "sightcell/scene/alpha_mode.h"
+#include "sightcell/scene/animated_as.h"
 #include "sightcell/scene/image.h"
 
 namespace sightcell::scene {
@@ -57,13 +58,6 @@ struct draw_tags {
   std::uint32_t group = no_index;  // into scene::groups: seen, never hides, and the host may hide it by that name
 
   bool operator==(const draw_tags&) const = default;
-};
-
-// What becomes of draws that are animated and not marked.
-enum class animated_as : std::uint8_t {
-  always,   // in every set, never hide
-  rest,     // static, as they stand in the file
-  dynamic,  // left out
 };
 
 // What a host issues as one draw: one instance of one primitive.
