@@ -24,9 +24,6 @@ struct gltf_document {
   std::vector<std::string> warnings;
 };
 
-std::string buffer_uri(std::size_t buffer);
-std::size_t buffer_of_uri(const std::string& uri);  // SIZE_MAX: none
-
 // Throws sightcell::error (bad_input).
 gltf_document read_gltf_document(const std::filesystem::path& path);
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "accessor.h"
+#include "gltf_accessors.h"
 #include "gltf_document.h"
 #include "json_object.h"
 #include "sightcell/scene/error.h"

@@ -1,0 +1,85 @@
+#pragma once
+// Accessors, buffer views and buffers of a glTF file: checked against the bytes that are there, decoded where they are
+// compressed, and written down for tinygltf. What nothing uses is not looked at.
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <initializer_list>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "json_object.h"
+
+namespace sightcell::scene {
+
+struct view_bytes {
+  std::uint32_t buffer = 0;
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  std::uint64_t stride = 0;  // 0: tightly packed
+};
+
+class accessor_table {
+ public:
+  // All but binary, the .glb's own chunk, must outlive the table.
+  accessor_table(const json_object& root, const std::filesystem::path& scene_path,
+                 std::optional<std::vector<std::uint8_t>> binary);
+
+  std::size_t size() const { return accessors_.size(); }
+  std::size_t view_count() const { return views_.size(); }
+  view_bytes view(std::uint32_t index);
+  std::span<const std::uint8_t> bytes_of_view(std::uint32_t index);
+
+  // From here on the accessor is used. Refused when its bytes are not there, or when it is of another type.
+  void require(const json_object& user, std::uint32_t index, const char* what, std::initializer_list<const char*> types,
+               std::initializer_list<int> components);
+  std::uint64_t count(std::uint32_t index) const {  // of one in use
+    return reduced_accessors_[index].at("count").get<std::uint64_t>();
+  }
+  const json_object& source(std::uint32_t index) const { return accessors_[index]; }
+
+  // tinygltf refuses indices without a buffer view, which glTF allows: they are all zero. Those that have
+  // one keep it.
+  void add_zero_view(std::uint32_t accessor);
+
+  // Numbers of our own as one more accessor, with floats or std::uint32_t in it.
+  template <typename T>
+  std::uint32_t add(const std::vector<T>& values, const char* type, std::uint64_t width) {
+    std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
+    if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+    return add_bytes(std::move(bytes), type, std::is_same_v<T, float> ? 5126 : 5125, values.size() / width);
+  }
+
+  // Into the reduced document. Their numbers stay what they are, so what nothing uses is replaced by a stub.
+  void write(nlohmann::json& reduced);
+  std::vector<std::vector<std::uint8_t>> take_buffers() { return std::move(bytes_); }
+
+ private:
+  std::span<const std::uint8_t> buffer(std::uint32_t index);
+  std::uint32_t decoded_buffer(std::uint32_t view_index, const json_object& meshopt);
+  std::uint32_t add_buffer(std::vector<std::uint8_t> bytes);
+  std::uint32_t add_bytes(std::vector<std::uint8_t> bytes, const char* type, int component, std::uint64_t count);
+  void use_accessor(std::uint32_t index);
+  void use_sparse(const json_object& accessor, std::uint64_t count, std::uint64_t element_size,
+                  nlohmann::json& reduced);
+  void use_bytes(const json_object& user, std::uint32_t view_index, std::uint64_t offset, std::uint64_t need);
+
+  const std::filesystem::path& scene_path_;
+  std::optional<std::vector<std::uint8_t>> binary_;
+  std::vector<json_object> accessors_, views_, buffers_;
+  std::vector<nlohmann::json> reduced_accessors_, reduced_views_;  // null until used
+  std::map<std::uint32_t, std::uint32_t> decoded_buffers_;         // by compressed view
+  std::vector<std::vector<std::uint8_t>> bytes_;  // by buffer, ours behind the file's; empty until used
+};
+
+std::string buffer_uri(std::size_t buffer);
+std::size_t buffer_of_uri(const std::string& uri);  // SIZE_MAX: none
+
+}  // namespace sightcell::scene
