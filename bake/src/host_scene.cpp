@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "sightcell/scene/error.h"
@@ -157,10 +158,29 @@ class importer {
       for (int row = 0; row < 3; ++row)
         d.to_world[column][row] = from.to_world[static_cast<std::size_t>(4 * column + row)];
     }
+    d.tags = tags_of(from);
     out_.node_names.emplace_back(from.name);
   }
 
+  scene::draw_tags tags_of(const host_draw& from) {
+    scene::draw_tags tags{
+        .occluder = from.occluder, .dynamic = from.dynamic, .always = from.always, .never = from.never};
+    if (!from.group.empty()) tags.group = group_of(std::string(from.group));
+    // As with glTF's marks: in every set does not mean that the place where it stands now hides anything.
+    if (from.animated && tags.always) tags.occluder = false;
+    tags.animated = from.animated && tags == scene::draw_tags{};
+    return tags;
+  }
+
+  // In the order of first use.
+  std::uint32_t group_of(std::string name) {
+    const auto [entry, added] = groups_.emplace(std::move(name), static_cast<std::uint32_t>(out_.groups.size()));
+    if (added) out_.groups.push_back(entry->first);
+    return entry->second;
+  }
+
   const host_scene& host_;
+  std::map<std::string, std::uint32_t> groups_;
   scene::scene out_;
 };
 

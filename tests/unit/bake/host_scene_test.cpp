@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -104,6 +105,41 @@ TEST(host_scene, strides_16_bit_indices_and_no_indices) {
   EXPECT_EQ(s.geometries[0].indices, (std::vector<std::uint32_t>{2, 0, 1}));
   m.indices = nullptr;
   EXPECT_EQ(scene_of(e.view()).geometries[0].indices, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
+TEST(host_scene, draws_carry_what_moves_and_what_the_host_knows) {
+  const auto tags_of = [](const std::function<void(host_draw&)>& mark) {
+    engine e;
+    e.square();
+    mark(e.draw(0));
+    e.draw(0);
+    const scene::scene s = scene_of(e.view());
+    EXPECT_EQ(s.draws[1].tags, scene::draw_tags{}) << "a draw beside it";
+    return s.draws[0].tags;
+  };
+  using tags = scene::draw_tags;
+  EXPECT_EQ(tags_of([](host_draw&) {}), tags{});
+  EXPECT_EQ(tags_of([](host_draw& d) { d.occluder = false; }), (tags{.occluder = false}));
+  EXPECT_EQ(tags_of([](host_draw& d) { d.dynamic = true; }), (tags{.dynamic = true}));
+  EXPECT_EQ(tags_of([](host_draw& d) { d.always = true; }), (tags{.always = true}));
+  EXPECT_EQ(tags_of([](host_draw& d) { d.never = true; }), (tags{.never = true}));
+  EXPECT_EQ(tags_of([](host_draw& d) { d.animated = true; }), (tags{.animated = true}));
+  EXPECT_EQ(tags_of([](host_draw& d) { d.group = "door"; }), (tags{.group = 0}));
+  // Another mark speaks for what moves; in every set it still hides nothing.
+  EXPECT_EQ(tags_of([](host_draw& d) { d.animated = d.dynamic = true; }), (tags{.dynamic = true}));
+  EXPECT_EQ(tags_of([](host_draw& d) { d.animated = d.always = true; }), (tags{.occluder = false, .always = true}));
+}
+
+TEST(host_scene, groups_are_numbered_by_first_use) {
+  engine e;
+  e.square();
+  for (const char* name : {"", "wing", "door", "wing"}) e.draw(0).group = name;
+  const scene::scene s = scene_of(e.view());
+  EXPECT_EQ(s.groups, (std::vector<std::string>{"wing", "door"}));
+  EXPECT_EQ(s.draws[0].tags.group, scene::no_index);
+  EXPECT_EQ(s.draws[1].tags.group, 0u);
+  EXPECT_EQ(s.draws[2].tags.group, 1u);
+  EXPECT_EQ(s.draws[3].tags.group, 0u);
 }
 
 TEST(host_scene, draws_keep_place_tag_and_name) {

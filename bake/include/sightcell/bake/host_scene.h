@@ -67,6 +67,13 @@ struct host_draw {
   std::array<double, 16> to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   std::uint64_t tag = 0;  // anything: comes back as sightcell_draw::host_tag
   std::string_view name;  // for messages
+  // Movable things (bake/METHOD.md, rule 6). Without any of these a draw is seen and hides what is behind it.
+  bool occluder = true;    // false: seen, never hides
+  bool dynamic = false;    // left out: in no set, hides nothing; the host draws it by a test of its own
+  bool always = false;     // in every set (sky, sea, far terrain); hides unless occluder is false
+  bool never = false;      // in no set, hides nothing; stronger than always
+  bool animated = false;   // it moves: settings::animated decides, unless one of the others does; always hides nothing
+  std::string_view group;  // not empty: seen, never hides, and the host hides all draws of that name itself (a door)
 };
 
 struct host_scene {
