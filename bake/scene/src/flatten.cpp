@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "opposite_pairs.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {
@@ -64,6 +65,7 @@ class flattener {
     for (glm::vec3& p : out_.positions) {
       if (!is_finite(p)) p = glm::vec3(0.0f);
     }
+    join_opposite_pairs(out_);
     return std::move(out_);
   }
 

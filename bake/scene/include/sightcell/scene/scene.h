@@ -154,6 +154,7 @@ void finish(scene& s);
 
 // Transforms in double precision, rounds once to float. Decodes the images of MASK materials, and no others; where all
 // masks together have more than 64 Mi texels the largest are halved, which is said in the warnings.
+// Single-sided MASK polygons in exactly the same place that face both ways are double-sided: a leaf and its back.
 world_geometry flatten(const scene& s, animated_as animated = animated_as::always);
 
 // The draw a polygon belongs to: index into scene::draws. O(log draws).
