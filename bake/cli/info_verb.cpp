@@ -5,12 +5,11 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <utility>
 
 #include "exit_codes.h"
 #include "number_text.h"
 #include "pvs_file.h"
+#include "scene_info.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
@@ -26,14 +25,6 @@ struct info_options {
   bool json = false;
   int scene = -1;
 };
-
-std::string hex(const std::array<std::uint8_t, 16>& bytes) {
-  return fmt::format("{:02x}", fmt::join(bytes, ""));
-}
-
-ordered_json array_of(const glm::vec3& v) {
-  return {v.x, v.y, v.z};
-}
 
 std::string section_name(std::uint32_t id) {
   switch (id) {
@@ -140,39 +131,15 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
     fmt::print("  section            {:<14} {} bytes\n", section["name"].get<std::string>(), grouped(section["size"]));
 }
 
-// Mesh instances: each node counts once, however many primitives its mesh has.
-std::size_t count_instances(const scene::scene& s) {
-  std::set<std::pair<std::uint32_t, std::uint32_t>> instances;
-  for (const scene::draw& d : s.draws) instances.emplace(d.node, d.instance);
-  return instances.size();
-}
-
-ordered_json scene_json(const scene::scene& s) {
-  const scene::world_geometry world = scene::flatten(s);
-  return {{"polygons", s.polygon_count},       {"draws", s.draws.size()},
-          {"instances", count_instances(s)},   {"bounds", {{"min", array_of(world.min)}, {"max", array_of(world.max)}}},
-          {"fingerprint", hex(s.fingerprint)}, {"warnings", s.warnings}};
-}
-
-void print_scene(const std::filesystem::path& path, const ordered_json& info) {
-  fmt::print("{}: {} polygons, {} draws, {} instances\n", path.string(), grouped(info["polygons"]),
-             grouped(info["draws"]), grouped(info["instances"]));
-  const ordered_json& bounds = info["bounds"];
-  fmt::print("  bounds             {} to {} m\n", bounds["min"].dump(), bounds["max"].dump());
-  fmt::print("  fingerprint        {}\n", info["fingerprint"].get<std::string>());
-  for (const ordered_json& warning : info["warnings"])
-    fmt::print("  warning            {}\n", warning.get<std::string>());
-}
-
 int run_info(const info_options& options) {
   const std::optional<pvs_file> pvs = pvs_file::open_if_pvs(options.path);
-  const ordered_json info = pvs ? file_json(*pvs) : scene_json(scene::load_gltf(options.path, options.scene));
+  const ordered_json info = pvs ? file_json(*pvs) : scene_info(scene::load_gltf(options.path, options.scene));
   if (options.json)
     fmt::print("{}\n", info.dump(2, ' ', false, ordered_json::error_handler_t::replace));
   else if (pvs)
     print_file(options.path, info);
   else
-    print_scene(options.path, info);
+    print_scene_info(options.path, info);
   return exit_done;
 }
 

@@ -14,6 +14,10 @@ std::string grouped(std::uint64_t number) {
   return text;
 }
 
+std::string hex(const std::array<std::uint8_t, 16>& bytes) {
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
+}
+
 std::string duration_text(double seconds) {
   if (!(seconds >= 0.0)) return "?";
   const auto whole = static_cast<std::uint64_t>(std::llround(std::min(seconds, 1e9)));

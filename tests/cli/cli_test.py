@@ -6,6 +6,7 @@ usage: cli_test.py --sightcell PROGRAM --city PROGRAM [--drop PROGRAM] [--shares
 Exit code 77: every test was skipped, because this machine has no EGL device or no real scenes.
 """
 import argparse
+import base64
 import json
 import os
 import shutil
@@ -51,6 +52,24 @@ def write_room(path, height=4, scenes=((0,),), **more):
     with open(path, 'wb') as out:
         out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(binary)))
         out.write(struct.pack('<I4s', len(text), b'JSON') + text + struct.pack('<I4s', len(binary), b'BIN\0') + binary)
+
+
+def write_triangles(path, triangles, materials, **more):
+    """One mesh with a primitive per triangle ((corners), material) of the origin and the three unit vectors."""
+    binary = struct.pack('<12f', 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
+    binary += b''.join(struct.pack('<3I', *corners) for corners, _ in triangles)
+    accessors = [{'bufferView': 0, 'componentType': 5126, 'count': 4, 'type': 'VEC3', 'min': [0] * 3, 'max': [1] * 3}]
+    accessors += [{'bufferView': 0, 'byteOffset': 48 + 12 * i, 'componentType': 5125, 'count': 3, 'type': 'SCALAR'}
+                  for i in range(len(triangles))]
+    document = {
+        'asset': {'version': '2.0'}, 'scenes': [{'nodes': [0]}], 'nodes': [{'mesh': 0}], 'materials': materials,
+        'meshes': [{'primitives': [{'attributes': {'POSITION': 0}, 'indices': 1 + i, 'material': material}
+                                   for i, (_, material) in enumerate(triangles)]}],
+        'accessors': accessors, 'bufferViews': [{'buffer': 0, 'byteLength': len(binary)}],
+        'buffers': [{'byteLength': len(binary), 'uri': 'data:application/octet-stream;base64,' +
+                     base64.b64encode(binary).decode()}], **more}
+    with open(path, 'w', encoding='utf-8') as out:
+        json.dump(document, out)
 
 
 def read(path):
@@ -170,6 +189,38 @@ class Usage(InFolder):
         self.assertRegex(info['fingerprint'], '^[0-9a-f]{32}$')
         self.assertEqual(err, '')
         self.assertIn('12 polygons', self.expect(0, 'info', self.room)[0])
+
+    def test_info_counts_what_a_scene_is_made_of(self):
+        """Primitives of one triangle each: two opaque ones in the same place, a MASK leaf and its back, a sheet of glass,
+        one without area, and a MASK that is cut away."""
+        a, b, c = 0, 1, 2
+        scene = self.path('made.gltf')
+        write_triangles(scene, [((a, b, c), 0), ((b, c, a), 0), ((3, b, c), 1), ((3, c, b), 1), ((a, 3, c), 2),
+                                ((a, a, c), 0), ((a, b, 3), 3)],
+                        materials=[{}, {'alphaMode': 'MASK'}, {'alphaMode': 'BLEND', 'doubleSided': True},
+                                   {'alphaMode': 'MASK', 'pbrMetallicRoughness': {'baseColorFactor': [1, 1, 1, 0.2]}}],
+                        extensionsUsed=['KHR_texture_transform', 'KHR_materials_unlit', 'ACME_moss'],
+                        extensionsRequired=['KHR_texture_transform'])
+        info = json.loads(self.expect(0, 'info', scene, '--json')[0])
+        self.assertEqual([info[key] for key in ('polygons', 'draws', 'instances', 'meshes', 'geometries', 'materials',
+                                                'images')], [7, 7, 1, 1, 7, 4, 0])
+        self.assertEqual(info['kinds'], {'opaque': 2, 'mask': 2, 'alpha_tested': 0, 'blend': 1, 'double_sided': 3,
+                                         'in_every_set': 0, 'never_hide_by_tag': 0})
+        self.assertEqual(info['absent'], {'not_finite': 0, 'no_area': 1, 'cut_away': 1, 'tagged': 0,
+                                          'coarser_level': 0})
+        coincident = info['coincident']
+        self.assertEqual([coincident[key] for key in ('duplicates', 'any_winding', 'opposite')], [4, 4, 2])
+        self.assertAlmostEqual(coincident['duplicates_percent'], 400 / 7)
+        self.assertEqual(info['extensions'], [
+            {'name': 'ACME_moss', 'required': False, 'treated': 'ignored'},
+            {'name': 'KHR_materials_unlit', 'required': False, 'treated': 'ignored'},
+            {'name': 'KHR_texture_transform', 'required': True, 'treated': 'read'}])
+        self.assertEqual(len(info['warnings']), 1)
+        out = self.expect(0, 'info', scene)[0]
+        for text in ('2 opaque, 2 mask, 1 blend, 3 double sided', '1 no area, 1 cut away',
+                     '4 (57.14 %) exact duplicates', '2 (28.57 %) of them back to back',
+                     'KHR_texture_transform (required, read)', 'warning            the extension ACME_moss is ignored'):
+            self.assertIn(text, out)
 
 
 class Bake(InFolder):

@@ -29,6 +29,14 @@ bool is_supported_extension(std::string_view name) {
   return name.starts_with("KHR_materials_") || std::find(known.begin(), known.end(), name) != known.end();
 }
 
+// Of the supported ones, those that decide something here.
+bool is_read_extension(std::string_view name) {
+  static constexpr std::array<std::string_view, 6> read = {"EXT_mesh_gpu_instancing", "KHR_mesh_quantization",
+                                                           "EXT_meshopt_compression", "KHR_draco_mesh_compression",
+                                                           "KHR_texture_transform",   "MSFT_lod"};
+  return is_supported_extension(name) && std::find(read.begin(), read.end(), name) != read.end();
+}
+
 // Supported in the sense above, but a picture will show the difference.
 bool is_ignored_in_pictures(std::string_view name) {
   return name == "EXT_texture_webp" || name == "KHR_texture_basisu";
@@ -90,18 +98,23 @@ void document_reader::check_version() {
 }
 
 void document_reader::check_extensions() {
+  std::map<std::string, extension_use> uses;
   for (const std::string& extension : root_.texts("extensionsRequired")) {
+    uses[extension].required = true;
     if (is_supported_extension(extension)) continue;
     refuse(name_, "scene.extension", "requires the extension " + printable(extension) + ", which is not supported",
            "export the scene without it");
   }
   for (const std::string& extension : root_.texts("extensionsUsed")) {
+    uses[extension];
     if (!is_supported_extension(extension)) {
       warn_once("the extension " + printable(extension) + " is ignored");
     } else if (is_ignored_in_pictures(extension)) {
       warn_once("the extension " + printable(extension) + " is ignored: textures may look wrong in pictures");
     }
   }
+  for (const auto& [name, use] : uses)
+    out_.extensions.push_back({printable(name), use.required, is_read_extension(name)});
 }
 
 // The coordinates that the material's base color texture takes.

@@ -21,6 +21,7 @@ struct gltf_document {
   std::vector<texture_coordinates> coordinates;  // by material; TEXCOORD_0 of json is already the set that they name
   std::vector<image> images;
   node_list nodes;
+  std::vector<extension_use> extensions;
   std::vector<std::string> warnings;
 };
 

@@ -425,6 +425,7 @@ scene load_gltf(const std::filesystem::path& path, int scene_index) {
     const tinygltf::Model model = parse(document, file);
     out.materials = std::move(document.materials);
     out.images = std::move(document.images);
+    out.extensions = std::move(document.extensions);
     out.warnings = std::move(document.warnings);
     for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
     importer(model, document, file, out).walk(roots_of(model, scene_index, file));

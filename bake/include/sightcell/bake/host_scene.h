@@ -38,9 +38,9 @@ struct host_mesh {
 // are given as pixels + 3 with a texel_stride of 4. Looked up bilinearly.
 struct host_texture {
   const std::uint8_t* alpha = nullptr;
-  std::uint32_t width = 0, height = 0;  // 1 to 16,384
-  std::size_t texel_stride = 1;         // bytes
-  std::size_t row_stride = 0;           // bytes; 0: width x texel_stride
+  std::uint32_t width = 0, height = 0;                                     // 1 to 16,384
+  std::size_t texel_stride = 1;                                            // bytes
+  std::size_t row_stride = 0;                                              // bytes; 0: width x texel_stride
   scene::wrap wrap_u = scene::wrap::repeat, wrap_v = scene::wrap::repeat;  // beyond 0 and 1
 };
 
@@ -65,15 +65,16 @@ struct host_draw {
   std::uint32_t material = no_material;  // into host_scene::materials; none: opaque, single-sided
   // Column-major, local to world: x' = m[0] x + m[4] y + m[8] z + m[12]. The last row is not read.
   std::array<double, 16> to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  std::uint64_t tag = 0;  // anything: comes back as sightcell_draw::host_tag
-  std::string_view name;  // for messages
+  std::uint64_t tag = 0;       // anything: comes back as sightcell_draw::host_tag
+  std::string_view name = {};  // for messages
   // Movable things (bake/METHOD.md, rule 6). Without any of these a draw is seen and hides what is behind it.
-  bool occluder = true;    // false: seen, never hides
-  bool dynamic = false;    // left out: in no set, hides nothing; the host draws it by a test of its own
-  bool always = false;     // in every set (sky, sea, far terrain); hides unless occluder is false
-  bool never = false;      // in no set, hides nothing; stronger than always
-  bool animated = false;   // it moves: settings::animated decides, unless one of the others does; always hides nothing
-  std::string_view group;  // not empty: seen, never hides, and the host hides all draws of that name itself (a door)
+  bool occluder = true;   // false: seen, never hides
+  bool dynamic = false;   // left out: in no set, hides nothing; the host draws it by a test of its own
+  bool always = false;    // in every set (sky, sea, far terrain); hides unless occluder is false
+  bool never = false;     // in no set, hides nothing; stronger than always
+  bool animated = false;  // it moves: settings::animated decides, unless one of the others does; always hides nothing
+  std::string_view group =
+      {};  // not empty: seen, never hides, and the host hides all draws of that name itself (a door)
 };
 
 struct host_scene {

@@ -76,6 +76,13 @@ struct draw {
   std::uint32_t lod_object = no_index, lod_level = 0;
 };
 
+// An extension that a file says it uses.
+struct extension_use {
+  std::string name;
+  bool required = false;
+  bool is_read = false;  // else it is ignored: it changes nothing that is seen, or the warnings name it
+};
+
 struct scene {
   std::string name;  // file name, for messages
   std::vector<material> materials;
@@ -86,6 +93,7 @@ struct scene {
   std::vector<std::string> groups;  // names that draw_tags::group counts in
   std::uint32_t polygon_count = 0;
   std::vector<std::string> node_names;         // by glTF node index; for messages
+  std::vector<extension_use> extensions;       // of the file, by name
   std::vector<std::string> warnings;           // one line each, import's findings
   std::array<std::uint8_t, 16> fingerprint{};  // of all that decides visibility: geometry, transforms, materials' alpha
 };
