@@ -2,44 +2,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
-#include <new>
 
 #include "exit_codes.h"
-#include "sightcell/scene/error.h"
+#include "run_action.h"
 #include "verbs.h"
 
-namespace {
-
 using namespace sightcell::cli;
-
-int code_of(sightcell::error_kind kind) {
-  switch (kind) {
-    case sightcell::error_kind::wrong_use:
-      return exit_wrong_use;
-    case sightcell::error_kind::bad_input:
-      return exit_bad_input;
-    case sightcell::error_kind::failed:
-      break;
-  }
-  return exit_failed;
-}
-
-int run(const action& chosen) {
-  try {
-    return chosen();
-  } catch (const sightcell::error& e) {
-    fmt::print(stderr, "sightcell: {}\n", e.what());
-    return code_of(e.kind());
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "sightcell: memory: not enough for this scene; use a machine with more [memory]\n");
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "sightcell: unexpected: {}; please report it with the command [unexpected]\n", e.what());
-  }
-  return exit_failed;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   CLI::App program("Sightcell: which polygons can be seen from where, baked ahead.", "sightcell");
@@ -54,7 +22,7 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(e);  // --help, --version
-    fmt::print(stderr, "sightcell: {}; see sightcell --help [cli.wrong-use]\n", e.what());
+    print_error(fmt::format("{}; see sightcell --help [cli.wrong-use]", e.what()));
     return exit_wrong_use;
   }
   return run(chosen);

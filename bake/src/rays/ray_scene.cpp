@@ -6,11 +6,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 
 #include "rays/triangle_math.h"
-#include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
 namespace {
@@ -166,9 +167,9 @@ struct ray_scene::embree {
   void check(const char* doing) const {
     const RTCError failure = rtcGetDeviceError(device);
     if (failure == RTC_ERROR_NONE) return;
-    throw error(error_kind::failed, "rays.embree", "ray scene",
-                std::string(doing) + " failed with Embree error " + std::to_string(static_cast<int>(failure)),
-                failure == RTC_ERROR_OUT_OF_MEMORY ? "free memory or use a smaller scene" : "report this scene");
+    if (failure == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    throw std::runtime_error(std::string(doing) + " failed with Embree error " +
+                             std::to_string(static_cast<int>(failure)));
   }
 
   // All vertices, once for all geometries; Embree's own memory, because it reads a few bytes past the last one.
@@ -211,7 +212,7 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
   embree& e = *embree_;
   e.device = rtcNewDevice("isa=avx2");
   if (!e.device) e.device = rtcNewDevice(nullptr);
-  if (!e.device) throw error(error_kind::failed, "rays.embree", "ray scene", "no Embree device", "check the CPU");
+  if (!e.device) throw std::runtime_error("there is no Embree device");
   std::uint32_t test = 0;
   for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon) {
     const scene::polygon_kind kind = geometry.kinds[polygon];

@@ -36,7 +36,7 @@ inline float coincidence_reach(float distance) {
 class ray_scene {
  public:
   // geometry must outlive the ray scene. all_double_sided: sidedness of materials is ignored when seeing (never when
-  // telling solids). Throws sightcell::error when Embree fails.
+  // telling solids). Throws std::bad_alloc where Embree finds too little memory.
   ray_scene(const scene::world_geometry& geometry, bool all_double_sided);
   ~ray_scene();
   ray_scene(const ray_scene&) = delete;

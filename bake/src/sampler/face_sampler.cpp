@@ -12,8 +12,8 @@ std::unique_ptr<face_sampler> make_face_sampler(std::string_view name, const glm
                                                 random_stream random) {
   if (name == "importance-depth") return std::make_unique<importance_depth>(size, samples);
   if (name == "halton") return std::make_unique<halton>(random);
-  throw error(error_kind::wrong_use, "settings.sampler", "--sampler", "unknown sampler '" + std::string(name) + "'",
-              "use importance-depth or halton");
+  throw error(error_kind::wrong_use, "settings.out-of-range", "--sampler", "is \"" + std::string(name) + "\"",
+              "give importance-depth or halton");
 }
 
 }  // namespace sightcell::bake

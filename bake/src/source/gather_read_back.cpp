@@ -76,8 +76,7 @@ class gather_read_back final : public gpu_gather {
       while (end < ids_.size() && ids_[end] == id) ++end;
       if (id != shaders::hemicube_background) {
         if (id >= counts_.size()) {
-          throw error(error_kind::failed, "gpu.bad-id", "OpenGL source",
-                      "the device drew a polygon that does not exist",
+          throw error(error_kind::failed, "gl.error", "OpenGL source", "the device drew a polygon that does not exist",
                       "use another source and report this with the name of your graphics driver");
         }
         add(id, static_cast<std::uint32_t>(end - i), i);

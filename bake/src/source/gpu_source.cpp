@@ -47,8 +47,9 @@ std::uint32_t checked_resolution(std::uint32_t resolution) {
 
 float checked_far_plane(float far_plane) {
   if (!(far_plane > hemicube_near) || !std::isfinite(far_plane)) {
-    throw error(error_kind::wrong_use, "gpu.far-plane", "hemicube source", "the far plane is not a distance in metres",
-                "pass the diagonal of the scene's box");
+    throw error(error_kind::bad_input, "gpu.far-plane", "scene",
+                "its box is " + std::to_string(far_plane) + " m across, which is too small or too large to be drawn",
+                "export it in metres");
   }
   return far_plane;
 }
@@ -135,8 +136,8 @@ class gpu_source final : public hemicube_source {
     glNamedFramebufferTexture(framebuffer_, GL_DEPTH_ATTACHMENT, depths_.id(), 0);
     if (glCheckNamedFramebufferStatus(framebuffer_, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
       glDeleteFramebuffers(1, &framebuffer_);
-      throw error(error_kind::failed, "gpu.framebuffer", "OpenGL source",
-                  "the device cannot draw 32-bit ids and depths", "use another source");
+      throw error(error_kind::failed, "gl.error", "OpenGL source", "the device cannot draw 32-bit ids and depths",
+                  "use another source");
     }
   }
 

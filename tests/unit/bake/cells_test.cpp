@@ -5,11 +5,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <set>
 
 #include "cells/cells_file.h"
 #include "cells/lattice.h"
 #include "cells/view_cell.h"
+#include "errors/error_id.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -93,6 +95,14 @@ TEST(cells_file, errors_name_cell_and_cause) {
   // Different in double, the same in single precision.
   EXPECT_NE(error_of(R"({"cells":[{"min":[1000000.0,0,0],"max":[1000000.0001,1,1]}]})").find("[cells.empty-box]"),
             std::string::npos);
+}
+
+TEST(cells, boxes_of_a_host_are_finite) {
+  settings how;
+  how.cells.push_back({"stand", {0, 0, 0}, {1, std::numeric_limits<float>::infinity(), 1}});
+  EXPECT_EQ(test::error_id([&] { make_cells({}, how); }), "cells.not-finite");
+  how.cells[0].max[1] = std::nanf("");
+  EXPECT_EQ(test::error_id([&] { make_cells({}, how); }), "cells.not-finite");
 }
 
 TEST(cells_file, missing_file_is_named) {

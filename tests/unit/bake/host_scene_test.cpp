@@ -207,6 +207,7 @@ TEST(host_scene, broken_arrays_are_refused_by_name) {
                "mesh 0 has 4 vertices and no positions");
   EXPECT_PRED2(has, after([](engine& e) { e.meshes[0].position_stride = 8; }), "mesh 0 has a position stride of 8");
   EXPECT_PRED2(has, after([](engine& e) { e.meshes[0].position_stride = 14; }), "multiple of 4");
+  EXPECT_PRED2(has, after([](engine& e) { e.meshes[0].position_stride = 14; }), "[host.bad-array]");
   EXPECT_PRED2(has, after([](engine& e) { e.meshes[0].index_count = 5; }), "5 indices");
   EXPECT_PRED2(has, after([](engine& e) { e.meshes[0].vertex_count = 3; }), "index 3");
   EXPECT_PRED2(has, after([](engine& e) { e.meshes[0].vertex_count = std::size_t{1} << 32; }), "2^32");

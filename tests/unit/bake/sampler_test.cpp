@@ -4,6 +4,7 @@
 #include <functional>
 #include <set>
 
+#include "errors/error_id.h"
 #include "sampler/cell_sampling.h"
 #include "sampler/face_sampler.h"
 #include "sampler/importance_depth.h"
@@ -138,7 +139,10 @@ TEST(halton, is_even_and_ends_when_nothing_is_free) {
 }
 
 TEST(face_sampler, unknown_name_is_an_error) {
-  EXPECT_THROW((void)make_face_sampler("best", {1, 1}, 1, random_stream(1, 1, purpose::boundary)), error);
+  EXPECT_EQ(test::error_id([] {
+              make_face_sampler("best", {1, 1}, 1, random_stream(1, 1, purpose::boundary));
+            }),
+            "settings.out-of-range");
 }
 
 TEST(sample_cell, an_empty_cell_gets_boundary_samples_only) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "errors/error_id.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -56,6 +57,14 @@ TEST(settings, errors_name_the_option) {
     s.cells_grid = {{0, 0, 0, 1, 1, 1}};
     s.cells_file = "cells.json";
   });
+}
+
+TEST(settings, one_kind_of_cells_is_enough) {
+  settings s;
+  s.cells.push_back({"", {0, 0, 0}, {1, 1, 1}});
+  EXPECT_EQ(test::error_id([&] { validate(s); }), "");
+  s.cells_file = "cells.json";
+  EXPECT_EQ(test::error_id([&] { validate(s); }), "settings.two-kinds-of-cells");
 }
 
 TEST(settings, ends_of_the_ranges_are_inside) {

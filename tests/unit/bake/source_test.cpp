@@ -6,17 +6,20 @@
 #include <memory>
 #include <random>
 
+#include "errors/error_id.h"
 #include "rays/ray_scene.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/error.h"
 #include "source/gpu_source.h"
 #include "source/hemicube_faces.h"
+#include "source/polygon_counts.h"
 #include "tiny_scene.h"
 
 namespace {
 
 namespace bake = sightcell::bake;
 namespace scene = sightcell::scene;
+using sightcell::test::error_id;
 using sightcell::test::tiny_scene;
 using look = tiny_scene::look;
 
@@ -566,11 +569,12 @@ TEST_F(gather_test, wrong_options_are_refused) {
   s.wall_x(2, -1, 1);
   const scene::world_geometry world = scene::flatten(s.finished());
   for (const std::uint32_t resolution : {0u, 15u, 17u, 4098u}) {
-    EXPECT_THROW(source(world, bake::gather::automatic, resolution), sightcell::error) << resolution;
+    EXPECT_EQ(error_id([&] { source(world, bake::gather::automatic, resolution); }), "gpu.resolution") << resolution;
   }
   for (const float far_plane : {0.0f, -1.0f, std::nanf("")}) {
-    EXPECT_THROW(source(world, bake::gather::automatic, 64, far_plane), sightcell::error) << far_plane;
+    EXPECT_EQ(error_id([&] { source(world, bake::gather::automatic, 64, far_plane); }), "gpu.far-plane") << far_plane;
   }
+  EXPECT_EQ(error_id([] { bake::polygon_counts(0xFFFFFFFEu, 0); }), "gpu.scene-too-large");
   EXPECT_FALSE(source(world, bake::gather::automatic)->device().empty());
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "errors/error_id.h"
 #include "sightcell/picture/picture.h"
 #include "sightcell/scene/error.h"
 
@@ -43,7 +44,7 @@ TEST(compare_test, alpha_does_not_count) {
 }
 
 TEST(compare_test, refuses_different_sizes) {
-  EXPECT_THROW(compare(plain(2, 3, 0), plain(3, 2, 0)), sightcell::error);
+  EXPECT_EQ(sightcell::test::error_id([] { compare(plain(2, 3, 0), plain(3, 2, 0)); }), "picture.size");
 }
 
 }  // namespace

@@ -1,13 +1,18 @@
 #include "sightcell/picture/gl_context.h"
 
+#include <epoxy/gl.h>
+
 #include <string>
 #include <thread>
 
+#include "errors/error_id.h"
 #include "gl_test.h"
+#include "sightcell/picture/gl_program.h"
 
 namespace {
 
 using sightcell::picture::gl_context;
+using sightcell::test::error_id;
 class gl_context_test : public sightcell::test::gl_test {};
 
 TEST_F(gl_context_test, says_what_it_found) {
@@ -43,6 +48,30 @@ TEST_F(gl_context_test, can_be_made_and_used_on_another_thread) {
   }).join();
   EXPECT_EQ(problem, "");
   EXPECT_EQ(renderer, context().renderer());
+}
+
+TEST_F(gl_context_test, cannot_be_bound_where_another_thread_holds_it) {
+  std::string id;
+  context().make_current();
+  std::thread([&] { id = error_id([&] { context().make_current(); }); }).join();
+  EXPECT_EQ(id, "gl.bind");
+}
+
+TEST_F(gl_context_test, what_opengl_refuses_is_told_once) {
+  context().make_current();
+  glEnable(0xFFFF);
+  EXPECT_EQ(error_id([&] { context().check("a test"); }), "gl.error");
+  EXPECT_EQ(error_id([&] { context().check("a test"); }), "");
+}
+
+TEST_F(gl_context_test, a_program_that_does_not_compile_or_link_is_refused) {
+  context().make_current();
+  const auto make = [](const char* text) {
+    return error_id([&] { const sightcell::picture::gl_program program("test", {{GL_VERTEX_SHADER, text}}); });
+  };
+  EXPECT_EQ(make("#version 450\nvoid main() { gl_Position = vec4(0); }"), "");
+  EXPECT_EQ(make("#version 450\nvoid main() { nonsense; }"), "gl.shader");
+  EXPECT_EQ(make("#version 450\nvoid other(); void main() { other(); }"), "gl.shader");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "errors/error_id.h"
 #include "gl_test.h"
 
 namespace {
@@ -126,7 +127,7 @@ TEST_F(picture_test, only_listed_polygons_are_drawn) {
 TEST_F(picture_test, a_polygon_that_is_not_there_is_refused) {
   walls w;
   w.add(2, 1, red);
-  EXPECT_THROW(draw(w, std::vector<std::uint32_t>{2}), sightcell::error);
+  EXPECT_EQ(sightcell::test::error_id([&] { draw(w, std::vector<std::uint32_t>{2}); }), "picture.no-such-polygon");
 }
 
 TEST_F(picture_test, leaving_out_what_is_hidden_changes_no_pixel) {
@@ -253,8 +254,8 @@ TEST_F(picture_test, a_camera_without_direction_or_size_is_refused) {
   const scene::scene s = walls().finished();
   const scene::world_geometry world = scene::flatten(s);
   picture::renderer r(context(), s, world);
-  EXPECT_THROW(r.draw({{}, glm::vec3(0), {0, 1, 0}, 1.0f}, 8, 8), sightcell::error);
-  EXPECT_THROW(r.draw({}, 0, 8), sightcell::error);
+  EXPECT_EQ(sightcell::test::error_id([&] { r.draw({{}, glm::vec3(0), {0, 1, 0}, 1.0f}, 8, 8); }), "picture.camera");
+  EXPECT_EQ(sightcell::test::error_id([&] { r.draw({}, 0, 8); }), "picture.size");
   EXPECT_NO_THROW(r.draw({{}, {0, -1, 0}, {0, 1, 0}, 1.0f}, 8, 8)) << "looking along up";
 }
 

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <string>
 
+#include "errors/error_id.h"
 #include "sightcell/picture/picture.h"
 #include "sightcell/scene/error.h"
 
@@ -66,7 +67,7 @@ TEST_F(write_png_test, a_folder_in_its_place_leaves_nothing_behind) {
 }
 
 TEST_F(write_png_test, an_empty_picture_is_refused) {
-  EXPECT_THROW(write_png(folder_ / "a.png", image_rgba{}), sightcell::error);
+  EXPECT_EQ(sightcell::test::error_id([&] { write_png(folder_ / "a.png", image_rgba{}); }), "picture.empty");
   EXPECT_EQ(files(), 0u);
 }
 

@@ -1,0 +1,306 @@
+"""What provokes every error of bake/: a command line where one can, else the unit test that does.
+
+CASES: (id, exit code, prepare); prepare(folder) makes the input inside the folder and returns a `call`.
+UNIT_TESTS: id -> a test's source that mentions the id; for what no command line can reach.
+"""
+import base64
+import dataclasses
+import json
+import os
+import sqlite3
+import struct
+
+UNIT_TESTS = {
+    'cells.not-finite': 'tests/unit/bake/cells_test.cpp',
+    'checkpoint.disk-full': 'tests/unit/bake/checkpoint_test.cpp',
+    'checkpoint.failed': 'tests/unit/bake/checkpoint_test.cpp',
+    'cli.memory': 'tests/unit/cli/run_action_test.cpp',
+    'cli.unexpected': 'tests/unit/cli/run_action_test.cpp',
+    'gl.bind': 'tests/unit/picture/gl_context_test.cpp',
+    'gl.error': 'tests/unit/picture/gl_context_test.cpp',
+    'gl.shader': 'tests/unit/picture/gl_context_test.cpp',
+    'gpu.resolution': 'tests/unit/bake/source_test.cpp',
+    'gpu.scene-too-large': 'tests/unit/bake/source_test.cpp',
+    'host.bad-array': 'tests/unit/bake/host_scene_test.cpp',
+    'output.encode': 'tests/unit/bake/verify_test.cpp',
+    'picture.camera': 'tests/unit/picture/picture_test.cpp',
+    'picture.empty': 'tests/unit/picture/write_png_test.cpp',
+    'picture.no-such-polygon': 'tests/unit/picture/picture_test.cpp',
+    'picture.size': 'tests/unit/picture/compare_test.cpp',
+    'picture.write': 'tests/unit/picture/write_png_test.cpp',
+    'scene.draco': 'tests/unit/scene/compressed_test.cpp',
+    'settings.two-kinds-of-cells': 'tests/unit/bake/settings_test.cpp',
+}
+
+QUICK = ['--samples', '6', '--resolution', '16', '--max-pixel-error', '0']
+
+
+@dataclasses.dataclass
+class Call:
+    arguments: list
+    named: str  # the error line has to contain it: the file or option that is to blame
+    environment: dict = dataclasses.field(default_factory=dict)
+    memory: int = 0  # limit of the address space, bytes; 0: none
+    stdout: str = ''  # a file that standard output goes to
+    keep: object = None  # lives until the program has ended
+
+
+# --- inputs
+
+def write(folder, name, content):
+    path = os.path.join(folder, name)
+    with open(path, 'wb') as out:
+        out.write(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def data_uri(content):
+    return 'data:application/octet-stream;base64,' + base64.b64encode(content).decode()
+
+
+def document(scale=1.0, inward=False, **more):
+    """A closed box of 2 x 2 x 2 m around the origin; keys of `more` replace those of the document."""
+    corners = [(x * scale, y * scale, z * scale) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    if inward:
+        triangles = [(a, c, b) for a, b, c in triangles]
+    binary = b''.join(struct.pack('<3f', *c) for c in corners)
+    binary += b''.join(struct.pack('<3H', *t) for t in triangles)
+    made = {'asset': {'version': '2.0'}, 'scenes': [{'nodes': [0]}], 'nodes': [{'mesh': 0, 'name': 'box'}],
+            'meshes': [{'primitives': [{'attributes': {'POSITION': 0}, 'indices': 1}]}],
+            'buffers': [{'byteLength': len(binary), 'uri': data_uri(binary)}],
+            'bufferViews': [{'buffer': 0, 'byteLength': 96}, {'buffer': 0, 'byteOffset': 96, 'byteLength': 72}],
+            'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 8, 'type': 'VEC3'},
+                          {'bufferView': 1, 'componentType': 5123, 'count': 36, 'type': 'SCALAR'}]}
+    made.update(more)
+    return made
+
+
+def scene(folder, name='scene.gltf', change=None, **more):
+    made = document(**more)
+    if change:
+        change(made)
+    return write(folder, name, json.dumps(made))
+
+
+def room(folder):
+    """A box that is seen from inside."""
+    return scene(folder, 'room.gltf', scale=2.0, inward=True)
+
+
+def cells(folder, content=None, name='cells.json', low=(-0.5, -0.5, -0.5), high=(0.5, 0.5, 0.5)):
+    content = content or json.dumps({'cells': [{'name': 'middle', 'min': low, 'max': high}]})
+    return write(folder, name, content)
+
+
+# --- calls
+
+def info(make):
+    """`info` of what make(folder) writes."""
+    def prepare(folder):
+        path = make(folder)
+        return Call(['info', path], path)
+    return prepare
+
+
+def info_of(change):
+    return info(lambda folder: scene(folder, change=change))
+
+
+def bake(folder, *more, scene_file=None, cells_file=None):
+    return ['bake', scene_file or room(folder), '-o', os.path.join(folder, 'out.pvs'), '--cells-file',
+            cells_file or cells(folder), *QUICK, *more]
+
+
+def bake_with_cells(content):
+    def prepare(folder):
+        path = content(folder) if callable(content) else cells(folder, content)
+        return Call(bake(folder, cells_file=path), path)
+    return prepare
+
+
+def option(name, value):
+    def prepare(folder):
+        return Call(['bake', room(folder), '-o', os.path.join(folder, 'out.pvs'), name, value], name)
+    return prepare
+
+
+def checkpoint(make):
+    """A bake that finds make(path) where its checkpoint belongs."""
+    def prepare(folder):
+        path = os.path.join(folder, 'out.pvs.bake')
+        keep = make(path)
+        return Call(bake(folder), path, keep=keep)
+    return prepare
+
+
+def not_a_database(path):
+    with open(path, 'wb') as out:
+        out.write(b'SQLite format 3\0' + b'\xff' * 4080)
+
+
+def foreign_database(path):
+    with sqlite3.connect(path) as database:
+        database.execute('CREATE TABLE song(name TEXT)')
+    database.close()
+
+
+def other_bake(path):
+    with sqlite3.connect(path) as database:
+        database.execute(f'PRAGMA application_id={0x53434B31}')
+        database.execute('PRAGMA user_version=999')
+        database.execute('CREATE TABLE bake(key TEXT)')
+    database.close()
+
+
+def locked_database(path):
+    database = sqlite3.connect(path)
+    database.execute('BEGIN EXCLUSIVE')
+    return database
+
+
+def baked(folder, program):
+    """A bake of the room: made once per run of the test."""
+    import subprocess
+    out = os.path.join(folder, 'out.pvs')
+    subprocess.run([program, *bake(folder)], check=True, capture_output=True, timeout=120)
+    return out
+
+
+def chunk_damaged(folder, program):
+    file = baked(folder, program)
+    with open(file, 'rb') as f:
+        content = bytearray(f.read())
+    # SPEC.md: the table of sections begins at 96, 32 bytes each; id 3 are the rows.
+    for at in range(96, 96 + 32 * struct.unpack_from('<I', content, 12)[0], 32):
+        identifier, _, offset, size = struct.unpack_from('<IIQQ', content, at)
+        if identifier == 3:
+            content[offset + size - 1] ^= 0xFF
+    write(folder, 'out.pvs', bytes(content))
+    return Call(['verify', os.path.join(folder, 'room.gltf'), file, '--rays', '100'], file)
+
+
+def other_scene(folder, program):
+    file = baked(folder, program)
+    return Call(['verify', scene(folder, 'other.gltf', scale=3.0), file, '--rays', '100'], file)
+
+
+def output_is_a_folder(folder):
+    os.mkdir(os.path.join(folder, 'out.pvs'))
+    return Call(bake(folder), os.path.join(folder, 'out.pvs'))
+
+
+def too_many_cells(folder):
+    box = '{"min":[0,0,0],"max":[1,1,1]}'
+    return cells(folder, '{"cells":[' + ','.join([box] * 1_000_001) + ']}')
+
+
+def too_large_cells(folder):
+    path = cells(folder)
+    os.truncate(path, (256 << 20) + 1)
+    return path
+
+
+def glb(*chunks, version=2, length=None):
+    body = b''.join(struct.pack('<I4s', len(c), kind) + c for kind, c in chunks)
+    return struct.pack('<4sII', b'glTF', version, 12 + len(body) if length is None else length) + body
+
+
+def set_in(*path, value):
+    """A change: the value at the path of keys and indices; None removes the key."""
+    def change(made):
+        for key in path[:-1]:
+            made = made[key]
+        if value is None:
+            del made[path[-1]]
+        else:
+            made[path[-1]] = value
+    return change
+
+
+def meshopt(made):
+    made['buffers'].append({'byteLength': 16, 'uri': data_uri(bytes(16))})
+    made['bufferViews'][0] = {'buffer': 0, 'byteLength': 96, 'extensions': {'EXT_meshopt_compression': {
+        'buffer': 1, 'byteLength': 16, 'byteStride': 12, 'count': 8, 'mode': 'ATTRIBUTES'}}}
+
+
+def outside(made):
+    made['buffers'][0]['uri'] = '../secret.bin'
+
+
+def huge(made):
+    made['accessors'][0] = {'componentType': 5126, 'count': 1 << 30, 'type': 'VEC3'}
+
+
+def out_of_memory(folder):
+    # 16,777,216 vertices that are all zero: in no file, but in memory.
+    def change(made):
+        made['accessors'][0] = {'componentType': 5126, 'count': 1 << 24, 'type': 'VEC3'}
+    path = scene(folder, change=change)
+    return Call(['info', path], path, memory=300 << 20)
+
+
+def in_folder(*arguments, named):
+    return lambda folder: Call([*arguments], named)
+
+
+CASES = [
+    ('bake.no-free-cell', 1, lambda f: Call(bake(f, cells_file=cells(f, low=(90, 90, 90), high=(91, 91, 91)),
+                                                 scene_file=scene(f, 'solid.gltf', scale=100.0)), 'solid.gltf')),
+    ('bake.nothing-to-see', 4, lambda f: Call(bake(f, scene_file=scene(f, nodes=[{}])), 'scene.gltf')),
+    ('cells.bad-box', 4, bake_with_cells('{"cells":[{"min":[0,0],"max":[1,1,1]}]}')),
+    ('cells.bad-name', 4, bake_with_cells('{"cells":[{"name":7,"min":[0,0,0],"max":[1,1,1]}]}')),
+    ('cells.empty-box', 4, bake_with_cells('{"cells":[{"min":[0,0,0],"max":[0,1,1]}]}')),
+    ('cells.no-list', 4, bake_with_cells('{}')),
+    ('cells.no-list', 4, bake_with_cells('{"cells":[]}')),
+    ('cells.not-json', 4, bake_with_cells('{"cells":')),
+    ('cells.too-far', 4, bake_with_cells('{"cells":[{"min":[0,0,0],"max":[1e9,1,1]}]}')),
+    ('cells.too-large', 4, bake_with_cells(too_large_cells)),
+    ('cells.too-many', 2, lambda f: Call(['bake', room(f), '-o', os.path.join(f, 'out.pvs'), '--cells-grid',
+                                          '0,0,0,9999,9999,9999', '--cell-size', '1'], '--cells-grid')),
+    ('cells.too-many', 4, bake_with_cells(too_many_cells)),
+    ('cells.unreadable', 4, bake_with_cells(lambda f: os.path.join(f, 'missing.json'))),
+    ('checkpoint.damaged', 4, checkpoint(not_a_database)),
+    ('checkpoint.in-use', 1, checkpoint(locked_database)),
+    ('checkpoint.not-ours', 4, checkpoint(foreign_database)),
+    ('checkpoint.not-writable', 1, lambda f: Call(['bake', room(f), '-o', os.path.join(f, 'no/out.pvs'), '--cells-file',
+                                                   cells(f), *QUICK], os.path.join(f, 'no/out.pvs'))),
+    ('checkpoint.other-bake', 2, checkpoint(other_bake)),
+    ('cli.not-writable', 1, lambda f: Call(bake(f, '--json-file', os.path.join(f, 'no/out.json')), 'no/out.json')),
+    ('cli.not-writable', 1, lambda f: Call(['info', room(f)], 'standard output', stdout='/dev/full')),
+    ('cli.output-is-input', 2, lambda f: Call(['bake', room(f), '-o', os.path.join(f, 'room.gltf')], 'room.gltf')),
+    ('cli.unreadable', 4, info(lambda f: os.path.join(f, 'missing.pvs'))),
+    ('cli.wrong-use', 2, in_folder('fly', named='subcommand')),
+    ('cli.wrong-use', 2, in_folder('bake', 'x.glb', '-o', 'x.pvs', '--samples', 'many', named='--samples')),
+    ('gl.no-context', 1, lambda f: Call(bake(f), 'OpenGL', environment={
+        '__EGL_VENDOR_LIBRARY_DIRS': f, '__EGL_VENDOR_LIBRARY_FILENAMES': ''})),
+    ('gpu.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e-5)), 'scene')),
+    ('gpu.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e30)), 'scene')),
+    ('output.io', 1, output_is_a_folder),
+    ('pvs.broken', 4, chunk_damaged),
+    ('pvs.other-scene', 4, other_scene),
+    ('pvs.refused', 4, info(lambda f: write(f, 'text.pvs', 'hello'))),
+    ('scene.accessor-bounds', 4, info_of(set_in('accessors', 0, 'count', value=9))),
+    ('scene.accessor-type', 4, info_of(set_in('accessors', 0, 'type', value='VEC2'))),
+    ('scene.bad-field', 4, info_of(set_in('nodes', value=7))),
+    ('scene.bad-json', 4, info(lambda f: write(f, 'bad.gltf', '{"asset":'))),
+    ('scene.buffer-size', 4, info_of(set_in('buffers', 0, 'byteLength', value=1000))),
+    ('scene.extension', 4, info_of(set_in('extensionsRequired', value=['ACME_moss']))),
+    ('scene.index-out-of-range', 4, info_of(set_in('nodes', 0, 'mesh', value=5))),
+    ('scene.meshopt', 4, info_of(meshopt)),
+    ('scene.missing-field', 4, info_of(set_in('bufferViews', 0, 'buffer', value=None))),
+    ('scene.no-such-scene', 2, lambda f: Call(['info', room(f), '--scene', '3'], 'room.gltf')),
+    ('scene.node-cycle', 4, info_of(set_in('nodes', 0, 'children', value=[0]))),
+    ('scene.not-found', 4, info(lambda f: os.path.join(f, 'missing.glb'))),
+    ('scene.not-gltf', 4, info(lambda f: write(f, 'text.glb', 'hello'))),
+    ('scene.out-of-memory', 1, out_of_memory),
+    ('scene.outside-folder', 4, info_of(outside)),
+    # Files of sysfs say that they have 4096 bytes and give fewer.
+    ('scene.read', 4, in_folder('info', '/sys/devices/system/cpu/online', named='/sys/devices/system/cpu/online')),
+    ('scene.too-large', 4, info_of(huge)),
+    ('scene.truncated', 4, info(lambda f: write(f, 'short.glb', glb((b'JSON', b'{}  '), length=999)))),
+    ('scene.version', 4, info(lambda f: write(f, 'old.glb', glb((b'JSON', b'{}  '), version=1)))),
+    ('settings.out-of-range', 2, option('--cell-size', '0.1')),
+    ('settings.out-of-range', 2, option('--resolution', '255')),
+]

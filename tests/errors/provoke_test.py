@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Provokes every error that a command line can reach: exit code, and one line that names the culprit and ends in [id].
+
+usage: provoke_test.py SIGHTCELL [unittest arguments]
+
+Exit code 77: every case was skipped.
+"""
+import inspect
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True  # nothing is written into the sources
+import cases
+
+SIGHTCELL = None
+TIMEOUT = 240  # seconds
+
+
+def needs_gl(call):
+    return call.arguments[0] == 'bake'
+
+
+def has_gl():
+    with tempfile.TemporaryDirectory(prefix='sightcell-errors-') as folder:
+        done = subprocess.run([SIGHTCELL, *cases.bake(folder)], capture_output=True, text=True, timeout=TIMEOUT)
+    return '[gl.no-context]' not in done.stderr
+
+
+def limit_memory(size):
+    if size:
+        resource.setrlimit(resource.RLIMIT_AS, (size, size))
+
+
+class Provoke(unittest.TestCase):
+    """One test per case, made below."""
+
+    def provoke(self, identifier, code, prepare):
+        folder = tempfile.mkdtemp(prefix='sightcell-errors-')
+        self.addCleanup(shutil.rmtree, folder)
+        wants_program = len(inspect.signature(prepare).parameters) == 2
+        if wants_program and not GL:
+            self.skipTest('no EGL device: nothing can be baked')
+        call = prepare(folder, SIGHTCELL) if wants_program else prepare(folder)
+        if needs_gl(call) and identifier != 'gl.no-context' and not GL:
+            self.skipTest('no EGL device')
+        with open(call.stdout or os.devnull, 'w', encoding='utf-8') as out:
+            done = subprocess.run([SIGHTCELL, *call.arguments], stdin=subprocess.DEVNULL, stdout=out,
+                                  stderr=subprocess.PIPE, text=True, timeout=TIMEOUT, cwd=folder,
+                                  env={**os.environ, **call.environment},
+                                  preexec_fn=lambda: limit_memory(call.memory))
+        # Notes of a bake (its device, its cells) and warnings are no errors.
+        lines = [line for line in done.stderr.splitlines() if line.startswith('sightcell: ')]
+        self.assertEqual(len(lines), 1, done.stderr)
+        self.assertEqual(done.stderr.splitlines()[-1], lines[0], 'the error is the last line')
+        self.assertTrue(lines[0].endswith(f'[{identifier}]'), lines[0])
+        self.assertIn(call.named, lines[0])
+        self.assertEqual(done.returncode, code, lines[0])
+
+
+def add_tests():
+    for number, (identifier, code, prepare) in enumerate(cases.CASES):
+        name = f'test_{number:02}_{identifier.replace(".", "_").replace("-", "_")}'
+        setattr(Provoke, name, lambda self, i=identifier, c=code, p=prepare: self.provoke(i, c, p))
+
+
+if __name__ == '__main__':
+    SIGHTCELL = os.path.abspath(sys.argv[1])
+    GL = has_gl()
+    add_tests()
+    result = unittest.main(argv=sys.argv[:1] + sys.argv[2:], exit=False).result
+    if not result.wasSuccessful():
+        sys.exit(1)
+    sys.exit(77 if result.testsRun > 0 and len(result.skipped) == result.testsRun else 0)
