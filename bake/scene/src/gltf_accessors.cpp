@@ -29,9 +29,9 @@ std::uint64_t width_of(const std::string& type) {
 
 }  // namespace
 
-accessor_table::accessor_table(const json_object& root, const std::filesystem::path& scene_path,
+accessor_table::accessor_table(const json_object& root, const gltf_source& source,
                                std::optional<std::vector<std::uint8_t>> binary)
-    : scene_path_(scene_path),
+    : source_(source),
       binary_(std::move(binary)),
       accessors_(root.objects("accessors")),
       views_(root.objects("bufferViews")),
@@ -55,7 +55,7 @@ std::span<const std::uint8_t> accessor_table::buffer(std::uint32_t index) {
   if (length == 0) source.fail("scene.buffer-size", "has a byteLength of 0", "export the file again");
   const auto uri = source.text("uri");
   if (uri) {
-    bytes = read_resource(scene_path_, *uri, source.where(), length);
+    bytes = read_resource(source_, *uri, source.where(), length);
   } else if (index == 0 && binary_) {
     if (length > binary_->size()) {
       source.fail("scene.buffer-size",

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <initializer_list>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "gltf_file.h"
 #include "json_object.h"
 
 namespace sightcell::scene {
@@ -29,8 +29,7 @@ struct view_bytes {
 class accessor_table {
  public:
   // All but binary, the .glb's own chunk, must outlive the table.
-  accessor_table(const json_object& root, const std::filesystem::path& scene_path,
-                 std::optional<std::vector<std::uint8_t>> binary);
+  accessor_table(const json_object& root, const gltf_source& source, std::optional<std::vector<std::uint8_t>> binary);
 
   std::size_t size() const { return accessors_.size(); }
   std::size_t view_count() const { return views_.size(); }
@@ -71,7 +70,7 @@ class accessor_table {
                   nlohmann::json& reduced);
   void use_bytes(const json_object& user, std::uint32_t view_index, std::uint64_t offset, std::uint64_t need);
 
-  const std::filesystem::path& scene_path_;
+  const gltf_source& source_;
   std::optional<std::vector<std::uint8_t>> binary_;
   std::vector<json_object> accessors_, views_, buffers_;
   std::vector<nlohmann::json> reduced_accessors_, reduced_views_;  // null until used

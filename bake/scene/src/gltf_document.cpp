@@ -44,10 +44,9 @@ bool is_ignored_in_pictures(std::string_view name) {
 
 class document_reader {
  public:
-  document_reader(const std::filesystem::path& path, const json& parsed,
-                  std::optional<std::vector<std::uint8_t>> binary, const std::string& name,
+  document_reader(const gltf_source& source, const json& parsed, std::optional<std::vector<std::uint8_t>> binary,
                   std::vector<std::string> warnings)
-      : path_(path), name_(name), root_(parsed, "", name), table_(root_, path, std::move(binary)) {
+      : source_(source), name_(source.name), root_(parsed, "", source.name), table_(root_, source, std::move(binary)) {
     out_.warnings = std::move(warnings);
     meshes_ = root_.objects("meshes");
     nodes_ = root_.objects("nodes");
@@ -70,7 +69,7 @@ class document_reader {
   json reduced_instancing(const json_object& instancing);
   void warn_once(const std::string& line);
 
-  const std::filesystem::path& path_;
+  const gltf_source& source_;
   const std::string& name_;
   json_object root_;
   accessor_table table_;
@@ -273,7 +272,7 @@ gltf_document document_reader::read() {
   check_version();
   check_extensions();
   const auto bytes_of_view = [this](std::uint32_t index) { return table_.bytes_of_view(index); };
-  material_set materials = read_materials(root_, path_, bytes_of_view, table_.view_count(), out_.warnings);
+  material_set materials = read_materials(root_, source_, bytes_of_view, table_.view_count(), out_.warnings);
   out_.materials = std::move(materials.materials);
   out_.coordinates = std::move(materials.coordinates);
   out_.images = std::move(materials.images);
@@ -299,18 +298,16 @@ gltf_document document_reader::read() {
 
 }  // namespace
 
-gltf_document read_gltf_document(const std::filesystem::path& path) {
-  gltf_file file = read_gltf_file(path);
-  const std::string name = printable(path.string(), 1000);
+gltf_document read_gltf_document(gltf_file file, const gltf_source& source) {
   json parsed;
   try {
     parsed = json::parse(file.json);
   } catch (const json::exception& e) {
-    refuse(name, "scene.bad-json", "its JSON cannot be parsed: " + printable(e.what(), 160),
+    refuse(source.name, "scene.bad-json", "its JSON cannot be parsed: " + printable(e.what(), 160),
            "the file is damaged: copy or export it again");
   }
   file.json = std::string();
-  return document_reader(path, parsed, std::move(file.binary), name, std::move(file.warnings)).read();
+  return document_reader(source, parsed, std::move(file.binary), std::move(file.warnings)).read();
 }
 
 }  // namespace sightcell::scene

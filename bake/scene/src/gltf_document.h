@@ -4,10 +4,10 @@
 // holds only what the import uses, each value checked for type, range and against the bytes that are really there.
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "gltf_file.h"
 #include "gltf_materials.h"
 #include "gltf_nodes.h"
 #include "sightcell/scene/scene.h"
@@ -26,6 +26,6 @@ struct gltf_document {
 };
 
 // Throws sightcell::error (bad_input).
-gltf_document read_gltf_document(const std::filesystem::path& path);
+gltf_document read_gltf_document(gltf_file file, const gltf_source& source);
 
 }  // namespace sightcell::scene

@@ -15,7 +15,7 @@ constexpr std::uint32_t glb_magic = 0x46546C67;   // "glTF"
 constexpr std::uint32_t json_chunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t bin_chunk = 0x004E4942;   // "BIN\0"
 
-std::uint32_t u32_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
+std::uint32_t u32_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
          static_cast<std::uint32_t>(bytes[at + 2]) << 16 | static_cast<std::uint32_t>(bytes[at + 3]) << 24;
 }
@@ -49,7 +49,7 @@ std::vector<std::uint8_t> read_bytes(const std::filesystem::path& path, const st
 }
 
 // Chunk by chunk; chunks of unknown type are skipped, as the container format asks for.
-gltf_file split_glb(const std::vector<std::uint8_t>& bytes, const std::string& name) {
+gltf_file split_glb(std::span<const std::uint8_t> bytes, const std::string& name) {
   const char* const remedy = "copy or export the file again";
   if (bytes.size() < 20) refuse(name, "scene.truncated", "the .glb ends inside its header", remedy);
   const std::uint32_t version = u32_at(bytes, 4);
@@ -153,9 +153,15 @@ bool has_uri_scheme(const std::string& uri) {
 
 }  // namespace
 
-gltf_file read_gltf_file(const std::filesystem::path& path) {
-  const std::string name = printable(path.string(), 1000);
-  const std::vector<std::uint8_t> bytes = read_bytes(path, name, "the scene", std::nullopt);
+gltf_source source_of(const std::filesystem::path& path) {
+  return {printable(path.string(), 1000), path.parent_path()};
+}
+
+std::vector<std::uint8_t> read_scene_bytes(const std::filesystem::path& path) {
+  return read_bytes(path, printable(path.string(), 1000), "the scene", std::nullopt);
+}
+
+gltf_file split_gltf(std::span<const std::uint8_t> bytes, const std::string& name) {
   if (bytes.empty()) refuse(name, "scene.truncated", "the file is empty", "copy or export it again");
   if (bytes.size() >= 4 && u32_at(bytes, 0) == glb_magic) return split_glb(bytes, name);
   static constexpr std::string_view skipped = " \t\r\n\xEF\xBB\xBF";
@@ -170,14 +176,19 @@ gltf_file read_gltf_file(const std::filesystem::path& path) {
   return out;
 }
 
-std::vector<std::uint8_t> read_resource(const std::filesystem::path& scene_path, const std::string& uri,
-                                        const std::string& what, std::optional<std::uint64_t> size) {
-  const std::string name = printable(scene_path.string(), 1000);
+std::vector<std::uint8_t> read_resource(const gltf_source& scene, const std::string& uri, const std::string& what,
+                                        std::optional<std::uint64_t> size) {
+  const std::string& name = scene.name;
   if (uri.starts_with("data:")) return decode_data_uri(uri, name, what, size);
   if (has_uri_scheme(uri)) {
     refuse(name, "scene.outside-folder",
            what + " is at \"" + printable(uri) + "\", which is not a file beside the scene",
            "put it beside the scene and use a relative URI");
+  }
+  if (!scene.folder) {
+    refuse(name, "scene.outside-folder",
+           what + " is at \"" + printable(uri) + "\", but the scene is in memory and has no folder",
+           "name the folder of its resources, or put them into the scene");
   }
   const auto decoded = percent_decoded(uri);
   const std::filesystem::path relative = std::filesystem::path(decoded.value_or("")).lexically_normal();
@@ -186,7 +197,7 @@ std::vector<std::uint8_t> read_resource(const std::filesystem::path& scene_path,
     refuse(name, "scene.outside-folder", what + " is at \"" + printable(uri) + "\", outside the scene's folder",
            "put it beside the scene and use a relative URI");
   }
-  return read_bytes(scene_path.parent_path() / relative, name, what + " (" + printable(uri) + ")", size);
+  return read_bytes(*scene.folder / relative, name, what + " (" + printable(uri) + ")", size);
 }
 
 }  // namespace sightcell::scene

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "gltf_file.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::scene {
@@ -11,10 +10,10 @@ namespace {
 
 class material_reader {
  public:
-  material_reader(const json_object& root, const std::filesystem::path& scene_path,
+  material_reader(const json_object& root, const gltf_source& source,
                   const std::function<std::span<const std::uint8_t>(std::uint32_t)>& bytes_of_view,
                   std::size_t view_count, std::vector<std::string>& warnings)
-      : scene_path_(scene_path),
+      : source_(source),
         bytes_of_view_(bytes_of_view),
         view_count_(view_count),
         warnings_(warnings),
@@ -110,7 +109,7 @@ class material_reader {
         const std::span<const std::uint8_t> bytes = bytes_of_view_(*view);
         out.encoded.assign(bytes.begin(), bytes.end());
       } else {
-        out.encoded = read_resource(scene_path_, source.required_text("uri"), source.where(), std::nullopt);
+        out.encoded = read_resource(source_, source.required_text("uri"), source.where(), std::nullopt);
       }
     } catch (const error& e) {
       warnings_.push_back(std::string("image left out: ") + e.what());
@@ -120,7 +119,7 @@ class material_reader {
     return static_cast<std::uint32_t>(out_.images.size() - 1);
   }
 
-  const std::filesystem::path& scene_path_;
+  const gltf_source& source_;
   const std::function<std::span<const std::uint8_t>(std::uint32_t)>& bytes_of_view_;
   std::size_t view_count_;
   std::vector<std::string>& warnings_;
@@ -133,10 +132,10 @@ class material_reader {
 
 }  // namespace
 
-material_set read_materials(const json_object& root, const std::filesystem::path& scene_path,
+material_set read_materials(const json_object& root, const gltf_source& source,
                             const std::function<std::span<const std::uint8_t>(std::uint32_t)>& bytes_of_view,
                             std::size_t view_count, std::vector<std::string>& warnings) {
-  return material_reader(root, scene_path, bytes_of_view, view_count, warnings).read(root);
+  return material_reader(root, source, bytes_of_view, view_count, warnings).read(root);
 }
 
 }  // namespace sightcell::scene

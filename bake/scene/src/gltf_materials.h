@@ -1,13 +1,13 @@
 #pragma once
 // Materials and the images that they use as base color, straight from the checked JSON.
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "gltf_file.h"
 #include "json_object.h"
 #include "sightcell/scene/scene.h"
 
@@ -28,7 +28,7 @@ struct material_set {
 
 // bytes_of_view: the bytes of a buffer view. An image that cannot be had is a warning, not an error: the picture lacks
 // it, what is seen stays the same.
-material_set read_materials(const json_object& root, const std::filesystem::path& scene_path,
+material_set read_materials(const json_object& root, const gltf_source& source,
                             const std::function<std::span<const std::uint8_t>(std::uint32_t)>& bytes_of_view,
                             std::size_t view_count, std::vector<std::string>& warnings);
 

@@ -414,28 +414,50 @@ std::vector<int> roots_of(const tinygltf::Model& model, int scene_index, const s
   return roots;
 }
 
+scene import_scene(gltf_document document, const std::string& file, std::string name, int scene_index) {
+  scene out;
+  out.name = std::move(name);
+  const tinygltf::Model model = parse(document, file);
+  out.materials = std::move(document.materials);
+  out.images = std::move(document.images);
+  out.extensions = std::move(document.extensions);
+  out.warnings = std::move(document.warnings);
+  for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
+  importer(model, document, file, out).walk(roots_of(model, scene_index, file));
+  if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
+  finish(out);
+  return out;
+}
+
+[[noreturn]] void refuse_for_memory(const std::string& file) {
+  throw error(error_kind::failed, "scene.out-of-memory", file, "there is not enough memory to load it",
+              "close other programs or take a larger machine");
+}
+
 }  // namespace
 
 scene load_gltf(const std::filesystem::path& path, int scene_index) {
-  scene out;
-  out.name = printable(path.filename().string(), 1000);
-  const std::string file = printable(path.string(), 1000);
+  const gltf_source source = source_of(path);
   try {
-    gltf_document document = read_gltf_document(path);
-    const tinygltf::Model model = parse(document, file);
-    out.materials = std::move(document.materials);
-    out.images = std::move(document.images);
-    out.extensions = std::move(document.extensions);
-    out.warnings = std::move(document.warnings);
-    for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
-    importer(model, document, file, out).walk(roots_of(model, scene_index, file));
-    if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
-    finish(out);
+    gltf_file file = split_gltf(read_scene_bytes(path), source.name);  // the bytes go: they are not held twice
+    return import_scene(read_gltf_document(std::move(file), source), source.name,
+                        printable(path.filename().string(), 1000), scene_index);
   } catch (const std::bad_alloc&) {
-    throw error(error_kind::failed, "scene.out-of-memory", file, "there is not enough memory to load it",
-                "close other programs or take a larger machine");
+    refuse_for_memory(source.name);
   }
-  return out;
+}
+
+scene load_gltf(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder,
+                int scene_index) {
+  gltf_source source{printable(name, 1000), std::nullopt};
+  if (!folder.empty()) source.folder = folder;
+  try {
+    const std::span octets(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    return import_scene(read_gltf_document(split_gltf(octets, source.name), source), source.name, source.name,
+                        scene_index);
+  } catch (const std::bad_alloc&) {
+    refuse_for_memory(source.name);
+  }
 }
 
 }  // namespace sightcell::scene

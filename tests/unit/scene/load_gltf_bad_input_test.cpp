@@ -77,6 +77,19 @@ TEST(load_gltf_bad_input, files) {
   EXPECT_EQ(id_of([&] { load_gltf("/dev/zero"); }), "scene.not-found");
 }
 
+TEST(load_gltf_bad_input, memory_without_a_folder_has_no_files) {
+  const temporary_folder folder;
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
+  folder.write("beside.bin", g.binary);
+  g.json["buffers"] = {{{"byteLength", g.binary.size()}, {"uri", "beside.bin"}}};
+  const std::string text = g.json.dump();
+  const std::span bytes(reinterpret_cast<const std::byte*>(text.data()), text.size());
+  EXPECT_EQ(load_gltf(bytes, "of memory", folder.path()).polygon_count, 1u);
+  EXPECT_EQ(id_of([&] { load_gltf(bytes, "of memory"); }), "scene.outside-folder");
+  EXPECT_EQ(id_of([&] { load_gltf(std::span<const std::byte>(), "of memory"); }), "scene.truncated");
+}
+
 TEST(load_gltf_bad_input, buffers) {
   const auto with_buffer = [](const json& buffer) {
     return id_after([&](gltf_sketch& g) { g.json["buffers"] = json::array({buffer}); });

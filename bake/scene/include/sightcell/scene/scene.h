@@ -4,6 +4,7 @@
 // source id is its position when all draws are walked in order (design: nodes depth-first in array order, per node its
 // mesh's primitives in order, per primitive its instances in order, per instance its triangles in index order).
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <glm/ext/vector_uint4_sized.hpp>
@@ -11,6 +12,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -154,6 +156,11 @@ struct world_geometry {
 // Reads .glb or .gltf. scene_index: the glTF scene, -1 for the file's default. Throws sightcell::error (bad_input) with
 // one line that names file and cause.
 scene load_gltf(const std::filesystem::path& path, int scene_index = -1);
+
+// The same from memory. name: for messages. folder: where the files lie that it names; empty: those of data URIs and of
+// the .glb are all there may be.
+scene load_gltf(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder = {},
+                int scene_index = -1);
 
 // Numbers draws (first_source, polygon_count, base_vertex), sums polygon_count and computes the fingerprint. load_gltf
 // has done this; a host that fills a scene itself calls it once at the end. Throws sightcell::error (bad_input) when an
