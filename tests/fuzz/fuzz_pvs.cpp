@@ -1,0 +1,135 @@
+// libFuzzer target: the runtime on hostile .pvs files. Any file is refused with a status or answers within its
+// promises. Checksums are made right first, else nearly every change would end at them.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+#include "checksum.h"
+#include "sightcell/sightcell.h"
+
+namespace {
+
+constexpr std::uint32_t polygon_limit = 1u << 20;  // what a few bytes may promise, and a test has no time for
+constexpr std::uint32_t cell_limit = 64;
+
+void require(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "fuzz_pvs: %s\n", what);
+  std::abort();
+}
+
+std::uint64_t number_at(const std::vector<std::uint8_t>& bytes, std::size_t at, int width) {
+  std::uint64_t value = 0;
+  for (int i = 0; i < width; ++i) value |= std::uint64_t{bytes[at + static_cast<std::size_t>(i)]} << 8 * i;
+  return value;
+}
+
+void put_u32(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::uint8_t>(value >> 8 * i);
+}
+
+std::uint32_t sum_of(const std::vector<std::uint8_t>& bytes, std::uint64_t at, std::uint64_t size) {
+  if (at > bytes.size() || size > bytes.size() - at) return 0;
+  return sightcell::format::crc32c(std::as_bytes(std::span(bytes)).subspan(at, size));
+}
+
+// Numbers and places: format/SPEC.md. Total size, chunks, sections, section table, header, in this order.
+void make_sums_right(std::vector<std::uint8_t>& bytes) {
+  if (bytes.size() < 96) return;
+  put_u32(bytes, 16, static_cast<std::uint32_t>(bytes.size()));
+  put_u32(bytes, 20, 0);
+  const std::size_t sections = std::min<std::size_t>(number_at(bytes, 12, 4), (bytes.size() - 96) / 32);
+  std::uint64_t rows = 0;
+  for (std::size_t i = 0; i < sections; ++i)
+    if (number_at(bytes, 96 + 32 * i, 4) == 3) rows = number_at(bytes, 96 + 32 * i + 8, 8);
+  const std::size_t chunks = (number_at(bytes, 64, 4) + 63) / 64;
+  for (std::size_t i = 0; i < sections; ++i) {
+    const std::size_t record = 96 + 32 * i;
+    const std::uint64_t at = number_at(bytes, record + 8, 8), size = number_at(bytes, record + 16, 8);
+    for (std::size_t k = 0; number_at(bytes, record, 4) == 4 && k < chunks; ++k) {
+      const std::uint64_t chunk = at + 16 * k;
+      if (chunk > bytes.size() || bytes.size() - chunk < 16) break;
+      put_u32(bytes, chunk + 12, sum_of(bytes, rows + number_at(bytes, chunk, 8), number_at(bytes, chunk + 8, 4)));
+    }
+    put_u32(bytes, record + 24, sum_of(bytes, at, size));
+  }
+  put_u32(bytes, 88, sum_of(bytes, 96, 32 * sections));
+  put_u32(bytes, 92, sum_of(bytes, 0, 92));
+}
+
+void check_outputs(const sightcell_view* view, const sightcell_frame& frame, std::uint32_t polygons,
+                   std::uint32_t range_bound) {
+  std::size_t count = 0;
+  std::vector<std::uint32_t> ids(frame.polygon_count);
+  require(sightcell_view_polygons(view, ids.data(), ids.size(), &count) == SIGHTCELL_OK && count == ids.size(),
+          "polygons fit what the frame says");
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    require(ids[i] < polygons && (i == 0 || ids[i - 1] < ids[i]), "ids ascend inside the scene");
+  std::vector<sightcell_range> ranges(range_bound);
+  require(sightcell_view_ranges(view, ranges.data(), ranges.size(), &count) == SIGHTCELL_OK, "ranges fit their bound");
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += ranges[i].count;
+  require(sum == frame.polygon_count, "ranges are the polygons");
+  std::vector<sightcell_range> added(range_bound), removed(range_bound);
+  std::size_t added_count = 0, removed_count = 0;
+  sightcell_view_changes(view, frame.revision - 1, added.data(), added.size(), &added_count, removed.data(),
+                         removed.size(), &removed_count);
+}
+
+void walk(const sightcell_db* db, sightcell_view* view, const sightcell_info& info) {
+  for (std::uint32_t cell = 0; cell < std::min(info.cell_count, cell_limit); ++cell) {
+    float low[3], high[3], eye[3];
+    if (sightcell_db_cell_box(db, cell, low, high) != SIGHTCELL_OK) continue;
+    for (int k = 0; k < 3; ++k) eye[k] = low[k] + (high[k] - low[k]) / 2;
+    sightcell_frame frame;
+    if (sightcell_view_move(view, eye, &frame) != SIGHTCELL_OK) continue;
+    check_outputs(view, frame, info.polygon_count, info.range_bound);
+  }
+}
+
+void run(const std::uint8_t* data, std::size_t size) {
+  sightcell_db* db = nullptr;
+  if (sightcell_db_open(data, size, nullptr, &db) != SIGHTCELL_OK) {
+    require(db == nullptr, "nothing comes out of a refused file");
+    return;
+  }
+  sightcell_info info{};
+  info.struct_size = sizeof info;
+  require(sightcell_db_info(db, &info) == SIGHTCELL_OK, "an open file has facts");
+  if (info.polygon_count <= polygon_limit && info.draw_count <= polygon_limit) {
+    sightcell_db_check(db);
+    std::size_t count = 0;
+    std::vector<sightcell_draw> draws(info.draw_count);
+    sightcell_db_draws(db, draws.data(), draws.size(), &count);
+    std::vector<std::uint32_t> order(info.polygon_count);
+    sightcell_db_order(db, order.data(), order.size(), &count);
+    sightcell_view* view = nullptr;
+    if (sightcell_view_create(db, &view) == SIGHTCELL_OK) walk(db, view, info);
+    sightcell_view_destroy(view);
+  }
+  sightcell_db_close(db);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  run(data, size);
+  return 0;
+}
+
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned seed) {
+  std::vector<std::uint8_t> bytes(data, data + size);
+  bytes.resize(max_size);
+  bytes.resize(LLVMFuzzerMutate(bytes.data(), size, max_size));
+  if (seed % 16 != 0) make_sums_right(bytes);
+  std::copy(bytes.begin(), bytes.end(), data);
+  return bytes.size();
+}
