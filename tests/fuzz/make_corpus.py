@@ -87,14 +87,14 @@ def data_uri(data, kind="application/octet-stream"):
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 
-def png(width=4, height=4):
-    """RGBA; alpha is a chessboard."""
+def png(width=4, height=4, promised=None):
+    """RGBA; alpha is a chessboard. promised: the size that the header gives instead."""
     rows = b"".join(b"\0" + b"".join(bytes([200, 100, 50, 255 * ((x + y) % 2)]) for x in range(width))
                     for y in range(height))
 
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)) +
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", promised or width, promised or height, 8, 6, 0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
@@ -303,6 +303,16 @@ def seeds():
     yield "meshopt.glb", meshopt((MESHOPT_TRIANGLES, "TRIANGLES"), MESHOPT_ATTRIBUTES).glb()
     yield "meshopt_indices.glb", meshopt((MESHOPT_INDICES, "INDICES"), MESHOPT_EXPONENTIAL, filter="EXPONENTIAL").glb()
     yield "everything.glb", everything().glb()
+    # Few bytes that promise much.
+    yield "promised_pixels.glb", with_mask(Sketch(), {"uri": data_uri(png(4, 4, 16384), "image/png")}).glb()
+    huge = bytearray(base64.b64decode(DRACO_EDGEBREAKER))
+    many = b"\xFF\xFF\xFF\x7F"
+    huge[12:16] = many + many + b"\x01" + many  # points, triangles, symbols
+    yield "promised_triangles.glb", draco(base64.b64encode(huge)).glb()
+    zeros = Sketch()
+    zeros.json["accessors"].append({"componentType": 5126, "count": (1 << 23) - 1, "type": "VEC3"})
+    zeros.json["nodes"][0]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": {"SCALE": 1}}}
+    yield "promised_instances.glb", zeros.glb()
 
 
 def main():

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 
@@ -11,16 +13,34 @@
 #include <stb_image.h>
 
 namespace sightcell::scene {
+namespace {
+
+// A broken header must not make the decoder allocate gigabytes. Whether so many bytes can hold so many pixels: deflate
+// gives at most 1032 bytes for one; JPEG spends a bit or more on a block of 64 pixels.
+bool can_hold(const std::vector<std::uint8_t>& encoded, std::uint64_t pixels) {
+  constexpr std::uint64_t free_pixels = std::uint64_t{1} << 16;
+  const bool is_png = encoded[0] == 0x89;
+  std::uint64_t pixels_per_byte = 512;
+  if (is_png && encoded.size() > 25) {
+    static constexpr std::array<std::uint64_t, 8> channels = {1, 1, 3, 1, 2, 1, 4, 1};  // by color type
+    const std::uint64_t bits = std::max<std::uint64_t>(encoded[24], 1) * channels[encoded[25] % channels.size()];
+    pixels_per_byte = std::uint64_t{1032} * 8 / bits;
+  }
+  return pixels <= free_pixels + encoded.size() * pixels_per_byte;
+}
+
+}  // namespace
 
 std::optional<image_pixels> decode(const image& source, std::uint32_t side_limit) {
   if (source.encoded.empty() || source.encoded.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     return std::nullopt;
   const auto bytes = static_cast<int>(source.encoded.size());
   int width = 0, height = 0, channels = 0;
-  // The size first: a broken header must not make the decoder allocate gigabytes.
   if (stbi_info_from_memory(source.encoded.data(), bytes, &width, &height, &channels) == 0) return std::nullopt;
   if (width < 1 || height < 1) return std::nullopt;
   if (static_cast<std::uint32_t>(width) > side_limit || static_cast<std::uint32_t>(height) > side_limit)
+    return std::nullopt;
+  if (!can_hold(source.encoded, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)))
     return std::nullopt;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(source.encoded.data(), bytes, &width, &height, &channels, 4), stbi_image_free);

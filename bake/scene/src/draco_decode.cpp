@@ -8,12 +8,52 @@
 #pragma GCC diagnostic ignored "-Wpedantic"
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #include <draco/compression/decode.h>
+#include <draco/compression/point_cloud/point_cloud_decoder.h>
+#include <draco/core/varint_decoding.h>
+#include <draco/metadata/metadata_decoder.h>
 #pragma GCC diagnostic pop
 
 namespace sightcell::scene {
+namespace {
+
+// A flat regular grid of a million triangles takes a byte for 6 triangles and 3 points, real meshes one for half a
+// triangle.
+constexpr std::uint64_t elements_per_byte = 64;
+constexpr std::uint64_t free_elements = std::uint64_t{1} << 16;
+
+// Draco allocates what the header of a stream promises before it looks at the rest. Why it must not get that far, or
+// nothing; what cannot be read here Draco refuses itself.
+std::optional<std::string> problem_with_header(std::span<const std::uint8_t> bytes) {
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  draco::DracoHeader header{};
+  if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) return std::nullopt;
+  if (header.version_major != 2 || header.version_minor != 2) {  // others write their numbers in other ways
+    return "its bitstream is " + std::to_string(header.version_major) + "." + std::to_string(header.version_minor) +
+           ", and glTF has 2.2";
+  }
+  buffer.set_bitstream_version(DRACO_BITSTREAM_VERSION(2, 2));
+  draco::GeometryMetadata metadata;
+  if ((header.flags & METADATA_FLAG_MASK) != 0 && !draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata))
+    return std::nullopt;
+  std::uint8_t traversal = 0;
+  if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING && !buffer.Decode(&traversal)) return std::nullopt;
+  std::uint32_t one = 0, other = 0;  // triangles and points, in the order of the method
+  if (!draco::DecodeVarint(&one, &buffer) || !draco::DecodeVarint(&other, &buffer)) return std::nullopt;
+  const std::uint64_t elements = std::uint64_t{one} + other;
+  if (elements <= free_elements + elements_per_byte * bytes.size()) return std::nullopt;
+  return "it promises " + std::to_string(elements) + " triangles and points in " + std::to_string(bytes.size()) +
+         " bytes";
+}
+
+}  // namespace
 
 std::optional<draco_mesh> decode_draco(std::span<const std::uint8_t> bytes, std::span<const draco_wish> wishes,
                                        std::string& why_not) {
+  if (const auto problem = problem_with_header(bytes)) {
+    why_not = *problem;
+    return std::nullopt;
+  }
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;

@@ -58,6 +58,7 @@ class flattener {
     out_.min = glm::vec3(infinity);
     out_.max = glm::vec3(-infinity);
     for (const draw& d : scene_.draws) append_draw(d);
+    warn_of_texels();
     list_lods();
     if (out_.min.x > out_.max.x) out_.min = out_.max = glm::vec3(0.0f);
     // Every polygon at a corner that is not finite is absent already, so the place is free; no NaN must reach a
@@ -76,22 +77,28 @@ class flattener {
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
       if (scene_.materials[i].alpha == alpha_mode::mask) presences_[i] = presence_of(scene_.materials[i]);
     }
-    const auto texels = [&] {
-      std::size_t sum = 0;
-      for (const alpha_mask& mask : out_.masks) sum += mask.texels.size();
-      return sum;
-    };
-    bool too_many = false;
-    for (; texels() > mask_texel_limit; too_many = true) {
+  }
+
+  // The largest are halved as soon as there are too many, so that no more than these are ever in memory.
+  std::uint32_t add_mask(alpha_mask mask) {
+    texels_ += mask.texels.size();
+    out_.masks.push_back(std::move(mask));
+    while (texels_ > mask_texel_limit) {
       const auto largest =
           std::max_element(out_.masks.begin(), out_.masks.end(),
                            [](const alpha_mask& a, const alpha_mask& b) { return a.texels.size() < b.texels.size(); });
+      texels_ -= largest->texels.size();
       *largest = halved(*largest);
+      texels_ += largest->texels.size();
+      too_many_texels_ = true;
     }
-    if (too_many) {
-      out_.warnings.push_back(scene_.name + ": the alpha of its MASK materials has more than " +
-                              std::to_string(mask_texel_limit) + " texels; the largest are used at lower resolution");
-    }
+    return static_cast<std::uint32_t>(out_.masks.size() - 1);
+  }
+
+  void warn_of_texels() {
+    if (!too_many_texels_) return;
+    out_.warnings.push_back(scene_.name + ": the alpha of its MASK materials has more than " +
+                            std::to_string(mask_texel_limit) + " texels; the largest are used at lower resolution");
   }
 
   material_presence presence_of(const material& m) {
@@ -106,8 +113,7 @@ class flattener {
     const auto [least, most] = std::minmax_element(mask.texels.begin(), mask.texels.end());
     if (static_cast<float>(*least) / 255.0f >= mask.cutoff) return constantly(true);
     if (!(static_cast<float>(*most) / 255.0f >= mask.cutoff)) return constantly(false);
-    out_.masks.push_back(std::move(mask));
-    return {presence::where_mask_passes, static_cast<std::uint32_t>(out_.masks.size() - 1)};
+    return {presence::where_mask_passes, add_mask(std::move(mask))};
   }
 
   // Empty when the material has no alpha but its constant one.
@@ -131,6 +137,12 @@ class flattener {
     mask.width = pixels->width, mask.height = pixels->height;
     mask.texels.resize(std::size_t{mask.width} * mask.height);
     for (std::size_t i = 0; i < mask.texels.size(); ++i) mask.texels[i] = pixels->rgba[4 * i + 3];
+    for (; mask.texels.size() > mask_texel_limit; too_many_texels_ = true) mask = halved(mask);
+    decoded_texels_ += mask.texels.size();
+    if (decoded_texels_ > mask_texel_limit) {
+      decoded_.clear();
+      decoded_texels_ = mask.texels.size();
+    }
     return decoded_[m.base_color_image] = std::move(mask);
   }
 
@@ -244,8 +256,7 @@ class flattener {
     if (mask.texels.empty()) mask.width = mask.height = 1, mask.texels = {255};
     // Constant alpha 0 that is enough: so is it with every factor.
     mask.cutoff = m.base_color.a > 0.0f ? m.alpha_cutoff / m.base_color.a : -1.0f;
-    const auto number = static_cast<std::uint32_t>(out_.masks.size());
-    out_.masks.push_back(std::move(mask));
+    const std::uint32_t number = add_mask(std::move(mask));
     full_masks_.emplace(material_number, number);
     return number;
   }
@@ -255,6 +266,8 @@ class flattener {
   world_geometry out_;
   std::map<std::uint32_t, std::uint32_t> full_masks_;  // by material
   std::map<std::uint32_t, alpha_mask> decoded_;        // by image: an atlas serves many materials
+  std::size_t texels_ = 0, decoded_texels_ = 0;        // of all masks; of decoded_
+  bool too_many_texels_ = false;
   std::vector<material_presence> presences_;
 };
 

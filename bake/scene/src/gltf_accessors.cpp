@@ -16,7 +16,7 @@ using nlohmann::json;
 
 constexpr std::uint64_t byte_limit = std::uint64_t{1} << 40;  // keeps sums of offsets and lengths far from overflow
 // An accessor without a buffer view costs a file nothing and us memory; real ones are bounded by the file's bytes.
-constexpr std::uint64_t zero_filled_limit = std::uint64_t{1} << 24;
+constexpr std::uint64_t zero_filled_limit = std::uint64_t{1} << 24;  // of all together
 
 std::uint64_t width_of(const std::string& type) {
   static const std::array<std::pair<std::string_view, std::uint64_t>, 4> widths = {
@@ -71,6 +71,15 @@ std::span<const std::uint8_t> accessor_table::buffer(std::uint32_t index) {
   return bytes;
 }
 
+void accessor_table::count_compressed(const json_object& user, std::uint64_t bytes) {
+  constexpr std::uint64_t free_bytes = std::uint64_t{1} << 20;
+  compressed_bytes_ += bytes;
+  std::uint64_t all = 0;
+  for (std::size_t i = 0; i < buffers_.size(); ++i) all += bytes_[i].size();
+  if (compressed_bytes_ > free_bytes + 4 * all)
+    user.fail("scene.too-large", "decodes the same bytes as many others", "export the file again");
+}
+
 // The buffer of our own that holds a compressed view's bytes.
 std::uint32_t accessor_table::decoded_buffer(std::uint32_t view_index, const json_object& meshopt) {
   const auto known = decoded_buffers_.find(view_index);
@@ -84,6 +93,7 @@ std::uint32_t accessor_table::decoded_buffer(std::uint32_t view_index, const jso
                  "ends at byte " + std::to_string(offset + length) + " of a buffer of " + std::to_string(all.size()),
                  "export the file again");
   }
+  count_compressed(meshopt, length);
   const meshopt_stream stream{meshopt.required_text("mode"), meshopt.text("filter").value_or("NONE"),
                               meshopt.required_number("count", UINT32_MAX), meshopt.required_number("byteStride", 256)};
   std::string why_not;
@@ -186,9 +196,12 @@ void accessor_table::use_accessor(std::uint32_t index) {
     use_bytes(source, *view_index, offset, count == 0 ? 0 : (count - 1) * stride + element);
     reduced["bufferView"] = *view_index;
     reduced["byteOffset"] = offset;
-  } else if (count > zero_filled_limit) {
-    source.fail("scene.too-large", "asks for " + std::to_string(count) + " elements that are not in the file",
-                "export the file again");
+  } else {
+    zero_filled_ += count;
+    if (zero_filled_ > zero_filled_limit) {
+      source.fail("scene.too-large", "asks for " + std::to_string(count) + " elements that are not in the file",
+                  "export the file again");
+    }
   }
   if (source.has("sparse")) use_sparse(source, count, element, reduced);
   reduced_accessors_[index] = std::move(reduced);

@@ -44,6 +44,10 @@ class accessor_table {
   }
   const json_object& source(std::uint32_t index) const { return accessors_[index]; }
 
+  // What many streams are decoded from is bounded one by one; that they all are the same few bytes is caught here: to
+  // be told before a stream is decoded. Refused when they are.
+  void count_compressed(const json_object& user, std::uint64_t bytes);
+
   // tinygltf refuses indices without a buffer view, which glTF allows: they are all zero. Those that have
   // one keep it.
   void add_zero_view(std::uint32_t accessor);
@@ -75,6 +79,7 @@ class accessor_table {
   std::vector<json_object> accessors_, views_, buffers_;
   std::vector<nlohmann::json> reduced_accessors_, reduced_views_;  // null until used
   std::map<std::uint32_t, std::uint32_t> decoded_buffers_;         // by compressed view
+  std::uint64_t zero_filled_ = 0, compressed_bytes_ = 0;           // so far
   std::vector<std::vector<std::uint8_t>> bytes_;  // by buffer, ours behind the file's; empty until used
 };
 

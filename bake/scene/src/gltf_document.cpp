@@ -20,6 +20,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::uint64_t zero_filled_instance_limit = std::uint64_t{1} << 16;
+
 // What a file may require: read here, or without influence on which polygons there are and where.
 bool is_supported_extension(std::string_view name) {
   static constexpr std::array<std::string_view, 9> known = {
@@ -190,8 +192,10 @@ json document_reader::reduced_draco(const json_object& primitive, const json_obj
   const auto known = decoded_primitives_.find(key);
   if (known != decoded_primitives_.end()) return known->second;
 
+  const std::span<const std::uint8_t> stream = table_.bytes_of_view(view_index);
+  table_.count_compressed(draco, stream.size());
   std::string why_not;
-  const auto mesh = decode_draco(table_.bytes_of_view(view_index), wishes, why_not);
+  const auto mesh = decode_draco(stream, wishes, why_not);
   if (!mesh) draco.fail("scene.draco", "cannot be decoded: " + printable(why_not), "export the file again");
   // Source ids count what the accessors promise: a stream that holds something else would shift all that follow.
   const auto require_count = [&](const json_object& user, const char* key_of, std::uint64_t decoded) {
@@ -234,6 +238,11 @@ json document_reader::reduced_instancing(const json_object& instancing) {
       attributes.fail("scene.bad-field", "has attributes of different counts", "export the file again");
     }
     count = table_.count(*index);
+    // An accessor without a buffer view costs a file nothing.
+    if (!table_.source(*index).has("bufferView") && *count > zero_filled_instance_limit) {
+      attributes.fail("scene.too-large", "asks for " + std::to_string(*count) + " instances that are not in the file",
+                      "export the file again");
+    }
     reduced[key] = *index;
   }
   if (!count) {

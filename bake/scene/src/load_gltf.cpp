@@ -35,6 +35,8 @@ namespace sightcell::scene {
 namespace {
 
 constexpr std::size_t draw_limit = std::size_t{1} << 23;  // a small file can ask for very many draws of one triangle
+// A few bytes of vertices may be named by very many primitives; each geometry has its own copy.
+constexpr std::size_t vertex_limit = std::size_t{1} << 27;
 
 // The checked buffers behind tinygltf's file interface; a buffer is handed over, not copied.
 tinygltf::FsCallbacks buffer_callbacks(gltf_document& document) {
@@ -185,6 +187,7 @@ class importer {
   // Primitives that differ in material only share their geometry: (positions, texture coordinates, their transform,
   // colors, indices, mode).
   std::map<std::tuple<int, int, int, int, int, int>, std::uint32_t> geometries_;
+  std::size_t vertices_ = 0;  // of all geometries
 };
 
 template <typename T>
@@ -268,6 +271,12 @@ std::optional<std::uint32_t> importer::geometry_of(std::size_t mesh, std::size_t
                        color == source.attributes.end() ? -1 : color->second, source.indices, source.mode);
   const auto known = geometries_.find(key);
   if (known != geometries_.end()) return known->second;
+  vertices_ += model_.accessors[static_cast<std::size_t>(position->second)].count;
+  if (vertices_ > vertex_limit) {
+    refuse(file_, "scene.too-large",
+           "the primitives of the scene have more than " + std::to_string(vertex_limit) + " vertices",
+           "let each primitive have its own vertices");
+  }
   out_.geometries.push_back(
       read_geometry(source, "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]"));
   const auto number = static_cast<std::uint32_t>(out_.geometries.size() - 1);

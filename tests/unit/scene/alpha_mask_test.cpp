@@ -185,6 +185,45 @@ TEST(masks, an_image_that_cannot_be_decoded_is_said_and_left_out) {
   EXPECT_NE(w.warnings[0].find("\"leaf\""), std::string::npos) << w.warnings[0];
 }
 
+// 2,048 x 2,048 black pixels of one bit, by zlib at its best: as dense as an honest file gets.
+std::vector<std::uint8_t> dense_png() {
+  std::vector<std::uint8_t> out = {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d,
+                                   0x49, 0x48, 0x44, 0x52, 0x00, 0x00, 0x08, 0x00, 0x00, 0x00, 0x08, 0x00,
+                                   0x01, 0x00, 0x00, 0x00, 0x00, 0x9a, 0xdc, 0xee, 0x9d, 0x00, 0x00, 0x02,
+                                   0x15, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0xed, 0xc1, 0x31, 0x01, 0x00,
+                                   0x00, 0x00, 0xc2, 0xa0, 0xf5, 0x4f, 0xed, 0x6d, 0x07, 0xa0};
+  out.resize(out.size() + 510);
+  const std::vector<std::uint8_t> end = {0xde, 0x00, 0x08, 0x78, 0x00, 0x01, 0xfa, 0x2d, 0xa6, 0xbb, 0x00,
+                                         0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  out.insert(out.end(), end.begin(), end.end());
+  return out;
+}
+
+// 2,048 x 2,048 gray pixels in two bits per block of 64: the shortest codes that a baseline JPEG has.
+std::vector<std::uint8_t> dense_jpeg() {
+  std::vector<std::uint8_t> out = {0xFF, 0xD8, 0xFF, 0xDB, 0, 67, 0};
+  out.resize(out.size() + 64, 1);
+  const auto append = [&out](std::initializer_list<std::uint8_t> bytes) { out.insert(out.end(), bytes); };
+  append({0xFF, 0xC0, 0, 11, 8, 8, 0, 8, 0, 1, 1, 0x11, 0});
+  for (const std::uint8_t table : {std::uint8_t{0x00}, std::uint8_t{0x10}}) {
+    append({0xFF, 0xC4, 0, 20, table, 1});
+    out.resize(out.size() + 16);
+  }
+  append({0xFF, 0xDA, 0, 8, 1, 1, 0, 0, 63, 0});
+  out.resize(out.size() + 2048 * 2048 / 64 / 4);
+  append({0xFF, 0xD9});
+  return out;
+}
+
+// Files that promise more pixels than their bytes can hold are refused (tests/fuzz has one); these honest ones are not.
+TEST(masks, the_densest_images_are_decoded) {
+  for (const image& dense : {image{"png", dense_png()}, image{"jpeg", dense_jpeg()}}) {
+    const auto pixels = decode(dense, 60000);
+    ASSERT_TRUE(pixels) << dense.name;
+    EXPECT_EQ(pixels->rgba.size(), std::size_t{4} * 2048 * 2048);
+  }
+}
+
 TEST(masks, opaque_materials_do_not_decode) {
   scene s = masked_scene({});
   s.images.push_back({"leaf", {1, 2, 3}});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <span>
 
 #include "gltf_sketch.h"
 #include "sightcell/scene/error.h"
@@ -86,6 +87,16 @@ std::string refusal(const gltf_sketch& sketch) {
     EXPECT_EQ(e.kind(), error_kind::bad_input);
     EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
     return e.id();
+  }
+  return "none";
+}
+
+std::string refusal_line(const gltf_sketch& sketch) {
+  const std::string bytes = sketch.glb();
+  try {
+    load_gltf(std::as_bytes(std::span(bytes)), "sketch");
+  } catch (const error& e) {
+    return e.what();
   }
   return "none";
 }
@@ -237,6 +248,38 @@ TEST(draco, broken_streams_are_refused) {
   EXPECT_EQ(after([](gltf_sketch& g) { g.json["accessors"][1]["count"] = 27; }), "scene.draco") << "promises more";
   EXPECT_EQ(after([](gltf_sketch& g) { g.json["accessors"][0]["count"] = 9; }), "scene.draco");
   EXPECT_EQ(refusal(draco_sketch(1)), "scene.draco") << "texture coordinates of one component";
+}
+
+// Draco would allocate what the header says: here two billion triangles and points in 200 bytes.
+TEST(draco, absurd_promises_are_refused_before_decoding) {
+  const std::string many = "\xFF\xFF\xFF\xFF\x03";  // a varint
+  const auto after = [&](int method) {
+    gltf_sketch g = draco_sketch();
+    g.binary = std::string("DRACO\x02\x02\x01", 8) + static_cast<char>(method) + std::string(2, '\0');
+    if (method == draco::MESH_EDGEBREAKER_ENCODING) g.binary += '\0';
+    g.binary += many + many + std::string(200, '\0');
+    g.json["bufferViews"][0]["byteLength"] = g.binary.size();
+    return refusal_line(g);
+  };
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING})
+    EXPECT_NE(after(method).find("it promises 2147483646 triangles and points in 2"), std::string::npos)
+        << after(method);
+  gltf_sketch old = draco_sketch();
+  old.binary[6] = 1;
+  EXPECT_NE(refusal_line(old).find("its bitstream is 2.1, and glTF has 2.2"), std::string::npos) << refusal_line(old);
+}
+
+TEST(draco, the_same_bytes_are_not_decoded_for_ever) {
+  gltf_sketch g = draco_sketch();
+  g.binary += std::string(100000, '\0');  // behind the stream: Draco does not mind
+  g.json["bufferViews"] = json::array();
+  json& primitives = g.json["meshes"][0]["primitives"];
+  for (std::size_t i = 0; i < 50; ++i) {
+    g.json["bufferViews"].push_back({{"buffer", 0}, {"byteLength", g.binary.size() - i}});
+    if (i > 0) primitives.push_back(primitives[0]);
+    primitives[i]["extensions"]["KHR_draco_mesh_compression"]["bufferView"] = i;
+  }
+  EXPECT_EQ(refusal(g), "scene.too-large");
 }
 
 // Every byte of the stream flipped, and the stream cut at every length: a scene or one line.

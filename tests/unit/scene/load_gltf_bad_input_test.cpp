@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <span>
 
 #include "gltf_sketch.h"
 #include "sightcell/scene/error.h"
@@ -88,6 +89,87 @@ TEST(load_gltf_bad_input, memory_without_a_folder_has_no_files) {
   EXPECT_EQ(load_gltf(bytes, "of memory", folder.path()).polygon_count, 1u);
   EXPECT_EQ(id_of([&] { load_gltf(bytes, "of memory"); }), "scene.outside-folder");
   EXPECT_EQ(id_of([&] { load_gltf(std::span<const std::byte>(), "of memory"); }), "scene.truncated");
+}
+
+TEST(load_gltf_bad_input, paths_stay_in_the_folder) {
+  const auto with_uri = [](const char* uri) {
+    return id_after([&](gltf_sketch& g) { g.json["buffers"] = json::array({{{"byteLength", 4}, {"uri", uri}}}); });
+  };
+  for (const char* uri :
+       {"..", "../a.bin", "a/b/../../../c.bin", "%2E%2e%2Fa.bin", "..%2fa.bin", "/etc/passwd", "//host/a.bin",
+        "%2Fetc%2Fpasswd", "C:/a.bin", "C:\\a.bin", "C:a.bin", "file:a.bin", "./../a.bin", ""})
+    EXPECT_EQ(with_uri(uri), "scene.outside-folder") << uri;
+  for (const char* uri : {"..a.bin", "a..bin", "a/../b.bin", "%252e%252e/a.bin", ".../a.bin"})
+    EXPECT_EQ(with_uri(uri), "scene.not-found") << uri;
+}
+
+// What a few bytes may not ask for, refused before it is allocated.
+TEST(load_gltf_bad_input, absurd_sizes) {
+  const auto zeros = [](std::uint64_t count) {
+    return json({{"componentType", 5126}, {"count", count}, {"type", "VEC3"}});
+  };
+  EXPECT_EQ(id_after([](gltf_sketch& g) { g.json["accessors"][0]["count"] = std::uint64_t{1} << 62; }),
+            "scene.bad-field");
+  EXPECT_EQ(id_after([](gltf_sketch& g) { g.json["bufferViews"][0]["byteLength"] = std::uint64_t{1} << 62; }),
+            "scene.bad-field");
+  EXPECT_EQ(id_after([](gltf_sketch& g) { g.json["bufferViews"][0]["byteLength"] = std::uint64_t{1} << 39; }),
+            "scene.buffer-size");
+  EXPECT_EQ(id_after([](gltf_sketch& g) {
+              g.json["accessors"][0]["sparse"] = {{"count", 4294967295u}, {"indices", {{"bufferView", 0}}}};
+            }),
+            "scene.bad-field");
+  for (const std::uint64_t instances : {std::uint64_t{1} << 31, std::uint64_t{65537}}) {
+    EXPECT_EQ(id_after([&](gltf_sketch& g) {
+                g.json["accessors"].push_back(zeros(instances));
+                g.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = {{"attributes", {{"SCALE", 2}}}};
+              }),
+              "scene.too-large");
+  }
+  // Each accessor alone would be let in.
+  EXPECT_EQ(id_after([&](gltf_sketch& g) {
+              for (int i = 0; i < 20; ++i) {
+                g.json["accessors"].push_back(zeros(1000000));
+                g.add_node({{"mesh", g.add_mesh(2 + i)}});
+              }
+            }),
+            "scene.too-large");
+  // The same million of vertices for very many primitives, each with indices of its own.
+  EXPECT_EQ(
+      id_after([&](gltf_sketch& g) {
+        g.json["accessors"].push_back(zeros(8000000));
+        json& primitives = g.json["meshes"][0]["primitives"];
+        for (std::size_t i = 0; i < 20; ++i) {
+          g.json["accessors"].push_back({{"bufferView", 1}, {"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}});
+          primitives.push_back({{"attributes", {{"POSITION", 2}}}, {"indices", 3 + i}});
+        }
+      }),
+      "scene.too-large");
+}
+
+TEST(load_gltf_bad_input, a_chain_of_a_million_nodes_is_walked) {
+  std::string text = "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[";
+  constexpr int nodes = 1000000;
+  for (int i = 1; i < nodes; ++i) text += "{\"children\":[" + std::to_string(i) + "]},";
+  const auto load = [](const std::string& whole) {
+    return load_gltf(std::as_bytes(std::span(whole)), "chain").node_names.size();
+  };
+  EXPECT_EQ(load(text + "{}]}"), static_cast<std::size_t>(nodes));
+  EXPECT_EQ(id_of([&] { load(text + "{\"children\":[500000]}]}"); }), "scene.node-cycle");
+}
+
+// What nothing reads may be nested as deep as it likes, without using up the stack.
+TEST(load_gltf_bad_input, deep_json) {
+  constexpr std::size_t depth = 100000;
+  std::string objects, ends;
+  for (std::size_t i = 0; i < depth; ++i) objects += "{\"a\":", ends += '}';
+  const auto load = [](const std::string& value) {
+    const std::string text = "{\"extras\":" + value + ",\"nodes\":[{\"extras\":" + value +
+                             ",\"extensions\":{\"EXT_other\":" + value + "}}]}";
+    return load_gltf(std::as_bytes(std::span(text)), "deep").node_names.size();
+  };
+  EXPECT_EQ(load(std::string(depth, '[') + std::string(depth, ']')), 1u);
+  EXPECT_EQ(load(objects + "0" + ends), 1u);
+  EXPECT_EQ(id_of([&] { load(objects); }), "scene.bad-json");
 }
 
 TEST(load_gltf_bad_input, buffers) {
