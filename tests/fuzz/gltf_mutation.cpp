@@ -159,7 +159,7 @@ std::size_t mutate_gltf(std::uint8_t* data, std::size_t size, std::size_t max_si
     mutate_bytes(p.text, room, bytes);
   } else {
     json document = json::parse(p.text, nullptr, false);
-    if (document.is_discarded()) return bytes(data, size, max_size);
+    if (!document.is_structured()) return bytes(data, size, max_size);
     for (unsigned i = 0, times = 1 + random() % 3; i < times; ++i) mutate_value(document, random);
     p.text = document.dump(-1, ' ', false, json::error_handler_t::replace);
   }
