@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "tiny_scene.h"
+#include "unit/bake/tiny_scene.h"
 
 namespace sightcell::test {
 namespace {
