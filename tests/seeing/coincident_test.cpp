@@ -6,32 +6,45 @@ namespace {
 
 class seeing_coincident : public seeing_test {};
 
+// A hemicube shows one polygon per pixel, which is enough for the picture: what coincides with it joins through rays.
+trial found_by_rays() {
+  trial t;
+  t.hemicube_share = 1.0;
+  return t;
+}
+
 std::uint32_t room(tiny_scene& tiny) {
   return tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
 }
 
 TEST_F(seeing_coincident, a_decal_in_the_wall) {
   tiny_scene tiny;
-  const auto around = room(tiny), wall = tiny.wall_x(4, -1, 2), decal = tiny.wall_x(4, -1, 1);
-  check(tiny.finished(), {.sees = {{"room", around, 12}, {"wall", wall}, {"decal", decal}},
-                          .does_not_see = {},
-                          .excused = {{"decal", decal}}});
+  const auto around = room(tiny), wall = tiny.wall_x(4, -1, 2), decal = tiny.wall_x(4, -1, 1.5f);
+  check(tiny.finished(),
+        {.sees = {{"room", around, 12}, {"wall", wall}, {"decal", decal}},
+         .does_not_see = {},
+         .excused = {{"decal", decal}}},
+        found_by_rays());
 }
 
 TEST_F(seeing_coincident, a_decal_a_tenth_of_a_millimeter_before_the_wall) {
   tiny_scene tiny;
-  const auto around = room(tiny), wall = tiny.wall_x(4, -1, 2), decal = tiny.wall_x(3.9999f, -1, 1);
-  check(tiny.finished(), {.sees = {{"room", around, 12}, {"wall", wall}, {"decal", decal}},
-                          .does_not_see = {},
-                          .excused = {{"decal", decal}}});
+  const auto around = room(tiny), wall = tiny.wall_x(4, -1, 2), decal = tiny.wall_x(3.9999f, -1, 1.5f);
+  check(tiny.finished(),
+        {.sees = {{"room", around, 12}, {"wall", wall}, {"decal", decal}},
+         .does_not_see = {},
+         .excused = {{"decal", decal}}},
+        found_by_rays());
 }
 
 TEST_F(seeing_coincident, a_decal_a_tenth_of_a_millimeter_behind_the_wall) {
   tiny_scene tiny;
-  const auto around = room(tiny), wall = tiny.wall_x(4, -1, 2), decal = tiny.wall_x(4.0001f, -1, 1);
-  check(tiny.finished(), {.sees = {{"room", around, 12}, {"wall", wall}, {"decal", decal}},
-                          .does_not_see = {},
-                          .excused = {{"decal", decal}}});
+  const auto around = room(tiny), wall = tiny.wall_x(4, -1, 2), decal = tiny.wall_x(4.0001f, -1, 1.5f);
+  check(tiny.finished(),
+        {.sees = {{"room", around, 12}, {"wall", wall}, {"decal", decal}},
+         .does_not_see = {},
+         .excused = {{"decal", decal}}},
+        found_by_rays());
 }
 
 TEST_F(seeing_coincident, a_decal_further_behind_is_hidden) {
@@ -45,9 +58,19 @@ TEST_F(seeing_coincident, a_decal_further_behind_is_hidden) {
 // eps grows with the distance: a millimeter behind the wall counts from 50 m on.
 TEST_F(seeing_coincident, far_away_a_millimeter_is_nothing) {
   tiny_scene tiny;
-  const auto wall = tiny.wall_x(100, -1, 30), decal = tiny.wall_x(100.001f, -1, 20);
+  const auto wall = tiny.wall_x(100, -1, 30), decal = tiny.wall_x(100.001f, -1, 25);
   check(tiny.finished(),
-        {.sees = {{"wall", wall}, {"decal", decal}}, .does_not_see = {}, .excused = {{"decal", decal}}});
+        {.sees = {{"wall", wall}, {"decal", decal}}, .does_not_see = {}, .excused = {{"decal", decal}}},
+        found_by_rays());
+}
+
+// Not yet: from 100 m on eps is more than the 2 mm in which the bake looks for what coincides.
+TEST_F(seeing_coincident, DISABLED_further_away_four_millimeters_are_nothing) {
+  tiny_scene tiny;
+  const auto wall = tiny.wall_x(300, -1, 90), decal = tiny.wall_x(300.004f, -1, 80);
+  check(tiny.finished(),
+        {.sees = {{"wall", wall}, {"decal", decal}}, .does_not_see = {}, .excused = {{"decal", decal}}},
+        found_by_rays());
 }
 
 TEST_F(seeing_coincident, duplicates_are_seen_together) {
