@@ -75,6 +75,7 @@ seeing_rules rules_of(const bake::settings& how) {
   seeing_rules rules;
   rules.player_radius = static_cast<double>(how.player_radius);
   rules.all_double_sided = how.all_double_sided;
+  rules.animated = how.animated;
   rules.smallest_gap = static_cast<double>(how.smallest_gap);
   return rules;
 }

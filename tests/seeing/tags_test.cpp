@@ -74,6 +74,15 @@ TEST_F(seeing_tags, animated_is_in_the_set_and_hides_nothing) {
   check(t.s, e);
 }
 
+TEST_F(seeing_tags, animated_may_rest_or_be_left_out) {
+  const tagged_screen s({.animated = true});
+  trial t;
+  t.how.animated = scene::animated_as::rest;
+  check(s.s, s.with(true, false), t);
+  t.how.animated = scene::animated_as::dynamic;
+  check(s.s, s.with(false, true), t);
+}
+
 // Something that nobody sees: outside the room.
 TEST_F(seeing_tags, always_and_animated_are_in_every_set) {
   tiny_scene tiny;
