@@ -189,6 +189,8 @@ TEST(reference, knows_what_touches_a_box) {
   const auto beside = tiny.triangle({1.01f, -9, -9}, {1.01f, 9, -9}, {1.01f, 0, 9});
   const auto past_edge = tiny.triangle({2.1f, 0, -9}, {0, 2.1f, -9}, {1.05f, 1.05f, 9});  // x + y = 2.1
   const auto at_edge = tiny.triangle({1.9f, 0, -9}, {0, 1.9f, -9}, {0.95f, 0.95f, 9});
+  // Its box and its plane meet the box; only x + y >= 2.1 keeps it off.
+  const auto leaning = tiny.triangle({2.1f, 0, 0}, {0, 2.1f, 0}, {3, 3, 5});
   const auto past_corner = tiny.triangle({3.1f, 0, 0}, {0, 3.1f, 0}, {0, 0, 3.1f});
   const scene::scene s = tiny.finished();
   const brute_force judge(s, {});
@@ -196,6 +198,7 @@ TEST(reference, knows_what_touches_a_box) {
   EXPECT_TRUE(judge.touches(around, box) && judge.touches(inside, box) && judge.touches(at_edge, box));
   EXPECT_FALSE(judge.touches(beside, box));
   EXPECT_FALSE(judge.touches(past_edge, box));
+  EXPECT_FALSE(judge.touches(leaning, box));
   EXPECT_FALSE(judge.touches(past_corner, box));
   EXPECT_TRUE(judge.faces(inside, {0, 0, 5}));
   EXPECT_FALSE(judge.faces(inside, {0, 0, -5}));
@@ -224,10 +227,12 @@ TEST(reference, what_touches_the_box_and_faces_a_free_place_is_inside) {
   tiny_scene tiny;
   tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
   const auto pillar = tiny.closed_box({-0.2f, -3, -0.2f}, {0.2f, 3, 0.2f});
+  const auto outward = tiny.wall_x(1, +1, 0.1f);  // touches; all places are behind its plane
   const scene::scene s = tiny.finished();
   const seen_polygons seen = brute_force(s, {}).see({{-1, -1, -1}, {1, 1, 1}}, {4, 2, 10, 1, 7});
   EXPECT_LT(seen.eyes, 128u) << "some lie in the pillar";
   EXPECT_EQ(std::count(seen.inside.begin(), seen.inside.end(), true), 8);
+  EXPECT_FALSE(seen.inside[outward] || seen.inside[outward + 1]);
   EXPECT_FALSE(seen.inside[pillar + 4] || seen.inside[pillar + 5]) << "its bottom";
 }
 
