@@ -216,12 +216,10 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
   std::uint32_t test = 0;
   for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon) {
     const scene::polygon_kind kind = geometry.kinds[polygon];
-    // What is in every set and hides nothing need not be looked for.
-    const bool needed = !kind.absent && (kind.hides() || !kind.always);
-    if (needed) e.ids[geometry_of(kind)].push_back(polygon);
+    if (!kind.absent) e.ids[geometry_of(kind)].push_back(polygon);
     if (!kind.alpha_tested) continue;
     while (test < geometry.masked.size() && geometry.masked[test].id < polygon) ++test;
-    if (needed) e.tests[geometry_of(kind)].push_back(test);
+    if (!kind.absent) e.tests[geometry_of(kind)].push_back(test);
   }
   e.solid = e.make_scene();
   RTCBuffer vertices = e.make_vertices(geometry);
@@ -347,7 +345,6 @@ bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {
 // backs say nothing.
 bool ray_scene::has_front(const glm::vec3& point, const glm::vec3& direction, float distance) const {
   look_context context = embree_->context(*this);
-  context.all_double_sided = false;
   const float reach = coincidence_reach(distance);
   RTCRay r = one_ray(point, direction, std::max(0.0f, distance - reach), distance + reach);
   rtcOccluded1(embree_->solid, &context.base, &r);
@@ -357,6 +354,11 @@ bool ray_scene::has_front(const glm::vec3& point, const glm::vec3& direction, fl
 // Packets of eight neighboring points along one direction: parallel rays from near places take the same way through
 // the tree, which makes the 64 rays of a place several times cheaper than one by one.
 void ray_scene::find_solid(std::span<const glm::vec3> points, std::span<std::uint8_t> solid) const {
+  // Nobody is single-sided then: whoever asks for it has windings that say nothing.
+  if (all_double_sided_) {
+    std::fill(solid.begin(), solid.end(), std::uint8_t{0});
+    return;
+  }
   for (std::size_t first = 0; first < points.size(); first += packet) {
     const std::size_t count = std::min(packet, points.size() - first);
     alignas(32) int valid[packet];

@@ -35,8 +35,8 @@ inline float coincidence_reach(float distance) {
 
 class ray_scene {
  public:
-  // geometry must outlive the ray scene. all_double_sided: sidedness of materials is ignored when seeing (never when
-  // telling solids). Throws std::bad_alloc where Embree finds too little memory.
+  // geometry must outlive the ray scene. all_double_sided: sidedness of materials is ignored, and no place is taken for
+  // a solid. Throws std::bad_alloc where Embree finds too little memory.
   ray_scene(const scene::world_geometry& geometry, bool all_double_sided);
   ~ray_scene();
   ray_scene(const ray_scene&) = delete;

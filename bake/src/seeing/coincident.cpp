@@ -13,7 +13,6 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr float reach = 2e-3f;  // metres
 constexpr std::uint32_t chunk_polygons = 4096;
 
 using pair = std::pair<std::uint32_t, std::uint32_t>;
@@ -30,7 +29,8 @@ std::array<glm::vec3, 4> probes_of(const triangle& t) {
   return {(t[0] + t[1] + t[2]) / 3.0f, near(t[0], t[1], t[2]), near(t[1], t[2], t[0]), near(t[2], t[0], t[1])};
 }
 
-void probe(const ray_scene& rays, std::uint32_t polygon, std::vector<std::uint32_t>& met, std::vector<pair>& out) {
+void probe(const ray_scene& rays, std::uint32_t polygon, float reach, std::vector<std::uint32_t>& met,
+           std::vector<pair>& out) {
   const triangle corners = corners_of(rays.geometry(), polygon);
   const glm::vec3 normal = normal_of(corners);
   const bool both = rays.sees_both_sides(polygon);
@@ -54,13 +54,15 @@ void probe(const ray_scene& rays, std::uint32_t polygon, std::vector<std::uint32
 
 coincident_partners::coincident_partners(const ray_scene& rays) {
   const auto& kinds = rays.geometry().kinds;
+  const float reach =
+      std::clamp(coincidence_reach(glm::distance(rays.geometry().min, rays.geometry().max)), 2e-3f, 1e-2f);
   const auto count = static_cast<std::uint32_t>(kinds.size());
   std::vector<std::vector<pair>> found((count + chunk_polygons - 1) / chunk_polygons);
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t chunk) {
     std::vector<std::uint32_t> met;
     const auto first = static_cast<std::uint32_t>(chunk) * chunk_polygons;
     for (std::uint32_t polygon = first; polygon < count && polygon < first + chunk_polygons; ++polygon)
-      if (!kinds[polygon].absent) probe(rays, polygon, met, found[chunk]);
+      if (!kinds[polygon].absent) probe(rays, polygon, reach, met, found[chunk]);
   });
   std::vector<pair> pairs;
   for (std::vector<pair>& chunk : found) {

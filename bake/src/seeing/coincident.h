@@ -11,10 +11,10 @@ namespace sightcell::bake {
 
 class coincident_partners {
  public:
-  // Probes every polygon at its middle and near its corners, 2 mm up and down: what lies there and can face the same
-  // eye is its partner, and it is theirs. That is the reach of rule 2 at 100 m; nearer by, the ray that is aimed
-  // decides. Overlaps that none of the probes of either polygon meet are not found. Runs on the calling thread's TBB
-  // arena; does not depend on the number of threads.
+  // Probes every polygon at its middle and near its corners, up and down by rule 2's reach over the diagonal of the
+  // scene's box, 2 mm to 1 cm: what lies there and can face the same eye is its partner, and it is theirs. Nearer by,
+  // the ray that is aimed decides. Overlaps that none of the probes of either polygon meet are not found. Runs on the
+  // calling thread's TBB arena; does not depend on the number of threads.
   explicit coincident_partners(const ray_scene& rays);
 
   // Ascending; empty where nothing lies on the polygon. O(log polygon_count()).

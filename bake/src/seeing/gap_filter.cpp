@@ -24,15 +24,14 @@ void gap_filter::render(const pose& where, hemicube_view& view) {
   behind_.render(where, view);
   if (!(smallest_gap_ > 0.0f)) return;
   std::erase_if(view.seen, [&](const seen_polygon& seen) {
-    return seen.pixels <= resolution() && !set_.contains(seen.id) && through_gap(where, seen);
+    return seen.pixels <= 4 * resolution() && !set_.contains(seen.id) && through_gap(where, seen);
   });
 }
 
 bool gap_filter::through_gap(const pose& where, const seen_polygon& seen) const {
   const glm::vec3 direction = pixel_direction(where, resolution(), seen.pixel);
   const float distance = distance_to_plane(corners_of(rays_.geometry(), seen.id), where.eye, direction);
-  return std::isfinite(distance) && distance > 0.0f &&
-         rays_.through_gap(where.eye, direction, distance, smallest_gap_);
+  return std::isfinite(distance) && distance > 0.0f && rays_.through_gap(where.eye, direction, distance, smallest_gap_);
 }
 
 }  // namespace sightcell::bake

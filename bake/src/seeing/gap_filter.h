@@ -8,9 +8,9 @@
 
 namespace sightcell::bake {
 
-// A source in front of another. Of every polygon that is new to the set and covers no more pixels than the hemicube is
-// wide (a crack is a line at most), the sight line through one pixel is tested; through a crack the polygon is dropped
-// from this view. Importance stays as it was. References must outlive it.
+// A source in front of another. Of every polygon that is new to the set and covers no more pixels than a line over
+// front and side faces has, four times the hemicube's width, the sight line through one of them is tested; through a
+// crack the polygon is dropped from this view. Importance stays as it was. References must outlive it.
 class gap_filter final : public hemicube_source {
  public:
   gap_filter(hemicube_source& behind, const ray_scene& rays, const cell_set& set, float smallest_gap)

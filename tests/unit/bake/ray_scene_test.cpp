@@ -114,7 +114,8 @@ TEST(ray_scene, what_is_in_every_set_hides_unless_it_may_move) {
   ray_scene(w.geometry, false).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, sky));
   EXPECT_FALSE(sees(s, wall));
-  EXPECT_TRUE(s.before.empty()) << "nobody has to find the bird";
+  EXPECT_TRUE(sees(s, bird)) << "verify asks for it";
+  EXPECT_EQ(s.before.size(), 1u);
 }
 
 TEST(ray_scene, walls_of_two_layers_back_to_back_make_no_solid) {
@@ -127,6 +128,15 @@ TEST(ray_scene, walls_of_two_layers_back_to_back_make_no_solid) {
     random_stream random(1, 1, purpose::verify);
     for (int i = 0; i < 50; ++i) EXPECT_TRUE(rays.is_free(random.in_box({-4, -4, -4}, {4, 4, 4}), 0.05f));
   }
+}
+
+TEST(ray_scene, nothing_is_a_solid_where_all_polygons_are_double_sided) {
+  tiny_scene tiny;
+  tiny.closed_box({-1, -1, -1}, {1, 1, 1});
+  const world w(tiny);
+  EXPECT_FALSE(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f));
+  EXPECT_TRUE(ray_scene(w.geometry, true).is_free({0, 0, 0}, 0.05f));
+  EXPECT_FALSE(ray_scene(w.geometry, true).is_free({0.99f, 0, 0}, 0.05f));
 }
 
 TEST(ray_scene, coincident_polygons_are_those_within_reach_that_face_the_eye) {
