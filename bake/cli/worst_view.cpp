@@ -35,7 +35,8 @@ picture::camera camera_of(const scene::world_geometry& world, const bake::missin
 
 worst_view draw_worst_view(const scene::scene& s, const pvs_file& file, const bake::missing_polygon& missing,
                            const std::string& prefix) {
-  const scene::world_geometry world = scene::flatten(s, file.animated());
+  scene::world_geometry world = scene::flatten(s, file.animated());
+  bake::apply_stored_overrides(file.content().settings(), world);
   const picture::camera view = camera_of(world, missing);
   const picture::gl_context context;
   picture::renderer renderer(context, s, world);

@@ -13,6 +13,7 @@
 
 #include "bound/fresh_rays.h"
 #include "cell_bake.h"
+#include "cells/overrides.h"
 #include "cells/view_cell.h"
 #include "checkpoint.h"
 #include "host_scene.h"
@@ -38,7 +39,8 @@ std::string settings_text(const settings& how, const std::string& device) {
   return text.dump();
 }
 
-std::string checkpoint_key(const scene::scene& s, const std::vector<view_cell>& cells, const std::string& settings) {
+std::string checkpoint_key(const scene::scene& s, const std::vector<view_cell>& cells, const overrides& given,
+                           const std::string& settings) {
   XXH3_state_t* state = XXH3_createState();
   XXH3_64bits_reset(state);
   for (const view_cell& cell : cells) {
@@ -46,6 +48,7 @@ std::string checkpoint_key(const scene::scene& s, const std::vector<view_cell>& 
     XXH3_64bits_update(state, corners, sizeof corners);
     XXH3_64bits_update(state, &cell.place, sizeof cell.place);
   }
+  if (const std::uint64_t by_hand = hash_of(given); by_hand != 0) XXH3_64bits_update(state, &by_hand, sizeof by_hand);
   const auto cells_hash = XXH3_64bits_digest(state);
   XXH3_freeState(state);
   return fmt::format("scene {:02x} cells {} {:016x} settings {}", fmt::join(s.fingerprint, ""), cells.size(),
@@ -62,8 +65,9 @@ struct workshop {
   std::unique_ptr<hemicube_source> source;
 };
 
-void equip(workshop& w, const scene::scene& s, const settings& how, const callbacks& tell) {
+void equip(workshop& w, const scene::scene& s, const settings& how, const overrides& given, const callbacks& tell) {
   w.geometry = scene::flatten(s, how.animated);
+  apply(given, w.geometry);
   if (std::all_of(w.geometry.kinds.begin(), w.geometry.kinds.end(),
                   [](const scene::polygon_kind& kind) { return kind.absent; }))
     throw error(error_kind::bad_input, "bake.nothing-to-see", s.name, "has no triangle that could be seen",
@@ -138,7 +142,8 @@ struct tally {
 
 // Bakes what the checkpoint does not have. False when cancelled.
 bool bake_cells(workshop& w, const scene::scene& s, const settings& how, const std::vector<view_cell>& cells,
-                checkpoint& done, const callbacks& tell, std::vector<cell_record>& records, summary& sum) {
+                const overrides& given, checkpoint& done, const callbacks& tell, std::vector<cell_record>& records,
+                summary& sum) {
   cell_baker baker(how, *w.rays, w.neighbors ? &*w.neighbors : nullptr, *w.source);
   tally so_far;
   std::uint32_t not_empty = 0;
@@ -150,6 +155,7 @@ bool bake_cells(workshop& w, const scene::scene& s, const settings& how, const s
     const bool resumed = record.has_value();
     if (!resumed) {
       record = baker.bake(cells[i]);
+      if (record->stored) add_polygons(given, cells[i].number, record->set);
       done.store(i, *record);
       ++so_far.fresh_cells;
       not_empty += baker.geometry_inside() ? 1 : 0;
@@ -180,8 +186,9 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   arena.execute([&] {
+    const overrides given = how.cells_file ? read_overrides(*how.cells_file, s) : overrides{};
     workshop w;
-    equip(w, s, how, tell);
+    equip(w, s, how, given, tell);
     sum.device = w.source->device();
     const cell_list list = make_cells(w.geometry, how);
     if (tell.on_message) {
@@ -191,18 +198,18 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
     const std::string settings = settings_text(how, sum.device);
     std::filesystem::path beside = output;
     beside += ".bake";
-    checkpoint done(beside, checkpoint_key(s, list.cells, settings), fresh);
+    checkpoint done(beside, checkpoint_key(s, list.cells, given, settings), fresh);
     if (tell.on_message && done.finished() > 0)
       tell.on_message(severity::note,
                       fmt::format("resuming: {} of {} cells are done", done.finished(), list.cells.size()));
     print_estimate(w, list.cells, list.cells.size() - done.finished(), how, tell);
 
     std::vector<cell_record> records;
-    if (!bake_cells(w, s, how, list.cells, done, tell, records, sum)) {
+    if (!bake_cells(w, s, how, list.cells, given, done, tell, records, sum)) {
       sum.result = outcome::cancelled;
       return;
     }
-    write_pvs(s, how, settings, list.cells, records, output, tell, sum);
+    write_pvs(s, how, with_overrides(settings, given), list.cells, records, output, tell, sum);
     done.remove();
   });
   sum.cpu_seconds = process_cpu_seconds() - began;

@@ -85,7 +85,8 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
                           const verify_settings& how,
                           const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
   const seeing_rules rules = rules_of(file);
-  const scene::world_geometry geometry = scene::flatten(s, rules.animated);
+  scene::world_geometry geometry = scene::flatten(s, rules.animated);
+  apply_stored_overrides(file.settings(), geometry);
   const ray_scene rays(geometry, rules.all_double_sided);
   const std::uint32_t stored = file.cell_count();
   const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);

@@ -57,16 +57,19 @@ cell_box read_cell(const json& entry, std::size_t number, const std::string& sub
 
 }  // namespace
 
-std::vector<view_cell> parse_cells(std::string_view text, const std::string& subject) {
-  json document;
+json parse_cells_json(std::string_view text, const std::string& subject) {
   try {
-    document = json::parse(text);
+    return json::parse(text);
   } catch (const json::exception& e) {  // a parse error, or a number beyond double
     // The library's text starts with its own name and number in brackets; people need only what follows.
     const std::string what = e.what();
     const auto end = what.find("] ");
     refuse("cells.not-json", subject, "not JSON: " + (end == std::string::npos ? what : what.substr(end + 2)));
   }
+}
+
+std::vector<view_cell> parse_cells(std::string_view text, const std::string& subject) {
+  const json document = parse_cells_json(text, subject);
   const auto list = document.is_object() ? document.find("cells") : document.end();
   if (!document.is_object() || list == document.end() || !list->is_array())
     refuse("cells.no-list", subject, "has no \"cells\" array");
@@ -77,7 +80,7 @@ std::vector<view_cell> parse_cells(std::string_view text, const std::string& sub
   return explicit_cells(boxes, subject, "give metres near the origin, min below max on every axis");
 }
 
-std::vector<view_cell> read_cells_file(const std::filesystem::path& path) {
+std::string read_cells_text(const std::filesystem::path& path) {
   const std::string subject = path.string();
   std::error_code code;
   const std::uintmax_t size = std::filesystem::file_size(path, code);
@@ -89,7 +92,11 @@ std::vector<view_cell> read_cells_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in.read(text.data(), static_cast<std::streamsize>(size)))
     refuse("cells.unreadable", subject, "cannot be read", "check the path of --cells-file and its permissions");
-  return parse_cells(text, subject);
+  return text;
+}
+
+std::vector<view_cell> read_cells_file(const std::filesystem::path& path) {
+  return parse_cells(read_cells_text(path), path.string());
 }
 
 }  // namespace sightcell::bake

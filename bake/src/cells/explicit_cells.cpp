@@ -31,6 +31,7 @@ view_cell explicit_cell(const cell_box& box, std::size_t number, const std::stri
   }
   view_cell cell;
   cell.name = box.name;
+  cell.number = static_cast<std::uint32_t>(number);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(box.min[axis] < box.max[axis]))
       refuse("cells.empty-box",

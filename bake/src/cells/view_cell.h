@@ -13,7 +13,8 @@ namespace sightcell::bake {
 struct view_cell {
   glm::vec3 min{0.0f}, max{0.0f};  // metres, half-open, not grown
   std::string name;                // from a cells file; else empty
-  std::uint64_t place = 0;  // names the cell's random numbers: a hash of its lattice position, or of the six floats
+  std::uint64_t place = 0;   // names the cell's random numbers: a hash of its lattice position, or of the six floats
+  std::uint32_t number = 0;  // of cells given by hand: their place in the list
 };
 
 struct cell_list {

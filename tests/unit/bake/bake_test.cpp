@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 
+#include "errors/error_id.h"
 #include "file_bytes.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/picture/gl_context.h"
@@ -130,6 +132,100 @@ TEST_F(bake_library, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_byt
   EXPECT_EQ(told.back().cells_total, 4u);
   // Nothing is left beside the two files.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2);
+}
+
+// A room with a curtain across it: what is behind the curtain is seen by nobody, unless the curtain is never there.
+class curtain_room : public bake_library {
+ protected:
+  void SetUp() override {
+    bake_library::SetUp();
+    test::tiny_scene tiny;
+    tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+    curtain_ = tiny.wall_x(2, -1, 9.5f);
+    behind_ = tiny.wall_x(5, -1, 1);
+    turned_ = tiny.wall_x(-5, -1, 1);  // shows its back to the cells
+    scene_ = tiny.finished();
+    scene_.node_names = {"room", "curtain", "behind", "turned"};
+    how_.resolution = 64;
+    how_.samples = 12;
+    how_.cells_file = folder_ / "cells.json";
+  }
+  void write_cells(const std::string& top, const std::string& second_cell = "") const {
+    std::ofstream(*how_.cells_file) << "{" << top << R"("cells":[{"min":[-1,-1,-1],"max":[0,0,0])"
+                                    << R"(},{"min":[0,0,0],"max":[1,1,1])" << second_cell << "}]}";
+  }
+  std::vector<std::byte> baked() {
+    EXPECT_EQ(bake(scene_, how_, folder_ / "room.pvs", true, {}).result, outcome::done);
+    return test::file_bytes(folder_ / "room.pvs");
+  }
+  static bool in_set(const std::vector<std::byte>& bytes, std::uint32_t cell, std::uint32_t polygon) {
+    format::reader file;
+    EXPECT_EQ(format::reader::open(bytes, file), format::status::ok);
+    std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
+    std::size_t runs = 0;
+    EXPECT_EQ(file.decode_row(cell, row, scratch, runs), format::status::ok);
+    return std::any_of(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(runs),
+                       [&](const format::run& r) { return r.first <= polygon && polygon < r.first + r.count; });
+  }
+
+  scene::scene scene_;
+  settings how_;
+  std::uint32_t curtain_ = 0, behind_ = 0, turned_ = 0;
+};
+
+TEST_F(curtain_room, hides_and_turns_its_back_without_overrides) {
+  write_cells("");
+  const auto bytes = baked();
+  for (const std::uint32_t cell : {0u, 1u}) {
+    EXPECT_TRUE(in_set(bytes, cell, curtain_));
+    EXPECT_FALSE(in_set(bytes, cell, behind_));
+    EXPECT_FALSE(in_set(bytes, cell, turned_));
+  }
+}
+
+TEST_F(curtain_room, never_is_in_no_set_hides_nothing_and_verify_knows) {
+  write_cells(R"("never":{"nodes":["curtain"]},)");
+  const auto bytes = baked();
+  for (const std::uint32_t cell : {0u, 1u}) {
+    EXPECT_FALSE(in_set(bytes, cell, curtain_));
+    EXPECT_TRUE(in_set(bytes, cell, behind_));
+  }
+  const verification v = verify(scene_, bytes, "room.pvs", {.rays = 20'000}, {});
+  EXPECT_EQ(v.misses, 0u) << "verify takes the curtain as absent";
+}
+
+TEST_F(curtain_room, always_is_in_every_set) {
+  write_cells(R"("always":{"nodes":["turned"]},)");
+  const auto bytes = baked();
+  for (const std::uint32_t cell : {0u, 1u})
+    EXPECT_TRUE(in_set(bytes, cell, turned_) && in_set(bytes, cell, turned_ + 1));
+}
+
+TEST_F(curtain_room, a_cell_adds_to_its_own_set) {
+  write_cells("", R"(,"add":{"polygons":[)" + std::to_string(behind_ + 1) + "]}");
+  auto bytes = baked();
+  EXPECT_FALSE(in_set(bytes, 0, behind_ + 1));
+  EXPECT_TRUE(in_set(bytes, 1, behind_ + 1));
+  EXPECT_FALSE(in_set(bytes, 1, behind_));
+  how_.cell_limit = 1;  // the second of two
+  bytes = baked();
+  EXPECT_TRUE(in_set(bytes, 0, behind_ + 1));
+}
+
+TEST_F(curtain_room, other_overrides_are_another_bake) {
+  write_cells("");
+  callbacks stop;
+  stop.on_progress = [](const progress& now) { return now.cells_done < 1; };
+  const auto path = folder_ / "stopped.pvs";
+  EXPECT_EQ(bake(scene_, how_, path, false, stop).result, outcome::cancelled);
+  for (const char* top : {R"("always":{"polygons":[1]},)", R"("never":{"polygons":[1]},)"}) {
+    write_cells(top);
+    EXPECT_EQ(test::error_id([&] { (void)bake(scene_, how_, path, false, {}); }), "checkpoint.other-bake") << top;
+  }
+  write_cells("", R"(,"add":{"polygons":[1]})");
+  EXPECT_EQ(test::error_id([&] { (void)bake(scene_, how_, path, false, {}); }), "checkpoint.other-bake");
+  write_cells("");
+  EXPECT_EQ(bake(scene_, how_, path, false, {}).result, outcome::done);
 }
 
 TEST_F(bake_library, another_seed_is_another_bake) {

@@ -13,6 +13,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightcell/bake/host_scene.h"
@@ -104,6 +105,10 @@ verification verify(const scene::scene& s, std::span<const std::byte> file, cons
 verification verify(const host_scene& s, std::span<const std::byte> file, const std::string& name,
                     const verify_settings& how,
                     const std::function<void(std::uint32_t done, std::uint32_t total)>& on_progress);
+
+// For who looks at the scene of a .pvs file: what the bake's cells file named as "never" becomes absent, "always"
+// always. settings: the text in the file.
+void apply_stored_overrides(std::string_view settings, scene::world_geometry& geometry);
 
 // Polygons whose three corners are exactly those of another one. Absent ones do not count.
 struct coincident_counts {
