@@ -118,7 +118,7 @@ class InFolder(unittest.TestCase):
 class Usage(InFolder):
     def test_help_names_every_verb(self):
         out, err = self.expect(0, '--help')
-        for verb in ('bake', 'info', 'verify'):
+        for verb in ('bake', 'info', 'patch', 'verify'):
             self.assertIn(verb, out)
             self.assertIn('--json', self.expect(0, verb, '--help')[0])
         self.assertEqual(err, '')
@@ -312,6 +312,29 @@ class Bake(InFolder):
         for picture in worst['pictures']:
             self.assertEqual(read(picture)[:8], b'\x89PNG\r\n\x1a\n')
         self.assertGreater(worst['differing_pixels'], 1000)
+
+    def test_a_missing_polygon_is_patched(self):
+        if not PROGRAMS.drop:
+            self.skipTest('no sightcell-test-drop-polygon in this build')
+        file, broken, whole = self.path('p.pvs'), self.path('p-broken.pvs'), self.path('p-whole.pvs')
+        self.bake(0, file)
+        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+        self.expect(3, 'verify', self.room, broken, '--rays', '20000')
+        before = read(broken)
+        out, _ = self.expect(0, 'patch', broken, '--add', '0:0-1', '--add', '0:11', '-o', whole, '--json')
+        answer = json.loads(out)
+        self.assertEqual((answer['output'], answer['added'], answer['already_there']), (whole, 1, 2))
+        self.assertEqual(answer['bytes'], os.path.getsize(whole))
+        self.assertEqual(read(broken), before)
+        self.expect(0, 'verify', self.room, whole, '--rays', '20000')
+        info, old = (json.loads(self.expect(0, 'info', name, '--json')[0]) for name in (whole, broken))
+        self.assertEqual(info['settings'].pop('added'), [[0, 1, 1]])
+        self.assertEqual((info['settings'], info['certificate']), (old['settings'], old['certificate']))
+        # Without -o the file itself; a second time there is nothing to add.
+        self.assertIn('1 polygons added, 0 were there', self.expect(0, 'patch', broken, '--add', '0:1')[0])
+        self.assertEqual(read(broken), read(whole))
+        self.assertIn('0 polygons added, 1 were there', self.expect(0, 'patch', broken, '--add', '0:1')[0])
+        self.assertEqual(read(broken), read(whole))
 
     def test_file_of_another_scene_is_refused(self):
         other, file = self.path('other.glb'), self.path('of-this-room.pvs')

@@ -191,6 +191,14 @@ def output_is_a_folder(folder):
     return Call(bake(folder), os.path.join(folder, 'out.pvs'))
 
 
+def patch(add, *more, named='--add'):
+    def prepare(folder):
+        golden = os.path.join(os.path.dirname(os.path.abspath(__file__)), '../golden/v0_tiny.pvs')
+        with open(golden, 'rb') as file:
+            return Call(['patch', write(folder, 'a.pvs', file.read()), '--add', add, *more], named)
+    return prepare
+
+
 def too_many_cells(folder):
     box = '{"min":[0,0,0],"max":[1,1,1]}'
     return cells(folder, '{"cells":[' + ','.join([box] * 1_000_001) + ']}')
@@ -281,6 +289,13 @@ CASES = [
     ('gpu.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e-5)), 'scene')),
     ('gpu.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e30)), 'scene')),
     ('output.io', 1, output_is_a_folder),
+    ('patch.bad-add', 2, patch('7')),
+    ('patch.bad-add', 2, patch('0:7-')),
+    ('patch.bad-add', 2, patch('0:7-6')),
+    ('patch.bad-add', 2, patch('0:0-4294967295')),
+    ('patch.no-such-cell', 2, patch('99:1', named='a.pvs')),
+    ('patch.no-such-polygon', 2, patch('0:1-99999999', named='a.pvs')),
+    ('patch.not-written', 1, patch('0:1', '-o', 'no/b.pvs', named='no/b.pvs')),
     ('pvs.broken', 4, chunk_damaged),
     ('pvs.other-scene', 4, other_scene),
     ('pvs.refused', 4, info(lambda f: write(f, 'text.pvs', 'hello'))),

@@ -106,6 +106,23 @@ verification verify(const host_scene& s, std::span<const std::byte> file, const 
                     const verify_settings& how,
                     const std::function<void(std::uint32_t done, std::uint32_t total)>& on_progress);
 
+// Polygons first to first + count - 1 (source ids) for one cell of a .pvs file.
+struct added_polygons {
+  std::uint32_t cell = 0, first = 0, count = 1;
+};
+
+struct patch_result {
+  std::uint64_t added = 0, already_there = 0;  // polygons, over all cells
+  std::uint64_t bytes = 0;                     // of the new file
+};
+
+// Adds polygons to cell sets and writes the file to output by rename: the bytes may come from the same file. Bounds and
+// certificate stay, because adding only lowers the error. What was new is written into the settings text as "added":
+// [[cell, first, count], ...]. file, name: as for verify. Throws sightcell::error when the file is broken, a number is
+// out of range or the output cannot be written; then nothing was changed.
+patch_result patch(std::span<const std::byte> file, const std::string& name, std::span<const added_polygons> additions,
+                   const std::filesystem::path& output);
+
 // For who looks at the scene of a .pvs file: what the bake's cells file named as "never" becomes absent, "always"
 // always. settings: the text in the file.
 void apply_stored_overrides(std::string_view settings, scene::world_geometry& geometry);

@@ -1,0 +1,130 @@
+// Known misses put right in the file: no scene, no rays.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "sightcell/bake/bake.h"
+#include "sightcell/format/reader.h"
+#include "sightcell/format/writer.h"
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+// A file's contents, taken apart.
+struct parts {
+  std::vector<format::draw_record> draws;
+  std::vector<format::box> cells;
+  std::vector<std::vector<std::uint32_t>> sets;  // source ids: in version 0 stored numbers are the same
+  std::vector<format::certificate_record> certificate;
+};
+
+void require_ok(format::status outcome, const std::string& name) {
+  if (outcome != format::status::ok)
+    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
+}
+
+parts take_apart(const format::reader& file, const std::string& name) {
+  parts out;
+  std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
+  require_ok(file.check(row, scratch), name);
+  out.draws.resize(file.draw_count());
+  for (std::uint32_t i = 0; i < file.draw_count(); ++i) require_ok(file.draw(i, out.draws[i]), name);
+  out.certificate.resize(file.certificate_count());
+  for (std::uint32_t i = 0; i < file.certificate_count(); ++i)
+    require_ok(file.certificate(i, out.certificate[i]), name);
+  out.cells.resize(file.cell_count());
+  out.sets.resize(file.cell_count());
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    std::size_t runs = 0;
+    require_ok(file.cell_box(cell, out.cells[cell]), name);
+    require_ok(file.decode_row(cell, row, scratch, runs), name);
+    for (const format::run& r : std::span(row).first(runs))
+      for (std::uint32_t i = 0; i < r.count; ++i) out.sets[cell].push_back(r.first + i);
+  }
+  return out;
+}
+
+void check_range(const added_polygons& wanted, const format::reader& file, const std::string& name) {
+  if (wanted.cell >= file.cell_count())
+    throw error(error_kind::wrong_use, "patch.no-such-cell", name,
+                fmt::format("has no cell {}, only {}", wanted.cell, file.cell_count()),
+                "give a number that info shows");
+  const std::uint64_t end = std::uint64_t{wanted.first} + wanted.count;
+  if (end > file.polygon_count())
+    throw error(error_kind::wrong_use, "patch.no-such-polygon", name,
+                fmt::format("has no polygon {}, only {}", end - 1, file.polygon_count()),
+                "give source ids of the scene that was baked");
+}
+
+// What of wanted was not in the set yet, as (cell, first, count).
+std::vector<added_polygons> add(const added_polygons& wanted, std::vector<std::uint32_t>& set) {
+  std::vector<added_polygons> fresh;
+  const auto from = std::lower_bound(set.begin(), set.end(), wanted.first);
+  auto known = from;
+  for (std::uint32_t i = 0; i < wanted.count; ++i) {
+    const std::uint32_t polygon = wanted.first + i;
+    if (known != set.end() && *known == polygon) {
+      ++known;
+    } else if (!fresh.empty() && fresh.back().first + fresh.back().count == polygon) {
+      ++fresh.back().count;
+    } else {
+      fresh.push_back({wanted.cell, polygon, 1});
+    }
+  }
+  if (fresh.empty()) return fresh;
+  std::vector<std::uint32_t> all(set.begin(), from);
+  for (std::uint32_t i = 0; i < wanted.count; ++i) all.push_back(wanted.first + i);
+  all.insert(all.end(), known, set.end());
+  set = std::move(all);
+  return fresh;
+}
+
+// The settings text with what was added, behind what earlier patches added. A text that is no JSON object is kept in
+// one.
+std::string with_added(std::string_view settings, const std::vector<added_polygons>& fresh) {
+  auto text = nlohmann::ordered_json::parse(settings, nullptr, false);
+  if (!text.is_object())
+    text = settings.empty() ? nlohmann::ordered_json::object()
+                            : nlohmann::ordered_json{{"settings", std::string(settings)}};
+  auto& list = text["added"];
+  if (!list.is_array()) list = nlohmann::ordered_json::array();
+  for (const added_polygons& a : fresh) list.push_back({a.cell, a.first, a.count});
+  return text.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+patch_result patch(std::span<const std::byte> file, const std::string& name, std::span<const added_polygons> additions,
+                   const std::filesystem::path& output) {
+  format::reader opened;
+  require_ok(format::reader::open(file, opened), name);
+  for (const added_polygons& wanted : additions) check_range(wanted, opened, name);
+  parts contents = take_apart(opened, name);
+  patch_result result;
+  std::vector<added_polygons> fresh;
+  for (const added_polygons& wanted : additions) {
+    const auto more = add(wanted, contents.sets[wanted.cell]);
+    std::uint64_t added = 0;
+    for (const added_polygons& a : more) added += a.count;
+    result.added += added;
+    result.already_there += wanted.count - added;
+    fresh.insert(fresh.end(), more.begin(), more.end());
+  }
+  const std::string settings = fresh.empty() ? std::string(opened.settings()) : with_added(opened.settings(), fresh);
+  const format::file_contents changed{opened.facts(), contents.draws,       contents.cells,
+                                      contents.sets,  contents.certificate, settings};
+  std::vector<std::byte> bytes;
+  if (format::encode(changed, bytes) != format::status::ok)
+    throw error(error_kind::failed, "output.encode", output.string(), "what was added does not fit into the file",
+                "bake again with these polygons in the cells file");
+  if (format::write_file(output.string().c_str(), bytes) != format::status::ok)
+    throw error(error_kind::failed, "patch.not-written", output.string(), "cannot be written",
+                "free space or choose another -o; the file is what it was");
+  result.bytes = bytes.size();
+  return result;
+}
+
+}  // namespace sightcell::bake
