@@ -122,10 +122,12 @@ TEST_F(patch_test, what_is_out_of_range_or_broken_is_refused) {
   EXPECT_EQ(id_of({0, 20, 1}), "patch.no-such-polygon");
   EXPECT_EQ(id_of({0, 19, 2}), "patch.no-such-polygon");
   EXPECT_EQ(id_of({0, 0xFFFFFFFFu, 0xFFFFFFFFu}), "patch.no-such-polygon");
-  for (std::size_t at = 0; at < file.size(); at += 7) {
-    file[at] ^= std::byte{0x20};
-    EXPECT_EQ(id_of({0, 0, 1}), "pvs.broken") << at;
-    file[at] ^= std::byte{0x20};
+  for (const std::byte flip : {std::byte{0x20}, std::byte{0x01}, std::byte{0x02}}) {
+    for (std::size_t at = 0; at < file.size(); ++at) {
+      file[at] ^= flip;
+      EXPECT_EQ(id_of({0, 0, 1}), "pvs.broken") << at;
+      file[at] ^= flip;
+    }
   }
   EXPECT_FALSE(std::filesystem::exists(path_)) << "nothing is written";
   EXPECT_EQ(id_of({0, 0, 1}), "");
