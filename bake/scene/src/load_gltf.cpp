@@ -235,6 +235,10 @@ geometry importer::read_geometry(const tinygltf::Primitive& primitive, const std
     corners.resize(out.positions.size());
     std::iota(corners.begin(), corners.end(), 0u);
   }
+  if (primitive.mode == TINYGLTF_MODE_TRIANGLES && corners.size() % 3 != 0) {
+    out_.warnings.push_back(where + " has " + std::to_string(corners.size()) +
+                            " corners, not whole triangles: the last ones are left out");
+  }
   out.indices = to_triangles(std::move(corners), primitive.mode);
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "gltf_sketch.h"
 #include "sightcell/scene/error.h"
@@ -373,6 +374,21 @@ TEST(load_gltf, vertex_colors_of_every_kind) {
             (colors{{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 10, 11, 12}}));
   EXPECT_EQ(colors_of(std::vector<std::uint16_t>{0, 65535, 257, 514, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 5123, true)[0],
             glm::u8vec4(0, 255, 1, 2));
+}
+
+TEST(load_gltf, corners_that_make_no_triangle_are_left_out_with_a_warning) {
+  for (const bool indexed : {false, true}) {
+    gltf_sketch g;
+    const int positions = g.add_row_of_triangles(2);
+    const int indices = indexed ? g.add_accessor(std::vector<std::uint16_t>{0, 1, 2, 3, 4}, "SCALAR", 5123, 5) : -1;
+    g.add_node({{"mesh", g.add_mesh(positions, indices)}});
+    if (!indexed) g.json["accessors"][0]["count"] = 5;
+    const std::string bytes = g.glb();
+    const scene s = load_gltf(std::as_bytes(std::span(bytes)), "cut");
+    EXPECT_EQ(s.polygon_count, 1u);
+    ASSERT_EQ(s.warnings.size(), 1u);
+    EXPECT_EQ(s.warnings[0], "meshes[0].primitives[0] has 5 corners, not whole triangles: the last ones are left out");
+  }
 }
 
 }  // namespace
