@@ -19,8 +19,8 @@ constexpr std::uint64_t byte_limit = std::uint64_t{1} << 40;  // keeps sums of o
 constexpr std::uint64_t zero_filled_limit = std::uint64_t{1} << 24;  // of all together
 
 std::uint64_t width_of(const std::string& type) {
-  static const std::array<std::pair<std::string_view, std::uint64_t>, 4> widths = {
-      {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}}};
+  static const std::array<std::pair<std::string_view, std::uint64_t>, 5> widths = {
+      {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}};
   for (const auto& [name, width] : widths) {
     if (name == type) return width;
   }
@@ -232,9 +232,8 @@ void accessor_table::use_sparse(const json_object& accessor, std::uint64_t count
 
 void accessor_table::require(const json_object& user, std::uint32_t index, const char* what,
                              std::initializer_list<const char*> types, std::initializer_list<int> components) {
-  use_accessor(index);
-  const std::string type = reduced_accessors_[index].at("type").get<std::string>();
-  const int component = reduced_accessors_[index].at("componentType").get<int>();
+  const std::string type = accessors_[index].required_text("type");
+  const int component = static_cast<int>(accessors_[index].required_number("componentType", INT32_MAX));
   const bool fits = std::find(types.begin(), types.end(), type) != types.end() &&
                     std::find(components.begin(), components.end(), component) != components.end();
   if (!fits) {
@@ -243,6 +242,7 @@ void accessor_table::require(const json_object& user, std::uint32_t index, const
                   printable(type) + " and component type " + std::to_string(component),
               "export the file again");
   }
+  use_accessor(index);
 }
 
 void accessor_table::add_zero_view(std::uint32_t accessor) {

@@ -39,10 +39,20 @@ bool is_read_extension(std::string_view name) {
   return is_supported_extension(name) && std::find(read.begin(), read.end(), name) != read.end();
 }
 
+// Joints and weights, four of each.
+constexpr std::array<std::pair<const char*, const char*>, 2> influences = {
+    {{"JOINTS_0", "WEIGHTS_0"}, {"JOINTS_1", "WEIGHTS_1"}}};
+
 // Supported in the sense above, but a picture will show the difference.
 bool is_ignored_in_pictures(std::string_view name) {
   return name == "EXT_texture_webp" || name == "KHR_texture_basisu";
 }
+
+// What the nodes want of a mesh besides its triangles.
+struct mesh_use {
+  bool skinned = false;
+  std::vector<bool> targets;  // morph targets that some node gives a weight
+};
 
 class document_reader {
  public:
@@ -54,7 +64,7 @@ class document_reader {
     nodes_ = root_.objects("nodes");
     scenes_ = root_.objects("scenes");
     material_count_ = root_.objects("materials").size();
-    skin_count_ = root_.objects("skins").size();
+    skins_ = root_.objects("skins");
   }
 
   gltf_document read();
@@ -62,12 +72,15 @@ class document_reader {
  private:
   void check_version();
   void check_extensions();
-  json reduced_mesh(const json_object& mesh);
+  void note_uses();
+  json reduced_mesh(std::size_t mesh);
   std::string uv_key(std::optional<std::uint32_t> material) const;
-  json reduced_primitive(const json_object& primitive);
+  json reduced_primitive(const json_object& primitive, const mesh_use& use);
   json reduced_draco(const json_object& primitive, const json_object& attributes, const json_object& draco,
-                     std::optional<std::uint32_t> material);
-  json reduced_node(const json_object& node);
+                     std::optional<std::uint32_t> material, const mesh_use& use);
+  json reduced_targets(const json_object& primitive, std::uint64_t vertex_count, const mesh_use& use);
+  json reduced_skin(std::size_t skin);
+  json reduced_node(std::size_t number);
   json reduced_instancing(const json_object& instancing);
   void warn_once(const std::string& line);
 
@@ -75,8 +88,11 @@ class document_reader {
   const std::string& name_;
   json_object root_;
   accessor_table table_;
-  std::vector<json_object> meshes_, nodes_, scenes_;
-  std::size_t material_count_ = 0, skin_count_ = 0;
+  std::vector<json_object> meshes_, nodes_, scenes_, skins_;
+  std::size_t material_count_ = 0;
+  std::vector<mesh_use> uses_;                // by mesh
+  std::vector<std::vector<double>> weights_;  // of morph targets, by node; empty: none has any
+  std::vector<bool> skin_used_;
   std::map<std::string, json> decoded_primitives_;  // by Draco's view and attributes, as text
   std::set<std::string> warned_;
   gltf_document out_;
@@ -123,7 +139,55 @@ std::string document_reader::uv_key(std::optional<std::uint32_t> material) const
   return "TEXCOORD_" + std::to_string(material ? out_.coordinates[*material].set : 0);
 }
 
-json document_reader::reduced_primitive(const json_object& primitive) {
+// Poses are read for the nodes that have one: what nobody bends or displaces needs neither joints nor targets.
+void document_reader::note_uses() {
+  uses_.resize(meshes_.size());
+  weights_.resize(nodes_.size());
+  skin_used_.resize(skins_.size(), false);
+  std::vector<bool> has_targets;
+  for (const json_object& mesh : meshes_) {
+    const auto primitives = mesh.objects("primitives");
+    has_targets.push_back(
+        std::any_of(primitives.begin(), primitives.end(), [](const json_object& p) { return p.has("targets"); }));
+  }
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const auto mesh = nodes_[i].index("mesh", "meshes", meshes_.size());
+    if (!mesh) continue;
+    mesh_use& use = uses_[*mesh];
+    const auto skin = nodes_[i].index("skin", "skins", skins_.size());
+    if (skin) use.skinned = skin_used_[*skin] = true;
+    if (!has_targets[*mesh]) continue;
+    std::vector<double> weights = (nodes_[i].has("weights") ? nodes_[i] : meshes_[*mesh]).reals("weights");
+    while (!weights.empty() && weights.back() == 0.0) weights.pop_back();
+    use.targets.resize(std::max(use.targets.size(), weights.size()), false);
+    for (std::size_t k = 0; k < weights.size(); ++k) use.targets[k] = use.targets[k] || weights[k] != 0.0;
+    weights_[i] = std::move(weights);
+  }
+}
+
+// Targets that no node gives a weight are empty, so that the numbers of the others stay.
+json document_reader::reduced_targets(const json_object& primitive, std::uint64_t vertex_count, const mesh_use& use) {
+  json reduced = json::array();
+  if (use.targets.empty()) return reduced;
+  for (const json_object& target : primitive.objects("targets")) {
+    if (reduced.size() == use.targets.size()) break;
+    json& entry = reduced.emplace_back(json::object());
+    if (!use.targets[reduced.size() - 1]) continue;
+    const auto accessor = target.index("POSITION", "accessors", table_.size());
+    if (!accessor) continue;
+    table_.require(target, *accessor, "displacements", {"VEC3"}, {5120, 5122, 5126});
+    if (table_.count(*accessor) != vertex_count) {
+      target.fail("scene.bad-field",
+                  "has " + std::to_string(table_.count(*accessor)) + " displacements for " +
+                      std::to_string(vertex_count) + " positions",
+                  "export the file again");
+    }
+    entry["POSITION"] = *accessor;
+  }
+  return reduced;
+}
+
+json document_reader::reduced_primitive(const json_object& primitive, const mesh_use& use) {
   const std::uint64_t mode = primitive.number("mode", 6).value_or(4);
   json reduced = {{"mode", mode}, {"attributes", json::object()}};
   const auto material = primitive.index("material", "materials", material_count_);
@@ -135,8 +199,10 @@ json document_reader::reduced_primitive(const json_object& primitive) {
   const std::uint32_t position = attributes->required_index("POSITION", "accessors", table_.size());
   // A file may bring the same triangles uncompressed too.
   if (extensions && extensions->has("KHR_draco_mesh_compression") && !table_.source(position).has("bufferView")) {
-    reduced.update(
-        reduced_draco(primitive, *attributes, extensions->required_object("KHR_draco_mesh_compression"), material));
+    reduced.update(reduced_draco(primitive, *attributes, extensions->required_object("KHR_draco_mesh_compression"),
+                                 material, use));
+    const std::uint64_t vertices = table_.count(reduced["attributes"]["POSITION"].get<std::uint32_t>());
+    reduced["targets"] = reduced_targets(primitive, vertices, use);
     return reduced;
   }
   table_.require(*attributes, position, "positions", {"VEC3"}, {5120, 5121, 5122, 5123, 5126});
@@ -156,6 +222,12 @@ json document_reader::reduced_primitive(const json_object& primitive) {
   };
   take(uv_key(material), "TEXCOORD_0", "texture coordinates", {"VEC2"}, {5120, 5121, 5122, 5123, 5126});
   take("COLOR_0", "COLOR_0", "colors", {"VEC3", "VEC4"}, {5121, 5123, 5126});
+  for (const auto& [joints, weights] : influences) {
+    if (!use.skinned || !attributes->has(joints) || !attributes->has(weights)) break;
+    take(joints, joints, "joints", {"VEC4"}, {5121, 5123});
+    take(weights, weights, "weights", {"VEC4"}, {5121, 5123, 5126});
+  }
+  reduced["targets"] = reduced_targets(primitive, table_.count(position), use);
   const auto indices = primitive.index("indices", "accessors", table_.size());
   if (indices) {
     table_.require(primitive, *indices, "indices", {"SCALAR"}, {5121, 5123, 5125});
@@ -167,7 +239,8 @@ json document_reader::reduced_primitive(const json_object& primitive) {
 
 // What replaces attributes, indices and mode of a compressed primitive.
 json document_reader::reduced_draco(const json_object& primitive, const json_object& attributes,
-                                    const json_object& draco, std::optional<std::uint32_t> material) {
+                                    const json_object& draco, std::optional<std::uint32_t> material,
+                                    const mesh_use& use) {
   const std::uint32_t view_index = draco.required_index("bufferView", "bufferViews", table_.view_count());
   const json_object ids = draco.required_object("attributes");
   // What the reduced document calls it, its type there, and what the stream calls it.
@@ -184,6 +257,12 @@ json document_reader::reduced_draco(const json_object& primitive, const json_obj
     const bool has_alpha = table_.source(*color_accessor).required_text("type") == "VEC4";
     wants.push_back(
         {"COLOR_0", has_alpha ? "VEC4" : "VEC3", {static_cast<std::uint32_t>(*color), has_alpha ? 4u : 3u}});
+  }
+  for (const auto& [joints, weights] : influences) {
+    const auto joints_id = ids.number(joints, UINT32_MAX), weights_id = ids.number(weights, UINT32_MAX);
+    if (!use.skinned || !joints_id || !weights_id) break;
+    wants.push_back({joints, "VEC4", {static_cast<std::uint32_t>(*joints_id), 4}});
+    wants.push_back({weights, "VEC4", {static_cast<std::uint32_t>(*weights_id), 4}});
   }
   std::vector<draco_wish> wishes;
   for (const wanted& w : wants) wishes.push_back(w.wish);
@@ -220,9 +299,10 @@ json document_reader::reduced_draco(const json_object& primitive, const json_obj
   return reduced;
 }
 
-json document_reader::reduced_mesh(const json_object& mesh) {
+json document_reader::reduced_mesh(std::size_t mesh) {
   json primitives = json::array();
-  for (const json_object& primitive : mesh.objects("primitives")) primitives.push_back(reduced_primitive(primitive));
+  for (const json_object& primitive : meshes_[mesh].objects("primitives"))
+    primitives.push_back(reduced_primitive(primitive, uses_[mesh]));
   return {{"primitives", std::move(primitives)}};
 }
 
@@ -251,7 +331,26 @@ json document_reader::reduced_instancing(const json_object& instancing) {
   return {{"attributes", std::move(reduced)}};
 }
 
-json document_reader::reduced_node(const json_object& node) {
+json document_reader::reduced_skin(std::size_t skin) {
+  if (!skin_used_[skin]) return {{"joints", json::array()}};
+  const auto joints = skins_[skin].indices("joints", "nodes", nodes_.size());
+  if (joints.empty()) skins_[skin].fail("scene.missing-field", "has no joints", "export the file again");
+  json reduced = {{"joints", joints}};
+  const auto bind = skins_[skin].index("inverseBindMatrices", "accessors", table_.size());
+  if (!bind) return reduced;
+  table_.require(skins_[skin], *bind, "inverse bind matrices", {"MAT4"}, {5126});
+  if (table_.count(*bind) < joints.size()) {
+    skins_[skin].fail("scene.bad-field",
+                      "has " + std::to_string(table_.count(*bind)) + " inverse bind matrices for " +
+                          std::to_string(joints.size()) + " joints",
+                      "export the file again");
+  }
+  reduced["inverseBindMatrices"] = *bind;
+  return reduced;
+}
+
+json document_reader::reduced_node(std::size_t number) {
+  const json_object& node = nodes_[number];
   json reduced = {{"name", printable(node.text("name").value_or(""))}};
   const auto mesh = node.index("mesh", "meshes", meshes_.size());
   if (mesh) reduced["mesh"] = *mesh;
@@ -267,8 +366,9 @@ json document_reader::reduced_node(const json_object& node) {
       if (!values.empty()) reduced[key] = values;
     }
   }
-  const auto skin = mesh ? node.index("skin", "skins", skin_count_) : std::nullopt;
+  const auto skin = mesh ? node.index("skin", "skins", skins_.size()) : std::nullopt;
   if (skin) reduced["skin"] = *skin;
+  if (!weights_[number].empty()) reduced["weights"] = weights_[number];
   const auto extensions = node.object("extensions");
   if (mesh && extensions && extensions->has("EXT_mesh_gpu_instancing")) {
     const json_object instancing = extensions->required_object("EXT_mesh_gpu_instancing");
@@ -289,9 +389,12 @@ gltf_document document_reader::read() {
 
   json reduced = {{"asset", {{"version", "2.0"}}}};
   reduced["meshes"] = json::array();
-  for (const json_object& mesh : meshes_) reduced["meshes"].push_back(reduced_mesh(mesh));
+  note_uses();
+  for (std::size_t i = 0; i < meshes_.size(); ++i) reduced["meshes"].push_back(reduced_mesh(i));
   reduced["nodes"] = json::array();
-  for (const json_object& node : nodes_) reduced["nodes"].push_back(reduced_node(node));
+  for (std::size_t i = 0; i < nodes_.size(); ++i) reduced["nodes"].push_back(reduced_node(i));
+  reduced["skins"] = json::array();
+  for (std::size_t i = 0; i < skins_.size(); ++i) reduced["skins"].push_back(reduced_skin(i));
   reduced["scenes"] = json::array();
   for (const json_object& scene : scenes_) {
     reduced["scenes"].push_back({{"nodes", scene.indices("nodes", "nodes", nodes_.size())}});

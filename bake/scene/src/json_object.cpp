@@ -116,6 +116,18 @@ std::vector<double> json_object::reals(const char* key, std::size_t count) const
   return out;
 }
 
+std::vector<double> json_object::reals(const char* key) const {
+  std::vector<double> out;
+  const nlohmann::json* value = raw(key);
+  if (value == nullptr) return out;
+  if (!value->is_array()) fail_type(key, "an array of numbers");
+  for (const nlohmann::json& entry : *value) {
+    if (!entry.is_number()) fail_type(key, "an array of numbers");
+    out.push_back(entry.get<double>());
+  }
+  return out;
+}
+
 std::optional<bool> json_object::boolean(const char* key) const {
   const nlohmann::json* value = raw(key);
   if (value == nullptr) return std::nullopt;

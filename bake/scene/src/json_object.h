@@ -31,6 +31,7 @@ class json_object {
   std::vector<std::uint32_t> indices(const char* key, const char* section, std::size_t section_size) const;
   std::optional<double> real(const char* key) const;
   std::vector<double> reals(const char* key, std::size_t count) const;
+  std::vector<double> reals(const char* key) const;  // as many as there are
   std::optional<bool> boolean(const char* key) const;
   std::optional<std::string> text(const char* key) const;
   std::vector<std::string> texts(const char* key) const;

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>  // tiny_gltf.h forgets it without its own file access
+#include <glm/gtc/type_ptr.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 #include <map>
 #include <new>
 #include <numeric>
@@ -14,6 +16,7 @@
 #include "gltf_accessors.h"
 #include "gltf_document.h"
 #include "json_object.h"
+#include "pose.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
 
@@ -34,6 +37,7 @@
 namespace sightcell::scene {
 namespace {
 
+constexpr std::uint64_t posed_vertex_limit = std::uint64_t{1} << 30;  // with each of their targets
 constexpr std::size_t draw_limit = std::size_t{1} << 23;  // a small file can ask for very many draws of one triangle
 // A few bytes of vertices may be named by very many primitives; each geometry has its own copy.
 constexpr std::size_t vertex_limit = std::size_t{1} << 27;
@@ -164,12 +168,26 @@ class importer {
     bool moves = false;
   };
 
+  // How a node changes the vertices of one of its primitives. Those of a skinned one are then in world space.
+  struct pose {
+    int skin = -1;
+    bool mirrored = false;        // with a skin: by its node, which says nothing else about it
+    std::vector<double> weights;  // of morph targets
+    bool rests() const { return skin < 0 && weights.empty(); }
+    auto operator<=>(const pose&) const = default;
+  };
+
   void add_node(std::size_t node, const from_above& here);
   draw_tags tags_of_node(std::size_t node, const from_above& here);
   void warn_of_movement();
   void check_draws(std::size_t more) const;
   std::vector<glm::dmat4> instance_transforms(const tinygltf::Node& node) const;
-  std::optional<std::uint32_t> geometry_of(std::size_t mesh, std::size_t primitive);
+  std::optional<std::uint32_t> geometry_of(std::size_t mesh, std::size_t primitive, const pose& posed);
+  pose pose_of(const tinygltf::Node& node, const tinygltf::Primitive& primitive, const from_above& here) const;
+  void take_pose(geometry& g, const tinygltf::Primitive& primitive, const std::string& where, const pose& posed);
+  const std::vector<glm::dmat4>& joint_matrices(int skin);
+  const glm::dmat4& world_of(int node);
+  void count_vertices(int positions);
   geometry read_geometry(const tinygltf::Primitive& primitive, const std::string& where) const;
   template <typename T>
   std::vector<T> numbers(int accessor) const;
@@ -185,9 +203,14 @@ class importer {
   const std::string& file_;                   // for messages
   scene& out_;
   // Primitives that differ in material only share their geometry: (positions, texture coordinates, their transform,
-  // colors, indices, mode).
+  // colors, indices, mode), and what the pose changes: mesh, primitive, pose.
   std::map<std::tuple<int, int, int, int, int, int>, std::uint32_t> geometries_;
   std::size_t vertices_ = 0;  // of all geometries
+  std::map<std::tuple<std::size_t, std::size_t, pose>, std::uint32_t> posed_;
+  std::uint64_t posed_vertices_ = 0;
+  std::pair<int, std::vector<glm::dmat4>> joints_{-1, {}};  // of the skin asked for last
+  std::vector<int> parents_;                                // by node, in the scene or not; empty until asked
+  std::vector<std::optional<glm::dmat4>> worlds_;           // likewise
 };
 
 template <typename T>
@@ -264,10 +287,118 @@ std::vector<glm::u8vec4> importer::read_colors(int accessor) const {
   return out;
 }
 
-std::optional<std::uint32_t> importer::geometry_of(std::size_t mesh, std::size_t primitive) {
+importer::pose importer::pose_of(const tinygltf::Node& node, const tinygltf::Primitive& primitive,
+                                 const from_above& here) const {
+  pose out;
+  const std::size_t targets = std::min(node.weights.size(), primitive.targets.size());
+  for (std::size_t i = 0; i < targets; ++i)
+    out.weights.push_back(primitive.targets[i].contains("POSITION") ? node.weights[i] : 0.0);
+  while (!out.weights.empty() && out.weights.back() == 0.0) out.weights.pop_back();
+  if (node.skin >= 0 && primitive.attributes.contains("JOINTS_0")) {
+    out.skin = node.skin;
+    out.mirrored = glm::determinant(glm::dmat3(here.to_world)) < 0.0;
+  }
+  return out;
+}
+
+void importer::take_pose(geometry& g, const tinygltf::Primitive& primitive, const std::string& where,
+                         const pose& posed) {
+  // Many nodes may pose one mesh, and many targets may be one accessor: that costs a file next to nothing.
+  posed_vertices_ += g.positions.size() * (2 + posed.weights.size());
+  if (posed_vertices_ > posed_vertex_limit) {
+    refuse(file_, "scene.too-large",
+           "its morph targets and skins change more than " + std::to_string(posed_vertex_limit) + " vertices",
+           "bake it in parts");
+  }
+  std::vector<glm::dvec3> positions(g.positions.begin(), g.positions.end());
+  for (std::size_t i = 0; i < posed.weights.size(); ++i) {
+    if (posed.weights[i] != 0.0)
+      displace(positions, numbers<float>(primitive.targets[i].at("POSITION")), posed.weights[i]);
+  }
+  if (posed.skin >= 0) {
+    std::vector<influence_set> sets;
+    for (const auto& [joints, weights] : {std::pair{"JOINTS_0", "WEIGHTS_0"}, std::pair{"JOINTS_1", "WEIGHTS_1"}}) {
+      const auto found = primitive.attributes.find(joints);
+      if (found == primitive.attributes.end()) break;
+      sets.push_back({numbers<float>(found->second), numbers<float>(primitive.attributes.at(weights))});
+    }
+    const std::vector<glm::dmat4>& matrices = joint_matrices(posed.skin);
+    if (const auto missing = bend(positions, sets, matrices)) {
+      refuse(file_, "scene.index-out-of-range",
+             where + " hangs vertex " + std::to_string(*missing) + " on a joint that is none of the " +
+                 std::to_string(matrices.size()) + " of skins[" + std::to_string(posed.skin) + "]",
+             "export the file again");
+    }
+  }
+  for (std::size_t i = 0; i < positions.size(); ++i) g.positions[i] = glm::vec3(positions[i]);
+  if (!posed.mirrored) return;
+  for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) std::swap(g.indices[i + 1], g.indices[i + 2]);
+}
+
+const std::vector<glm::dmat4>& importer::joint_matrices(int skin) {
+  if (joints_.first == skin) return joints_.second;
+  const tinygltf::Skin& source = model_.skins[static_cast<std::size_t>(skin)];
+  std::vector<double> bind;
+  if (source.inverseBindMatrices >= 0) bind = numbers<double>(source.inverseBindMatrices);
+  joints_ = {skin, {}};
+  for (std::size_t j = 0; j < source.joints.size(); ++j) {
+    const glm::dmat4& world = world_of(source.joints[j]);
+    joints_.second.push_back(bind.empty() ? world : world * glm::make_mat4(&bind[16 * j]));
+  }
+  return joints_.second;
+}
+
+// Joints need not be in the scene that is loaded.
+const glm::dmat4& importer::world_of(int node) {
+  if (parents_.empty()) {
+    parents_.assign(model_.nodes.size(), -1);
+    worlds_.resize(model_.nodes.size());
+    for (std::size_t i = 0; i < model_.nodes.size(); ++i) {
+      for (const int child : model_.nodes[i].children) {
+        int& parent = parents_[static_cast<std::size_t>(child)];
+        if (parent < 0) parent = static_cast<int>(i);
+      }
+    }
+  }
+  std::vector<std::size_t> chain;  // from the node up to the first whose place is known
+  for (int at = node; at >= 0 && !worlds_[static_cast<std::size_t>(at)]; at = parents_[static_cast<std::size_t>(at)]) {
+    chain.push_back(static_cast<std::size_t>(at));
+    if (chain.size() > model_.nodes.size()) {
+      refuse(file_, "scene.node-cycle", "the joint nodes[" + std::to_string(node) + "] is in or below a cycle of nodes",
+             "export the file again");
+    }
+  }
+  for (auto it = chain.rbegin(); it != chain.rend(); ++it) {
+    const glm::dmat4 local = local_transform(model_.nodes[*it]);
+    worlds_[*it] = parents_[*it] < 0 ? local : *worlds_[static_cast<std::size_t>(parents_[*it])] * local;
+  }
+  return *worlds_[static_cast<std::size_t>(node)];
+}
+
+void importer::count_vertices(int positions) {
+  vertices_ += model_.accessors[static_cast<std::size_t>(positions)].count;
+  if (vertices_ > vertex_limit) {
+    refuse(file_, "scene.too-large",
+           "the primitives of the scene have more than " + std::to_string(vertex_limit) + " vertices",
+           "let each primitive have its own vertices");
+  }
+}
+
+std::optional<std::uint32_t> importer::geometry_of(std::size_t mesh, std::size_t primitive, const pose& posed) {
   const tinygltf::Primitive& source = model_.meshes[mesh].primitives[primitive];
   const auto position = source.attributes.find("POSITION");
   if (position == source.attributes.end()) return std::nullopt;
+  const std::string where = "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]";
+  if (!posed.rests()) {
+    const auto [entry, added] =
+        posed_.try_emplace({mesh, primitive, posed}, static_cast<std::uint32_t>(out_.geometries.size()));
+    if (!added) return entry->second;
+    count_vertices(position->second);
+    geometry g = read_geometry(source, where);
+    take_pose(g, source, where, posed);
+    out_.geometries.push_back(std::move(g));
+    return entry->second;
+  }
   const auto uv = source.attributes.find("TEXCOORD_0");
   const auto color = source.attributes.find("COLOR_0");
   const bool has_uv = uv != source.attributes.end();
@@ -275,14 +406,8 @@ std::optional<std::uint32_t> importer::geometry_of(std::size_t mesh, std::size_t
                        color == source.attributes.end() ? -1 : color->second, source.indices, source.mode);
   const auto known = geometries_.find(key);
   if (known != geometries_.end()) return known->second;
-  vertices_ += model_.accessors[static_cast<std::size_t>(position->second)].count;
-  if (vertices_ > vertex_limit) {
-    refuse(file_, "scene.too-large",
-           "the primitives of the scene have more than " + std::to_string(vertex_limit) + " vertices",
-           "let each primitive have its own vertices");
-  }
-  out_.geometries.push_back(
-      read_geometry(source, "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]"));
+  count_vertices(position->second);
+  out_.geometries.push_back(read_geometry(source, where));
   const auto number = static_cast<std::uint32_t>(out_.geometries.size() - 1);
   geometries_.emplace(key, number);
   return number;
@@ -351,7 +476,8 @@ void importer::add_node(std::size_t node, const from_above& here) {
   const auto mesh = static_cast<std::size_t>(source.mesh);
   const std::vector<glm::dmat4> instances = instance_transforms(source);
   for (std::size_t primitive = 0; primitive < model_.meshes[mesh].primitives.size(); ++primitive) {
-    const auto geometry = geometry_of(mesh, primitive);
+    const pose posed = pose_of(source, model_.meshes[mesh].primitives[primitive], here);
+    const auto geometry = geometry_of(mesh, primitive, posed);
     if (!geometry || out_.geometries[*geometry].indices.empty()) continue;
     check_draws(instances.size());
     const int material = model_.meshes[mesh].primitives[primitive].material;
@@ -364,7 +490,7 @@ void importer::add_node(std::size_t node, const from_above& here) {
       d.instance = static_cast<std::uint32_t>(i);
       d.material = material < 0 ? no_index : static_cast<std::uint32_t>(material);
       d.geometry = *geometry;
-      d.to_world = here.to_world * instances[i];
+      d.to_world = posed.skin >= 0 ? instances[i] : here.to_world * instances[i];
       d.tags = tags;
       out_.draws.push_back(d);
     }

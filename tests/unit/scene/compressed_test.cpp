@@ -3,6 +3,7 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <span>
 
@@ -178,14 +179,26 @@ TEST(meshopt, broken_streams_are_refused) {
 }
 
 // The strip as a Draco stream in its own buffer view; positions are not quantised.
-gltf_sketch draco_sketch(int uv_components = 2) {
+gltf_sketch draco_sketch(int uv_components = 2, bool skinned = false) {
   const strip s;
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(static_cast<int>(s.indices.size() / 3));
   const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
   const int uv = builder.AddAttribute(draco::GeometryAttribute::TEX_COORD, static_cast<std::int8_t>(uv_components),
                                       draco::DT_FLOAT32);
+  // All corners hang on joint 1 with three times the weight that they have on joint 0.
+  const std::array<std::uint16_t, 4> on = {0, 1, 0, 0};
+  const std::array<float, 4> by = {0.25f, 0.75f, 0, 0};
+  int joints = 0, weights = 0;
+  if (skinned) {
+    joints = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 4, draco::DT_UINT16);
+    weights = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 4, draco::DT_FLOAT32);
+  }
   for (std::uint32_t t = 0; t < s.indices.size() / 3; ++t) {
+    if (skinned) {
+      builder.SetAttributeValuesForFace(joints, draco::FaceIndex(t), on.data(), on.data(), on.data());
+      builder.SetAttributeValuesForFace(weights, draco::FaceIndex(t), by.data(), by.data(), by.data());
+    }
     const auto p = [&](std::uint32_t k) { return &s.positions[3 * s.indices[3 * t + k]]; };
     const auto c = [&](std::uint32_t k) { return &s.uvs[2 * s.indices[3 * t + k]]; };
     builder.SetAttributeValuesForFace(position, draco::FaceIndex(t), p(0), p(1), p(2));
@@ -212,6 +225,15 @@ gltf_sketch draco_sketch(int uv_components = 2) {
                           {"extensions", {{"KHR_draco_mesh_compression", extension}}}}}}}};
   g.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"translation", {9, 0, 0}}}};
   g.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  if (!skinned) return g;
+  json& primitive = g.json["meshes"][0]["primitives"][0];
+  for (const auto& [name, attribute] : {std::pair{"JOINTS_0", joints}, std::pair{"WEIGHTS_0", weights}}) {
+    primitive["attributes"][name] = g.json["accessors"].size();
+    g.json["accessors"].push_back({{"componentType", name[0] == 'J' ? 5123 : 5126}, {"count", 10}, {"type", "VEC4"}});
+    primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"][name] = mesh->attribute(attribute)->unique_id();
+  }
+  g.json["skins"] = {{{"joints", {0, 1}}}};
+  g.json["nodes"][0]["skin"] = 0;
   return g;
 }
 
@@ -224,6 +246,16 @@ TEST(draco, triangles_and_coordinates_come_back) {
   EXPECT_EQ(s.polygon_count, 16u) << "two nodes";
   EXPECT_EQ(s.geometries.size(), 1u) << "decoded once";
   EXPECT_EQ(triangles_of(s), triangles_of(load(plain())));
+}
+
+TEST(draco, joints_and_weights_come_back) {
+  const scene s = load(draco_sketch(2, true));
+  ASSERT_EQ(s.geometries.size(), 2u) << "bent and not";
+  const geometry &bent = s.geometries[s.draws[0].geometry], &rests = s.geometries[s.draws[1].geometry];
+  ASSERT_EQ(bent.positions.size(), rests.positions.size());
+  // Joint 1 stands 9 to the right of where it was bound.
+  for (std::size_t i = 0; i < bent.positions.size(); ++i)
+    EXPECT_NEAR(bent.positions[i].x, rests.positions[i].x + 6.75f, 1e-5f);
 }
 
 TEST(draco, primitives_of_one_stream_share_their_geometry) {
