@@ -24,10 +24,11 @@ constexpr std::uint64_t zero_filled_instance_limit = std::uint64_t{1} << 16;
 
 // What a file may require: read here, or without influence on which polygons there are and where.
 bool is_supported_extension(std::string_view name) {
-  static constexpr std::array<std::string_view, 9> known = {
-      "EXT_mesh_gpu_instancing", "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_draco_mesh_compression",
-      "KHR_texture_transform",   "KHR_lights_punctual",   "KHR_xmp_json_ld",         "EXT_texture_webp",
-      "KHR_texture_basisu"};
+  static constexpr std::array<std::string_view, 10> known = {"EXT_mesh_gpu_instancing",    "MSFT_lod",
+                                                             "KHR_mesh_quantization",      "EXT_meshopt_compression",
+                                                             "KHR_draco_mesh_compression", "KHR_texture_transform",
+                                                             "KHR_lights_punctual",        "KHR_xmp_json_ld",
+                                                             "EXT_texture_webp",           "KHR_texture_basisu"};
   return name.starts_with("KHR_materials_") || std::find(known.begin(), known.end(), name) != known.end();
 }
 

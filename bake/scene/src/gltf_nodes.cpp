@@ -16,7 +16,12 @@ class node_reader {
 
   node_list read() {
     out_.nodes.resize(nodes_.size());
-    for (std::size_t i = 0; i < nodes_.size(); ++i) read_extras(nodes_[i], out_.nodes[i].marks);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      read_extras(nodes_[i], out_.nodes[i].marks);
+      const auto extensions = nodes_[i].object("extensions");
+      const auto lod = extensions ? extensions->object("MSFT_lod") : std::nullopt;
+      if (lod) out_.nodes[i].coarser = lod->indices("ids", "nodes", nodes_.size());
+    }
     for (const json_object& animation : root_.objects("animations")) {
       for (const json_object& channel : animation.objects("channels")) read_channel(channel);
     }

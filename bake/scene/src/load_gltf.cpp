@@ -16,6 +16,7 @@
 #include "gltf_accessors.h"
 #include "gltf_document.h"
 #include "json_object.h"
+#include "lod_levels.h"
 #include "pose.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
@@ -166,6 +167,7 @@ class importer {
     glm::dmat4 to_world{1.0};
     node_marks marks;
     bool moves = false;
+    lod_place lod;
   };
 
   // How a node changes the vertices of one of its primitives. Those of a skinned one are then in world space.
@@ -492,6 +494,8 @@ void importer::add_node(std::size_t node, const from_above& here) {
       d.geometry = *geometry;
       d.to_world = posed.skin >= 0 ? instances[i] : here.to_world * instances[i];
       d.tags = tags;
+      d.lod_object = here.lod.object;
+      d.lod_level = here.lod.level;
       out_.draws.push_back(d);
     }
   }
@@ -507,6 +511,8 @@ void importer::walk(const std::vector<int>& roots) {
   const auto push = [&stack](const std::vector<int>& nodes, const from_above& parent) {
     for (auto it = nodes.rbegin(); it != nodes.rend(); ++it) stack.push_back({*it, parent});
   };
+  const auto children = [this](std::size_t node) -> const std::vector<int>& { return model_.nodes[node].children; };
+  lod_levels levels(nodes_, roots, children, out_.warnings);
   push(roots, {});
   while (!stack.empty()) {
     const pending next = stack.back();
@@ -520,10 +526,12 @@ void importer::walk(const std::vector<int>& roots) {
     seen[node] = true;
     const node_notes& notes = nodes_.nodes[node];
     const from_above here{next.parent.to_world * local_transform(model_.nodes[node]),
-                          inherited(next.parent.marks, notes.marks), next.parent.moves || notes.moves};
+                          inherited(next.parent.marks, notes.marks), next.parent.moves || notes.moves,
+                          levels.below(next.parent.lod, static_cast<std::uint32_t>(node))};
     add_node(node, here);
     push(model_.nodes[node].children, here);
   }
+  levels.settle(out_.draws);
   warn_of_movement();
 }
 
