@@ -22,32 +22,54 @@ using nlohmann::json;
 
 constexpr std::uint64_t zero_filled_instance_limit = std::uint64_t{1} << 16;
 
-// What a file may require: read here, or without influence on which polygons there are and where.
-bool is_supported_extension(std::string_view name) {
-  static constexpr std::array<std::string_view, 10> known = {"EXT_mesh_gpu_instancing",    "MSFT_lod",
-                                                             "KHR_mesh_quantization",      "EXT_meshopt_compression",
-                                                             "KHR_draco_mesh_compression", "KHR_texture_transform",
-                                                             "KHR_lights_punctual",        "KHR_xmp_json_ld",
-                                                             "EXT_texture_webp",           "KHR_texture_basisu"};
-  return name.starts_with("KHR_materials_") || std::find(known.begin(), known.end(), name) != known.end();
+// What the import reads.
+constexpr std::array<std::string_view, 8> read_extensions = {"EXT_mesh_gpu_instancing",
+                                                             "EXT_meshopt_compression",
+                                                             "KHR_animation_pointer",
+                                                             "KHR_draco_mesh_compression",
+                                                             "KHR_mesh_quantization",
+                                                             "KHR_texture_transform",
+                                                             "KHR_materials_pbrSpecularGlossiness",
+                                                             "MSFT_lod"};
+
+// What cannot change which polygons there are or where: families and single names.
+constexpr std::array<std::string_view, 7> harmless_families = {
+    "KHR_materials_", "ADOBE_materials_", "EXT_materials_", "NV_materials_", "KHR_lights_", "EXT_lights_", "KHR_xmp"};
+constexpr std::array<std::string_view, 14> harmless_extensions = {"AGI_stk_metadata",        "CESIUM_primitive_outline",
+                                                                  "EXT_feature_metadata",    "EXT_instance_features",
+                                                                  "EXT_mesh_features",       "EXT_mesh_manifold",
+                                                                  "EXT_structural_metadata", "FB_geometry_metadata",
+                                                                  "GODOT_single_root",       "KHR_audio",
+                                                                  "KHR_audio_emitter",       "KHR_node_hoverability",
+                                                                  "KHR_node_selectability",  "MSFT_audio_emitter"};
+
+// The same, but textures that only such an extension has are missing, which a picture will show.
+constexpr std::array<std::string_view, 9> texture_extensions = {"EXT_texture_avif",
+                                                                "EXT_texture_procedurals",
+                                                                "EXT_texture_video",
+                                                                "EXT_texture_webp",
+                                                                "KHR_texture_basisu",
+                                                                "KHR_texture_procedurals",
+                                                                "MSFT_packing_normalRoughnessMetallic",
+                                                                "MSFT_packing_occlusionRoughnessMetallic",
+                                                                "MSFT_texture_dds"};
+
+template <std::size_t N>
+bool is_one_of(const std::array<std::string_view, N>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Of the supported ones, those that decide something here.
-bool is_read_extension(std::string_view name) {
-  static constexpr std::array<std::string_view, 6> read = {"EXT_mesh_gpu_instancing", "KHR_mesh_quantization",
-                                                           "EXT_meshopt_compression", "KHR_draco_mesh_compression",
-                                                           "KHR_texture_transform",   "MSFT_lod"};
-  return is_supported_extension(name) && std::find(read.begin(), read.end(), name) != read.end();
+// Supported in the sense that a file may require it.
+bool is_supported_extension(std::string_view name) {
+  return is_one_of(read_extensions, name) || is_one_of(harmless_extensions, name) ||
+         is_one_of(texture_extensions, name) ||
+         std::any_of(harmless_families.begin(), harmless_families.end(),
+                     [name](std::string_view family) { return name.starts_with(family); });
 }
 
 // Joints and weights, four of each.
 constexpr std::array<std::pair<const char*, const char*>, 2> influences = {
     {{"JOINTS_0", "WEIGHTS_0"}, {"JOINTS_1", "WEIGHTS_1"}}};
-
-// Supported in the sense above, but a picture will show the difference.
-bool is_ignored_in_pictures(std::string_view name) {
-  return name == "EXT_texture_webp" || name == "KHR_texture_basisu";
-}
 
 // What the nodes want of a mesh besides its triangles.
 struct mesh_use {
@@ -127,12 +149,12 @@ void document_reader::check_extensions() {
     uses[extension];
     if (!is_supported_extension(extension)) {
       warn_once("the extension " + printable(extension) + " is ignored");
-    } else if (is_ignored_in_pictures(extension)) {
+    } else if (is_one_of(texture_extensions, extension)) {
       warn_once("the extension " + printable(extension) + " is ignored: textures may look wrong in pictures");
     }
   }
   for (const auto& [name, use] : uses)
-    out_.extensions.push_back({printable(name), use.required, is_read_extension(name)});
+    out_.extensions.push_back({printable(name), use.required, is_one_of(read_extensions, name)});
 }
 
 // The coordinates that the material's base color texture takes.

@@ -43,13 +43,22 @@ class material_reader {
     }
     m.alpha_cutoff = static_cast<float>(source.real("alphaCutoff").value_or(0.5));
     m.double_sided = source.boolean("doubleSided").value_or(false);
-    const auto pbr = source.object("pbrMetallicRoughness");
-    if (!pbr) return m;
-    const std::vector<double> factor = pbr->reals("baseColorFactor", 4);
-    if (!factor.empty()) m.base_color = glm::vec4(factor[0], factor[1], factor[2], factor[3]);
-    const auto texture = pbr->object("baseColorTexture");
-    if (texture) read_texture(*texture, m);
+    // KHR_materials_pbrSpecularGlossiness takes the place of the core's model: alpha is that of its diffuse color.
+    const auto extensions = source.object("extensions");
+    const auto diffuse = extensions ? extensions->object("KHR_materials_pbrSpecularGlossiness") : std::nullopt;
+    if (diffuse) {
+      read_color(*diffuse, "diffuseFactor", "diffuseTexture", m);
+    } else if (const auto pbr = source.object("pbrMetallicRoughness")) {
+      read_color(*pbr, "baseColorFactor", "baseColorTexture", m);
+    }
     return m;
+  }
+
+  void read_color(const json_object& from, const char* factor_key, const char* texture_key, material& m) {
+    const std::vector<double> factor = from.reals(factor_key, 4);
+    if (!factor.empty()) m.base_color = glm::vec4(factor[0], factor[1], factor[2], factor[3]);
+    const auto texture = from.object(texture_key);
+    if (texture) read_texture(*texture, m);
   }
 
   void read_texture(const json_object& info, material& m) {

@@ -263,6 +263,68 @@ TEST(load_gltf, optional_extensions_are_warned_about_once) {
   EXPECT_NE(s.warnings[0].find("ACME_sparkles"), std::string::npos);
 }
 
+// Read or without influence on the polygons: not a word, whether a file requires it or only uses it.
+TEST(load_gltf, extensions_that_change_no_polygon_are_tolerated) {
+  for (const char* name :
+       {"KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_transmission", "KHR_materials_of_the_future",
+        "KHR_materials_pbrSpecularGlossiness", "ADOBE_materials_thin_transparency", "KHR_lights_punctual",
+        "EXT_lights_image_based", "KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "KHR_texture_transform",
+        "EXT_mesh_features", "EXT_structural_metadata", "MSFT_lod", "GODOT_single_root"}) {
+    gltf_sketch g;
+    g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
+    g.json["extensionsUsed"] = {name};
+    EXPECT_TRUE(load(g).warnings.empty()) << name;
+    g.json["extensionsRequired"] = {name};
+    EXPECT_TRUE(load(g).warnings.empty()) << name;
+  }
+}
+
+TEST(load_gltf, textures_that_cannot_be_read_are_a_warning_even_when_required) {
+  for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"}) {
+    gltf_sketch g;
+    g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
+    g.json["extensionsUsed"] = g.json["extensionsRequired"] = {name};
+    g.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+    g.json["textures"] = {{{"extensions", {{name, {{"source", 0}}}}}}};
+    g.json["images"] = {{{"uri", "color.ktx2"}}};
+    const scene s = load(g);
+    ASSERT_EQ(s.warnings.size(), 2u) << name;
+    EXPECT_NE(s.warnings[0].find(name), std::string::npos);
+    EXPECT_NE(s.warnings[1].find("has no PNG or JPEG image"), std::string::npos);
+    EXPECT_EQ(s.materials[0].base_color_image, no_index);
+  }
+}
+
+TEST(load_gltf, a_variant_and_a_light_change_nothing) {
+  gltf_sketch g;
+  g.add_node(
+      {{"mesh", g.add_mesh(g.add_row_of_triangles(1))}, {"extensions", {{"KHR_lights_punctual", {{"light", 99}}}}}});
+  g.json["materials"] = {{{"name", "red"}}, {{"name", "blue"}, {"alphaMode", "BLEND"}}};
+  g.json["meshes"][0]["primitives"][0]["material"] = 0;
+  g.json["meshes"][0]["primitives"][0]["extensions"] = {
+      {"KHR_materials_variants", {{"mappings", {{{"material", 1}, {"variants", {0}}}}}}}};
+  const scene s = load(g);
+  EXPECT_EQ(s.draws[0].material, 0u);
+  EXPECT_TRUE(s.warnings.empty());
+}
+
+// Its diffuse color takes the place of the base color, alpha included: leaves would else be solid.
+TEST(load_gltf, specular_glossiness_materials_have_their_alpha) {
+  gltf_sketch g;
+  g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
+  g.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
+  g.json["textures"] = {{{"source", 0}}};
+  g.json["materials"] = {
+      {{"alphaMode", "MASK"},
+       {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}}},
+       {"extensions",
+        {{"KHR_materials_pbrSpecularGlossiness",
+          {{"diffuseFactor", {0.5, 0.5, 0.5, 0.25}}, {"diffuseTexture", {{"index", 0}, {"texCoord", 0}}}}}}}}};
+  const scene s = load(g);
+  EXPECT_EQ(s.materials[0].base_color, glm::vec4(0.5f, 0.5f, 0.5f, 0.25f));
+  EXPECT_EQ(s.materials[0].base_color_image, 0u);
+}
+
 TEST(load_gltf, a_very_deep_chain_of_nodes) {
   gltf_sketch g;
   const int mesh = g.add_mesh(g.add_row_of_triangles(1));
