@@ -23,6 +23,7 @@ enum class presence : std::uint8_t { everywhere, nowhere, where_mask_passes };
 struct material_presence {
   presence where = presence::everywhere;
   std::uint32_t mask = 0;
+  bool unknown = false;  // the image is not there
 };
 
 bool is_finite(const glm::vec3& p) {
@@ -108,7 +109,11 @@ class flattener {
     };
     alpha_mask mask = texels_of(m);
     mask.wrap_u = m.wrap_u, mask.wrap_v = m.wrap_v;
-    if (mask.texels.empty() || !(constant > 0.0f)) return constantly(constant >= m.alpha_cutoff);
+    if (mask.texels.empty() || !(constant > 0.0f)) {
+      material_presence there = constantly(constant >= m.alpha_cutoff);
+      there.unknown = m.alpha_unknown || (mask.texels.empty() && m.base_color_image != no_index);
+      return there;
+    }
     mask.cutoff = m.alpha_cutoff / constant;
     const auto [least, most] = std::minmax_element(mask.texels.begin(), mask.texels.end());
     if (static_cast<float>(*least) / 255.0f >= mask.cutoff) return constantly(true);
@@ -131,7 +136,7 @@ class flattener {
     const auto pixels = decode(source, image_side_limit);
     if (!pixels) {
       out_.warnings.push_back(scene_.name + ": image \"" + source.name + "\" of the MASK material \"" + m.name +
-                              "\" cannot be decoded; the material's color alone decides");
+                              "\" cannot be decoded; it hides nothing");
       return decoded_[m.base_color_image] = mask;
     }
     mask.width = pixels->width, mask.height = pixels->height;
@@ -160,6 +165,7 @@ class flattener {
       kind.alpha = scene_.materials[d.material].alpha;
       kind.double_sided = scene_.materials[d.material].double_sided;
       there = presences_[d.material];
+      kind.never_hides |= there.unknown;
     }
     for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) {
       const std::array<std::uint32_t, 3> local = {g.indices[i], g.indices[i + (mirrored ? 2 : 1)],

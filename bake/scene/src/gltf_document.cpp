@@ -23,14 +23,16 @@ using nlohmann::json;
 constexpr std::uint64_t zero_filled_instance_limit = std::uint64_t{1} << 16;
 
 // What the import reads.
-constexpr std::array<std::string_view, 8> read_extensions = {"EXT_mesh_gpu_instancing",
-                                                             "EXT_meshopt_compression",
-                                                             "KHR_animation_pointer",
-                                                             "KHR_draco_mesh_compression",
-                                                             "KHR_mesh_quantization",
-                                                             "KHR_texture_transform",
-                                                             "KHR_materials_pbrSpecularGlossiness",
-                                                             "MSFT_lod"};
+constexpr std::array<std::string_view, 10> read_extensions = {"EXT_mesh_gpu_instancing",
+                                                              "EXT_meshopt_compression",
+                                                              "KHR_animation_pointer",
+                                                              "KHR_draco_mesh_compression",
+                                                              "KHR_mesh_quantization",
+                                                              "KHR_texture_transform",
+                                                              "KHR_materials_pbrSpecularGlossiness",
+                                                              "KHR_materials_transmission",
+                                                              "KHR_node_visibility",
+                                                              "MSFT_lod"};
 
 // What cannot change which polygons there are or where: families and single names.
 constexpr std::array<std::string_view, 7> harmless_families = {

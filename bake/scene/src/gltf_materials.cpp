@@ -51,6 +51,12 @@ class material_reader {
     } else if (const auto pbr = source.object("pbrMetallicRoughness")) {
       read_color(*pbr, "baseColorFactor", "baseColorTexture", m);
     }
+    // What light goes through hides nothing, whatever its alpha mode says (KHR_materials_transmission).
+    const auto transmission = extensions ? extensions->object("KHR_materials_transmission") : std::nullopt;
+    if (transmission && transmission->real("transmissionFactor").value_or(0.0) > 0.0) {
+      m.alpha = alpha_mode::blend;
+      m.alpha_unknown = false;
+    }
     return m;
   }
 
@@ -80,6 +86,7 @@ class material_reader {
     }
     const std::uint32_t texture = info.required_index("index", "textures", textures_.size());
     m.base_color_image = image_of(texture);
+    m.alpha_unknown = m.alpha == alpha_mode::mask && m.base_color_image == no_index;
     const auto sampler = textures_[texture].index("sampler", "samplers", samplers_.size());
     if (!sampler) return;
     m.wrap_u = wrap_of(samplers_[*sampler], "wrapS");

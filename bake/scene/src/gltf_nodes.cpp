@@ -20,6 +20,8 @@ class node_reader {
       read_extras(nodes_[i], out_.nodes[i].marks);
       const auto extensions = nodes_[i].object("extensions");
       const auto lod = extensions ? extensions->object("MSFT_lod") : std::nullopt;
+      const auto visibility = extensions ? extensions->object("KHR_node_visibility") : std::nullopt;
+      if (visibility) out_.nodes[i].marks.invisible = !visibility->boolean("visible").value_or(true);
       if (lod) out_.nodes[i].coarser = lod->indices("ids", "nodes", nodes_.size());
     }
     for (const json_object& animation : root_.objects("animations")) {
@@ -148,6 +150,7 @@ node_marks inherited(const node_marks& parent, const node_marks& own) {
   inherit(out.always, parent.always);
   inherit(out.never, parent.never);
   if (out.group == no_index) out.group = parent.group;
+  out.invisible = own.invisible || parent.invisible;
   return out;
 }
 
@@ -158,10 +161,13 @@ draw_tags tags_of(const node_marks& marks, bool moving) {
   tags.always = marks.always.value_or(false);
   tags.never = marks.never.value_or(false);
   if (marks.group != no_group) tags.group = marks.group;
-  if (!moving || marks.is_static.value_or(false)) return tags;
-  // Nobody who says "in every set" of a thing that moves means that it hides what lies behind its rest.
-  if (tags.always && !marks.occluder) tags.occluder = false;
-  tags.animated = tags == draw_tags{};
+  if (moving && !marks.is_static.value_or(false)) {
+    // Nobody who says "in every set" of a thing that moves means that it hides what lies behind its rest.
+    if (tags.always && !marks.occluder) tags.occluder = false;
+    tags.animated = tags == draw_tags{};
+  }
+  // Whether it is shown is the host's to say, so nothing may be hidden by it.
+  if (marks.invisible) tags.occluder = false;
   return tags;
 }
 

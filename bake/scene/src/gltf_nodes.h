@@ -17,6 +17,7 @@ inline constexpr std::uint32_t no_group = 0xFFFFFFFEu;  // said, unlike no_index
 struct node_marks {
   std::optional<bool> is_static, occluder, dynamic, always, never;
   std::uint32_t group = no_index;  // into node_list::groups
+  bool invisible = false;          // KHR_node_visibility: not shown at first, with all that hangs on it; the host may
 };
 
 struct node_notes {

@@ -154,6 +154,7 @@ std::array<std::uint8_t, 16> fingerprint_of(const scene& s) {
     if (m.alpha != alpha_mode::mask) continue;
     hash.value(m.alpha_cutoff);
     hash.value(m.base_color.a);
+    if (m.alpha_unknown) hash.value(std::uint8_t{3});
     if (m.wrap_u != wrap::repeat || m.wrap_v != wrap::repeat)
       hash.value(static_cast<std::uint8_t>(4 + static_cast<int>(m.wrap_u) * 4 + static_cast<int>(m.wrap_v)));
     if (m.alpha_map != no_index) {

@@ -81,6 +81,17 @@ TEST(marks, children_inherit_and_override_key_by_key) {
   EXPECT_EQ(s.draws[2].tags.group, 1u);
 }
 
+TEST(marks, what_is_not_shown_at_first_hides_nothing) {
+  gltf_sketch g = chain();
+  g.json["extensionsUsed"] = {"KHR_node_visibility"};
+  g.json["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = false;
+  g.json["nodes"][2]["extensions"]["KHR_node_visibility"]["visible"] = true;  // its parent is not
+  g.json["nodes"][2]["extras"] = marked({{"occluder", true}});
+  const scene s = load(g);
+  EXPECT_EQ(each(s, &draw_tags::occluder), (bools{true, false, false, true}));
+  EXPECT_TRUE(s.warnings.empty());
+}
+
 TEST(marks, groups_are_those_that_have_draws) {
   gltf_sketch g = chain();
   g.add_node({{"extras", marked({{"group", "empty"}})}});

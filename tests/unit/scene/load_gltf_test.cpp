@@ -279,6 +279,29 @@ TEST(load_gltf, extensions_that_change_no_polygon_are_tolerated) {
   }
 }
 
+TEST(load_gltf, what_lets_light_or_nobody_knows_what_through_hides_nothing) {
+  const auto hides = [](const json& material) {
+    gltf_sketch g;
+    g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
+    g.json["meshes"][0]["primitives"][0]["material"] = 0;
+    g.json["materials"] = {material};
+    g.json["textures"] = {{{"source", 0}}};
+    g.json["images"] = {{{"uri", "missing.png"}}};
+    const polygon_kind kind = flatten(load(g)).kinds.at(0);
+    EXPECT_FALSE(kind.absent);
+    return kind.hides();
+  };
+  const auto transmitting = [](double factor) {
+    return json{{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", factor}}}}}};
+  };
+  EXPECT_FALSE(hides(transmitting(0.9)));
+  EXPECT_TRUE(hides(transmitting(0.0)));
+  const json missing = {{"baseColorTexture", {{"index", 0}}}};
+  EXPECT_FALSE(hides({{"alphaMode", "MASK"}, {"pbrMetallicRoughness", missing}}));
+  EXPECT_TRUE(hides({{"alphaMode", "MASK"}}));
+  EXPECT_TRUE(hides({{"pbrMetallicRoughness", missing}})) << "opaque has no holes";
+}
+
 TEST(load_gltf, textures_that_cannot_be_read_are_a_warning_even_when_required) {
   for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"}) {
     gltf_sketch g;

@@ -29,6 +29,8 @@ struct material {
   std::string name;
   alpha_mode alpha = alpha_mode::opaque;
   float alpha_cutoff = 0.5f;  // of alpha_mode::mask
+  // A mask whose image is not there: nobody knows where its holes are, so it is seen all over and never hides.
+  bool alpha_unknown = false;
   bool double_sided = false;
   glm::vec4 base_color{1.0f};                 // linear, multiplied with the texture
   std::uint32_t base_color_image = no_index;  // into scene::images
