@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <vector>
@@ -34,6 +35,19 @@ glm::vec3 random_point(const triangle& t, random_stream& random) {
   return t[0] * (1.0f - root) + t[1] * (root * (1.0f - v)) + t[2] * (root * v);
 }
 
+// Random numbers are named by where polygons are and never by their ids: the same scene in another order of nodes, or
+// with its instances written another way, is cast the same rays.
+std::uint64_t name_of(const triangle& t) {
+  std::uint64_t name = 0;
+  for (const glm::vec3& corner : t) {
+    std::uint64_t h = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      h = (h ^ std::bit_cast<std::uint32_t>(corner[axis] + 0.0f)) * 0x9E3779B97F4A7C15u;
+    name += h ^ (h >> 32);  // a sum: whichever corner comes first
+  }
+  return name;
+}
+
 class expander {
  public:
   expander(const ray_scene& rays, const near_polygons& neighbors, const dilation_settings& how, const cell_set& set)
@@ -47,10 +61,11 @@ class expander {
     });
     std::sort(near_.begin(), near_.end());
     near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
-    random_stream random(how_.seed, how_.place, purpose::dilation, round, member);
+    const std::uint64_t here = name_of(corners_of(rays_.geometry(), member));
     for (const std::uint32_t neighbor : near_) {
       if (!faces(rays_, neighbor, eye_)) continue;  // its back cannot be seen from here
       const triangle corners = corners_of(rays_.geometry(), neighbor);
+      random_stream random(how_.seed, how_.place, purpose::dilation, round, here - name_of(corners));
       for (int i = 0; i < rays_per_neighbor; ++i) {
         const glm::vec3 toward = random_point(corners, random) - eye_;
         const float length = glm::length(toward);
