@@ -215,7 +215,8 @@ class Usage(InFolder):
             {'name': 'ACME_moss', 'required': False, 'treated': 'ignored'},
             {'name': 'KHR_materials_unlit', 'required': False, 'treated': 'ignored'},
             {'name': 'KHR_texture_transform', 'required': True, 'treated': 'read'}])
-        self.assertEqual(len(info['warnings']), 1)
+        self.assertEqual(len(info['warnings']), 2)
+        self.assertIn('1 polygons have no area', info['warnings'][1])
         out = self.expect(0, 'info', scene)[0]
         for text in ('2 opaque, 2 mask, 1 blend, 3 double sided', '1 no area, 1 cut away',
                      '4 (57.14 %) exact duplicates', '2 (28.57 %) of them back to back',

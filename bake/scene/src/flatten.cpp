@@ -61,6 +61,7 @@ class flattener {
     for (const draw& d : scene_.draws) append_draw(d);
     warn_of_texels();
     list_lods();
+    warn_of_broken_polygons();
     if (out_.min.x > out_.max.x) out_.min = out_.max = glm::vec3(0.0f);
     // Every polygon at a corner that is not finite is absent already, so the place is free; no NaN must reach a
     // ray tracer or a GPU that is given the whole array.
@@ -192,6 +193,14 @@ class flattener {
        : !kind.absent                                ? counts.cut_away
        : d.lod_object != no_index && d.lod_level > 0 ? counts.coarser_level
                                                      : counts.tagged);
+  }
+
+  void warn_of_broken_polygons() {
+    const absent_counts& a = out_.absent;
+    if (a.no_area + a.not_finite == 0) return;
+    out_.warnings.push_back(scene_.name + ": " + std::to_string(a.no_area) + " polygons have no area and " +
+                            std::to_string(a.not_finite) +
+                            " a corner that is not finite; they are counted and never seen");
   }
 
   // A coarser level that is tagged out of all sets stays out.

@@ -128,6 +128,7 @@ TEST(scene, polygons_without_area_or_finite_corners_are_absent_and_out_of_the_bo
   EXPECT_TRUE(w.kinds[2].absent);
   EXPECT_EQ(w.absent.no_area, 1u);
   EXPECT_EQ(w.absent.not_finite, 1u);
+  EXPECT_EQ(w.warnings.size(), 1u) << "said once";
   EXPECT_EQ(w.max, glm::vec3(1, 1, 0));
   for (const glm::vec3& p : w.positions) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
 }
