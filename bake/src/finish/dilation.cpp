@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <tuple>
 #include <vector>
 
 #include "free_space.h"
@@ -21,6 +22,9 @@ constexpr int rays_per_neighbor = 4;
 struct found_polygon {
   std::uint32_t polygon;
   glm::vec3 eye;
+  bool operator<(const found_polygon& other) const {
+    return std::tie(polygon, eye.x, eye.y, eye.z) < std::tie(other.polygon, other.eye.x, other.eye.y, other.eye.z);
+  }
 };
 
 // What one member's expansion found.
@@ -116,18 +120,23 @@ class expander {
 std::uint64_t dilate(const ray_scene& rays, const near_polygons& neighbors, const dilation_settings& how,
                      std::size_t first, std::uint64_t& round, cell_set& set) {
   std::uint64_t spent = 0;
+  std::vector<found_polygon> found;
   while (first < set.members().size() && spent < how.max_rays) {
-    // A wave expands from one state of the set: finds are merged after it, in the order of the members.
+    // A wave expands from one state of the set: finds are merged after it.
     const std::size_t end = set.members().size();
     std::vector<expansion> wave(end - first);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(first, end, 64), [&](const auto& range) {
       expander from(rays, neighbors, how, set);
       for (std::size_t i = range.begin(); i < range.end(); ++i) from.expand(set.members()[i], round, wave[i - first]);
     });
+    found.clear();
     for (const expansion& e : wave) {
       spent += e.rays;
-      for (const found_polygon& f : e.found) set.add(f.polygon, f.eye);
+      found.insert(found.end(), e.found.begin(), e.found.end());
     }
+    // Of several eyes that saw a polygon in this wave the lowest is its witness: again not a matter of ids.
+    std::sort(found.begin(), found.end());
+    for (const found_polygon& f : found) set.add(f.polygon, f.eye);
     first = end;
     ++round;
   }
