@@ -46,6 +46,8 @@ class Provoke(unittest.TestCase):
         if wants_program and not GL:
             self.skipTest('no EGL device: nothing can be baked')
         call = prepare(folder, SIGHTCELL) if wants_program else prepare(folder)
+        if call.memory and os.environ.get('SIGHTCELL_SANITIZE'):
+            self.skipTest('sanitizers reserve more memory than this case may have')
         if needs_gl(call) and identifier != 'gl.no-context' and not GL:
             self.skipTest('no EGL device')
         with open(call.stdout or os.devnull, 'w', encoding='utf-8') as out:
