@@ -29,6 +29,20 @@ bool can_hold(const std::vector<std::uint8_t>& encoded, std::uint64_t pixels) {
   return pixels <= free_pixels + encoded.size() * pixels_per_byte;
 }
 
+// The decoder allocates what a PNG's chunks say they hold before it looks whether they do.
+bool chunks_are_there(const std::vector<std::uint8_t>& png) {
+  constexpr std::size_t signature = 8, head = 8, checksum = 4;
+  for (std::size_t at = signature; png.size() - at >= head;) {
+    const std::uint64_t length = std::uint64_t{png[at]} << 24 | std::uint64_t{png[at + 1]} << 16 |
+                                 std::uint64_t{png[at + 2]} << 8 | std::uint64_t{png[at + 3]};
+    const std::uint64_t left = png.size() - at - head;
+    if (length > left) return false;
+    if (left - length < checksum) break;
+    at += head + static_cast<std::size_t>(length) + checksum;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<image_pixels> decode(const image& source, std::uint32_t side_limit) {
@@ -42,6 +56,7 @@ std::optional<image_pixels> decode(const image& source, std::uint32_t side_limit
     return std::nullopt;
   if (!can_hold(source.encoded, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)))
     return std::nullopt;
+  if (source.encoded[0] == 0x89 && !chunks_are_there(source.encoded)) return std::nullopt;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(source.encoded.data(), bytes, &width, &height, &channels, 4), stbi_image_free);
   if (!pixels) return std::nullopt;
