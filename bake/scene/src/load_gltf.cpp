@@ -20,6 +20,7 @@
 #include "pose.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
+#include "triangle_modes.h"
 
 // Files and images are read elsewhere, under checks; tinygltf sees only memory.
 #define TINYGLTF_IMPLEMENTATION
@@ -102,27 +103,6 @@ accessor_view view_of(const tinygltf::Model& model, int index) {
     out.sparse_index_type = a.sparse.indices.componentType;
     out.sparse_indices = bytes_at(a.sparse.indices.bufferView, static_cast<std::size_t>(a.sparse.indices.byteOffset));
     out.sparse_values = bytes_at(a.sparse.values.bufferView, static_cast<std::size_t>(a.sparse.values.byteOffset));
-  }
-  return out;
-}
-
-// Three corners per triangle, from a list, strip or fan of vertex numbers; odd triangles of a strip are turned so that
-// all face the same way.
-std::vector<std::uint32_t> to_triangles(std::vector<std::uint32_t> corners, int mode) {
-  if (mode == TINYGLTF_MODE_TRIANGLES) {
-    corners.resize(corners.size() / 3 * 3);
-    return corners;
-  }
-  std::vector<std::uint32_t> out;
-  if (corners.size() < 3) return out;
-  out.reserve((corners.size() - 2) * 3);
-  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
-    const std::size_t odd = i % 2;
-    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
-      out.insert(out.end(), {corners[i], corners[i + 1 + odd], corners[i + 2 - odd]});
-    } else {
-      out.insert(out.end(), {corners[0], corners[i + 1], corners[i + 2]});
-    }
   }
   return out;
 }
