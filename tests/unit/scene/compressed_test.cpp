@@ -7,7 +7,7 @@
 #include <span>
 
 #include "draco_sketch.h"
-#include "gltf_sketch.h"
+#include "loaded_sketch.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
 
@@ -51,22 +51,6 @@ gltf_sketch plain() {
       {{"primitives", {{{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", uvs}}}, {"indices", indices}}}}}};
   g.json["nodes"] = {{{"mesh", 0}}};
   return g;
-}
-
-scene load(const gltf_sketch& sketch) {
-  const temporary_folder folder;
-  return load_gltf(folder.write("compressed.glb", sketch.glb()));
-}
-
-std::string refusal(const gltf_sketch& sketch) {
-  try {
-    (void)load(sketch);
-  } catch (const error& e) {
-    EXPECT_EQ(e.kind(), error_kind::bad_input);
-    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
-    return e.id();
-  }
-  return "none";
 }
 
 std::string refusal_line(const gltf_sketch& sketch) {

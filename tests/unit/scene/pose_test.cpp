@@ -4,7 +4,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "gltf_sketch.h"
+#include "loaded_sketch.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
 
@@ -13,22 +13,6 @@ namespace {
 
 using nlohmann::json;
 using points = std::vector<glm::vec3>;
-
-scene load(const gltf_sketch& sketch) {
-  const temporary_folder folder;
-  return load_gltf(folder.write("pose.glb", sketch.glb()));
-}
-
-std::string refusal(const gltf_sketch& sketch) {
-  try {
-    (void)load(sketch);
-  } catch (const error& e) {
-    EXPECT_EQ(e.kind(), error_kind::bad_input);
-    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
-    return e.id();
-  }
-  return "none";
-}
 
 void expect_near(const points& got, const points& expected) {
   ASSERT_EQ(got.size(), expected.size());
