@@ -20,12 +20,14 @@ float distance_to_plane(const triangle& t, const glm::vec3& eye, const glm::vec3
 
 }  // namespace
 
-void gap_filter::render(const pose& where, hemicube_view& view) {
-  behind_.render(where, view);
+void gap_filter::render(std::span<const pose> poses, std::span<hemicube_view> views) {
+  behind_.render(poses, views);
   if (!(smallest_gap_ > 0.0f)) return;
-  std::erase_if(view.seen, [&](const seen_polygon& seen) {
-    return seen.pixels <= 4 * resolution() && !set_.contains(seen.id) && through_gap(where, seen);
-  });
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    std::erase_if(views[i].seen, [&](const seen_polygon& seen) {
+      return seen.pixels <= 4 * resolution() && !set_.contains(seen.id) && through_gap(poses[i], seen);
+    });
+  }
 }
 
 bool gap_filter::through_gap(const pose& where, const seen_polygon& seen) const {

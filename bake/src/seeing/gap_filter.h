@@ -16,7 +16,10 @@ class gap_filter final : public hemicube_source {
   gap_filter(hemicube_source& behind, const ray_scene& rays, const cell_set& set, float smallest_gap)
       : behind_(behind), rays_(rays), set_(set), smallest_gap_(smallest_gap) {}
 
-  void render(const pose& where, hemicube_view& view) override;
+  using hemicube_source::render;
+  void render(std::span<const pose> poses, std::span<hemicube_view> views) override;
+  void render_image(const pose& where, hemicube_image& image) override { behind_.render_image(where, image); }
+  bool shared() const override { return behind_.shared(); }
   std::uint32_t resolution() const override { return behind_.resolution(); }
   std::string device() const override { return behind_.device(); }
 

@@ -36,7 +36,9 @@ class gather_read_back final : public gpu_gather {
 
   void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view) override {
     const std::uint32_t s = atlas.resolution;
-    read_atlas(atlas);
+    ids_.resize(3 * std::size_t{s} * s);
+    depths_.resize(ids_.size());
+    read_atlas(atlas, ids_, depths_);
     count_pixels();
     if (marked_ != nullptr) {
       marked_->collect(marked_list_, no_sums_);
@@ -52,16 +54,6 @@ class gather_read_back final : public gpu_gather {
   }
 
  private:
-  void read_atlas(const hemicube_atlas& atlas) {
-    const auto width = static_cast<GLsizei>(3 * atlas.resolution), height = static_cast<GLsizei>(atlas.resolution);
-    ids_.resize(3 * std::size_t{atlas.resolution} * atlas.resolution);
-    depths_.resize(ids_.size());
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, atlas.framebuffer);
-    glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids_.data());
-    glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depths_.data());
-  }
-
   void add(std::uint32_t id, std::uint32_t pixels, std::size_t first) {
     count& c = counts_[id];
     if (c.pixels == 0) c.first = static_cast<std::uint32_t>(first);
@@ -153,6 +145,14 @@ class gather_read_back final : public gpu_gather {
 };
 
 }  // namespace
+
+void read_atlas(const hemicube_atlas& atlas, std::span<std::uint32_t> ids, std::span<float> depths) {
+  const auto width = static_cast<GLsizei>(3 * atlas.resolution), height = static_cast<GLsizei>(atlas.resolution);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, atlas.framebuffer);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids.data());
+  glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+}
 
 std::unique_ptr<gpu_gather> make_gather_read_back(std::uint32_t polygon_count, polygon_counts* marked) {
   return std::make_unique<gather_read_back>(polygon_count, marked);

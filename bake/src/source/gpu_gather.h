@@ -24,6 +24,9 @@ struct hemicube_atlas {
   GLuint framebuffer, ids, depths;
 };
 
+// Reads ids and depths of the whole atlas, row by row; each has room for 3 S x S.
+void read_atlas(const hemicube_atlas& atlas, std::span<std::uint32_t> ids, std::span<float> depths);
+
 class gpu_gather {
  public:
   virtual ~gpu_gather() = default;

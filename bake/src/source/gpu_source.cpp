@@ -92,7 +92,34 @@ class gpu_source final : public hemicube_source {
 
   ~gpu_source() override { glDeleteFramebuffers(1, &framebuffer_); }
 
-  void render(const pose& where, hemicube_view& view) override {
+  using hemicube_source::render;
+  void render(std::span<const pose> poses, std::span<hemicube_view> views) override {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const auto faces = draw(poses[i]);
+      gather_->run(atlas(), faces, views[i]);
+      context_.check("hemicube");
+    }
+  }
+
+  void render_image(const pose& where, hemicube_image& image) override {
+    draw(where);
+    const std::size_t pixels = 3 * std::size_t{resolution_} * resolution_;
+    image.resolution = resolution_;
+    image.ids.resize(pixels);
+    image.inverse_depths.resize(pixels);
+    read_atlas(atlas(), image.ids, image.inverse_depths);
+    for (float& depth : image.inverse_depths) depth /= hemicube_near;
+    context_.check("hemicube");
+  }
+
+  bool shared() const override { return false; }
+  std::uint32_t resolution() const override { return resolution_; }
+  std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
+
+ private:
+  hemicube_atlas atlas() const { return {resolution_, near_over_far_, framebuffer_, ids_.id(), depths_.id()}; }
+
+  std::array<face_view, face_count> draw(const pose& where) {
     const auto faces = hemicube_faces(where, resolution_);
     std::array<face_block, face_count> blocks;
     for (std::uint32_t f = 0; f < face_count; ++f) blocks[f] = block_of(where.eye, faces[f]);
@@ -121,15 +148,9 @@ class gpu_source final : public hemicube_source {
         draw_faces(faces, see_through_masked_single_sided, see_through_masked_double_sided);
       }
     }
-    const hemicube_atlas atlas{resolution_, near_over_far_, framebuffer_, ids_.id(), depths_.id()};
-    gather_->run(atlas, faces, view);
-    context_.check("hemicube");
+    return faces;
   }
 
-  std::uint32_t resolution() const override { return resolution_; }
-  std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
-
- private:
   void make_framebuffer() {
     glCreateFramebuffers(1, &framebuffer_);
     glNamedFramebufferTexture(framebuffer_, GL_COLOR_ATTACHMENT0, ids_.id(), 0);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,14 +31,27 @@ struct hemicube_view {
   std::array<double, 4> importance{};
 };
 
+// The pixels behind a view, for comparing sources: 3 S x S of the atlas (hemicube_faces.h), row by row from its lower
+// left. Polygons that hide nothing are not in it.
+struct hemicube_image {
+  std::uint32_t resolution = 0;
+  std::vector<std::uint32_t> ids;     // source id of the front occluding polygon, or scene::no_index
+  std::vector<float> inverse_depths;  // 1 / depth along the face's axis, 1/m; 0 where there is no polygon
+};
+
 // A hemicube: front face S x S with a field of view of 90 degrees along forward, and the four half faces toward right,
 // left, up and down that complete the half space, S x S/2 each. Near plane at most 1 mm, no far plane.
 class hemicube_source {
  public:
   virtual ~hemicube_source() = default;
-  // Renders one hemicube; view is overwritten. Same pose, same result. Calls come from one thread at a time.
-  // Throws sightcell::error when the device is lost.
-  virtual void render(const pose& where, hemicube_view& view) = 0;
+  // Renders hemicubes, several at once where the source can; views[i] is overwritten with what poses[i] sees, which is
+  // the same whatever else is rendered. Both spans have the same size. Throws sightcell::error when the device is lost.
+  virtual void render(std::span<const pose> poses, std::span<hemicube_view> views) = 0;
+  void render(const pose& where, hemicube_view& view) { render({&where, 1}, {&view, 1}); }
+  // The pixels of one hemicube; image is overwritten. Slow: for tests and benchmarks.
+  virtual void render_image(const pose& where, hemicube_image& image) = 0;
+  // May calls come from several threads at a time? If not, from the thread that made the source, one at a time.
+  virtual bool shared() const = 0;
   virtual std::uint32_t resolution() const = 0;  // S
   virtual std::string device() const = 0;        // for progress, report and checkpoint
 };

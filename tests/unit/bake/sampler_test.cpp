@@ -18,11 +18,16 @@ class scripted_source final : public hemicube_source {
  public:
   std::function<void(const pose&, hemicube_view&)> answer = [](const pose&, hemicube_view&) {};
   std::vector<pose> poses;
-  void render(const pose& where, hemicube_view& view) override {
-    poses.push_back(where);
-    view = {};
-    answer(where, view);
+  using hemicube_source::render;
+  void render(std::span<const pose> wanted, std::span<hemicube_view> views) override {
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      poses.push_back(wanted[i]);
+      views[i] = {};
+      answer(wanted[i], views[i]);
+    }
   }
+  void render_image(const pose&, hemicube_image&) override {}
+  bool shared() const override { return false; }
   std::uint32_t resolution() const override { return 64; }
   std::string device() const override { return "scripted"; }
 };

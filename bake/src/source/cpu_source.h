@@ -1,0 +1,21 @@
+#pragma once
+// The hemicube source of our own rasteriser: the default where there is no hardware GPU.
+#include <memory>
+
+#include "sightcell/scene/scene.h"
+#include "source/hemicube_source.h"
+
+namespace sightcell::bake {
+
+struct cpu_source_options {
+  std::uint32_t resolution = 256;  // S, pixels along a face; even, 16..4096
+  float far_plane = 1.0f;          // metres; depths are divided by it in the importance, background counts as 1
+};
+
+// Builds clusters of the geometry, which may go away afterwards except for its masks and masked polygons. The source
+// may be called from several threads at a time; several poses of one call are drawn in parallel on the caller's arena.
+// Throws sightcell::error where resolution or far_plane are out of range.
+std::unique_ptr<hemicube_source> make_cpu_source(const scene::world_geometry& geometry,
+                                                 const cpu_source_options& options);
+
+}  // namespace sightcell::bake
