@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,13 @@ struct hemicube_image {
   std::vector<float> inverse_depths;  // 1 / depth along the face's axis, 1/m; 0 where there is no polygon
 };
 
+// What the parts of one hemicube cost, CPU seconds of the thread that rendered it.
+struct sample_split {
+  double draw = 0.0;        // from the polygons to the front polygon and depth of every pixel
+  double gather = 0.0;      // from pixels to the list of seen polygons; reading back, where that is needed
+  double statistics = 0.0;  // the importance sums
+};
+
 // A hemicube: front face S x S with a field of view of 90 degrees along forward, and the four half faces toward right,
 // left, up and down that complete the half space, S x S/2 each. Near plane at most 1 mm, no far plane.
 class hemicube_source {
@@ -50,6 +58,12 @@ class hemicube_source {
   void render(const pose& where, hemicube_view& view) { render({&where, 1}, {&view, 1}); }
   // The pixels of one hemicube; image is overwritten. Slow: for tests and benchmarks.
   virtual void render_image(const pose& where, hemicube_image& image) = 0;
+  // render() of one hemicube that also says what its parts cost; nothing where the source cannot tell. May be slower than
+  // render(), and its parts may add up to less: for benchmarks.
+  virtual std::optional<sample_split> render_split(const pose& where, hemicube_view& view) {
+    render(where, view);
+    return std::nullopt;
+  }
   // May calls come from several threads at a time? If not, from the thread that made the source, one at a time.
   virtual bool shared() const = 0;
   virtual std::uint32_t resolution() const = 0;  // S
