@@ -1,0 +1,180 @@
+#include "bench/hemicube/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace sightcell::bench {
+namespace {
+
+const json* result_at(const measured& all, const std::string& scene, const std::string& height) {
+  for (const json& r : all.results)
+    if (r.at("scene") == scene && r.at("height") == height) return &r;
+  return nullptr;
+}
+
+std::optional<double> ms_of(const json& result, const std::string& source) {
+  const json& sources = result.at("sources");
+  if (!sources.contains(source)) return std::nullopt;
+  return sources.at(source).at("ms").get<double>();
+}
+
+std::optional<double> ms_at(const measured& all, const std::string& scene, const std::string& height,
+                            const std::string& source) {
+  const json* r = result_at(all, scene, height);
+  return r == nullptr ? std::nullopt : ms_of(*r, source);
+}
+
+std::optional<double> ratio(std::optional<double> a, std::optional<double> b) {
+  if (!a || !b || *b <= 0.0) return std::nullopt;
+  return *a / *b;
+}
+
+std::string number(const json& value) {
+  return value.is_null() ? "-" : fmt::format("{:.2f}", value.get<double>());
+}
+
+std::string grouped(std::uint64_t value) {
+  return value < 1000 ? std::to_string(value) : fmt::format("{},{:03}", grouped(value / 1000), value % 1000);
+}
+
+std::string times(std::optional<double> value) {
+  return value ? fmt::format("{:.2f}", *value) : "-";
+}
+
+double geometric_mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += std::log(v);
+  return std::exp(sum / static_cast<double>(values.size()));
+}
+
+void print_means(const measured& all) {
+  fmt::print(
+      "\n| geometric means over scenes | scenes | cpu, ms | gpu / cpu | rays / cpu | rays / gpu | cpu / floor |\n"
+      "|---|---|---|---|---|---|---|\n");
+  std::vector<std::string> heights;
+  for (const json& r : all.results) {
+    const auto height = r.at("height").get<std::string>();
+    if (std::find(heights.begin(), heights.end(), height) == heights.end()) heights.push_back(height);
+  }
+  for (const std::string& height : heights) {
+    std::vector<double> cpu, gpu, rays, rays_gpu, floor;
+    std::size_t scenes = 0;
+    for (const json& r : all.results) {
+      if (r.at("height") != height) continue;
+      ++scenes;
+      const auto keep = [](std::vector<double>& list, std::optional<double> value) {
+        if (value) list.push_back(*value);
+      };
+      keep(cpu, ms_of(r, "cpu"));
+      keep(gpu, ratio(ms_of(r, "gpu"), ms_of(r, "cpu")));
+      keep(rays, ratio(ms_of(r, "rays"), ms_of(r, "cpu")));
+      keep(rays_gpu, ratio(ms_of(r, "rays"), ms_of(r, "gpu")));
+      keep(floor, ratio(ms_of(r, "cpu"), ms_of(r, "floor")));
+    }
+    fmt::print("| {} | {} |", height, scenes);
+    for (const auto* list : {&cpu, &gpu, &rays, &rays_gpu, &floor})
+      fmt::print(" {} |", list->empty() ? "-" : fmt::format("{:.2f}", geometric_mean(*list)));
+    fmt::print("\n");
+  }
+}
+
+void print_memory(const measured& all) {
+  if (all.memory.empty()) return;
+  fmt::print(
+      "\n| scene | source | scene alone, MiB | peak, MiB | the source's own, MiB | peak while loading, MiB |\n"
+      "|---|---|---|---|---|---|\n");
+  for (const auto& [scene, sources] : all.memory.items())
+    for (const auto& [source, m] : sources.items()) {
+      const auto mib = [&m = m](const char* key) { return m.at(key).get<double>() / 1048576.0; };
+      fmt::print("| {} | {} | {:.0f} | {:.0f} | {:.0f}{} | {:.0f} |\n", scene, source, mib("before"), mib("peak"),
+                 mib("own"), m.at("own_is_exact").get<bool>() ? "" : " (loading included)", mib("loading_peak"));
+    }
+}
+
+// One target: measured against a limit, smaller or larger being better.
+class target_list {
+ public:
+  void at_most(const std::string& text, std::optional<double> value, double limit, const char* unit) {
+    add(text, value, unit, value && *value <= limit);
+  }
+  void at_least(const std::string& text, std::optional<double> value, double limit, const char* unit) {
+    add(text, value, unit, value && *value >= limit);
+  }
+  void not_here(const std::string& text, const std::string& why) {
+    list_.push_back({{"target", text}, {"measured", why}, {"reached", nullptr}});
+  }
+  json list() const { return list_; }
+
+ private:
+  void add(const std::string& text, std::optional<double> value, const char* unit, bool reached) {
+    if (!value) return not_here(text, "not measured in this run");
+    list_.push_back({{"target", text}, {"measured", fmt::format("{:.2f}{}", *value, unit)}, {"reached", reached}});
+  }
+  json list_ = json::array();
+};
+
+}  // namespace
+
+void print_tables(const measured& all) {
+  fmt::print(
+      "| scene | polygons | height | source | CPU ms per sample | draw | gather | statistics | largest of the poses |"
+      " pixels seen | polygons seen | rays / it | gpu / it | it / floor |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const json& r : all.results)
+    for (const auto& [name, s] : r.at("sources").items()) {
+      const std::optional<double> own = s.at("ms").get<double>();
+      fmt::print("| {} | {} | {} | {} | {:.2f} | {} | {} | {} | {:.2f} | {} | {} | {} | {} | {} |\n",
+                 r.at("scene").get<std::string>(), grouped(r.at("polygons").get<std::uint32_t>()),
+                 r.at("height").get<std::string>(), name, *own, number(s.at("draw_ms")), number(s.at("gather_ms")),
+                 number(s.at("statistics_ms")), s.at("ms_largest").get<double>(),
+                 grouped(static_cast<std::uint64_t>(s.at("pixels_seen").get<double>())),
+                 grouped(static_cast<std::uint64_t>(s.at("polygons_seen").get<double>())),
+                 times(ratio(ms_of(r, "rays"), own)), times(ratio(ms_of(r, "gpu"), own)),
+                 times(ratio(own, ms_of(r, "floor"))));
+    }
+  print_means(all);
+  print_memory(all);
+}
+
+json targets(const measured& all) {
+  target_list list;
+  const auto ms = [&](const char* scene, const char* height, const char* source) {
+    return ms_at(all, scene, height, source);
+  };
+  const auto small = ms("vienna800k", "street", "cpu"), large = ms("vienna8m", "street", "cpu");
+  list.at_most("cpu, 865,979 polygons, street: at most 8 ms (ambition 5)", small, 8.0, " ms");
+  list.at_most("cpu, 7,928,519 polygons, street: at most 15 ms (ambition 10)", large, 15.0, " ms");
+  list.at_least("865,979 polygons, street: at least 6x quicker than rays",
+                ratio(ms("vienna800k", "street", "rays"), small), 6.0, "x");
+  const json* street = result_at(all, "vienna800k", "street");
+  const bool llvmpipe = street != nullptr && street->at("sources").contains("gpu") &&
+                        street->at("sources").at("gpu").at("software").get<bool>();
+  list.at_least("865,979 polygons, street: at least 15x quicker than llvmpipe",
+                llvmpipe ? ratio(ms("vienna800k", "street", "gpu"), small) : std::nullopt, 15.0, "x");
+  list.at_most("cpu, street, from 0.87 to 7.9 M polygons: growth at most 2.5x", ratio(large, small), 2.5, "x");
+  list.at_most("7,928,519 polygons, 200 m: cpu no slower than rays",
+               ratio(ms("vienna8m", "200", "cpu"), ms("vienna8m", "200", "rays")), 1.0, "x of rays");
+  std::vector<double> found;
+  for (const char* scene : {"intel_castle", "candela_city", "oacmpctf3", "denhaag_01"}) {
+    const auto quicker = ratio(ms(scene, "street", "rays"), ms(scene, "street", "cpu"));
+    list.at_least(fmt::format("{}, walkable places: at least 3.5x quicker than rays", scene), quicker, 3.5, "x");
+    if (quicker) found.push_back(*quicker);
+  }
+  list.at_least("these four, geometric mean: at least 6x quicker than rays",
+                found.size() == 4 ? std::optional(geometric_mean(found)) : std::nullopt, 6.0, "x");
+  return list.list();
+}
+
+void print_targets(const json& list) {
+  fmt::print("\n| target | measured | reached |\n|---|---|---|\n");
+  for (const json& t : list)
+    fmt::print("| {} | {} | {} |\n", t.at("target").get<std::string>(), t.at("measured").get<std::string>(),
+               t.at("reached").is_null()     ? "-"
+               : t.at("reached").get<bool>() ? "yes"
+                                             : "NO");
+}
+
+}  // namespace sightcell::bench

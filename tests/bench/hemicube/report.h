@@ -1,0 +1,23 @@
+#pragma once
+// Tables and targets from what was measured.
+#include <string>
+#include <vector>
+
+#include "bench/hemicube/cache.h"
+
+namespace sightcell::bench {
+
+struct measured {
+  std::vector<json> results;  // one per scene and height (jobs "time"), in the order they were asked for
+  json memory;                // scene -> source -> job "memory"
+  json threads;               // job "threads", or null
+};
+
+// Markdown on standard output.
+void print_tables(const measured& all);
+
+// The targets of hemicubes: [{target, measured, reached}]; reached is null where it was not measured.
+json targets(const measured& all);
+void print_targets(const json& list);
+
+}  // namespace sightcell::bench
