@@ -30,7 +30,7 @@ struct options {
   std::size_t poses = 24, rounds = 3;
   std::uint32_t resolution = 1024;
   std::uint64_t seed = 1;
-  bool quick = false, fresh = false;
+  bool quick = false, fresh = false, no_memory = false;
   std::string commit, json_file, worker;
 };
 
@@ -46,6 +46,7 @@ int work(const std::string& file) {
   const auto kind = job.at("job").get<std::string>();
   json answer;
   if (kind == "poses") answer = make_poses(job);
+  if (kind == "probe") answer = probe(job);
   if (kind == "time") answer = measure_time(job);
   if (kind == "memory") answer = measure_memory(job);
   if (kind == "threads") answer = measure_threads(job);
@@ -71,8 +72,9 @@ class bench {
         });
     say(fmt::format("{}: {} poses, {}", scene.name, poses.at("heights").at("street").size(),
                     poses.at("cells").get<std::string>()));
-    const std::string threads = measure_memory_of(scene, poses);
+    const std::string threads = how_.no_memory ? "0" : measure_memory_of(scene, poses);
     measure_time_of(scene, poses, threads);
+    if (scene.name == how_.scenes.front() && asked("cpu")) measure_threads_of(scene, poses);
   }
 
   const measured& all() const { return all_; }
@@ -141,6 +143,20 @@ class bench {
     return best;
   }
 
+  // How CPU seconds grow with threads, on the first of the scenes.
+  void measure_threads_of(const bench_scene& scene, const json& poses) {
+    all_.threads = remembered(
+        key("threads", {scene.hash, code_, processor_, count(how_.resolution), count(how_.poses), count(how_.rounds)}),
+        [&] {
+          say(scene.name + ": cpu with one and with two threads");
+          return run_job({{"job", "threads"},
+                          {"scene", scene.file.string()},
+                          {"poses", poses.at("heights").at("street")},
+                          {"rounds", how_.rounds},
+                          {"resolution", how_.resolution}});
+        });
+  }
+
   void measure_time_of(const bench_scene& scene, const json& poses, const std::string& threads) {
     std::vector<std::filesystem::path> paths;
     json parts = json::array();
@@ -191,6 +207,7 @@ void declare(CLI::App& app, options& how) {
   app.add_flag("--quick", how.quick,
                "a small town, street and 20 m, 256 pixels, 3 poses, 1 round, if not said otherwise");
   app.add_flag("--fresh", how.fresh, "measure again what is kept");
+  app.add_flag("--no-memory", how.no_memory, "no processes of their own for memory; llvmpipe draws without threads");
   app.add_option("--commit", how.commit, "name results by it; else by the bytes of this program");
   app.add_option("--json-file", how.json_file, "everything that was measured");
   app.add_option("--worker", how.worker, "")->group("");
@@ -205,8 +222,18 @@ void make_quick(const CLI::App& app, options& how) {
   if (unsaid("--rounds")) how.rounds = 1;
 }
 
-int run(const options& how) {
+int run(options& how) {
   if (!how.worker.empty()) return work(how.worker);
+  std::vector<std::string> there;
+  for (const std::string& source : how.sources) {
+    const json found = run_job({{"job", "probe"}, {"source", source}});
+    say(source + ": " + found.at("what").get<std::string>());
+    if (found.at("ok").get<bool>()) there.push_back(source);
+  }
+  how.sources = there;
+  if (there.empty())
+    throw sightcell::error(sightcell::error_kind::failed, "bench.nothing", "this machine",
+                           "has no source of hemicubes that was asked for", "see the messages above");
   bench all(how);
   for (const std::string& name : how.scenes)
     if (const auto scene = find_scene(name)) all.measure(*scene);
@@ -219,8 +246,11 @@ int run(const options& how) {
   print_tables(all.all());
   print_targets(found);
   if (!how.json_file.empty())
-    write_json(how.json_file,
-               {{"facts", facts}, {"results", all.all().results}, {"memory", all.all().memory}, {"targets", found}});
+    write_json(how.json_file, {{"facts", facts},
+                               {"results", all.all().results},
+                               {"memory", all.all().memory},
+                               {"threads", all.all().threads},
+                               {"targets", found}});
   return 0;
 }
 

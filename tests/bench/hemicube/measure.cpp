@@ -202,6 +202,23 @@ json measure_time(const json& job) {
   return json::object();
 }
 
+json probe(const json& job) {
+  try {
+    // The smallest scene there is: one polygon.
+    world w;
+    w.geometry.positions = {{-1, -1, -2}, {1, -1, -2}, {0, 1, -2}};
+    w.geometry.indices = {0, 1, 2};
+    w.geometry.kinds.resize(1);
+    w.geometry.min = {-1, -1, -2};
+    w.geometry.max = {1, 1, -2};
+    w.far_plane = 3.0f;
+    const named_source made = make_source(job.at("source").get<std::string>(), w, 16);
+    return {{"ok", true}, {"what", made.source->device()}};
+  } catch (const error& e) {
+    return {{"ok", false}, {"what", e.what()}};
+  }
+}
+
 json measure_memory(const json& job) {
   const world w(job.at("scene").get<std::string>());
   const std::size_t before = memory_field("VmRSS:"), loading = memory_field("VmHWM:");
@@ -250,10 +267,11 @@ json measure_threads(const json& job) {
       cpu[k].push_back(c.cpu);
       wall[k].push_back(c.wall);
     }
+  const std::size_t best = static_cast<std::size_t>(std::min_element(wall[1].begin(), wall[1].end()) - wall[1].begin());
+  // wall = cpu * (1 - p) + cpu * p / 2
   return {{"cpu_1", median(cpu[0])},
           {"cpu_2", median(cpu[1])},
-          {"wall_1", *std::min_element(wall[0].begin(), wall[0].end())},
-          {"wall_2", *std::min_element(wall[1].begin(), wall[1].end())}};
+          {"parallel_percent", 100.0 * std::min(1.0, 2.0 * (1.0 - wall[1][best] / cpu[1][best]))}};
 }
 
 }  // namespace sightcell::bench

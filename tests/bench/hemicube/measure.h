@@ -13,11 +13,16 @@ namespace sightcell::bench {
 // write every pixel and read the corners of the seen polygons once.
 json measure_time(const json& job);
 
+// Job "probe": source. The answer says whether it is there ("ok"), and on which device or why not ("what").
+json probe(const json& job);
+
 // Job "memory": scene, poses, source, resolution. The answer: the process's memory before and with the source, and its
 // CPU time per sample.
 json measure_memory(const json& job);
 
 // Job "threads": scene, poses, resolution, rounds: the cpu source with one and with two threads, all poses in one call.
+// parallel_percent is told from CPU and wall time of the quickest round with two threads, so others who use the machine
+// make it smaller, never larger.
 json measure_threads(const json& job);
 
 double median(std::vector<double> values);

@@ -94,6 +94,21 @@ void print_memory(const measured& all) {
     }
 }
 
+// What a hardware GPU did, with its name; else which device drew.
+std::string hardware_text(const measured& all) {
+  std::string text, device = "none";
+  for (const json& r : all.results) {
+    const json& sources = r.at("sources");
+    if (!sources.contains("gpu")) continue;
+    const json& gpu = sources.at("gpu");
+    device = gpu.at("device").get<std::string>();
+    if (gpu.contains("samples_per_second"))
+      text += fmt::format("{}{} {} {:.0f}/s", text.empty() ? "" : ", ", r.at("scene").get<std::string>(),
+                          r.at("height").get<std::string>(), gpu.at("samples_per_second").get<double>());
+  }
+  return text.empty() ? "no hardware GPU at hand; device: " + device : device + ": " + text;
+}
+
 // One target: measured against a limit, smaller or larger being better.
 class target_list {
  public:
@@ -165,6 +180,15 @@ json targets(const measured& all) {
   }
   list.at_least("these four, geometric mean: at least 6x quicker than rays",
                 found.size() == 4 ? std::optional(geometric_mean(found)) : std::nullopt, 6.0, "x");
+  const bool threads = !all.threads.is_null();
+  const auto of_threads = [&](const char* key) { return all.threads.at(key).get<double>(); };
+  list.at_most("cpu, hemicubes of one call: CPU seconds with 2 threads at most 1.12x of one",
+               threads ? ratio(of_threads("cpu_2"), of_threads("cpu_1")) : std::nullopt, 1.12, "x");
+  list.at_least("cpu, hemicubes of one call: at least 95 % of the CPU seconds in parallel sections",
+                threads ? std::optional(of_threads("parallel_percent")) : std::nullopt, 95.0, " %");
+  list.not_here("cpu against rays: at most 1e-5 of the pixels differ", "tests compare the sources' pixels");
+  list.not_here("gpu (llvmpipe) against rays: at most 1e-4 of the pixels differ", "tests compare the sources' pixels");
+  list.not_here("a hardware GPU: samples per second on the presets", hardware_text(all));
   return list.list();
 }
 

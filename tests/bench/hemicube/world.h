@@ -11,6 +11,7 @@
 namespace sightcell::bench {
 
 struct world {
+  world() = default;
   explicit world(const std::string& path);
   std::string name;
   scene::world_geometry geometry;
