@@ -1,5 +1,5 @@
 #pragma once
-// CPU time of the whole process, all threads, in seconds. For progress and reports; never decides a result.
+// CPU time of the whole process, all threads, or of this thread alone, in seconds. For progress and reports; never decides a result.
 #include <ctime>
 
 namespace sightcell::bake {
@@ -7,6 +7,12 @@ namespace sightcell::bake {
 inline double process_cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+inline double thread_cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 

@@ -7,13 +7,18 @@
 
 namespace sightcell::bake {
 
+// best: what this processor can do. All give the same bits; portable is slow.
+enum class cpu_instructions { best, portable };
+
 struct cpu_source_options {
   std::uint32_t resolution = 256;  // S, pixels along a face; even, 16..4096
   float far_plane = 1.0f;          // metres; depths are divided by it in the importance, background counts as 1
+  cpu_instructions instructions = cpu_instructions::best;
 };
 
-// Builds clusters of the geometry, which may go away afterwards except for its masks and masked polygons. The source
-// may be called from several threads at a time; several poses of one call are drawn in parallel on the caller's arena.
+// Builds clusters of the geometry, which must outlive the source. The source may be called from several threads at a
+// time; several poses of one
+// call are drawn in parallel on the caller's arena. The first call makes the memory that is drawn into.
 // Throws sightcell::error where resolution or far_plane are out of range.
 std::unique_ptr<hemicube_source> make_cpu_source(const scene::world_geometry& geometry,
                                                  const cpu_source_options& options);

@@ -1,6 +1,5 @@
 #include "source/gpu_source.h"
 
-#include <cmath>
 #include <optional>
 #include <string>
 
@@ -32,34 +31,12 @@ face_block block_of(const glm::vec3& eye, const face_view& face) {
   return {{with_w(eye, hemicube_near), with_w(clip_x, 0.0f), with_w(clip_y, 0.0f), with_w(face.forward, 0.0f)}};
 }
 
-std::uint32_t checked_resolution(std::uint32_t resolution) {
-  GLint limit = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
-  if (resolution % 2 != 0 || resolution < 16 || resolution > 4096 ||
-      3 * resolution > static_cast<std::uint32_t>(limit)) {
-    throw error(
-        error_kind::wrong_use, "gpu.resolution", "hemicube resolution " + std::to_string(resolution),
-        "it must be even, from 16 to " + std::to_string(limit / 3 < 4096 ? limit / 3 : 4096) + " on this device",
-        "choose another --resolution");
-  }
-  return resolution;
-}
-
-float checked_far_plane(float far_plane) {
-  if (!(far_plane > hemicube_near) || !std::isfinite(far_plane)) {
-    throw error(error_kind::bad_input, "gpu.far-plane", "scene",
-                "its box is " + std::to_string(far_plane) + " m across, which is too small or too large to be drawn",
-                "export it in metres");
-  }
-  return far_plane;
-}
-
 class gpu_source final : public hemicube_source {
  public:
   gpu_source(const picture::gl_context& context, const scene::world_geometry& world, const gpu_source_options& options)
       : context_(context),
-        resolution_(checked_resolution(options.resolution)),
-        near_over_far_(hemicube_near / checked_far_plane(options.far_plane)),
+        resolution_(options.resolution),
+        near_over_far_(hemicube_near / options.far_plane),
         geometry_(world),
         opaque_("hemicube/opaque", {{GL_VERTEX_SHADER, shaders::hemicube_polygon_vert},
                                     {GL_FRAGMENT_SHADER, shaders::hemicube_opaque_frag}}),
@@ -225,6 +202,7 @@ class gpu_source final : public hemicube_source {
 std::unique_ptr<hemicube_source> make_gpu_source(const picture::gl_context& context,
                                                  const scene::world_geometry& geometry,
                                                  const gpu_source_options& options) {
+  check_hemicube(options.resolution, options.far_plane);
   return std::make_unique<gpu_source>(context, geometry, options);
 }
 

@@ -1,6 +1,10 @@
 #include "source/hemicube_faces.h"
 
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <string>
+
+#include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
 
@@ -14,6 +18,16 @@ std::array<face_view, face_count> hemicube_faces(const pose& where, std::uint32_
   faces[face_up] = {u, r, -f, -1, 1, -1, 0, 2 * s, h, s, h};
   faces[face_down] = {-u, r, f, -1, 1, 0, 1, 2 * s, 0, s, h};
   return faces;
+}
+
+void check_hemicube(std::uint32_t resolution, float far_plane) {
+  if (resolution % 2 != 0 || resolution < 16 || resolution > 4096)
+    throw error(error_kind::wrong_use, "hemicube.resolution", "hemicube resolution " + std::to_string(resolution),
+                "it must be even, from 16 to 4096", "choose another --resolution");
+  if (!(far_plane > hemicube_near) || !std::isfinite(far_plane))
+    throw error(error_kind::bad_input, "hemicube.far-plane", "scene",
+                "its box is " + std::to_string(far_plane) + " m across, which is too small or too large to be drawn",
+                "export it in metres");
 }
 
 glm::vec3 pixel_direction(const pose& where, std::uint32_t resolution, std::uint32_t pixel) {

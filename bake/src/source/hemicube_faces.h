@@ -32,6 +32,10 @@ enum : std::uint32_t { face_front = 0, face_right = 1, face_left = 2, face_up = 
 
 std::array<face_view, face_count> hemicube_faces(const pose& where, std::uint32_t resolution);
 
+// What every source asks of its options. Throws sightcell::error: a resolution that is odd or not in 16..4096, a far
+// plane that is not finite or not beyond the near one.
+void check_hemicube(std::uint32_t resolution, float far_plane);
+
 // Unit vector from the eye through the center of a pixel of the atlas, counted row by row from its lower left corner.
 glm::vec3 pixel_direction(const pose& where, std::uint32_t resolution, std::uint32_t pixel);
 

@@ -569,10 +569,10 @@ TEST_F(gather_test, wrong_options_are_refused) {
   s.wall_x(2, -1, 1);
   const scene::world_geometry world = scene::flatten(s.finished());
   for (const std::uint32_t resolution : {0u, 15u, 17u, 4098u}) {
-    EXPECT_EQ(error_id([&] { source(world, bake::gather::automatic, resolution); }), "gpu.resolution") << resolution;
+    EXPECT_EQ(error_id([&] { source(world, bake::gather::automatic, resolution); }), "hemicube.resolution") << resolution;
   }
   for (const float far_plane : {0.0f, -1.0f, std::nanf("")}) {
-    EXPECT_EQ(error_id([&] { source(world, bake::gather::automatic, 64, far_plane); }), "gpu.far-plane") << far_plane;
+    EXPECT_EQ(error_id([&] { source(world, bake::gather::automatic, 64, far_plane); }), "hemicube.far-plane") << far_plane;
   }
   EXPECT_EQ(error_id([] { bake::polygon_counts(0xFFFFFFFEu, 0); }), "gpu.scene-too-large");
   EXPECT_FALSE(source(world, bake::gather::automatic)->device().empty());
