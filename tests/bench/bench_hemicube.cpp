@@ -30,7 +30,7 @@ struct options {
   std::size_t poses = 24, rounds = 3;
   std::uint32_t resolution = 1024;
   std::uint64_t seed = 1;
-  bool quick = false, fresh = false, no_memory = false;
+  bool quick = false, fresh = false, no_memory = false, pace = false;
   std::string commit, json_file, worker;
 };
 
@@ -161,11 +161,17 @@ class bench {
     std::vector<std::filesystem::path> paths;
     json parts = json::array();
     for (const std::string& height : how_.heights) {
-      std::vector<std::string> of{scene.hash,        code_,
-                                  processor_,        height,
-                                  threads,           count(how_.resolution),
-                                  count(how_.poses), count(how_.rounds),
-                                  count(how_.seed),  std::to_string(poses_version)};
+      std::vector<std::string> of{scene.hash,
+                                  code_,
+                                  processor_,
+                                  height,
+                                  threads,
+                                  count(how_.resolution),
+                                  count(how_.poses),
+                                  count(how_.rounds),
+                                  count(how_.seed),
+                                  std::to_string(poses_version),
+                                  how_.pace ? "pace" : ""};
       of.insert(of.end(), how_.sources.begin(), how_.sources.end());
       paths.push_back(key("time", of));
       if (std::filesystem::exists(paths.back()) && !how_.fresh) continue;
@@ -180,6 +186,7 @@ class bench {
                {"sources", how_.sources},
                {"resolution", how_.resolution},
                {"rounds", how_.rounds},
+               {"pace", how_.pace},
                {"parts", parts}},
               threads.empty() ? std::vector<std::string>{} : std::vector<std::string>{"LP_NUM_THREADS=" + threads});
     for (const auto& path : paths) all_.results.push_back(read_json(path).value());
@@ -208,6 +215,7 @@ void declare(CLI::App& app, options& how) {
                "a small town, street and 20 m, 256 pixels, 3 poses, 1 round, if not said otherwise");
   app.add_flag("--fresh", how.fresh, "measure again what is kept");
   app.add_flag("--no-memory", how.no_memory, "no processes of their own for memory; llvmpipe draws without threads");
+  app.add_flag("--pace", how.pace, "samples per second of gpu against plain draws of everything on software too");
   app.add_option("--commit", how.commit, "name results by it; else by the bytes of this program");
   app.add_option("--json-file", how.json_file, "everything that was measured");
   app.add_option("--worker", how.worker, "")->group("");

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <numeric>
 
+#include "bench/hemicube/plain_draw.h"
 #include "bench/hemicube/poses.h"
 #include "bench/hemicube/world.h"
 #include "process_time.h"
@@ -158,6 +159,23 @@ void run_rounds(const json& job, const json& part, const world& w, std::span<con
   }
 }
 
+// A device's own pace: all poses in one call, wall time, the median of the rounds. Against drawing everything.
+void add_pace(const world& w, std::span<const bake::pose> poses, std::size_t rounds, named_source& gpu, json& out) {
+  plain_draw plain(w, gpu.source->resolution());
+  std::vector<bake::hemicube_view> views(poses.size());
+  std::vector<double> source_seconds, plain_seconds;
+  for (std::size_t round = 0; round <= rounds; ++round) {
+    const cost c = cost_of([&] { gpu.source->render(poses, views); });
+    const cost p = cost_of([&] { plain.render(poses); });
+    if (round == 0) continue;
+    source_seconds.push_back(c.wall);
+    plain_seconds.push_back(p.wall);
+  }
+  const auto count = static_cast<double>(poses.size());
+  out["samples_per_second"] = count / median(source_seconds);
+  out["plain_draws_per_second"] = count / median(plain_seconds);
+}
+
 std::size_t memory_field(const char* name) {
   std::ifstream in("/proc/self/status");
   std::string word;
@@ -195,6 +213,8 @@ json measure_time(const json& job) {
       json& of_source = result["sources"][sources[s].name] = result_of(tracks[s]);
       of_source["device"] = sources[s].source->device();
       of_source["software"] = sources[s].software();
+      if (sources[s].context && (!sources[s].software() || job.at("pace").get<bool>()))
+        add_pace(w, poses, job.at("rounds").get<std::size_t>(), sources[s], of_source);
     }
     result["sources"]["floor"] = result_of(tracks.back());
     write_json(part.at("result").get<std::string>(), result);

@@ -6,11 +6,11 @@
 
 namespace sightcell::bench {
 
-// Job "time": scene, sources, resolution, rounds, parts: [{label (for progress), poses (a list), facts, result}]. What
-// is measured of a part is written to the file result, with facts, as soon as it is done. CPU time of one core: one
-// thread of oneTBB, all threads of the process counted. All sources render each pose before the next one, in turns as
-// to which comes first; the first round warms up and does not count. The floor is a source of its own: plain loops that
-// write every pixel and read the corners of the seen polygons once.
+// Job "time": scene, sources, resolution, rounds, pace, parts: [{label (for progress), poses (a list), facts, result}].
+// What is measured of a part is written to the file result, with facts, as soon as it is done. CPU time of one core:
+// one thread of oneTBB, all threads of the process counted. All sources render each pose before the next one, in turns
+// as to which comes first; the first round warms up and does not count. The floor is a source of its own: plain loops
+// that write every pixel and read the corners of the seen polygons once.
 json measure_time(const json& job);
 
 // Job "probe": source. The answer says whether it is there ("ok"), and on which device or why not ("what").

@@ -97,15 +97,19 @@ void print_memory(const measured& all) {
 // What a hardware GPU did, with its name; else which device drew.
 std::string hardware_text(const measured& all) {
   std::string text, device = "none";
+  bool software = false;
   for (const json& r : all.results) {
     const json& sources = r.at("sources");
     if (!sources.contains("gpu")) continue;
     const json& gpu = sources.at("gpu");
     device = gpu.at("device").get<std::string>();
+    software = gpu.at("software").get<bool>();
     if (gpu.contains("samples_per_second"))
-      text += fmt::format("{}{} {} {:.0f}/s", text.empty() ? "" : ", ", r.at("scene").get<std::string>(),
-                          r.at("height").get<std::string>(), gpu.at("samples_per_second").get<double>());
+      text += fmt::format("{}{} {} {:.0f}/s (plain draws of everything {:.0f}/s)", text.empty() ? "" : ", ",
+                          r.at("scene").get<std::string>(), r.at("height").get<std::string>(),
+                          gpu.at("samples_per_second").get<double>(), gpu.at("plain_draws_per_second").get<double>());
   }
+  if (software && !text.empty()) text += " (a software rasteriser: no hardware GPU at hand)";
   return text.empty() ? "no hardware GPU at hand; device: " + device : device + ": " + text;
 }
 
