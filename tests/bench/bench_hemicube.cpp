@@ -113,7 +113,7 @@ class bench {
     for (const std::string& source : how_.sources) {
       std::vector<std::string> settings{""};
       if (source == "gpu") settings = {"0", "1", ""};
-      json chosen;
+      json chosen, tried = json::object();
       for (const std::string& threads : settings) {
         const json found = remembered(
             key("memory", {scene.hash, code_, processor_, source, threads, count(how_.resolution), count(how_.poses)}),
@@ -131,6 +131,7 @@ class bench {
                    {"resolution", how_.resolution}},
                   threads.empty() ? std::vector<std::string>{} : std::vector<std::string>{"LP_NUM_THREADS=" + threads});
             });
+        tried[threads.empty() ? "not set" : threads] = found.at("ms");
         if (chosen.is_null() || found.at("ms") < chosen.at("ms")) {
           chosen = found;
           if (source == "gpu") best = found.at("software").get<bool>() ? threads : "";
@@ -138,6 +139,7 @@ class bench {
         }
         if (!found.at("software").get<bool>()) break;
       }
+      if (source == "gpu") chosen["ms_by_lp_num_threads"] = tried;
       all_.memory[scene.name][source] = chosen;
     }
     return best;

@@ -94,6 +94,13 @@ class BenchHemicube(unittest.TestCase):
         self.assertEqual(kept, before)
         self.assertNotIn("round 1", told.stderr)
 
+    def test_pace_of_the_gpu(self):
+        paced, _ = bench(self.folder.name, "--pace", "--no-memory")
+        for result in paced["results"]:
+            if "gpu" in result["sources"]:
+                self.assertGreater(result["sources"]["gpu"]["samples_per_second"], 0)
+                self.assertGreater(result["sources"]["gpu"]["plain_draws_per_second"], 0)
+
     def test_a_missing_scene_is_said_and_skipped(self):
         kept, told = bench(self.folder.name, "--scenes", "small-town", "nowhere.glb")
         self.assertIn("nowhere.glb is skipped", told.stderr)

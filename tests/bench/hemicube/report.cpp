@@ -94,6 +94,40 @@ void print_memory(const measured& all) {
     }
 }
 
+// How the cost grows with the scene: the same style of town at two sizes.
+void print_growth(const measured& all) {
+  std::string rows;
+  for (const json& large : all.results) {
+    if (large.at("scene") != "vienna8m") continue;
+    const auto height = large.at("height").get<std::string>();
+    const json* small = result_at(all, "vienna800k", height);
+    if (small == nullptr) continue;
+    for (const auto& [source, s] : large.at("sources").items())
+      if (const auto by = ratio(ms_of(large, source), ms_of(*small, source)))
+        rows += fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", height, source, *ms_of(*small, source),
+                            *ms_of(large, source), *by);
+  }
+  if (rows.empty()) return;
+  fmt::print(
+      "\n| height | source | vienna800k, ms | vienna8m, ms | growth from 0.87 to 7.9 M polygons |\n"
+      "|---|---|---|---|---|\n{}",
+      rows);
+}
+
+// How llvmpipe was set, which draws with threads of its own.
+void print_device_threads(const measured& all) {
+  for (const auto& [scene, sources] : all.memory.items()) {
+    if (!sources.contains("gpu") || !sources.at("gpu").at("software").get<bool>()) continue;
+    const json& gpu = sources.at("gpu");
+    std::string tried;
+    for (const auto& [threads, ms] : gpu.at("ms_by_lp_num_threads").items())
+      tried += fmt::format("{}{}: {:.2f} ms", tried.empty() ? "" : ", ", threads, ms.get<double>());
+    const auto chosen = gpu.at("lp_num_threads").get<std::string>();
+    fmt::print("\n{}: LP_NUM_THREADS {} is the cheapest ({}).", scene, chosen.empty() ? "not set" : chosen, tried);
+  }
+  fmt::print("\n");
+}
+
 // What a hardware GPU did, with its name; else which device drew.
 std::string hardware_text(const measured& all) {
   std::string text, device = "none";
@@ -155,7 +189,9 @@ void print_tables(const measured& all) {
                  times(ratio(own, ms_of(r, "floor"))));
     }
   print_means(all);
+  print_growth(all);
   print_memory(all);
+  print_device_threads(all);
 }
 
 json targets(const measured& all) {
