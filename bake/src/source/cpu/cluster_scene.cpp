@@ -230,7 +230,7 @@ void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tre
 
 }  // namespace
 
-cluster_scene::cluster_scene(const scene::world_geometry& world) : geometry(&world) {
+cluster_scene::cluster_scene(const scene::world_geometry& world) {
   build(
       world, [](scene::polygon_kind k) { return k.hides() && !k.alpha_tested; }, opaque);
   build(
@@ -239,13 +239,21 @@ cluster_scene::cluster_scene(const scene::world_geometry& world) : geometry(&wor
       world, [](scene::polygon_kind k) { return !k.hides(); }, see_through);
   note_masks(world, masked);
   note_masks(world, see_through);
-}
-
-bool alpha_passes(const cluster_scene& scene, std::uint32_t masked, float u, float v) {
-  const scene::masked_polygon& p = scene.geometry->masked[masked];
-  const glm::vec2 uv = p.uvs[0] + (p.uvs[1] - p.uvs[0]) * u + (p.uvs[2] - p.uvs[0]) * v;
-  const float alpha = p.alphas[0] + (p.alphas[1] - p.alphas[0]) * u + (p.alphas[2] - p.alphas[0]) * v;
-  return scene.geometry->masks[p.mask].passes(uv, alpha);
+  for (const scene::masked_polygon& p : world.masked) {
+    masked_triangle made;
+    made.mask = p.mask;
+    for (std::size_t k = 0; k < 3; ++k) {
+      made.u[k] = p.uvs[k].x;
+      made.v[k] = p.uvs[k].y;
+      made.alpha[k] = p.alphas[k];
+    }
+    masked_triangles.push_back(made);
+  }
+  for (const scene::alpha_mask& m : world.masks) {
+    masks.push_back({static_cast<std::uint32_t>(texels.size()), m.width, m.height, m.cutoff, m.wrap_u, m.wrap_v});
+    texels.insert(texels.end(), m.texels.begin(), m.texels.end());
+  }
+  texels.resize(texels.size() + 3);
 }
 
 }  // namespace sightcell::bake::cpu

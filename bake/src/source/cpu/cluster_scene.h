@@ -46,18 +46,29 @@ struct cluster_tree {
   std::vector<std::uint32_t> masked;  // 8 per block: into world_geometry::masked, or no_index; empty: none is
 };
 
-struct cluster_scene {
-  cluster_tree opaque;                              // hides all over
-  cluster_tree masked;                              // hides where its alpha passes
-  cluster_tree see_through;                         // seen, never hides
-  const scene::world_geometry* geometry = nullptr;  // for masks
-
-  // Deterministic; built in parallel on the caller's arena.
-  explicit cluster_scene(const scene::world_geometry& world);
+// What a masked polygon is tested with: texture coordinates and alphas of its corners.
+struct masked_triangle {
+  float u[3], v[3], alpha[3];
+  std::uint32_t mask = 0;
 };
 
-// Rule 1 of seeing: is a masked polygon (number in world_geometry::masked) there at the place with weights u and v of
-// its second and third corner?
-bool alpha_passes(const cluster_scene& scene, std::uint32_t masked, float u, float v);
+// An alpha_mask whose texels lie among those of all.
+struct mask_texels {
+  std::uint32_t first = 0, width = 0, height = 0;
+  float cutoff = 0.0f;
+  scene::wrap wrap_u = scene::wrap::repeat, wrap_v = scene::wrap::repeat;
+};
+
+struct cluster_scene {
+  cluster_tree opaque;                            // hides all over
+  cluster_tree masked;                            // hides where its alpha passes
+  cluster_tree see_through;                       // seen, never hides
+  std::vector<masked_triangle> masked_triangles;  // one per world_geometry::masked
+  std::vector<mask_texels> masks;                 // one per world_geometry::masks
+  std::vector<std::uint8_t> texels;               // of all masks, and a few more for who reads four at a time
+
+  // Deterministic; built in parallel on the caller's arena. world may go away.
+  explicit cluster_scene(const scene::world_geometry& world);
+};
 
 }  // namespace sightcell::bake::cpu

@@ -62,7 +62,9 @@ struct tree_view {
 
 struct scene_view {
   tree_view opaque, masked, see_through;
-  const cluster_scene* scene = nullptr;  // for alpha_passes alone
+  const masked_triangle* masked_triangles = nullptr;
+  const mask_texels* masks = nullptr;
+  const std::uint8_t* texels = nullptr;
 };
 
 struct kernel {

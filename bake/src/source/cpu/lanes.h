@@ -136,6 +136,14 @@ inline std::uint32_t sign_bits(ints a) {
 inline std::uint32_t sign_bits(floats a) {
   return static_cast<std::uint32_t>(_mm256_movemask_ps(a.v));
 }
+inline floats floor_of(floats a) {
+  return {_mm256_floor_ps(a.v)};
+}
+// The bytes at base + offset; three bytes after each are read too.
+inline ints bytes_at(const std::uint8_t* base, ints offset) {
+  return {_mm256_and_si256(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), offset.v, 1),
+                           _mm256_set1_epi32(0xFF))};
+}
 // Lane k becomes lane (k + 1) % 8: what a lane's left neighbor was.
 inline floats rotated(floats a) {
   return {_mm256_permutevar8x32_ps(a.v, _mm256_setr_epi32(7, 0, 1, 2, 3, 4, 5, 6))};
@@ -297,6 +305,12 @@ inline std::uint32_t sign_bits(const floats& a) {
   std::uint32_t bits = 0;
   for (int k = 0; k < 8; ++k) bits |= static_cast<std::uint32_t>(__builtin_signbit(a.v[k]) != 0) << k;
   return bits;
+}
+inline floats floor_of(const floats& a) {
+  return each<floats>([&](int k) { return __builtin_floorf(a.v[k]); });
+}
+inline ints bytes_at(const std::uint8_t* base, const ints& offset) {
+  return each<ints>([&](int k) { return std::int32_t{base[offset.v[k]]}; });
 }
 inline floats rotated(const floats& a) {
   return each<floats>([&](int k) { return a.v[(k + 7) % 8]; });

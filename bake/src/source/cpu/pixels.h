@@ -1,6 +1,7 @@
 #pragma once
 // What becomes of the pixels of a tile that a triangle covers, by the kind of pass: they are drawn, drawn where the
 // alpha passes, or counted where nothing that hides is in front.
+#include "source/cpu/alpha_test.h"
 #include "source/cpu/tiles.h"
 
 namespace sightcell::bake::cpu {
@@ -33,24 +34,17 @@ struct draw_state {
   const corner_weights* weights = nullptr;  // where it is masked
 };
 
-inline bool passes_alpha(const draw_state& s, std::uint32_t x, std::uint32_t y) {
-  double w[3];
-  for (int k = 0; k < 3; ++k) {
-    w[k] = s.weights->a[k] * (static_cast<double>(x) + 0.5) + s.weights->b[k] * (static_cast<double>(y) + 0.5) +
-           s.weights->c[k];
-  }
-  const double sum = w[0] + w[1] + w[2];
-  return alpha_passes(*s.scene.scene, s.masked, static_cast<float>(w[1] / sum), static_cast<float>(w[2] / sum));
-}
-
-// Of the pixels of one row of a tile (bits), those whose alpha passes.
+// Rule 1 of seeing: of the pixels of one row of a tile (bits), those whose alpha passes.
 inline std::uint32_t passing(const draw_state& s, std::uint32_t bits, std::uint32_t x, std::uint32_t y) {
-  std::uint32_t kept = 0;
-  for (std::uint32_t left = bits; left != 0; left &= left - 1) {
-    const auto k = static_cast<std::uint32_t>(__builtin_ctz(left));
-    if (passes_alpha(s, x + k, y)) kept |= 1u << k;
+  floats w[3];
+  for (int k = 0; k < 3; ++k) {
+    const double first = s.weights->a[k] * (static_cast<double>(x) + 0.5) +
+                         s.weights->b[k] * (static_cast<double>(y) + 0.5) + s.weights->c[k];
+    w[k] = all(static_cast<float>(first)) + all(static_cast<float>(s.weights->a[k])) * to_floats(count_up());
   }
-  return kept;
+  const floats sum = w[0] + w[1] + w[2];
+  const masked_triangle& t = s.scene.masked_triangles[s.masked];
+  return bits & alpha_passes(t, s.scene.masks[t.mask], s.scene.texels, w[1] / sum, w[2] / sum);
 }
 
 inline ints mask_of(std::uint32_t bits) {
