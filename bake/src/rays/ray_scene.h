@@ -13,6 +13,8 @@
 
 namespace sightcell::bake {
 
+struct embree_scene;
+
 inline constexpr std::uint32_t no_polygon = 0xFFFFFFFFu;
 
 // A polygon that a ray passes and that hides nothing: BLEND, or tagged so.
@@ -65,19 +67,19 @@ class ray_scene {
   bool is_free(const glm::vec3& point, float radius) const;
 
   const scene::world_geometry& geometry() const { return geometry_; }
+  const embree_scene& embree() const { return *embree_; }  // for packets of rays
   bool sees_both_sides(std::uint32_t polygon) const {
     return all_double_sided_ || geometry_.kinds[polygon].double_sided;
   }
 
  private:
-  struct embree;
   bool touches_surface(const glm::vec3& point, float radius) const;
   bool has_front(const glm::vec3& point, const glm::vec3& direction, float distance) const;
   void find_solid(std::span<const glm::vec3> points, std::span<std::uint8_t> solid) const;
 
   const scene::world_geometry& geometry_;
   bool all_double_sided_;
-  std::unique_ptr<embree> embree_;
+  std::unique_ptr<embree_scene> embree_;
 };
 
 }  // namespace sightcell::bake
