@@ -24,8 +24,11 @@ inline std::uint32_t interior_cubes(const sampling_plan& plan) {
   return plan.geometry_inside ? plan.samples / 4 : 0;
 }
 
-// Renders the plan into set. is_free: may an eye be there? interior: free points of the grown box, used in order.
-// Returns the number of hemicubes rendered; fewer than planned when faces lie in walls.
+// Renders the plan into set. is_free: may an eye be there? asked from many threads. interior: free points of the grown
+// box, used in order. The boundary is sampled in rounds: each face that is not done proposes its next free place, all
+// of them are one batch of the source, and the answers are given back in the order of the faces. So the result does not
+// depend on threads; runs on the calling thread's TBB arena. Returns the number of hemicubes rendered; fewer than
+// planned when faces lie in walls.
 std::uint32_t sample_cell(const sampling_plan& plan, const box& grown, std::span<const glm::vec3> interior,
                           const std::function<bool(const glm::vec3&)>& is_free, hemicube_source& source, cell_set& set);
 

@@ -1,5 +1,10 @@
 #include "seeing/gap_filter.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <vector>
@@ -18,16 +23,39 @@ float distance_to_plane(const triangle& t, const glm::vec3& eye, const glm::vec3
   return static_cast<float>(glm::dot(normal, a - glm::dvec3(eye)) / glm::dot(normal, glm::dvec3(direction)));
 }
 
+// A polygon that is new to the set, in one of the views.
+struct sighting {
+  seen_polygon* seen;
+  std::uint32_t view;
+};
+
 }  // namespace
 
 void gap_filter::render(std::span<const pose> poses, std::span<hemicube_view> views) {
   behind_.render(poses, views);
   if (!(smallest_gap_ > 0.0f)) return;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    std::erase_if(views[i].seen, [&](const seen_polygon& seen) {
-      return seen.pixels <= 4 * resolution() && !set_.contains(seen.id) && through_gap(poses[i], seen);
-    });
-  }
+  std::vector<sighting> found;
+  for (std::uint32_t view = 0; view < views.size(); ++view)
+    for (seen_polygon& seen : views[view].seen)
+      if (!set_.contains(seen.id)) found.push_back({&seen, view});
+  // All sightings of a polygon come together, in the order of the views.
+  std::sort(found.begin(), found.end(), [](const sighting& a, const sighting& b) {
+    return a.seen->id != b.seen->id ? a.seen->id < b.seen->id : a.view < b.view;
+  });
+  std::atomic<bool> any = false;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      if (i > 0 && found[i - 1].seen->id == found[i].seen->id) continue;  // with the first of its polygon
+      for (std::size_t k = i; k < found.size() && found[k].seen->id == found[i].seen->id; ++k) {
+        seen_polygon& seen = *found[k].seen;
+        if (seen.pixels > 4 * resolution() || !through_gap(poses[found[k].view], seen)) break;
+        seen.pixels = 0;  // the mark of what is dropped below
+        any = true;
+      }
+    }
+  });
+  if (!any) return;
+  for (hemicube_view& view : views) std::erase_if(view.seen, [](const seen_polygon& seen) { return seen.pixels == 0; });
 }
 
 bool gap_filter::through_gap(const pose& where, const seen_polygon& seen) const {

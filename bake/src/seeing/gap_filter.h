@@ -10,7 +10,9 @@ namespace sightcell::bake {
 
 // A source in front of another. Of every polygon that is new to the set and covers no more pixels than a line over
 // front and side faces has, four times the hemicube's width, the sight line through one of them is tested; through a
-// crack the polygon is dropped from this view. Importance stays as it was. References must outlive it.
+// crack the polygon is dropped from this view. Of several views in one call the answer is as if each had joined the set
+// before the next was tested, so a polygon is tested only until one of them really sees it. Importance stays as it was.
+// Tests run on the calling thread's TBB arena; the set must not change meanwhile. References must outlive it.
 class gap_filter final : public hemicube_source {
  public:
   gap_filter(hemicube_source& behind, const ray_scene& rays, const cell_set& set, float smallest_gap)
