@@ -37,7 +37,7 @@ volatile std::sig_atomic_t stop_asked = 0;
 void ask_to_stop(int signal) {
   stop_asked = 1;
   std::signal(signal, SIG_DFL);
-  constexpr char text[] = "\nstopping after this cell; again to stop at once (finished cells are kept)\n";
+  constexpr char text[] = "\nstopping after the cells in work; again to stop at once (finished cells are kept)\n";
   if (write(STDERR_FILENO, text, sizeof text - 1) < 0) {
     // Nobody to tell.
   }

@@ -13,6 +13,7 @@
 
 #include "bound/fresh_rays.h"
 #include "cell_bake.h"
+#include "cell_lanes.h"
 #include "cells/overrides.h"
 #include "cells/view_cell.h"
 #include "checkpoint.h"
@@ -112,7 +113,9 @@ void print_estimate(workshop& w, const std::vector<view_cell>& cells, std::size_
   }
   // A first batch that holds needs about 15 / max_pixel_error rays; dilation and second batches about as much again.
   const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
-  const double per_cell = how.samples * hemicube_seconds + rays * ray_seconds;
+  // Hemicubes of a shared source are spread over the threads; rays were, when they were timed.
+  const int at_once = w.source->shared() ? tbb::this_task_arena::max_concurrency() : 1;
+  const double per_cell = how.samples * hemicube_seconds / at_once + rays * ray_seconds;
   tell.on_message(severity::note,
                   fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", left, how.samples,
                               1e3 * hemicube_seconds,
@@ -120,61 +123,130 @@ void print_estimate(workshop& w, const std::vector<view_cell>& cells, std::size_
                               std::ceil(per_cell * static_cast<double>(left))));
 }
 
-// What is known so far, over the cells of this run and those resumed.
-struct tally {
-  progress now;
-  std::uint64_t rays = 0, misses = 0;
-  double visible = 0.0;
-  std::uint32_t stored = 0, fresh_cells = 0;
-
-  void count(const cell_record& record, std::uint32_t polygon_count) {
-    ++now.cells_done;
-    if (!record.stored) return;
-    ++stored;
-    rays += record.rays;
-    misses += record.misses;
-    visible += 100.0 * static_cast<double>(record.set.size()) / std::max(polygon_count, 1u);
-    now.pixel_error = rays > 0 ? static_cast<double>(misses) / static_cast<double>(rays) : 0.0;
-    now.worst_bound = std::max(now.worst_bound, record.rays > 0 ? record.upper_bound : 0.0);
-    now.visible_percent = visible / stored;
+// Finished cells: commits them, counts them and tells of them, all on the calling thread.
+class ledger {
+ public:
+  ledger(std::uint32_t polygon_count, std::size_t cells, const callbacks& tell)
+      : polygon_count_(polygon_count), tell_(tell), records_(cells) {
+    now_.cells_total = static_cast<std::uint32_t>(cells);
   }
+
+  // Before the first cell. This and the other two answer false when the user has had enough.
+  bool open() { return tell_progress(0); }
+  bool resume(std::uint32_t which, cell_record record) {
+    count(which, std::move(record));
+    return tell_progress(0);
+  }
+  // Cells that end after the user has had enough are still committed.
+  bool close(std::uint32_t which, baked_cell& cell, std::size_t in_work, checkpoint& done) {
+    done.store(which, cell.record);
+    ++fresh_;
+    not_empty_ += cell.geometry_inside ? 1 : 0;
+    count(which, std::move(cell.record));
+    return tell_progress(in_work);
+  }
+
+  bool stopped() const { return stopped_; }
+  std::uint32_t not_empty() const { return not_empty_; }  // cells of this run with geometry inside
+  std::vector<cell_record>& records() { return records_; }
+
+ private:
+  void count(std::uint32_t which, cell_record record) {
+    ++now_.cells_done;
+    if (record.stored) {
+      ++stored_;
+      rays_ += record.rays;
+      misses_ += record.misses;
+      visible_ += 100.0 * static_cast<double>(record.set.size()) / std::max(polygon_count_, 1u);
+      now_.pixel_error = rays_ > 0 ? static_cast<double>(misses_) / static_cast<double>(rays_) : 0.0;
+      now_.worst_bound = std::max(now_.worst_bound, record.rays > 0 ? record.upper_bound : 0.0);
+      now_.visible_percent = visible_ / stored_;
+    }
+    records_[which] = std::move(record);
+  }
+  bool tell_progress(std::size_t in_work) {
+    if (!tell_.on_progress || stopped_) return !stopped_;
+    now_.seconds = seconds_now() - began_;
+    if (fresh_ > 0) {
+      // Those in work are half done, one with the other.
+      const double ahead = 0.5 * static_cast<double>(in_work);
+      now_.seconds_left = now_.seconds / (fresh_ + ahead) * (now_.cells_total - now_.cells_done - ahead);
+    }
+    const bool all = now_.cells_done == now_.cells_total && now_.cells_done > 0;
+    stopped_ = true;  // also when the callback throws
+    stopped_ = !tell_.on_progress(now_) && !all;
+    return !stopped_;
+  }
+
+  std::uint32_t polygon_count_;
+  const callbacks& tell_;
+  std::vector<cell_record> records_;
+  const double began_ = seconds_now();
+  progress now_;  // over the cells of this run and those resumed
+  std::uint64_t rays_ = 0, misses_ = 0;
+  double visible_ = 0.0;
+  std::uint32_t stored_ = 0, fresh_ = 0, not_empty_ = 0;
+  bool stopped_ = false;
 };
 
-// Bakes what the checkpoint does not have. False when cancelled.
-bool bake_cells(workshop& w, const scene::scene& s, const settings& how, const std::vector<view_cell>& cells,
-                const overrides& given, checkpoint& done, const callbacks& tell, std::vector<cell_record>& records,
-                summary& sum) {
-  cell_baker baker(how, *w.rays, w.neighbors ? &*w.neighbors : nullptr, *w.source);
-  tally so_far;
-  std::uint32_t not_empty = 0;
-  so_far.now.cells_total = static_cast<std::uint32_t>(cells.size());
-  const double began = seconds_now();
-  if (tell.on_progress && !tell.on_progress(so_far.now)) return false;
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    auto record = done.load(i);
-    const bool resumed = record.has_value();
-    if (!resumed) {
-      record = baker.bake(cells[i]);
-      if (record->stored) add_polygons(given, cells[i].number, record->set);
-      done.store(i, *record);
-      ++so_far.fresh_cells;
-      not_empty += baker.geometry_inside() ? 1 : 0;
-    } else {
-      ++sum.cells_resumed;
-    }
-    so_far.count(*record, s.polygon_count);
-    records.push_back(std::move(*record));
-    so_far.now.seconds = seconds_now() - began;
-    const double each = so_far.fresh_cells > 0 ? so_far.now.seconds / so_far.fresh_cells : 0.0;
-    so_far.now.seconds_left = each * (so_far.now.cells_total - so_far.now.cells_done);
-    if (tell.on_progress && !tell.on_progress(so_far.now) && i + 1 < cells.size()) return false;
+// A bake from its settings to the point where all cells are known.
+struct bake_job {
+  const scene::scene& s;
+  const settings& how;
+  const callbacks& tell;
+  overrides given;
+  workshop w;
+  cell_list list;
+  std::string settings_text;
+  std::unique_ptr<checkpoint> done;
+};
+
+void prepare(bake_job& job, const std::filesystem::path& output, bool fresh) {
+  const settings& how = job.how;
+  const callbacks& tell = job.tell;
+  if (how.cells_file) job.given = read_overrides(*how.cells_file, job.s);
+  equip(job.w, job.s, how, job.given, tell);
+  job.list = make_cells(job.w.geometry, how);
+  const std::vector<view_cell>& cells = job.list.cells;
+  if (tell.on_message) {
+    tell.on_message(severity::note, "cells: " + job.list.how);
+    for (const std::string& warning : job.list.warnings) tell.on_message(severity::warning, warning);
   }
-  if (tell.on_message && how.max_pixel_error == 0.0 && not_empty > 0)
-    tell.on_message(severity::warning,
-                    fmt::format("{} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
-                                "are missed there however many samples are taken",
-                                not_empty));
-  return true;
+  job.settings_text = settings_text(how, job.w.source->device());
+  std::filesystem::path beside = output;
+  beside += ".bake";
+  job.done = std::make_unique<checkpoint>(beside, checkpoint_key(job.s, cells, job.given, job.settings_text), fresh);
+  const std::uint32_t finished = job.done->finished();
+  if (tell.on_message && finished > 0)
+    tell.on_message(severity::note, fmt::format("resuming: {} of {} cells are done", finished, cells.size()));
+  print_estimate(job.w, cells, cells.size() - finished, how, tell);
+}
+
+// Bakes what the checkpoint does not have. The calling thread is not inside of the arena.
+void bake_what_is_left(bake_job& job, tbb::task_arena& arena, ledger& book, summary& sum) {
+  const std::vector<view_cell>& cells = job.list.cells;
+  std::vector<std::uint32_t> wanted;
+  if (!book.open()) return;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    auto record = job.done->load(i);
+    if (!record) {
+      wanted.push_back(i);
+      continue;
+    }
+    ++sum.cells_resumed;
+    if (!book.resume(i, std::move(*record))) return;
+  }
+  const cell_baker baker(job.how, *job.w.rays, job.w.neighbors ? &*job.w.neighbors : nullptr, *job.w.source);
+  const std::size_t lanes = lane_count(job.w.source->shared(), arena.max_concurrency(), baker.set_bytes());
+  bake_cells(baker, cells, wanted, lanes, arena, [&](std::uint32_t which, baked_cell& cell, std::size_t in_work) {
+    if (cell.record.stored) add_polygons(job.given, cells[which].number, cell.record.set);
+    return book.close(which, cell, in_work, *job.done);
+  });
+  if (!book.stopped() && job.tell.on_message && job.how.max_pixel_error == 0.0 && book.not_empty() > 0)
+    job.tell.on_message(severity::warning,
+                        fmt::format("{} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
+                                    "are missed there however many samples are taken",
+                                    book.not_empty()));
 }
 
 }  // namespace
@@ -185,33 +257,18 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   const double began = process_cpu_seconds();
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
-  arena.execute([&] {
-    const overrides given = how.cells_file ? read_overrides(*how.cells_file, s) : overrides{};
-    workshop w;
-    equip(w, s, how, given, tell);
-    sum.device = w.source->device();
-    const cell_list list = make_cells(w.geometry, how);
-    if (tell.on_message) {
-      tell.on_message(severity::note, "cells: " + list.how);
-      for (const std::string& warning : list.warnings) tell.on_message(severity::warning, warning);
-    }
-    const std::string settings = settings_text(how, sum.device);
-    std::filesystem::path beside = output;
-    beside += ".bake";
-    checkpoint done(beside, checkpoint_key(s, list.cells, given, settings), fresh);
-    if (tell.on_message && done.finished() > 0)
-      tell.on_message(severity::note,
-                      fmt::format("resuming: {} of {} cells are done", done.finished(), list.cells.size()));
-    print_estimate(w, list.cells, list.cells.size() - done.finished(), how, tell);
-
-    std::vector<cell_record> records;
-    if (!bake_cells(w, s, how, list.cells, given, done, tell, records, sum)) {
-      sum.result = outcome::cancelled;
-      return;
-    }
-    write_pvs(s, how, with_overrides(settings, given), list.cells, records, output, tell, sum);
-    done.remove();
-  });
+  bake_job job{.s = s, .how = how, .tell = tell, .given = {}, .w = {}, .list = {}, .settings_text = {}, .done = {}};
+  arena.execute([&] { prepare(job, output, fresh); });
+  sum.device = job.w.source->device();
+  ledger book(s.polygon_count, job.list.cells.size(), tell);
+  bake_what_is_left(job, arena, book, sum);
+  if (book.stopped()) {
+    sum.result = outcome::cancelled;
+  } else {
+    const std::string text = with_overrides(job.settings_text, job.given);
+    arena.execute([&] { write_pvs(s, how, text, job.list.cells, book.records(), output, tell, sum); });
+    job.done->remove();
+  }
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;
 }

@@ -1,10 +1,10 @@
 #include "cell_bake.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "finish/ray_finish.h"
 #include "free_space.h"
-#include "process_time.h"
 #include "sampler/cell_sampling.h"
 #include "seeing/gap_filter.h"
 
@@ -39,48 +39,55 @@ cell_baker::cell_baker(const settings& how, const ray_scene& rays, const near_po
       rays_(rays),
       neighbors_(neighbors),
       source_(source),
-      duplicates_(rays.geometry(), how.all_double_sided),
-      set_(static_cast<std::uint32_t>(rays.geometry().kinds.size()), &duplicates_) {
+      duplicates_(rays.geometry(), how.all_double_sided) {
   const auto& kinds = rays.geometry().kinds;
   for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
     if (kinds[polygon].always) always_.push_back(polygon);
 }
 
-cell_record cell_baker::bake(const view_cell& cell) {
-  const double began = process_cpu_seconds();
-  cell_record record;
-  geometry_inside_ = false;
+cell_set cell_baker::make_set() const {
+  return cell_set(static_cast<std::uint32_t>(rays_.geometry().kinds.size()), &duplicates_);
+}
+
+std::size_t cell_baker::set_bytes() const {
+  return cell_set::bytes_for(rays_.geometry().kinds.size());
+}
+
+baked_cell cell_baker::bake(const view_cell& cell, cell_set& set) const {
+  const auto began = std::chrono::steady_clock::now();
+  baked_cell baked;
+  cell_record& record = baked.record;
   const box own{cell.min, cell.max}, grown = own.grown(how_.margin);
   // An eye comes into the cell's own box before the margin ever matters, so the own box decides whether it is stored.
   std::uint64_t tries = 0;
   random_stream random(how_.seed, cell.place, purpose::free_points);
   if (draw_free_points(rays_, own, how_.player_radius, 1, free_point_tries, random, tries).empty()) {
     record.stored = false;
-    return record;
+    return baked;
   }
   tries = 0;
   const auto wanted = std::max<std::size_t>(free_points_wanted, how_.samples / 4);
   const auto free = draw_free_points(rays_, grown, how_.player_radius, wanted, 16 * free_point_tries, random, tries);
   if (free.empty()) {
     record.stored = false;
-    return record;
+    return baked;
   }
 
-  set_.clear();
-  for (const std::uint32_t polygon : always_) set_.add(polygon, free.front());
+  set.clear();
+  for (const std::uint32_t polygon : always_) set.add(polygon, free.front());
   const auto inside = polygons_touching(rays_.geometry(), grown);
-  geometry_inside_ = !inside.empty();
-  const sampling_plan plan{how_.sampler, how_.samples, geometry_inside_, how_.seed, cell.place};
-  gap_filter without_cracks(source_, rays_, set_, how_.smallest_gap);
+  baked.geometry_inside = !inside.empty();
+  const sampling_plan plan{how_.sampler, how_.samples, baked.geometry_inside, how_.seed, cell.place};
+  gap_filter without_cracks(source_, rays_, set, how_.smallest_gap);
   record.samples = sample_cell(
       plan, grown, free, [&](const glm::vec3& eye) { return rays_.is_free(eye, how_.player_radius); }, without_cracks,
-      set_);
+      set);
 
   // Rule 4: what touches the cell and faces a free point of it is in its set.
   for (const std::uint32_t polygon : inside)
     for (const glm::vec3& eye : free)
       if (faces(rays_, polygon, eye)) {
-        set_.add(polygon, eye);
+        set.add(polygon, eye);
         break;
       }
 
@@ -90,7 +97,7 @@ cell_record cell_baker::bake(const view_cell& cell) {
                                  .free_share = static_cast<double>(free.size()) / static_cast<double>(tries),
                                  .seed = how_.seed,
                                  .place = cell.place};
-    const finish_result proof = finish_with_rays(rays_, *neighbors_, grown, finish, set_);
+    const finish_result proof = finish_with_rays(rays_, *neighbors_, grown, finish, set);
     record.rays = proof.rays;
     record.misses = proof.misses;
     record.upper_bound = proof.upper_bound;
@@ -98,10 +105,10 @@ cell_record cell_baker::bake(const view_cell& cell) {
     record.rays_spent = proof.rays_spent;
     record.bound_met = proof.bound_met;
   }
-  record.set = set_.sorted();
+  record.set = set.sorted();
   add_coarser_levels(rays_.geometry().lods, record.set);
-  record.seconds = process_cpu_seconds() - began;
-  return record;
+  record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return baked;
 }
 
 }  // namespace sightcell::bake

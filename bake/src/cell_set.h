@@ -15,6 +15,9 @@ class cell_set {
   explicit cell_set(std::uint32_t polygon_count, const duplicate_classes* duplicates = nullptr)
       : entries_(polygon_count), duplicates_(duplicates) {}
 
+  // What an empty set of so many polygons takes.
+  static constexpr std::size_t bytes_for(std::size_t polygon_count) { return polygon_count * sizeof(entry); }
+
   // Forgets everything; storage stays.
   void clear();
 

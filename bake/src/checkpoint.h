@@ -20,7 +20,7 @@ struct cell_record {
   std::uint64_t rays_spent = 0;  // of all ray work
   std::uint32_t samples = 0;     // hemicubes rendered
   bool bound_met = true;
-  double seconds = 0.0;  // CPU seconds; report only
+  double seconds = 0.0;  // wall clock; several cells may have been in work at once; report only
   bool operator==(const cell_record&) const = default;
 };
 

@@ -46,8 +46,9 @@ class cell_bake : public testing::Test {
     const ray_scene rays(geometry, how.all_double_sided);
     const near_polygons neighbors(rays);
     const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
-    cell_baker baker(how, rays, how.max_pixel_error > 0.0 ? &neighbors : nullptr, *source);
-    cell_record record = baker.bake(cell);
+    const cell_baker baker(how, rays, how.max_pixel_error > 0.0 ? &neighbors : nullptr, *source);
+    cell_set set = baker.make_set();
+    cell_record record = baker.bake(cell, set).record;
     if (checked && how.max_pixel_error > 0.0 && record.stored) expect_as_brute_force(rays, cell, how, record);
     return record;
   }
@@ -293,9 +294,10 @@ TEST_F(cell_bake, every_cell_starts_afresh) {
   const near_polygons neighbors(rays);
   const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
   const settings how;
-  cell_baker baker(how, rays, &neighbors, *source);
-  (void)baker.bake(around_origin);
-  const cell_record second = baker.bake({{19, -1, -1}, {21, 1, 1}, "", 8});
+  const cell_baker baker(how, rays, &neighbors, *source);
+  cell_set set = baker.make_set();
+  (void)baker.bake(around_origin, set);
+  const cell_record second = baker.bake({{19, -1, -1}, {21, 1, 1}, "", 8}, set).record;
   EXPECT_TRUE(has(second, second_room, 12));
   EXPECT_FALSE(has_any(second, first_room, 12));
 }

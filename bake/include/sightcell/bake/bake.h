@@ -2,10 +2,11 @@
 // The bake: scene in, .pvs file out. An engine gives its own arrays (host_scene.h); a tool gives what
 // scene::load_gltf read.
 //
-// Threads: the work is spread over all cores (settings::threads); callbacks come on the calling thread. Hemicubes are
-// drawn on a headless OpenGL context that is current on the calling thread during the call, so none of the host's may
-// be: call from a thread that does not render. Several bakes may run at once, from different threads.
-// Failures: sightcell::error (sightcell/scene/error.h), one line with id, subject, cause and what to do.
+// Threads: the work is spread over all cores (settings::threads), several cells at once where the source of hemicubes
+// can be shared; callbacks come on the calling thread, one at a time. Hemicubes of the source gpu are drawn on a
+// headless OpenGL context that is current on the calling thread during the call, so none of the host's may be: call
+// from a thread that does not render. Several bakes may run at once, from different threads. Failures: sightcell::error
+// (sightcell/scene/error.h), one line with id, subject, cause and what to do.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +31,7 @@ namespace sightcell::bake {
 struct progress {
   std::uint32_t cells_done = 0, cells_total = 0;
   double seconds = 0.0;          // wall clock since the bake began
-  double seconds_left = 0.0;     // estimate from the cells of this run
+  double seconds_left = 0.0;     // estimate from the cells of this run; cells in work count as half done
   double pixel_error = 0.0;      // pooled misses / rays of the last fresh batches so far
   double worst_bound = 0.0;      // largest upper bound of a finished cell
   double visible_percent = 0.0;  // mean cell set of the cells so far, percent of all polygons
@@ -38,9 +39,9 @@ struct progress {
 
 enum class severity { note, warning };
 
-// Both are optional and may throw: the bake ends there, and what was finished is kept.
+// Both are optional and may throw: the bake ends there, and what was finished is kept, as are the cells in work.
 struct callbacks {
-  std::function<bool(const progress&)> on_progress;  // false cancels
+  std::function<bool(const progress&)> on_progress;  // false cancels, once the cells in work are finished
   // The log: one line of text without a line end. Notes are device, cells, estimate; warnings what may surprise.
   std::function<void(severity, const std::string&)> on_message;
 };
