@@ -21,8 +21,8 @@ json probe(const json& job);
 json measure_memory(const json& job);
 
 // Job "threads": scene, poses, resolution, rounds: the cpu source with one and with two threads, all poses in one call.
-// parallel_percent is told from CPU and wall time of the quickest round with two threads, so others who use the machine
-// make it smaller, never larger.
+// What the calling thread computes more than the other one is not parallel: parallel_percent. Roughly so where others
+// use the machine, as they take from one thread more than from the other.
 json measure_threads(const json& job);
 
 double median(std::vector<double> values);
