@@ -33,6 +33,12 @@ inline void gather_tile(const face_frame& face, const polygon_counter& counter, 
           atlas_pixel(face, tile_x * tile_size + first % tile_size, tile_y * tile_size + first / tile_size));
   };
   std::uint64_t left = kept_pixels(face, tile_x, tile_y);
+  ints same = rows[0] == all(static_cast<std::int32_t>(ids[0]));
+  for (std::uint32_t j = 1; j < tile_size; ++j) same = same & (rows[j] == rows[0]);
+  if (sign_bits(same) == 0xFFu) {
+    if (ids[0] != nothing) add(ids[0], left);
+    return;
+  }
   // Most tiles show a few polygons; where there are many, pixels come one by one.
   for (int found = 0; found < 12 && left != 0; ++found) {
     const std::uint32_t id = ids[__builtin_ctzll(left)];

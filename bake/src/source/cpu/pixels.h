@@ -83,6 +83,7 @@ inline void cover_rows(const draw_state& s, std::uint32_t tile, std::uint32_t ti
   const floats least = all(plane.least), most = all(plane.most), step_y = all(plane.step_y);
   const ints id = all(static_cast<std::int32_t>(s.id));
   floats q = all(plane.base + plane.step_y * static_cast<float>(j0)) + all(plane.step_x) * to_floats(count_up());
+  ints any = all(0);
   for (std::uint32_t j = j0; j <= j1; ++j) {
     const ints out = outside(j);
     const floats clamped = smaller(larger(q, least), most);
@@ -92,19 +93,22 @@ inline void cover_rows(const draw_state& s, std::uint32_t tile, std::uint32_t ti
       if (bits != 0) count_row(s, bits, tile_x * tile_size, tile_y * tile_size + j);
     } else {
       ints in = without(clamped > old, out);  // only the sign bits count
-      std::uint32_t bits = sign_bits(in);
-      if (bits != 0) {
-        if constexpr (kind == pass::masked) {
-          bits = passing(s, bits, tile_x * tile_size, tile_y * tile_size + j);
-          in = mask_of(bits);
+      if constexpr (kind == pass::masked) {
+        std::uint32_t bits = sign_bits(in);
+        if (bits == 0) {
+          q = q + step_y;
+          continue;
         }
-        store(depths + j * tile_size, choose(in, clamped, old));
-        store(ids + j * tile_size, choose(in, id, load(ids + j * tile_size)));
-        state = tile_state::stale;
+        bits = passing(s, bits, tile_x * tile_size, tile_y * tile_size + j);
+        in = mask_of(bits);
       }
+      any = any | in;
+      store(depths + j * tile_size, choose(in, clamped, old));
+      store(ids + j * tile_size, choose(in, id, load(ids + j * tile_size)));
     }
     q = q + step_y;
   }
+  if (sign_bits(any) != 0) state = tile_state::stale;
 }
 
 // A tile that the triangle covers all over.

@@ -8,7 +8,8 @@ namespace {
 
 struct open_child {
   std::int32_t child;
-  float nearest;  // largest inverse depth of the box
+  float nearest;   // largest inverse depth of the box
+  float distance;  // of its center, squared: what is walked first
   tile_rect rect;
 };
 
@@ -35,7 +36,7 @@ inline frustum frustum_of(const face_frame& face) {
 
 struct child_boxes {
   alignas(32) std::int32_t x0[8], y0[8], x1[8], y1[8];  // tiles
-  alignas(32) float nearest[8];
+  alignas(32) float nearest[8], distance[8];
 };
 
 // The children of a node that may be seen, a bit each.
@@ -103,6 +104,7 @@ inline std::uint32_t children_in_view(const face_frame& face, const tile_image& 
   store(out.x1, shift_right<3>(x1));
   store(out.y1, shift_right<3>(y1));
   store(out.nearest, choose(in_front, all(1.00001f) / larger(least_z, near), all(1e9f)));
+  store(out.distance, smaller(x * x + y * y + z * z, all(1e30f)));
   return seen;
 }
 
@@ -121,7 +123,7 @@ inline void draw_tree(draw_state& s, const tree_view& tree) {
   const frustum view = frustum_of(s.face);
   open_child stack[7 * max_tree_depth + 8];
   std::uint32_t size = 0;
-  stack[size++] = {0, 1e9f, {0, 0, 0, 0}};
+  stack[size++] = {0, 1e9f, 0, {0, 0, 0, 0}};
   while (size > 0) {
     const open_child next = stack[--size];
     if (next.nearest < 1e8f && is_hidden(s.image, next.rect, as_near_as<kind>(next.nearest))) continue;
@@ -134,10 +136,11 @@ inline void draw_tree(draw_state& s, const tree_view& tree) {
     const std::uint32_t first = size;
     for (std::uint32_t seen = children_in_view(s.face, s.image, view, node, boxes); seen != 0; seen &= seen - 1) {
       const auto k = static_cast<std::uint32_t>(__builtin_ctz(seen));
-      const open_child made{node.child[k], boxes.nearest[k], {boxes.x0[k], boxes.y0[k], boxes.x1[k], boxes.y1[k]}};
+      const open_child made{
+          node.child[k], boxes.nearest[k], boxes.distance[k], {boxes.x0[k], boxes.y0[k], boxes.x1[k], boxes.y1[k]}};
       // The nearest ends on top of the stack.
       std::uint32_t at = size++;
-      for (; at > first && stack[at - 1].nearest > made.nearest; --at) stack[at] = stack[at - 1];
+      for (; at > first && stack[at - 1].distance < made.distance; --at) stack[at] = stack[at - 1];
       stack[at] = made;
     }
   }
