@@ -42,15 +42,23 @@ void image_gather::add(std::uint32_t id, std::uint32_t pixels, std::uint32_t fir
 
 bool image_gather::run(std::span<const face_view, face_count> faces, std::span<const std::uint32_t> ids,
                        std::span<const float> depths, float at_far_plane, hemicube_view& view) {
-  const bool known = count_pixels(ids);
-  list_found(view.seen);  // in any case: it empties the counts
-  if (!known) return false;
-  view.importance = {};
-  const std::size_t stride = 3 * std::size_t{faces[face_front].width};
-  for (const face_view& face : faces) {
-    add_importance(&depths[face.y * stride + face.x], stride, face, at_far_plane, view.importance);
-  }
+  if (!list(ids, view.seen)) return false;
+  sum(faces, depths, at_far_plane, view.importance);
   return true;
+}
+
+bool image_gather::list(std::span<const std::uint32_t> ids, std::vector<seen_polygon>& seen) {
+  const bool known = count_pixels(ids);
+  list_found(seen);  // in any case: it empties the counts
+  return known;
+}
+
+void image_gather::sum(std::span<const face_view, face_count> faces, std::span<const float> depths, float at_far_plane,
+                       std::array<double, 4>& importance) {
+  importance = {};
+  const std::size_t stride = 3 * std::size_t{faces[face_front].width};
+  for (const face_view& face : faces)
+    add_importance(&depths[face.y * stride + face.x], stride, face, at_far_plane, importance);
 }
 
 bool image_gather::count_pixels(std::span<const std::uint32_t> ids) {

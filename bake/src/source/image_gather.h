@@ -28,6 +28,10 @@ class image_gather {
   // use, where an id is not below polygon_count.
   bool run(std::span<const face_view, face_count> faces, std::span<const std::uint32_t> ids,
            std::span<const float> depths, float at_far_plane, hemicube_view& view);
+  // Its two parts.
+  bool list(std::span<const std::uint32_t> ids, std::vector<seen_polygon>& seen);
+  void sum(std::span<const face_view, face_count> faces, std::span<const float> depths, float at_far_plane,
+           std::array<double, 4>& importance);
 
  private:
   struct count {

@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
+#include "process_time.h"
 #include "rays/embree_scene.h"
 #include "seeing/duplicates.h"
 #include "source/hemicube_faces.h"
@@ -89,10 +91,12 @@ class rays_source final : public hemicube_source {
         wide_(rtcGetDeviceProperty(shared.device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0),
         scratch_([this] { return scratch(polygon_count_); }) {
     check_hemicube(options.resolution, options.far_plane);
-    lowest_ = embree_.ids[opaque_standing];
     const duplicate_classes classes(embree_.geometry, embree_.all_double_sided);
-    for (std::uint32_t& id : lowest_)
-      if (const auto members = classes.class_of(id); !members.empty()) id = members.front();
+    for (const unsigned g : {opaque_standing, tested_standing}) {
+      lowest_[g] = embree_.ids[g];
+      for (std::uint32_t& id : lowest_[g])
+        if (const auto members = classes.class_of(id); !members.empty()) id = members.front();
+    }
     make_see_through();
   }
   ~rays_source() override {
@@ -112,9 +116,20 @@ class rays_source final : public hemicube_source {
 
   void render_image(const pose& where, hemicube_image& image) override {
     scratch& own = scratch_.local();
-    const auto faces = trace(where, own, image);
-    hemicube_view unused;  // empties the scratch
-    own.gather.run(faces, image.ids, image.inverse_depths, at_far_plane_, unused);
+    trace(where, own, image);
+    std::vector<seen_polygon> unused;  // empties the scratch
+    own.gather.list(image.ids, unused);
+  }
+
+  std::optional<sample_split> render_split(const pose& where, hemicube_view& view) override {
+    scratch& own = scratch_.local();
+    const double start = thread_cpu_seconds();
+    const auto faces = trace(where, own, own.image);
+    const double traced = thread_cpu_seconds();
+    own.gather.list(own.image.ids, view.seen);
+    const double listed = thread_cpu_seconds();
+    own.gather.sum(faces, own.image.inverse_depths, at_far_plane_, view.importance);
+    return sample_split{traced - start, listed - traced, thread_cpu_seconds() - listed};
   }
 
   bool shared() const override { return true; }
@@ -212,7 +227,7 @@ class rays_source final : public hemicube_source {
           image.ids[pixel] = scene::no_index;
           image.inverse_depths[pixel] = 0.0f;
         } else {
-          image.ids[pixel] = geometry == opaque_standing ? lowest_[primitive] : embree_.ids[geometry][primitive];
+          image.ids[pixel] = lowest_[geometry][primitive];
           image.inverse_depths[pixel] = 1.0f / p.ray.tfar[i];
         }
       }
@@ -279,8 +294,9 @@ class rays_source final : public hemicube_source {
   float at_far_plane_;
   std::uint32_t polygon_count_;
   bool wide_;
-  std::vector<std::uint32_t> lowest_;  // of opaque_standing's primitives: the lowest source id in exactly that place
-  RTCScene see_through_ = nullptr;     // what hides nothing; null where there is none
+  // Of what hides, geometry by geometry: the lowest source id in exactly a primitive's place.
+  std::array<std::vector<std::uint32_t>, 2> lowest_;
+  RTCScene see_through_ = nullptr;  // what hides nothing; null where there is none
   tbb::enumerable_thread_specific<scratch> scratch_;
 };
 

@@ -3,8 +3,8 @@
 // drawn: the truth that the other sources are compared with.
 //
 // What a ray sees is what ray_scene::look sees, but for what hides nothing: it is seen up to rule 2's reach behind the
-// front surface, so that decals on a wall are. Of exact duplicates (rule 2) that are there all over the lowest source
-// id is noted; which of other surfaces in exactly the same place, is Embree's choice, the same in every run.
+// front surface, so that decals on a wall are. Of exact duplicates (rule 2) the lowest source id is noted; which of
+// other surfaces in exactly the same place, is Embree's choice, the same in every run.
 #include <memory>
 
 #include "rays/ray_scene.h"

@@ -169,6 +169,18 @@ TEST_P(source_view_test, a_pose_gives_the_same_view_alone_and_among_others) {
   }
 }
 
+TEST_P(source_view_test, telling_the_parts_of_its_cost_changes_nothing) {
+  const scene::world_geometry world = scene::flatten(cloud().finished());
+  const auto tested = source(world);
+  bake::hemicube_view a, b;
+  tested->render(turned_along_x(), a);
+  const auto split = tested->render_split(turned_along_x(), b);
+  EXPECT_GT(a.seen.size(), 100u);
+  expect_same_seen(a, b);
+  EXPECT_EQ(a.importance, b.importance);
+  EXPECT_TRUE(!split || split->draw > 0.0);
+}
+
 TEST_P(source_view_test, shared_sources_may_be_called_from_several_threads) {
   const scene::world_geometry world = scene::flatten(cloud().finished());
   const auto tested = source(world);
@@ -372,11 +384,19 @@ TEST(rays_source_test, of_exact_duplicates_the_lowest_id_is_seen) {
   s.wall_x(5, -1, 20);
   const auto first = s.wall_x(2, -1, 1);
   for (int i = 0; i < 4; ++i) s.wall_x(2, -1, 1);
+  const auto leaf = [&] {
+    return s.masked_quad({1, -0.2f, -0.2f}, {1, -0.2f, 0.2f}, {1, 0.2f, 0.2f}, {1, 0.2f, -0.2f}, {2, 1, {255, 0}},
+                         true);
+  };
+  const auto first_leaf = leaf();
+  leaf();
+  leaf();
   const scene::world_geometry world = scene::flatten(s.finished());
   bake::hemicube_view view;
   bake::make_rays_source(world, {size, 30.0f})->render(along_x, view);
-  ASSERT_EQ(view.seen.size(), 4u);
+  EXPECT_EQ(view.seen.size(), 6u);
   EXPECT_TRUE(sees_wall(view, first));
+  EXPECT_TRUE(sees_wall(view, first_leaf));
 }
 
 TEST(rays_source_test, all_double_sided_is_the_ray_scenes_to_say) {
