@@ -10,4 +10,8 @@ struct vec4 {
   float x, y, z, w;
 };
 
+struct uvec4 {
+  uint x, y, z, w;
+};
+
 }  // namespace sightcell::shaders

@@ -12,6 +12,18 @@ const uint hemicube_group_width = 16u;
 const uint hemicube_group_height = 16u;
 const uint hemicube_collect_size = 256u;
 
+// Culling on the device: invocations of cull.comp and compact.comp.
+const uint hemicube_cull_size = 64u;
+const uint hemicube_compact_size = 256u;
+// Levels of the hierarchical depth below the full size; a work group of depth_levels.comp makes all of one block of
+// 2^levels pixels a side.
+const uint hemicube_depth_levels = 5u;
+const uint hemicube_depth_block = 32u;
+
+const uint hemicube_faces = 5u;
+const uint hemicube_classes = 8u;      // source/gpu_geometry.h: polygon_class
+const uint hemicube_command_words = 5u;  // of an indirect draw: count, instances, first index, base vertex, base instance
+
 // Vertex attributes.
 const uint hemicube_attribute_position = 0u;
 const uint hemicube_attribute_source_id = 1u;
@@ -22,10 +34,18 @@ const uint hemicube_attribute_alpha = 4u;  // of the corner's color
 // Uniform blocks.
 const uint hemicube_block_face = 0u;
 const uint hemicube_block_gather = 1u;
+const uint hemicube_block_cull = 2u;
+const uint hemicube_block_cull_scene = 3u;
 
 // Textures.
 const uint hemicube_texture_ids = 0u;
 const uint hemicube_texture_depth = 1u;
+const uint hemicube_texture_levels = 2u;      // hierarchical depth; level 0 is the depth after the first pass
+const uint hemicube_texture_second_ids = 3u;  // of the second pass
+
+// Images.
+const uint hemicube_image_level = 0u;  // and the hemicube_depth_levels units after it
+const uint hemicube_image_ids = 0u;    // in resolve.comp
 
 // Storage buffers.
 const uint hemicube_buffer_counts = 0u;  // hemicube_count per source id; all 0 between hemicubes
@@ -34,6 +54,14 @@ const uint hemicube_buffer_result = 2u;  // what is read back, see below
 
 const uint hemicube_buffer_masks = 3u;   // hemicube_mask per mask
 const uint hemicube_buffer_texels = 4u;  // alphas, four per word, lowest byte first
+
+// Of culling, in turns: OpenGL promises no more than eight bindings.
+const uint hemicube_buffer_clusters = 5u;       // hemicube_cluster, grouped by class
+const uint hemicube_buffer_commands = 6u;       // a draw per face and cluster; no index when the cluster is culled
+const uint hemicube_buffer_seen_clusters = 7u;  // a bit per cluster: the last hemicube saw some of it
+const uint hemicube_buffer_packed = 5u;         // compact.comp: the draws that are left, in the same order
+const uint hemicube_buffer_packed_counts = 7u;  // how many, per face and class
+const uint hemicube_buffer_cluster_of = 5u;     // resolve.comp: cluster per source id
 
 // The result, in 32-bit words: number of polygons, three unused, four floats per work group, (id, pixels, first pixel) per polygon.
 const uint hemicube_result_header = 4u;
@@ -51,6 +79,34 @@ struct hemicube_gather {
   uint group_count;     // work groups of gather.comp: the polygon list in the result starts after their sums
   float near_over_far;  // near plane / far plane: depth that counts as 1
   uint unused_word;
+};
+
+// A run of polygons in device order and the box around them.
+struct hemicube_cluster {
+  vec4 center;  // xyz
+  vec4 extent;  // xyz; half size
+  uint first_polygon;
+  uint polygon_count;
+  uint unused_a, unused_b;
+};
+
+struct hemicube_cull_face {
+  vec4 forward, right, up;  // xyz
+  vec4 kept;                // smallest and largest x, smallest and largest y on the image plane at distance 1
+  vec4 pixels;              // x, y, width, height of its rectangle in the atlas
+};
+
+struct hemicube_cull {
+  vec4 eye;  // xyz; w: distance of the near plane in metres
+  hemicube_cull_face faces[hemicube_faces];
+};
+
+// What all hemicubes of a source share.
+struct hemicube_cull_scene {
+  uint cluster_count;
+  uint hiding_clusters;  // those of opaque and masked polygons: they come first
+  uint unused_a, unused_b;
+  uvec4 classes[hemicube_classes];  // first cluster, number of clusters
 };
 
 // Pixels of the atlas count from its lower left corner, row by row.
@@ -71,6 +127,11 @@ struct hemicube_mask {
 };
 
 #ifdef __cplusplus
+static_assert(1u << hemicube_depth_levels == hemicube_depth_block);
+static_assert(sizeof(hemicube_cluster) == 48);
+static_assert(sizeof(hemicube_cull_face) == 80);
+static_assert(sizeof(hemicube_cull) == 416);
+static_assert(sizeof(hemicube_cull_scene) == 144);
 static_assert(sizeof(hemicube_mask) == 32);
 static_assert(sizeof(hemicube_count) == 8);
 static_assert(sizeof(hemicube_face) == 64);

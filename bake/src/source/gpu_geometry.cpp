@@ -12,7 +12,7 @@ namespace sightcell::bake {
 namespace {
 
 // Polygons per cluster at most. Smaller ones are culled more tightly but cost more commands.
-constexpr std::size_t cluster_size = 512;
+constexpr std::size_t cluster_size = 128;
 
 struct placed_polygon {
   glm::vec3 center;
@@ -140,17 +140,16 @@ gpu_geometry::gpu_geometry(const scene::world_geometry& world)
     by_class[class_of(kind)].push_back({center, id});
   }
 
-  std::vector<std::uint32_t> source_ids;  // in device order
   for (std::uint32_t c = 0; c < polygon_class_count; ++c) {
     std::vector<placed_polygon>& polygons = by_class[c];
     clusters_of_class_[c].first = static_cast<std::uint32_t>(clusters_.size());
     split_in_space(polygons, [&](std::size_t first, std::size_t last) {
       cluster added{};
-      added.first_polygon = static_cast<std::uint32_t>(source_ids.size());
+      added.first_polygon = static_cast<std::uint32_t>(source_ids_.size());
       added.polygon_count = static_cast<std::uint32_t>(last - first);
       glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
       for (std::size_t i = first; i < last; ++i) {
-        source_ids.push_back(polygons[i].id);
+        source_ids_.push_back(polygons[i].id);
         for (std::uint32_t k = 0; k < 3; ++k) {
           low = glm::min(low, corner(world, polygons[i].id, k));
           high = glm::max(high, corner(world, polygons[i].id, k));
@@ -160,23 +159,23 @@ gpu_geometry::gpu_geometry(const scene::world_geometry& world)
       added.center = low * 0.5f + high * 0.5f;
       added.extent = high * 0.5f - low * 0.5f;
       // Neighbors in the file mostly share vertices.
-      std::sort(source_ids.begin() + added.first_polygon, source_ids.end());
+      std::sort(source_ids_.begin() + added.first_polygon, source_ids_.end());
       clusters_.push_back(added);
     });
     clusters_of_class_[c].count = static_cast<std::uint32_t>(clusters_.size()) - clusters_of_class_[c].first;
     polygons = {};
   }
-  upload(world, source_ids);
+  upload(world);
 }
 
-void gpu_geometry::upload(const scene::world_geometry& world, const std::vector<std::uint32_t>& source_ids) {
+void gpu_geometry::upload(const scene::world_geometry& world) {
   vertex_welder welder(world.positions.size());
   std::vector<mask_vertex> masked;
-  std::vector<std::uint32_t> indices(3 * source_ids.size());
+  std::vector<std::uint32_t> indices(3 * source_ids_.size());
   // Masked polygons first, so that their vertices are the first; indices stay in device order.
   for (const bool want_masked : {true, false}) {
-    for (std::size_t i = 0; i < source_ids.size(); ++i) {
-      const std::uint32_t id = source_ids[i];
+    for (std::size_t i = 0; i < source_ids_.size(); ++i) {
+      const std::uint32_t id = source_ids_[i];
       if (world.kinds[id].alpha_tested != want_masked) continue;
       const std::array<glm::vec3, 3> corners{corner(world, id, 0), corner(world, id, 1), corner(world, id, 2)};
       const auto numbers = want_masked ? welder.add_apart(id, corners) : welder.add(id, corners);
@@ -196,8 +195,6 @@ void gpu_geometry::upload(const scene::world_geometry& world, const std::vector<
     masked_array_ = make_vertex_array();
     add_mask_attributes(masked_array_);
   }
-  index_counts_.reserve(clusters_.size() * face_count);
-  index_offsets_.reserve(clusters_.size() * face_count);
 }
 
 void gpu_geometry::upload_masks(const scene::world_geometry& world) {
@@ -259,45 +256,13 @@ bool gpu_geometry::has_see_through() const {
          has(see_through_masked_single_sided, see_through_masked_double_sided);
 }
 
-void gpu_geometry::cull(const glm::vec3& eye, std::span<const face_view, face_count> faces) {
-  index_counts_.clear();
-  index_offsets_.clear();
-  for (std::uint32_t f = 0; f < face_count; ++f) {
-    for (std::uint32_t c = 0; c < polygon_class_count; ++c) {
-      index_range& range = draws_[f][c];
-      range.first = static_cast<std::uint32_t>(index_counts_.size());
-      cull_class(eye, faces[f], static_cast<polygon_class>(c));
-      range.count = static_cast<std::uint32_t>(index_counts_.size()) - range.first;
-    }
+std::vector<std::uint32_t> gpu_geometry::cluster_of_polygons() const {
+  std::vector<std::uint32_t> found(polygon_count_, 0);
+  for (std::size_t c = 0; c < clusters_.size(); ++c) {
+    for (std::uint32_t i = 0; i < clusters_[c].polygon_count; ++i)
+      found[source_ids_[clusters_[c].first_polygon + i]] = static_cast<std::uint32_t>(c);
   }
-}
-
-void gpu_geometry::cull_class(const glm::vec3& eye, const face_view& face, polygon_class which) {
-  // Planes through the eye; their normals point inside.
-  const std::array<glm::vec3, 5> planes{face.right - face.min_x * face.forward, face.max_x * face.forward - face.right,
-                                        face.up - face.min_y * face.forward, face.max_y * face.forward - face.up,
-                                        face.forward};
-  const index_range clusters = clusters_of_class_[which];
-  std::uint32_t end_of_last = 0xFFFFFFFFu;  // device number after the last draw of this list
-  for (std::uint32_t i = clusters.first; i < clusters.first + clusters.count; ++i) {
-    const cluster& c = clusters_[i];
-    const glm::vec3 from_eye = c.center - eye;
-    bool outside = false;
-    for (const glm::vec3& plane : planes) {
-      const glm::vec3 size = glm::abs(plane);
-      // A little more than the box, for rounding here and in the vertex shader.
-      const float reach = glm::dot(size, c.extent + 1e-5f * (glm::abs(from_eye) + glm::abs(eye)));
-      outside = outside || glm::dot(plane, from_eye) + reach < 0.0f;
-    }
-    if (outside) continue;
-    if (end_of_last == c.first_polygon) {
-      index_counts_.back() += static_cast<GLsizei>(3 * c.polygon_count);
-    } else {
-      index_counts_.push_back(static_cast<GLsizei>(3 * c.polygon_count));
-      index_offsets_.push_back(reinterpret_cast<const void*>(std::size_t{c.first_polygon} * 3 * sizeof(std::uint32_t)));
-    }
-    end_of_last = c.first_polygon + c.polygon_count;
-  }
+  return found;
 }
 
 void gpu_geometry::bind() const {
@@ -307,12 +272,8 @@ void gpu_geometry::bind() const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_texels, texels_->id());
 }
 
-void gpu_geometry::draw(std::uint32_t face, polygon_class which) const {
-  const index_range& range = draws_[face][which];
-  if (range.count == 0) return;
+void gpu_geometry::bind_vertices(polygon_class which) const {
   glBindVertexArray(is_masked(which) ? masked_array_ : vertex_array_);
-  glMultiDrawElements(GL_TRIANGLES, &index_counts_[range.first], GL_UNSIGNED_INT, &index_offsets_[range.first],
-                      static_cast<GLsizei>(range.count));
 }
 
 }  // namespace sightcell::bake

@@ -1,5 +1,5 @@
 #pragma once
-// The flattened scene on the device, cut into clusters that are culled per face on the CPU.
+// The flattened scene on the device, cut into clusters (gpu_culling.h finds those that a face can see).
 //
 // Polygons are put in device order: by class (how they are drawn), inside a class by a recursive split in space, so
 // that a cluster has a tight box. Corners of masked polygons come first among the vertices and share none. Absent
@@ -14,7 +14,6 @@
 
 #include "sightcell/scene/scene.h"
 #include "source/gpu_objects.h"
-#include "source/hemicube_faces.h"
 
 namespace sightcell::bake {
 
@@ -41,35 +40,34 @@ class gpu_geometry {
   bool has_see_through() const;                                   // any of the four classes
   std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, absent ones included
 
-  // Finds the clusters that each face can see.
-  void cull(const glm::vec3& eye, std::span<const face_view, face_count> faces);
-  // Sets what all draws share; needed once before a row of draw().
-  void bind() const;
-  // Draws the clusters of one class found by cull() for one face.
-  void draw(std::uint32_t face, polygon_class which) const;
-
- private:
+  // Clusters, grouped by class; polygons in device order, which is that of the clusters.
   struct cluster {
-    glm::vec3 center, extent;                    // half size
-    std::uint32_t first_polygon, polygon_count;  // device order
+    glm::vec3 center, extent;  // half size
+    std::uint32_t first_polygon, polygon_count;
   };
   struct index_range {
     std::uint32_t first = 0, count = 0;
   };
+  std::span<const cluster> clusters() const { return clusters_; }
+  index_range clusters_of(polygon_class which) const { return clusters_of_class_[which]; }
+  // Cluster by source id; 0 for polygons that are not drawn.
+  std::vector<std::uint32_t> cluster_of_polygons() const;
 
-  void upload(const scene::world_geometry& world, const std::vector<std::uint32_t>& source_ids);
+  // Sets what all draws share; needed once before a row of draws.
+  void bind() const;
+  // Binds vertices and indices (three 32-bit ones per polygon, in device order) of one class.
+  void bind_vertices(polygon_class which) const;
+
+ private:
+  void upload(const scene::world_geometry& world);
   void upload_masks(const scene::world_geometry& world);
   GLuint make_vertex_array() const;
   void add_mask_attributes(GLuint vertex_array) const;
-  void cull_class(const glm::vec3& eye, const face_view& face, polygon_class which);
 
   std::uint32_t polygon_count_ = 0;
   std::vector<cluster> clusters_;  // grouped by class
   std::array<index_range, polygon_class_count> clusters_of_class_;
-  // Draws of all faces and classes, as glMultiDrawElements wants them, and the part of each face and class.
-  std::vector<GLsizei> index_counts_;
-  std::vector<const void*> index_offsets_;
-  std::array<std::array<index_range, polygon_class_count>, face_count> draws_;
+  std::vector<std::uint32_t> source_ids_;  // in device order
   std::optional<gl_buffer> vertices_, indices_;
   std::optional<gl_buffer> mask_vertices_, masks_, texels_;  // only where something is masked
   GLuint vertex_array_ = 0, masked_array_ = 0;

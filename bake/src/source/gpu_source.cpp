@@ -44,8 +44,9 @@ class gpu_source final : public hemicube_source {
                                               {GL_FRAGMENT_SHADER, shaders::hemicube_see_through_frag}}),
         ids_(GL_R32UI, static_cast<GLsizei>(3 * resolution_), static_cast<GLsizei>(resolution_)),
         depths_(GL_DEPTH_COMPONENT32F, static_cast<GLsizei>(3 * resolution_), static_cast<GLsizei>(resolution_)),
-        face_blocks_(face_count * sizeof(face_block), nullptr, GL_DYNAMIC_STORAGE_BIT) {
-    make_framebuffer();
+        framebuffer_(ids_.id(), depths_.id()),
+        face_blocks_(face_count * sizeof(face_block), nullptr, GL_DYNAMIC_STORAGE_BIT),
+        culling_(make_culling(options.hide)) {
     using stages = std::initializer_list<picture::gl_program::stage>;
     if (geometry_.has(masked_single_sided, masked_double_sided)) {
       masked_.emplace("hemicube/masked", stages{{GL_VERTEX_SHADER, shaders::hemicube_masked_vert},
@@ -66,8 +67,6 @@ class gpu_source final : public hemicube_source {
     gather_block_.emplace(sizeof block, &block);
     context_.check("hemicube setup");
   }
-
-  ~gpu_source() override { glDeleteFramebuffers(1, &framebuffer_); }
 
   using hemicube_source::render;
   void render(std::span<const pose> poses, std::span<hemicube_view> views) override {
@@ -94,21 +93,20 @@ class gpu_source final : public hemicube_source {
   std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
 
  private:
-  hemicube_atlas atlas() const { return {resolution_, near_over_far_, framebuffer_, ids_.id(), depths_.id()}; }
+  hemicube_atlas atlas() const { return {resolution_, near_over_far_, framebuffer_.id(), ids_.id(), depths_.id()}; }
 
   std::array<face_view, face_count> draw(const pose& where) {
     const auto faces = hemicube_faces(where, resolution_);
     std::array<face_block, face_count> blocks;
     for (std::uint32_t f = 0; f < face_count; ++f) blocks[f] = block_of(where.eye, faces[f]);
     glNamedBufferSubData(face_blocks_.id(), 0, sizeof blocks, blocks.data());
-    geometry_.cull(where.eye, faces);
+    culling_->start(where.eye, faces);
 
     set_state();
-    glUseProgram(opaque_.id());
-    draw_faces(faces, opaque_single_sided, opaque_double_sided);
-    if (masked_) {
-      glUseProgram(masked_->id());
-      draw_faces(faces, masked_single_sided, masked_double_sided);
+    draw_hiding(faces);
+    if (culling_->start_second()) {
+      draw_hiding(faces);
+      culling_->finish_second();
     }
     if (counts_) {
       counts_->start();
@@ -118,7 +116,7 @@ class gpu_source final : public hemicube_source {
       glUseProgram(see_through_.id());
       glDepthMask(GL_FALSE);
       glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-      glDepthFunc(GL_GEQUAL);  // a decal at exactly the depth of its wall is seen
+      // GL_GEQUAL: a decal at exactly the depth of its wall is seen.
       draw_faces(faces, see_through_single_sided, see_through_double_sided);
       if (see_through_masked_) {
         glUseProgram(see_through_masked_->id());
@@ -128,20 +126,15 @@ class gpu_source final : public hemicube_source {
     return faces;
   }
 
-  void make_framebuffer() {
-    glCreateFramebuffers(1, &framebuffer_);
-    glNamedFramebufferTexture(framebuffer_, GL_COLOR_ATTACHMENT0, ids_.id(), 0);
-    glNamedFramebufferTexture(framebuffer_, GL_DEPTH_ATTACHMENT, depths_.id(), 0);
-    if (glCheckNamedFramebufferStatus(framebuffer_, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-      glDeleteFramebuffers(1, &framebuffer_);
-      throw error(error_kind::failed, "gl.error", "OpenGL source", "the device cannot draw 32-bit ids and depths",
-                  "use another source");
-    }
+  std::unique_ptr<gpu_culling> make_culling(culling how) const {
+    if ((how == culling::occlusion || (how == culling::automatic && !context_.software())) && can_cull_on_device())
+      return make_occlusion_culling(geometry_, {resolution_, framebuffer_.id(), ids_.id(), depths_.id()});
+    return make_frustum_culling(geometry_, how != culling::none);
   }
 
   // Everything is set again for each hemicube: others draw on the same context.
   void set_state() const {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glDepthRangef(0.0f, 1.0f);
     glFrontFace(GL_CCW);
@@ -153,7 +146,7 @@ class gpu_source final : public hemicube_source {
     }
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_SCISSOR_TEST);
-    glDepthFunc(GL_GREATER);  // reversed depth: larger is nearer
+    glDepthFunc(GL_GEQUAL);  // reversed depth: larger is nearer; of two at the same depth the later one is kept
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     const auto width = static_cast<GLsizei>(3 * resolution_), height = static_cast<GLsizei>(resolution_);
@@ -164,6 +157,15 @@ class gpu_source final : public hemicube_source {
     glClearBufferfv(GL_DEPTH, 0, &farthest);
     geometry_.bind();
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_gather, gather_block_->id());
+  }
+
+  // Everything that hides.
+  void draw_hiding(std::span<const face_view, face_count> faces) {
+    glUseProgram(opaque_.id());
+    draw_faces(faces, opaque_single_sided, opaque_double_sided);
+    if (!masked_) return;
+    glUseProgram(masked_->id());
+    draw_faces(faces, masked_single_sided, masked_double_sided);
   }
 
   void draw_faces(std::span<const face_view, face_count> faces, polygon_class single_sided,
@@ -177,9 +179,9 @@ class gpu_source final : public hemicube_source {
       glBindBufferRange(GL_UNIFORM_BUFFER, shaders::hemicube_block_face, face_blocks_.id(),
                         static_cast<GLintptr>(f * sizeof(face_block)), sizeof(shaders::hemicube_face));
       glEnable(GL_CULL_FACE);
-      geometry_.draw(f, single_sided);
+      culling_->draw(f, single_sided);
       glDisable(GL_CULL_FACE);
-      geometry_.draw(f, double_sided);
+      culling_->draw(f, double_sided);
     }
   }
 
@@ -190,11 +192,12 @@ class gpu_source final : public hemicube_source {
   picture::gl_program opaque_, see_through_;
   std::optional<picture::gl_program> masked_, see_through_masked_;  // only where there is such a polygon
   gl_image ids_, depths_;
+  gl_framebuffer framebuffer_;
   gl_buffer face_blocks_;
+  std::unique_ptr<gpu_culling> culling_;
   std::optional<gl_buffer> gather_block_;
   std::optional<polygon_counts> counts_;
   std::unique_ptr<gpu_gather> gather_;
-  GLuint framebuffer_ = 0;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/scene.h"
+#include "source/gpu_culling.h"
 #include "source/hemicube_source.h"
 
 namespace sightcell::bake {
@@ -13,9 +14,10 @@ namespace sightcell::bake {
 enum class gather { automatic, read_back, compute };
 
 struct gpu_source_options {
-  std::uint32_t resolution = 256;  // S, pixels along a face; even, 16..4096
-  float far_plane = 1.0f;          // metres; depths are divided by it in the importance, background counts as 1
-  gather how = gather::automatic;  // automatic: read_back on a software rasteriser, else compute
+  std::uint32_t resolution = 256;     // S, pixels along a face; even, 16..4096
+  float far_plane = 1.0f;             // metres; depths are divided by it in the importance, background counts as 1
+  gather how = gather::automatic;     // automatic: read_back on a software rasteriser, else compute
+  culling hide = culling::automatic;  // which clusters are drawn; every way shows the same image
 };
 
 // Uploads the geometry. context and geometry must outlive the source, and context must be current at every call.

@@ -1,0 +1,39 @@
+// Which clusters a face can see; one invocation per cluster and face. Written into the draws of one pass.
+layout(local_size_x = hemicube_cull_size) in;
+
+layout(std140, binding = hemicube_block_cull) uniform cull_block { hemicube_cull view; };
+layout(std140, binding = hemicube_block_cull_scene) uniform cull_scene_block { hemicube_cull_scene scene; };
+layout(std430, binding = hemicube_buffer_clusters) readonly buffer clusters_buffer { hemicube_cluster clusters[]; };
+layout(std430, binding = hemicube_buffer_commands) writeonly buffer commands_buffer { uint commands[]; };
+layout(std430, binding = hemicube_buffer_seen_clusters) readonly buffer seen_buffer { uint seen_clusters[]; };
+
+// Half the box, and a little more for rounding here and in the vertex shader.
+vec3 reach_of(hemicube_cluster c) {
+  return c.extent.xyz + 1e-5 * (abs(c.center.xyz - view.eye.xyz) + abs(view.eye.xyz));
+}
+
+bool outside(vec3 plane, vec3 from_eye, vec3 reach) { return dot(plane, from_eye) + dot(abs(plane), reach) < 0.0; }
+
+// The formula is that of bake/src/source/gpu_culling.cpp.
+bool in_frustum(hemicube_cluster c, hemicube_cull_face face) {
+  vec3 from_eye = c.center.xyz - view.eye.xyz, reach = reach_of(c);
+  vec3 forward = face.forward.xyz, right = face.right.xyz, up = face.up.xyz;
+  return !(outside(right - face.kept.x * forward, from_eye, reach) ||
+           outside(face.kept.y * forward - right, from_eye, reach) ||
+           outside(up - face.kept.z * forward, from_eye, reach) ||
+           outside(face.kept.w * forward - up, from_eye, reach) || outside(forward, from_eye, reach));
+}
+
+// Was it drawn in the first pass, given that it is in the frustum?
+bool in_first_pass(uint cluster) {
+  return cluster < scene.hiding_clusters && (seen_clusters[cluster / 32u] >> (cluster % 32u) & 1u) != 0u;
+}
+
+void write_draw(uint cluster, uint face, bool drawn) {
+  uint at = hemicube_command_words * (face * scene.cluster_count + cluster);
+  commands[at] = drawn ? 3u * clusters[cluster].polygon_count : 0u;
+  commands[at + 1u] = 1u;
+  commands[at + 2u] = 3u * clusters[cluster].first_polygon;
+  commands[at + 3u] = 0u;
+  commands[at + 4u] = 0u;
+}

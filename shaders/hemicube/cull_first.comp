@@ -1,0 +1,10 @@
+#version 450 core
+#include "shared/hemicube_layout.h"
+#include "hemicube/cull.glsl"
+
+// First pass: the clusters of which the last hemicube saw some.
+void main() {
+  uint cluster = gl_GlobalInvocationID.x, face = gl_WorkGroupID.y;
+  if (cluster >= scene.cluster_count) return;
+  write_draw(cluster, face, in_first_pass(cluster) && in_frustum(clusters[cluster], view.faces[face]));
+}

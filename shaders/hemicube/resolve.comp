@@ -1,0 +1,31 @@
+#version 450 core
+#include "shared/hemicube_layout.h"
+
+// Puts the two passes together, one invocation per pixel: the nearer polygon, of two at the same depth the one in the
+// later cluster, as if all clusters had been drawn in one row. Notes the cluster for the next hemicube's first pass.
+layout(local_size_x = hemicube_group_width, local_size_y = hemicube_group_height) in;
+
+layout(binding = hemicube_texture_depth) uniform sampler2D depths;
+layout(binding = hemicube_texture_levels) uniform sampler2D levels;
+layout(binding = hemicube_texture_second_ids) uniform usampler2D second_ids;
+layout(binding = hemicube_image_ids, r32ui) uniform uimage2D ids;
+layout(std430, binding = hemicube_buffer_cluster_of) readonly buffer cluster_of_buffer { uint cluster_of[]; };
+layout(std430, binding = hemicube_buffer_seen_clusters) buffer seen_buffer { uint seen_clusters[]; };
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, imageSize(ids)))) return;
+  uint id = imageLoad(ids, pixel).x, second = texelFetch(second_ids, pixel, 0).x;
+  if (id == hemicube_background && second == hemicube_background) return;
+  uint cluster = id == hemicube_background ? 0u : cluster_of[id];
+  if (second != hemicube_background) {
+    uint cluster_of_second = cluster_of[second];
+    if (id == hemicube_background || texelFetch(depths, pixel, 0).x > texelFetch(levels, pixel, 0).x ||
+        cluster_of_second > cluster) {
+      imageStore(ids, pixel, uvec4(second));
+      cluster = cluster_of_second;
+    }
+  }
+  uint bit = 1u << (cluster % 32u);
+  if ((seen_clusters[cluster / 32u] & bit) == 0u) atomicOr(seen_clusters[cluster / 32u], bit);
+}
