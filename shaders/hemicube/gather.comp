@@ -8,7 +8,7 @@ layout(local_size_x = hemicube_group_width, local_size_y = hemicube_group_height
 
 layout(binding = hemicube_texture_ids) uniform usampler2D ids;
 layout(binding = hemicube_texture_depth) uniform sampler2D depths;
-layout(std430, binding = hemicube_buffer_result) writeonly buffer result_buffer { uint result[]; };
+layout(std430, binding = hemicube_buffer_sums) writeonly buffer sums_buffer { vec4 group_sums[]; };
 
 shared vec4 sums[hemicube_group_width * hemicube_group_height];
 
@@ -56,8 +56,5 @@ void main() {
     barrier();
     if (local < half_size) sums[local] += sums[local + half_size];
   }
-  if (local == 0u) {
-    uint at = hemicube_result_header + 4u * (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
-    for (uint i = 0u; i < 4u; ++i) result[at + i] = floatBitsToUint(sums[0][i]);
-  }
+  if (local == 0u) group_sums[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = sums[0];
 }

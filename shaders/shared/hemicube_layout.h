@@ -63,8 +63,14 @@ const uint hemicube_buffer_packed = 5u;         // compact.comp: the draws that 
 const uint hemicube_buffer_packed_counts = 7u;  // how many, per face and class
 const uint hemicube_buffer_cluster_of = 5u;     // resolve.comp: cluster per source id
 
-// The result, in 32-bit words: number of polygons, three unused, four floats per work group, (id, pixels, first pixel) per polygon.
-const uint hemicube_result_header = 4u;
+// Of the gather, after the draws.
+const uint hemicube_buffer_sums = 5u;   // a vec4 per work group of gather.comp: its sum of importance
+const uint hemicube_buffer_union = 6u;  // is a union kept?, then a bit per source id seen since it was begun
+
+// The result, in 32-bit words: number of polygons, three unused, four sums of importance as floats, then (id, pixels,
+// first pixel) per polygon in any order.
+const uint hemicube_result_sums = 4u;
+const uint hemicube_result_header = 8u;
 
 // One face. Clip coordinates are dot products with (position - eye); depth is reversed and has no far plane.
 struct hemicube_face {
@@ -76,7 +82,7 @@ struct hemicube_face {
 
 struct hemicube_gather {
   uint resolution;      // S
-  uint group_count;     // work groups of gather.comp: the polygon list in the result starts after their sums
+  uint group_count;     // work groups of gather.comp
   float near_over_far;  // near plane / far plane: depth that counts as 1
   uint unused_word;
 };
@@ -127,6 +133,7 @@ struct hemicube_mask {
 };
 
 #ifdef __cplusplus
+static_assert(hemicube_result_header == hemicube_result_sums + 4u);
 static_assert(1u << hemicube_depth_levels == hemicube_depth_block);
 static_assert(sizeof(hemicube_cluster) == 48);
 static_assert(sizeof(hemicube_cull_face) == 80);

@@ -37,10 +37,4 @@ class gpu_gather {
 // Pixels are read back and walked on the CPU. marked: counts of the see-through pass; null when the scene has none.
 std::unique_ptr<gpu_gather> make_gather_read_back(std::uint32_t polygon_count, polygon_counts* marked);
 
-// Work groups of gather.comp for a resolution.
-std::array<std::uint32_t, 2> gather_compute_groups(std::uint32_t resolution);
-
-// Counted and summed in compute shaders; counted: made for gather_compute_groups().
-std::unique_ptr<gpu_gather> make_gather_compute(polygon_counts& counted);
-
 }  // namespace sightcell::bake

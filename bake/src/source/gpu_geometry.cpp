@@ -256,6 +256,13 @@ bool gpu_geometry::has_see_through() const {
          has(see_through_masked_single_sided, see_through_masked_double_sided);
 }
 
+std::uint32_t gpu_geometry::see_through_polygons() const {
+  const std::uint32_t first = clusters_of_class_[see_through_single_sided].first;  // and all classes after it
+  std::uint32_t sum = 0;
+  for (std::size_t i = first; i < clusters_.size(); ++i) sum += clusters_[i].polygon_count;
+  return sum;
+}
+
 std::vector<std::uint32_t> gpu_geometry::cluster_of_polygons() const {
   std::vector<std::uint32_t> found(polygon_count_, 0);
   for (std::size_t c = 0; c < clusters_.size(); ++c) {

@@ -37,7 +37,8 @@ class gpu_geometry {
   gpu_geometry& operator=(const gpu_geometry&) = delete;
 
   bool has(polygon_class single_sided, polygon_class double_sided) const;
-  bool has_see_through() const;                                   // any of the four classes
+  bool has_see_through() const;  // any of the four classes
+  std::uint32_t see_through_polygons() const;
   std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, absent ones included
 
   // Clusters, grouped by class; polygons in device order, which is that of the clusters.

@@ -1,5 +1,6 @@
 #include "source/gpu_source.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -7,6 +8,7 @@
 #include "shared/hemicube_layout.h"
 #include "sightcell/picture/gl_program.h"
 #include "sightcell/scene/error.h"
+#include "source/gather_compute.h"
 #include "source/gpu_gather.h"
 #include "source/gpu_geometry.h"
 #include "source/hemicube_faces.h"
@@ -30,6 +32,9 @@ face_block block_of(const glm::vec3& eye, const face_view& face) {
   const glm::vec3 clip_y = (2.0f * face.up - (face.max_y + face.min_y) * face.forward) / height;
   return {{with_w(eye, hemicube_near), with_w(clip_x, 0.0f), with_w(clip_y, 0.0f), with_w(face.forward, 0.0f)}};
 }
+
+// Hemicubes whose answers are on their way while the next one is drawn.
+constexpr std::uint32_t on_their_way = 3;
 
 class gpu_source final : public hemicube_source {
  public:
@@ -60,9 +65,12 @@ class gpu_source final : public hemicube_source {
     const bool compute = options.how == gather::compute || (options.how == gather::automatic && !context.software());
     std::uint32_t groups = 0;
     if (compute) groups = gather_compute_groups(resolution_)[0] * gather_compute_groups(resolution_)[1];
-    if (compute || geometry_.has_see_through()) counts_.emplace(geometry_.polygon_count(), groups);
-    gather_ = compute ? make_gather_compute(*counts_)
-                      : make_gather_read_back(geometry_.polygon_count(), counts_ ? &*counts_ : nullptr);
+    if (compute || geometry_.has_see_through())
+      counts_.emplace(geometry_.polygon_count(), groups, most_seen(), compute ? on_their_way : 1);
+    if (compute)
+      compute_.emplace(*counts_);
+    else
+      read_back_ = make_gather_read_back(geometry_.polygon_count(), counts_ ? &*counts_ : nullptr);
     const shaders::hemicube_gather block{resolution_, groups, near_over_far_, 0};
     gather_block_.emplace(sizeof block, &block);
     context_.check("hemicube setup");
@@ -70,15 +78,41 @@ class gpu_source final : public hemicube_source {
 
   using hemicube_source::render;
   void render(std::span<const pose> poses, std::span<hemicube_view> views) override {
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const auto faces = draw(poses[i]);
-      gather_->run(atlas(), faces, views[i]);
-      context_.check("hemicube");
+    if (!compute_) {
+      for (std::size_t i = 0; i < poses.size(); ++i) {
+        const auto faces = draw(poses[i]);
+        read_back_->run(atlas(), faces, views[i]);
+      }
+    } else {
+      // The device draws the next hemicubes while the answers of the last ones are read.
+      for (std::size_t i = 0; i < poses.size() + on_their_way; ++i) {
+        const auto slot = static_cast<std::uint32_t>(i % on_their_way);
+        if (i >= on_their_way && i - on_their_way < poses.size()) compute_->receive(slot, views[i - on_their_way]);
+        if (i >= poses.size()) continue;
+        draw(poses[i]);
+        compute_->send(atlas(), slot);
+      }
     }
+    context_.check("hemicube");
+  }
+
+  bool keeps_union() const override { return compute_.has_value(); }
+  void begin_union() override {
+    if (compute_) counts_->begin_union();
+  }
+  void end_union() override {
+    if (compute_) counts_->end_union();
+  }
+  void show_again(std::span<const std::uint32_t> ids) override {
+    if (compute_) counts_->leave_union(ids);
+  }
+  std::vector<std::uint32_t> collect_union() override {
+    if (!compute_) return {};
+    return counts_->collect_union();
   }
 
   void render_image(const pose& where, hemicube_image& image) override {
-    draw(where);
+    draw_hiding(where);
     const std::size_t pixels = 3 * std::size_t{resolution_} * resolution_;
     image.resolution = resolution_;
     image.ids.resize(pixels);
@@ -93,9 +127,16 @@ class gpu_source final : public hemicube_source {
   std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
 
  private:
+  // Each polygon that hides has a pixel of its own.
+  std::uint32_t most_seen() const {
+    const std::uint64_t most = 3 * std::uint64_t{resolution_} * resolution_ + geometry_.see_through_polygons();
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(most, geometry_.polygon_count()));
+  }
+
   hemicube_atlas atlas() const { return {resolution_, near_over_far_, framebuffer_.id(), ids_.id(), depths_.id()}; }
 
-  std::array<face_view, face_count> draw(const pose& where) {
+  // The atlas.
+  std::array<face_view, face_count> draw_hiding(const pose& where) {
     const auto faces = hemicube_faces(where, resolution_);
     std::array<face_block, face_count> blocks;
     for (std::uint32_t f = 0; f < face_count; ++f) blocks[f] = block_of(where.eye, faces[f]);
@@ -103,11 +144,17 @@ class gpu_source final : public hemicube_source {
     culling_->start(where.eye, faces);
 
     set_state();
-    draw_hiding(faces);
+    draw_pass(faces);
     if (culling_->start_second()) {
-      draw_hiding(faces);
+      draw_pass(faces);
       culling_->finish_second();
     }
+    return faces;
+  }
+
+  // The atlas, and the counts of what hides nothing: those have to be collected before the next hemicube.
+  std::array<face_view, face_count> draw(const pose& where) {
+    const auto faces = draw_hiding(where);
     if (counts_) {
       counts_->start();
       counts_->bind();
@@ -159,8 +206,8 @@ class gpu_source final : public hemicube_source {
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_gather, gather_block_->id());
   }
 
-  // Everything that hides.
-  void draw_hiding(std::span<const face_view, face_count> faces) {
+  // One pass of everything that hides.
+  void draw_pass(std::span<const face_view, face_count> faces) {
     glUseProgram(opaque_.id());
     draw_faces(faces, opaque_single_sided, opaque_double_sided);
     if (!masked_) return;
@@ -197,7 +244,8 @@ class gpu_source final : public hemicube_source {
   std::unique_ptr<gpu_culling> culling_;
   std::optional<gl_buffer> gather_block_;
   std::optional<polygon_counts> counts_;
-  std::unique_ptr<gpu_gather> gather_;
+  std::optional<gather_compute> compute_;
+  std::unique_ptr<gpu_gather> read_back_;  // where there is no compute_
 };
 
 }  // namespace

@@ -64,6 +64,16 @@ class hemicube_source {
     render(where, view);
     return std::nullopt;
   }
+  // A union over the hemicubes of a cell, kept where the pixels are. From begin_union() to end_union() a source that
+  // keeps one leaves out of each view the polygons that a view before it showed, in the order of poses: only what is
+  // new has to be read back. Other sources go on showing everything.
+  virtual bool keeps_union() const { return false; }
+  virtual void begin_union() {}
+  virtual void end_union() {}
+  // From the next render() on these are shown again when they are seen: whoever refused them wants another look.
+  virtual void show_again(std::span<const std::uint32_t>) {}
+  // Everything seen since begin_union() and not shown again since show_again(), ascending; empty where none is kept.
+  virtual std::vector<std::uint32_t> collect_union() { return {}; }
   // May calls come from several threads at a time? If not, from the thread that made the source, one at a time.
   virtual bool shared() const = 0;
   virtual std::uint32_t resolution() const = 0;  // S

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 #include <string>
 
 #include "shaders/sources.h"
@@ -12,6 +13,7 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::uint32_t collect_groups = 64;
+constexpr std::size_t header = shaders::hemicube_result_header;
 
 std::uint32_t checked(std::uint32_t polygon_count) {
   GLint64 limit = 0;
@@ -26,57 +28,155 @@ std::uint32_t checked(std::uint32_t polygon_count) {
   return polygon_count;
 }
 
-gl_buffer zeros(std::size_t words) {
-  const std::vector<std::uint32_t> data(words);
-  return {words * 4, data.data(), GL_DYNAMIC_STORAGE_BIT};
+void clear(const gl_buffer& words) {
+  glClearNamedBufferData(words.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
 }
+
+void clear_first(const gl_buffer& words) {
+  glClearNamedBufferSubData(words.id(), GL_R32UI, 0, 4, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+}
+
+// Memory that the device copies into and the program reads, without either waiting for the other.
+class mapped_words {
+ public:
+  explicit mapped_words(std::size_t words)
+      : size_(words), buffer_(4 * words, nullptr, flags), data_(map(buffer_, 4 * words)) {}
+  GLuint id() const { return buffer_.id(); }
+  std::size_t size() const { return size_; }
+  const std::uint32_t* data() const { return data_; }
+
+ private:
+  static constexpr GLbitfield flags = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+  static const std::uint32_t* map(const gl_buffer& buffer, std::size_t bytes) {
+    const void* data = glMapNamedBufferRange(buffer.id(), 0, static_cast<GLsizeiptr>(bytes), flags);
+    if (data == nullptr)
+      throw error(error_kind::failed, "gl.error", "OpenGL source", "the device's memory cannot be read",
+                  "use another source");
+    return static_cast<const std::uint32_t*>(data);
+  }
+  std::size_t size_;
+  gl_buffer buffer_;  // unmapped when it is deleted
+  const std::uint32_t* data_;
+};
 
 }  // namespace
 
-polygon_counts::polygon_counts(std::uint32_t polygon_count, std::uint32_t group_count)
-    : group_count_(group_count),
-      counts_(zeros(2 * std::size_t{checked(polygon_count)})),
-      found_(zeros(1 + std::size_t{polygon_count})),
-      result_(zeros(shaders::hemicube_result_header + 4 * std::size_t{group_count} + 3 * std::size_t{polygon_count})),
-      collect_program_("hemicube/collect", {{GL_COMPUTE_SHADER, shaders::hemicube_collect_comp}}),
-      words_(shaders::hemicube_result_header + 4 * std::size_t{group_count} + 3 * std::size_t{polygon_count}) {}
+// The result of one hemicube on its way.
+struct polygon_counts::slot {
+  explicit slot(std::size_t words) : result(4 * words, nullptr), room(words) {}
+  ~slot() { glDeleteSync(sent); }  // 0 is ignored
+  gl_buffer result;
+  std::size_t room;                     // words of result
+  std::optional<mapped_words> arrived;  // the beginning of result: mostly all of it
+  GLsync sent = nullptr;
+};
+
+polygon_counts::polygon_counts(std::uint32_t polygon_count, std::uint32_t group_count, std::uint32_t most_seen,
+                               std::uint32_t slots)
+    : polygon_count_(checked(polygon_count)),
+      most_seen_(std::min(polygon_count, most_seen)),
+      counts_(8 * std::size_t{polygon_count}, nullptr),
+      found_(4 + 4 * std::size_t{most_seen_}, nullptr),
+      sums_(16 * std::size_t{group_count}, nullptr),
+      union_(4 + (std::size_t{polygon_count} + 31) / 32 * 4, nullptr, GL_DYNAMIC_STORAGE_BIT),
+      collect_program_("hemicube/collect", {{GL_COMPUTE_SHADER, shaders::hemicube_collect_comp}}) {
+  clear(counts_);
+  clear(union_);
+  for (std::uint32_t i = 0; i < slots; ++i)
+    slots_.push_back(std::make_unique<slot>(header + 3 * std::size_t{most_seen_}));
+}
+
+polygon_counts::~polygon_counts() = default;
 
 void polygon_counts::start() {
-  const std::uint32_t none = 0;
-  glNamedBufferSubData(found_.id(), 0, sizeof none, &none);
+  clear_first(found_);
 }
 
 void polygon_counts::bind() const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_counts, counts_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_found, found_.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_result, result_.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_sums, sums_.id());
 }
 
-void polygon_counts::collect(std::vector<seen_polygon>& found, std::vector<float>& group_sums) {
+void polygon_counts::send(std::uint32_t number) {
+  slot& s = *slots_[number];
+  if (!s.arrived) s.arrived.emplace(std::min<std::size_t>(s.room, header + 3 * 4096));
+  clear_first(s.result);
   glUseProgram(collect_program_.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_result, s.result.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_union, union_.id());
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glDispatchCompute(collect_groups, 1, 1);
+  // Also for clearing the list for the next hemicube.
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  glCopyNamedBufferSubData(s.result.id(), s.arrived->id(), 0, 0, static_cast<GLsizeiptr>(4 * s.arrived->size()));
+  glDeleteSync(s.sent);
+  s.sent = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  glFlush();
+}
 
-  const std::size_t list = shaders::hemicube_result_header + 4 * std::size_t{group_count_};
-  const auto read = [this](std::size_t first, std::size_t last) {
-    if (first >= last) return;
-    glGetNamedBufferSubData(result_.id(), static_cast<GLintptr>(4 * first), static_cast<GLsizeiptr>(4 * (last - first)),
-                            &words_[first]);
-  };
-  const std::size_t at_once = std::min(words_.size(), list + 3 * std::size_t{expected_});
-  read(0, at_once);
-  const std::uint32_t count = words_[0];
-  const std::size_t end = std::min(words_.size(), list + 3 * std::size_t{count});
-  read(at_once, end);
-  expected_ = std::max<std::uint32_t>(1024, count + count / 4);
+void polygon_counts::receive(std::uint32_t number, std::vector<seen_polygon>& found, std::array<float, 4>& sums) {
+  slot& s = *slots_[number];
+  constexpr GLuint64 ten_minutes = 600'000'000'000u;
+  const GLenum answer = glClientWaitSync(s.sent, GL_SYNC_FLUSH_COMMANDS_BIT, ten_minutes);
+  if (answer != GL_ALREADY_SIGNALED && answer != GL_CONDITION_SATISFIED)
+    throw error(error_kind::failed, "gl.error", "OpenGL source", "the device does not answer", "use another source");
 
+  const std::uint32_t* words = s.arrived->data();
+  const std::uint32_t count = std::min(words[0], most_seen_);
+  for (std::size_t i = 0; i < 4; ++i) sums[i] = std::bit_cast<float>(words[shaders::hemicube_result_sums + i]);
   found.clear();
-  for (std::size_t at = list; at < end; at += 3) found.push_back({words_[at], words_[at + 1], words_[at + 2]});
-  group_sums.resize(4 * std::size_t{group_count_});
-  for (std::size_t i = 0; i < group_sums.size(); ++i) {
-    group_sums[i] = std::bit_cast<float>(words_[shaders::hemicube_result_header + i]);
+  const auto take = [&](const std::uint32_t* from, std::size_t polygons) {
+    for (std::size_t i = 0; i < polygons; ++i, from += 3) found.push_back({from[0], from[1], from[2]});
+  };
+  const std::size_t here = std::min<std::size_t>(count, (s.arrived->size() - header) / 3);
+  take(words + header, here);
+  if (here == count) return;
+  // More than ever before: the rest is still on the device. The next ones get room.
+  std::vector<std::uint32_t> rest(3 * (count - here));
+  glGetNamedBufferSubData(s.result.id(), static_cast<GLintptr>(4 * (header + 3 * here)),
+                          static_cast<GLsizeiptr>(4 * rest.size()), rest.data());
+  take(rest.data(), count - here);
+  s.arrived.emplace(std::min<std::size_t>(s.room, header + 3 * (std::size_t{count} + count / 2)));
+}
+
+void polygon_counts::collect(std::vector<seen_polygon>& found, std::vector<float>& sums) {
+  std::array<float, 4> four{};
+  send(0);
+  receive(0, found, four);
+  sums.assign(four.begin(), four.end());
+}
+
+void polygon_counts::begin_union() {
+  clear(union_);
+  const std::uint32_t kept = 1;
+  glNamedBufferSubData(union_.id(), 0, sizeof kept, &kept);
+}
+
+void polygon_counts::end_union() {
+  clear(union_);
+}
+
+void polygon_counts::leave_union(std::span<const std::uint32_t> ids) {
+  if (ids.empty()) return;
+  // Few, and seldom: read, changed and written as a whole.
+  std::vector<std::uint32_t> words(1 + (std::size_t{polygon_count_} + 31) / 32);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glGetNamedBufferSubData(union_.id(), 0, static_cast<GLsizeiptr>(4 * words.size()), words.data());
+  for (const std::uint32_t id : ids) words[1 + id / 32] &= ~(1u << (id % 32));
+  glNamedBufferSubData(union_.id(), 0, static_cast<GLsizeiptr>(4 * words.size()), words.data());
+}
+
+std::vector<std::uint32_t> polygon_counts::collect_union() const {
+  std::vector<std::uint32_t> words((std::size_t{polygon_count_} + 31) / 32), ids;
+  if (words.empty()) return ids;
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glGetNamedBufferSubData(union_.id(), 4, static_cast<GLsizeiptr>(4 * words.size()), words.data());
+  for (std::size_t w = 0; w < words.size(); ++w) {
+    for (std::uint32_t bits = words[w]; bits != 0; bits &= bits - 1)
+      ids.push_back(static_cast<std::uint32_t>(32 * w) + static_cast<std::uint32_t>(std::countr_zero(bits)));
   }
+  return ids;
 }
 
 }  // namespace sightcell::bake

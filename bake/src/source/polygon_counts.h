@@ -1,7 +1,10 @@
 #pragma once
 // Pixels per polygon, counted on the device, and the list of the polygons that have any. Filled by the see-through pass
-// and by gather.comp, read back once per hemicube.
+// and by gather.comp, read back once per hemicube: several hemicubes can be on their way.
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "sightcell/picture/gl_program.h"
@@ -12,22 +15,36 @@ namespace sightcell::bake {
 
 class polygon_counts {
  public:
-  // group_count: work groups of gather.comp, which leave four floats each in the result; 0 without them.
-  // Throws sightcell::error when the device's storage buffers are too small for the scene.
-  polygon_counts(std::uint32_t polygon_count, std::uint32_t group_count);
+  // group_count: work groups of gather.comp; 0 without them. most_seen: no hemicube sees more polygons. slots:
+  // hemicubes on their way at most. Throws sightcell::error when the device's storage buffers are too small.
+  polygon_counts(std::uint32_t polygon_count, std::uint32_t group_count, std::uint32_t most_seen = 0xFFFFFFFFu,
+                 std::uint32_t slots = 1);
+  ~polygon_counts();
 
   void start();  // empties the list; counts are 0
   void bind() const;
-  // Finishes the list on the device and reads it, in any order, with the work groups' sums. The block of uniforms
-  // hemicube_gather must be bound.
-  void collect(std::vector<seen_polygon>& found, std::vector<float>& group_sums);
+  // Finishes the list on the device and sends it on its way. The block of uniforms hemicube_gather must be bound.
+  void send(std::uint32_t slot);
+  // Waits for what was sent: the list in any order, and the four sums of importance. Throws sightcell::error when the
+  // device does not answer.
+  void receive(std::uint32_t slot, std::vector<seen_polygon>& found, std::array<float, 4>& sums);
+  // Both at once.
+  void collect(std::vector<seen_polygon>& found, std::vector<float>& sums);
+  std::uint32_t slots() const { return static_cast<std::uint32_t>(slots_.size()); }
+
+  // While a union is kept, lists hold only what is new to it.
+  void begin_union();
+  void end_union();
+  void leave_union(std::span<const std::uint32_t> ids);
+  std::vector<std::uint32_t> collect_union() const;  // ascending
 
  private:
-  std::uint32_t group_count_;
-  gl_buffer counts_, found_, result_;
+  struct slot;
+  std::uint32_t polygon_count_;
+  std::uint32_t most_seen_;
+  gl_buffer counts_, found_, sums_, union_;
   picture::gl_program collect_program_;
-  std::vector<std::uint32_t> words_;  // as read back
-  std::uint32_t expected_ = 1024;     // polygons to read at once: about what the last hemicube saw
+  std::vector<std::unique_ptr<slot>> slots_;
 };
 
 }  // namespace sightcell::bake

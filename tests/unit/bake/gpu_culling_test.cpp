@@ -10,6 +10,7 @@ namespace {
 
 namespace bake = sightcell::bake;
 namespace scene = sightcell::scene;
+using sightcell::test::expect_same_view;
 using sightcell::test::rooms;
 
 class gpu_culling_test : public sightcell::test::gpu_test {
@@ -51,16 +52,6 @@ void expect_same_image(const bake::hemicube_image& a, const bake::hemicube_image
   }
   EXPECT_EQ(ids, 0u) << what << ": pixels with another id";
   EXPECT_EQ(depths, 0u) << what << ": pixels with another depth";
-}
-
-void expect_same_view(const bake::hemicube_view& a, const bake::hemicube_view& b, const std::string& what) {
-  ASSERT_EQ(a.seen.size(), b.seen.size()) << what;
-  for (std::size_t i = 0; i < a.seen.size(); ++i) {
-    ASSERT_EQ(a.seen[i].id, b.seen[i].id) << what;
-    ASSERT_EQ(a.seen[i].pixels, b.seen[i].pixels) << what;
-    ASSERT_EQ(a.seen[i].pixel, b.seen[i].pixel) << what;
-  }
-  EXPECT_EQ(a.importance, b.importance) << what;
 }
 
 // What was drawn before decides what the first pass draws, and must not show.

@@ -35,6 +35,16 @@ class gpu_test : public ::testing::Test {
   static inline std::string why_not_;
 };
 
+inline void expect_same_view(const bake::hemicube_view& a, const bake::hemicube_view& b, const std::string& what) {
+  ASSERT_EQ(a.seen.size(), b.seen.size()) << what;
+  for (std::size_t i = 0; i < a.seen.size(); ++i) {
+    ASSERT_EQ(a.seen[i].id, b.seen[i].id) << what;
+    ASSERT_EQ(a.seen[i].pixels, b.seen[i].pixels) << what;
+    ASSERT_EQ(a.seen[i].pixel, b.seen[i].pixel) << what;
+  }
+  EXPECT_EQ(a.importance, b.importance) << what;
+}
+
 // Blocks of small polygons in rooms of a grid, with walls between them that have doors: from a room one sees little.
 // Polygons of all kinds; every fiftieth has a twin in the same place, far away in source order or of another kind, so
 // that depths are equal.
