@@ -23,6 +23,10 @@ std::uint32_t start_grid(std::uint32_t samples) {
 
 }  // namespace
 
+double sample_variance(double importance, double largest) {
+  return std::max(1.0 - (largest > 0.0 ? importance / largest : 0.0), variance_floor);
+}
+
 reliability_map::reliability_map(const glm::vec2& face_size)
     : aspect_(face_size / std::max({face_size.x, face_size.y, 1e-6f})),
       values_(std::size_t{map_size} * map_size, 0.0f) {}
@@ -43,8 +47,7 @@ void reliability_map::add_sample(const glm::vec2& place, const std::array<double
 // R(p) = a exp(-|p-s|^2 / sH^2) + (1-a) exp(-|p-s|^2 / sV^2), a = du^2 / (du^2 + dv^2): only ever raised.
 void reliability_map::raise_around(const sample& s) {
   std::array<double, 4> variance{};
-  for (std::size_t k = 0; k < 4; ++k)
-    variance[k] = std::max(1.0 - (largest_ > 0.0 ? s.importance[k] / largest_ : 0.0), variance_floor);
+  for (std::size_t k = 0; k < 4; ++k) variance[k] = sample_variance(s.importance[k], largest_);
   for (std::uint32_t y = 0; y < map_size; ++y) {
     const double dv = ((y + 0.5) / map_size - static_cast<double>(s.place.y)) * static_cast<double>(aspect_.y);
     const double vertical = variance[dv > 0.0 ? toward_up : toward_down];
@@ -65,20 +68,28 @@ void reliability_map::exclude(const glm::vec2& place) {
   apply_exclusion(place);
 }
 
-void reliability_map::apply_exclusion(const glm::vec2& place) {
+std::array<std::uint32_t, 4> reliability_map::excluded_texels(const glm::vec2& place) {
   const auto texel = [](float v) {
     return static_cast<std::uint32_t>(std::clamp(v * map_size, 0.0f, float{map_size} - 1.0f));
   };
-  for (std::uint32_t y = texel(place.y - exclusion_reach); y <= texel(place.y + exclusion_reach); ++y)
-    for (std::uint32_t x = texel(place.x - exclusion_reach); x <= texel(place.x + exclusion_reach); ++x)
-      values_[y * map_size + x] = 1.0f;
+  return {texel(place.x - exclusion_reach), texel(place.y - exclusion_reach), texel(place.x + exclusion_reach),
+          texel(place.y + exclusion_reach)};
+}
+
+void reliability_map::apply_exclusion(const glm::vec2& place) {
+  const auto [left, low, right, high] = excluded_texels(place);
+  for (std::uint32_t y = low; y <= high; ++y)
+    for (std::uint32_t x = left; x <= right; ++x) values_[y * map_size + x] = 1.0f;
+}
+
+glm::vec2 reliability_map::center_of(std::uint32_t texel) {
+  return glm::vec2{static_cast<float>(texel % map_size) + 0.5f, static_cast<float>(texel / map_size) + 0.5f} /
+         static_cast<float>(map_size);
 }
 
 reliability_map::lowest_place reliability_map::lowest() const {
   const auto found = std::min_element(values_.begin(), values_.end());
-  const auto index = static_cast<std::uint32_t>(found - values_.begin());
-  return {*found, glm::vec2{static_cast<float>(index % map_size) + 0.5f, static_cast<float>(index / map_size) + 0.5f} /
-                      static_cast<float>(map_size)};
+  return {*found, center_of(static_cast<std::uint32_t>(found - values_.begin()))};
 }
 
 importance_depth::importance_depth(const glm::vec2& face_size, std::uint32_t samples)

@@ -9,10 +9,17 @@
 
 namespace sightcell::bake {
 
+// sigma^2 toward one side of a sample: the smaller the more its importance toward there is of the largest one.
+double sample_variance(double importance, double largest);
+
 // R over one face: map_size x map_size values in [0, 1], texel centers at (i + 0.5) / map_size.
 class reliability_map {
  public:
   static constexpr std::uint32_t map_size = 256;
+
+  // First column and row, last column and row of the texels that go when nothing can stand at place.
+  static std::array<std::uint32_t, 4> excluded_texels(const glm::vec2& place);
+  static glm::vec2 center_of(std::uint32_t texel);  // counted row by row
 
   explicit reliability_map(const glm::vec2& face_size);
 
