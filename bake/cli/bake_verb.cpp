@@ -61,6 +61,7 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"max_upper_bound", sum.max_upper_bound},
           {"cpu_seconds", sum.cpu_seconds},
           {"bytes", sum.bytes},
+          {"source", sum.source},
           {"device", sum.device},
           {"seed", options.settings.seed}};
 }
@@ -164,6 +165,11 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
   add(verb, "--sampler", s.sampler, "NAME", "importance-depth or halton")->group("Sampling");
   add(verb, "--samples", s.samples, "N", "hemicubes per cell")->group("Sampling");
   add(verb, "--max-pixel-error", s.max_pixel_error, "E", "bound of the pixel error of each cell; 0: no rays")
+      ->group("Sampling");
+  add(verb, "--source", s.source, "NAME",
+      "of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (to check the others, slow) or auto: gpu where there is "
+      "a "
+      "hardware one, else cpu")
       ->group("Sampling");
   add(verb, "--resolution", s.resolution, "S", "pixels along a hemicube face, even")->group("Sampling");
   add(verb, "--player-radius", s.player_radius, "M", "metres that eyes keep from every surface")->group("Seeing");

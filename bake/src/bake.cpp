@@ -21,7 +21,7 @@
 #include "process_time.h"
 #include "pvs_output.h"
 #include "sightcell/scene/error.h"
-#include "source/gpu_source.h"
+#include "source/choose_source.h"
 
 namespace sightcell::bake {
 namespace {
@@ -33,9 +33,10 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-std::string settings_text(const settings& how, const std::string& device) {
+std::string settings_text(const settings& how, const chosen_source& eyes) {
   auto text = nlohmann::ordered_json::parse(describe(how));
-  text["device"] = device;
+  text["source"] = eyes.name;
+  text["device"] = eyes.source->device();
   text["bake_version"] = bake_version;
   return text.dump();
 }
@@ -59,11 +60,9 @@ std::string checkpoint_key(const scene::scene& s, const std::vector<view_cell>& 
 // Everything a bake needs at hand, in the order in which it is built.
 struct workshop {
   scene::world_geometry geometry;
-  std::optional<scene::world_geometry> both_sides;  // what the hemicubes draw with --all-double-sided
   std::optional<ray_scene> rays;
   std::optional<near_polygons> neighbors;
-  std::unique_ptr<picture::gl_context> context;
-  std::unique_ptr<hemicube_source> source;
+  chosen_source eyes;
 };
 
 void equip(workshop& w, const scene::scene& s, const settings& how, const overrides& given, const callbacks& tell) {
@@ -75,19 +74,11 @@ void equip(workshop& w, const scene::scene& s, const settings& how, const overri
                 "export meshes with triangles, or name another file");
   w.rays.emplace(w.geometry, how.all_double_sided);
   if (how.max_pixel_error > 0.0) w.neighbors.emplace(*w.rays);
-  w.context = std::make_unique<picture::gl_context>();
-  const scene::world_geometry* drawn = &w.geometry;
-  if (how.all_double_sided) {
-    w.both_sides = w.geometry;
-    for (scene::polygon_kind& kind : w.both_sides->kinds) kind.double_sided = true;
-    drawn = &*w.both_sides;
-  }
-  // The far plane of the importance: the diagonal of the scene's box.
-  const float diagonal = glm::distance(w.geometry.min, w.geometry.max);
-  w.source = make_gpu_source(*w.context, *drawn, {.resolution = how.resolution, .far_plane = diagonal});
+  w.eyes = choose_source(how, w.geometry, *w.rays);
   if (tell.on_message) {
     for (const std::string& warning : w.geometry.warnings) tell.on_message(severity::warning, warning);
-    tell.on_message(severity::note, "device: " + w.source->device());
+    tell.on_message(severity::note, fmt::format("device: {}, source {}{}", w.eyes.source->device(), w.eyes.name,
+                                                w.eyes.because.empty() ? std::string() : " (" + w.eyes.because + ")"));
   }
 }
 
@@ -99,11 +90,11 @@ void print_estimate(workshop& w, const std::vector<view_cell>& cells, std::size_
   constexpr std::uint64_t trial_rays = 2048;
   double hemicube_seconds = 0.0, ray_seconds = 0.0;
   hemicube_view view;
-  w.source->render({}, view);  // the first one pays for compiling and uploading
+  w.eyes.source->render({}, view);  // the first one pays for compiling and uploading
   for (std::size_t i = 0; i < trials; ++i) {
     const view_cell& cell = cells[i * cells.size() / trials];
     double start = seconds_now();
-    w.source->render({.eye = 0.5f * (cell.min + cell.max)}, view);
+    w.eyes.source->render({.eye = 0.5f * (cell.min + cell.max)}, view);
     hemicube_seconds += (seconds_now() - start) / trials;
     start = seconds_now();
     const auto batch =
@@ -114,7 +105,7 @@ void print_estimate(workshop& w, const std::vector<view_cell>& cells, std::size_
   // A first batch that holds needs about 15 / max_pixel_error rays; dilation and second batches about as much again.
   const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
   // Hemicubes of a shared source are spread over the threads; rays were, when they were timed.
-  const int at_once = w.source->shared() ? tbb::this_task_arena::max_concurrency() : 1;
+  const int at_once = w.eyes.source->shared() ? tbb::this_task_arena::max_concurrency() : 1;
   const double per_cell = how.samples * hemicube_seconds / at_once + rays * ray_seconds;
   tell.on_message(severity::note,
                   fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", left, how.samples,
@@ -212,7 +203,7 @@ void prepare(bake_job& job, const std::filesystem::path& output, bool fresh) {
     tell.on_message(severity::note, "cells: " + job.list.how);
     for (const std::string& warning : job.list.warnings) tell.on_message(severity::warning, warning);
   }
-  job.settings_text = settings_text(how, job.w.source->device());
+  job.settings_text = settings_text(how, job.w.eyes);
   std::filesystem::path beside = output;
   beside += ".bake";
   job.done = std::make_unique<checkpoint>(beside, checkpoint_key(job.s, cells, job.given, job.settings_text), fresh);
@@ -236,8 +227,8 @@ void bake_what_is_left(bake_job& job, tbb::task_arena& arena, ledger& book, summ
     ++sum.cells_resumed;
     if (!book.resume(i, std::move(*record))) return;
   }
-  const cell_baker baker(job.how, *job.w.rays, job.w.neighbors ? &*job.w.neighbors : nullptr, *job.w.source);
-  const std::size_t lanes = lane_count(job.w.source->shared(), arena.max_concurrency(), baker.set_bytes());
+  const cell_baker baker(job.how, *job.w.rays, job.w.neighbors ? &*job.w.neighbors : nullptr, *job.w.eyes.source);
+  const std::size_t lanes = lane_count(job.w.eyes.source->shared(), arena.max_concurrency(), baker.set_bytes());
   bake_cells(baker, cells, wanted, lanes, arena, [&](std::uint32_t which, baked_cell& cell, std::size_t in_work) {
     if (cell.record.stored) add_polygons(job.given, cells[which].number, cell.record.set);
     return book.close(which, cell, in_work, *job.done);
@@ -259,7 +250,8 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   bake_job job{.s = s, .how = how, .tell = tell, .given = {}, .w = {}, .list = {}, .settings_text = {}, .done = {}};
   arena.execute([&] { prepare(job, output, fresh); });
-  sum.device = job.w.source->device();
+  sum.source = job.w.eyes.name;
+  sum.device = job.w.eyes.source->device();
   ledger book(s.polygon_count, job.list.cells.size(), tell);
   bake_what_is_left(job, arena, book, sum);
   if (book.stopped()) {

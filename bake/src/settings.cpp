@@ -61,6 +61,8 @@ void validate(const settings& s) {
   check("--smallest-gap", s.smallest_gap, 0.0f, 0.1f, " m");
   if (s.sampler != "importance-depth" && s.sampler != "halton")
     refuse("--sampler", "\"" + s.sampler + "\"", "importance-depth or halton");
+  if (s.source != "gpu" && s.source != "cpu" && s.source != "rays" && s.source != "auto")
+    refuse("--source", "\"" + s.source + "\"", "gpu, cpu, rays or auto");
   check<std::uint32_t>("--samples", s.samples, 6, 100'000, " hemicubes per cell");
   check<std::uint32_t>("--resolution", s.resolution, 16, 4096, " pixels");
   if (s.resolution % 2 != 0) refuse("--resolution", number(s.resolution), "an even number, 16 to 4096");
@@ -71,6 +73,7 @@ void validate(const settings& s) {
 }
 
 std::string describe(const settings& s) {
+  // The source that was asked for is left out: auto may be either, and what it was is told by who made it (bake.cpp).
   // The path of a cells file is left out: where it lies changes nothing, and the boxes are in the file anyway.
   std::string text = fmt::format(R"({{"cells":"{}")", kind_of_cells(s));
   if (s.cells_grid) {

@@ -22,10 +22,10 @@ TIMEOUT = 300  # seconds; a bake here takes a few
 QUICK_BAKE = ['--samples', '8', '--resolution', '64', '--max-pixel-error', '1e-2']
 
 
-def run(*arguments, program=None):
+def run(*arguments, program=None, environment=None):
     """Exit code, standard output, standard error."""
     done = subprocess.run([program or PROGRAMS.sightcell, *map(str, arguments)], stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=TIMEOUT)
+                          capture_output=True, text=True, timeout=TIMEOUT, env={**os.environ, **(environment or {})})
     return done.returncode, done.stdout, done.stderr
 
 
@@ -126,7 +126,7 @@ class Usage(InFolder):
     def test_help_names_every_option_of_this_version(self):
         out, _ = self.expect(0, 'bake', '--help')
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
-                       '--player-radius', '--sampler', '--samples', '--max-pixel-error', '--resolution',
+                       '--player-radius', '--sampler', '--samples', '--max-pixel-error', '--source', '--resolution',
                        '--all-double-sided', '--animated', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
@@ -147,7 +147,7 @@ class Usage(InFolder):
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--seconds-per-cell=1', '--time-budget=9', '--source=cpu', '--metric=view',
+        for option in ('--seconds-per-cell=1', '--time-budget=9', '--metric=view',
                        '--safety-ring=edge', '--misses=x', '--layout=merged',
                        '--profile=small', '--importance', '--shard=0/2', '--report=x', '--since=x', '--memory=1G'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
@@ -155,7 +155,7 @@ class Usage(InFolder):
 
     def test_values_out_of_range_are_2_and_name_the_option(self):
         for option, value in (('--cell-size', '0.1'), ('--margin', '11'), ('--player-radius', '0'),
-                              ('--sampler', 'guided'), ('--samples', '5'), ('--resolution', '255'),
+                              ('--sampler', 'guided'), ('--source', 'opengl'), ('--samples', '5'), ('--resolution', '255'),
                               ('--max-pixel-error', '0.9'),
                               ('--cells-grid', '0,0,0,1,0,1'), ('--cells-grid', '0,0,0,1,nan,1')):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)
@@ -385,6 +385,73 @@ class Bake(InFolder):
         self.assertEqual(read(a), read(b))
 
 
+class Sources(InFolder):
+    """--source on machines with and without EGL. No EGL: libEGL is told to look for drivers in an empty folder."""
+
+    def setUp(self):
+        self.no_egl = {'__EGL_VENDOR_LIBRARY_DIRS': self.path('empty'), '__EGL_VENDOR_LIBRARY_FILENAMES': ''}
+        os.makedirs(self.path('empty'), exist_ok=True)
+
+    def bake(self, output, *more, environment=None):
+        if os.path.exists(output):
+            os.remove(output)
+        return run('bake', self.room, '-o', output, '--cells-file', self.cells, '--json', *QUICK_BAKE, *more,
+                   environment=environment)
+
+    def has_gpu(self):
+        code, _, err = self.bake(self.path('probe.pvs'), '--source', 'gpu')
+        if code == 0:
+            return True
+        self.assert_one_error_line(err, 'gl.no-context')
+        return False
+
+    def test_the_source_is_named_everywhere(self):
+        for source in ['cpu', 'rays'] + ['gpu'] * self.has_gpu():
+            file = self.path(f'{source}.pvs')
+            code, out, err = self.bake(file, '--source', source)
+            self.assertEqual(code, 0, err)
+            summary = json.loads(out)
+            self.assertEqual(summary['source'], source)
+            self.assertIn(f"device: {summary['device']}, source {source}\n", err)
+            settings = json.loads(self.expect(0, 'info', file, '--json')[0])['settings']
+            self.assertEqual((settings['source'], settings['device']), (source, summary['device']))
+
+    def test_without_egl_all_but_gpu_bake_the_same_bytes(self):
+        for source in ('cpu', 'rays'):
+            with_egl, without = self.path('with.pvs'), self.path('without.pvs')
+            self.assertEqual(self.bake(with_egl, '--source', source)[0], 0)
+            code, _, err = self.bake(without, '--source', source, environment=self.no_egl)
+            self.assertEqual(code, 0, err)
+            self.assertEqual(read(with_egl), read(without), source)
+        # Unasked as well, with no word but the note.
+        code, out, err = self.bake(without, environment=self.no_egl)
+        self.assertEqual((code, json.loads(out)['source']), (0, 'cpu'), err)
+        self.assertIn('source cpu (no hardware GPU was found)', err)
+        self.assertNotIn('warning', err)
+        self.assertEqual(err.count('EGL'), 0, err)
+        code, _, err = self.bake(self.path('gpu.pvs'), '--source', 'gpu', environment=self.no_egl)
+        self.assertEqual(code, 1)
+        self.assert_one_error_line(err, 'gl.no-context')
+
+    def test_only_gpu_and_auto_load_egl(self):
+        """By the dynamic loader's own word. The others have to run where there is no EGL."""
+        def loads_egl(source):
+            stem = self.path(f'loader-{source}')
+            self.bake(self.path('loaded.pvs'), '--source', source,
+                      environment={'LD_DEBUG': 'files', 'LD_DEBUG_OUTPUT': stem})
+            words = [read(self.path(name)).decode() for name in os.listdir(self.folder)
+                     if name.startswith(os.path.basename(stem) + '.')]
+            if not any('libtbb' in text for text in words):
+                self.skipTest('this loader does not say what it loads')
+            return any('libEGL' in text for text in words)
+
+        if not loads_egl('gpu'):
+            self.skipTest('there is no libEGL')
+        self.assertTrue(loads_egl('auto'))
+        self.assertFalse(loads_egl('cpu'))
+        self.assertFalse(loads_egl('rays'))
+
+
 class Missing(InFolder):
     """Files of the city that lack one polygon in one cell: verify has to notice."""
 
@@ -537,6 +604,17 @@ class Resume(InFolder):
         finally:
             running.kill()
             running.communicate(timeout=TIMEOUT)
+
+    def test_another_source_is_refused_until_fresh(self):
+        output = self.path('source.pvs')
+        running = self.start(output, '--source', 'cpu', '--threads', '2')
+        running.send_signal(signal.SIGINT)
+        running.communicate(timeout=TIMEOUT)
+        self.assertEqual(running.returncode, 130)
+        _, err = self.expect(2, *self.command(output, '--source', 'rays'))
+        self.assertIn('differs in device, source', self.assert_one_error_line(err, 'checkpoint.other-bake'))
+        out, _ = self.expect(0, *self.command(output, '--source', 'cpu', '--json'))
+        self.assertGreaterEqual(json.loads(out)['cells_resumed'], 1)
 
     def test_damaged_checkpoint_is_refused_until_fresh(self):
         output = self.path('damaged.pvs')

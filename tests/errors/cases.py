@@ -284,7 +284,7 @@ CASES = [
     ('cli.unreadable', 4, info(lambda f: os.path.join(f, 'missing.pvs'))),
     ('cli.wrong-use', 2, in_folder('fly', named='subcommand')),
     ('cli.wrong-use', 2, in_folder('bake', 'x.glb', '-o', 'x.pvs', '--samples', 'many', named='--samples')),
-    ('gl.no-context', 1, lambda f: Call(bake(f), 'OpenGL', environment={
+    ('gl.no-context', 1, lambda f: Call(bake(f, '--source', 'gpu'), 'OpenGL', environment={
         '__EGL_VENDOR_LIBRARY_DIRS': f, '__EGL_VENDOR_LIBRARY_FILENAMES': ''})),
     ('hemicube.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e-5)), 'scene')),
     ('hemicube.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e30)), 'scene')),
@@ -321,4 +321,5 @@ CASES = [
     ('scene.version', 4, info(lambda f: write(f, 'old.glb', glb((b'JSON', b'{}  '), version=1)))),
     ('settings.out-of-range', 2, option('--cell-size', '0.1')),
     ('settings.out-of-range', 2, option('--resolution', '255')),
+    ('settings.out-of-range', 2, option('--source', 'opengl')),
 ]

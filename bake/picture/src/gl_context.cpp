@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "bundled_driver.h"
@@ -119,11 +120,14 @@ void drop(const made_context& made) {
   eglDestroyContext(made.display, made.context);
 }
 
+enum class devices { hardware, all };
+
 // Hardware first. A device that is not marked as software can still end in a software rasterizer when its driver is
 // missing: such contexts are taken only when nothing better is there.
-bool choose(bool debug, made_context& made, candidate& chosen, std::string& tried) {
+bool choose(devices wanted, bool debug, made_context& made, candidate& chosen, std::string& tried) {
   const std::vector<candidate> all = list_candidates();
   for (const bool take_software : {false, true}) {
+    if (take_software && wanted == devices::hardware) break;
     for (const candidate& c : all) {
       if (c.marked_software && !take_software) continue;
       std::string why_not;
@@ -150,6 +154,8 @@ struct gl_context::state {
   std::string renderer, choice;
   bool software = false;
   std::string first_message;  // of high severity, since the last check
+
+  static std::unique_ptr<state> make(devices wanted, bool debug, std::string& tried);
 };
 
 namespace {
@@ -169,28 +175,47 @@ void APIENTRY on_debug_message(GLenum, GLenum, GLuint, GLenum severity, GLsizei,
 
 }  // namespace
 
-gl_context::gl_context(bool debug) : state_(std::make_unique<state>()) {
-  const auto fail = [](const std::string& cause) {
-    throw error(error_kind::failed, "gl.no-context", "OpenGL", cause,
-                "install a driver with OpenGL 4.5 for EGL, for example Mesa's (libegl-mesa0, libgl1-mesa-dri)");
-  };
+// Nothing, and what was tried, where there is no context on such a device.
+std::unique_ptr<gl_context::state> gl_context::state::make(devices wanted, bool debug, std::string& tried) {
   offer_bundled_driver();
-  if (!epoxy_has_egl()) fail("libEGL is not installed");
+  tried = "libEGL is not installed";
+  if (!epoxy_has_egl()) return nullptr;
+  tried.clear();
   made_context made;
   candidate chosen;
-  std::string tried;
-  if (!choose(debug, made, chosen, tried)) fail("no headless context: " + tried);
-
-  state_->display = made.display;
-  state_->context = made.context;
-  state_->renderer = made.renderer;
-  state_->software = chosen.marked_software || is_software_renderer(made.renderer);
-  state_->choice = chosen.name + (state_->software ? ", software" : ", hardware");
+  if (!choose(wanted, debug, made, chosen, tried)) {
+    tried = "no headless context: " + tried;
+    return nullptr;
+  }
+  auto state = std::make_unique<gl_context::state>();
+  state->display = made.display;
+  state->context = made.context;
+  state->renderer = made.renderer;
+  state->software = chosen.marked_software || is_software_renderer(made.renderer);
+  state->choice = chosen.name + (state->software ? ", software" : ", hardware");
   if (debug) {
     glEnable(GL_DEBUG_OUTPUT);
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-    glDebugMessageCallback(on_debug_message, &state_->first_message);
+    glDebugMessageCallback(on_debug_message, &state->first_message);
   }
+  return state;
+}
+
+gl_context::gl_context(bool debug) {
+  std::string tried;
+  state_ = state::make(devices::all, debug, tried);
+  if (!state_)
+    throw error(error_kind::failed, "gl.no-context", "OpenGL", tried,
+                "install a driver with OpenGL 4.5 for EGL, for example Mesa's (libegl-mesa0, libgl1-mesa-dri)");
+}
+
+gl_context::gl_context(std::unique_ptr<state> made) : state_(std::move(made)) {}
+
+std::unique_ptr<gl_context> gl_context::on_hardware(bool debug) {
+  std::string tried;
+  auto made = state::make(devices::hardware, debug, tried);
+  if (!made) return nullptr;
+  return std::unique_ptr<gl_context>(new gl_context(std::move(made)));
 }
 
 gl_context::~gl_context() {

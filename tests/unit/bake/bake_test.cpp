@@ -2,11 +2,15 @@
 #include "sightcell/bake/bake.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <stdexcept>
+#include <thread>
 
 #include "errors/error_id.h"
 #include "file_bytes.h"
@@ -23,11 +27,6 @@ using test::tiny_scene;
 class bake_library : public testing::Test {
  protected:
   void SetUp() override {
-    try {
-      const picture::gl_context probe;
-    } catch (const error& e) {
-      GTEST_SKIP() << "no EGL context: " << e.what();
-    }
     folder_ = std::filesystem::path(testing::TempDir()) /
               (std::string("sightcell_") + testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::remove_all(folder_);
@@ -45,6 +44,17 @@ class bake_library : public testing::Test {
     back = tiny.wall_x(5, +1, 1);
     return tiny.finished();
   }
+  // Those that this machine has.
+  static std::vector<std::string> sources() {
+    std::vector<std::string> names{"cpu", "rays"};
+    try {
+      const picture::gl_context probe;
+      names.push_back("gpu");
+    } catch (const error& e) {
+      std::fprintf(stderr, "without gpu: %s\n", e.what());
+    }
+    return names;
+  }
   static settings four_cells() {
     settings how;
     how.cells_grid = {-2.0f, 0.0f, -2.0f, 2.0f, 1.0f, 2.0f};
@@ -61,23 +71,25 @@ TEST_F(bake_library, hemicubes_see_both_sides_when_told) {
   const scene::scene s = room(back);
   settings how = four_cells();
   how.max_pixel_error = 0.0;  // hemicubes alone
-  for (const bool both : {false, true}) {
-    how.all_double_sided = both;
-    const auto path = folder_ / "room.pvs";
-    const summary sum = bake(s, how, path, true, {});
-    EXPECT_EQ(sum.result, outcome::done);
-    const std::vector<std::byte> bytes = test::file_bytes(path);
-    format::reader file;
-    ASSERT_EQ(format::reader::open(bytes, file), format::status::ok);
-    EXPECT_EQ(file.cell_count(), 4u);
-    std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
-    std::size_t runs = 0;
-    ASSERT_EQ(file.decode_row(0, row, scratch, runs), format::status::ok);
-    const bool has_back =
-        std::any_of(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(runs),
-                    [&](const format::run& r) { return r.first <= back && back < r.first + r.count; });
-    EXPECT_EQ(has_back, both);
-  }
+  for (const std::string& source : sources())
+    for (const bool both : {false, true}) {
+      how.source = source;
+      how.all_double_sided = both;
+      const auto path = folder_ / "room.pvs";
+      const summary sum = bake(s, how, path, true, {});
+      EXPECT_EQ(sum.result, outcome::done);
+      const std::vector<std::byte> bytes = test::file_bytes(path);
+      format::reader file;
+      ASSERT_EQ(format::reader::open(bytes, file), format::status::ok);
+      EXPECT_EQ(file.cell_count(), 4u);
+      std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
+      std::size_t runs = 0;
+      ASSERT_EQ(file.decode_row(0, row, scratch, runs), format::status::ok);
+      const bool has_back =
+          std::any_of(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(runs),
+                      [&](const format::run& r) { return r.first <= back && back < r.first + r.count; });
+      EXPECT_EQ(has_back, both) << source;
+    }
 }
 
 TEST_F(bake_library, what_moves_is_in_the_sets_unless_told_to_be_left_out) {
@@ -105,33 +117,156 @@ TEST_F(bake_library, what_moves_is_in_the_sets_unless_told_to_be_left_out) {
   }
 }
 
-TEST_F(bake_library, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_bytes) {
-  std::uint32_t back = 0;
-  const scene::scene s = room(back);
-  const settings how = four_cells();
-  const auto whole = folder_ / "whole.pvs", broken = folder_ / "broken.pvs";
-  (void)bake(s, how, whole, false, {});
+// A room with twelve cells, and pillars that make each see something else.
+class several_cells : public bake_library {
+ protected:
+  void SetUp() override {
+    bake_library::SetUp();
+    tiny_scene tiny;
+    tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+    for (int i = 0; i < 30; ++i) {
+      const float x = -7.0f + 0.5f * static_cast<float>(i), z = i % 2 == 0 ? 3.1f : -3.6f;
+      tiny.closed_box({x, -9, z}, {x + 0.3f, 4, z + 0.4f});
+    }
+    scene_ = tiny.finished();
+    how_.cells_grid = {-6.0f, 0.0f, -2.0f, 6.0f, 1.0f, 2.0f};
+    how_.cell_size = 2.0f;
+    how_.resolution = 32;
+    how_.samples = 12;
+    how_.max_pixel_error = 0.05;
+  }
+  std::vector<std::byte> baked(const char* name, const callbacks& tell = {}, outcome expected = outcome::done) {
+    const summary sum = bake(scene_, how_, folder_ / name, false, tell);
+    EXPECT_EQ(sum.result, expected);
+    EXPECT_EQ(sum.source, how_.source);
+    resumed_ = sum.cells_resumed;
+    return test::file_bytes(folder_ / name);
+  }
 
+  static constexpr std::uint32_t cells = 12;
+  const tbb::global_control allowed_{tbb::global_control::max_allowed_parallelism, 8};
+  scene::scene scene_;
+  settings how_;
+  std::uint32_t resumed_ = 0;
+};
+
+TEST_F(several_cells, threads_change_no_byte) {
+  std::set<std::vector<std::byte>> by_source;
+  for (const std::string& source : sources()) {
+    how_.source = source;
+    std::vector<std::byte> first;
+    for (const std::uint32_t threads : {1u, 2u, 8u}) {
+      how_.threads = threads;
+      const std::vector<std::byte> bytes = baked("room.pvs");
+      ASSERT_FALSE(bytes.empty());
+      if (first.empty()) first = bytes;
+      EXPECT_EQ(bytes, first) << source << " with " << threads << " threads";
+    }
+    by_source.insert(first);
+  }
+  EXPECT_EQ(by_source.size(), sources().size()) << "the file says which source it was";
+}
+
+TEST_F(several_cells, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_bytes) {
+  std::uint32_t most_resumed = 0;
+  for (const std::string& source : sources())
+    for (const std::uint32_t threads : {1u, 2u, 8u}) {
+      if (source == "gpu" && threads != 2) continue;  // cells one after the other, whatever the threads
+      how_.source = source;
+      how_.threads = threads;
+      const std::vector<std::byte> whole = baked("whole.pvs");
+      callbacks tell;
+      tell.on_progress = [](const progress& now) {
+        EXPECT_LE(now.cells_done, 2u) << "no word after the bake was cancelled";
+        return now.cells_done < 2;
+      };
+      EXPECT_TRUE(baked("broken.pvs", tell, outcome::cancelled).empty());
+
+      const auto caller = std::this_thread::get_id();
+      std::vector<progress> told;
+      tell.on_progress = [&](const progress& now) {
+        EXPECT_EQ(std::this_thread::get_id(), caller);
+        told.push_back(now);
+        return true;
+      };
+      EXPECT_EQ(baked("broken.pvs", tell), whole) << source << ", " << threads;
+      EXPECT_GE(resumed_, 2u);
+      most_resumed = std::max(most_resumed, resumed_);
+      EXPECT_LE(resumed_, threads == 1 || source == "gpu" ? 2u : cells);
+      ASSERT_EQ(told.size(), cells + 1u) << "before the first cell and after each";
+      for (std::size_t i = 0; i < told.size(); ++i) {
+        EXPECT_EQ(told[i].cells_done, i);
+        EXPECT_EQ(told[i].cells_total, cells);
+        EXPECT_GE(told[i].seconds_left, 0.0);
+      }
+      EXPECT_EQ(told.back().seconds_left, 0.0);
+      // Nothing is left beside the two files.
+      EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2);
+      std::filesystem::remove(folder_ / "broken.pvs");
+    }
+  EXPECT_GT(most_resumed, 2u) << "with threads, cells that were in work are kept too";
+}
+
+TEST_F(several_cells, what_a_callback_throws_ends_the_bake_and_finished_cells_are_kept) {
+  how_.source = "cpu";
+  for (const std::uint32_t threads : {1u, 4u}) {
+    how_.threads = threads;
+    const std::vector<std::byte> whole = baked("whole.pvs");
+    callbacks tell;
+    tell.on_progress = [](const progress& now) -> bool {
+      EXPECT_LE(now.cells_done, 2u) << "no word after that";
+      if (now.cells_done == 2) throw std::runtime_error("enough");
+      return true;
+    };
+    EXPECT_THROW((void)bake(scene_, how_, folder_ / "broken.pvs", false, tell), std::runtime_error);
+    EXPECT_EQ(baked("broken.pvs"), whole);
+    EXPECT_GE(resumed_, 2u);
+    std::filesystem::remove(folder_ / "broken.pvs");
+  }
+}
+
+TEST_F(several_cells, another_source_is_another_bake) {
+  callbacks stop;
+  stop.on_progress = [](const progress& now) { return now.cells_done < 2; };
+  const std::vector<std::string> names = sources();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    how_.source = names[i];
+    (void)baked("stopped.pvs", stop, outcome::cancelled);
+    for (const std::string& other : names) {
+      if (other == names[i]) continue;
+      how_.source = other;
+      try {
+        (void)bake(scene_, how_, folder_ / "stopped.pvs", false, {});
+        ADD_FAILURE() << other << " went on with what " << names[i] << " had begun";
+      } catch (const error& e) {
+        EXPECT_EQ(e.id(), "checkpoint.other-bake");
+        EXPECT_NE(std::string(e.what()).find("device, source"), std::string::npos) << e.what();
+      }
+    }
+    how_.source = names[i];
+    (void)baked("stopped.pvs");
+    EXPECT_GE(resumed_, 2u);
+  }
+}
+
+TEST_F(several_cells, auto_is_gpu_on_hardware_only_and_says_so) {
+  how_.source = "auto";
+  how_.cell_limit = 1;
+  std::string device;
   callbacks tell;
-  tell.on_progress = [](const progress& now) { return now.cells_done < 2; };
-  const summary stopped = bake(s, how, broken, false, tell);
-  EXPECT_EQ(stopped.result, outcome::cancelled);
-  EXPECT_FALSE(std::filesystem::exists(broken));
-
-  std::vector<progress> told;
-  tell.on_progress = [&](const progress& now) {
-    told.push_back(now);
-    return true;
+  tell.on_message = [&](severity, const std::string& text) {
+    if (text.find("device: ") == 0) device = text;
   };
-  const summary resumed = bake(s, how, broken, false, tell);
-  EXPECT_EQ(resumed.result, outcome::done);
-  EXPECT_EQ(resumed.cells_resumed, 2u);
-  EXPECT_EQ(test::file_bytes(whole), test::file_bytes(broken));
-  ASSERT_EQ(told.size(), 5u) << "before the first cell and after each";
-  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].cells_done, i);
-  EXPECT_EQ(told.back().cells_total, 4u);
-  // Nothing is left beside the two files.
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2);
+  const summary sum = bake(scene_, how_, folder_ / "room.pvs", false, tell);
+  const auto hardware = picture::gl_context::on_hardware();
+  EXPECT_EQ(sum.source, hardware ? "gpu" : "cpu");
+  EXPECT_FALSE(hardware && hardware->software());
+  EXPECT_EQ(device, "device: " + sum.device + ", source " + sum.source + " (" + (hardware ? "a" : "no") +
+                        " hardware GPU was found)");
+  // The same bytes as by its name.
+  const std::vector<std::byte> bytes = test::file_bytes(folder_ / "room.pvs");
+  how_.source = sum.source;
+  EXPECT_EQ(baked("room.pvs"), bytes);
 }
 
 // A room with a curtain across it: what is behind the curtain is seen by nobody, unless the curtain is never there.

@@ -41,6 +41,8 @@ TEST(settings, errors_name_the_option) {
   expect("--smallest-gap", [](settings& s) { s.smallest_gap = -0.001f; });
   expect("--smallest-gap", [](settings& s) { s.smallest_gap = 0.2f; });
   expect("--sampler", [](settings& s) { s.sampler = "guided"; });
+  expect("--source", [](settings& s) { s.source = "opengl"; });
+  expect("--source", [](settings& s) { s.source = ""; });
   expect("--samples", [](settings& s) { s.samples = 5; });
   expect("--samples", [](settings& s) { s.samples = 100001; });
   expect("--resolution", [](settings& s) { s.resolution = 255; });
@@ -92,6 +94,7 @@ TEST(settings, description_is_one_line_of_json_in_fixed_order) {
 TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_byte) {
   settings a, b;
   b.threads = 7;
+  b.source = "cpu";
   EXPECT_EQ(describe(a), describe(b));
   b.margin = std::nextafter(0.25f, 1.0f);
   EXPECT_NE(describe(a), describe(b));

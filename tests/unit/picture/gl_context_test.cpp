@@ -24,6 +24,14 @@ TEST_F(gl_context_test, says_what_it_found) {
   EXPECT_NO_THROW(context().check("nothing"));
 }
 
+TEST_F(gl_context_test, is_made_on_hardware_only_when_asked_so) {
+  const auto hardware = gl_context::on_hardware(true);
+  EXPECT_EQ(hardware == nullptr, context().software()) << "hardware is preferred anyway";
+  if (!hardware) return;
+  EXPECT_FALSE(hardware->software());
+  EXPECT_EQ(hardware->renderer(), context().renderer());
+}
+
 TEST_F(gl_context_test, lives_beside_another_and_after_it) {
   {
     const gl_context other;

@@ -58,7 +58,7 @@ struct summary {
   double max_upper_bound = 1.0;
   double cpu_seconds = 0.0;  // of the process, this run
   std::uint64_t bytes = 0;
-  std::string device;
+  std::string source, device;  // of the hemicubes: gpu, cpu or rays, and on what
 };
 
 // Bakes s into output. Finished cells are committed beside it (output + ".bake") as they come; the output appears by

@@ -34,10 +34,13 @@ struct settings {
 
   // --- sampling
   std::string sampler = "importance-depth";  // --sampler: importance-depth or halton
-  std::uint32_t samples = 24;                // --samples, hemicubes per cell, 6..100000
-  std::uint32_t resolution = 256;            // --resolution, pixels along a hemicube face, even, 16..4096
-  double max_pixel_error = 1e-3;             // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
-  std::uint64_t seed = 1;                    // --seed
+  // --source, of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (Embree, slow) or auto: gpu where there is a
+  // hardware one, else cpu. Sources differ in a few pixels: which one it was stands in the file.
+  std::string source = "auto";
+  std::uint32_t samples = 24;      // --samples, hemicubes per cell, 6..100000
+  std::uint32_t resolution = 256;  // --resolution, pixels along a hemicube face, even, 16..4096
+  double max_pixel_error = 1e-3;   // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
+  std::uint64_t seed = 1;          // --seed
 
   // --- seeing
   bool all_double_sided = false;  // --all-double-sided

@@ -12,6 +12,9 @@ class gl_context {
   // Makes the context and binds it to the calling thread. debug: KHR_debug messages of high severity throw at the next
   // check(). Throws sightcell::error "gl.no-context" saying what was tried.
   explicit gl_context(bool debug = false);
+  // The same on hardware; null where there is none, or no EGL at all. A device that is known to be software is not
+  // opened for this, so asking costs little.
+  static std::unique_ptr<gl_context> on_hardware(bool debug = false);
   ~gl_context();
   gl_context(const gl_context&) = delete;
   gl_context& operator=(const gl_context&) = delete;
@@ -24,6 +27,7 @@ class gl_context {
 
  private:
   struct state;
+  explicit gl_context(std::unique_ptr<state> made);
   std::unique_ptr<state> state_;
 };
 

@@ -1,0 +1,46 @@
+#include "source/choose_source.h"
+
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "source/cpu_source.h"
+#include "source/gpu_source.h"
+#include "source/rays_source.h"
+
+namespace sightcell::bake {
+namespace {
+
+void resolve(const settings& how, chosen_source& chosen) {
+  chosen.name = how.source;
+  if (how.source == "gpu") chosen.context = std::make_unique<picture::gl_context>();
+  if (how.source != "auto") return;
+  chosen.context = picture::gl_context::on_hardware();
+  chosen.name = chosen.context ? "gpu" : "cpu";
+  chosen.because = chosen.context ? "a hardware GPU was found" : "no hardware GPU was found";
+}
+
+}  // namespace
+
+chosen_source choose_source(const settings& how, const scene::world_geometry& geometry, const ray_scene& rays) {
+  chosen_source chosen;
+  resolve(how, chosen);
+  // The far plane of the importance: the diagonal of the scene's box.
+  const float diagonal = glm::distance(geometry.min, geometry.max);
+  if (chosen.name == "rays") {
+    chosen.source = make_rays_source(rays, {.resolution = how.resolution, .far_plane = diagonal});
+    return chosen;
+  }
+  const scene::world_geometry* drawn = &geometry;
+  if (how.all_double_sided) {
+    chosen.both_sides = std::make_unique<scene::world_geometry>(geometry);
+    for (scene::polygon_kind& kind : chosen.both_sides->kinds) kind.double_sided = true;
+    drawn = chosen.both_sides.get();
+  }
+  if (chosen.name == "gpu")
+    chosen.source = make_gpu_source(*chosen.context, *drawn, {.resolution = how.resolution, .far_plane = diagonal});
+  else
+    chosen.source = make_cpu_source(*drawn, {.resolution = how.resolution, .far_plane = diagonal});
+  return chosen;
+}
+
+}  // namespace sightcell::bake
