@@ -204,7 +204,7 @@ void declare(CLI::App& app, options& how) {
   app.add_option("--scenes,--scene", how.scenes, "names or files");
   app.add_option("--heights", how.heights, "street, or metres above the street: 20, 70, 200")
       ->check(CLI::IsMember(known));
-  app.add_option("--sources", how.sources, "of those compiled in")->check(CLI::IsMember(source_names()));
+  app.add_option("--sources", how.sources, "cpu, gpu, rays")->check(CLI::IsMember(source_names()));
   app.add_option("--poses", how.poses, "per scene and height")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_option("--rounds", how.rounds, "over all poses, beside the warm-up")
       ->check(CLI::Range(1, 1000))

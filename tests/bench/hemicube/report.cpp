@@ -32,16 +32,24 @@ std::optional<double> ratio(std::optional<double> a, std::optional<double> b) {
   return *a / *b;
 }
 
-std::string number(const json& value) {
-  return value.is_null() ? "-" : fmt::format("{:.2f}", value.get<double>());
-}
-
 std::string grouped(std::uint64_t value) {
   return value < 1000 ? std::to_string(value) : fmt::format("{},{:03}", grouped(value / 1000), value % 1000);
 }
 
+std::string grouped(double value) {
+  return grouped(static_cast<std::uint64_t>(std::llround(value)));
+}
+
 std::string times(std::optional<double> value) {
   return value ? fmt::format("{:.2f}", *value) : "-";
+}
+
+std::string cost_text(const json& source) {
+  std::string text = fmt::format("{:.2f}", source.at("ms").get<double>());
+  if (!source.at("draw_ms").is_null())
+    text += fmt::format(" ({:.2f} + {:.2f} + {:.2f})", source.at("draw_ms").get<double>(),
+                        source.at("gather_ms").get<double>(), source.at("statistics_ms").get<double>());
+  return text;
 }
 
 double geometric_mean(const std::vector<double>& values) {
@@ -172,22 +180,27 @@ class target_list {
 }  // namespace
 
 void print_tables(const measured& all) {
-  fmt::print(
-      "| scene | polygons | height | source | CPU ms per sample | draw | gather | statistics | largest of the poses |"
-      " pixels seen | polygons seen | rays / it | gpu / it | it / floor |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::vector<std::string> names;
   for (const json& r : all.results)
-    for (const auto& [name, s] : r.at("sources").items()) {
-      const std::optional<double> own = s.at("ms").get<double>();
-      fmt::print("| {} | {} | {} | {} | {:.2f} | {} | {} | {} | {:.2f} | {} | {} | {} | {} | {} |\n",
-                 r.at("scene").get<std::string>(), grouped(r.at("polygons").get<std::uint32_t>()),
-                 r.at("height").get<std::string>(), name, *own, number(s.at("draw_ms")), number(s.at("gather_ms")),
-                 number(s.at("statistics_ms")), s.at("ms_largest").get<double>(),
-                 grouped(static_cast<std::uint64_t>(s.at("pixels_seen").get<double>())),
-                 grouped(static_cast<std::uint64_t>(s.at("polygons_seen").get<double>())),
-                 times(ratio(ms_of(r, "rays"), own)), times(ratio(ms_of(r, "gpu"), own)),
-                 times(ratio(own, ms_of(r, "floor"))));
-    }
+    for (const auto& [name, s] : r.at("sources").items())
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  fmt::print(
+      "CPU ms of one core per sample; in brackets draw + gather + statistics, where the source can tell.\n\n"
+      "| scene | height | pixels seen | polygons seen |");
+  for (const std::string& name : names) fmt::print(" {} |", name);
+  fmt::print(" gpu / cpu | rays / cpu | cpu / floor |\n|---|---|---|---|");
+  for (std::size_t i = 0; i < names.size() + 3; ++i) fmt::print("---|");
+  fmt::print("\n");
+  for (const json& r : all.results) {
+    const json& first = r.at("sources").front();
+    fmt::print("| {} | {} | {} | {} |", r.at("scene").get<std::string>(), r.at("height").get<std::string>(),
+               grouped(first.at("pixels_seen").get<double>()), grouped(first.at("polygons_seen").get<double>()));
+    for (const std::string& name : names)
+      fmt::print(" {} |", r.at("sources").contains(name) ? cost_text(r.at("sources").at(name)) : "-");
+    const auto cpu = ms_of(r, "cpu");
+    fmt::print(" {} | {} | {} |\n", times(ratio(ms_of(r, "gpu"), cpu)), times(ratio(ms_of(r, "rays"), cpu)),
+               times(ratio(cpu, ms_of(r, "floor"))));
+  }
   print_means(all);
   print_growth(all);
   print_memory(all);

@@ -19,7 +19,7 @@ struct world {
   std::uint32_t polygons() const { return static_cast<std::uint32_t>(geometry.kinds.size()); }
 };
 
-// Those that were compiled in, the ones under test first.
+// All there are.
 const std::vector<std::string>& source_names();
 
 struct named_source {
