@@ -209,8 +209,9 @@ void declare(CLI::App& app, options& how) {
   app.add_option("--rounds", how.rounds, "over all poses, beside the warm-up")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--resolution", how.resolution, "pixels along a face, even")
+  app.add_option("--resolution", how.resolution, "pixels along a face")
       ->check(CLI::Range(16, 4096))
+      ->check([](const std::string& text) { return std::stoul(text) % 2 == 0 ? "" : text + " is not even"; }, "even")
       ->capture_default_str();
   app.add_option("--seed", how.seed, "of the poses")->capture_default_str();
   app.add_flag("--quick", how.quick,

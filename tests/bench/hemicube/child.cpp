@@ -27,9 +27,12 @@ void run(const std::filesystem::path& program, const std::vector<std::string>& a
     _exit(127);
   }
   int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw error(error_kind::failed, "bench.child", program.filename().string(), "did not end well",
-                "see its messages above; build it: cmake --build --preset release");
+  const bool waited = child > 0 && waitpid(child, &status, 0) == child;
+  if (waited && WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+  const bool missing = waited && WIFEXITED(status) && WEXITSTATUS(status) == 127;
+  throw error(error_kind::failed, "bench.child", program.filename().string(),
+              missing ? "cannot be run" : "did not end well",
+              missing ? "build it: cmake --build --preset release" : "its own message stands before this one");
 }
 
 }  // namespace
