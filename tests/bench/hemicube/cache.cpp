@@ -8,6 +8,7 @@
 #include <iostream>
 #include <vector>
 
+#include "bench/hemicube/child.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bench {
@@ -65,7 +66,7 @@ void write_json(const std::filesystem::path& path, const json& value) {
 }
 
 void say(const std::string& line) {
-  std::cerr << "bench_hemicube: " + line + "\n";
+  std::cerr << own_program().filename().string() + ": " + line + "\n";
 }
 
 }  // namespace sightcell::bench

@@ -14,6 +14,7 @@ const std::map<std::string, std::vector<std::string>>& towns() {
       {"vienna800k", {"--preset", "vienna800k"}},
       {"vienna8m", {"--preset", "vienna8m"}},
       {"hongkong", {"--preset", "hongkong"}},
+      {"city100k", {"--polygons", "100000"}},
       {small_town, {"--polygons", "20000"}},
   };
   return all;
