@@ -70,7 +70,7 @@ class ThirdParty(unittest.TestCase):
             with open(os.path.join(installed.ARGS.source, path), encoding='utf-8') as file:
                 for line in file:
                     match = check_layering.INCLUDE.match(line)
-                    if not match or match[1] != '<' or match[2].startswith(('sightcell/', *check_layering.PLATFORM)):
+                    if not match or match[1] != '<' or match[2].startswith(('sightcell/', 'immintrin.h', *check_layering.PLATFORM)):
                         continue
                     if not check_layering.is_standard(match[2]):
                         fitting = [n for n in names if match[2].startswith(n)]
