@@ -29,7 +29,8 @@ double sample_variance(double importance, double largest) {
 
 reliability_map::reliability_map(const glm::vec2& face_size)
     : aspect_(face_size / std::max({face_size.x, face_size.y, 1e-6f})),
-      values_(std::size_t{map_size} * map_size, 0.0f) {}
+      values_(std::size_t{map_size} * map_size, 0.0f),
+      row_lows_(map_size, 0.0f) {}
 
 void reliability_map::add_sample(const glm::vec2& place, const std::array<double, 4>& importance) {
   samples_.push_back({place, importance});
@@ -44,22 +45,43 @@ void reliability_map::add_sample(const glm::vec2& place, const std::array<double
   for (const glm::vec2& e : excluded_) apply_exclusion(e);
 }
 
-// R(p) = a exp(-|p-s|^2 / sH^2) + (1-a) exp(-|p-s|^2 / sV^2), a = du^2 / (du^2 + dv^2): only ever raised.
+// R(p) = a exp(-|p-s|^2 / sH^2) + (1-a) exp(-|p-s|^2 / sV^2), a = du^2 / (du^2 + dv^2): only ever raised. Both
+// exponentials are products of one that only depends on the column and one of the row, so there are some hundred of
+// them and not two per texel: those were as dear as drawing the hemicube.
 void reliability_map::raise_around(const sample& s) {
   std::array<double, 4> variance{};
   for (std::size_t k = 0; k < 4; ++k) variance[k] = sample_variance(s.importance[k], largest_);
+  // By distance along one axis: its square, and the factors for the four variances.
+  struct along {
+    double square = 0.0;
+    bool beyond = false;  // right of the sample, or above it
+    std::array<double, 4> factor{};
+  };
+  using axis = std::array<along, map_size>;
+  const auto measure = [&](float place, float aspect, axis& out) {
+    for (std::uint32_t i = 0; i < map_size; ++i) {
+      const double d = ((i + 0.5) / map_size - static_cast<double>(place)) * static_cast<double>(aspect);
+      out[i].square = d * d;
+      out[i].beyond = d > 0.0;
+      for (std::size_t k = 0; k < 4; ++k) out[i].factor[k] = std::exp(-out[i].square / variance[k]);
+    }
+  };
+  axis columns, rows;
+  measure(s.place.x, aspect_.x, columns);
+  measure(s.place.y, aspect_.y, rows);
   for (std::uint32_t y = 0; y < map_size; ++y) {
-    const double dv = ((y + 0.5) / map_size - static_cast<double>(s.place.y)) * static_cast<double>(aspect_.y);
-    const double vertical = variance[dv > 0.0 ? toward_up : toward_down];
+    const along& row = rows[y];
+    const std::size_t v = row.beyond ? toward_up : toward_down;
     for (std::uint32_t x = 0; x < map_size; ++x) {
-      const double du = ((x + 0.5) / map_size - static_cast<double>(s.place.x)) * static_cast<double>(aspect_.x);
-      const double horizontal = variance[du < 0.0 ? toward_left : toward_right];
-      const double square = du * du + dv * dv;
-      const double a = square > 0.0 ? du * du / square : 0.5;
-      const double r = a * std::exp(-square / horizontal) + (1.0 - a) * std::exp(-square / vertical);
+      const along& column = columns[x];
+      const std::size_t h = column.beyond ? toward_right : toward_left;
+      const double square = column.square + row.square;
+      const double a = square > 0.0 ? column.square / square : 0.5;
+      const double r = a * (column.factor[h] * row.factor[h]) + (1.0 - a) * (column.factor[v] * row.factor[v]);
       float& value = values_[y * map_size + x];
       value = std::max(value, static_cast<float>(r));
     }
+    find_row_low(y);
   }
 }
 
@@ -78,8 +100,15 @@ std::array<std::uint32_t, 4> reliability_map::excluded_texels(const glm::vec2& p
 
 void reliability_map::apply_exclusion(const glm::vec2& place) {
   const auto [left, low, right, high] = excluded_texels(place);
-  for (std::uint32_t y = low; y <= high; ++y)
+  for (std::uint32_t y = low; y <= high; ++y) {
     for (std::uint32_t x = left; x <= right; ++x) values_[y * map_size + x] = 1.0f;
+    find_row_low(y);
+  }
+}
+
+void reliability_map::find_row_low(std::uint32_t y) {
+  const float* row = values_.data() + std::size_t{y} * map_size;
+  row_lows_[y] = *std::min_element(row, row + map_size);
 }
 
 glm::vec2 reliability_map::center_of(std::uint32_t texel) {
@@ -88,8 +117,10 @@ glm::vec2 reliability_map::center_of(std::uint32_t texel) {
 }
 
 reliability_map::lowest_place reliability_map::lowest() const {
-  const auto found = std::min_element(values_.begin(), values_.end());
-  return {*found, center_of(static_cast<std::uint32_t>(found - values_.begin()))};
+  const auto y = static_cast<std::uint32_t>(std::min_element(row_lows_.begin(), row_lows_.end()) - row_lows_.begin());
+  const float* row = values_.data() + std::size_t{y} * map_size;
+  const auto x = static_cast<std::uint32_t>(std::find(row, row + map_size, row_lows_[y]) - row);
+  return {row_lows_[y], center_of(y * map_size + x)};
 }
 
 importance_depth::importance_depth(const glm::vec2& face_size, std::uint32_t samples)

@@ -43,12 +43,14 @@ class reliability_map {
   };
   void raise_around(const sample& s);
   void apply_exclusion(const glm::vec2& place);
+  void find_row_low(std::uint32_t y);
 
   glm::vec2 aspect_;  // face size divided by its longest side
   double largest_ = 0.0;
   std::vector<sample> samples_;
   std::vector<glm::vec2> excluded_;
   std::vector<float> values_;
+  std::vector<float> row_lows_;  // the lowest value of each row: a face in a wall asks for the lowest of all very often
 };
 
 class importance_depth final : public face_sampler {

@@ -87,6 +87,54 @@ TEST(reliability_map, is_only_ever_raised_by_samples_of_equal_scale) {
   for (std::uint32_t i = 0; i < 256; ++i) EXPECT_GE(map.at(i, i), before[i]);
 }
 
+TEST(reliability_map, knows_its_lowest_place_and_follows_the_formula) {
+  reliability_map map({4, 2});
+  random_stream random(3, 3, purpose::verify);
+  // As the thesis has it, each texel on its own: distances through the longest side, normalised by the largest sum.
+  struct sample {
+    glm::vec2 place;
+    std::array<double, 4> importance;
+  };
+  std::vector<sample> samples;
+  double largest = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    const glm::vec2 place{random.uniform(), random.uniform()};
+    if (i % 3 == 2) {
+      map.exclude(place);
+      continue;
+    }
+    sample s{place, {}};
+    for (double& part : s.importance) part = static_cast<double>(random.uniform()) * (1.0 + i);
+    samples.push_back(s);
+    largest = std::max(largest, *std::max_element(s.importance.begin(), s.importance.end()));
+    map.add_sample(place, s.importance);
+
+    float lowest = 2.0f;
+    glm::vec2 first{0.0f};
+    int differ = 0;
+    for (std::uint32_t y = 0; y < reliability_map::map_size; ++y)
+      for (std::uint32_t x = 0; x < reliability_map::map_size; ++x) {
+        const glm::dvec2 at{(x + 0.5) / 256.0, (y + 0.5) / 256.0};
+        if (map.at(x, y) < lowest) lowest = map.at(x, y), first = glm::vec2(at);
+        double expected = 0.0;
+        for (const sample& one : samples) {
+          const double du = at.x - static_cast<double>(one.place.x),
+                       dv = (at.y - static_cast<double>(one.place.y)) / 2.0;
+          const auto variance = [&](direction k) { return std::max(1.0 - one.importance[k] / largest, 0.02); };
+          const double square = du * du + dv * dv, a = du * du / square;
+          const double r = a * std::exp(-square / variance(du < 0.0 ? toward_left : toward_right)) +
+                           (1.0 - a) * std::exp(-square / variance(dv > 0.0 ? toward_up : toward_down));
+          expected = std::max(expected, r);
+        }
+        const bool same = std::abs(static_cast<double>(map.at(x, y)) - expected) < 1e-6;
+        differ += same || map.at(x, y) == 1.0f ? 0 : 1;  // 1: taken out of the search
+      }
+    EXPECT_EQ(differ, 0) << i;
+    EXPECT_EQ(map.lowest().reliability, lowest);
+    EXPECT_EQ(map.lowest().place, first);
+  }
+}
+
 TEST(importance_depth, starts_with_the_grid_then_goes_where_reliability_is_lowest) {
   importance_depth sampler({4, 4}, 16);
   std::vector<glm::vec2> places;
