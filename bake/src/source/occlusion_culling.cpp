@@ -138,8 +138,10 @@ class occlusion_culling final : public gpu_culling {
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glDispatchCompute(groups_for(3 * target_.resolution, shaders::hemicube_group_width),
                       groups_for(target_.resolution, shaders::hemicube_group_height), 1);
-    // For whoever looks at the ids next: a shader, glReadPixels or the draws of the next hemicube.
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
+    // For whoever looks at the ids next: a shader, glReadPixels or the draws of the next hemicube; and for the next
+    // hierarchical depth, which is written over this one.
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT |
+                    GL_PIXEL_BUFFER_BARRIER_BIT);
     glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   }
 

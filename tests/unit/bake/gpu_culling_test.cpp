@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "gpu_scene.h"
 
@@ -119,6 +120,50 @@ TEST_F(gpu_culling_test, of_sheets_in_one_plane_the_last_drawn_is_kept) {
     }
     EXPECT_GT(std::count(expected.inverse_depths.begin(), expected.inverse_depths.end(), 0.5f), 1000);
   }
+}
+
+// Heaps from a millimetre to a hundred metres wide, near and far, behind walls with slits, near the origin and far from
+// it: whatever rounding does to boxes and depths, nothing that is seen may be culled.
+TEST_F(gpu_culling_test, heaps_of_all_sizes_show_what_a_plain_draw_shows) {
+  std::mt19937 engine(17);
+  const auto number = [&] { return static_cast<float>(engine() >> 8) / 8388608.0f - 1.0f; };
+  const auto vector = [&] { return glm::vec3(number(), number(), number()); };
+  bake::hemicube_image expected, image;
+  std::uint64_t in_frustum = 0, drawn = 0;
+  for (int scene_number = 0; scene_number < 12; ++scene_number) {
+    sightcell::test::tiny_scene heaps;
+    const glm::vec3 middle = scene_number % 3 == 0 ? glm::vec3(0) : std::pow(10.0f, 2.0f + 1.5f * number()) * vector();
+    for (int heap = 0; heap < 30; ++heap) {
+      const float distance = std::pow(10.0f, 1.0f + 1.5f * number());
+      const glm::vec3 center = middle + distance * glm::normalize(vector());
+      const float width = distance * std::pow(10.0f, 2.0f * number() - 2.0f);
+      for (int i = 0; i < 400; ++i) {
+        const glm::vec3 a = center + width * vector();
+        heaps.triangle(a, a + 0.3f * width * vector(), a + 0.3f * width * vector());
+      }
+    }
+    for (int wall = 0; wall < 60; ++wall) {
+      const glm::vec3 toward = glm::normalize(vector()), center = middle + std::pow(10.0f, number() + 0.5f) * toward;
+      const float half = glm::length(center - middle);
+      const glm::vec3 u = 0.6f * half * glm::normalize(glm::cross(toward, vector()));
+      const glm::vec3 v = 0.6f * half * glm::normalize(glm::cross(toward, u));
+      heaps.quad(center - u - v, center + u - v, center + u + v, center - u + v, {scene::alpha_mode::opaque, true});
+    }
+    const scene::world_geometry world = scene::flatten(heaps.finished());
+    const auto plain = source(world, bake::culling::none, 64), frustum = source(world, bake::culling::frustum, 64);
+    const auto tested = source(world, bake::culling::occlusion, 64);
+    bake::pose from = rooms::walk(1)[0];
+    for (int i = 0; i < 12; ++i) {
+      from.eye = middle + std::pow(10.0f, static_cast<float>(i % 3) - 2.0f) * vector();
+      if (i % 4 == 3) from = {from.eye, -from.right, from.forward, from.up};
+      plain->render_image(from, expected);
+      tested->render_image(from, image);
+      expect_same_image(expected, image, "scene " + std::to_string(scene_number) + ", pose " + std::to_string(i));
+      in_frustum += drawn_triangles(*frustum, from);
+      drawn += drawn_triangles(*tested, from);
+    }
+  }
+  EXPECT_LT(drawn, in_frustum * 9 / 10) << "something was hidden";
 }
 
 TEST_F(gpu_culling_test, what_is_hidden_is_not_drawn) {
