@@ -5,7 +5,7 @@ layout(std140, binding = hemicube_block_cull) uniform cull_block { hemicube_cull
 layout(std140, binding = hemicube_block_cull_scene) uniform cull_scene_block { hemicube_cull_scene scene; };
 layout(std430, binding = hemicube_buffer_clusters) readonly buffer clusters_buffer { hemicube_cluster clusters[]; };
 layout(std430, binding = hemicube_buffer_commands) writeonly buffer commands_buffer { uint commands[]; };
-layout(std430, binding = hemicube_buffer_seen_clusters) readonly buffer seen_buffer { uint seen_clusters[]; };
+layout(std430, binding = hemicube_buffer_last_seen) readonly buffer seen_buffer { uint last_seen[]; };
 
 // Half the box, and a little more for rounding here and in the vertex shader.
 vec3 reach_of(hemicube_cluster c) {
@@ -26,7 +26,8 @@ bool in_frustum(hemicube_cluster c, hemicube_cull_face face) {
 
 // Was it drawn in the first pass, given that it is in the frustum?
 bool in_first_pass(uint cluster) {
-  return cluster < scene.hiding_clusters && (seen_clusters[cluster / 32u] >> (cluster % 32u) & 1u) != 0u;
+  if (cluster >= scene.hiding_clusters || last_seen[cluster] == 0u) return false;
+  return view.number - last_seen[cluster] <= hemicube_memory;
 }
 
 void write_draw(uint cluster, uint face, bool drawn) {

@@ -2,15 +2,16 @@
 #include "shared/hemicube_layout.h"
 
 // Puts the two passes together, one invocation per pixel: the nearer polygon, of two at the same depth the one in the
-// later cluster, as if all clusters had been drawn in one row. Notes the cluster for the next hemicube's first pass.
+// later cluster, as if all clusters had been drawn in one row. Notes the cluster for the first passes to come.
 layout(local_size_x = hemicube_group_width, local_size_y = hemicube_group_height) in;
 
+layout(std140, binding = hemicube_block_cull) uniform cull_block { hemicube_cull view; };
 layout(binding = hemicube_texture_depth) uniform sampler2D depths;
 layout(binding = hemicube_texture_levels) uniform sampler2D levels;
 layout(binding = hemicube_texture_second_ids) uniform usampler2D second_ids;
 layout(binding = hemicube_image_ids, r32ui) uniform uimage2D ids;
 layout(std430, binding = hemicube_buffer_cluster_of) readonly buffer cluster_of_buffer { uint cluster_of[]; };
-layout(std430, binding = hemicube_buffer_seen_clusters) buffer seen_buffer { uint seen_clusters[]; };
+layout(std430, binding = hemicube_buffer_last_seen) buffer seen_buffer { uint last_seen[]; };
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -26,6 +27,6 @@ void main() {
       cluster = cluster_of_second;
     }
   }
-  uint bit = 1u << (cluster % 32u);
-  if ((seen_clusters[cluster / 32u] & bit) == 0u) atomicOr(seen_clusters[cluster / 32u], bit);
+  // All that write here write the same.
+  if (last_seen[cluster] != view.number) last_seen[cluster] = view.number;
 }

@@ -14,6 +14,8 @@ const uint hemicube_collect_size = 256u;
 
 // Culling on the device: invocations of cull.comp and compact.comp.
 const uint hemicube_cull_size = 64u;
+// The first pass draws what one of so many hemicubes before this one saw: a cell's samples look in turns out of six faces.
+const uint hemicube_memory = 8u;
 const uint hemicube_compact_size = 256u;
 // Levels of the hierarchical depth below the full size; a work group of depth_levels.comp makes all of one block of
 // 2^levels pixels a side.
@@ -58,7 +60,7 @@ const uint hemicube_buffer_texels = 4u;  // alphas, four per word, lowest byte f
 // Of culling, in turns: OpenGL promises no more than eight bindings.
 const uint hemicube_buffer_clusters = 5u;       // hemicube_cluster, grouped by class
 const uint hemicube_buffer_commands = 6u;       // a draw per face and cluster; no index when the cluster is culled
-const uint hemicube_buffer_seen_clusters = 7u;  // a bit per cluster: the last hemicube saw some of it
+const uint hemicube_buffer_last_seen = 7u;      // per cluster the number of the last hemicube that saw some of it, or 0
 const uint hemicube_buffer_packed = 5u;         // compact.comp: the draws that are left, in the same order
 const uint hemicube_buffer_packed_counts = 7u;  // how many, per face and class
 const uint hemicube_buffer_cluster_of = 5u;     // resolve.comp: cluster per source id
@@ -103,7 +105,9 @@ struct hemicube_cull_face {
 };
 
 struct hemicube_cull {
-  vec4 eye;  // xyz; w: distance of the near plane in metres
+  vec4 eye;     // xyz; w: distance of the near plane in metres
+  uint number;  // of the hemicube, from 1 upward
+  uint unused_a, unused_b, unused_c;
   hemicube_cull_face faces[hemicube_faces];
 };
 
@@ -137,7 +141,7 @@ static_assert(hemicube_result_header == hemicube_result_sums + 4u);
 static_assert(1u << hemicube_depth_levels == hemicube_depth_block);
 static_assert(sizeof(hemicube_cluster) == 48);
 static_assert(sizeof(hemicube_cull_face) == 80);
-static_assert(sizeof(hemicube_cull) == 416);
+static_assert(sizeof(hemicube_cull) == 432);
 static_assert(sizeof(hemicube_cull_scene) == 144);
 static_assert(sizeof(hemicube_mask) == 32);
 static_assert(sizeof(hemicube_count) == 8);

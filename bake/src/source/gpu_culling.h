@@ -13,7 +13,8 @@
 
 namespace sightcell::bake {
 
-// automatic: frustum on a software rasteriser, else occlusion, which is frustum where the device cannot do it.
+// automatic: occlusion, but frustum on a software rasteriser that has to draw many pixels for few polygons. Occlusion
+// is frustum where the device cannot do it.
 enum class culling { automatic, none, frustum, occlusion };
 
 class gpu_culling {
@@ -39,7 +40,7 @@ struct culling_target {
   GLuint framebuffer, ids, depths;
 };
 
-// The first pass draws what the last hemicube saw; the hierarchical depth of that hides much of the rest.
+// The first pass draws what the last hemicubes saw; the hierarchical depth of that hides much of the rest.
 std::unique_ptr<gpu_culling> make_occlusion_culling(const gpu_geometry& geometry, const culling_target& target);
 
 // Can the device be told by itself how much to draw? (GL_ARB_indirect_parameters: OpenGL 4.6 has it, 4.5 need not.)

@@ -84,7 +84,7 @@ class occlusion_culling final : public gpu_culling {
         commands_(command_bytes * face_count * scene_.cluster_count, nullptr),
         packed_commands_(command_bytes * face_count * scene_.cluster_count, nullptr),
         packed_counts_(sizeof(std::uint32_t) * face_count * polygon_class_count, nullptr),
-        seen_((scene_.cluster_count + 31) / 32 * sizeof(std::uint32_t), nullptr),
+        last_seen_(buffer_of(std::vector<std::uint32_t>(scene_.cluster_count))),
         view_block_(sizeof(shaders::hemicube_cull), nullptr, GL_DYNAMIC_STORAGE_BIT),
         scene_block_(sizeof scene_, &scene_),
         levels_(target.resolution),
@@ -93,13 +93,12 @@ class occlusion_culling final : public gpu_culling {
         second_("hemicube/cull_second", {{GL_COMPUTE_SHADER, shaders::hemicube_cull_second_comp}}),
         compact_("hemicube/compact", {{GL_COMPUTE_SHADER, shaders::hemicube_compact_comp}}),
         resolve_("hemicube/resolve", {{GL_COMPUTE_SHADER, shaders::hemicube_resolve_comp}}),
-        second_framebuffer_(second_ids_.id(), target.depths) {
-    clear(seen_);
-  }
+        second_framebuffer_(second_ids_.id(), target.depths) {}
 
   void start(const glm::vec3& eye, std::span<const face_view, face_count> faces) override {
     shaders::hemicube_cull block{};
     block.eye = vector_of(eye, hemicube_near);
+    block.number = ++number_;
     for (std::uint32_t f = 0; f < face_count; ++f) {
       const face_view& face = faces[f];
       block.faces[f] = {vector_of(face.forward),
@@ -127,14 +126,13 @@ class occlusion_culling final : public gpu_culling {
   }
 
   void finish_second() override {
-    clear(seen_);
     glUseProgram(resolve_.id());
     glBindTextureUnit(shaders::hemicube_texture_depth, target_.depths);
     glBindTextureUnit(shaders::hemicube_texture_levels, levels_.id());
     glBindTextureUnit(shaders::hemicube_texture_second_ids, second_ids_.id());
     glBindImageTexture(shaders::hemicube_image_ids, target_.ids, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_cluster_of, cluster_of_.id());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_seen_clusters, seen_.id());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_last_seen, last_seen_.id());
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glDispatchCompute(groups_for(3 * target_.resolution, shaders::hemicube_group_width),
                       groups_for(target_.resolution, shaders::hemicube_group_height), 1);
@@ -159,16 +157,12 @@ class occlusion_culling final : public gpu_culling {
   }
 
  private:
-  static void clear(const gl_buffer& words) {
-    glClearNamedBufferData(words.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
-  }
-
   void cull(const picture::gl_program& program) const {
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_cull, view_block_.id());
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_cull_scene, scene_block_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_clusters, clusters_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_commands, commands_.id());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_seen_clusters, seen_.id());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_last_seen, last_seen_.id());
     // The draws of the last pass have to be read before they are written over.
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     glUseProgram(program.id());
@@ -183,8 +177,9 @@ class occlusion_culling final : public gpu_culling {
 
   const gpu_geometry& geometry_;
   culling_target target_;
+  std::uint32_t number_ = 0;  // of the last hemicube
   shaders::hemicube_cull_scene scene_;
-  gl_buffer clusters_, cluster_of_, commands_, packed_commands_, packed_counts_, seen_, view_block_, scene_block_;
+  gl_buffer clusters_, cluster_of_, commands_, packed_commands_, packed_counts_, last_seen_, view_block_, scene_block_;
   depth_levels levels_;
   gl_image second_ids_;
   picture::gl_program first_, second_, compact_, resolve_;

@@ -177,6 +177,11 @@ TEST_F(gpu_culling_test, what_is_hidden_is_not_drawn) {
   EXPECT_EQ(drawn_triangles(*occlusion, from), in_frustum) << "the first hemicube knows nothing yet";
   EXPECT_LT(drawn_triangles(*occlusion, from), in_frustum / 2);
   EXPECT_LT(drawn_triangles(*occlusion, from), in_frustum / 2) << "and it does not forget";
+  bake::pose back = from;
+  back.forward = -from.forward;
+  back.right = -from.right;
+  drawn_triangles(*occlusion, back);
+  EXPECT_LT(drawn_triangles(*occlusion, from), in_frustum / 2) << "while it looks the other way";
 }
 
 TEST_F(gpu_culling_test, a_scene_without_anything_that_hides) {
