@@ -66,6 +66,7 @@ class seeing_test : public testing::Test {
   std::filesystem::path file() const { return folder_ / "cell.pvs"; }
 
   std::filesystem::path folder_;
+  std::vector<std::string> sources_{"cpu", "rays"};  // of hemicubes; gpu too where there is EGL
   std::vector<std::string> names_;  // per polygon
   std::vector<bool> seen_;          // per polygon, as expected
   seen_polygons truth_;

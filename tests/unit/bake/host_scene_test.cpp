@@ -12,7 +12,6 @@
 #include "file_bytes.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
-#include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/error.h"
 #include "tiny_scene.h"
 
@@ -234,11 +233,6 @@ TEST(host_scene, broken_arrays_are_refused_by_name) {
 class host_bake : public ::testing::Test {
  protected:
   void SetUp() override {
-    try {
-      picture::gl_context needed;
-    } catch (const error& e) {
-      GTEST_SKIP() << e.what();
-    }
     path_ = std::filesystem::temp_directory_path() / ("host_bake_" + std::to_string(std::random_device{}()) + ".pvs");
     const auto square = engine_.square();
     host_material& fence = engine_.materials.emplace_back();
