@@ -54,6 +54,19 @@ int work(const std::string& file) {
   return 0;
 }
 
+// How the gpu source is set: what is best differs by scene, so it is tried.
+struct gpu_setting {
+  std::string threads, culling;  // LP_NUM_THREADS of llvmpipe, empty: not set; culling by name, empty: as in a bake
+  std::string text() const {
+    return fmt::format("LP_NUM_THREADS {}, {} culling", threads.empty() ? "not set" : threads,
+                       culling.empty() ? "a bake's" : culling);
+  }
+  std::vector<std::string> environment() const {
+    if (threads.empty()) return {};
+    return {"LP_NUM_THREADS=" + threads};
+  }
+};
+
 class bench {
  public:
   explicit bench(const options& how) : how_(how), code_(how.commit), processor_(processor()) {
@@ -72,8 +85,8 @@ class bench {
         });
     say(fmt::format("{}: {} poses, {}", scene.name, poses.at("heights").at("street").size(),
                     poses.at("cells").get<std::string>()));
-    const std::string threads = how_.no_memory ? "0" : measure_memory_of(scene, poses);
-    measure_time_of(scene, poses, threads);
+    const gpu_setting gpu = how_.no_memory ? gpu_setting{"0", ""} : measure_memory_of(scene, poses);
+    measure_time_of(scene, poses, gpu);
     if (scene.name == how_.scenes.front() && asked("cpu")) measure_threads_of(scene, poses);
   }
 
@@ -106,60 +119,66 @@ class bench {
     return std::find(how_.sources.begin(), how_.sources.end(), source) != how_.sources.end();
   }
 
-  // A process per source. llvmpipe draws with threads of its own; gives the number of them (LP_NUM_THREADS) that costs
-  // the least CPU time, empty where the device is hardware.
-  std::string measure_memory_of(const bench_scene& scene, const json& poses) {
-    std::string best;
+  // A process per source. Gives the setting of gpu that costs the least CPU time in the street; on hardware it is left
+  // as in a bake.
+  gpu_setting measure_memory_of(const bench_scene& scene, const json& poses) {
+    gpu_setting best;
     for (const std::string& source : how_.sources) {
-      std::vector<std::string> settings{""};
-      if (source == "gpu") settings = {"0", "1", ""};
+      std::vector<gpu_setting> settings{{"", ""}};
+      if (source == "gpu") settings = {{"", ""}, {"0", "frustum"}, {"1", "frustum"}, {"0", "occlusion"}};
       json chosen, tried = json::object();
-      for (const std::string& threads : settings) {
-        const json found = remembered(
-            key("memory", {scene.hash, code_, processor_, source, threads, count(how_.resolution), count(how_.poses)}),
-            [&] {
-              say(fmt::format("{}: memory of {}{}", scene.name, source,
-                              source != "gpu" ? "" : ", LP_NUM_THREADS " + (threads.empty() ? "not set" : threads)));
-              json some = json::array();
-              const json& street = poses.at("heights").at("street");
-              for (std::size_t i = 0; i < std::min<std::size_t>(street.size(), 6); ++i) some.push_back(street[i]);
-              return run_job(
-                  {{"job", "memory"},
-                   {"scene", scene.file.string()},
-                   {"source", source},
-                   {"poses", some},
-                   {"resolution", how_.resolution}},
-                  threads.empty() ? std::vector<std::string>{} : std::vector<std::string>{"LP_NUM_THREADS=" + threads});
-            });
-        tried[threads.empty() ? "not set" : threads] = found.at("ms");
+      for (const gpu_setting& setting : settings) {
+        const json found = memory_of(scene, poses, source, setting);
+        tried[setting.text()] = found.at("ms");
         if (chosen.is_null() || found.at("ms") < chosen.at("ms")) {
           chosen = found;
-          if (source == "gpu") best = found.at("software").get<bool>() ? threads : "";
-          if (source == "gpu") chosen["lp_num_threads"] = best;
+          if (source == "gpu") best = setting;
         }
         if (!found.at("software").get<bool>()) break;
       }
-      if (source == "gpu") chosen["ms_by_lp_num_threads"] = tried;
+      if (source == "gpu") {
+        chosen["setting"] = best.text();
+        chosen["ms_by_setting"] = tried;
+      }
       all_.memory[scene.name][source] = chosen;
     }
     return best;
   }
 
-  // How CPU seconds grow with threads, on the first of the scenes.
-  void measure_threads_of(const bench_scene& scene, const json& poses) {
-    all_.threads = remembered(
-        key("threads", {scene.hash, code_, processor_, count(how_.resolution), count(how_.poses), count(how_.rounds)}),
+  json memory_of(const bench_scene& scene, const json& poses, const std::string& source, const gpu_setting& setting) {
+    return remembered(
+        key("memory", {scene.hash, code_, processor_, source, setting.threads, setting.culling, count(how_.resolution),
+                       count(how_.poses), count(how_.seed)}),
         [&] {
-          say(scene.name + ": cpu with one and with two threads");
-          return run_job({{"job", "threads"},
+          say(fmt::format("{}: memory of {}{}", scene.name, source, source == "gpu" ? ", " + setting.text() : ""));
+          json some = json::array();
+          const json& street = poses.at("heights").at("street");
+          for (std::size_t i = 0; i < std::min<std::size_t>(street.size(), 6); ++i) some.push_back(street[i]);
+          return run_job({{"job", "memory"},
                           {"scene", scene.file.string()},
-                          {"poses", poses.at("heights").at("street")},
-                          {"rounds", how_.rounds},
-                          {"resolution", how_.resolution}});
+                          {"source", source},
+                          {"culling", setting.culling},
+                          {"poses", some},
+                          {"resolution", how_.resolution}},
+                         setting.environment());
         });
   }
 
-  void measure_time_of(const bench_scene& scene, const json& poses, const std::string& threads) {
+  // How CPU seconds grow with threads, on the first of the scenes.
+  void measure_threads_of(const bench_scene& scene, const json& poses) {
+    all_.threads = remembered(key("threads", {scene.hash, code_, processor_, count(how_.resolution), count(how_.poses),
+                                              count(how_.rounds), count(how_.seed)}),
+                              [&] {
+                                say(scene.name + ": cpu with one and with two threads");
+                                return run_job({{"job", "threads"},
+                                                {"scene", scene.file.string()},
+                                                {"poses", poses.at("heights").at("street")},
+                                                {"rounds", how_.rounds},
+                                                {"resolution", how_.resolution}});
+                              });
+  }
+
+  void measure_time_of(const bench_scene& scene, const json& poses, const gpu_setting& gpu) {
     std::vector<std::filesystem::path> paths;
     json parts = json::array();
     for (const std::string& height : how_.heights) {
@@ -167,7 +186,7 @@ class bench {
                                   code_,
                                   processor_,
                                   height,
-                                  threads,
+                                  gpu.text(),
                                   count(how_.resolution),
                                   count(how_.poses),
                                   count(how_.rounds),
@@ -179,18 +198,19 @@ class bench {
       if (std::filesystem::exists(paths.back()) && !how_.fresh) continue;
       parts.push_back({{"label", scene.name + " " + height},
                        {"poses", poses.at("heights").at(height)},
-                       {"facts", {{"scene", scene.name}, {"height", height}, {"lp_num_threads", threads}}},
+                       {"facts", {{"scene", scene.name}, {"height", height}, {"gpu_setting", gpu.text()}}},
                        {"result", paths.back().string()}});
     }
     if (!parts.empty())
       run_job({{"job", "time"},
                {"scene", scene.file.string()},
                {"sources", how_.sources},
+               {"culling", gpu.culling},
                {"resolution", how_.resolution},
                {"rounds", how_.rounds},
                {"pace", how_.pace},
                {"parts", parts}},
-              threads.empty() ? std::vector<std::string>{} : std::vector<std::string>{"LP_NUM_THREADS=" + threads});
+              gpu.environment());
     for (const auto& path : paths) all_.results.push_back(read_json(path).value());
   }
 

@@ -198,7 +198,8 @@ json measure_time(const json& job) {
   const world w(job.at("scene").get<std::string>());
   std::vector<named_source> sources;
   for (const json& name : job.at("sources")) {
-    sources.push_back(make_source(name.get<std::string>(), w, job.at("resolution").get<std::uint32_t>()));
+    sources.push_back(make_source(name.get<std::string>(), w, job.at("resolution").get<std::uint32_t>(),
+                                  job.at("culling").get<std::string>()));
     say(fmt::format("{}: {}: {}", w.name, sources.back().name, sources.back().source->device()));
   }
   for (const json& part : job.at("parts")) {
@@ -249,17 +250,22 @@ json measure_memory(const json& job) {
     clear << "5" << std::flush;
     reset = clear.good();
   }
-  named_source made = make_source(job.at("source").get<std::string>(), w, job.at("resolution").get<std::uint32_t>());
+  named_source made = make_source(job.at("source").get<std::string>(), w, job.at("resolution").get<std::uint32_t>(),
+                                  job.at("culling").get<std::string>());
   const auto poses = read_poses(job.at("poses"));
   bake::hemicube_view view;
-  std::vector<double> cpu;
+  std::vector<bake::hemicube_view> views(poses.size());
+  std::vector<double> cpu, together;
   tbb::task_arena one_thread(1);
   one_thread.execute([&] {
-    for (int round = 0; round < 2; ++round)
+    for (int round = 0; round < 3; ++round) {
       for (const bake::pose& where : poses) {
         const cost c = cost_of([&] { made.source->render(where, view); });
         if (round > 0) cpu.push_back(c.cpu);
       }
+      const cost c = cost_of([&] { made.source->render(poses, views); });
+      if (round > 0) together.push_back(c.cpu / static_cast<double>(poses.size()));
+    }
   });
   const std::size_t peak = memory_field("VmHWM:");
   return {{"before", before},
@@ -268,6 +274,8 @@ json measure_memory(const json& job) {
           {"own", peak > before ? peak - before : 0},
           {"own_is_exact", reset},
           {"ms", 1e3 * median(cpu)},
+          {"ms_mean", 1e3 * mean(cpu)},
+          {"ms_mean_together", 1e3 * mean(together)},
           {"software", made.software()},
           {"device", made.source->device()}};
 }

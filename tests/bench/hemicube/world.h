@@ -29,7 +29,9 @@ struct named_source {
   bool software() const { return !context || context->software(); }
 };
 
-// w must outlive the source. Throws sightcell::error where the device is not there.
-named_source make_source(const std::string& name, const world& w, std::uint32_t resolution);
+// w must outlive the source. culling: of gpu, "frustum" or "occlusion", or empty for the source's own choice. Throws
+// sightcell::error where the device is not there.
+named_source make_source(const std::string& name, const world& w, std::uint32_t resolution,
+                         const std::string& culling = "");
 
 }  // namespace sightcell::bench
