@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "process_time.h"
 #include "shaders/sources.h"
 #include "shared/hemicube_layout.h"
 
@@ -10,9 +11,12 @@ namespace sightcell::bake {
 gather_compute::gather_compute(polygon_counts& counted)
     : counted_(counted), program_("hemicube/gather", {{GL_COMPUTE_SHADER, shaders::hemicube_gather_comp}}) {}
 
-void gather_compute::run(const hemicube_atlas& atlas, std::span<const face_view, face_count>, hemicube_view& view) {
+void gather_compute::run(const hemicube_atlas& atlas, std::span<const face_view, face_count>, hemicube_view& view,
+                         sample_split* spent) {
+  const double start = thread_cpu_seconds();
   send(atlas, 0);
   receive(0, view);
+  if (spent != nullptr) spent->gather = thread_cpu_seconds() - start;  // with the statistics
 }
 
 void gather_compute::send(const hemicube_atlas& atlas, std::uint32_t slot) {

@@ -13,7 +13,8 @@ class gather_compute final : public gpu_gather {
   // counted: made for gather_compute_groups().
   explicit gather_compute(polygon_counts& counted);
 
-  void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view) override;
+  void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view,
+           sample_split* spent = nullptr) override;
   // The two halves of run(); between them the atlas may be drawn again.
   void send(const hemicube_atlas& atlas, std::uint32_t slot);
   void receive(std::uint32_t slot, hemicube_view& view);

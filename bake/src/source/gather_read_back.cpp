@@ -1,3 +1,4 @@
+#include "process_time.h"
 #include "sightcell/scene/error.h"
 #include "source/gpu_gather.h"
 #include "source/image_gather.h"
@@ -9,7 +10,9 @@ class gather_read_back final : public gpu_gather {
  public:
   gather_read_back(std::uint32_t polygon_count, polygon_counts* marked) : marked_(marked), gather_(polygon_count) {}
 
-  void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view) override {
+  void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view,
+           sample_split* spent) override {
+    const double start = thread_cpu_seconds();
     ids_.resize(3 * std::size_t{atlas.resolution} * atlas.resolution);
     depths_.resize(ids_.size());
     read_atlas(atlas, ids_, depths_);
@@ -17,10 +20,15 @@ class gather_read_back final : public gpu_gather {
       marked_->collect(marked_list_, no_sums_);
       for (const seen_polygon& p : marked_list_) gather_.add(p.id, p.pixels, p.pixel);
     }
-    if (!gather_.run(faces, ids_, depths_, atlas.near_over_far, view)) {
+    if (!gather_.list(ids_, view.seen)) {
       throw error(error_kind::failed, "gl.error", "OpenGL source", "the device drew a polygon that does not exist",
                   "use another source and report this with the name of your graphics driver");
     }
+    const double listed = thread_cpu_seconds();
+    gather_.sum(faces, depths_, atlas.near_over_far, view.importance);
+    if (spent == nullptr) return;
+    spent->gather = listed - start;
+    spent->statistics = thread_cpu_seconds() - listed;
   }
 
  private:

@@ -30,8 +30,10 @@ void read_atlas(const hemicube_atlas& atlas, std::span<std::uint32_t> ids, std::
 class gpu_gather {
  public:
   virtual ~gpu_gather() = default;
-  // Fills view from the opaque polygons of the atlas and the see-through ones that were counted in marked.
-  virtual void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view) = 0;
+  // Fills view from the opaque polygons of the atlas and the see-through ones that were counted in marked. spent: if
+  // not null, gather and statistics are filled in, as far as they can be told apart.
+  virtual void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view,
+                   sample_split* spent = nullptr) = 0;
 };
 
 // Pixels are read back and walked on the CPU. marked: counts of the see-through pass; null when the scene has none.

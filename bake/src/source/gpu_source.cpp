@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "process_time.h"
 #include "shaders/sources.h"
 #include "shared/hemicube_layout.h"
 #include "sightcell/picture/gl_program.h"
@@ -109,6 +110,22 @@ class gpu_source final : public hemicube_source {
   std::vector<std::uint32_t> collect_union() override {
     if (!compute_) return {};
     return counts_->collect_union();
+  }
+
+  // On a software rasteriser that has no threads of its own (LP_NUM_THREADS=0), what each part costs; on hardware, what
+  // it costs to wait.
+  std::optional<sample_split> render_split(const pose& where, hemicube_view& view) override {
+    sample_split spent;
+    const double start = thread_cpu_seconds();
+    const auto faces = draw(where);
+    glFinish();
+    spent.draw = thread_cpu_seconds() - start;
+    if (compute_)
+      compute_->run(atlas(), faces, view, &spent);
+    else
+      read_back_->run(atlas(), faces, view, &spent);
+    context_.check("hemicube");
+    return spent;
   }
 
   void render_image(const pose& where, hemicube_image& image) override {

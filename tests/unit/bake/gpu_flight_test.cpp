@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <set>
 
+#include "cell_set.h"
 #include "gpu_scene.h"
+#include "sampler/cell_sampling.h"
 #include "source/polygon_counts.h"
 
 namespace {
@@ -86,6 +88,40 @@ TEST_F(gpu_flight_test, an_image_between_two_hemicubes_changes_nothing) {
     tested->render_image(from, image);
     tested->render(from, after);
     expect_same_view(before, after, "after an image");
+  }
+}
+
+// The sampler's loop over a source that does all it can on the device, and over one that does nothing there.
+TEST_F(gpu_flight_test, a_cell_has_the_same_set_by_either_way) {
+  const scene::world_geometry world = rooms().world();
+  const bake::box cell{{9, 1, 9}, {13, 2, 14}};
+  const std::vector<glm::vec3> interior{{10, 1.5f, 10}, {12, 1.2f, 13}};
+  const auto is_free = [](const glm::vec3& place) { return place.x < 12.7f || place.z > 10; };
+  const bake::sampling_plan plan{.sampler = "halton", .samples = 30, .geometry_inside = true};
+  std::vector<std::vector<std::uint32_t>> sets;
+  for (const auto& [how, hide] : {std::pair{bake::gather::read_back, bake::culling::none},
+                                  std::pair{bake::gather::compute, bake::culling::occlusion}}) {
+    bake::cell_set set(static_cast<std::uint32_t>(world.kinds.size()));
+    const auto tested = source(world, how, 64, hide);
+    EXPECT_GT(bake::sample_cell(plan, cell, interior, is_free, *tested, set), 20u);
+    sets.push_back(set.sorted());
+  }
+  EXPECT_GT(sets[0].size(), 100u);
+  EXPECT_EQ(sets[0], sets[1]);
+}
+
+TEST_F(gpu_flight_test, the_parts_of_the_cost_are_told) {
+  const scene::world_geometry world = rooms().world();
+  const bake::pose from = rooms::walk(1)[0];
+  for (const bake::gather how : {bake::gather::read_back, bake::gather::compute}) {
+    const auto tested = source(world, how);
+    bake::hemicube_view view, split_view;
+    tested->render(from, view);
+    const auto split = tested->render_split(from, split_view);
+    ASSERT_TRUE(split);
+    EXPECT_GT(split->draw, 0.0);
+    EXPECT_GT(split->gather, 0.0);
+    expect_same_view(view, split_view, "split");
   }
 }
 
