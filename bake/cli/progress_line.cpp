@@ -48,10 +48,8 @@ void progress_line::update(const bake::progress& now) {
     return;
   }
   std::string text = fmt::format("{} of {} cells", grouped(now.cells_done), grouped(now.cells_total));
-  // The rate of this run: cells of an earlier run cost nothing, and are not in seconds_left either.
   if (now.seconds_left > 0.0)
-    text += fmt::format(", {:.2g} cells/s, {} left", (now.cells_total - now.cells_done) / now.seconds_left,
-                        duration_text(now.seconds_left));
+    text += fmt::format(", {:.2g} cells/s, {} left", now.cells_per_second, duration_text(now.seconds_left));
   else if (now.cells_done == now.cells_total)
     text += " in " + duration_text(now.seconds);
   text += fmt::format(", error {:.1e} (worst bound {:.1e}), {:.2f} % visible", now.pixel_error, now.worst_bound,

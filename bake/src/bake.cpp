@@ -161,7 +161,8 @@ class ledger {
     if (fresh_ > 0) {
       // Those in work are half done, one with the other.
       const double ahead = 0.5 * static_cast<double>(in_work);
-      now_.seconds_left = now_.seconds / (fresh_ + ahead) * (now_.cells_total - now_.cells_done - ahead);
+      now_.cells_per_second = (fresh_ + ahead) / std::max(now_.seconds, 1e-9);
+      now_.seconds_left = (now_.cells_total - now_.cells_done - ahead) / now_.cells_per_second;
     }
     const bool all = now_.cells_done == now_.cells_total && now_.cells_done > 0;
     stopped_ = true;  // also when the callback throws

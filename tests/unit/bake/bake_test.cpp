@@ -197,7 +197,15 @@ TEST_F(several_cells, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_by
       for (std::size_t i = 0; i < told.size(); ++i) {
         EXPECT_EQ(told[i].cells_done, i);
         EXPECT_EQ(told[i].cells_total, cells);
-        EXPECT_GE(told[i].seconds_left, 0.0);
+        // What was resumed cost nothing and tells nothing; what is in work, at most a cell per thread, is half done.
+        const double left = told[i].seconds_left * told[i].cells_per_second;
+        EXPECT_EQ(told[i].cells_per_second > 0.0, i > resumed_) << i;
+        EXPECT_LE(left, cells - static_cast<double>(i) + 1e-6);
+        if (i > resumed_) {
+          EXPECT_GE(left, cells - static_cast<double>(i) - 0.5 * threads - 1e-6);
+          EXPECT_LE(told[i].cells_per_second * told[i].seconds,
+                    static_cast<double>(i - resumed_) + 0.5 * threads + 1e-6);
+        }
       }
       EXPECT_EQ(told.back().seconds_left, 0.0);
       // Nothing is left beside the two files.

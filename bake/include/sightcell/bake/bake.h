@@ -30,11 +30,12 @@ namespace sightcell::bake {
 // Told before the first cell and after every finished one.
 struct progress {
   std::uint32_t cells_done = 0, cells_total = 0;
-  double seconds = 0.0;          // wall clock since the bake began
-  double seconds_left = 0.0;     // estimate from the cells of this run; cells in work count as half done
-  double pixel_error = 0.0;      // pooled misses / rays of the last fresh batches so far
-  double worst_bound = 0.0;      // largest upper bound of a finished cell
-  double visible_percent = 0.0;  // mean cell set of the cells so far, percent of all polygons
+  double seconds = 0.0;           // wall clock since the bake began
+  double cells_per_second = 0.0;  // of this run; cells in work count as half done; 0 until one is finished
+  double seconds_left = 0.0;      // for what is left at that rate
+  double pixel_error = 0.0;       // pooled misses / rays of the last fresh batches so far
+  double worst_bound = 0.0;       // largest upper bound of a finished cell
+  double visible_percent = 0.0;   // mean cell set of the cells so far, percent of all polygons
 };
 
 enum class severity { note, warning };
