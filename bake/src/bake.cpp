@@ -1,6 +1,7 @@
 #include "sightcell/bake/bake.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 #include <xxhash.h>
 
@@ -65,21 +66,13 @@ struct workshop {
   chosen_source eyes;
 };
 
-void equip(workshop& w, const scene::scene& s, const settings& how, const overrides& given, const callbacks& tell) {
-  w.geometry = scene::flatten(s, how.animated);
-  apply(given, w.geometry);
-  if (std::all_of(w.geometry.kinds.begin(), w.geometry.kinds.end(),
+void flatten_into(scene::world_geometry& geometry, const scene::scene& s, const settings& how, const overrides& given) {
+  geometry = scene::flatten(s, how.animated);
+  apply(given, geometry);
+  if (std::all_of(geometry.kinds.begin(), geometry.kinds.end(),
                   [](const scene::polygon_kind& kind) { return kind.absent; }))
     throw error(error_kind::bad_input, "bake.nothing-to-see", s.name, "has no triangle that could be seen",
                 "export meshes with triangles, or name another file");
-  w.rays.emplace(w.geometry, how.all_double_sided);
-  if (how.max_pixel_error > 0.0) w.neighbors.emplace(*w.rays);
-  w.eyes = choose_source(how, w.geometry, *w.rays);
-  if (tell.on_message) {
-    for (const std::string& warning : w.geometry.warnings) tell.on_message(severity::warning, warning);
-    tell.on_message(severity::note, fmt::format("device: {}, source {}{}", w.eyes.source->device(), w.eyes.name,
-                                                w.eyes.because.empty() ? std::string() : " (" + w.eyes.because + ")"));
-  }
 }
 
 // Times a few hemicubes and rays in cells spread over the list, and says how long the cells that are left will take.
@@ -197,10 +190,20 @@ void prepare(bake_job& job, const std::filesystem::path& output, bool fresh) {
   const settings& how = job.how;
   const callbacks& tell = job.tell;
   if (how.cells_file) job.given = read_overrides(*how.cells_file, job.s);
-  equip(job.w, job.s, how, job.given, tell);
-  job.list = make_cells(job.w.geometry, how);
+  workshop& w = job.w;
+  flatten_into(w.geometry, job.s, how, job.given);
+  // Cells know nothing of rays, and most of both is one thread's work.
+  tbb::parallel_invoke([&] { job.list = make_cells(w.geometry, how); },
+                       [&] {
+                         w.rays.emplace(w.geometry, how.all_double_sided);
+                         if (how.max_pixel_error > 0.0) w.neighbors.emplace(*w.rays);
+                       });
+  w.eyes = choose_source(how, w.geometry, *w.rays);  // its context belongs to the calling thread
   const std::vector<view_cell>& cells = job.list.cells;
   if (tell.on_message) {
+    for (const std::string& warning : w.geometry.warnings) tell.on_message(severity::warning, warning);
+    tell.on_message(severity::note, fmt::format("device: {}, source {}{}", w.eyes.source->device(), w.eyes.name,
+                                                w.eyes.because.empty() ? std::string() : " (" + w.eyes.because + ")"));
     tell.on_message(severity::note, "cells: " + job.list.how);
     for (const std::string& warning : job.list.warnings) tell.on_message(severity::warning, warning);
   }
