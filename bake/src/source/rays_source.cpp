@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <optional>
 #include <string>
@@ -65,7 +65,17 @@ struct see_through_context {
   RTCIntersectContext base{};
   const embree_scene* scene;
   image_gather* gather;
+  const float* inverse_depths;  // of what hides, by pixel
 };
+
+// From the eye to what hides, and on through what lies in the same place.
+bool before(const RTCFilterFunctionNArguments& a, unsigned i, float inverse_depth) {
+  const float depth = RTCRayN_tfar(a.ray, a.N, i);
+  if (depth * inverse_depth <= 1.0f) return true;
+  const glm::vec3 along{RTCRayN_dir_x(a.ray, a.N, i), RTCRayN_dir_y(a.ray, a.N, i), RTCRayN_dir_z(a.ray, a.N, i)};
+  const float front = 1.0f / inverse_depth, length = glm::length(along);
+  return depth <= front + coincidence_reach(front * length) / length;
+}
 
 void count_see_through(const RTCFilterFunctionNArguments* arguments) {
   const RTCFilterFunctionNArguments& a = *arguments;
@@ -76,7 +86,9 @@ void count_see_through(const RTCFilterFunctionNArguments* arguments) {
     a.valid[i] = 0;  // the ray goes on
     const std::uint32_t polygon = scene.polygon_of(a, i);
     if (scene.geometry.kinds[polygon].always) continue;  // in every set without being looked for
-    if (scene.is_there(a, i, scene.all_double_sided)) context->gather->add(polygon, 1, RTCRayN_id(a.ray, a.N, i));
+    const unsigned pixel = RTCRayN_id(a.ray, a.N, i);
+    if (before(a, i, context->inverse_depths[pixel]) && scene.is_there(a, i, scene.all_double_sided))
+      context->gather->add(polygon, 1, pixel);
   }
 }
 
@@ -232,7 +244,7 @@ class rays_source final : public hemicube_source {
         }
       }
     }
-    if (see_through_) look_through(corner, t, gather);
+    if (see_through_) look_through(corner, t, gather, image);
   }
 
   template <class Tile>
@@ -266,22 +278,19 @@ class rays_source final : public hemicube_source {
     intersect(again, embree_.solid, &context.base, &p);
   }
 
-  // From the eye to what was hit, and on through what lies in the same place.
   template <class Tile>
-  void look_through(std::size_t corner, Tile& t, image_gather& gather) const {
+  void look_through(std::size_t corner, Tile& t, image_gather& gather, const hemicube_image& image) const {
     const std::size_t stride = 3 * std::size_t{resolution_};
     for (unsigned k = 0; k < Tile::packets; ++k) {
       auto& p = t.rays[k];
+      // A little too far for rays that lean: the filter knows better. What met nothing stays infinite.
+      for (unsigned i = 0; i < Tile::lanes; ++i) p.ray.tfar[i] += coincidence_reach(p.ray.tfar[i]);
       for (unsigned i = 0; i < Tile::lanes; ++i) {
-        const float length = std::sqrt(p.ray.dir_x[i] * p.ray.dir_x[i] + p.ray.dir_y[i] * p.ray.dir_y[i] +
-                                       p.ray.dir_z[i] * p.ray.dir_z[i]);
-        if (p.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
-          p.ray.tfar[i] += coincidence_reach(p.ray.tfar[i] * length) / length;
         p.ray.id[i] = static_cast<unsigned>(corner + Tile::y_of(k, i) * stride + Tile::x_of(k, i));
         p.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
       }
     }
-    see_through_context context{.scene = &embree_, .gather = &gather};
+    see_through_context context{.scene = &embree_, .gather = &gather, .inverse_depths = image.inverse_depths.data()};
     rtcInitIntersectContext(&context.base);
     context.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     context.base.filter = count_see_through;

@@ -169,6 +169,20 @@ TEST_P(source_view_test, a_pose_gives_the_same_view_alone_and_among_others) {
   }
 }
 
+// Glass once vanished from every view after an image.
+TEST_P(source_view_test, an_image_between_two_views_changes_nothing) {
+  const scene::world_geometry world = scene::flatten(cloud().finished());
+  const auto tested = source(world);
+  bake::hemicube_view a, b;
+  bake::hemicube_image image;
+  tested->render(turned_along_x(), a);
+  for (const bake::pose& from : poses_around(3)) tested->render_image(from, image);
+  tested->render(turned_along_x(), b);
+  EXPECT_GT(a.seen.size(), 100u);
+  expect_same_seen(a, b);
+  EXPECT_EQ(a.importance, b.importance);
+}
+
 TEST_P(source_view_test, telling_the_parts_of_its_cost_changes_nothing) {
   const scene::world_geometry world = scene::flatten(cloud().finished());
   const auto tested = source(world);
@@ -397,6 +411,31 @@ TEST(rays_source_test, of_exact_duplicates_the_lowest_id_is_seen) {
   EXPECT_EQ(view.seen.size(), 6u);
   EXPECT_TRUE(sees_wall(view, first));
   EXPECT_TRUE(sees_wall(view, first_leaf));
+}
+
+// Rule 2: within 0.2 mm along the ray, so that rays which lean reach less deep.
+TEST(rays_source_test, panes_behind_a_wall_are_seen_as_far_as_places_are_the_same) {
+  for (const float behind : {0.00014f, 0.00018f, 0.00022f}) {
+    tiny_scene s;
+    const auto wall = s.wall_x(2, -1, 1);
+    const auto glass = s.wall_x(2 + behind, -1, 1, pane);
+    const scene::world_geometry world = scene::flatten(s.finished());
+    bake::pose from = along_x;
+    from.eye.y = 0.001f;  // a ray through the edge between two panes meets both
+    bake::hemicube_view view;
+    bake::make_rays_source(world, {size, 30.0f})->render(from, view);
+    const std::uint32_t all = pixels_of(view, wall) + pixels_of(view, wall + 1);
+    const std::uint32_t seen = pixels_of(view, glass) + pixels_of(view, glass + 1);
+    EXPECT_EQ(all, 32u * 32u);
+    if (behind < 0.00015f) {
+      EXPECT_EQ(seen, all);
+    } else if (behind > 0.0002f) {
+      EXPECT_EQ(seen, 0u);
+    } else {
+      EXPECT_GT(seen, all / 4);
+      EXPECT_LT(seen, all - all / 4);
+    }
+  }
 }
 
 TEST(rays_source_test, all_double_sided_is_the_ray_scenes_to_say) {
