@@ -13,8 +13,7 @@
 
 namespace sightcell::bake {
 
-// automatic: occlusion, but frustum on a software rasteriser that has to draw many pixels for few polygons. Occlusion
-// is frustum where the device cannot do it.
+// automatic: frustum on a software rasteriser, else occlusion, which is frustum where the device cannot do it.
 enum class culling { automatic, none, frustum, occlusion };
 
 class gpu_culling {

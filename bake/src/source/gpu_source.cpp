@@ -191,9 +191,7 @@ class gpu_source final : public hemicube_source {
   }
 
   std::unique_ptr<gpu_culling> make_culling(culling how) const {
-    // In software, two passes cost by the pixel what they save by the polygon (METHOD.md).
-    const bool pays = !context_.software() || geometry_.polygon_count() > 6 * std::uint64_t{resolution_} * resolution_;
-    if ((how == culling::occlusion || (how == culling::automatic && pays)) && can_cull_on_device())
+    if ((how == culling::occlusion || (how == culling::automatic && !context_.software())) && can_cull_on_device())
       return make_occlusion_culling(geometry_, {resolution_, framebuffer_.id(), ids_.id(), depths_.id()});
     return make_frustum_culling(geometry_, how != culling::none);
   }
