@@ -19,7 +19,6 @@ namespace sightcell::picture {
 namespace {
 
 constexpr float near_plane = 0.001f;                 // metres; as near as the bake looks
-constexpr glm::vec3 sky_color(0.36f, 0.55f, 0.82f);  // linear
 constexpr float haze_over_scene = 0.35f;             // optical depth across the scene's diagonal, but at most
 constexpr float thickest_haze = 0.001f;              // this per metre: none inside a room
 

@@ -13,6 +13,9 @@
 
 namespace sightcell::picture {
 
+// Where there is no polygon; linear.
+inline constexpr glm::vec3 sky_color(0.36f, 0.55f, 0.82f);
+
 struct camera {
   glm::vec3 eye{0.0f};
   glm::vec3 forward{0.0f, 0.0f, -1.0f};  // need not be normalised
