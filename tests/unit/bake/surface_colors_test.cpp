@@ -103,6 +103,14 @@ TEST(surface_colors, texels_lie_where_they_should) {
   EXPECT_NEAR(middle.g, 185, 2);
 }
 
+TEST(surface_colors, from_behind_left_is_right) {
+  scene::scene s;
+  add_wall(s, textured(s));
+  const seen_scene seen = look_at(s, {{0, 0, -4}, {0, 0, 1}, {-1, 0, 0}, {0, 1, 0}});
+  EXPECT_EQ(seen.at(size / 8, size - 9), green);
+  EXPECT_EQ(seen.at(size - 9, size / 8), blue);
+}
+
 TEST(surface_colors, places_are_right_in_perspective) {
   // A floor from 1 m to 9 m away, red far and blue near: what lies between is not linear on screen.
   scene::scene s;
