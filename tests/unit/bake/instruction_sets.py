@@ -9,11 +9,11 @@ and a processor without the instructions would come to run it. Exit code 0: ther
 import subprocess
 import sys
 
-WEAK = set('WwVvu')
+WEAK = 'W'  # a weak function; weak objects (V) hold no instructions, undefined weak ones (w) are nowhere
 
 nm, path = sys.argv[1:]
 lines = subprocess.run([nm, '--demangle', path], check=True, capture_output=True, text=True).stdout.splitlines()
-found = [line[19:] for line in lines if line[17:18] in WEAK]
+found = [line[19:] for line in lines if line[17:18] == WEAK]
 for name in found:
     print(f'{path}: {name}: other files could come to use this one')
 if not any(line[17:18] in 'Tt' for line in lines):
