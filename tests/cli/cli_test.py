@@ -526,7 +526,9 @@ class Resume(InFolder):
         cls.make_city()
 
     def command(self, output, *more):
-        return ['bake', self.city, '-o', output, '--cell-limit', '6', '--samples', '48', '--progress', 'json', *more]
+        # One thread and enough to do: seconds are left after the first cell, for whoever comes to stop it.
+        return ['bake', self.city, '-o', output, '--cell-limit', '8', '--samples', '96', '--resolution', '512',
+                '--threads', '1', '--progress', 'json', *more]
 
     def start(self, output, *more):
         """A running bake with at least one finished cell."""
@@ -597,6 +599,7 @@ class Resume(InFolder):
     def test_a_second_bake_of_the_same_output_is_refused(self):
         output = self.path('shared.pvs')
         running = self.start(output)
+        running.send_signal(signal.SIGSTOP)  # it must not be done before the others come
         try:
             for more in ([], ['--fresh']):
                 _, err = self.expect(1, *self.command(output, *more))
@@ -607,7 +610,7 @@ class Resume(InFolder):
 
     def test_another_source_is_refused_until_fresh(self):
         output = self.path('source.pvs')
-        running = self.start(output, '--source', 'cpu', '--threads', '2')
+        running = self.start(output, '--source', 'cpu')
         running.send_signal(signal.SIGINT)
         running.communicate(timeout=TIMEOUT)
         self.assertEqual(running.returncode, 130)
