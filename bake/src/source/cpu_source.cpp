@@ -2,7 +2,6 @@
 
 #include <tbb/concurrent_queue.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <bit>
 #include <new>

@@ -16,10 +16,9 @@ struct cpu_source_options {
   cpu_instructions instructions = cpu_instructions::best;
 };
 
-// Builds clusters of the geometry, which must outlive the source. The source may be called from several threads at a
-// time; several poses of one
-// call are drawn in parallel on the caller's arena. The first call makes the memory that is drawn into.
-// Throws sightcell::error where resolution or far_plane are out of range.
+// Builds clusters of the geometry, which may go away afterwards. The source may be called from several threads at a
+// time; several poses of one call are drawn in parallel on the caller's arena. As many places to draw in come to be as
+// calls run at once. Throws sightcell::error where resolution or far_plane are out of range.
 std::unique_ptr<hemicube_source> make_cpu_source(const scene::world_geometry& geometry,
                                                  const cpu_source_options& options);
 

@@ -4,7 +4,6 @@
 //
 // Everything here is in an unnamed namespace: two files with different instruction sets include it, and the linker must
 // not take a function of one for the other.
-#include <cmath>
 #include <cstdint>
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -30,9 +29,6 @@ inline ints load(const std::int32_t* p) {
 }
 inline ints load(const std::uint32_t* p) {
   return {_mm256_load_si256(reinterpret_cast<const __m256i*>(p))};
-}
-inline floats load_any(const float* p) {  // whatever the alignment
-  return {_mm256_loadu_ps(p)};
 }
 inline void store(float* p, floats a) {
   _mm256_store_ps(p, a.v);
@@ -194,9 +190,6 @@ inline ints load(const std::int32_t* p) {
 }
 inline ints load(const std::uint32_t* p) {
   return each<ints>([&](int k) { return static_cast<std::int32_t>(p[k]); });
-}
-inline floats load_any(const float* p) {
-  return load(p);
 }
 inline void store(float* p, const floats& a) {
   for (int k = 0; k < 8; ++k) p[k] = a.v[k];
