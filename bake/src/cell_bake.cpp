@@ -1,10 +1,10 @@
 #include "cell_bake.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "finish/dilation.h"
 #include "finish/ray_finish.h"
-#include "free_space.h"
+#include "finish/retest.h"
 #include "sampler/cell_sampling.h"
 #include "seeing/gap_filter.h"
 
@@ -33,9 +33,10 @@ void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vect
 
 }  // namespace
 
-cell_baker::cell_baker(const settings& how, const ray_scene& rays, const near_polygons* neighbors,
-                       hemicube_source& source)
+cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
+                       const near_polygons* neighbors, hemicube_source& source)
     : how_(how),
+      given_(given),
       rays_(rays),
       neighbors_(neighbors),
       source_(source),
@@ -53,35 +54,35 @@ std::size_t cell_baker::set_bytes() const {
   return cell_set::bytes_for(rays_.geometry().kinds.size());
 }
 
-baked_cell cell_baker::bake(const view_cell& cell, cell_set& set) const {
-  const auto began = std::chrono::steady_clock::now();
-  baked_cell baked;
-  cell_record& record = baked.record;
-  const box own{cell.min, cell.max}, grown = own.grown(how_.margin);
+bool cell_baker::find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const {
   // An eye comes into the cell's own box before the margin ever matters, so the own box decides whether it is stored.
   std::uint64_t tries = 0;
   random_stream random(how_.seed, cell.place, purpose::free_points);
-  if (draw_free_points(rays_, own, how_.player_radius, 1, free_point_tries, random, tries).empty()) {
-    record.stored = false;
-    return baked;
-  }
+  if (draw_free_points(rays_, {cell.min, cell.max}, how_.player_radius, 1, free_point_tries, random, tries).empty())
+    return false;
   tries = 0;
   const auto wanted = std::max<std::size_t>(free_points_wanted, how_.samples / 4);
-  const auto free = draw_free_points(rays_, grown, how_.player_radius, wanted, 16 * free_point_tries, random, tries);
-  if (free.empty()) {
-    record.stored = false;
-    return baked;
-  }
+  free = draw_free_points(rays_, grown(cell), how_.player_radius, wanted, 16 * free_point_tries, random, tries);
+  free_share = static_cast<double>(free.size()) / static_cast<double>(tries);
+  return !free.empty();
+}
 
+cell_record cell_baker::sample(const view_cell& cell, cell_set& set) const {
+  cell_record record;
+  std::vector<glm::vec3> free;
   set.clear();
+  if (!find_free_points(cell, free, record.free_share)) {
+    record.stored = false;
+    return record;
+  }
   for (const std::uint32_t polygon : always_) set.add(polygon, free.front());
-  const auto inside = polygons_touching(rays_.geometry(), grown);
-  baked.geometry_inside = !inside.empty();
-  const sampling_plan plan{how_.sampler, how_.samples, baked.geometry_inside, how_.seed, cell.place};
+  const auto inside = polygons_touching(rays_.geometry(), grown(cell));
+  record.geometry_inside = !inside.empty();
+  const sampling_plan plan{how_.sampler, how_.samples, record.geometry_inside, how_.seed, cell.place};
   gap_filter without_cracks(source_, rays_, set, how_.smallest_gap);
   record.samples = sample_cell(
-      plan, grown, free, [&](const glm::vec3& eye) { return rays_.is_free(eye, how_.player_radius); }, without_cracks,
-      set);
+      plan, grown(cell), free, [&](const glm::vec3& eye) { return rays_.is_free(eye, how_.player_radius); },
+      without_cracks, set);
 
   // Rule 4: what touches the cell and faces a free point of it is in its set.
   for (const std::uint32_t polygon : inside)
@@ -90,25 +91,71 @@ baked_cell cell_baker::bake(const view_cell& cell, cell_set& set) const {
         set.add(polygon, eye);
         break;
       }
+  set.save(record);
+  return record;
+}
 
-  if (neighbors_) {
-    const finish_settings finish{.max_pixel_error = how_.max_pixel_error,
-                                 .rules = {how_.player_radius, how_.smallest_gap},
-                                 .free_share = static_cast<double>(free.size()) / static_cast<double>(tries),
-                                 .seed = how_.seed,
-                                 .place = cell.place};
-    const finish_result proof = finish_with_rays(rays_, *neighbors_, grown, finish, set);
-    record.rays = proof.rays;
-    record.misses = proof.misses;
-    record.upper_bound = proof.upper_bound;
-    record.confidence = proof.confidence;
-    record.rays_spent = proof.rays_spent;
-    record.bound_met = proof.bound_met;
-  }
-  record.set = set.sorted();
-  add_coarser_levels(rays_.geometry().lods, record.set);
-  record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  return baked;
+// The set is what the cell has so far.
+void cell_baker::bound(const view_cell& cell, cell_set& set, cell_record& record) const {
+  const finish_settings finish{.max_pixel_error = how_.max_pixel_error,
+                               .rules = {how_.player_radius, how_.smallest_gap},
+                               .free_share = record.free_share,
+                               .seed = how_.seed,
+                               .place = cell.place};
+  const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), finish, set);
+  record.rays = proof.rays;
+  record.misses = proof.misses;
+  record.upper_bound = proof.upper_bound;
+  record.confidence = proof.confidence;
+  record.rays_spent += proof.rays_spent;
+  record.bound_met = proof.bound_met;
+  set.save(record);
+}
+
+cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& own,
+                                    std::span<const cell_record> neighbors, cell_set& set) const {
+  cell_record record = own;
+  if (!record.stored) return record;
+  set.load(record);
+  record.rays_spent +=
+      retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest, {how_.player_radius, how_.smallest_gap}},
+             neighbors, set);
+  bound(cell, set, record);
+  return record;
+}
+
+cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set) const {
+  cell_record record = sample(cell, set);
+  if (record.stored && shares()) bound(cell, set, record);
+  return record;
+}
+
+cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
+                              cell_set& set) const {
+  cell_record record = own;
+  if (!record.stored) return record;
+  set.load(record);
+  const std::size_t before = set.members().size();
+  record.rays_spent +=
+      retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest_all, {how_.player_radius, how_.smallest_gap}},
+             neighbors, set);
+  std::uint64_t wave = 0;
+  record.rays_spent +=
+      dilate(rays_, *neighbors_,
+             {how_.seed, cell.place, how_.smallest_gap, finish_settings().max_rays, purpose::dilation_of_finds}, before,
+             wave, set);
+  set.save(record);
+  return record;
+}
+
+cell_record cell_baker::finished(const view_cell& cell, cell_record last) const {
+  last.witnesses.clear();
+  last.witness_of.clear();
+  last.free_share = 1.0;
+  if (!last.stored) return last;
+  add_coarser_levels(rays_.geometry().lods, last.set);
+  add_polygons(given_, cell.number, last.set);
+  return last;
 }
 
 }  // namespace sightcell::bake

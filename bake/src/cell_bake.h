@@ -1,41 +1,60 @@
 #pragma once
-// One cell from start to end: free places, hemicubes, polygons inside, rays.
+// One cell from start to end: free places, hemicubes, polygons inside, what neighbors see, rays.
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "cell_record.h"
 #include "cell_set.h"
+#include "cells/overrides.h"
 #include "cells/view_cell.h"
-#include "checkpoint.h"
 #include "finish/near_polygons.h"
+#include "free_space.h"
 #include "rays/ray_scene.h"
 #include "sightcell/bake/settings.h"
 #include "source/hemicube_source.h"
 
 namespace sightcell::bake {
 
-struct baked_cell {
-  cell_record record;
-  bool geometry_inside = false;
-};
-
+// A record depends on settings, scene, the cell's box and place, and the records it is given, alone. In all calls set
+// is a place to work in and is overwritten: it takes set_bytes(), so it is made once and used for many cells. All may
+// be called from several threads at a time, each with a set of its own, where the source is shared(), and work on the
+// calling thread's TBB arena.
 class cell_baker {
  public:
   // References must outlive the baker. neighbors: null when max_pixel_error is 0 (no rays).
-  cell_baker(const settings& how, const ray_scene& rays, const near_polygons* neighbors, hemicube_source& source);
+  cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
+             hemicube_source& source);
   cell_baker(const cell_baker&) = delete;  // sets point into it
   cell_baker& operator=(const cell_baker&) = delete;
 
-  // A set to work in, for one cell at a time. Takes set_bytes(), so it is made once and used for many cells.
   cell_set make_set() const;
   std::size_t set_bytes() const;
 
-  // The record depends on settings, scene and the cell's box and place alone. set is overwritten. May be called from
-  // several threads at a time, each with a set of its own, where the source is shared(). Works on the calling thread's
-  // TBB arena.
-  baked_cell bake(const view_cell& cell, cell_set& set) const;
+  // Phase 1, round 0: what the cell finds by itself, with hemicubes and the polygons inside.
+  cell_record sample(const view_cell& cell, cell_set& set) const;
+  // Phase 1, round 1: what its block's neighbors had found after round 0 is tried first, then rays find what pixels
+  // missed, until fresh ones bound what is left.
+  cell_record finish_rays(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
+                          cell_set& set) const;
+  // Both rounds of a cell that no other is in the block of.
+  cell_record sample_and_finish(const view_cell& cell, cell_set& set) const;
+  // Phase 2: what neighbors of all blocks have found after phase 1 is tried. Adds only, so the bound still holds.
+  cell_record check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
+                    cell_set& set) const;
+  // From the last of these to a finished cell: overrides of the cells file and coarser levels of detail join.
+  cell_record finished(const view_cell& cell, cell_record last) const;
+
+  // Do cells see what others found? Not where the sampler is alone.
+  bool shares() const { return neighbors_ != nullptr; }
 
  private:
+  box grown(const view_cell& cell) const { return box{cell.min, cell.max}.grown(how_.margin); }
+  bool find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const;
+  void bound(const view_cell& cell, cell_set& set, cell_record& record) const;
+
   const settings& how_;
+  const overrides& given_;
   const ray_scene& rays_;
   const near_polygons* neighbors_;
   hemicube_source& source_;

@@ -6,43 +6,47 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
-#include <deque>
 #include <exception>
 #include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t memory_of_sets = std::size_t{1} << 30;
-// Lanes wait while so many cells lie there to be committed: a slow disk must not fill the memory.
+// Lanes wait while so many records lie there to be committed: a slow disk must not fill the memory.
 constexpr std::size_t ended_limit = 64;
-
-struct ended_cell {
-  std::uint32_t which = 0;
-  baked_cell cell;
-};
 
 // What lanes and the calling thread share.
 class work_list {
  public:
-  explicit work_list(std::span<const std::uint32_t> wanted) : wanted_(wanted) {}
+  explicit work_list(step_queue& queue) : queue_(queue) {}
 
-  std::optional<std::uint32_t> begin_next() {
+  // Waits where all that is left depends on what has not been committed.
+  std::optional<cell_step> begin_next() {
     std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return stopped_ || ended_.size() < ended_limit; });
-    if (stopped_ || begun_ == wanted_.size()) return std::nullopt;
-    return wanted_[begun_++];
+    for (;;) {
+      if (stopped_ || queue_.left() == 0) return std::nullopt;
+      if (ended_.size() < ended_limit) {
+        if (auto step = queue_.begin_next()) {
+          ++in_lanes_;
+          return step;
+        }
+      }
+      room_.wait(lock);
+    }
   }
   void stop() {
     const std::scoped_lock lock(mutex_);
     stopped_ = true;
     room_.notify_all();
   }
-  void add(ended_cell one) {
+  void add(stage_record one) {
     const std::scoped_lock lock(mutex_);
+    --in_lanes_;
     ended_.push_back(std::move(one));
     changed_.notify_one();
   }
@@ -58,55 +62,57 @@ class work_list {
     closed_ = true;
     changed_.notify_one();
   }
-  // Waits for the next cell to end; nothing when all lanes have.
-  std::optional<ended_cell> take(std::size_t& in_work) {
+  // Waits for steps to end; nothing when all lanes have.
+  std::vector<stage_record> take(std::size_t& in_work) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || !ended_.empty(); });
-    if (ended_.empty()) return std::nullopt;
-    ended_cell one = std::move(ended_.front());
-    ended_.pop_front();
-    room_.notify_one();
-    in_work = begun_ - ++taken_ - ended_.size();
-    return one;
+    in_work = in_lanes_;
+    return std::exchange(ended_, {});
+  }
+  void committed(std::span<const stage_record> records) {
+    const std::scoped_lock lock(mutex_);
+    for (const stage_record& one : records) queue_.committed({one.cell, one.stage});
+    room_.notify_all();
   }
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
   }
 
  private:
-  std::span<const std::uint32_t> wanted_;
+  step_queue& queue_;
   std::mutex mutex_;
   std::condition_variable changed_, room_;
-  std::deque<ended_cell> ended_;
-  std::size_t begun_ = 0, taken_ = 0;
+  std::vector<stage_record> ended_;
+  std::size_t in_lanes_ = 0;
   bool stopped_ = false, closed_ = false;
   std::exception_ptr failure_;
 };
 
-// One cell after another. Isolated: a thread that waits in a loop inside of its cell would otherwise take the next lane
+// One step after another. Isolated: a thread that waits in a loop inside of its cell would otherwise take the next lane
 // from the arena and bake whole cells of it on top of its own, which meanwhile could not end, and whatever a source or
 // a ray keeps per thread between two steps of the one cell would be used by the other. Threads that have no lane may
 // still help in any cell. Nothing is thrown to TBB: it would cancel the loops inside of all other cells, which then end
 // silently with half of their work.
-void run_lane(const cell_baker& baker, std::span<const view_cell> cells, work_list& work) {
+void run_lane(const std::function<cell_set()>& make_set, const take_step& take, work_list& work) {
   try {
-    std::optional<cell_set> set;  // made by the first cell: a lane that finds none costs no memory
-    while (const auto which = work.begin_next()) {
-      if (!set) set.emplace(baker.make_set());
-      work.add({*which, tbb::this_task_arena::isolate([&] { return baker.bake(cells[*which], *set); })});
+    std::optional<cell_set> set;  // made by the first step: a lane that finds none costs no memory
+    while (const auto step = work.begin_next()) {
+      if (!set) set.emplace(make_set());
+      work.add({step->cell, step->to, tbb::this_task_arena::isolate([&] { return take(*step, *set); })});
     }
   } catch (...) {
     work.fail(std::current_exception());
   }
 }
 
-void bake_one_by_one(const cell_baker& baker, std::span<const view_cell> cells, std::span<const std::uint32_t> wanted,
-                     tbb::task_arena& arena, const cell_ended& ended) {
+void take_one_by_one(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
+                     tbb::task_arena& arena, const steps_ended& ended) {
   arena.execute([&] {
-    cell_set set = baker.make_set();
-    for (const std::uint32_t which : wanted) {
-      baked_cell cell = baker.bake(cells[which], set);
-      if (!ended(which, cell, 0)) return;
+    cell_set set = make_set();
+    while (const auto step = queue.begin_next()) {
+      stage_record record{step->cell, step->to, take(*step, set)};
+      if (!ended({&record, 1}, 0)) return;
+      queue.committed(*step);
     }
   });
 }
@@ -119,19 +125,19 @@ std::size_t lane_count(bool shared, int threads, std::size_t set_bytes) {
   return std::clamp<std::size_t>(room, 1, static_cast<std::size_t>(std::max(threads, 1)));
 }
 
-void bake_cells(const cell_baker& baker, std::span<const view_cell> cells, std::span<const std::uint32_t> wanted,
-                std::size_t lanes, tbb::task_arena& arena, const cell_ended& ended) {
-  lanes = std::min(lanes, wanted.size());
-  if (lanes <= 1) return bake_one_by_one(baker, cells, wanted, arena, ended);
+void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take, std::size_t lanes,
+                tbb::task_arena& arena, const steps_ended& ended) {
+  lanes = std::min(lanes, queue.left());
+  if (lanes <= 1) return take_one_by_one(queue, make_set, take, arena, ended);
 
-  work_list work(wanted);
+  work_list work(queue);
   // The lanes' loop is driven by a thread of its own, which takes the calling thread's slot in the arena: so the
-  // calling thread can commit a cell and tell of it the moment it ends, and all slots of the arena compute.
+  // calling thread can commit steps and tell of them the moment they end, and all slots of the arena compute.
   std::jthread driver([&] {
     try {
       arena.execute([&] {
         tbb::parallel_for(
-            std::size_t{0}, lanes, [&](std::size_t) { run_lane(baker, cells, work); }, tbb::simple_partitioner());
+            std::size_t{0}, lanes, [&](std::size_t) { run_lane(make_set, take, work); }, tbb::simple_partitioner());
       });
     } catch (...) {
       work.fail(std::current_exception());
@@ -139,9 +145,10 @@ void bake_cells(const cell_baker& baker, std::span<const view_cell> cells, std::
     work.close();
   });
   std::size_t in_work = 0;
-  while (auto one = work.take(in_work)) {
+  for (auto records = work.take(in_work); !records.empty(); records = work.take(in_work)) {
     try {
-      if (!ended(one->which, one->cell, in_work)) work.stop();
+      if (!ended(records, in_work)) work.stop();
+      work.committed(records);
     } catch (...) {
       work.fail(std::current_exception());
     }

@@ -7,8 +7,9 @@
 #include <functional>
 #include <span>
 
-#include "cell_bake.h"
-#include "cells/view_cell.h"
+#include "cell_set.h"
+#include "cell_steps.h"
+#include "checkpoint.h"
 
 namespace sightcell::bake {
 
@@ -17,18 +18,20 @@ namespace sightcell::bake {
 // and the other threads help inside of cells.
 std::size_t lane_count(bool shared, int threads, std::size_t set_bytes);
 
-// Told of a cell as it ends, by its place in the list; in_work: how many others lanes are busy with. False: no further
-// one is begun.
-using cell_ended = std::function<bool(std::uint32_t which, baked_cell& cell, std::size_t in_work)>;
+// What a lane does: one step, in a set that is its own.
+using take_step = std::function<cell_record(const cell_step& step, cell_set& set)>;
 
-// Bakes the cells named by wanted (places in cells) in that order, so many lanes at once, on the arena. All calls of
-// ended come on the calling thread, one at a time, in the order in which cells end. The calling thread must not be
-// inside of the arena.
+// Commits records of steps and tells of them; all that have ended since the last call. in_work: how many others lanes
+// are busy with. False: no further step is begun.
+using steps_ended = std::function<bool(std::span<stage_record> ended, std::size_t in_work)>;
+
+// Takes the steps of the queue, so many lanes at once, on the arena. All calls of ended come on the calling thread, one
+// at a time; a step counts as committed when it has returned. The calling thread must not be inside of the arena.
 //
-// When ended answers false or throws, and when a cell throws, no further cell is begun; those in work come to their end
+// When ended answers false or throws, and when a step throws, no further step is begun; those in work come to their end
 // and ended is called for them too. Then the first of what was thrown is thrown from here. With one lane all of it
-// happens on the calling thread, as a source that is not shared demands.
-void bake_cells(const cell_baker& baker, std::span<const view_cell> cells, std::span<const std::uint32_t> wanted,
-                std::size_t lanes, tbb::task_arena& arena, const cell_ended& ended);
+// happens on the calling thread, as a source that is not shared demands, one step after the other.
+void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take, std::size_t lanes,
+                tbb::task_arena& arena, const steps_ended& ended);
 
 }  // namespace sightcell::bake

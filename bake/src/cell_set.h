@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "cell_record.h"
 #include "seeing/duplicates.h"
 #include "source/hemicube_source.h"
 
@@ -33,6 +34,13 @@ class cell_set {
   bool add(std::uint32_t polygon, const glm::vec3& eye);
 
   std::vector<std::uint32_t> sorted() const;
+
+  // Set and witnesses to and from a record. What is loaded is what was saved: the members in ascending order, and
+  // record.witnesses as eyes(), of which later views with more pixels take over.
+  void save(cell_record& record) const;
+  void load(const cell_record& record);
+  // Places in the cell from where something was seen.
+  const std::vector<glm::vec3>& eyes() const { return eyes_; }
 
  private:
   struct entry {

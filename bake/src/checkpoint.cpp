@@ -2,126 +2,59 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
-#include <xxhash.h>
 
-#include <bit>
 #include <cstring>
-#include <limits>
+#include <mutex>
 #include <nlohmann/json.hpp>
-#include <span>
-#include <type_traits>
+#include <utility>
 
+#include "disk.h"
 #include "sightcell/scene/error.h"
 
-// Why these choices of SQLite: a rollback journal keeps every committed cell in the one file (a write-ahead log would
-// leave part of the bake in a second one that people forget to copy); after a kill the journal that is left is rolled
-// back at the next open. synchronous=FULL: a cell is on the disk when store returns. locking_mode=EXCLUSIVE: the lock
-// is held as long as the bake runs, and the system drops it when the process dies, however it dies.
+// Why these choices of SQLite: on a disk of this machine a write-ahead log, because a commit is one flush there and not
+// three; when the file is closed the log goes into it, so a bake that was not killed leaves one file. On a network disk
+// a rollback journal, since a log asks more of a disk than those keep. What a kill leaves beside the file is rolled
+// back, or brought in, at the next open. synchronous=FULL: what was stored is on the disk when store returns.
+// locking_mode=EXCLUSIVE: the lock is held as long as the bake runs, and the system drops it when the process dies,
+// however it dies.
 
 namespace sightcell::bake {
 
 namespace {
 
 constexpr int application_id = 0x53434B31;  // "SCK1": tells our files from other people's databases
-constexpr int schema_version = 1;
-constexpr std::uint8_t record_version = 1;
+constexpr int schema_version = 2;
+struct finalize_statement {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using statement = std::unique_ptr<sqlite3_stmt, finalize_statement>;
 
-// --- one record as bytes: version, the plain fields little-endian, the set as varint gaps, XXH3-64 of all before it
-
-void put_bytes(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-}
-
-void put_varint(std::vector<std::uint8_t>& out, std::uint64_t value) {
-  for (; value >= 0x80; value >>= 7) out.push_back(static_cast<std::uint8_t>(value | 0x80));
-  out.push_back(static_cast<std::uint8_t>(value));
-}
-
-std::vector<std::uint8_t> encode(const cell_record& record) {
-  std::vector<std::uint8_t> out;
-  out.reserve(64 + 2 * record.set.size());
-  out.push_back(record_version);
-  out.push_back(static_cast<std::uint8_t>((record.stored ? 1 : 0) | (record.bound_met ? 2 : 0)));
-  put_bytes(out, record.rays, 8);
-  put_bytes(out, record.misses, 8);
-  put_bytes(out, std::bit_cast<std::uint64_t>(record.upper_bound), 8);
-  put_bytes(out, std::bit_cast<std::uint64_t>(record.confidence), 8);
-  put_bytes(out, record.rays_spent, 8);
-  put_bytes(out, record.samples, 4);
-  put_bytes(out, std::bit_cast<std::uint64_t>(record.seconds), 8);
-  put_varint(out, record.set.size());
-  std::uint32_t previous = 0;
-  for (const std::uint32_t id : record.set) {
-    put_varint(out, id - previous);
-    previous = id;
+// A path inside a URI.
+std::string escaped(const std::string& path) {
+  std::string out;
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#')
+      out += fmt::format("%{:02X}", static_cast<unsigned>(c));
+    else
+      out += c;
   }
-  put_bytes(out, XXH3_64bits(out.data(), out.size()), 8);
   return out;
 }
 
-// Every read is checked; after the first one past the end all answer 0 and good is false.
-struct reader {
-  std::span<const std::uint8_t> bytes;
-  bool good = true;
+constexpr const char* fresh_remedy = "start over with --fresh, or choose another -o";
 
-  std::uint64_t take(int count) {
-    std::uint64_t value = 0;
-    if (bytes.size() < static_cast<std::size_t>(count)) return fail();
-    for (int i = 0; i < count; ++i) value |= std::uint64_t{bytes[static_cast<std::size_t>(i)]} << (8 * i);
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    return value;
-  }
-  std::uint64_t take_varint() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 63; shift += 7) {
-      const std::uint64_t part = take(1);
-      value |= (part & 0x7F) << shift;
-      if (part < 0x80) return value;
-    }
-    return fail();
-  }
-  double take_double() { return std::bit_cast<double>(take(8)); }
+constexpr std::int64_t stage_count = 3;
 
- private:
-  std::uint64_t fail() {
-    good = false;
-    bytes = {};
-    return 0;
-  }
-};
-
-std::optional<cell_record> decode(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < 8) return std::nullopt;
-  const std::span<const std::uint8_t> body = bytes.first(bytes.size() - 8);
-  reader tail{bytes.last(8)};
-  if (tail.take(8) != XXH3_64bits(body.data(), body.size())) return std::nullopt;
-  reader in{body};
-  if (in.take(1) != record_version) return std::nullopt;
-  cell_record record;
-  const std::uint64_t flags = in.take(1);
-  record.stored = (flags & 1) != 0;
-  record.bound_met = (flags & 2) != 0;
-  record.rays = in.take(8);
-  record.misses = in.take(8);
-  record.upper_bound = in.take_double();
-  record.confidence = in.take_double();
-  record.rays_spent = in.take(8);
-  record.samples = static_cast<std::uint32_t>(in.take(4));
-  record.seconds = in.take_double();
-  const std::uint64_t count = in.take_varint();
-  if (count > in.bytes.size()) return std::nullopt;  // a gap takes at least one byte
-  record.set.reserve(count);
-  std::uint64_t id = 0;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    id += in.take_varint();
-    if (id > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
-    record.set.push_back(static_cast<std::uint32_t>(id));
-  }
-  if (!in.good || !in.bytes.empty()) return std::nullopt;
-  return record;
+std::int64_t number_of(std::uint32_t cell, cell_stage stage) {
+  return stage_count * cell + static_cast<std::int64_t>(stage);
 }
 
-// --- keys
+std::span<const std::uint8_t> blob(sqlite3_stmt* row, int column) {
+  const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(row, column));
+  return {bytes, static_cast<std::size_t>(sqlite3_column_bytes(row, column))};
+}
+
+}  // namespace
 
 // What differs between two keys, for people: "player_radius, samples". A key is plain words (scene, cells) and then the
 // settings as a JSON object; empty when a key is anything else.
@@ -150,18 +83,11 @@ std::string differing_names(const std::string& a, const std::string& b) {
   return names;
 }
 
-struct finalize_statement {
-  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-};
-using statement = std::unique_ptr<sqlite3_stmt, finalize_statement>;
-
-constexpr const char* fresh_remedy = "start over with --fresh, or choose another -o";
-
-}  // namespace
-
 struct checkpoint::state {
   std::filesystem::path path;
   sqlite3* database = nullptr;
+  std::string key;
+  std::mutex mutex;  // one thread at a time asks the database
 
   explicit state(std::filesystem::path where) : path(std::move(where)) {}
   ~state() { close(); }
@@ -244,36 +170,53 @@ struct checkpoint::state {
     run("PRAGMA locking_mode=EXCLUSIVE; PRAGMA synchronous=FULL; PRAGMA trusted_schema=OFF", "opening");
     run("BEGIN EXCLUSIVE", "opening");
     run("COMMIT", "opening");  // in this locking mode the lock stays
-    run("PRAGMA journal_mode=DELETE", "opening");
+    run(on_network_disk(folder_of(path)) ? "PRAGMA journal_mode=TRUNCATE" : "PRAGMA journal_mode=WAL", "opening");
+  }
+
+  void open_to_read() {
+    // Nobody writes any more: no lock, and no journal is looked for.
+    const std::string name = "file:" + escaped(std::filesystem::absolute(path).string()) + "?immutable=1";
+    const int code = sqlite3_open_v2(name.c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+    if (code != SQLITE_OK) fail(code, "opening");
+    sqlite3_extended_result_codes(database, 1);
+    run("PRAGMA trusted_schema=OFF", "opening");
   }
 
   bool empty() const { return ask_number("SELECT count(*) FROM sqlite_schema") == 0; }
 
-  void create(const std::string& key) const {
+  void create(const std::string& bake_key, std::string_view plan) {
     run("BEGIN", "creating");
     run(fmt::format("PRAGMA application_id={}; PRAGMA user_version={};"
-                    "CREATE TABLE bake(key TEXT NOT NULL);"
-                    "CREATE TABLE cell(number INTEGER PRIMARY KEY, record BLOB NOT NULL)",
+                    "CREATE TABLE bake(key TEXT NOT NULL, plan BLOB NOT NULL);"
+                    "CREATE TABLE record(number INTEGER PRIMARY KEY, bytes BLOB NOT NULL)",
                     application_id, schema_version)
             .c_str(),
         "creating");
-    const statement insert = prepare("INSERT INTO bake(key) VALUES(?)");
-    sqlite3_bind_text(insert.get(), 1, key.data(), static_cast<int>(key.size()), SQLITE_STATIC);
+    const statement insert = prepare("INSERT INTO bake(key, plan) VALUES(?,?)");
+    sqlite3_bind_text(insert.get(), 1, bake_key.data(), static_cast<int>(bake_key.size()), SQLITE_STATIC);
+    sqlite3_bind_blob64(insert.get(), 2, plan.empty() ? "" : plan.data(), plan.size(), SQLITE_STATIC);
     const int code = sqlite3_step(insert.get());
     if (code != SQLITE_DONE) fail(code, "creating");
     run("COMMIT", "creating");
+    key = bake_key;
   }
 
-  void check_key(const std::string& key) const {
+  // Reads the key of a file that is there.
+  std::optional<std::string> read_key() const {
     if (ask_number("PRAGMA application_id") != application_id)
       throw error(error_kind::bad_input, "checkpoint.not-ours", path.string(), "is some other program's database",
                   "choose another -o");
     const bool same_schema = ask_number("PRAGMA user_version") == schema_version;
-    const std::optional<std::string> stored = same_schema ? ask_key() : std::nullopt;
-    if (stored == key) return;
+    return same_schema ? ask_key() : std::nullopt;
+  }
+
+  void check_key(const std::string& wanted) {
+    const std::optional<std::string> stored = read_key();
+    key = wanted;
+    if (stored == wanted) return;
     std::string what = "scene, settings or version";
     if (stored) {
-      if (const std::string names = differing_names(*stored, key); !names.empty()) what = names;
+      if (const std::string names = differing_names(*stored, wanted); !names.empty()) what = names;
     }
     throw error(error_kind::wrong_use, "checkpoint.other-bake", path.string(),
                 fmt::format("holds an unfinished bake that differs in {}", what),
@@ -284,17 +227,27 @@ struct checkpoint::state {
   void delete_files() const {
     std::error_code ignored;
     std::filesystem::remove(path, ignored);
-    std::filesystem::remove(path.string() + "-journal", ignored);
+    for (const char* beside : {"-journal", "-wal", "-shm"}) {
+      std::filesystem::path other = path;
+      std::filesystem::remove(other += beside, ignored);
+    }
+  }
+
+  // The file goes first, while the lock still keeps others from opening it. Without a log: closing one deletes a file
+  // of its name, which by then may be another bake's.
+  void remove() {
+    sqlite3_exec(database, "PRAGMA journal_mode=DELETE", nullptr, nullptr, nullptr);
+    delete_files();
+    close();
   }
 };
 
-checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh)
+checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan)
     : state_(std::make_unique<state>(path)) {
   try {
     state_->open_locked();
     if (fresh && !state_->empty()) {
-      state_->delete_files();  // while the lock is held: a bake that is using it has refused us above
-      state_->close();
+      state_->remove();
       state_->open_locked();
     }
   } catch (const error& e) {
@@ -304,46 +257,133 @@ checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key
     state_->open_locked();
   }
   if (state_->empty())
-    state_->create(key);
+    state_->create(key, plan);
   else
     state_->check_key(key);
 }
 
+checkpoint::checkpoint(std::unique_ptr<state> opened) : state_(std::move(opened)) {}
 checkpoint::~checkpoint() = default;
+checkpoint::checkpoint(checkpoint&&) noexcept = default;
 
-std::optional<cell_record> checkpoint::load(std::uint32_t cell) const {
-  const statement query = state_->prepare("SELECT record FROM cell WHERE number=?");
-  sqlite3_bind_int64(query.get(), 1, cell);
+checkpoint checkpoint::open_to_read(const std::filesystem::path& path) {
+  auto opened = std::make_unique<state>(path);
+  opened->open_to_read();
+  const std::optional<std::string> key = opened->read_key();
+  if (!key)
+    throw error(error_kind::bad_input, "checkpoint.other-version", path.string(), "was made by another version",
+                "bake it again with this one");
+  opened->key = *key;
+  return checkpoint(std::move(opened));
+}
+
+const std::string& checkpoint::key() const {
+  return state_->key;
+}
+
+std::string checkpoint::plan() const {
+  const std::scoped_lock lock(state_->mutex);
+  const statement query = state_->prepare("SELECT plan FROM bake");
+  const int code = sqlite3_step(query.get());
+  if (code != SQLITE_ROW) state_->fail(code == SQLITE_DONE ? SQLITE_CORRUPT : code, "reading");
+  const auto bytes = blob(query.get(), 0);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::uint32_t checkpoint::survey(
+    const std::function<void(std::uint32_t cell, cell_stage, const cell_summary&)>& visit) {
+  const std::scoped_lock lock(state_->mutex);
+  std::vector<std::int64_t> damaged;
+  {
+    const statement query = state_->prepare("SELECT number, bytes FROM record");
+    int code = SQLITE_ROW;
+    while ((code = sqlite3_step(query.get())) == SQLITE_ROW) {
+      const std::int64_t number = sqlite3_column_int64(query.get(), 0);
+      const std::optional<cell_summary> summary = decode_summary(blob(query.get(), 1));
+      if (!summary)
+        damaged.push_back(number);
+      else
+        visit(static_cast<std::uint32_t>(number / stage_count), static_cast<cell_stage>(number % stage_count),
+              *summary);
+    }
+    if (code != SQLITE_DONE) state_->fail(code, "reading");
+  }
+  for (const std::int64_t number : damaged)
+    state_->run(fmt::format("DELETE FROM record WHERE number={}", number).c_str(), "dropping a damaged record");
+  return static_cast<std::uint32_t>(damaged.size());
+}
+
+std::optional<cell_record> checkpoint::load(std::uint32_t cell, cell_stage stage) const {
+  const std::scoped_lock lock(state_->mutex);
+  const statement query = state_->prepare("SELECT bytes FROM record WHERE number=?");
+  sqlite3_bind_int64(query.get(), 1, number_of(cell, stage));
   const int code = sqlite3_step(query.get());
   if (code == SQLITE_DONE) return std::nullopt;
   if (code != SQLITE_ROW) state_->fail(code, "reading");
-  const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(query.get(), 0));
-  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(query.get(), 0));
-  std::optional<cell_record> record = decode({bytes, size});
+  std::optional<cell_record> record = decode(blob(query.get(), 0));
   if (!record)
     throw error(error_kind::bad_input, "checkpoint.damaged", state_->path.string(),
-                fmt::format("the record of cell {} is damaged", cell), fresh_remedy);
+                fmt::format("the record of cell {} is damaged", cell),
+                "run the same command again: it bakes that cell anew");
   return record;
 }
 
-void checkpoint::store(std::uint32_t cell, const cell_record& record) {
-  const std::vector<std::uint8_t> bytes = encode(record);
-  // A single statement is a transaction of its own: SQLite rolls it back when any of it fails.
-  const statement insert = state_->prepare("INSERT OR REPLACE INTO cell(number,record) VALUES(?,?)");
-  sqlite3_bind_int64(insert.get(), 1, cell);
-  int code = sqlite3_bind_blob64(insert.get(), 2, bytes.data(), bytes.size(), SQLITE_STATIC);
-  if (code == SQLITE_OK) code = sqlite3_step(insert.get());
-  if (code != SQLITE_DONE) state_->fail(code, "storing a cell");
+void checkpoint::store(std::span<const stage_record> records, std::span<const std::uint32_t> forget) {
+  std::vector<std::vector<std::uint8_t>> bytes;
+  for (const stage_record& one : records) bytes.push_back(encode(one.record));
+  const std::scoped_lock lock(state_->mutex);
+  state_->run("BEGIN", "storing cells");
+  try {
+    const statement insert = state_->prepare("INSERT OR REPLACE INTO record(number, bytes) VALUES(?,?)");
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      sqlite3_bind_int64(insert.get(), 1, number_of(records[i].cell, records[i].stage));
+      int code = sqlite3_bind_blob64(insert.get(), 2, bytes[i].data(), bytes[i].size(), SQLITE_STATIC);
+      if (code == SQLITE_OK) code = sqlite3_step(insert.get());
+      if (code != SQLITE_DONE) state_->fail(code, "storing cells");
+      sqlite3_reset(insert.get());
+    }
+    for (const std::uint32_t cell : forget)
+      state_->run(fmt::format("DELETE FROM record WHERE number={}", number_of(cell, cell_stage::sampled)).c_str(),
+                  "storing cells");
+    state_->run("COMMIT", "storing cells");
+  } catch (...) {
+    sqlite3_exec(state_->database, "ROLLBACK", nullptr, nullptr, nullptr);
+    throw;
+  }
 }
 
-std::uint32_t checkpoint::finished() const {
-  return static_cast<std::uint32_t>(state_->ask_number("SELECT count(*) FROM cell"));
+std::uint32_t checkpoint::count(cell_stage stage) const {
+  const std::scoped_lock lock(state_->mutex);
+  return static_cast<std::uint32_t>(state_->ask_number(
+      fmt::format("SELECT count(*) FROM record WHERE number%{}={}", stage_count, static_cast<int>(stage)).c_str()));
+}
+
+void checkpoint::copy_to(const std::filesystem::path& path) const {
+  const std::scoped_lock lock(state_->mutex);
+  std::filesystem::path partial = path;
+  partial += ".partial";
+  std::error_code ignored;
+  std::filesystem::remove(partial, ignored);  // what a kill left
+  const statement copy = state_->prepare("VACUUM INTO ?");
+  const std::string name = partial.string();
+  sqlite3_bind_text(copy.get(), 1, name.data(), static_cast<int>(name.size()), SQLITE_STATIC);
+  if (const int code = sqlite3_step(copy.get()); code != SQLITE_DONE) {
+    std::filesystem::remove(partial, ignored);
+    throw error(error_kind::failed, "checkpoint.not-copied", path.string(),
+                fmt::format("cannot be written ({})", sqlite3_errmsg(state_->database)),
+                "free space or choose another folder, then run the same command again; finished cells are kept");
+  }
+  try {
+    publish(partial, path);
+  } catch (const std::filesystem::filesystem_error& e) {
+    throw error(error_kind::failed, "checkpoint.not-copied", path.string(),
+                fmt::format("cannot be written ({})", e.code().message()),
+                "free space or choose another folder, then run the same command again; finished cells are kept");
+  }
 }
 
 void checkpoint::remove() {
-  // The file goes first, while the lock still keeps others from opening it.
-  state_->delete_files();
-  state_->close();
+  state_->remove();
 }
 
 }  // namespace sightcell::bake

@@ -1,27 +1,22 @@
 #pragma once
-// The resumable state of a bake: a SQLite file beside the output, one committed record per finished cell.
+// The resumable state of a bake: a SQLite file beside the output, one committed record per cell and stage.
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "cell_record.h"
+
 namespace sightcell::bake {
 
-// All that is known of a finished cell.
-struct cell_record {
-  std::vector<std::uint32_t> set;  // ascending source ids
-  bool stored = true;              // false: no free point was found, the cell is left out of the file
-  std::uint64_t rays = 0;          // certificate: of the last fresh batch
-  std::uint64_t misses = 0;
-  double upper_bound = 1.0;
-  double confidence = 0.0;
-  std::uint64_t rays_spent = 0;  // of all ray work
-  std::uint32_t samples = 0;     // hemicubes rendered
-  bool bound_met = true;
-  double seconds = 0.0;  // wall clock; several cells may have been in work at once; report only
-  bool operator==(const cell_record&) const = default;
+struct stage_record {
+  std::uint32_t cell = 0;
+  cell_stage stage = cell_stage::finished;
+  cell_record record;
 };
 
 class checkpoint {
@@ -29,21 +24,41 @@ class checkpoint {
   // Opens or creates path. key names scene, settings, cells, device and version: a file with another key is refused
   // with sightcell::error "checkpoint.other-bake" (says what to do: --fresh or another output), a file that is in use
   // by another bake with "checkpoint.in-use". fresh: what is there is thrown away. A file that SQLite finds damaged is
-  // refused by name, never silently dropped.
-  checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh);
+  // refused by name, never silently dropped. plan: kept with the file when it is created, see shards.h.
+  checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan = {});
+  // Opens a file that nobody changes any more, to read it.
+  static checkpoint open_to_read(const std::filesystem::path& path);
   ~checkpoint();
+  checkpoint(checkpoint&&) noexcept;
   checkpoint(const checkpoint&) = delete;
   checkpoint& operator=(const checkpoint&) = delete;
 
-  std::optional<cell_record> load(std::uint32_t cell) const;
-  // One transaction, durable when it returns. Throws sightcell::error on a full disk.
-  void store(std::uint32_t cell, const cell_record& record);
-  std::uint32_t finished() const;  // number of records
-  void remove();                   // closes and deletes the file; the bake is done
+  const std::string& key() const;
+  std::string plan() const;
+
+  // Reads all of it, tells of each record, and drops those that are damaged: their cells are baked again. Returns how
+  // many those were.
+  std::uint32_t survey(const std::function<void(std::uint32_t cell, cell_stage, const cell_summary&)>& visit);
+
+  // Nothing where there is none. May be called from any thread, also while store runs on another one.
+  std::optional<cell_record> load(std::uint32_t cell, cell_stage stage) const;
+  // All in one transaction, durable when it returns. The sampled records of forget are dropped in it. Throws
+  // sightcell::error on a full disk: then nothing of it is stored.
+  void store(std::span<const stage_record> records, std::span<const std::uint32_t> forget = {});
+  std::uint32_t count(cell_stage stage) const;
+
+  // A copy of all that is committed, complete under its name or not there at all: written beside it, flushed, renamed.
+  void copy_to(const std::filesystem::path& path) const;
+  void remove();  // closes and deletes the file; the bake is done
 
  private:
   struct state;
+  explicit checkpoint(std::unique_ptr<state> opened);
   std::unique_ptr<state> state_;
 };
+
+// Names of the settings in which two keys differ, for people: "player_radius, samples"; empty where they cannot be
+// told.
+std::string differing_names(const std::string& key, const std::string& other);
 
 }  // namespace sightcell::bake

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -13,11 +14,10 @@
 namespace sightcell::bake {
 namespace {
 
-// A file's contents, taken apart.
+// A file's contents without its sets, taken apart.
 struct parts {
   std::vector<format::draw_record> draws;
   std::vector<format::box> cells;
-  std::vector<std::vector<std::uint32_t>> sets;  // source ids: in version 0 stored numbers are the same
   std::vector<format::certificate_record> certificate;
 };
 
@@ -28,24 +28,50 @@ void require_ok(format::status outcome, const std::string& name) {
 
 parts take_apart(const format::reader& file, const std::string& name) {
   parts out;
-  std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
-  require_ok(file.check(row, scratch), name);
   out.draws.resize(file.draw_count());
   for (std::uint32_t i = 0; i < file.draw_count(); ++i) require_ok(file.draw(i, out.draws[i]), name);
   out.certificate.resize(file.certificate_count());
   for (std::uint32_t i = 0; i < file.certificate_count(); ++i)
     require_ok(file.certificate(i, out.certificate[i]), name);
   out.cells.resize(file.cell_count());
-  out.sets.resize(file.cell_count());
-  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
-    std::size_t runs = 0;
-    require_ok(file.cell_box(cell, out.cells[cell]), name);
-    require_ok(file.decode_row(cell, row, scratch, runs), name);
-    for (const format::run& r : std::span(row).first(runs))
-      for (std::uint32_t i = 0; i < r.count; ++i) out.sets[cell].push_back(r.first + i);
-  }
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) require_ok(file.cell_box(cell, out.cells[cell]), name);
   return out;
 }
+
+// The sets of a file, decoded one at a time, and those of them that were changed.
+class set_list {
+ public:
+  // Checks the whole file.
+  set_list(const format::reader& file, const std::string& name)
+      : file_(file), row_(file.run_bound()), scratch_(file.run_bound()) {
+    require_ok(file_.check(row_, scratch_), name);
+  }
+
+  // Source ids: in version 0 stored numbers are the same.
+  format::status get(std::uint32_t cell, std::vector<std::uint32_t>& set) {
+    if (const auto found = changed_.find(cell); found != changed_.end()) {
+      set = found->second;
+      return format::status::ok;
+    }
+    std::size_t runs = 0;
+    const format::status outcome = file_.decode_row(cell, row_, scratch_, runs);
+    for (const format::run& r : std::span(row_).first(runs))
+      for (std::uint32_t i = 0; i < r.count; ++i) set.push_back(r.first + i);
+    return outcome;
+  }
+  // To be changed in place.
+  std::vector<std::uint32_t>& to_change(std::uint32_t cell, const std::string& name) {
+    if (const auto found = changed_.find(cell); found != changed_.end()) return found->second;
+    std::vector<std::uint32_t> set;
+    require_ok(get(cell, set), name);
+    return changed_.emplace(cell, std::move(set)).first->second;
+  }
+
+ private:
+  const format::reader& file_;
+  std::vector<format::run> row_, scratch_;
+  std::map<std::uint32_t, std::vector<std::uint32_t>> changed_;
+};
 
 void check_range(const added_polygons& wanted, const format::reader& file, const std::string& name) {
   if (wanted.cell >= file.cell_count())
@@ -102,11 +128,12 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
   format::reader opened;
   require_ok(format::reader::open(file, opened), name);
   for (const added_polygons& wanted : additions) check_range(wanted, opened, name);
-  parts contents = take_apart(opened, name);
+  set_list sets(opened, name);
+  const parts contents = take_apart(opened, name);
   patch_result result;
   std::vector<added_polygons> fresh;
   for (const added_polygons& wanted : additions) {
-    const auto more = add(wanted, contents.sets[wanted.cell]);
+    const auto more = add(wanted, sets.to_change(wanted.cell, name));
     std::uint64_t added = 0;
     for (const added_polygons& a : more) added += a.count;
     result.added += added;
@@ -114,8 +141,10 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
     fresh.insert(fresh.end(), more.begin(), more.end());
   }
   const std::string settings = fresh.empty() ? std::string(opened.settings()) : with_added(opened.settings(), fresh);
+  const format::cell_set_source source{
+      contents.cells.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { return sets.get(cell, set); }};
   const format::file_contents changed{opened.facts(), contents.draws,       contents.cells,
-                                      contents.sets,  contents.certificate, settings};
+                                      source,         contents.certificate, settings};
   std::vector<std::byte> bytes;
   if (format::encode(changed, bytes) != format::status::ok)
     throw error(error_kind::failed, "output.encode", output.string(), "what was added does not fit into the file",

@@ -45,60 +45,83 @@ void require_ok(format::status outcome, const std::filesystem::path& output, con
       disk ? "free space or choose another folder, then run the same command: it resumes" : "report this scene");
 }
 
-}  // namespace
-
-void write_pvs(const scene::scene& s, const settings& how, const std::string& settings_text,
-               const std::vector<view_cell>& cells, std::vector<cell_record>& records,
-               const std::filesystem::path& output, const callbacks& tell, summary& sum) {
+// What the file says of its cells besides their sets.
+struct stored_cells {
+  std::vector<std::uint32_t> places;  // in the list of all cells
   std::vector<format::box> boxes;
-  std::vector<std::vector<std::uint32_t>> sets;
   std::vector<format::certificate_record> certificate;
-  double visible = 0.0;
+  double polygons = 0.0;  // of all sets together
+};
+
+stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
+  stored_cells out;
   sum.max_upper_bound = 0.0;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    cell_record& record = records[i];
-    const view_cell& c = cells[i];
+  for (std::uint32_t i = 0; i < frame.cells.size(); ++i) {
+    const cell_record record = record_of(i);
     if (!record.stored) {
       ++sum.cells_left_out;
       continue;
     }
-    certificate.push_back({.cell = static_cast<std::uint32_t>(boxes.size()),
-                           .rays = record.rays,
-                           .misses = record.misses,
-                           .upper_bound = record.upper_bound,
-                           .confidence = record.confidence,
-                           .seed = how.seed});
-    boxes.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
-    visible += static_cast<double>(record.set.size());
+    out.certificate.push_back({.cell = static_cast<std::uint32_t>(out.boxes.size()),
+                               .rays = record.rays,
+                               .misses = record.misses,
+                               .upper_bound = record.upper_bound,
+                               .confidence = record.confidence,
+                               .seed = frame.seed});
+    out.boxes.push_back(frame.cells[i]);
+    out.places.push_back(i);
+    out.polygons += static_cast<double>(record.set.size());
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;
-    sets.push_back(std::move(record.set));
   }
-  if (boxes.empty())
-    throw error(error_kind::failed, "bake.no-free-cell", s.name, "no cell has a place where an eye can be",
+  return out;
+}
+
+}  // namespace
+
+pvs_frame frame_of(const scene::scene& s, const settings& how, std::string settings_text,
+                   const std::vector<view_cell>& cells) {
+  pvs_frame frame;
+  frame.scene_name = s.name;
+  frame.facts.polygon_count = s.polygon_count;
+  frame.facts.margin = how.margin;
+  frame.facts.scene_fingerprint = s.fingerprint;
+  frame.seed = how.seed;
+  frame.draws = draw_table(s);
+  for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
+  frame.settings = std::move(settings_text);
+  return frame;
+}
+
+void write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
+               const callbacks& tell, summary& sum) {
+  const stored_cells stored = first_pass(frame, record_of, sum);
+  if (stored.boxes.empty())
+    throw error(error_kind::failed, "bake.no-free-cell", frame.scene_name, "no cell has a place where an eye can be",
                 "give boxes with --cells-file or --cells-grid, or a smaller --player-radius");
   if (sum.cells_left_out > 0 && tell.on_message)
     tell.on_message(severity::warning,
                     fmt::format("{} of {} cells have no free point and are left out; an eye there is outside",
-                                sum.cells_left_out, cells.size()));
+                                sum.cells_left_out, frame.cells.size()));
 
-  const std::vector<format::draw_record> draws = draw_table(s);
   format::file_contents contents;
-  contents.facts.polygon_count = s.polygon_count;
-  contents.facts.margin = how.margin;
+  contents.facts = frame.facts;
   contents.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
-  contents.facts.scene_fingerprint = s.fingerprint;
-  contents.draws = draws;
-  contents.cells = boxes;
-  contents.cell_sets = sets;
-  contents.certificate = certificate;
-  contents.settings = settings_text;
+  contents.draws = frame.draws;
+  contents.cells = stored.boxes;
+  contents.cell_sets = {stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+                          set = record_of(stored.places[cell]).set;
+                          return format::status::ok;
+                        }};
+  contents.certificate = stored.certificate;
+  contents.settings = frame.settings;
   std::vector<std::byte> bytes;
   require_ok(format::encode(contents, bytes), output, "encoding");
   require_ok(format::write_file(output.string().c_str(), bytes), output, "writing");
 
-  sum.cells = static_cast<std::uint32_t>(boxes.size());
-  sum.visible_percent = 100.0 * visible / (static_cast<double>(boxes.size()) * std::max(s.polygon_count, 1u));
+  const auto cells_written = static_cast<double>(stored.boxes.size());
+  sum.cells = static_cast<std::uint32_t>(stored.boxes.size());
+  sum.visible_percent = 100.0 * stored.polygons / (cells_written * std::max(frame.facts.polygon_count, 1u));
   sum.bytes = bytes.size();
   if (sum.cells_over_bound > 0) sum.result = outcome::bound_not_met;
 }

@@ -1,19 +1,39 @@
 #pragma once
 // From finished cells to the .pvs file.
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "cell_record.h"
 #include "cells/view_cell.h"
-#include "checkpoint.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/format/records.h"
 
 namespace sightcell::bake {
 
-// Encodes the stored cells and writes output by rename; fills in the summary. settings: the text for the file. Cells
-// that were not stored are named in warnings. Throws sightcell::error when nothing can be stored or written.
-void write_pvs(const scene::scene& s, const settings& how, const std::string& settings_text,
-               const std::vector<view_cell>& cells, std::vector<cell_record>& records,
-               const std::filesystem::path& output, const callbacks& tell, summary& sum);
+// A cell's record, by its place in the list of cells. Only one set at a time lies in memory uncompressed.
+using record_source = std::function<cell_record(std::uint32_t)>;
+
+// All that a file says besides what was found.
+struct pvs_frame {
+  std::string scene_name;    // for messages
+  format::file_facts facts;  // without the bound
+  std::uint64_t seed = 0;
+  std::vector<format::draw_record> draws;
+  std::vector<format::box> cells;  // of all cells, also of those that are not stored
+  std::string settings;            // the text for the file
+};
+
+pvs_frame frame_of(const scene::scene& s, const settings& how, std::string settings_text,
+                   const std::vector<view_cell>& cells);
+
+// Encodes the stored cells and writes output by rename; fills in the summary. Every cell's record is asked for in
+// ascending order, and that of a stored one a second time, in the same order, on the calling thread; what record_of
+// throws comes through. Cells that were not stored are named in warnings. Throws sightcell::error when nothing can be
+// stored or written.
+void write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
+               const callbacks& tell, summary& sum);
 
 }  // namespace sightcell::bake

@@ -40,14 +40,17 @@ status check_draws(const file_contents& contents) {
 }
 
 status check_cells(const file_contents& contents) {
-  if (contents.cells.size() != contents.cell_sets.size()) return status::argument;
+  const bool sets_missing = !contents.cells.empty() && !contents.cell_sets.get;
+  if (sets_missing || contents.cells.size() != contents.cell_sets.count) return status::argument;
   for (const box& b : contents.cells) {
     if (!box_is_valid(b)) return status::argument;
   }
-  for (const auto& set : contents.cell_sets) {
-    if (!set.empty() && set.back() >= contents.facts.polygon_count) return status::argument;
-    if (std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) != set.end()) return status::argument;
-  }
+  return status::ok;
+}
+
+status check_set(std::span<const std::uint32_t> set, std::uint32_t polygon_count) {
+  if (!set.empty() && set.back() >= polygon_count) return status::argument;
+  if (std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) != set.end()) return status::argument;
   return status::ok;
 }
 
@@ -81,12 +84,16 @@ status encode_rows(const file_contents& contents, encoded_rows& out) {
   std::vector<std::byte> row_records;
   byte_sink chunks(out.directory);
   byte_sink rows(row_records);
+  std::vector<std::uint32_t> set;
   std::vector<std::vector<run>> sets;
   for (std::size_t begin = 0; begin < contents.cells.size(); begin += layout::cells_per_chunk) {
     const std::size_t end = std::min<std::size_t>(contents.cells.size(), begin + layout::cells_per_chunk);
     sets.clear();
     for (std::size_t cell = begin; cell < end; ++cell) {
-      sets.push_back(runs_of(contents.cell_sets[cell]));
+      set.clear();
+      if (const status s = contents.cell_sets.get(static_cast<std::uint32_t>(cell), set); s != status::ok) return s;
+      if (const status s = check_set(set, contents.facts.polygon_count); s != status::ok) return s;
+      sets.push_back(runs_of(set));
       out.run_bound = std::max(out.run_bound, static_cast<std::uint32_t>(sets.back().size()));
       out.range_bound = std::max(out.range_bound, count_ranges(contents, sets.back()));
     }
@@ -217,6 +224,13 @@ status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
 }
 
 }  // namespace
+
+cell_set_source sets_of(std::span<const std::vector<std::uint32_t>> sets) {
+  return {sets.size(), [sets](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+            set = sets[cell];
+            return status::ok;
+          }};
+}
 
 status encode(const file_contents& contents, std::vector<std::byte>& out) {
 #if defined(__cpp_exceptions)

@@ -82,8 +82,8 @@ int main(int argc, char** argv) {
   if (found == set.end() || *found != polygon) return fail("the cell does not see that polygon", status::argument);
   set.erase(found);
   std::vector<std::byte> bytes;
-  const file_contents changed{file.facts(),  contents.draws,       contents.cells,
-                              contents.sets, contents.certificate, file.settings()};
+  const file_contents changed{file.facts(),           contents.draws,       contents.cells,
+                              sets_of(contents.sets), contents.certificate, file.settings()};
   if (const status s = encode(changed, bytes); s != status::ok) return fail(argv[2], s);
   if (const status s = write_file(argv[2], bytes); s != status::ok) return fail(argv[2], s);
   return 0;

@@ -20,7 +20,7 @@ std::vector<std::byte> written() {
   const std::vector<std::uint32_t> sets[] = {{0, 1, 2, 4}, {5}};
   contents.draws = {&draw, 1};
   contents.cells = cells;
-  contents.cell_sets = sets;
+  contents.cell_sets = format::sets_of(sets);
   std::vector<std::byte> bytes;
   if (format::encode(contents, bytes) != format::status::ok) bytes.clear();
   return bytes;

@@ -61,7 +61,8 @@ std::vector<std::byte> with_set(const std::vector<std::byte>& bytes, const polyg
   parts all = take_apart(file);
   all.sets.assign(1, set);
   std::vector<std::byte> out;
-  const format::file_contents changed{file.facts(), all.draws, all.cells, all.sets, all.certificate, file.settings()};
+  const format::file_contents changed{file.facts(),    all.draws,      all.cells, format::sets_of(all.sets),
+                                      all.certificate, file.settings()};
   EXPECT_EQ(format::encode(changed, out), format::status::ok);
   return out;
 }

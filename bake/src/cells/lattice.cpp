@@ -66,6 +66,8 @@ view_cell lattice::cell(const lattice_position& p) const {
   }
   made.place = mix(mix(mix(0, static_cast<std::uint64_t>(p.x)), static_cast<std::uint64_t>(p.y)),
                    static_cast<std::uint64_t>(p.z));
+  made.on_lattice = true;
+  made.position = p;
   return made;
 }
 

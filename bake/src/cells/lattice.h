@@ -1,7 +1,6 @@
 #pragma once
 // The lattice that automatic and grid cells lie on: boxes cell_size wide and deep and half as high, anchored at the
 // world's origin. Only places are kept here; boxes are made at the end, so that neighbors share the very same floats.
-#include <compare>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -9,12 +8,6 @@
 #include "cells/view_cell.h"
 
 namespace sightcell::bake {
-
-// Members stand in the order cells are sorted by: z, then y, then x.
-struct lattice_position {
-  std::int64_t z = 0, y = 0, x = 0;
-  auto operator<=>(const lattice_position&) const = default;
-};
 
 // Cells from first to last, both included.
 struct lattice_range {

@@ -1,5 +1,6 @@
 #pragma once
 // View cells: boxes a camera can be in.
+#include <compare>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <string>
@@ -10,11 +11,19 @@
 
 namespace sightcell::bake {
 
+// Members stand in the order cells are sorted by: z, then y, then x.
+struct lattice_position {
+  std::int64_t z = 0, y = 0, x = 0;
+  auto operator<=>(const lattice_position&) const = default;
+};
+
 struct view_cell {
   glm::vec3 min{0.0f}, max{0.0f};  // metres, half-open, not grown
   std::string name;                // from a cells file; else empty
   std::uint64_t place = 0;   // names the cell's random numbers: a hash of its lattice position, or of the six floats
   std::uint32_t number = 0;  // of cells given by hand: their place in the list
+  bool on_lattice = false;
+  lattice_position position{};  // where it is
 };
 
 struct cell_list {

@@ -6,6 +6,7 @@
 
 #include "cell_set.h"
 #include "finish/near_polygons.h"
+#include "random.h"
 #include "rays/ray_scene.h"
 
 namespace sightcell::bake {
@@ -14,6 +15,7 @@ struct dilation_settings {
   std::uint64_t seed = 0, place = 0;
   float smallest_gap = 0.0f;  // what is seen only through narrower cracks does not join (rule 3)
   std::uint64_t max_rays = 0;
+  purpose use = purpose::dilation;  // names the random numbers
 };
 
 // Expands the members from index first (in joining order) on, and in turn whatever joins, until nothing does or

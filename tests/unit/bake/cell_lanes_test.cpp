@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "cell_bake.h"
 #include "sightcell/scene/error.h"
 #include "source/hemicube_faces.h"
 #include "tiny_scene.h"
@@ -77,6 +78,23 @@ class cell_lanes : public testing::Test {
       cells_.push_back({{x, 0, -1}, {x + 2, 1, 1}, "", 1000u + i});
       wanted_.push_back(i);
     }
+    // A block each, and nobody shares: every cell is one step.
+    blocks_.emplace(cells_, how_.margin);
+    plan_.emplace(*blocks_, false);
+  }
+
+  step_queue queue() const { return step_queue::phase_1(*plan_, stage_table(cells_.size()), wanted_); }
+
+  // Takes all steps of wanted_ on the arena.
+  void run(std::size_t lanes, tbb::task_arena& arena, const steps_ended& ended, bool rays = true) {
+    const cell_baker baker(how_, none_, *rays_, rays ? &*neighbors_ : nullptr, *source_);
+    step_queue steps = queue();
+    take_steps(
+        steps, [&] { return baker.make_set(); },
+        [&](const cell_step& step, cell_set& set) {
+          return baker.finished(cells_[step.cell], baker.sample_and_finish(cells_[step.cell], set));
+        },
+        lanes, arena, ended);
   }
 
   struct told {
@@ -87,14 +105,13 @@ class cell_lanes : public testing::Test {
   // Bakes on so many threads; stop_after cells are told of, the next answer is false.
   told bake(std::size_t lanes, int threads, std::size_t stop_after = cell_total) {
     told out;
-    const cell_baker baker(how_, *rays_, &*neighbors_, *source_);
     tbb::task_arena arena(threads);
     const auto caller = std::this_thread::get_id();
-    bake_cells(baker, cells_, wanted_, lanes, arena, [&](std::uint32_t which, baked_cell& cell, std::size_t in_work) {
+    run(lanes, arena, [&](std::span<stage_record> ended, std::size_t in_work) {
       EXPECT_EQ(std::this_thread::get_id(), caller);
       EXPECT_LE(in_work, lanes);
-      cell.record.seconds = 0.0;
-      EXPECT_TRUE(out.records.emplace(which, cell.record).second) << "told twice of " << which;
+      for (const stage_record& one : ended)
+        EXPECT_TRUE(out.records.emplace(one.cell, one.record).second) << "told twice of " << one.cell;
       out.in_work.push_back(in_work);
       return out.records.size() < stop_after;
     });
@@ -120,8 +137,11 @@ class cell_lanes : public testing::Test {
   std::optional<near_polygons> neighbors_;
   std::optional<traced_source> source_;
   settings how_;
+  overrides none_;
   std::vector<view_cell> cells_;
-  std::vector<std::uint32_t> wanted_;
+  std::vector<std::uint32_t> wanted_;  // blocks, each of one cell
+  std::optional<cell_blocks> blocks_;
+  std::optional<stage_plan> plan_;
 };
 
 TEST_F(cell_lanes, records_are_the_same_with_any_number_of_threads_and_lanes) {
@@ -173,13 +193,11 @@ TEST_F(cell_lanes, an_error_in_a_cell_ends_the_bake_and_spoils_no_other) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
   for (const std::size_t lanes : {1u, 2u, 4u}) {
-    const cell_baker baker(how_, *rays_, &*neighbors_, *source_);
     tbb::task_arena arena(4);
     std::map<std::uint32_t, cell_record> kept;
     try {
-      bake_cells(baker, cells_, wanted_, lanes, arena, [&](std::uint32_t which, baked_cell& cell, std::size_t) {
-        cell.record.seconds = 0.0;
-        kept.emplace(which, cell.record);
+      run(lanes, arena, [&](std::span<stage_record> ended, std::size_t) {
+        for (const stage_record& one : ended) kept.emplace(one.cell, one.record);
         return true;
       });
       FAIL() << "the error is gone";
@@ -196,16 +214,15 @@ TEST_F(cell_lanes, an_error_in_a_cell_ends_the_bake_and_spoils_no_other) {
 TEST_F(cell_lanes, what_the_user_throws_comes_out_and_cells_in_work_are_kept) {
   take_your_time();
   for (const std::size_t lanes : {1u, 4u}) {
-    const cell_baker baker(how_, *rays_, &*neighbors_, *source_);
     tbb::task_arena arena(4);
     std::set<std::uint32_t> kept;
     std::size_t last_in_work = 99;
-    EXPECT_THROW(bake_cells(baker, cells_, wanted_, lanes, arena,
-                            [&](std::uint32_t which, baked_cell&, std::size_t in_work) -> bool {
-                              kept.insert(which);
-                              last_in_work = in_work;
-                              throw std::runtime_error("enough");
-                            }),
+    EXPECT_THROW(run(lanes, arena,
+                     [&](std::span<stage_record> ended, std::size_t in_work) -> bool {
+                       for (const stage_record& one : ended) kept.insert(one.cell);
+                       last_in_work = in_work;
+                       throw std::runtime_error("enough");
+                     }),
                  std::runtime_error);
     EXPECT_GE(kept.size(), 1u);
     EXPECT_LT(kept.size(), lanes == 1 ? 2u : cell_total);
@@ -233,19 +250,25 @@ TEST_F(cell_lanes, a_thread_that_waits_inside_of_a_cell_begins_no_other) {
 TEST_F(cell_lanes, a_disk_that_is_slow_holds_the_lanes_up) {
   how_.samples = 6;
   how_.max_pixel_error = 0.0;
-  wanted_.assign(150, 0);
+  wanted_.clear();
+  cells_.assign(150, cells_.front());
+  for (std::uint32_t i = 0; i < cells_.size(); ++i) wanted_.push_back(i);
+  blocks_.emplace(cells_, how_.margin);
+  plan_.emplace(*blocks_, false);
   std::atomic<std::size_t> begun = 0;
   source_->on_render = [&](std::span<const pose>) { ++begun; };  // one round, so one call for each cell
-  const cell_baker baker(how_, *rays_, nullptr, *source_);
   tbb::task_arena arena(2);
   std::size_t ended = 0;
-  bake_cells(baker, cells_, wanted_, 2, arena, [&](std::uint32_t, baked_cell&, std::size_t) {
-    if (++ended > 1) return true;
+  const auto slow = [&](std::span<stage_record> records, std::size_t) {
+    const bool first = ended == 0;
+    ended += records.size();
+    if (!first) return true;
     for (int i = 0; i < 2000 && begun < 60; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));  // enough for some more
-    EXPECT_LE(begun, 1u + 64u + 2u);
+    EXPECT_LE(begun, records.size() + 64u + 2u);
     return true;
-  });
+  };
+  run(2, arena, slow, false);
   EXPECT_EQ(ended, wanted_.size());
   EXPECT_EQ(begun, wanted_.size());
 }

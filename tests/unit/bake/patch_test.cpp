@@ -23,7 +23,7 @@ std::vector<std::byte> three_cells(const std::string& settings) {
   const std::vector<ids> sets{{1, 2, 5}, {1, 2, 5}, {}};
   const std::vector<format::certificate_record> certificate{
       {0, 1000, 1, 0.004, 0.95, 7}, {1, 2000, 0, 0.001, 0.95, 7}, {2, 3000, 2, 0.002, 0.95, 7}};
-  format::file_contents contents{{}, draws, cells, sets, certificate, settings};
+  format::file_contents contents{{}, draws, cells, format::sets_of(sets), certificate, settings};
   contents.facts.polygon_count = 20;
   contents.facts.max_pixel_error = 0.004f;
   std::vector<std::byte> bytes;

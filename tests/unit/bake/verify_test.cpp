@@ -39,6 +39,10 @@ std::vector<std::uint32_t> all_but(const scene::scene& s, std::initializer_list<
   return ids;
 }
 
+record_source from(const std::vector<cell_record>& records) {
+  return [&records](std::uint32_t cell) { return records[cell]; };
+}
+
 // One cell with this set, through the bake's own output.
 summary write(const scene::scene& s, const view_cell& cell, std::vector<std::uint32_t> set, float margin,
               const std::filesystem::path& path, bool bound_met = true, settings how = {}) {
@@ -49,7 +53,7 @@ summary write(const scene::scene& s, const view_cell& cell, std::vector<std::uin
   record.upper_bound = bound_met ? 5e-4 : 5e-2;
   std::vector<cell_record> records{record};
   summary sum;
-  write_pvs(s, how, describe(how), {cell}, records, path, {}, sum);
+  write_pvs(frame_of(s, how, describe(how), {cell}), from(records), path, {}, sum);
   return sum;
 }
 
@@ -157,7 +161,7 @@ TEST(write_pvs, rounds_the_bound_upwards) {
     record.upper_bound = bound;
     std::vector<cell_record> records{record};
     summary sum;
-    write_pvs(s, {}, "{}", {middle}, records, file.path(), {}, sum);
+    write_pvs(frame_of(s, {}, "{}", {middle}), from(records), file.path(), {}, sum);
     const std::vector<std::byte> bytes = test::file_bytes(file.path());
     format::reader written;
     ASSERT_EQ(format::reader::open(bytes, written), format::status::ok);
@@ -180,14 +184,14 @@ TEST(write_pvs, leaves_cells_without_a_free_place_out_and_refuses_none_at_all) {
   callbacks tell;
   tell.on_message = [&](bake::severity, const std::string& line) { messages.push_back(line); };
   summary sum;
-  write_pvs(s, {}, "{}", {middle, beside}, records, file.path(), tell, sum);
+  write_pvs(frame_of(s, {}, "{}", {middle, beside}), from(records), file.path(), tell, sum);
   EXPECT_EQ(sum.cells, 1u);
   EXPECT_EQ(sum.cells_left_out, 1u);
   EXPECT_EQ(messages.size(), 1u);
 
   const auto writing = [&](const cell_record& record) {
     records = {record};
-    return test::error_id([&] { write_pvs(s, {}, "{}", {middle}, records, file.path(), tell, sum); });
+    return test::error_id([&] { write_pvs(frame_of(s, {}, "{}", {middle}), from(records), file.path(), tell, sum); });
   };
   EXPECT_EQ(writing(solid), "bake.no-free-cell");
   stored.set = {2, 1};

@@ -12,7 +12,7 @@ namespace sightcell::test {
 namespace layout = format::layout;
 
 format::file_contents sample_contents::view() const {
-  return {facts, draws, cells, sets, certificate, settings};
+  return {facts, draws, cells, format::sets_of(sets), certificate, settings};
 }
 
 std::vector<std::byte> sample_contents::encode() const {

@@ -49,6 +49,44 @@ TEST(writer, random_sets_come_back) {
   }
 }
 
+// Sets of contents that come one at a time, like those of a bake.
+struct asked_sets {
+  explicit asked_sets(const sample_contents& from) : contents(from), changed(from.view()) {
+    changed.cell_sets.get = [this](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+      EXPECT_TRUE(set.empty()) << cell;
+      EXPECT_EQ(cell, asked++);
+      if (cell == failing) return status::io;
+      set = contents.sets[cell];
+      return status::ok;
+    };
+  }
+  const sample_contents& contents;
+  file_contents changed;
+  std::uint32_t asked = 0;
+  std::uint32_t failing = 0xFFFFFFFFu;
+};
+
+TEST(writer, asks_for_every_set_once_and_in_order) {
+  const auto contents = random_contents(9, {.polygons = 300, .cells = 150});
+  asked_sets sets(contents);
+  std::vector<std::byte> bytes;
+  ASSERT_EQ(encode(sets.changed, bytes), status::ok);
+  EXPECT_EQ(sets.asked, 150u);
+  EXPECT_EQ(bytes, contents.encode());
+}
+
+TEST(writer, ends_with_what_a_set_says) {
+  const auto contents = random_contents(9, {.polygons = 300, .cells = 150});
+  asked_sets sets(contents);
+  sets.failing = 70;
+  std::vector<std::byte> bytes{std::byte{42}};
+  EXPECT_EQ(encode(sets.changed, bytes), status::io);
+  EXPECT_EQ(bytes.size(), 1u) << "out is left alone on failure";
+  EXPECT_EQ(sets.asked, 71u);
+  sets.changed.cell_sets.get = nullptr;
+  EXPECT_EQ(encode(sets.changed, bytes), status::argument);
+}
+
 TEST(writer, empty_things) {
   expect_round_trip({});
   sample_contents no_cells;

@@ -27,15 +27,16 @@ struct world_geometry;
 
 namespace sightcell::bake {
 
-// Told before the first cell and after every finished one.
+// Told before the first cell and whenever one has come further.
 struct progress {
-  std::uint32_t cells_done = 0, cells_total = 0;
-  double seconds = 0.0;           // wall clock since the bake began
-  double cells_per_second = 0.0;  // of this run; cells in work count as half done; 0 until one is finished
-  double seconds_left = 0.0;      // for what is left at that rate
-  double pixel_error = 0.0;       // pooled misses / rays of the last fresh batches so far
-  double worst_bound = 0.0;       // largest upper bound of a finished cell
-  double visible_percent = 0.0;   // mean cell set of the cells so far, percent of all polygons
+  std::uint32_t cells_done = 0, cells_total = 0;  // done: its bound is known and committed
+  std::uint32_t cells_checked = 0;  // of these: what neighboring cells see was tried too; nothing is left to do
+  double seconds = 0.0;             // wall clock since the bake began
+  double cells_per_second = 0.0;    // of this run; work that has begun counts; 0 until some is committed
+  double seconds_left = 0.0;        // for what is left at that rate
+  double pixel_error = 0.0;         // pooled misses / rays of the last fresh batches so far
+  double worst_bound = 0.0;         // largest upper bound of a finished cell
+  double visible_percent = 0.0;     // mean cell set of the cells so far, percent of all polygons
 };
 
 enum class severity { note, warning };

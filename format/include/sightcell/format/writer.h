@@ -2,6 +2,7 @@
 // Encodes a .pvs file (format/SPEC.md) into memory. The caller writes the bytes to disk: see write_file.
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -11,17 +12,32 @@
 
 namespace sightcell::format {
 
-// Everything a file holds. Spans are only read during the call.
-struct file_contents {
-  file_facts facts;
-  std::span<const draw_record> draws;                     // ascending first_source, gapless, summing to polygon_count
-  std::span<const box> cells;                             // number of a cell = its index here
-  std::span<const std::vector<std::uint32_t>> cell_sets;  // per cell: source ids, strictly ascending
-  std::span<const certificate_record> certificate;        // empty, or one per cell in cell order
-  std::string_view settings;                              // JSON text of the settings that made the file; may be empty
+// Cell sets, asked for one at a time: all of them together, uncompressed, can be larger than the memory. Belongs to the
+// caller, as does all that get refers to.
+struct cell_set_source {
+  // How many there are: one per cell.
+  std::size_t count = 0;
+  // Puts the source ids of a cell, strictly ascending, into set, which comes empty and keeps its storage from cell to
+  // cell. encode asks once for each cell, in ascending order, on the thread that called it. Anything but ok ends
+  // encode, which answers the same; so does an exception, which passes through it where the writer is built with them.
+  std::function<status(std::uint32_t cell, std::vector<std::uint32_t>& set)> get;
 };
 
-// Encodes contents into out (replaced). Same contents, same bytes. Allocates; no shared state, any thread.
+// Sets that lie in memory: what sets views must live as long as the source.
+cell_set_source sets_of(std::span<const std::vector<std::uint32_t>> sets);
+
+// Everything a file holds. Spans are only read, and sets only asked for, during the call.
+struct file_contents {
+  file_facts facts;
+  std::span<const draw_record> draws;  // ascending first_source, gapless, summing to polygon_count
+  std::span<const box> cells;          // number of a cell = its index here
+  cell_set_source cell_sets;
+  std::span<const certificate_record> certificate;  // empty, or one per cell in cell order
+  std::string_view settings;                        // JSON text of the settings that made the file; may be empty
+};
+
+// Encodes contents into out (replaced on ok, else left alone). Same contents, same bytes. Besides the file it takes
+// the sets of 64 cells at a time, 8 bytes per run of each. Allocates; no shared state, any thread.
 // argument: contents contradict themselves (unsorted ids, counts that differ, non-finite boxes); limit: a number is
 // above what the format can hold (layout.h); memory: out of memory.
 status encode(const file_contents& contents, std::vector<std::byte>& out);

@@ -1,0 +1,19 @@
+#pragma once
+// What kind of disk a folder is on, and files that are there as a whole or not at all.
+#include <filesystem>
+#include <functional>
+
+namespace sightcell::bake {
+
+// NFS, SMB, Lustre and their like, where other machines see the same files: locks and shared memory are not to be
+// trusted there. False where the system cannot tell.
+bool on_network_disk(const std::filesystem::path& folder);
+
+// The folder a file is in; "." for a bare name.
+std::filesystem::path folder_of(const std::filesystem::path& file);
+
+// Flushes file, renames it to path and flushes the folder: path holds what it held, or all of the new. Throws
+// std::filesystem::filesystem_error; file is removed then.
+void publish(const std::filesystem::path& file, const std::filesystem::path& path);
+
+}  // namespace sightcell::bake

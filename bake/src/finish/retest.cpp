@@ -1,0 +1,150 @@
+#include "finish/retest.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "finish/aim.h"
+
+namespace sightcell::bake {
+namespace {
+
+// A polygon that neighbors see and this cell does not, with the eyes of the nearest two of them.
+struct candidate {
+  std::uint32_t polygon = 0;
+  std::array<glm::vec3, 2> witnesses;
+};
+
+std::vector<candidate> candidates_of(std::span<const cell_record> neighbors, const cell_set& set) {
+  struct sighting {
+    std::uint32_t polygon, neighbor, eye;
+  };
+  std::vector<sighting> all;
+  for (std::uint32_t n = 0; n < neighbors.size(); ++n)
+    for (std::size_t i = 0; i < neighbors[n].set.size(); ++i)
+      if (!set.contains(neighbors[n].set[i])) all.push_back({neighbors[n].set[i], n, neighbors[n].witness_of[i]});
+  std::sort(all.begin(), all.end(), [](const sighting& a, const sighting& b) {
+    return a.polygon != b.polygon ? a.polygon < b.polygon : a.neighbor < b.neighbor;
+  });
+  std::vector<candidate> found;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const glm::vec3& eye = neighbors[all[i].neighbor].witnesses[all[i].eye];
+    if (i == 0 || all[i].polygon != all[i - 1].polygon)
+      found.push_back({all[i].polygon, {eye, eye}});
+    else if (found.back().witnesses[0] == found.back().witnesses[1])
+      found.back().witnesses[1] = eye;
+  }
+  return found;
+}
+
+// Where the way from an eye to a point enters the box; where it passes by, the place of the box next to the eye.
+glm::vec3 entry(const box& into, const glm::vec3& eye, const glm::vec3& point) {
+  const glm::vec3 way = point - eye;
+  float enter = 0.0f, leave = 1.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (way[axis] == 0.0f) {
+      if (eye[axis] < into.min[axis] || eye[axis] > into.max[axis]) leave = -1.0f;
+      continue;
+    }
+    const float a = (into.min[axis] - eye[axis]) / way[axis], b = (into.max[axis] - eye[axis]) / way[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  return glm::clamp(enter <= leave ? eye + way * enter : eye, into.min, into.max);
+}
+
+// What one stretch of candidates came to.
+struct outcome_of_rays {
+  std::vector<found_polygon> found;
+  std::uint64_t rays = 0;
+};
+
+class tester {
+ public:
+  tester(const ray_scene& rays, const box& grown, const retest_settings& how, const std::vector<glm::vec3>& eyes,
+         const cell_set& set)
+      : rays_(rays), grown_(grown), how_(how), eyes_(eyes), aimed_(rays, how.rules.smallest_gap, set) {}
+
+  void test(const candidate& one, outcome_of_rays& out) {
+    const triangle corners = corners_of(rays_.geometry(), one.polygon);
+    random_stream random(how_.seed, how_.place, how_.use, 0, name_of(corners));
+    const auto aim = [&](const glm::vec3& eye, const glm::vec3& point) {
+      if (!faces(rays_, one.polygon, eye)) return false;
+      ++out.rays;
+      return aimed_.aim(eye, point, one.polygon, out.found);
+    };
+    const glm::vec3 first = random_point(corners, random), second = random_point(corners, random);
+    // Places that are known to be free come first: to tell of another one takes 64 rays.
+    if (!eyes_.empty()) {
+      if (aim(nearest_eye(one.witnesses[0], first), first)) return;
+      const auto any = static_cast<std::size_t>(random.bits() % eyes_.size());
+      if (aim(eyes_[any], second)) return;
+    }
+    for (std::size_t i = 0; i < one.witnesses.size(); ++i) {
+      const glm::vec3& point = i == 0 ? second : first;
+      const glm::vec3 eye = entry(grown_, one.witnesses[i], point);
+      const std::size_t before = out.found.size();
+      if (!aim(eye, point)) {
+        out.found.resize(before);
+        continue;
+      }
+      if (rays_.is_free(eye, how_.rules.player_radius)) return;
+      out.found.resize(before);
+    }
+  }
+
+ private:
+  const glm::vec3& nearest_eye(const glm::vec3& witness, const glm::vec3& point) const {
+    const glm::vec3 way = point - witness;
+    const float length = glm::dot(way, way);
+    const auto square_to_line = [&](const glm::vec3& eye) {
+      const float along = length > 0.0f ? glm::clamp(glm::dot(eye - witness, way) / length, 0.0f, 1.0f) : 0.0f;
+      const glm::vec3 off = eye - (witness + way * along);
+      return glm::dot(off, off);
+    };
+    const glm::vec3* best = &eyes_.front();
+    float least = square_to_line(*best);
+    for (const glm::vec3& eye : eyes_) {
+      const float square = square_to_line(eye);
+      if (square < least) least = square, best = &eye;
+    }
+    return *best;
+  }
+
+  const ray_scene& rays_;
+  const box& grown_;
+  const retest_settings& how_;
+  const std::vector<glm::vec3>& eyes_;
+  aimed_rays aimed_;
+};
+
+}  // namespace
+
+std::uint64_t retest(const ray_scene& rays, const box& grown, const retest_settings& how,
+                     std::span<const cell_record> neighbors, cell_set& set) {
+  constexpr std::size_t stretch = 64;
+  const std::vector<candidate> wanted = candidates_of(neighbors, set);
+  const std::vector<glm::vec3> eyes = set.eyes();
+  std::vector<outcome_of_rays> outcomes((wanted.size() + stretch - 1) / stretch);
+  tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t i) {
+    tester one(rays, grown, how, eyes, set);
+    const std::size_t end = std::min(wanted.size(), (i + 1) * stretch);
+    for (std::size_t k = i * stretch; k < end; ++k) one.test(wanted[k], outcomes[i]);
+  });
+  std::uint64_t spent = 0;
+  std::vector<found_polygon> found;
+  for (const outcome_of_rays& o : outcomes) {
+    spent += o.rays;
+    found.insert(found.end(), o.found.begin(), o.found.end());
+  }
+  // Of several eyes that saw a polygon the lowest is its witness: not a matter of ids.
+  std::sort(found.begin(), found.end());
+  for (const found_polygon& f : found) set.add(f.polygon, f.eye);
+  return spent;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,29 @@
+#pragma once
+// What a neighboring cell sees is likely seen from this one too: a few rays for each polygon tell. Only what a ray
+// truly hits joins (design.md section 6, "Sharing").
+#include <cstdint>
+#include <span>
+
+#include "bound/fresh_rays.h"
+#include "cell_record.h"
+#include "cell_set.h"
+#include "free_space.h"
+#include "rays/ray_scene.h"
+
+namespace sightcell::bake {
+
+struct retest_settings {
+  std::uint64_t seed = 0, place = 0;
+  purpose use = purpose::retest;  // names the random numbers
+  fresh_rules rules;
+};
+
+// neighbors: records with witnesses, of one moment, the nearest first. What they have and set has not is tried from
+// free places of the grown box: from the eye of this set next to the neighbor's line of sight, from another one, and
+// from where that line enters the box. set must have been loaded: its eyes() are tried. All is tried from one state of
+// the set, finds join at the end. Returns the rays cast. Runs on the calling thread's TBB arena; does not depend on the
+// number of threads.
+std::uint64_t retest(const ray_scene& rays, const box& grown, const retest_settings& how,
+                     std::span<const cell_record> neighbors, cell_set& set);
+
+}  // namespace sightcell::bake

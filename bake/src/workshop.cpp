@@ -1,0 +1,116 @@
+#include "workshop.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bound/fresh_rays.h"
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+// Raised whenever the same settings may give other bytes: old checkpoints are then refused by name.
+constexpr int bake_version = 5;
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string text_of(const settings& how, const chosen_source& eyes) {
+  auto text = nlohmann::ordered_json::parse(describe(how));
+  text["source"] = eyes.name;
+  text["device"] = eyes.source->device();
+  text["bake_version"] = bake_version;
+  return text.dump();
+}
+
+std::string checkpoint_key(const scene::scene& s, const std::vector<view_cell>& cells, const overrides& given,
+                           const std::string& settings) {
+  XXH3_state_t* state = XXH3_createState();
+  XXH3_64bits_reset(state);
+  for (const view_cell& cell : cells) {
+    const float corners[6] = {cell.min.x, cell.min.y, cell.min.z, cell.max.x, cell.max.y, cell.max.z};
+    XXH3_64bits_update(state, corners, sizeof corners);
+    XXH3_64bits_update(state, &cell.place, sizeof cell.place);
+  }
+  if (const std::uint64_t by_hand = hash_of(given); by_hand != 0) XXH3_64bits_update(state, &by_hand, sizeof by_hand);
+  const auto cells_hash = XXH3_64bits_digest(state);
+  XXH3_freeState(state);
+  return fmt::format("scene {:02x} cells {} {:016x} settings {}", fmt::join(s.fingerprint, ""), cells.size(),
+                     cells_hash, settings);
+}
+
+void flatten_into(scene::world_geometry& geometry, const scene::scene& s, const settings& how, const overrides& given) {
+  geometry = scene::flatten(s, how.animated);
+  apply(given, geometry);
+  if (std::all_of(geometry.kinds.begin(), geometry.kinds.end(),
+                  [](const scene::polygon_kind& kind) { return kind.absent; }))
+    throw error(error_kind::bad_input, "bake.nothing-to-see", s.name, "has no triangle that could be seen",
+                "export meshes with triangles, or name another file");
+}
+
+}  // namespace
+
+workshop::workshop(const scene::scene& from, const settings& settings_of_bake, const callbacks& tell)
+    : s(from), how(settings_of_bake) {
+  if (how.cells_file) given = read_overrides(*how.cells_file, s);
+  flatten_into(geometry, s, how, given);
+  // Cells know nothing of rays, and most of both is one thread's work.
+  tbb::parallel_invoke([&] { list = make_cells(geometry, how); },
+                       [&] {
+                         rays.emplace(geometry, how.all_double_sided);
+                         if (how.max_pixel_error > 0.0) neighbors.emplace(*rays);
+                       });
+  blocks.emplace(list.cells, how.margin);
+  eyes = choose_source(how, geometry, *rays);  // its context belongs to the calling thread
+  if (tell.on_message) {
+    for (const std::string& warning : geometry.warnings) tell.on_message(severity::warning, warning);
+    tell.on_message(severity::note, fmt::format("device: {}, source {}{}", eyes.source->device(), eyes.name,
+                                                eyes.because.empty() ? std::string() : " (" + eyes.because + ")"));
+    tell.on_message(severity::note, "cells: " + list.how);
+    for (const std::string& warning : list.warnings) tell.on_message(severity::warning, warning);
+  }
+  settings_text = text_of(how, eyes);
+  key = checkpoint_key(s, list.cells, given, settings_text);
+}
+
+void print_estimate(workshop& w, std::size_t left, const callbacks& tell) {
+  if (!tell.on_message || left == 0) return;
+  const std::vector<view_cell>& cells = w.list.cells;
+  const settings& how = w.how;
+  constexpr std::size_t trials = 4;
+  constexpr std::uint64_t trial_rays = 2048;
+  double hemicube_seconds = 0.0, ray_seconds = 0.0;
+  hemicube_view view;
+  w.eyes.source->render({}, view);  // the first one pays for compiling and uploading
+  for (std::size_t i = 0; i < trials; ++i) {
+    const view_cell& cell = cells[i * cells.size() / trials];
+    double start = seconds_now();
+    w.eyes.source->render({.eye = 0.5f * (cell.min + cell.max)}, view);
+    hemicube_seconds += (seconds_now() - start) / trials;
+    start = seconds_now();
+    const auto batch =
+        cast_fresh_rays(*w.rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap}, trial_rays,
+                        {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
+    if (batch.rays > 0) ray_seconds += (seconds_now() - start) / static_cast<double>(batch.rays) / trials;
+  }
+  // A first batch that holds needs about 15 / max_pixel_error rays; dilation and second batches about as much again.
+  const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
+  // Hemicubes of a shared source are spread over the threads; rays were, when they were timed.
+  const int at_once = w.eyes.source->shared() ? tbb::this_task_arena::max_concurrency() : 1;
+  const double per_cell = how.samples * hemicube_seconds / at_once + rays * ray_seconds;
+  tell.on_message(severity::note,
+                  fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", left, how.samples,
+                              1e3 * hemicube_seconds,
+                              rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
+                              std::ceil(per_cell * static_cast<double>(left))));
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,41 @@
+#pragma once
+// Everything a bake has at hand before its first cell, in the order in which it is built.
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "cells/cell_blocks.h"
+#include "cells/overrides.h"
+#include "cells/view_cell.h"
+#include "finish/near_polygons.h"
+#include "rays/ray_scene.h"
+#include "sightcell/bake/bake.h"
+#include "source/choose_source.h"
+
+namespace sightcell::bake {
+
+struct workshop {
+  // References must outlive the workshop. Works on the calling thread's TBB arena; tells of device and cells. Throws
+  // sightcell::error.
+  workshop(const scene::scene& s, const settings& how, const callbacks& tell);
+  workshop(const workshop&) = delete;  // its parts know each other
+  workshop& operator=(const workshop&) = delete;
+
+  const scene::scene& s;
+  const settings& how;
+  overrides given;
+  scene::world_geometry geometry;
+  std::optional<ray_scene> rays;
+  std::optional<near_polygons> neighbors;  // where there are rays
+  chosen_source eyes;
+  cell_list list;
+  std::optional<cell_blocks> blocks;
+  std::string settings_text;  // for the checkpoint's key; the file's has the overrides besides
+  // Names all that decides a byte: scene with the textures that decide alpha, cells, settings, device, version.
+  std::string key;
+};
+
+// Times a few hemicubes and rays in cells spread over the list, and says how long so many cells will take.
+void print_estimate(workshop& shop, std::size_t cells_left, const callbacks& tell);
+
+}  // namespace sightcell::bake
