@@ -5,14 +5,17 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "exit_codes.h"
 #include "number_text.h"
 #include "progress_line.h"
+#include "shard_option.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
@@ -28,6 +31,8 @@ struct bake_options {
   std::vector<float> cells_grid;
   bake::settings settings;
   bool fresh = false, json = false;
+  std::string shard;
+  std::uint32_t phase = 1;
   std::string progress = "auto", animated = std::string(scene::animated_as_names.front());
 };
 
@@ -82,6 +87,16 @@ void refuse_overwriting_the_scene(const bake_options& options) {
                 "choose another -o");
 }
 
+int report_shard(const std::filesystem::path& target, const bake::summary& sum, progress_line& line) {
+  if (sum.result == bake::outcome::cancelled) {
+    line.message(fmt::format("stopped: the same command resumes; finished cells are in {}.bake", target.string()));
+    return exit_cancelled;
+  }
+  line.message(fmt::format("{}: {} cells ({} were there), {} of CPU time", target.string(), grouped(sum.cells),
+                           grouped(sum.cells_resumed), duration_text(sum.cpu_seconds)));
+  return exit_done;
+}
+
 int report(const bake_options& options, const bake::settings& how, const bake::summary& sum, progress_line& line) {
   if (sum.result == bake::outcome::cancelled) {
     line.message(
@@ -111,6 +126,11 @@ int run_bake(bake_options options) {
   }
   how.animated = *scene::animated_as_of(options.animated);
   bake::validate(how);  // before minutes of loading
+  std::optional<bake::shard> part;
+  if (!options.shard.empty()) {
+    part = shard_of(options.shard, [](const char* name) -> const char* { return std::getenv(name); });
+    part->phase = options.phase;
+  }
   refuse_overwriting_the_scene(options);
   progress_line line(mode_of(options.progress));
   const scene::scene s = scene::load_gltf(options.scene, how.scene);
@@ -127,11 +147,13 @@ int run_bake(bake_options options) {
   tell.on_message = [&line](bake::severity how_bad, const std::string& text) {
     line.message(how_bad == bake::severity::warning ? "warning: " + text : text);
   };
-  const bake::summary sum = bake::bake(s, how, options.output, options.fresh, tell);
+  const bake::summary sum = part ? bake::bake_shard(s, how, options.output, *part, options.fresh, tell)
+                                 : bake::bake(s, how, options.output, options.fresh, tell);
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 
-  const int code = report(options, how, sum, line);
+  const int code =
+      part ? report_shard(bake::shard_file(options.output, *part), sum, line) : report(options, how, sum, line);
   const std::string text = summary_json(options, s, sum).dump(2);
   if (!options.json_file.empty()) write_text(options.json_file, text);
   if (options.json) fmt::print("{}\n", text);
@@ -189,6 +211,20 @@ void add_running_options(CLI::App& verb, bake_options& o) {
   add(verb, "--threads", o.settings.threads, "N", "0: all cores; changes no byte of the file")->group("Running");
   add(verb, "--seed", o.settings.seed, "N", "of all random numbers")->group("Running");
   verb.add_flag("--fresh", o.fresh, "throw an unfinished bake away instead of resuming it")->group("Running");
+  auto& shard =
+      *verb.add_option(
+               "--shard", o.shard,
+               "bake only a part, for merge: i/n (i from 0), array (of Slurm, Kubernetes, AWS Batch) or array/n")
+           ->type_name("i/n")
+           ->group("Running");
+  add(verb, "--phase", o.phase, "1|2", "of a shard: 2 reads what phase 1 of all shards left beside -o")
+      ->check(CLI::Range(1, 2))
+      ->needs(&shard)
+      ->group("Running");
+  verb.add_option("--scratch", o.settings.scratch,
+                  "local folder for the unfinished bake; a copy is left beside -o when it ends early")
+      ->type_name("DIR")
+      ->group("Running");
   add(verb, "--progress", o.progress, "MODE", "auto, json or none; on standard error")
       ->check(CLI::IsMember({"auto", "json", "none"}))
       ->group("Running");

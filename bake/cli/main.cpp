@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   action chosen;
   add_bake_verb(program, chosen);
   add_info_verb(program, chosen);
+  add_merge_verb(program, chosen);
   add_patch_verb(program, chosen);
   add_verify_verb(program, chosen);
   try {

@@ -358,6 +358,17 @@ std::uint32_t checkpoint::count(cell_stage stage) const {
       fmt::format("SELECT count(*) FROM record WHERE number%{}={}", stage_count, static_cast<int>(stage)).c_str()));
 }
 
+void checkpoint::list(const std::function<void(std::uint32_t cell, cell_stage)>& visit) const {
+  const std::scoped_lock lock(state_->mutex);
+  const statement query = state_->prepare("SELECT number FROM record");
+  int code = SQLITE_ROW;
+  while ((code = sqlite3_step(query.get())) == SQLITE_ROW) {
+    const std::int64_t number = sqlite3_column_int64(query.get(), 0);
+    visit(static_cast<std::uint32_t>(number / stage_count), static_cast<cell_stage>(number % stage_count));
+  }
+  if (code != SQLITE_DONE) state_->fail(code, "reading");
+}
+
 void checkpoint::copy_to(const std::filesystem::path& path) const {
   const std::scoped_lock lock(state_->mutex);
   std::filesystem::path partial = path;

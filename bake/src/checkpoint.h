@@ -46,6 +46,8 @@ class checkpoint {
   // sightcell::error on a full disk: then nothing of it is stored.
   void store(std::span<const stage_record> records, std::span<const std::uint32_t> forget = {});
   std::uint32_t count(cell_stage stage) const;
+  // Tells of all records, unread. visit must not ask this checkpoint for anything.
+  void list(const std::function<void(std::uint32_t cell, cell_stage)>& visit) const;
 
   // A copy of all that is committed, complete under its name or not there at all: written beside it, flushed, renamed.
   void copy_to(const std::filesystem::path& path) const;

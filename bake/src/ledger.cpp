@@ -10,16 +10,17 @@ constexpr double sampling_share = 0.4, check_share = 0.1;
 
 }  // namespace
 
-ledger::ledger(std::uint32_t polygon_count, const stage_plan& plan, std::span<const std::uint32_t> cells,
-               const callbacks& tell)
+ledger::ledger(std::uint32_t polygon_count, const stage_plan& plan, std::uint32_t cells, const callbacks& tell,
+               int last_phase)
     : polygon_count_(polygon_count),
       plan_(plan),
       tell_(tell),
+      last_phase_(last_phase),
       have_(plan.blocks().cell_count()),
       counted_(plan.blocks().cell_count()),
       sizes_(plan.blocks().cell_count()),
       work_of_(plan.blocks().cell_count()) {
-  now_.cells_total = static_cast<std::uint32_t>(cells.size());
+  now_.cells_total = cells;
 }
 
 // The part of a cell's work that is done when it is there.
@@ -54,6 +55,7 @@ void ledger::count(std::uint32_t cell, cell_stage stage, const cell_summary& rec
 }
 
 void ledger::resume(std::uint32_t cell, cell_stage stage, const cell_summary& record) {
+  if (cell >= counted_.size()) return;  // a file that lies
   count(cell, stage, record);
   resumed_ = now_.cells_done;
 }
@@ -108,7 +110,7 @@ bool ledger::tell_progress(std::size_t in_work) {
     now_.cells_per_second = (fresh_work_ + ahead) / std::max(now_.seconds, 1e-9);
     now_.seconds_left = std::max(now_.cells_total - work_done_ - ahead, 0.0) / now_.cells_per_second;
   }
-  const bool all = now_.cells_checked == now_.cells_total && now_.cells_total > 0;
+  const bool all = (last_phase_ == 1 ? now_.cells_done : now_.cells_checked) == now_.cells_total;
   if (all) now_.seconds_left = 0.0;  // and not what rounding leaves
   stopped_ = true;                   // also when the callback throws
   stopped_ = !tell_.on_progress(now_) && !all;

@@ -13,9 +13,10 @@ namespace sightcell::bake {
 
 class ledger {
  public:
-  // cells: those of this bake, in the whole list of cells that plan is about. References must outlive the ledger.
-  ledger(std::uint32_t polygon_count, const stage_plan& plan, std::span<const std::uint32_t> cells,
-         const callbacks& tell);
+  // cells: how many are to be baked, of those that plan is about. References must outlive the ledger. phase: after
+  // which nothing is left to do.
+  ledger(std::uint32_t polygon_count, const stage_plan& plan, std::uint32_t cells, const callbacks& tell,
+         int last_phase = 2);
 
   // A record of an earlier run; before open().
   void resume(std::uint32_t cell, cell_stage stage, const cell_summary& record);
@@ -27,6 +28,10 @@ class ledger {
   bool stopped() const { return stopped_; }
   std::uint32_t resumed() const { return resumed_; }      // cells that were through phase 1
   std::uint32_t not_empty() const { return not_empty_; }  // cells of this run with geometry inside
+  std::uint32_t cells_total() const { return now_.cells_total; }
+  std::uint32_t cells_left() const { return now_.cells_total - now_.cells_done; }
+  double visible_percent() const { return now_.visible_percent; }
+  double worst_bound() const { return now_.worst_bound; }
   const stage_table& have() const { return have_; }
 
  private:
@@ -38,6 +43,7 @@ class ledger {
   std::uint32_t polygon_count_;
   const stage_plan& plan_;
   const callbacks& tell_;
+  int last_phase_;
   stage_table have_;
   std::vector<bool> counted_;         // through phase 1
   std::vector<std::uint32_t> sizes_;  // of the sets, as counted

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "cell_bake.h"
@@ -22,22 +24,51 @@ void run(const phase_work& work, const cell_baker& baker, step_queue queue, cons
   take_steps(
       queue, [&] { return baker.make_set(); }, take, lanes, work.arena,
       [&](std::span<const stage_record> ended, std::size_t in_work) {
-        return work.book.close(ended, in_work, work.done);
+        const bool go_on = work.book.close(ended, in_work, work.file.records());
+        work.file.copy_if_due();
+        return go_on;
       });
 }
 
 }  // namespace
 
+void resume(checkpoint& done, ledger& book, const callbacks& tell) {
+  const std::uint32_t damaged = done.survey(
+      [&](std::uint32_t cell, cell_stage stage, const cell_summary& record) { book.resume(cell, stage, record); });
+  if (!tell.on_message) return;
+  if (damaged > 0)
+    tell.on_message(severity::warning,
+                    fmt::format("{} records of the unfinished bake are damaged: their cells are baked anew", damaged));
+  if (book.resumed() > 0)
+    tell.on_message(severity::note,
+                    fmt::format("resuming: {} of {} cells are done", book.resumed(), book.cells_total()));
+}
+
+cell_record required(const checkpoint& done, std::uint32_t cell, cell_stage stage) {
+  std::optional<cell_record> record = done.load(cell, stage);
+  if (!record)
+    throw error(error_kind::failed, "checkpoint.failed", fmt::format("cell {}", cell), "its record is gone",
+                "run the same command again");
+  return std::move(*record);
+}
+
+void keeping(work_file& file, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (...) {
+    try {
+      file.copy();
+    } catch (const error&) {
+      // What ended the work is what the user is told; the scratch disk has it all.
+    }
+    throw;
+  }
+}
+
 void run_phase_1(const phase_work& work) {
   if (work.book.stopped()) return;
   const cell_baker baker = baker_of(work.shop);
-  const auto sampled = [&](std::uint32_t cell) {
-    std::optional<cell_record> record = work.done.load(cell, cell_stage::sampled);
-    if (!record)
-      throw error(error_kind::failed, "checkpoint.failed", "checkpoint", "a record is gone",
-                  "run the same command again");
-    return std::move(*record);
-  };
+  const auto sampled = [&](std::uint32_t cell) { return required(work.file.records(), cell, cell_stage::sampled); };
   const take_step take = [&](const cell_step& step, cell_set& set) {
     const view_cell& cell = work.shop.list.cells[step.cell];
     if (step.to == cell_stage::sampled) return baker.sample(cell, set);

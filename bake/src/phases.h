@@ -8,6 +8,7 @@
 
 #include "checkpoint.h"
 #include "ledger.h"
+#include "work_file.h"
 #include "workshop.h"
 
 namespace sightcell::bake {
@@ -22,10 +23,17 @@ struct phase_work {
   std::span<const std::uint32_t> blocks;  // in this order; it changes no record
   tbb::task_arena& arena;                 // the calling thread is not inside of it
   ledger& book;
-  checkpoint& done;  // where records are committed
+  work_file& file;  // where records are committed
 };
 
-// Cells of each block, in two rounds, until the bound of each is known. Reads from done alone.
+// What an earlier run left, into the book; says how much that is.
+void resume(checkpoint& done, ledger& book, const callbacks& tell);
+// A record that must be there.
+cell_record required(const checkpoint& done, std::uint32_t cell, cell_stage stage);
+// Runs work and leaves a copy of the file where that is asked for, however work ends.
+void keeping(work_file& file, const std::function<void()>& work);
+
+// Cells of each block, in two rounds, until the bound of each is known. Reads from file alone.
 void run_phase_1(const phase_work& work);
 // The cross-cell check: reads what phase 1 left of the cells and of all that touch them.
 void run_phase_2(const phase_work& work, const record_of_phase_1& before);

@@ -1,5 +1,6 @@
 #pragma once
-// CPU time of the whole process, all threads, or of this thread alone, in seconds. For progress and reports; never decides a result.
+// CPU time of the whole process, all threads, or of this thread alone, in seconds. For progress and reports; never
+// decides a result.
 #include <ctime>
 
 namespace sightcell::bake {

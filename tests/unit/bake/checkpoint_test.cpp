@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -165,6 +166,16 @@ TEST_F(checkpoint_test, a_copy_holds_all_and_is_read_without_a_lock) {
   EXPECT_EQ(read.plan(), "the plan");
   EXPECT_EQ(again.load(1, done), record_of(5));
   EXPECT_EQ(error_id([&] { c.copy_to(folder_ / "none" / "x"); }), "checkpoint.not-copied");
+}
+
+TEST_F(checkpoint_test, a_file_of_another_version_is_not_read) {
+  { store(checkpoint(path_, "key", false), 1, record_of(5)); }
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(path_.c_str(), &database), SQLITE_OK);
+  sqlite3_exec(database, "PRAGMA user_version=1", nullptr, nullptr, nullptr);
+  sqlite3_close(database);
+  EXPECT_EQ(error_id([&] { checkpoint::open_to_read(path_); }), "checkpoint.other-version");
+  EXPECT_EQ(error_id([&] { checkpoint(path_, "key", false); }), "checkpoint.other-bake");
 }
 
 TEST_F(checkpoint_test, what_a_kill_leaves_is_brought_in) {

@@ -71,6 +71,31 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
 summary bake(const host_scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
              const callbacks& tell);
 
+// A part of a bake for one machine of several: the blocks (8 x 8 lattice cells, or one box given by hand) whose number
+// leaves index when divided by count. Phase 1 of all shards comes first, in any order; phase 2 reads what it left.
+struct shard {
+  std::uint32_t index = 0, count = 1;  // index < count, count at most 100,000
+  std::uint32_t phase = 1;             // 1 or 2
+};
+
+// Where a shard goes: output + ".shard-3-of-16.phase-1".
+std::filesystem::path shard_file(const std::filesystem::path& output, const shard& part);
+// The shards beside output, of both phases and any count, by name.
+std::vector<std::filesystem::path> find_shard_files(const std::filesystem::path& output);
+
+// Bakes a shard into its file, which appears by rename when it is complete; as bake() otherwise. A shard that is there
+// already is left alone, but for fresh. Phase 2 reads the phase-1 files beside output. Throws sightcell::error:
+// "shard.missing-blocks" names what phase 1 has not baked yet, "shard.other-bake" a file of another bake.
+summary bake_shard(const scene::scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
+                   bool fresh, const callbacks& tell);
+summary bake_shard(const host_scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
+                   bool fresh, const callbacks& tell);
+
+// Joins shards into output: the bytes that bake() writes. Needs no scene, no graphics and little memory; shards stay.
+// files: in any order, of one bake, any counts; what is in several must be the same. Throws sightcell::error:
+// "shard.missing-blocks" names what no file has finished, "shard.doubles-differ", "shard.other-bake", "shard.damaged".
+summary merge(std::span<const std::filesystem::path> files, const std::filesystem::path& output, const callbacks& tell);
+
 struct cell_verification {
   std::uint32_t cell = 0;
   std::uint64_t rays = 0, misses = 0;

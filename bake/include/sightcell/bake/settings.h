@@ -50,6 +50,9 @@ struct settings {
 
   // --- running; none of these changes a byte of the file
   std::uint32_t threads = 0;  // --threads, 0: all
+  // --scratch: a folder on a local disk where the unfinished bake is kept; a copy is left beside the output when the
+  // bake ends early, and every few minutes. Empty: it is kept beside the output.
+  std::filesystem::path scratch;
 };
 
 // Throws sightcell::error (wrong_use) naming the option when a value is out of its range.

@@ -1,0 +1,63 @@
+// sightcell merge FILE.pvs [SHARD...]
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "exit_codes.h"
+#include "number_text.h"
+#include "progress_line.h"
+#include "sightcell/bake/bake.h"
+#include "verbs.h"
+
+namespace sightcell::cli {
+namespace {
+
+struct merge_options {
+  std::filesystem::path output;
+  std::vector<std::filesystem::path> shards;
+  bool json = false;
+};
+
+int run_merge(const merge_options& options) {
+  progress_line line(progress_mode::automatic);
+  bake::callbacks tell;
+  tell.on_message = [&line](bake::severity how_bad, const std::string& text) {
+    line.message(how_bad == bake::severity::warning ? "warning: " + text : text);
+  };
+  const std::vector<std::filesystem::path> shards =
+      options.shards.empty() ? bake::find_shard_files(options.output) : options.shards;
+  const bake::summary sum = bake::merge(shards, options.output, tell);
+  if (options.json) {
+    const nlohmann::ordered_json text{{"output", options.output.string()},
+                                      {"shard_files", shards.size()},
+                                      {"cells", sum.cells},
+                                      {"cells_left_out", sum.cells_left_out},
+                                      {"cells_over_bound", sum.cells_over_bound},
+                                      {"visible_set_percent", sum.visible_percent},
+                                      {"max_upper_bound", sum.max_upper_bound},
+                                      {"bytes", sum.bytes}};
+    fmt::print("{}\n", text.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  } else {
+    line.message(fmt::format("{}: {} cells from {} shard files, {} bytes, {:.3f} % of all polygons visible per cell",
+                             options.output.string(), grouped(sum.cells), grouped(shards.size()), grouped(sum.bytes),
+                             sum.visible_percent));
+  }
+  return sum.result == bake::outcome::bound_not_met ? exit_bound_not_met : exit_done;
+}
+
+}  // namespace
+
+void add_merge_verb(CLI::App& program, action& chosen) {
+  auto options = std::make_shared<merge_options>();
+  CLI::App& verb = *program.add_subcommand("merge", "join the shards of a bake (bake --shard); needs no scene");
+  verb.add_option("FILE", options->output, "the .pvs file to write")->type_name("FILE.pvs")->required();
+  verb.add_option("SHARDS", options->shards, "shard files; without: those beside FILE.pvs")->type_name("SHARD");
+  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  verb.callback([options, &chosen] { chosen = [options] { return run_merge(*options); }; });
+}
+
+}  // namespace sightcell::cli

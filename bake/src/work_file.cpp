@@ -1,0 +1,80 @@
+#include "work_file.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <system_error>
+
+#include "disk.h"
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::chrono::minutes copy_interval{5};
+
+std::filesystem::path with_suffix(std::filesystem::path path, const char* suffix) {
+  path += suffix;
+  return path;
+}
+
+// Bakes of different folders may share one scratch folder.
+std::filesystem::path in_scratch(const std::filesystem::path& scratch, const std::filesystem::path& beside) {
+  const std::string whole = std::filesystem::absolute(beside).lexically_normal().string();
+  return scratch / fmt::format("{:016x}-{}", XXH3_64bits(whole.data(), whole.size()), beside.filename().string());
+}
+
+// What another machine left goes on here, unless this one has gone on since.
+void take_over(const std::filesystem::path& copy, const std::filesystem::path& here) {
+  std::error_code none;
+  const auto copied = std::filesystem::last_write_time(copy, none);
+  if (none) return;
+  const auto worked = std::filesystem::last_write_time(here, none);
+  if (!none && worked >= copied) return;
+  const std::filesystem::path partial = with_suffix(here, ".partial");
+  try {
+    std::filesystem::copy_file(copy, partial, std::filesystem::copy_options::overwrite_existing);
+    // A log of the older file must not be brought into the newer one.
+    for (const char* log : {"-journal", "-wal", "-shm"}) std::filesystem::remove(with_suffix(here, log));
+    publish(partial, here);
+  } catch (const std::filesystem::filesystem_error& e) {
+    throw error(error_kind::failed, "checkpoint.not-writable", here.string(),
+                "cannot be created or written: " + e.code().message(), "choose a --scratch that exists and has room");
+  }
+}
+
+}  // namespace
+
+work_file::work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
+                     bool fresh, std::string_view plan)
+    : beside_(with_suffix(target, ".bake")), path_(scratch.empty() ? beside_ : in_scratch(scratch, beside_)) {
+  if (!scratch.empty() && !fresh) {
+    // Whoever works there now is asked first: its file must not be replaced under it.
+    std::error_code ignored;
+    if (std::filesystem::exists(path_, ignored)) checkpoint(path_, key, false, plan);
+    take_over(beside_, path_);
+  }
+  records_.emplace(path_, key, fresh, plan);
+  if (!scratch.empty() && fresh) {
+    std::error_code ignored;
+    std::filesystem::remove(beside_, ignored);
+  }
+}
+
+void work_file::copy() {
+  if (path_ == beside_) return;
+  records_->copy_to(beside_);
+  copied_ = clock::now();
+}
+
+void work_file::copy_if_due() {
+  if (path_ != beside_ && clock::now() - copied_ >= copy_interval) copy();
+}
+
+void work_file::remove() {
+  records_->remove();
+  std::error_code ignored;
+  if (path_ != beside_) std::filesystem::remove(beside_, ignored);
+}
+
+}  // namespace sightcell::bake
