@@ -116,6 +116,8 @@ void write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   contents.certificate = stored.certificate;
   contents.settings = frame.settings;
   std::vector<std::byte> bytes;
+  // What a bake of this output that was killed here had written: it takes room, and nobody else will look for it.
+  format::remove_unfinished(output.string().c_str());
   require_ok(format::encode(contents, bytes), output, "encoding");
   require_ok(format::write_file(output.string().c_str(), bytes), output, "writing");
 

@@ -11,6 +11,7 @@
 
 #if defined(__linux__)
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #endif
@@ -18,6 +19,7 @@
 namespace {
 
 namespace fs = std::filesystem;
+using sightcell::format::remove_unfinished;
 using sightcell::format::status;
 using sightcell::format::write_file;
 
@@ -116,6 +118,45 @@ TEST_F(file_output, a_folder_is_not_replaced) {
   fs::create_directories(path("a.pvs/inside"));
   EXPECT_EQ(write_file(path("a.pvs").c_str(), some_bytes(3, 1)), status::io);
   EXPECT_EQ(files(), 1u) << "the temporary file is gone";
+}
+
+#if defined(__linux__)
+TEST_F(file_output, what_is_no_file_is_not_replaced) {
+  const std::string name = path("a.pvs");
+  ASSERT_EQ(mkfifo(name.c_str(), 0600), 0);
+  EXPECT_EQ(write_file(name.c_str(), some_bytes(3, 1)), status::io);
+  EXPECT_TRUE(fs::is_fifo(folder_ / "a.pvs"));
+  EXPECT_EQ(files(), 1u);
+}
+#endif
+
+TEST_F(file_output, what_killed_writers_left_goes_and_nothing_else) {
+  for (const std::string stem : {"a.pvs", "\xC3\xA9.pvs"}) {
+    const std::vector<std::string> left{stem + ".tmp-1-0", stem + ".tmp-4194304-17"};
+    const std::vector<std::string> kept{stem,
+                                        stem + ".tmp",
+                                        stem + ".tmp-",
+                                        stem + ".tmp-1",
+                                        stem + ".tmp-1-",
+                                        stem + ".tmp-1-x",
+                                        stem + ".tmp-1-2-3",
+                                        stem + ".tmp-1-2.old",
+                                        "b" + stem + ".tmp-1-2",
+                                        stem + "b.tmp-1-2"};
+    for (const auto* list : {&left, &kept})
+      for (const std::string& name : *list) ASSERT_EQ(write_file(path(name.c_str()).c_str(), {}), status::ok);
+    remove_unfinished(path(stem.c_str()).c_str());
+    EXPECT_EQ(files(), kept.size());
+    for (const std::string& name : kept)
+      EXPECT_EQ(write_file(path(name.c_str()).c_str(), some_bytes(1, 1)), status::ok);
+    EXPECT_EQ(files(), kept.size()) << "all of those were there";
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  remove_unfinished(nullptr);
+  remove_unfinished("");
+  remove_unfinished(path("no/such/folder/a.pvs").c_str());
+  EXPECT_EQ(files(), 0u);
 }
 
 // A disk that fills up, played by the limit on file sizes.

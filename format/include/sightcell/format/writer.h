@@ -44,7 +44,12 @@ status encode(const file_contents& contents, std::vector<std::byte>& out);
 
 // Writes bytes beside path under a temporary name, flushes them to the disk, renames over path and flushes the folder:
 // path holds either its old content or all of the new. io on failure (disk full, no permission); the temporary file is
-// removed then. path is UTF-8.
+// removed then. What is at path already must be a file: a device or a folder is left alone, and the answer is io. path
+// is UTF-8.
 status write_file(const char* path, std::span<const std::byte> bytes);
+
+// Removes the temporary files that writers of path left beside it when they were killed. For who knows that no other
+// writer of path is at work: its temporary file would go as well.
+void remove_unfinished(const char* path);
 
 }  // namespace sightcell::format
