@@ -376,7 +376,7 @@ json document_reader::reduced_skin(std::size_t skin) {
 
 json document_reader::reduced_node(std::size_t number) {
   const json_object& node = nodes_[number];
-  json reduced = {{"name", printable(node.text("name").value_or(""))}};
+  json reduced = {{"name", node.text("name").value_or("")}};  // as it is: cells files name nodes
   const auto mesh = node.index("mesh", "meshes", meshes_.size());
   if (mesh) reduced["mesh"] = *mesh;
   const auto children = node.indices("children", "nodes", nodes_.size());

@@ -357,10 +357,13 @@ TEST(load_gltf, a_very_deep_chain_of_nodes) {
   EXPECT_EQ(load(g).polygon_count, 1u);
 }
 
-TEST(load_gltf, names_are_kept_on_one_line) {
-  gltf_sketch g;
-  g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}, {"name", "two\nlines"}});
-  EXPECT_EQ(load(g).node_names[0], "two?lines");
+// Cells files name nodes: other characters in them, or fewer, and the node is not found.
+TEST(load_gltf, names_of_nodes_are_kept_as_they_are) {
+  for (const std::string& name : {std::string("two\nlines"), std::string(300, 'x'), std::string("\u57ce\u5e02")}) {
+    gltf_sketch g;
+    g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}, {"name", name}});
+    EXPECT_EQ(load(g).node_names[0], name);
+  }
 }
 
 // A triangle with two coordinate sets and colors, and a material that a test completes.
