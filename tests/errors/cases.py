@@ -20,6 +20,7 @@ UNIT_TESTS = {
     'cli.unexpected': 'tests/unit/cli/run_action_test.cpp',
     'gl.bind': 'tests/unit/picture/gl_context_test.cpp',
     'gl.error': 'tests/unit/picture/gl_context_test.cpp',
+    'gl.lost': 'tests/unit/picture/gl_context_test.cpp',
     'gl.shader': 'tests/unit/picture/gl_context_test.cpp',
     'gpu.scene-too-large': 'tests/unit/bake/source_view_test.cpp',
     'hemicube.resolution': 'tests/unit/bake/source_view_test.cpp',

@@ -69,6 +69,24 @@ struct made_context {
   std::string renderer;
 };
 
+// A context that says so when its device was reset, where the driver can make one: otherwise what is read back after a
+// reset may be anything.
+EGLContext create_context(EGLDisplay display, EGLConfig config, bool debug) {
+  const std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,
+                                       4,
+                                       EGL_CONTEXT_MINOR_VERSION,
+                                       5,
+                                       EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                       EGL_CONTEXT_OPENGL_DEBUG,
+                                       debug ? EGL_TRUE : EGL_FALSE,
+                                       EGL_NONE};
+  std::vector<EGLint> telling{EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET};
+  telling.insert(telling.end(), attributes.begin(), attributes.end());
+  const EGLContext made = eglCreateContext(display, config, EGL_NO_CONTEXT, telling.data());
+  return made != EGL_NO_CONTEXT ? made : eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
+}
+
 // Tries one candidate; on success the context is current. The display stays initialized in any case: EGL hands the same
 // one to everybody in the process, and terminating it would end the contexts of others.
 bool try_candidate(const candidate& c, bool debug, made_context& made, std::string& why_not) {
@@ -91,16 +109,7 @@ bool try_candidate(const candidate& c, bool debug, made_context& made, std::stri
       return false;
     }
   }
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                               4,
-                               EGL_CONTEXT_MINOR_VERSION,
-                               5,
-                               EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                               EGL_CONTEXT_OPENGL_DEBUG,
-                               debug ? EGL_TRUE : EGL_FALSE,
-                               EGL_NONE};
-  made.context = eglCreateContext(made.display, config, EGL_NO_CONTEXT, attributes);
+  made.context = create_context(made.display, config, debug);
   if (made.context == EGL_NO_CONTEXT) {
     why_not = "has no OpenGL 4.5 core";
     return false;
@@ -246,7 +255,26 @@ bool gl_context::software() const {
   return state_->software;
 }
 
+namespace {
+
+[[noreturn]] void fail_lost(const char* where, const char* why) {
+  throw error(
+      error_kind::failed, "gl.lost", std::string("OpenGL in ") + where,
+      std::string("the graphics device was lost: ") + why,
+      "run the same command again: a bake goes on where it was; where it is lost again, bake with --source cpu");
+}
+
+}  // namespace
+
+void gl_context::require_device(const char* where) {
+  const GLenum reset = glGetGraphicsResetStatus();
+  if (reset == GL_GUILTY_CONTEXT_RESET) fail_lost(where, "it was reset because of what it was drawing");
+  if (reset == GL_INNOCENT_CONTEXT_RESET) fail_lost(where, "it was reset because of another program");
+  if (reset != GL_NO_ERROR) fail_lost(where, "it was reset");
+}
+
 void gl_context::check(const char* where) const {
+  require_device(where);
   const GLenum code = glGetError();
   // Each kind of error has its own flag; a lost context may report for ever.
   for (int i = 0; code != GL_NO_ERROR && i < 16 && glGetError() != GL_NO_ERROR; ++i) {
@@ -254,8 +282,8 @@ void gl_context::check(const char* where) const {
   std::string message;
   message.swap(state_->first_message);
   if (code == GL_NO_ERROR && message.empty()) return;
+  if (code == GL_CONTEXT_LOST) fail_lost(where, "the context says so");
   const char* name = code == GL_OUT_OF_MEMORY   ? "out of memory"
-                     : code == GL_CONTEXT_LOST  ? "the device was lost"
                      : code == GL_INVALID_ENUM  ? "invalid enum"
                      : code == GL_INVALID_VALUE ? "invalid value"
                      : code == GL_NO_ERROR      ? "driver message"

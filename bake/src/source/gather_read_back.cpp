@@ -1,4 +1,5 @@
 #include "process_time.h"
+#include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/error.h"
 #include "source/gpu_gather.h"
 #include "source/image_gather.h"
@@ -21,6 +22,7 @@ class gather_read_back final : public gpu_gather {
       for (const seen_polygon& p : marked_list_) gather_.add(p.id, p.pixels, p.pixel);
     }
     if (!gather_.list(ids_, view.seen)) {
+      picture::gl_context::require_device("hemicube");
       throw error(error_kind::failed, "gl.error", "OpenGL source", "the device drew a polygon that does not exist",
                   "use another source and report this with the name of your graphics driver");
     }

@@ -109,7 +109,9 @@ class gpu_source final : public hemicube_source {
   }
   std::vector<std::uint32_t> collect_union() override {
     if (!compute_) return {};
-    return counts_->collect_union();
+    auto ids = counts_->collect_union();
+    context_.check("union of a cell");
+    return ids;
   }
 
   // On a software rasteriser that has no threads of its own (LP_NUM_THREADS=0), what each part costs; on hardware, what

@@ -7,6 +7,7 @@
 
 #include "shaders/sources.h"
 #include "shared/hemicube_layout.h"
+#include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -119,8 +120,10 @@ void polygon_counts::receive(std::uint32_t number, std::vector<seen_polygon>& fo
   slot& s = *slots_[number];
   constexpr GLuint64 ten_minutes = 600'000'000'000u;
   const GLenum answer = glClientWaitSync(s.sent, GL_SYNC_FLUSH_COMMANDS_BIT, ten_minutes);
-  if (answer != GL_ALREADY_SIGNALED && answer != GL_CONDITION_SATISFIED)
+  if (answer != GL_ALREADY_SIGNALED && answer != GL_CONDITION_SATISFIED) {
+    picture::gl_context::require_device("hemicube");
     throw error(error_kind::failed, "gl.error", "OpenGL source", "the device does not answer", "use another source");
+  }
 
   const std::uint32_t* words = s.arrived->data();
   const std::uint32_t count = std::min(words[0], most_seen_);

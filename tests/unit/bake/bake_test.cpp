@@ -1,6 +1,7 @@
 // The whole bake as a library call, on rooms of a few polygons.
 #include "sightcell/bake/bake.h"
 
+#include <epoxy/gl.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -8,6 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -165,6 +167,57 @@ TEST_F(several_cells, threads_change_no_byte) {
     by_source.insert(first);
   }
   EXPECT_EQ(by_source.size(), sources().size()) << "the file says which source it was";
+}
+
+// No device here can be taken away; what the driver says of it can. From the given question on it was reset.
+class device_to_lose {
+ public:
+  explicit device_to_lose(int at) : driver_(epoxy_glGetGraphicsResetStatus) {
+    questions_ = 0;
+    lost_at_ = at;
+    epoxy_glGetGraphicsResetStatus = says;
+  }
+  ~device_to_lose() { epoxy_glGetGraphicsResetStatus = driver_; }
+  device_to_lose(const device_to_lose&) = delete;
+  device_to_lose& operator=(const device_to_lose&) = delete;
+  int questions() const { return questions_; }
+
+ private:
+  static GLenum GLAPIENTRY says() { return ++questions_ >= lost_at_ ? GL_INNOCENT_CONTEXT_RESET : GL_NO_ERROR; }
+  static inline int questions_ = 0, lost_at_ = 0;
+  decltype(epoxy_glGetGraphicsResetStatus) driver_;
+};
+
+TEST_F(several_cells, a_lost_graphics_device_costs_no_finished_cell) {
+  if (sources().back() != "gpu") GTEST_SKIP() << "no OpenGL here";
+  how_.source = "gpu";
+  std::vector<std::byte> whole;
+  int questions = 0;
+  {
+    const device_to_lose kept(std::numeric_limits<int>::max());
+    whole = baked("whole.pvs");
+    questions = kept.questions();
+  }
+  ASSERT_GT(questions, 2 * static_cast<int>(cells)) << "asked whenever something is read back";
+  std::uint32_t most = 0;
+  for (const int at : {1, questions / 4, questions / 2, questions}) {
+    std::uint32_t finished = 0;
+    callbacks tell;
+    tell.on_progress = [&](const progress& now) {
+      finished = now.cells_done;
+      return true;
+    };
+    {
+      const device_to_lose lost(at);
+      EXPECT_EQ(test::error_id([&] { (void)bake(scene_, how_, folder_ / "lost.pvs", false, tell); }), "gl.lost") << at;
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "lost.pvs"));
+    EXPECT_EQ(baked("lost.pvs"), whole) << "lost at " << at << " of " << questions;
+    EXPECT_GE(resumed_, finished);
+    most = std::max(most, resumed_);
+    std::filesystem::remove(folder_ / "lost.pvs");
+  }
+  EXPECT_GT(most, 0u);
 }
 
 TEST_F(several_cells, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_bytes) {

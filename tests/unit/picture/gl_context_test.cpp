@@ -72,6 +72,20 @@ TEST_F(gl_context_test, what_opengl_refuses_is_told_once) {
   EXPECT_EQ(error_id([&] { context().check("a test"); }), "");
 }
 
+// A context can hardly be lost on purpose; the driver's word for it can be played.
+TEST_F(gl_context_test, a_device_that_was_reset_is_told_by_name) {
+  context().make_current();
+  EXPECT_NO_THROW(gl_context::require_device("a test"));
+  const auto driver = epoxy_glGetGraphicsResetStatus;
+  epoxy_glGetGraphicsResetStatus = []() -> GLenum { return GL_UNKNOWN_CONTEXT_RESET; };
+  EXPECT_EQ(error_id([&] { gl_context::require_device("a test"); }), "gl.lost");
+  glEnable(0xFFFF);
+  EXPECT_EQ(error_id([&] { context().check("a test"); }), "gl.lost") << "before anything else that is wrong";
+  epoxy_glGetGraphicsResetStatus = driver;
+  EXPECT_EQ(error_id([&] { context().check("a test"); }), "gl.error");
+  EXPECT_NO_THROW(context().check("a test"));
+}
+
 TEST_F(gl_context_test, a_program_that_does_not_compile_or_link_is_refused) {
   context().make_current();
   const auto make = [](const char* text) {

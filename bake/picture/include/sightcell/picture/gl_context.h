@@ -23,7 +23,10 @@ class gl_context {
   const std::string& renderer() const;  // GL_RENDERER
   const std::string& choice() const;    // how it was found, for logs: "EGL device 1 of 2, hardware"
   bool software() const;                // true on a software rasteriser such as llvmpipe
-  void check(const char* where) const;  // throws sightcell::error when GL reported an error since the last check
+  // Throws sightcell::error when GL reported an error since the last check, "gl.lost" when the device was reset.
+  void check(const char* where) const;
+  // The second half of it, for the current context: what was read back from a device that was reset may be anything.
+  static void require_device(const char* where);
 
  private:
   struct state;
