@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "console.h"
 #include "exit_codes.h"
 #include "number_text.h"
 #include "progress_line.h"
@@ -19,6 +19,7 @@
 #include "sightcell/bake/bake.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
+#include "stop_signals.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
@@ -35,18 +36,6 @@ struct bake_options {
   std::uint32_t phase = 1;
   std::string progress = "auto", animated = std::string(scene::animated_as_names.front());
 };
-
-volatile std::sig_atomic_t stop_asked = 0;
-
-// The first signal asks for an orderly end, the second one ends at once: finished cells are on the disk either way.
-void ask_to_stop(int signal) {
-  stop_asked = 1;
-  std::signal(signal, SIG_DFL);
-  constexpr char text[] = "\nstopping after the cells in work; again to stop at once (finished cells are kept)\n";
-  if (write(STDERR_FILENO, text, sizeof text - 1) < 0) {
-    // Nobody to tell.
-  }
-}
 
 progress_mode mode_of(const std::string& name) {
   if (name == "json") return progress_mode::json;
@@ -71,20 +60,51 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"seed", options.settings.seed}};
 }
 
+[[noreturn]] void refuse_json_file(const std::filesystem::path& path) {
+  throw error(error_kind::failed, "cli.not-writable", path.string(), "cannot be written",
+              "choose a --json-file in a folder that exists and can be written");
+}
+
 void write_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
   out << text << '\n';
   out.close();
-  if (!out)
-    throw error(error_kind::failed, "cli.not-writable", path.string(), "cannot be written",
-                "choose a --json-file in a folder that exists and can be written");
+  if (out) return;
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored))
+    std::filesystem::remove(path, ignored);  // half of it helps nobody
+  refuse_json_file(path);
 }
 
-void refuse_overwriting_the_scene(const bake_options& options) {
+// A file that the bake writes must not be one that it reads, or the other one that it writes.
+void refuse_overwriting(const bake_options& options) {
+  const auto refuse = [](const std::filesystem::path& output, const char* what) {
+    throw error(error_kind::wrong_use, "cli.output-is-input", output.string(), what, "choose another name");
+  };
   std::error_code ignored;
-  if (std::filesystem::equivalent(options.scene, options.output, ignored))
-    throw error(error_kind::wrong_use, "cli.output-is-input", options.output.string(), "is the scene itself",
-                "choose another -o");
+  for (const std::filesystem::path& output : {options.output, options.json_file}) {
+    if (std::filesystem::equivalent(options.scene, output, ignored)) refuse(output, "is the scene itself");
+    if (std::filesystem::equivalent(options.cells_file, output, ignored)) refuse(output, "is the cells file");
+  }
+  if (!options.json_file.empty() && std::filesystem::weakly_canonical(options.json_file, ignored) ==
+                                        std::filesystem::weakly_canonical(options.output, ignored))
+    refuse(options.json_file, "is both -o and --json-file");
+}
+
+// What could not be written after hours is refused before.
+void refuse_bad_outputs(const bake_options& options) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::file_status there = fs::status(options.output, ignored);
+  if (!options.output.has_filename() || (fs::exists(there) && !fs::is_regular_file(there)))
+    throw error(error_kind::failed, "output.io", options.output.string(),
+                fs::is_directory(there) ? "is a folder" : "names no file", "choose a file as -o");
+  if (options.json_file.empty()) return;
+  const fs::path folder = options.json_file.has_parent_path() ? options.json_file.parent_path() : fs::path(".");
+  const bool exists = fs::exists(options.json_file, ignored);
+  if (fs::is_directory(options.json_file, ignored) ||
+      access(exists ? options.json_file.c_str() : folder.c_str(), W_OK) != 0)
+    refuse_json_file(options.json_file);
 }
 
 int report_shard(const std::filesystem::path& target, const bake::summary& sum, progress_line& line) {
@@ -131,30 +151,29 @@ int run_bake(bake_options options) {
     part = shard_of(options.shard, [](const char* name) -> const char* { return std::getenv(name); });
     part->phase = options.phase;
   }
-  refuse_overwriting_the_scene(options);
+  refuse_overwriting(options);
+  refuse_bad_outputs(options);
+  outlive_failed_writes();
   progress_line line(mode_of(options.progress));
   const scene::scene s = scene::load_gltf(options.scene, how.scene);
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   line.message(fmt::format("{}: {} polygons in {} draws", s.name, grouped(s.polygon_count), grouped(s.draws.size())));
 
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
+  const stop_signals signals;
   bake::callbacks tell;
-  tell.on_progress = [&line](const bake::progress& now) {
-    if (now.cells_done > 0) line.update(now);
-    return stop_asked == 0;
+  tell.on_progress = [&](const bake::progress& now) {
+    if (now.cells_per_second > 0.0 || now.cells_done > 0) line.update(now);
+    return !signals.asked();
   };
   tell.on_message = [&line](bake::severity how_bad, const std::string& text) {
     line.message(how_bad == bake::severity::warning ? "warning: " + text : text);
   };
   const bake::summary sum = part ? bake::bake_shard(s, how, options.output, *part, options.fresh, tell)
                                  : bake::bake(s, how, options.output, options.fresh, tell);
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-
   const int code =
       part ? report_shard(bake::shard_file(options.output, *part), sum, line) : report(options, how, sum, line);
-  const std::string text = summary_json(options, s, sum).dump(2);
+  const std::string text =
+      summary_json(options, s, sum).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   if (!options.json_file.empty()) write_text(options.json_file, text);
   if (options.json) fmt::print("{}\n", text);
   return code;

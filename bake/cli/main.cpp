@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "console.h"
 #include "exit_codes.h"
 #include "run_action.h"
 #include "verbs.h"
@@ -10,6 +11,7 @@
 using namespace sightcell::cli;
 
 int main(int argc, char** argv) {
+  occupy_standard_streams();
   CLI::App program("Sightcell: which polygons can be seen from where, baked ahead.", "sightcell");
   program.require_subcommand(1);
   program.set_version_flag("--version", SIGHTCELL_VERSION);

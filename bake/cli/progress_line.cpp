@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "console.h"
 #include "number_text.h"
 
 namespace sightcell::cli {
@@ -44,7 +44,7 @@ void progress_line::update(const bake::progress& now) {
                                          {"pixel_error", now.pixel_error},
                                          {"worst_upper_bound", now.worst_bound},
                                          {"visible_set_percent", now.visible_percent}};
-    fmt::print(stderr, "{}\n", line.dump());
+    say_line(line.dump());
     return;
   }
   std::string text = fmt::format("{} of {} cells", grouped(now.cells_done), grouped(now.cells_total));
@@ -60,28 +60,27 @@ void progress_line::update(const bake::progress& now) {
 void progress_line::update(std::uint32_t done, std::uint32_t total) {
   if (!due(done == total)) return;
   if (mode_ == progress_mode::json)
-    fmt::print(stderr, "{}\n", nlohmann::ordered_json{{"cells", done}, {"cells_total", total}}.dump());
+    say_line(nlohmann::ordered_json{{"cells", done}, {"cells_total", total}}.dump());
   else
     show(fmt::format("{} of {} cells checked", grouped(done), grouped(total)));
 }
 
 void progress_line::show(const std::string& text) {
   if (terminal_) {
-    fmt::print(stderr, "\r\033[K{}", text);
-    std::fflush(stderr);
+    say("\r\033[K" + text);
     open_line_ = true;
   } else {
-    fmt::print(stderr, "{}\n", text);
+    say_line(text);
   }
 }
 
 void progress_line::message(const std::string& text) {
   end_line();
-  fmt::print(stderr, "{}\n", text);
+  say_line(text);
 }
 
 void progress_line::end_line() {
-  if (open_line_) fmt::print(stderr, "\n");
+  if (open_line_) say("\n");
   open_line_ = false;
 }
 

@@ -6,6 +6,7 @@
 #include <exception>
 #include <new>
 
+#include "console.h"
 #include "exit_codes.h"
 #include "sightcell/scene/error.h"
 
@@ -43,10 +44,7 @@ int run_or_explain(const action& chosen) {
 }  // namespace
 
 void print_error(const std::string& text) {
-  std::string line = text;
-  for (char& c : line)
-    if (c == '\n' || c == '\r') c = ' ';
-  fmt::print(stderr, "sightcell: {}\n", line);
+  say_line("sightcell: " + text);
 }
 
 int run(const action& chosen) {

@@ -52,6 +52,7 @@ ALLOWED = {
     'bake/src/cells/walkable.cpp': SCENE + ['Recast.h', 'fmt/'],
     'bake/src/source': SCENE + PICTURE + SHADERS + GL + ['embree3/', 'tbb/', 'fmt/'],
     'bake/src/source/cpu': SCENE + ['tbb/', 'immintrin.h'],
+    'bake/cli/console.cpp': ['unistd.h', 'fcntl.h'],
     'bake/cli': BAKE + SCENE + PICTURE + FORMAT_READ + ['CLI/', 'fmt/', 'nlohmann/', 'unistd.h'],
     'samples': RUNTIME + SCENE + PICTURE + ['CLI/', 'fmt/', 'nlohmann/', 'stb_image_write.h'] + GL,
     'samples/hello_cull': RUNTIME,  # C, and nothing else: it is what a host writes

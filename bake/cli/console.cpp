@@ -1,0 +1,36 @@
+#include "console.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+
+namespace sightcell::cli {
+
+void occupy_standard_streams() {
+  // Opened the wrong way round, so that writing to a closed standard output still fails and is told.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    if (open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0) return;  // the lowest number: stream
+  }
+}
+
+void outlive_failed_writes() {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+void say(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+void say_line(const std::string& text) {
+  std::string line = text;
+  for (char& c : line)
+    if ((c >= 0 && c < ' ') || c == '\x7f') c = ' ';
+  say(line + '\n');
+}
+
+}  // namespace sightcell::cli
