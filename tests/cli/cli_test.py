@@ -5,114 +5,14 @@ usage: cli_test.py --sightcell PROGRAM --city PROGRAM [--drop PROGRAM] [--shares
 
 Exit code 77: every test was skipped, because this machine has no EGL device or no real scenes.
 """
-import argparse
-import base64
 import json
 import os
-import shutil
 import signal
-import struct
-import subprocess
 import sys
-import tempfile
-import unittest
 
-PROGRAMS = None
-TIMEOUT = 300  # seconds; a bake here takes a few
-QUICK_BAKE = ['--samples', '8', '--resolution', '64', '--max-pixel-error', '1e-2']
-
-
-def run(*arguments, program=None, environment=None):
-    """Exit code, standard output, standard error."""
-    done = subprocess.run([program or PROGRAMS.sightcell, *map(str, arguments)], stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=TIMEOUT, env={**os.environ, **(environment or {})})
-    return done.returncode, done.stdout, done.stderr
-
-
-def write_room(path, height=4, scenes=((0,),), **more):
-    """A room of 8 x 4 x 8 m seen from inside: 12 polygons; 0 and 1 are the floor, about a tenth of the view each. Nodes 0
-    and 1 are both the room; scenes: the nodes of each; more: of the document."""
-    corners = [(x, y, z) for x in (0, 8) for y in (0, height) for z in (0, 8)]
-    quads = [(0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6), (0, 4, 6, 2), (1, 3, 7, 5)]
-    indices = [i for a, b, c, d in quads for i in (a, b, c, a, c, d)]
-    binary = b''.join(struct.pack('<3f', *c) for c in corners) + struct.pack(f'<{len(indices)}H', *indices)
-    document = {
-        'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': list(nodes)} for nodes in scenes],
-        'nodes': [{'mesh': 0, 'name': 'room'}, {'mesh': 0, 'name': 'again'}],
-        'meshes': [{'primitives': [{'attributes': {'POSITION': 0}, 'indices': 1}]}],
-        'buffers': [{'byteLength': len(binary)}],
-        'bufferViews': [{'buffer': 0, 'byteOffset': 0, 'byteLength': 96},
-                        {'buffer': 0, 'byteOffset': 96, 'byteLength': len(binary) - 96}],
-        'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 8, 'type': 'VEC3', 'min': [0, 0, 0],
-                       'max': [8, height, 8]},
-                      {'bufferView': 1, 'componentType': 5123, 'count': len(indices), 'type': 'SCALAR'}]}
-    text = json.dumps({**document, **more}).encode()
-    text += b' ' * (-len(text) % 4)
-    binary += b'\0' * (-len(binary) % 4)
-    with open(path, 'wb') as out:
-        out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(binary)))
-        out.write(struct.pack('<I4s', len(text), b'JSON') + text + struct.pack('<I4s', len(binary), b'BIN\0') + binary)
-
-
-def write_triangles(path, triangles, materials, **more):
-    """One mesh with a primitive per triangle ((corners), material) of the origin and the three unit vectors."""
-    binary = struct.pack('<12f', 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
-    binary += b''.join(struct.pack('<3I', *corners) for corners, _ in triangles)
-    accessors = [{'bufferView': 0, 'componentType': 5126, 'count': 4, 'type': 'VEC3', 'min': [0] * 3, 'max': [1] * 3}]
-    accessors += [{'bufferView': 0, 'byteOffset': 48 + 12 * i, 'componentType': 5125, 'count': 3, 'type': 'SCALAR'}
-                  for i in range(len(triangles))]
-    document = {
-        'asset': {'version': '2.0'}, 'scenes': [{'nodes': [0]}], 'nodes': [{'mesh': 0}], 'materials': materials,
-        'meshes': [{'primitives': [{'attributes': {'POSITION': 0}, 'indices': 1 + i, 'material': material}
-                                   for i, (_, material) in enumerate(triangles)]}],
-        'accessors': accessors, 'bufferViews': [{'buffer': 0, 'byteLength': len(binary)}],
-        'buffers': [{'byteLength': len(binary), 'uri': 'data:application/octet-stream;base64,' +
-                     base64.b64encode(binary).decode()}], **more}
-    with open(path, 'w', encoding='utf-8') as out:
-        json.dump(document, out)
-
-
-def read(path):
-    with open(path, 'rb') as file:
-        return file.read()
-
-
-class InFolder(unittest.TestCase):
-    """A scene of every kind in a folder of its own."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix='sightcell-cli-')
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
-        cls.room = cls.path('room.glb')
-        write_room(cls.room)
-        cls.cells = cls.path('cells.json')
-        with open(cls.cells, 'w', encoding='utf-8') as out:
-            out.write('{"cells":[{"name":"middle","min":[3,1,3],"max":[5,2,5]}]}')
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
-
-    @classmethod
-    def make_city(cls, polygons=2000):
-        cls.city = cls.path('city.glb')
-        code, _, text = run('--polygons', polygons, '--seed', 1, '--out', cls.city, program=PROGRAMS.city)
-        if code != 0:
-            raise RuntimeError(text)
-
-    def expect(self, code, *arguments):
-        answer, out, err = run(*arguments)
-        if answer == 1 and code != 1 and '[gl.' in err:
-            self.skipTest('no EGL device: ' + err)
-        self.assertEqual(answer, code, f'{arguments}\n{out}\n{err}')
-        return out, err
-
-    def assert_one_error_line(self, err, identifier):
-        lines = [line for line in err.splitlines() if line.startswith('sightcell: ')]
-        self.assertEqual(len(lines), 1, err)
-        self.assertTrue(lines[0].endswith(f'[{identifier}]'), lines[0])
-        return lines[0]
+sys.dont_write_bytecode = True  # nothing is written into the sources
+from program import (PROGRAMS, QUICK_BAKE, TIMEOUT, InFolder, Stopped, main, read, run,  # noqa: E402
+                     write_room, write_triangles)
 
 
 class Usage(InFolder):
@@ -516,56 +416,8 @@ class Data(InFolder):
                 out, _ = self.expect(0, 'verify', scene, file, '--rays', '200000', '--json', '--picture', self.folder)
                 self.assertLessEqual(json.loads(out)['upper_bound'], 1e-3)
 
-
-class Resume(InFolder):
-    """A bake of several cells, stopped in all the ways there are."""
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.make_city()
-
-    def command(self, output, *more):
-        # One thread and enough to do: seconds are left after the first cell, for whoever comes to stop it.
-        return ['bake', self.city, '-o', output, '--cell-limit', '8', '--samples', '96', '--resolution', '512',
-                '--threads', '1', '--progress', 'json', *more]
-
-    def start(self, output, *more):
-        """A running bake with at least one finished cell."""
-        running = subprocess.Popen([PROGRAMS.sightcell, *self.command(output, *more)], stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(running.stderr.close)
-        said = ''
-        for line in running.stderr:
-            said += line
-            if line.startswith('{'):
-                return running
-        code = running.wait()
-        if '[gl.' in said:
-            self.skipTest('no EGL device: ' + said)
-        self.fail(f'exit code {code} before the first cell\n{said}')
-
-    def stop(self, output, number):
-        running = self.start(output)
-        running.send_signal(number)
-        running.communicate(timeout=TIMEOUT)
-        self.assertFalse(os.path.exists(output), 'a stopped bake has no output')
-        self.assertTrue(os.path.exists(output + '.bake'), 'a stopped bake has a checkpoint')
-        return running.returncode
-
-    def whole(self):
-        """The bytes of a bake that nobody stopped."""
-        output = self.path('whole.pvs')
-        if not os.path.exists(output):
-            self.expect(0, *self.command(output))
-        return read(output)
-
-    def assert_resumes(self, output):
-        out, err = self.expect(0, *self.command(output, '--json'))
-        self.assertGreaterEqual(json.loads(out)['cells_resumed'], 1)
-        self.assertIn('resuming', err)
-        self.assertEqual(read(output), self.whole())
-        self.assertEqual([n for n in os.listdir(self.folder) if n.startswith(os.path.basename(output) + '.')], [])
+class Resume(Stopped):
+    """Stopped in all the ways there are."""
 
     def test_kill_and_resume_gives_the_same_bytes(self):
         output = self.path('killed.pvs')
@@ -627,20 +479,6 @@ class Resume(InFolder):
         self.assert_one_error_line(err, 'checkpoint.damaged')
         self.expect(0, *self.command(output, '--fresh'))
         self.assertEqual(read(output), self.whole())
-
-
-def main():
-    global PROGRAMS
-    parser = argparse.ArgumentParser()
-    parser.add_argument('--sightcell', required=True)
-    parser.add_argument('--city', required=True)
-    parser.add_argument('--drop', default='')
-    parser.add_argument('--shares', default='')
-    PROGRAMS, rest = parser.parse_known_args()
-    result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
-    if not result.wasSuccessful():
-        sys.exit(1)
-    sys.exit(77 if len(result.skipped) == result.testsRun else 0)
 
 
 if __name__ == '__main__':
