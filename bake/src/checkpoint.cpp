@@ -99,6 +99,13 @@ struct checkpoint::state {
     database = nullptr;
   }
 
+  // SQLite tries a file that it cannot write once more to read it: what it says then is not what was wrong.
+  std::string why_not_writable(int sqlite_says) const {
+    const int of_folder = folder_problem(folder_of(path));
+    const int why = of_folder != 0 ? of_folder : sqlite_says;
+    return why != 0 ? fmt::format(": {}", std::strerror(why)) : std::string();
+  }
+
   // Turns SQLite's answer into one of our errors.
   [[noreturn]] void fail(int code, const char* doing) const {
     const std::string subject = path.string();
@@ -120,8 +127,7 @@ struct checkpoint::state {
       case SQLITE_PERM:
       case SQLITE_AUTH:
         throw error(error_kind::failed, "checkpoint.not-writable", subject,
-                    fmt::format("cannot be created or written{}{}", system != 0 ? ": " : "",
-                                system != 0 ? std::strerror(system) : ""),
+                    "cannot be created or written" + why_not_writable(system),
                     "choose an -o in a folder that exists and can be written");
       case SQLITE_NOMEM:
         throw std::bad_alloc();
@@ -164,7 +170,9 @@ struct checkpoint::state {
 
   // Opens the file and takes the lock that keeps a second bake out until close.
   void open_locked() {
-    const int code = sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+    // Absolute: Debian's SQLite takes names that begin with "file:" for addresses.
+    const int code = sqlite3_open_v2(std::filesystem::absolute(path).c_str(), &database,
+                                     SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
     if (code != SQLITE_OK) fail(code, "opening");
     sqlite3_extended_result_codes(database, 1);
     run("PRAGMA locking_mode=EXCLUSIVE; PRAGMA synchronous=FULL; PRAGMA trusted_schema=OFF", "opening");

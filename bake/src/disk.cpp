@@ -38,6 +38,10 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
 }
 
+int folder_problem(const std::filesystem::path& folder) {
+  return access(folder.c_str(), W_OK | X_OK) == 0 ? 0 : errno;
+}
+
 void publish(const std::filesystem::path& file, const std::filesystem::path& path) {
   try {
     flush(file, 0);

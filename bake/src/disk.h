@@ -12,6 +12,9 @@ bool on_network_disk(const std::filesystem::path& folder);
 // The folder a file is in; "." for a bare name.
 std::filesystem::path folder_of(const std::filesystem::path& file);
 
+// Why no file can be made in the folder (errno), or 0.
+int folder_problem(const std::filesystem::path& folder);
+
 // Flushes file, renames it to path and flushes the folder: path holds what it held, or all of the new. Throws
 // std::filesystem::filesystem_error; file is removed then.
 void publish(const std::filesystem::path& file, const std::filesystem::path& path);
