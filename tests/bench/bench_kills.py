@@ -314,6 +314,12 @@ class Damage(Bench):
             files[os.path.basename(self.victim.checkpoint)] = file.read()
         self.victim.clear()
 
+    @staticmethod
+    def is_refused(ended):
+        """By name. A damaged version cannot be told from another version."""
+        of_version = ended.code == 2 and "differs in scene, settings or version;" in ended.error_lines[0]
+        return (ended.code == 4 or of_version) and (ended.error() or "").startswith("checkpoint.")
+
     def try_it(self, sort):
         tally = self.tally(sort)
         tally.times += 1
@@ -322,7 +328,7 @@ class Damage(Bench):
             if self.victim.content() != self.victim.whole or self.victim.left():
                 self.wrong(sort, f"other bytes in the end, or something left: {self.victim.left()}")
             self.victim.clear()
-        elif ended.code == 4 and (ended.error() or "").startswith("checkpoint.") and self.victim.content() is None:
+        elif self.is_refused(ended) and self.victim.content() is None:
             self.tally("refused, then --fresh").times += 1
             self.must_finish(self.victim, "refused, then --fresh", 0, "--fresh")
         else:
