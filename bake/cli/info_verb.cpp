@@ -11,6 +11,7 @@
 #include "pvs_file.h"
 #include "scene_info.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/scene/json_text.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
 
@@ -77,7 +78,7 @@ ordered_json certificate_json(const format::reader& file) {
 // The settings text is somebody's JSON: shown as such when it is, as text when it is not.
 ordered_json settings_json(std::string_view text) {
   if (text.empty()) return nullptr;
-  ordered_json parsed = ordered_json::parse(text, nullptr, false);
+  ordered_json parsed = scene::parse_ordered_json(text, false);
   return parsed.is_discarded() ? ordered_json(std::string(text)) : parsed;
 }
 

@@ -7,6 +7,7 @@
 
 #include "sightcell/format/layout.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::cli {
 
@@ -63,14 +64,14 @@ format::row_statistics pvs_file::statistics() const {
 }
 
 scene::animated_as pvs_file::animated() const {
-  const auto settings = nlohmann::json::parse(reader_.settings(), nullptr, false);
+  const auto settings = scene::parse_json(reader_.settings(), false);
   const auto found = settings.is_object() ? settings.find("animated") : settings.end();
   const auto named = found != settings.end() && found->is_string() ? found->get<std::string>() : std::string();
   return scene::animated_as_of(named).value_or(scene::animated_as::always);
 }
 
 int pvs_file::scene() const {
-  const auto settings = nlohmann::json::parse(reader_.settings(), nullptr, false);
+  const auto settings = scene::parse_json(reader_.settings(), false);
   if (!settings.is_object()) return -1;
   const auto scene = settings.find("scene");
   const bool given = scene != settings.end() && scene->is_number_unsigned() && *scene <= INT32_MAX;

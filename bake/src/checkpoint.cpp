@@ -10,6 +10,7 @@
 
 #include "disk.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 // Why these choices of SQLite: on a disk of this machine a write-ahead log, because a commit is one flush there and not
 // three; when the file is closed the log goes into it, so a bake that was not killed leaves one file. On a network disk
@@ -62,8 +63,7 @@ std::string differing_names(const std::string& a, const std::string& b) {
   using nlohmann::json;
   const std::size_t begin_a = a.find('{'), begin_b = b.find('{');
   if (begin_a == std::string::npos || begin_b == std::string::npos) return {};
-  const json left = json::parse(a.substr(begin_a), nullptr, false),
-             right = json::parse(b.substr(begin_b), nullptr, false);
+  const json left = scene::parse_json(a.substr(begin_a), false), right = scene::parse_json(b.substr(begin_b), false);
   if (!left.is_object() || !right.is_object()) return {};
   const json flat_left = left.flatten(), flat_right = right.flatten();
   std::string names;

@@ -10,6 +10,7 @@
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::bake {
 namespace {
@@ -111,7 +112,7 @@ std::vector<added_polygons> add(const added_polygons& wanted, std::vector<std::u
 // The settings text with what was added, behind what earlier patches added. A text that is no JSON object is kept in
 // one.
 std::string with_added(std::string_view settings, const std::vector<added_polygons>& fresh) {
-  auto text = nlohmann::ordered_json::parse(settings, nullptr, false);
+  auto text = scene::parse_ordered_json(settings, false);
   if (!text.is_object())
     text = settings.empty() ? nlohmann::ordered_json::object()
                             : nlohmann::ordered_json{{"settings", std::string(settings)}};

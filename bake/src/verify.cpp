@@ -13,6 +13,7 @@
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::bake {
 namespace {
@@ -33,7 +34,7 @@ struct seeing_rules {
 
 seeing_rules rules_of(const format::reader& file) {
   seeing_rules rules;
-  const auto text = nlohmann::json::parse(file.settings(), nullptr, false);
+  const auto text = scene::parse_json(file.settings(), false);
   if (!text.is_object()) return rules;
   if (const auto radius = text.find("player_radius"); radius != text.end() && radius->is_number())
     rules.fresh.player_radius = std::clamp(radius->get<float>(), 0.001f, 1.0f);

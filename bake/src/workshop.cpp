@@ -12,6 +12,7 @@
 
 #include "bound/fresh_rays.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::bake {
 namespace {
@@ -24,7 +25,7 @@ double seconds_now() {
 }
 
 std::string text_of(const settings& how, const chosen_source& eyes) {
-  auto text = nlohmann::ordered_json::parse(describe(how));
+  auto text = scene::parse_ordered_json(describe(how));
   text["source"] = eyes.name;
   text["device"] = eyes.source->device();
   text["bake_version"] = bake_version;

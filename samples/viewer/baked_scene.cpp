@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <fstream>
 #include <glm/vector_relational.hpp>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace viewer {
 namespace {
@@ -92,7 +94,7 @@ void name_cells(const std::string& path, std::vector<cell>& cells) {
   };
   std::ifstream in(path);
   if (!in) throw broken("cannot be read");
-  const nlohmann::json text = nlohmann::json::parse(in, nullptr, false);
+  const nlohmann::json text = scene::parse_json(std::string(std::istreambuf_iterator<char>(in), {}), false);
   if (!text.is_object() || !text.contains("cells") || !text["cells"].is_array()) throw broken("holds no cells");
   const auto corner = [&](const nlohmann::json& box, const char* key) {
     if (!box.is_object() || !box.contains(key) || !box[key].is_array() || box[key].size() != 3) {

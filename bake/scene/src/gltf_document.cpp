@@ -14,6 +14,7 @@
 #include "gltf_file.h"
 #include "gltf_materials.h"
 #include "json_object.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::scene {
 namespace {
@@ -438,7 +439,7 @@ gltf_document document_reader::read() {
 gltf_document read_gltf_document(gltf_file file, const gltf_source& source) {
   json parsed;
   try {
-    parsed = json::parse(file.json);
+    parsed = parse_json(file.json);
   } catch (const json::exception& e) {
     refuse(source.name, "scene.bad-json", "its JSON cannot be parsed: " + printable(e.what(), 160),
            "the file is damaged: copy or export it again");

@@ -9,6 +9,7 @@
 
 #include "cells/explicit_cells.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::bake {
 
@@ -59,7 +60,7 @@ cell_box read_cell(const json& entry, std::size_t number, const std::string& sub
 
 json parse_cells_json(std::string_view text, const std::string& subject) {
   try {
-    return json::parse(text);
+    return scene::parse_json(text);
   } catch (const json::exception& e) {  // a parse error, or a number beyond double
     // The library's text starts with its own name and number in brackets; people need only what follows.
     const std::string what = e.what();

@@ -13,6 +13,7 @@
 #include "cells/cells_file.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::bake {
 namespace {
@@ -239,14 +240,14 @@ std::uint64_t hash_of(const overrides& given) {
 
 std::string with_overrides(const std::string& settings, const overrides& given) {
   if (given.always.empty() && given.never.empty()) return settings;
-  auto text = nlohmann::ordered_json::parse(settings);
+  auto text = scene::parse_ordered_json(settings);
   text["overrides"] = {{"always", json_of(given.always)}, {"never", json_of(given.never)}};
   return text.dump();
 }
 
 overrides stored_overrides(std::string_view settings, std::uint32_t polygon_count) {
   overrides given;
-  const json text = json::parse(settings, nullptr, false);
+  const json text = scene::parse_json(settings, false);
   const auto found = text.is_object() ? text.find("overrides") : text.end();
   if (!text.is_object() || found == text.end() || !found->is_object()) return given;
   given.always = ranges_of(found->value("always", json()), polygon_count);

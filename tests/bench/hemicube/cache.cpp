@@ -6,10 +6,12 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <vector>
 
 #include "bench/hemicube/child.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::bench {
 namespace {
@@ -50,7 +52,7 @@ std::string hash_of_file(const std::filesystem::path& path) {
 std::optional<json> read_json(const std::filesystem::path& path) {
   std::ifstream in(path);
   if (!in) return std::nullopt;
-  json value = json::parse(in, nullptr, false);
+  json value = scene::parse_json(std::string(std::istreambuf_iterator<char>(in), {}), false);
   if (value.is_discarded()) return std::nullopt;
   return value;
 }
