@@ -4,6 +4,7 @@
 #include <functional>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "byte_sink.h"
 #include "checksum.h"
@@ -22,8 +23,8 @@ struct section_bytes {
   std::vector<std::byte> bytes;
 };
 
-struct encoded_rows {
-  std::vector<std::byte> rows;
+// What is known of the rows besides their bytes.
+struct row_facts {
   std::vector<std::byte> directory;
   std::uint32_t run_bound = 0;
   std::uint32_t range_bound = 0;
@@ -80,7 +81,14 @@ std::uint32_t count_ranges(const file_contents& contents, std::span<const run> r
   return ranges;
 }
 
-status encode_rows(const file_contents& contents, encoded_rows& out) {
+std::size_t directory_size(std::size_t cells) {
+  const std::size_t chunks = (cells + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
+  return chunks * layout::chunk_record_size + cells * layout::row_record_size;
+}
+
+// Appends the rows to file.
+status encode_rows(const file_contents& contents, std::vector<std::byte>& file, row_facts& out) {
+  const std::size_t rows_begin = file.size();
   std::vector<std::byte> row_records;
   byte_sink chunks(out.directory);
   byte_sink rows(row_records);
@@ -99,10 +107,10 @@ status encode_rows(const file_contents& contents, encoded_rows& out) {
     }
     const encoded_chunk chunk = encode_chunk(sets, contents.facts.polygon_count);
     if (chunk.bytes.size() > layout::max_chunk_size) return status::limit;
-    chunks.put_u64(out.rows.size());
+    chunks.put_u64(file.size() - rows_begin);
     chunks.put_u32(static_cast<std::uint32_t>(chunk.bytes.size()));
     chunks.put_u32(crc32c(chunk.bytes));
-    byte_sink(out.rows).put_bytes(chunk.bytes);
+    byte_sink(file).put_bytes(chunk.bytes);
     for (const encoded_row& r : chunk.rows) {
       rows.put_u32(static_cast<std::uint32_t>(r.offset));
       rows.put_u32(static_cast<std::uint32_t>(r.size));
@@ -148,11 +156,14 @@ std::vector<std::byte> encode_certificate(std::span<const certificate_record> ce
   return bytes;
 }
 
-std::vector<section_bytes> make_sections(const file_contents& contents, encoded_rows&& rows) {
+// All but the rows, which come last, so that everything a reader checks at once lies together at the front. The
+// directory is as large as it will be.
+std::vector<section_bytes> front_sections(const file_contents& contents) {
   std::vector<section_bytes> sections;
   sections.push_back({layout::section_draws, true, encode_draws(contents.draws)});
   sections.push_back({layout::section_cells, true, encode_cells(contents.cells)});
-  sections.push_back({layout::section_row_directory, true, std::move(rows.directory)});
+  sections.push_back(
+      {layout::section_row_directory, true, std::vector<std::byte>(directory_size(contents.cells.size()))});
   if (!contents.certificate.empty()) {
     sections.push_back({layout::section_certificate, false, encode_certificate(contents.certificate)});
   }
@@ -160,28 +171,28 @@ std::vector<section_bytes> make_sections(const file_contents& contents, encoded_
     const auto text = std::as_bytes(std::span(contents.settings));
     sections.push_back({layout::section_settings, false, {text.begin(), text.end()}});
   }
-  // Last, so that everything a reader checks at once lies together at the front.
-  sections.push_back({layout::section_rows, true, std::move(rows.rows)});
   return sections;
 }
 
-std::vector<std::byte> encode_table(std::span<const section_bytes> sections) {
+std::vector<std::byte> encode_table(std::span<const section_bytes> front, std::span<const std::byte> rows) {
   std::vector<std::byte> bytes;
   byte_sink out(bytes);
-  std::uint64_t offset = layout::header_size + sections.size() * layout::section_record_size;
-  for (const section_bytes& s : sections) {
-    out.put_u32(s.id);
-    out.put_u32(s.required ? layout::section_required : 0);
+  std::uint64_t offset = layout::header_size + (front.size() + 1) * layout::section_record_size;
+  const auto put = [&](std::uint32_t id, bool required, std::span<const std::byte> section) {
+    out.put_u32(id);
+    out.put_u32(required ? layout::section_required : 0);
     out.put_u64(offset);
-    out.put_u64(s.bytes.size());
-    out.put_u32(crc32c(s.bytes));
+    out.put_u64(section.size());
+    out.put_u32(crc32c(section));
     out.put_u32(0);
-    offset += s.bytes.size();
-  }
+    offset += section.size();
+  };
+  for (const section_bytes& s : front) put(s.id, s.required, s.bytes);
+  put(layout::section_rows, true, rows);
   return bytes;
 }
 
-void put_header(const file_contents& contents, const encoded_rows& bounds, std::size_t section_count,
+void put_header(const file_contents& contents, const row_facts& bounds, std::size_t section_count,
                 std::uint64_t total_size, std::uint32_t table_checksum, std::vector<std::byte>& file) {
   byte_sink out(file);
   for (const std::uint8_t byte : layout::magic) out.put_u8(byte);
@@ -204,21 +215,25 @@ void put_header(const file_contents& contents, const encoded_rows& bounds, std::
   out.put_u32(crc32c(file));
 }
 
+// The rows are most of a file: they are encoded where they will lie, and what is before them is filled in afterwards.
 status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   if (const status s = check_contents(contents); s != status::ok) return s;
-  encoded_rows rows;
-  if (const status s = encode_rows(contents, rows); s != status::ok) return s;
-  const encoded_rows bounds{{}, {}, rows.run_bound, rows.range_bound};
-  const std::vector<section_bytes> sections = make_sections(contents, std::move(rows));
-  const std::vector<std::byte> table = encode_table(sections);
-  std::uint64_t total = layout::header_size + table.size();
-  for (const section_bytes& s : sections) total += s.bytes.size();
-  std::vector<std::byte> file;
-  file.reserve(total);
-  put_header(contents, bounds, sections.size(), total, crc32c(table), file);
-  byte_sink sink(file);
+  std::vector<section_bytes> sections = front_sections(contents);
+  std::size_t rows_begin = layout::header_size + (sections.size() + 1) * layout::section_record_size;
+  for (const section_bytes& s : sections) rows_begin += s.bytes.size();
+  std::vector<std::byte> file(rows_begin);
+  row_facts rows;
+  if (const status s = encode_rows(contents, file, rows); s != status::ok) return s;
+  for (section_bytes& s : sections) {
+    if (s.id == layout::section_row_directory) s.bytes = std::move(rows.directory);
+  }
+  const std::vector<std::byte> table = encode_table(sections, std::span(file).subspan(rows_begin));
+  std::vector<std::byte> front;
+  put_header(contents, rows, sections.size() + 1, file.size(), crc32c(table), front);
+  byte_sink sink(front);
   sink.put_bytes(table);
   for (const section_bytes& s : sections) sink.put_bytes(s.bytes);
+  std::copy(front.begin(), front.end(), file.begin());
   out = std::move(file);
   return status::ok;
 }
