@@ -228,6 +228,11 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
 
 void add_running_options(CLI::App& verb, bake_options& o) {
   add(verb, "--threads", o.settings.threads, "N", "0: all cores; changes no byte of the file")->group("Running");
+  add(verb, "--memory", o.settings.memory, "B",
+      "bytes of memory to keep under, K, M or G after the number: powers of 1024; 0: no limit; changes no byte of the "
+      "file")
+      ->transform(CLI::AsSizeValue(false))
+      ->group("Running");
   add(verb, "--seed", o.settings.seed, "N", "of all random numbers")->group("Running");
   verb.add_flag("--fresh", o.fresh, "throw an unfinished bake away instead of resuming it")->group("Running");
   auto& shard =

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "disk.h"
+#include "disk_space.h"
 #include "host_scene.h"
 #include "ledger.h"
 #include "phases.h"
@@ -47,7 +49,13 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   ledger book(s.polygon_count, plan, shop->blocks->cell_count(), tell);
   resume(done, book, tell);
   sum.cells_resumed = book.resumed();
-  arena.execute([&] { print_estimate(*shop, book.cells_left(), tell); });
+  double seen = 0.0;
+  arena.execute([&] { seen = print_estimate(*shop, book.cells_left(), tell); });
+  const std::uint64_t of_records = book.cells_left() * checkpoint_bytes_of_cell(seen);
+  check_disk_space({{folder_of(file.path()), of_records},
+                    {folder_of(output), shop->blocks->cell_count() * file_bytes_of_cell(seen)},
+                    {folder_of(output), how.scratch.empty() ? 0 : of_records}},  // the copy
+                   tell);
   const phase_work work{*shop, plan, blocks, arena, book, file};
   keeping(file, [&] {
     book.open();

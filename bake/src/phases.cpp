@@ -8,6 +8,8 @@
 
 #include "cell_bake.h"
 #include "cell_lanes.h"
+#include "finish/retest.h"
+#include "memory_limit.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -19,8 +21,10 @@ cell_baker baker_of(const workshop& shop) {
 }
 
 void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {
-  const std::size_t lanes =
-      lane_count(work.shop.eyes.source->shared(), work.arena.max_concurrency(), baker.set_bytes());
+  const settings& how = work.shop.how;
+  const std::size_t most = lane_count(work.shop.eyes.source->shared(), work.arena.max_concurrency(), baker.set_bytes());
+  const std::uint64_t of_lane = memory_of_lane(work.shop.geometry.kinds.size(), baker.set_bytes(), how);
+  const std::size_t lanes = lanes_that_fit(most, of_lane, how);
   take_steps(
       queue, [&] { return baker.make_set(); }, take, lanes, work.arena,
       [&](std::span<const stage_record> ended, std::size_t in_work) {
@@ -28,6 +32,14 @@ void run(const phase_work& work, const cell_baker& baker, step_queue queue, cons
         work.file.copy_if_due();
         return go_on;
       });
+}
+
+// What others see and own does not, one after the other.
+std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
+                                      const record_of_phase_1& record_of) {
+  std::vector<cell_record> neighbors;
+  for (const std::uint32_t other : others) drop_known(own.set, neighbors.emplace_back(record_of(other)));
+  return neighbors;
 }
 
 }  // namespace
@@ -73,10 +85,9 @@ void run_phase_1(const phase_work& work) {
     const view_cell& cell = work.shop.list.cells[step.cell];
     if (step.to == cell_stage::sampled) return baker.sample(cell, set);
     if (work.plan.shares_in_block(step.cell)) {
-      std::vector<cell_record> neighbors;
-      for (const std::uint32_t other : work.plan.blocks().neighbors_in_block(step.cell))
-        neighbors.push_back(sampled(other));
-      return baker.finish_rays(cell, sampled(step.cell), neighbors, set);
+      const cell_record own = sampled(step.cell);
+      const auto around = work.plan.blocks().neighbors_in_block(step.cell);
+      return baker.finish_rays(cell, own, neighbors_of(own, around, sampled), set);
     }
     cell_record record = baker.sample_and_finish(cell, set);
     return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
@@ -91,9 +102,8 @@ void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
     const view_cell& cell = work.shop.list.cells[step.cell];
     cell_record own = before(step.cell);
     if (work.plan.end_of_phase_1(step.cell) == cell_stage::finished) return own;  // nobody is beside it
-    std::vector<cell_record> neighbors;
-    for (const std::uint32_t other : work.plan.blocks().neighbors_of(step.cell)) neighbors.push_back(before(other));
-    return baker.finished(cell, baker.check(cell, own, neighbors, set));
+    const auto around = work.plan.blocks().neighbors_of(step.cell);
+    return baker.finished(cell, baker.check(cell, own, neighbors_of(own, around, before), set));
   };
   run(work, baker, step_queue::phase_2(work.plan, work.book.have(), work.blocks), take);
 }

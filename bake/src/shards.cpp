@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "disk.h"
+#include "disk_space.h"
 #include "host_scene.h"
 #include "ledger.h"
 #include "phases.h"
@@ -78,6 +79,15 @@ shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& pl
                  "bake phase 1 of all shards first");
 }
 
+// For the records while they come, and for the file that they end in. How long cells take is said of phase 1 alone.
+void check_room(const workshop& shop, unsigned phase, std::size_t cells, const std::filesystem::path& work,
+                const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
+  double seen = 0.0;
+  arena.execute([&] { seen = print_estimate(shop, cells, phase == 1 ? tell : callbacks()); });
+  const std::uint64_t bytes = cells * checkpoint_bytes_of_cell(seen);
+  check_disk_space({{folder_of(work), bytes}, {folder_of(output), bytes}}, tell);
+}
+
 // One shard, from its first cell to its file.
 void bake_blocks(const workshop& shop, const stage_plan& plan, const std::vector<std::uint32_t>& blocks,
                  const shard& part, const std::filesystem::path& output, tbb::task_arena& arena, bool fresh,
@@ -90,6 +100,7 @@ void bake_blocks(const workshop& shop, const stage_plan& plan, const std::vector
   ledger book(shop.s.polygon_count, plan, sum.cells, tell, static_cast<int>(part.phase));
   resume(file.records(), book, tell);
   sum.cells_resumed = book.resumed();
+  check_room(shop, part.phase, book.cells_left(), file.path(), output, arena, tell);
   const phase_work work{shop, plan, blocks, arena, book, file};
   keeping(file, [&] {
     book.open();

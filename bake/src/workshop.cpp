@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bound/fresh_rays.h"
+#include "memory_limit.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/json_text.h"
 
@@ -61,6 +62,7 @@ void flatten_into(scene::world_geometry& geometry, const scene::scene& s, const 
 
 workshop::workshop(const scene::scene& from, const settings& settings_of_bake, const callbacks& tell)
     : s(from), how(settings_of_bake) {
+  require_memory(s, how);
   if (how.cells_file) given = read_overrides(*how.cells_file, s);
   flatten_into(geometry, s, how, given);
   // Cells know nothing of rays, and most of both is one thread's work.
@@ -82,13 +84,13 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
   key = checkpoint_key(s, list.cells, given, settings_text);
 }
 
-void print_estimate(workshop& w, std::size_t left, const callbacks& tell) {
-  if (!tell.on_message || left == 0) return;
+double print_estimate(const workshop& w, std::size_t left, const callbacks& tell) {
+  if (left == 0) return 0.0;
   const std::vector<view_cell>& cells = w.list.cells;
   const settings& how = w.how;
   constexpr std::size_t trials = 4;
   constexpr std::uint64_t trial_rays = 2048;
-  double hemicube_seconds = 0.0, ray_seconds = 0.0;
+  double hemicube_seconds = 0.0, ray_seconds = 0.0, polygons = 0.0;
   hemicube_view view;
   w.eyes.source->render({}, view);  // the first one pays for compiling and uploading
   for (std::size_t i = 0; i < trials; ++i) {
@@ -96,6 +98,7 @@ void print_estimate(workshop& w, std::size_t left, const callbacks& tell) {
     double start = seconds_now();
     w.eyes.source->render({.eye = 0.5f * (cell.min + cell.max)}, view);
     hemicube_seconds += (seconds_now() - start) / trials;
+    polygons += static_cast<double>(view.seen.size()) / trials;
     start = seconds_now();
     const auto batch =
         cast_fresh_rays(*w.rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap}, trial_rays,
@@ -107,11 +110,13 @@ void print_estimate(workshop& w, std::size_t left, const callbacks& tell) {
   // Hemicubes of a shared source are spread over the threads; rays were, when they were timed.
   const int at_once = w.eyes.source->shared() ? tbb::this_task_arena::max_concurrency() : 1;
   const double per_cell = how.samples * hemicube_seconds / at_once + rays * ray_seconds;
+  if (!tell.on_message) return polygons;
   tell.on_message(severity::note,
                   fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", left, how.samples,
                               1e3 * hemicube_seconds,
                               rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
                               std::ceil(per_cell * static_cast<double>(left))));
+  return polygons;
 }
 
 }  // namespace sightcell::bake

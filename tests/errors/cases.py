@@ -11,6 +11,7 @@ import sqlite3
 import struct
 
 UNIT_TESTS = {
+    'bake.disk-space': 'tests/unit/bake/disk_space_test.cpp',
     'cells.not-finite': 'tests/unit/bake/cells_test.cpp',
     'checkpoint.disk-full': 'tests/unit/bake/checkpoint_test.cpp',
     'checkpoint.failed': 'tests/unit/bake/checkpoint_test.cpp',
@@ -261,6 +262,7 @@ def in_folder(*arguments, named):
 
 
 CASES = [
+    ('bake.memory', 1, lambda f: Call(bake(f, '--memory', '1M'), 'room.gltf')),
     ('bake.no-free-cell', 1, lambda f: Call(bake(f, cells_file=cells(f, low=(90, 90, 90), high=(91, 91, 91)),
                                                  scene_file=scene(f, 'solid.gltf', scale=100.0)), 'solid.gltf')),
     ('bake.nothing-to-see', 4, lambda f: Call(bake(f, scene_file=scene(f, nodes=[{}])), 'scene.gltf')),

@@ -6,6 +6,7 @@
 #include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <utility>
 #include <vector>
 
 #include "finish/aim.h"
@@ -123,6 +124,21 @@ class tester {
 };
 
 }  // namespace
+
+void drop_known(std::span<const std::uint32_t> own, cell_record& neighbor) {
+  cell_record rest;
+  auto known = own.begin();
+  for (std::size_t i = 0; i < neighbor.set.size(); ++i) {
+    while (known != own.end() && *known < neighbor.set[i]) ++known;
+    if (known != own.end() && *known == neighbor.set[i]) continue;
+    rest.set.push_back(neighbor.set[i]);
+    rest.witness_of.push_back(neighbor.witness_of[i]);
+  }
+  rest.set.shrink_to_fit();
+  rest.witness_of.shrink_to_fit();
+  neighbor.set = std::move(rest.set);
+  neighbor.witness_of = std::move(rest.witness_of);
+}
 
 std::uint64_t retest(const ray_scene& rays, const box& grown, const retest_settings& how,
                      std::span<const cell_record> neighbors, cell_set& set) {

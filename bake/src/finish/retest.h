@@ -18,6 +18,10 @@ struct retest_settings {
   fresh_rules rules;
 };
 
+// Takes out of a neighbor's record what own has: it is not tried, and where many are read it is most of their memory.
+// own: ascending.
+void drop_known(std::span<const std::uint32_t> own, cell_record& neighbor);
+
 // neighbors: records with witnesses, of one moment, the nearest first. What they have and set has not is tried from
 // free places of the grown box: from the eye of this set next to the neighbor's line of sight, from another one, and
 // from where that line enters the box. set must have been loaded: its eyes() are tried. All is tried from one state of

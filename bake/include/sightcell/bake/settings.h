@@ -53,6 +53,9 @@ struct settings {
   // --scratch: a folder on a local disk where the unfinished bake is kept; a copy is left beside the output when the
   // bake ends early, and every few minutes. Empty: it is kept beside the output.
   std::filesystem::path scratch;
+  // --memory, bytes of resident memory that the process keeps under, 0: no limit. Refused before anything of the scene
+  // is built where that alone takes more; else fewer cells are in work at once. Includes what the host has.
+  std::uint64_t memory = 0;
 };
 
 // Throws sightcell::error (wrong_use) naming the option when a value is out of its range.

@@ -1,0 +1,76 @@
+#include "memory_limit.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "errors/error_id.h"
+#include "sightcell/scene/error.h"
+#include "unit/bake/tiny_scene.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::uint64_t mebibyte = 1u << 20;
+
+scene::scene a_room() {
+  test::tiny_scene tiny;
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
+  return tiny.finished();
+}
+
+// A scene that says it has so many polygons: nothing of it is looked at but numbers.
+scene::scene of_size(std::uint32_t polygons) {
+  scene::scene s = a_room();
+  s.polygon_count = polygons;
+  return s;
+}
+
+settings with_memory(std::uint64_t bytes) {
+  settings how;
+  how.memory = bytes;
+  return how;
+}
+
+TEST(memory_limit, the_system_tells) {
+  EXPECT_GT(resident_memory(), mebibyte);
+  EXPECT_GE(peak_resident_memory(), resident_memory() / 2);
+  EXPECT_LT(peak_resident_memory(), std::uint64_t{1} << 45);
+}
+
+TEST(memory_limit, a_scene_that_does_not_fit_is_refused) {
+  const auto id = [](std::uint32_t polygons, std::uint64_t memory) {
+    return test::error_id([&] { require_memory(of_size(polygons), with_memory(memory)); });
+  };
+  EXPECT_EQ(id(1'000'000, 300 * mebibyte), "bake.memory");
+  EXPECT_EQ(id(1'000'000, 2000 * mebibyte), "");
+  EXPECT_EQ(id(10'000'000, 2000 * mebibyte), "bake.memory");
+  EXPECT_EQ(id(10'000'000, 0), "") << "no limit";
+  EXPECT_EQ(id(12, mebibyte), "bake.memory") << "the process itself takes more";
+}
+
+TEST(memory_limit, what_is_not_built_is_not_counted) {
+  const scene::scene s = of_size(1'000'000);
+  settings how;
+  how.source = "cpu";
+  const std::uint64_t all = memory_of_scene(s, how);
+  how.max_pixel_error = 0.0;
+  const std::uint64_t without_neighbors = memory_of_scene(s, how);
+  how.source = "rays";
+  EXPECT_LT(without_neighbors, all);
+  EXPECT_LT(memory_of_scene(s, how), without_neighbors);
+}
+
+TEST(memory_limit, fewer_lanes_where_they_do_not_fit) {
+  EXPECT_EQ(lanes_that_fit(16, 1 << 30, {}), 16u) << "no limit";
+  const std::uint64_t room = resident_memory() + 1000 * mebibyte;
+  EXPECT_EQ(lanes_that_fit(16, 10 * mebibyte, with_memory(room)), 16u);
+  const std::size_t some = lanes_that_fit(16, 200 * mebibyte, with_memory(room));
+  EXPECT_GE(some, 4u);
+  EXPECT_LE(some, 5u);
+  EXPECT_EQ(lanes_that_fit(16, 200 * mebibyte, with_memory(1)), 1u) << "one there always is";
+  EXPECT_EQ(lanes_that_fit(1, 200 * mebibyte, with_memory(room)), 1u);
+}
+
+}  // namespace
+}  // namespace sightcell::bake
