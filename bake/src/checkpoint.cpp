@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <xxhash.h>
 
 #include <cstring>
 #include <mutex>
@@ -24,7 +25,7 @@ namespace sightcell::bake {
 namespace {
 
 constexpr int application_id = 0x53434B31;  // "SCK1": tells our files from other people's databases
-constexpr int schema_version = 2;
+constexpr int schema_version = 3;
 struct finalize_statement {
   void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 };
@@ -53,6 +54,35 @@ std::int64_t number_of(std::uint32_t cell, cell_stage stage) {
 std::span<const std::uint8_t> blob(sqlite3_stmt* row, int column) {
   const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(row, column));
   return {bytes, static_cast<std::size_t>(sqlite3_column_bytes(row, column))};
+}
+
+// A record's own checksum does not know whose it is: a flipped bit of a row's number would make it another cell's. So a
+// seal of bytes and number stands behind them.
+std::uint64_t seal_of(std::span<const std::uint8_t> bytes, std::int64_t number) {
+  return XXH3_64bits_withSeed(bytes.data(), bytes.size(), static_cast<std::uint64_t>(number));
+}
+
+constexpr std::size_t seal_size = 8;
+
+std::vector<std::uint8_t> sealed(std::vector<std::uint8_t> bytes, std::int64_t number) {
+  const std::uint64_t seal = seal_of(bytes, number);
+  for (std::size_t i = 0; i < seal_size; ++i) bytes.push_back(static_cast<std::uint8_t>(seal >> (8 * i)));
+  return bytes;
+}
+
+std::optional<std::span<const std::uint8_t>> unsealed(std::span<const std::uint8_t> bytes, std::int64_t number) {
+  if (bytes.size() < seal_size) return std::nullopt;
+  const auto body = bytes.first(bytes.size() - seal_size);
+  std::uint64_t seal = 0;
+  for (std::size_t i = 0; i < seal_size; ++i) seal |= std::uint64_t{bytes[body.size() + i]} << (8 * i);
+  if (seal != seal_of(body, number)) return std::nullopt;
+  return body;
+}
+
+std::int64_t seal_of_key(std::string_view key, std::string_view plan) {
+  std::string both(key);
+  both.append(1, '\0').append(plan);
+  return static_cast<std::int64_t>(XXH3_64bits(both.data(), both.size()));
 }
 
 }  // namespace
@@ -160,12 +190,17 @@ struct checkpoint::state {
   }
 
   std::optional<std::string> ask_key() const {
-    const statement query = prepare("SELECT key FROM bake");
+    const statement query = prepare("SELECT key, plan, seal FROM bake");
     const int code = sqlite3_step(query.get());
     if (code == SQLITE_DONE) return std::nullopt;
     if (code != SQLITE_ROW) fail(code, "reading");
     const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(query.get(), 0));
-    return std::string(text != nullptr ? text : "");
+    const std::string found(text != nullptr ? text : "");
+    const auto plan = blob(query.get(), 1);
+    if (sqlite3_column_int64(query.get(), 2) != seal_of_key(found, std::string(plan.begin(), plan.end())))
+      throw error(error_kind::bad_input, "checkpoint.damaged", path.string(), "is damaged: it says wrongly whose it is",
+                  fresh_remedy);
+    return found;
   }
 
   // Opens the file and takes the lock that keeps a second bake out until close.
@@ -195,14 +230,15 @@ struct checkpoint::state {
   void create(const std::string& bake_key, std::string_view plan) {
     run("BEGIN", "creating");
     run(fmt::format("PRAGMA application_id={}; PRAGMA user_version={};"
-                    "CREATE TABLE bake(key TEXT NOT NULL, plan BLOB NOT NULL);"
+                    "CREATE TABLE bake(key TEXT NOT NULL, plan BLOB NOT NULL, seal INTEGER NOT NULL);"
                     "CREATE TABLE record(number INTEGER PRIMARY KEY, bytes BLOB NOT NULL)",
                     application_id, schema_version)
             .c_str(),
         "creating");
-    const statement insert = prepare("INSERT INTO bake(key, plan) VALUES(?,?)");
+    const statement insert = prepare("INSERT INTO bake(key, plan, seal) VALUES(?,?,?)");
     sqlite3_bind_text(insert.get(), 1, bake_key.data(), static_cast<int>(bake_key.size()), SQLITE_STATIC);
     sqlite3_bind_blob64(insert.get(), 2, plan.empty() ? "" : plan.data(), plan.size(), SQLITE_STATIC);
+    sqlite3_bind_int64(insert.get(), 3, seal_of_key(bake_key, plan));
     const int code = sqlite3_step(insert.get());
     if (code != SQLITE_DONE) fail(code, "creating");
     run("COMMIT", "creating");
@@ -307,7 +343,8 @@ std::uint32_t checkpoint::survey(
     int code = SQLITE_ROW;
     while ((code = sqlite3_step(query.get())) == SQLITE_ROW) {
       const std::int64_t number = sqlite3_column_int64(query.get(), 0);
-      const std::optional<cell_summary> summary = decode_summary(blob(query.get(), 1));
+      const auto body = unsealed(blob(query.get(), 1), number);
+      const std::optional<cell_summary> summary = body ? decode_summary(*body) : std::nullopt;
       if (!summary)
         damaged.push_back(number);
       else
@@ -328,7 +365,8 @@ std::optional<cell_record> checkpoint::load(std::uint32_t cell, cell_stage stage
   const int code = sqlite3_step(query.get());
   if (code == SQLITE_DONE) return std::nullopt;
   if (code != SQLITE_ROW) state_->fail(code, "reading");
-  std::optional<cell_record> record = decode(blob(query.get(), 0));
+  const auto body = unsealed(blob(query.get(), 0), number_of(cell, stage));
+  std::optional<cell_record> record = body ? decode(*body) : std::nullopt;
   if (!record)
     throw error(error_kind::bad_input, "checkpoint.damaged", state_->path.string(),
                 fmt::format("the record of cell {} is damaged", cell),
@@ -338,7 +376,7 @@ std::optional<cell_record> checkpoint::load(std::uint32_t cell, cell_stage stage
 
 void checkpoint::store(std::span<const stage_record> records, std::span<const std::uint32_t> forget) {
   std::vector<std::vector<std::uint8_t>> bytes;
-  for (const stage_record& one : records) bytes.push_back(encode(one.record));
+  for (const stage_record& one : records) bytes.push_back(sealed(encode(one.record), number_of(one.cell, one.stage)));
   const std::scoped_lock lock(state_->mutex);
   state_->run("BEGIN", "storing cells");
   try {

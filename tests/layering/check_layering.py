@@ -47,7 +47,7 @@ ALLOWED = {
     'bake/scene/src/decode_image.cpp': ['stb_image.h'],
     'bake/picture': SCENE + SHADERS + GL + ['stb_image_write.h', 'fmt/', 'sys/', 'unistd.h'],
     'bake': SCENE + PICTURE + FORMAT + SHADERS + ['embree3/', 'tbb/', 'fmt/', 'nlohmann/', 'xxhash.h'],
-    'bake/src/checkpoint.cpp': SCENE + ['sqlite3.h', 'fmt/', 'nlohmann/'],
+    'bake/src/checkpoint.cpp': SCENE + ['sqlite3.h', 'xxhash.h', 'fmt/', 'nlohmann/'],
     'bake/src/disk.cpp': POSIX,
     'bake/src/cells/walkable.cpp': SCENE + ['Recast.h', 'fmt/'],
     'bake/src/source': SCENE + PICTURE + SHADERS + GL + ['embree3/', 'tbb/', 'fmt/'],
