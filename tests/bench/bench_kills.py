@@ -387,7 +387,7 @@ def main():
         print_table(f"kills of a bake of {bench.seconds:.1f} s", bench)
         if mounts:
             bench = benches["disk"] = Disk(seed, Victim(program, town, os.path.join(folder, "disk"), small),
-                                           4 if quick else 1)
+                                           12 if quick else 1)
             bench.run()
             print_table("full disks", bench)
         else:

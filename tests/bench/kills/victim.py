@@ -56,6 +56,7 @@ class Victim:
         """Runs to the end; or is killed after so many seconds, when kill_when() says so, or when so many cells are done."""
         running = self.start(*more, before=before)
         timer = threading.Timer(kill_after, running.kill)
+        timer.daemon = True
         timer.start()
         said = ""
         while kill_when and running.poll() is None:
