@@ -130,14 +130,16 @@ class Stopped(InFolder):
                 str(self.RESOLUTION), '--threads', '1', '--progress', 'json', *more]
 
     def start(self, output, *more, before=None):
-        """A running bake with at least one finished cell; before: called in its process first."""
+        """A running bake with at least one cell finished by this very run; before: called in its process first."""
         running = subprocess.Popen([PROGRAMS.sightcell, *self.command(output, *more)], stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=before)
         self.addCleanup(running.stderr.close)
-        said = ''
+        said, resumed = '', 0
         for line in running.stderr:
             said += line
-            if line.startswith('{'):
+            if 'resuming: ' in line:
+                resumed = int(line.split('resuming: ')[1].split()[0])
+            if line.startswith('{') and json.loads(line)['cells'] > resumed:
                 return running
         code = running.wait()
         if '[gl.' in said:
@@ -159,9 +161,10 @@ class Stopped(InFolder):
             self.expect(0, *self.command(output))
         return read(output)
 
-    def assert_resumes(self, output):
+    def assert_resumes(self, output, after=1):
+        """After so many stops, each of which left a cell at least."""
         out, err = self.expect(0, *self.command(output, '--json'))
-        self.assertGreaterEqual(json.loads(out)['cells_resumed'], 1)
+        self.assertGreaterEqual(json.loads(out)['cells_resumed'], after)
         self.assertIn('resuming', err)
         self.assertEqual(read(output), self.whole())
         self.assertEqual([n for n in os.listdir(self.folder) if n.startswith(os.path.basename(output) + '.')], [])

@@ -49,6 +49,7 @@ ALLOWED = {
     'bake': SCENE + PICTURE + FORMAT + SHADERS + ['embree3/', 'tbb/', 'fmt/', 'nlohmann/', 'xxhash.h'],
     'bake/src/checkpoint.cpp': SCENE + ['sqlite3.h', 'xxhash.h', 'fmt/', 'nlohmann/'],
     'bake/src/disk.cpp': POSIX,
+    'bake/src/disk_space.cpp': SCENE + ['sys/', 'fmt/'],
     'bake/src/cells/walkable.cpp': SCENE + ['Recast.h', 'fmt/'],
     'bake/src/source': SCENE + PICTURE + SHADERS + GL + ['embree3/', 'tbb/', 'fmt/'],
     'bake/src/source/cpu': SCENE + ['tbb/', 'immintrin.h'],
