@@ -203,8 +203,21 @@ struct checkpoint::state {
     return found;
   }
 
-  // Opens the file and takes the lock that keeps a second bake out until close.
+  // Opens the file and takes the lock that keeps a second bake out until close. A bake that ends may remove the file
+  // after it was opened here and before it was locked: then the lock is one of a file without a name.
   void open_locked() {
+    for (int tries = 0; tries < 100; ++tries) {
+      const file_identity before = identity_of(path);
+      open_and_lock();
+      const file_identity now = identity_of(path);
+      if (now.there && (!before.there || before == now)) return;
+      close();
+    }
+    throw error(error_kind::failed, "checkpoint.in-use", path.string(), "comes and goes: other bakes are using it",
+                "wait for those bakes to end, or choose another -o");
+  }
+
+  void open_and_lock() {
     // Absolute: Debian's SQLite takes names that begin with "file:" for addresses.
     const int code = sqlite3_open_v2(std::filesystem::absolute(path).c_str(), &database,
                                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);

@@ -1,6 +1,7 @@
 #include "disk.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
@@ -32,6 +33,12 @@ bool on_network_disk(const std::filesystem::path& folder) {
   struct statfs about {};
   if (statfs(folder.c_str(), &about) != 0) return false;
   return std::find(network.begin(), network.end(), static_cast<unsigned>(about.f_type)) != network.end();
+}
+
+file_identity identity_of(const std::filesystem::path& path) {
+  struct stat about {};
+  if (stat(path.c_str(), &about) != 0) return {};
+  return {true, about.st_dev, about.st_ino};
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {

@@ -75,6 +75,7 @@ void work_file::remove() {
   records_->remove();
   std::error_code ignored;
   if (path_ != beside_) std::filesystem::remove(beside_, ignored);
+  std::filesystem::remove(with_suffix(beside_, ".partial"), ignored);  // of a copy that a kill ended
 }
 
 }  // namespace sightcell::bake
