@@ -35,10 +35,12 @@ bool progress_line::due(bool last) {
 }
 
 void progress_line::update(const bake::progress& now) {
-  if (!due(now.cells_done == now.cells_total)) return;
+  const bool all = now.cells_done == now.cells_total;
+  if (!due(all && now.seconds_left == 0.0)) return;
   if (mode_ == progress_mode::json) {
     const nlohmann::ordered_json line = {{"cells", now.cells_done},
                                          {"cells_total", now.cells_total},
+                                         {"cells_checked", now.cells_checked},
                                          {"seconds", now.seconds},
                                          {"seconds_left", now.seconds_left},
                                          {"pixel_error", now.pixel_error},
@@ -48,9 +50,11 @@ void progress_line::update(const bake::progress& now) {
     return;
   }
   std::string text = fmt::format("{} of {} cells", grouped(now.cells_done), grouped(now.cells_total));
+  if (all && now.seconds_left > 0.0)
+    text += fmt::format(" ({} checked with their neighbors)", grouped(now.cells_checked));
   if (now.seconds_left > 0.0)
     text += fmt::format(", {:.2g} cells/s, {} left", now.cells_per_second, duration_text(now.seconds_left));
-  else if (now.cells_done == now.cells_total)
+  else if (all)
     text += " in " + duration_text(now.seconds);
   text += fmt::format(", error {:.1e} (worst bound {:.1e}), {:.2f} % visible", now.pixel_error, now.worst_bound,
                       now.visible_percent);
