@@ -44,9 +44,9 @@ def fail(text):
     sys.exit(f"bench_scale: {text}")
 
 
-def run(command, watched=None):
-    """Runs a command; gives its standard output, CPU seconds, largest resident set and the largest size that the file
-    watched had."""
+def run(command, watched=()):
+    """Runs a command; gives its standard output, CPU seconds, largest resident set and the most bytes that the files
+    watched had together."""
     try:
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     except FileNotFoundError:
@@ -56,8 +56,8 @@ def run(command, watched=None):
     def watch():
         while not ended.wait(0.1):
             try:
-                largest[0] = max(largest[0], os.path.getsize(watched))
-            except OSError:
+                largest[0] = max(largest[0], sum(os.path.getsize(f) for f in watched if os.path.exists(f)))
+            except OSError:  # it has just gone
                 pass
 
     watcher = threading.Thread(target=watch, daemon=True)
@@ -140,7 +140,7 @@ class Bench:
                 out = os.path.join(folder, "out.pvs")
                 said, cpu, memory, checkpoint = run(
                     [self.program("sightcell"), "bake", scene, "-o", out, *words, "--progress", "none", "--json"],
-                    out + ".bake")
+                    (out + ".bake", out + ".bake-wal"))
             summary = json.loads(said)
             return {"cpu": cpu, "memory": memory, "checkpoint": checkpoint, "file": summary["bytes"],
                     "cells": summary["cells"], "left_out": summary["cells_left_out"],
@@ -166,17 +166,17 @@ def strips(box, axis, count):
         yield part
 
 
-def pieces_of(box, count):
-    """In halves along z, then along x, so that a block stays whole."""
-    along_z = min(count, 8) if (box[5] - box[2]) / 8 >= 8 else min(count, 2)
+def pieces_of(box, count, block):
+    """So many equal parts of a box: along z first, then along x, so that blocks of that width stay whole."""
+    along_z = min(count, round((box[5] - box[2]) / block))
     return [piece for strip in strips(box, 2, along_z) for piece in strips(strip, 0, count // along_z)]
 
 
-def by_cells(bench, name, box, counts, more):
+def by_cells(bench, name, box, counts, block, more):
     """Rows of the same cells in count bakes each."""
     rows = []
     for count in counts:
-        bakes = [bench.bake(name, piece, more) for piece in pieces_of(box, count)]
+        bakes = [bench.bake(name, piece, more) for piece in pieces_of(box, count, block)]
         asked = sum(b["cells"] + b["left_out"] for b in bakes)
         rows.append({"bakes": count, "asked": asked / count, "stored": sum(b["cells"] for b in bakes) / count,
                      "cpu": sum(b["cpu"] for b in bakes) / count, "per_cell": sum(b["cpu"] for b in bakes) / asked,
@@ -211,14 +211,15 @@ def crossroads(bench, name, blocks, layers):
 def part_cells(bench):
     """10 x 8 blocks of 8 m, two layers of half a metre at eye height."""
     box = [-16, 1, -32, 16, 1.5, 32] if bench.options.quick else [-40, 1, -32, 40, 2, 32]
-    rows = by_cells(bench, "town5k", box, [8, 1] if bench.options.quick else [8, 4, 2, 1], ["--cell-size", "1", *CHEAP])
+    rows = by_cells(bench, "town5k", box, [8, 1] if bench.options.quick else [8, 4, 2, 1], 8,
+                    ["--cell-size", "1", *CHEAP])
     print_by_cells(f"5,000 polygons, {' '.join(CHEAP)}", rows)
     return rows
 
 
 def part_city(bench):
     box = crossroads(bench, "vienna8m", (2, 2), 1 if bench.options.quick else 2)
-    rows = by_cells(bench, "vienna8m", box, [4, 2, 1], CHEAP)
+    rows = by_cells(bench, "vienna8m", box, [4, 2, 1], 32, CHEAP)
     print_by_cells(f"vienna8m, {' '.join(CHEAP)}", rows)
     return rows
 
