@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <glm/vec3.hpp>
 #include <string>
 
 #include "sightcell/scene/error.h"
@@ -21,6 +22,9 @@ constexpr std::uint64_t of_duplicates = 16;  // while they are looked for
 constexpr std::uint64_t of_workplace = 9;    // pixels of each polygon in a hemicube
 
 constexpr std::uint64_t vertex_bytes = 12;
+// A column of the field in which floors are looked for (cells/walkable.cpp): at most so many, four along a metre.
+constexpr std::uint64_t of_column = 32;
+constexpr double most_columns = 4 << 20, columns_per_square_metre = 16.0;
 // Libraries, their workers and what the allocator keeps for each thread.
 constexpr std::uint64_t of_process = 32ull << 20;
 // Records of neighbors and of cells that wait to be committed.
@@ -69,11 +73,22 @@ std::uint64_t memory_of_lane(std::uint64_t polygons, std::uint64_t set_bytes, co
   return set_bytes + polygons * of_workplace + of_images + of_records;
 }
 
-void require_memory(const scene::scene& s, const settings& how) {
+std::uint64_t memory_of_floors(double width, double depth, const settings& how) {
+  if (how.cells_file || how.cells_grid || !how.cells.empty()) return 0;
+  const double columns = std::min(width * depth * columns_per_square_metre, most_columns);
+  return of_column * static_cast<std::uint64_t>(std::max(columns, 0.0));
+}
+
+void require_memory(const scene::scene& s, const settings& how, const scene::world_geometry* flattened_scene) {
   if (how.memory == 0) return;
   // A set is 8 bytes per polygon.
-  const std::uint64_t needed =
+  std::uint64_t needed =
       resident_memory() + memory_of_scene(s, how) + memory_of_lane(s.polygon_count, 8ull * s.polygon_count, how);
+  if (flattened_scene != nullptr) {
+    const glm::vec3 size = flattened_scene->max - flattened_scene->min;
+    needed += memory_of_floors(static_cast<double>(size.x), static_cast<double>(size.z), how);
+    needed -= std::min(needed, flattened(s));  // it is resident
+  }
   const std::uint64_t so_far = peak_resident_memory();
   if (std::max(needed, so_far) <= how.memory) return;
   throw error(

@@ -65,6 +65,7 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
   require_memory(s, how);
   if (how.cells_file) given = read_overrides(*how.cells_file, s);
   flatten_into(geometry, s, how, given);
+  require_memory(s, how, &geometry);
   // Cells know nothing of rays, and most of both is one thread's work.
   tbb::parallel_invoke([&] { list = make_cells(geometry, how); },
                        [&] {

@@ -61,6 +61,23 @@ TEST(memory_limit, what_is_not_built_is_not_counted) {
   EXPECT_LT(memory_of_scene(s, how), without_neighbors);
 }
 
+TEST(memory_limit, floors_of_a_wide_scene_take_memory) {
+  settings how;
+  EXPECT_GT(memory_of_floors(500.0, 500.0, how), 60 * mebibyte);
+  EXPECT_EQ(memory_of_floors(1e6, 1e6, how), memory_of_floors(500.0, 500.0, how)) << "columns get wider";
+  EXPECT_LT(memory_of_floors(10.0, 10.0, how), mebibyte);
+  const auto id = [](std::uint64_t memory) {
+    const scene::scene s = a_room();
+    scene::world_geometry geometry = scene::flatten(s);
+    geometry.max.x += 1000.0f, geometry.max.z += 1000.0f;
+    return test::error_id([&] { require_memory(s, with_memory(memory), &geometry); });
+  };
+  EXPECT_EQ(id(resident_memory() + 90 * mebibyte), "bake.memory");
+  EXPECT_EQ(id(resident_memory() + 300 * mebibyte), "");
+  how.cells_grid = {{0, 0, 0, 1, 1, 1}};
+  EXPECT_EQ(memory_of_floors(500.0, 500.0, how), 0u) << "nobody looks for floors";
+}
+
 TEST(memory_limit, fewer_lanes_where_they_do_not_fit) {
   EXPECT_EQ(lanes_that_fit(16, 1 << 30, {}), 16u) << "no limit";
   const std::uint64_t room = resident_memory() + 1000 * mebibyte;
