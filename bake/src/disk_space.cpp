@@ -50,7 +50,8 @@ std::vector<disk> by_disk(const std::vector<disk_need>& needs) {
 }
 
 std::string text(std::uint64_t bytes) {
-  return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1u << 20));
+  return bytes < (1u << 20) ? fmt::format("{} KiB", bytes >> 10)
+                            : fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1u << 20));
 }
 
 }  // namespace

@@ -218,7 +218,8 @@ class Disk(Bench):
         tally = self.tally(sort)
         tally.times += 1
         tally.cells += ended.reported
-        if ended.code != 1 or ended.error() not in ("checkpoint.disk-full", "checkpoint.not-writable", "output.io"):
+        if ended.code != 1 or ended.error() not in ("bake.disk-space", "checkpoint.disk-full", "checkpoint.not-writable",
+                                                      "output.io"):
             self.wrong(sort, f"{free} bytes free: ends with {ended.code}: {ended.error_lines}")
         if self.victim.is_wrong() or self.victim.is_writing():
             self.wrong(sort, f"{free} bytes free: leaves {self.victim.left()}")
