@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -28,9 +29,8 @@ using test::error_id;
 class shards : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("sightcell_shards_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
+    std::string pattern = (fs::temp_directory_path() / "sightcell-shards-XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
     fs::create_directories(folder_ / "scratch");
     test::tiny_scene tiny;
     tiny.closed_box({-13, -3, -13}, {13, 3, 13}, true);
