@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <optional>
 #include <system_error>
 
 #include "disk.h"
@@ -24,13 +25,25 @@ std::filesystem::path in_scratch(const std::filesystem::path& scratch, const std
   return scratch / fmt::format("{:016x}-{}", XXH3_64bits(whole.data(), whole.size()), beside.filename().string());
 }
 
-// What another machine left goes on here, unless this one has gone on since.
+// When a bake was last written to. Until it is opened again its newest records may be in the log alone.
+std::optional<std::filesystem::file_time_type> last_written(const std::filesystem::path& bake) {
+  std::optional<std::filesystem::file_time_type> last;
+  for (const char* part : {"", "-journal", "-wal"}) {
+    std::error_code none;
+    const auto written = std::filesystem::last_write_time(with_suffix(bake, part), none);
+    if (!none && (!last || written > *last)) last = written;
+  }
+  return last;
+}
+
+// Another machine left more than there is here. To be asked before the file here is opened: that moves its log into it,
+// after which it looks new.
+bool is_newer(const std::filesystem::path& copy, const std::filesystem::path& here) {
+  const auto copied = last_written(copy), worked = last_written(here);
+  return copied && (!worked || *worked < *copied);
+}
+
 void take_over(const std::filesystem::path& copy, const std::filesystem::path& here) {
-  std::error_code none;
-  const auto copied = std::filesystem::last_write_time(copy, none);
-  if (none) return;
-  const auto worked = std::filesystem::last_write_time(here, none);
-  if (!none && worked >= copied) return;
   const std::filesystem::path partial = with_suffix(here, ".partial");
   try {
     std::filesystem::copy_file(copy, partial, std::filesystem::copy_options::overwrite_existing);
@@ -51,8 +64,9 @@ work_file::work_file(const std::filesystem::path& target, const std::filesystem:
   if (!scratch.empty() && !fresh) {
     // Whoever works there now is asked first: its file must not be replaced under it.
     std::error_code ignored;
+    const bool copy_is_newer = is_newer(beside_, path_);
     if (std::filesystem::exists(path_, ignored)) checkpoint(path_, key, false, plan);
-    take_over(beside_, path_);
+    if (copy_is_newer) take_over(beside_, path_);
   }
   records_.emplace(path_, key, fresh, plan);
   if (!scratch.empty() && fresh) {

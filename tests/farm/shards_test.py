@@ -6,11 +6,14 @@ usage: shards_test.py --sightcell PROGRAM --city PROGRAM --sample FOLDER [unitte
 import argparse
 import json
 import os
+import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ARGS = None
@@ -218,6 +221,23 @@ class Merge(Shards):
                     self.assertIn('level.pvs.shard-2-of-4.phase-1: ', line)
                     self.assertIn(what, line)
                 self.assertFalse(os.path.exists(level))
+
+
+class Scratch(Shards):
+    def test_a_newer_copy_is_taken_and_not_what_a_kill_left(self):
+        """A task is killed on one node, goes on on another one, and comes back to the first."""
+        folder, first, second = (tempfile.mkdtemp(dir=self.folder) for _ in range(3))
+        level = os.path.join(folder, 'level.pvs')
+        command = [ARGS.sightcell, 'bake', self.scene, '-o', level, *BAKE, '--shard', '0/1', '--scratch', first]
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as killed:
+            while killed.poll() is None and not any(p.stat().st_size > 40000 for p in pathlib.Path(first).glob('*-wal')):
+                time.sleep(0.01)
+            killed.kill()
+        self.assertEqual(killed.returncode, -signal.SIGKILL)
+        text = self.bake_shard(folder, '0/1', '1', '--scratch', second)
+        self.assertIn('256 cells (0 were there)', text)
+        os.rename(level + '.shard-0-of-1.phase-1', level + '.shard-0-of-1.phase-1.bake')
+        self.assertIn('256 cells (256 were there)', self.bake_shard(folder, '0/1', '1', '--scratch', first))
 
 
 def main():
