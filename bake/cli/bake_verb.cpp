@@ -10,6 +10,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <type_traits>
+#include <variant>
 
 #include "console.h"
 #include "exit_codes.h"
@@ -17,6 +19,7 @@
 #include "progress_line.h"
 #include "shard_option.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
 #include "stop_signals.h"
@@ -201,10 +204,22 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
   add(verb, "--margin", s.margin, "M", "metres by which every cell is grown for the bake")->group("Cells");
 }
 
+void add_sampler_option(CLI::App& verb, const bake::sampler_option& option, bake::settings& s) {
+  std::visit(
+      [&](auto member) {
+        if constexpr (std::is_same_v<decltype(member), bool bake::settings::*>)
+          verb.add_flag(option.name, s.*member, option.meaning)->group("Sampling");
+        else
+          add(verb, option.name, s.*member, option.unit, option.meaning)->group("Sampling");
+      },
+      option.value);
+}
+
 void add_sampling_options(CLI::App& verb, bake_options& o) {
   bake::settings& s = o.settings;
-  add(verb, "--sampler", s.sampler, "NAME", "importance-depth or halton")->group("Sampling");
-  add(verb, "--samples", s.samples, "N", "hemicubes per cell")->group("Sampling");
+  add(verb, "--sampler", s.sampler, "NAME", "what looks for visible polygons; see sightcell samplers")
+      ->group("Sampling");
+  for (const bake::sampler_option& option : bake::sampler_options()) add_sampler_option(verb, option, s);
   add(verb, "--max-pixel-error", s.max_pixel_error, "E", "bound of the pixel error of each cell; 0: no rays")
       ->group("Sampling");
   add(verb, "--source", s.source, "NAME",

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   add_info_verb(program, chosen);
   add_merge_verb(program, chosen);
   add_patch_verb(program, chosen);
+  add_samplers_verb(program, chosen);
   add_verify_verb(program, chosen);
   try {
     program.parse(argc, argv);

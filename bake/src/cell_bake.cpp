@@ -5,8 +5,6 @@
 #include "finish/dilation.h"
 #include "finish/ray_finish.h"
 #include "finish/retest.h"
-#include "sampler/cell_sampling.h"
-#include "seeing/gap_filter.h"
 
 namespace sightcell::bake {
 namespace {
@@ -34,12 +32,12 @@ void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vect
 }  // namespace
 
 cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
-                       const near_polygons* neighbors, hemicube_source& source)
+                       const near_polygons* neighbors, const cell_sampler& sampler)
     : how_(how),
       given_(given),
       rays_(rays),
       neighbors_(neighbors),
-      source_(source),
+      sampler_(sampler),
       duplicates_(rays.geometry(), how.all_double_sided) {
   const auto& kinds = rays.geometry().kinds;
   for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
@@ -61,7 +59,8 @@ bool cell_baker::find_free_points(const view_cell& cell, std::vector<glm::vec3>&
   if (draw_free_points(rays_, {cell.min, cell.max}, how_.player_radius, 1, free_point_tries, random, tries).empty())
     return false;
   tries = 0;
-  const auto wanted = std::max<std::size_t>(free_points_wanted, how_.samples / 4);
+  const auto wanted =
+      std::max<std::size_t>(free_points_wanted, static_cast<std::size_t>(how_.samples * how_.interior_share / 2.0));
   free = draw_free_points(rays_, grown(cell), how_.player_radius, wanted, 16 * free_point_tries, random, tries);
   free_share = static_cast<double>(free.size()) / static_cast<double>(tries);
   return !free.empty();
@@ -78,11 +77,9 @@ cell_record cell_baker::sample(const view_cell& cell, cell_set& set) const {
   for (const std::uint32_t polygon : always_) set.add(polygon, free.front());
   const auto inside = polygons_touching(rays_.geometry(), grown(cell));
   record.geometry_inside = !inside.empty();
-  const sampling_plan plan{how_.sampler, how_.samples, record.geometry_inside, how_.seed, cell.place};
-  gap_filter without_cracks(source_, rays_, set, how_.smallest_gap);
-  record.samples = sample_cell(
-      plan, grown(cell), free, [&](const glm::vec3& eye) { return rays_.is_free(eye, how_.player_radius); },
-      without_cracks, set);
+  const sampling_effort effort = sampler_.sample({grown(cell), cell.place, record.geometry_inside, free}, set);
+  record.samples = effort.samples;
+  record.rays_spent = effort.rays;
 
   // Rule 4: what touches the cell and faces a free point of it is in its set.
   for (const std::uint32_t polygon : inside)

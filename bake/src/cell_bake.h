@@ -11,8 +11,8 @@
 #include "finish/near_polygons.h"
 #include "free_space.h"
 #include "rays/ray_scene.h"
+#include "sampler/cell_sampler.h"
 #include "sightcell/bake/settings.h"
-#include "source/hemicube_source.h"
 
 namespace sightcell::bake {
 
@@ -22,9 +22,9 @@ namespace sightcell::bake {
 // calling thread's TBB arena.
 class cell_baker {
  public:
-  // References must outlive the baker. neighbors: null when max_pixel_error is 0 (no rays).
+  // References must outlive the baker. neighbors: null when max_pixel_error is 0 (no rays). sampler: prepared.
   cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
-             hemicube_source& source);
+             const cell_sampler& sampler);
   cell_baker(const cell_baker&) = delete;  // sets point into it
   cell_baker& operator=(const cell_baker&) = delete;
 
@@ -57,7 +57,7 @@ class cell_baker {
   const overrides& given_;
   const ray_scene& rays_;
   const near_polygons* neighbors_;
-  hemicube_source& source_;
+  const cell_sampler& sampler_;
   duplicate_classes duplicates_;
   std::vector<std::uint32_t> always_;  // polygons that are in every set
 };

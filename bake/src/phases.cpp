@@ -17,7 +17,7 @@ namespace {
 
 // Made in place: it cannot be moved.
 cell_baker baker_of(const workshop& shop) {
-  return {shop.how, shop.given, *shop.rays, shop.neighbors ? &*shop.neighbors : nullptr, *shop.eyes.source};
+  return {shop.how, shop.given, *shop.rays, shop.neighbors ? &*shop.neighbors : nullptr, *shop.sampler};
 }
 
 void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {

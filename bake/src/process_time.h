@@ -1,6 +1,6 @@
 #pragma once
-// CPU time of the whole process, all threads, or of this thread alone, in seconds. For progress and reports; never
-// decides a result.
+// CPU time of the whole process, all threads, or of this thread alone, in seconds. For progress and reports; decides no
+// result but that of --seconds-per-cell.
 #include <ctime>
 
 namespace sightcell::bake {

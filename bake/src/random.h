@@ -23,9 +23,10 @@ enum class purpose : std::uint64_t {
   bound = 5,
   verify = 6,
   estimate = 7,
-  retest = 8,             // phase 1: what cells of the block see
-  retest_all = 9,         // phase 2: what cells of all blocks around see
-  dilation_of_finds = 10  // phase 2
+  retest = 8,              // phase 1: what cells of the block see
+  retest_all = 9,          // phase 2: what cells of all blocks around see
+  dilation_of_finds = 10,  // phase 2
+  jitter = 11
 };
 
 class random_stream {

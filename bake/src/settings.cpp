@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <variant>
+#include <vector>
 
+#include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -39,6 +43,37 @@ std::string number(T value) {
   return fmt::format("{}", value);
 }
 
+void check_sampler(const settings& s) {
+  const auto all = samplers();
+  if (std::none_of(all.begin(), all.end(), [&](const sampler_info& one) { return s.sampler == one.name; })) {
+    std::vector<std::string_view> names;
+    for (const sampler_info& one : all) names.emplace_back(one.name);
+    refuse("--sampler", "\"" + s.sampler + "\"", fmt::format("{}", fmt::join(names, ", ")));
+  }
+  for (const sampler_option& option : sampler_options())
+    std::visit(
+        [&](auto member) {
+          const auto value = static_cast<double>(s.*member);
+          if (!(value >= option.low && value <= option.high))
+            refuse(option.name, value_text(option, s), fmt::format("{} to {}", option.low, option.high));
+        },
+        option.value);
+}
+
+// What the sampler was told other than its defaults.
+std::string sampler_text(const settings& s) {
+  std::string text;
+  const settings defaults;
+  for (const sampler_option& option : sampler_options()) {
+    const std::string value = value_text(option, s);
+    if (!option.of(s.sampler) || value == value_text(option, defaults)) continue;
+    std::string key = option.name + 2;  // without its dashes
+    std::replace(key.begin(), key.end(), '-', '_');
+    if (key != "samples") text += fmt::format(R"(,"{}":{})", key, value);
+  }
+  return text;
+}
+
 const char* kind_of_cells(const settings& s) {
   if (!s.cells.empty()) return "given";
   if (s.cells_file) return "file";
@@ -59,11 +94,9 @@ void validate(const settings& s) {
   check("--margin", s.margin, 0.0f, 10.0f, " m");
   check("--player-radius", s.player_radius, 0.001f, 1.0f, " m");
   check("--smallest-gap", s.smallest_gap, 0.0f, 0.1f, " m");
-  if (s.sampler != "importance-depth" && s.sampler != "halton")
-    refuse("--sampler", "\"" + s.sampler + "\"", "importance-depth or halton");
+  check_sampler(s);
   if (s.source != "gpu" && s.source != "cpu" && s.source != "rays" && s.source != "auto")
     refuse("--source", "\"" + s.source + "\"", "gpu, cpu, rays or auto");
-  check<std::uint32_t>("--samples", s.samples, 6, 100'000, " hemicubes per cell");
   check<std::uint32_t>("--resolution", s.resolution, 16, 4096, " pixels");
   if (s.resolution % 2 != 0) refuse("--resolution", number(s.resolution), "an even number, 16 to 4096");
   if (s.max_pixel_error != 0.0 && !(s.max_pixel_error >= 1e-7 && s.max_pixel_error <= 0.5))
@@ -84,6 +117,7 @@ std::string describe(const settings& s) {
                       s.cell_limit, number(s.margin), number(s.player_radius));
   text += fmt::format(R"(,"sampler":{},"samples":{},"resolution":{},"max_pixel_error":{},"seed":{})",
                       nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);
+  text += sampler_text(s);
   text += fmt::format(R"(,"all_double_sided":{})", s.all_double_sided);
   text += fmt::format(R"(,"smallest_gap":{})", number(s.smallest_gap));
   if (s.animated != scene::animated_as::always)

@@ -1,6 +1,7 @@
 #pragma once
 // Everything a bake has at hand before its first cell, in the order in which it is built.
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,7 @@
 #include "cells/view_cell.h"
 #include "finish/near_polygons.h"
 #include "rays/ray_scene.h"
+#include "sampler/cell_sampler.h"
 #include "sightcell/bake/bake.h"
 #include "source/choose_source.h"
 
@@ -30,6 +32,7 @@ struct workshop {
   chosen_source eyes;
   cell_list list;
   std::optional<cell_blocks> blocks;
+  std::unique_ptr<cell_sampler> sampler;
   std::string settings_text;  // for the checkpoint's key; the file's has the overrides besides
   // Names all that decides a byte: scene with the textures that decide alpha, cells, settings, device, version.
   std::string key;

@@ -47,7 +47,7 @@ class Usage(InFolder):
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--seconds-per-cell=1', '--time-budget=9', '--metric=view',
+        for option in ('--time-budget=9', '--metric=view',
                        '--safety-ring=edge', '--misses=x', '--layout=merged',
                        '--profile=small', '--importance', '--report=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)

@@ -22,9 +22,14 @@ class face_sampler {
   virtual void rejected(const glm::vec2& place) = 0;
 };
 
-// The samplers by name; throws sightcell::error for an unknown one. samples: how many this face will get at most.
-// size: of the face in metres.
-std::unique_ptr<face_sampler> make_face_sampler(std::string_view name, const glm::vec2& size, std::uint32_t samples,
-                                                random_stream random);
+struct face_options {
+  std::string_view sampler;      // by name
+  std::uint32_t samples = 0;     // how many the face will get at most
+  double reliability = 0.995;    // of importance-depth, as is the next one
+  std::uint32_t start_grid = 0;  // 0: by samples
+};
+
+// size: of the face in metres. Throws sightcell::error for a name that is not that of a face sampler.
+std::unique_ptr<face_sampler> make_face_sampler(const face_options& how, const glm::vec2& size, random_stream random);
 
 }  // namespace sightcell::bake

@@ -7,8 +7,6 @@
 namespace sightcell::bake {
 namespace {
 
-// Above this everywhere, the face is done (step 5 of the thesis).
-constexpr float reliable_enough = 0.995f;
 // sigma^2 never falls below this: a sample with the largest importance still speaks for its surroundings.
 constexpr double variance_floor = 0.02;
 // A place that is not free takes its texels within this distance (face coordinates) out of the search. Small enough to
@@ -123,8 +121,10 @@ reliability_map::lowest_place reliability_map::lowest() const {
   return {row_lows_[y], center_of(y * map_size + x)};
 }
 
-importance_depth::importance_depth(const glm::vec2& face_size, std::uint32_t samples)
-    : map_(face_size), grid_(start_grid(samples)) {}
+importance_depth::importance_depth(const glm::vec2& face_size, const face_options& how)
+    : map_(face_size),
+      reliable_enough_(static_cast<float>(how.reliability)),
+      grid_(how.start_grid > 0 ? how.start_grid : start_grid(how.samples)) {}
 
 std::optional<glm::vec2> importance_depth::next() {
   if (grid_next_ < grid_ * grid_) {
@@ -133,7 +133,7 @@ std::optional<glm::vec2> importance_depth::next() {
     return (tile + 0.5f) / static_cast<float>(grid_);
   }
   const auto lowest = map_.lowest();
-  if (lowest.reliability >= reliable_enough) return std::nullopt;
+  if (lowest.reliability >= reliable_enough_) return std::nullopt;
   return lowest.place;
 }
 

@@ -55,7 +55,7 @@ class reliability_map {
 
 class importance_depth final : public face_sampler {
  public:
-  importance_depth(const glm::vec2& face_size, std::uint32_t samples);
+  importance_depth(const glm::vec2& face_size, const face_options& how);
   std::optional<glm::vec2> next() override;
   void rendered(const glm::vec2& place, const hemicube_view& view) override;
   void rejected(const glm::vec2& place) override;
@@ -64,7 +64,8 @@ class importance_depth final : public face_sampler {
 
  private:
   reliability_map map_;
-  std::uint32_t grid_;  // the start grid is grid_ x grid_
+  float reliable_enough_;  // a face is done when the map is nowhere below (step 5 of the thesis)
+  std::uint32_t grid_;     // the start grid is grid_ x grid_
   std::uint32_t grid_next_ = 0;
 };
 

@@ -47,7 +47,8 @@ class cell_bake : public testing::Test {
     const near_polygons neighbors(rays);
     const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
     const overrides none;
-    const cell_baker baker(how, none, rays, how.max_pixel_error > 0.0 ? &neighbors : nullptr, *source);
+    const auto sampler = make_cell_sampler(how, {rays, *source});
+    const cell_baker baker(how, none, rays, how.max_pixel_error > 0.0 ? &neighbors : nullptr, *sampler);
     cell_set set = baker.make_set();
     cell_record record = baker.finished(cell, baker.sample_and_finish(cell, set));
     if (checked && how.max_pixel_error > 0.0 && record.stored) expect_as_brute_force(rays, cell, how, record);
@@ -296,7 +297,8 @@ TEST_F(cell_bake, every_cell_starts_afresh) {
   const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
   const settings how;
   const overrides none;
-  const cell_baker baker(how, none, rays, &neighbors, *source);
+  const auto sampler = make_cell_sampler(how, {rays, *source});
+  const cell_baker baker(how, none, rays, &neighbors, *sampler);
   cell_set set = baker.make_set();
   (void)baker.sample_and_finish(around_origin, set);
   const cell_record second = baker.sample_and_finish({{19, -1, -1}, {21, 1, 1}, "", 8}, set);

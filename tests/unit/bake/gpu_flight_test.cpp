@@ -4,7 +4,7 @@
 
 #include "cell_set.h"
 #include "gpu_scene.h"
-#include "sampler/cell_sampling.h"
+#include "sample_cell.h"
 #include "source/polygon_counts.h"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "errors/error_id.h"
-#include "sampler/cell_sampling.h"
+#include "sample_cell.h"
 #include "sampler/face_sampler.h"
 #include "sampler/importance_depth.h"
 #include "sightcell/scene/error.h"
@@ -136,7 +136,7 @@ TEST(reliability_map, knows_its_lowest_place_and_follows_the_formula) {
 }
 
 TEST(importance_depth, starts_with_the_grid_then_goes_where_reliability_is_lowest) {
-  importance_depth sampler({4, 4}, 16);
+  importance_depth sampler({4, 4}, {.sampler = "importance-depth", .samples = 16});
   std::vector<glm::vec2> places;
   for (int i = 0; i < 10; ++i) {
     const auto place = sampler.next();
@@ -155,7 +155,7 @@ TEST(importance_depth, starts_with_the_grid_then_goes_where_reliability_is_lowes
 
 TEST(importance_depth, samples_gather_where_the_gap_is) {
   // Half the face sees gaps to the right, half sees a flat wall.
-  importance_depth sampler({4, 4}, 40);
+  importance_depth sampler({4, 4}, {.sampler = "importance-depth", .samples = 40});
   int in_gap = 0;
   for (int i = 0; i < 40; ++i) {
     const auto place = sampler.next();
@@ -169,7 +169,7 @@ TEST(importance_depth, samples_gather_where_the_gap_is) {
 }
 
 TEST(importance_depth, ends_when_nothing_is_free) {
-  importance_depth sampler({4, 2}, 10);
+  importance_depth sampler({4, 2}, {.sampler = "importance-depth", .samples = 10});
   int asked = 0;
   while (const auto place = sampler.next()) {
     sampler.rejected(*place);
@@ -178,7 +178,8 @@ TEST(importance_depth, ends_when_nothing_is_free) {
 }
 
 TEST(halton, is_even_and_ends_when_nothing_is_free) {
-  const auto places = make_face_sampler("halton", {4, 4}, 100, random_stream(1, 2, purpose::boundary));
+  const auto places =
+      make_face_sampler({.sampler = "halton", .samples = 100}, {4, 4}, random_stream(1, 2, purpose::boundary));
   std::array<int, 4> quarter{};
   for (int i = 0; i < 64; ++i) {
     const auto place = places->next();
@@ -198,9 +199,128 @@ TEST(halton, is_even_and_ends_when_nothing_is_free) {
 
 TEST(face_sampler, unknown_name_is_an_error) {
   EXPECT_EQ(test::error_id([] {
-              make_face_sampler("best", {1, 1}, 1, random_stream(1, 1, purpose::boundary));
+              make_face_sampler({.sampler = "best", .samples = 1}, {1, 1}, random_stream(1, 1, purpose::boundary));
             }),
             "settings.out-of-range");
+}
+
+TEST(uniform_grid, has_as_many_places_as_it_may_and_they_are_even) {
+  for (const std::uint32_t samples : {1u, 7u, 44u, 45u}) {
+    const auto places =
+        make_face_sampler({.sampler = "uniform", .samples = samples}, {8, 2}, random_stream(1, 2, purpose::boundary));
+    std::vector<glm::vec2> all;
+    while (const auto place = places->next()) all.push_back(*place);
+    ASSERT_EQ(all.size(), samples);
+    float nearest = 100.0f;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k) nearest = std::min(nearest, glm::length((all[i] - all[k]) * glm::vec2(8, 2)));
+    if (samples >= 44) {
+      EXPECT_GT(nearest, 0.4f) << "16 square metres, so squares of 0.6 m";
+    }
+  }
+}
+
+TEST(uniform_grid, the_first_half_covers_the_face) {
+  const auto places =
+      make_face_sampler({.sampler = "uniform", .samples = 64}, {4, 4}, random_stream(1, 2, purpose::boundary));
+  std::array<int, 4> quarter{};
+  for (int i = 0; i < 32; ++i) {
+    const auto place = places->next();
+    ++quarter[static_cast<std::size_t>((place->x > 0.5f) + 2 * (place->y > 0.5f))];
+  }
+  for (const int count : quarter) EXPECT_EQ(count, 8);
+}
+
+TEST(quad_difference, is_the_largest_share_of_pixels_that_another_corner_sees_and_one_does_not) {
+  const corner_view a{{1, 60}, {2, 40}}, b{{1, 50}, {3, 50}}, c{{1, 100}};
+  const auto of = [](std::vector<const corner_view*> corners) { return quad_difference(corners, 100.0); };
+  EXPECT_EQ(of({&a, &a, &a}), 0.0);
+  EXPECT_EQ(of({&a, &b}), 0.5) << "a lacks 3";
+  EXPECT_EQ(of({&a, &b, &c}), 0.9) << "c lacks 2 and 3";
+  EXPECT_EQ(of({&a}), 0.0);
+  EXPECT_EQ(of({}), 0.0);
+}
+
+TEST(nir04, divides_where_corners_see_different_polygons) {
+  scripted_source source;
+  // What looks toward +x sees another polygon from each half of the face's lower left quarter.
+  source.answer = [](const pose& p, hemicube_view& view) {
+    if (p.forward.x > 0.5f && p.eye.z > 2.0f && p.eye.y < 2.0f)
+      view.seen = {{p.eye.y < 1.0f ? 1u : 2u, 3 * 64 * 64, 0}};
+    else
+      view.seen = {{3, 3 * 64 * 64, 0}};
+  };
+  cell_set set(10);
+  const auto free = [](const glm::vec3&) { return true; };
+  EXPECT_EQ(sample_cell({"nir04", 120, false, 1, 1}, {{0, 0, 0}, {4, 4, 4}}, {}, free, source, set), 120u);
+  std::array<int, 2> on_face{};
+  for (const pose& p : source.poses)
+    if (p.forward.x > 0.5f) ++on_face[p.eye.z >= 2.0f && p.eye.y <= 2.0f ? 1 : 0];
+  EXPECT_EQ(on_face[0] + on_face[1], 120 - 5 * 9) << "the other faces are the same everywhere";
+  EXPECT_GT(on_face[1], 50);
+  EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{1, 2, 3}));
+  std::set<std::array<float, 6>> places;
+  for (const pose& p : source.poses) places.insert({p.eye.x, p.eye.y, p.eye.z, p.forward.x, p.forward.y, p.forward.z});
+  EXPECT_EQ(places.size(), 120u) << "no hemicube twice";
+}
+
+TEST(nir04, ends_where_nothing_differs) {
+  scripted_source source;
+  source.answer = [](const pose&, hemicube_view& view) { view.seen = {{3, 10, 0}}; };
+  cell_set set(10);
+  const auto free = [](const glm::vec3&) { return true; };
+  EXPECT_EQ(sample_cell({"nir04", 500, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, free, source, set), 54u);
+  EXPECT_EQ(sample_cell({"nir04", 40, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, free, source, set), 24u);
+  EXPECT_EQ(sample_cell({"nir04", 6, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, free, source, set), 6u);
+}
+
+TEST(nir04, a_cell_that_sees_much_is_sampled_in_parts) {
+  scripted_source source;
+  source.answer = [](const pose& p, hemicube_view& view) {
+    view.seen = {{static_cast<std::uint32_t>(p.eye.x * 10.0f), 10, 0}};
+  };
+  const auto free = [](const glm::vec3&) { return true; };
+  const box where{{0, 0, 0}, {4, 2, 3}};
+  const auto inner = [&](std::uint32_t part_polygons) {
+    source.poses.clear();
+    cell_set set(100);
+    const hemicube_plan plan{.samples = 600};
+    hemicubes taken(plan, source, set);
+    sample_nir04({.part_polygons = part_polygons}, where, free, taken);
+    EXPECT_LE(taken.taken(), 600u);
+    int on_the_cut = 0;
+    for (const pose& p : source.poses) on_the_cut += std::abs(p.forward.x) > 0.5f && p.eye.x == 2.0f ? 1 : 0;
+    return on_the_cut;
+  };
+  EXPECT_EQ(inner(0), 0);
+  EXPECT_EQ(inner(50), 0);
+  EXPECT_GT(inner(5), 10);
+}
+
+TEST(hemicubes, jitter_turns_by_at_most_half_a_pixel) {
+  const pose straight;
+  double most = 0.0;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    const pose turned = jittered(straight, 64, random_stream(1, 1, purpose::jitter, 0, i));
+    EXPECT_NEAR(glm::length(turned.right), 1.0, 1e-6);
+    EXPECT_NEAR(glm::dot(turned.right, turned.up), 0.0, 1e-6);
+    EXPECT_NEAR(glm::distance(glm::cross(turned.forward, turned.up), turned.right), 0.0, 1e-6);
+    const double right = std::abs(glm::dot(turned.forward, straight.right)),
+                 up = std::abs(glm::dot(turned.forward, straight.up));
+    EXPECT_LT(std::max(right, up), 0.5 * 2.0 / 64);
+    most = std::max(most, right);
+  }
+  EXPECT_GT(most, 0.4 * 2.0 / 64);
+}
+
+TEST(hemicubes, a_limit_of_time_ends_a_cell) {
+  scripted_source source;
+  cell_set set(10);
+  const hemicube_plan plan{.samples = 1000, .seconds = 1e-9};
+  hemicubes taken(plan, source, set);
+  sample_faces(
+      {.sampler = "halton"}, plan, {{0, 0, 0}, {4, 2, 4}}, [](const glm::vec3&) { return true; }, taken);
+  EXPECT_LE(taken.taken(), 6u);
 }
 
 TEST(sample_cell, an_empty_cell_gets_boundary_samples_only) {

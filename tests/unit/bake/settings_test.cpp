@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "errors/error_id.h"
+#include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -45,6 +47,10 @@ TEST(settings, errors_name_the_option) {
   expect("--source", [](settings& s) { s.source = ""; });
   expect("--samples", [](settings& s) { s.samples = 5; });
   expect("--samples", [](settings& s) { s.samples = 100001; });
+  expect("--seconds-per-cell", [](settings& s) { s.seconds_per_cell = NAN; });
+  expect("--interior-share", [](settings& s) { s.interior_share = 1.0; });
+  expect("--reliability", [](settings& s) { s.reliability = 0.0; });
+  expect("--difference", [](settings& s) { s.difference = -0.1; });
   expect("--resolution", [](settings& s) { s.resolution = 255; });
   expect("--resolution", [](settings& s) { s.resolution = 8; });
   expect("--resolution", [](settings& s) { s.resolution = 8192; });
@@ -59,6 +65,34 @@ TEST(settings, errors_name_the_option) {
     s.cells_grid = {{0, 0, 0, 1, 1, 1}};
     s.cells_file = "cells.json";
   });
+}
+
+TEST(sampler_options, every_sampler_is_known_and_every_option_is_somebodys) {
+  for (const sampler_option& option : sampler_options()) {
+    EXPECT_FALSE(option.samplers.empty()) << option.name;
+    for (const std::string_view name : option.samplers) {
+      settings s;
+      s.sampler = name;
+      EXPECT_NO_THROW(validate(s)) << option.name << " is one of " << name;
+      EXPECT_TRUE(option.of(name));
+    }
+    EXPECT_FALSE(option.of("nobody"));
+  }
+  for (const sampler_info& one : samplers()) {
+    const auto all = sampler_options();
+    EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const sampler_option& o) { return o.of(one.name); }));
+  }
+}
+
+TEST(sampler_options, what_is_not_the_default_stands_in_the_text_of_who_has_it) {
+  settings s;
+  const std::string before = describe(s);
+  s.difference = 0.25;
+  EXPECT_EQ(describe(s), before) << "importance-depth has none";
+  s.sampler = "nir04";
+  EXPECT_NE(describe(s).find(R"("difference":0.25)"), std::string::npos);
+  s.jitter = true;
+  EXPECT_NE(describe(s).find(R"("jitter":true)"), std::string::npos);
 }
 
 TEST(settings, one_kind_of_cells_is_enough) {

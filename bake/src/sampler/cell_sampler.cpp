@@ -1,0 +1,52 @@
+#include "sampler/cell_sampler.h"
+
+#include <algorithm>
+#include <string>
+
+#include "sampler/face_sampling.h"
+#include "sampler/hemicubes.h"
+#include "sampler/nir04.h"
+#include "seeing/gap_filter.h"
+#include "sightcell/bake/sampler_options.h"
+#include "sightcell/scene/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+// All samplers that take hemicubes: full cubes at interior points first, then the faces.
+class hemicube_sampler final : public cell_sampler {
+ public:
+  hemicube_sampler(const settings& how, const sampler_world& world) : how_(how), world_(world) {}
+
+  sampling_effort sample(const sampled_cell& cell, cell_set& set) const override {
+    gap_filter without_cracks(world_.source, world_.rays, set, how_.smallest_gap);
+    const hemicube_plan plan{.samples = how_.samples,
+                             .seed = how_.seed,
+                             .place = cell.place,
+                             .geometry_inside = cell.geometry_inside,
+                             .interior_share = how_.interior_share,
+                             .jitter = how_.jitter,
+                             .seconds = how_.seconds_per_cell};
+    const auto is_free = [&](const glm::vec3& eye) { return world_.rays.is_free(eye, how_.player_radius); };
+    hemicubes taken(plan, without_cracks, set);
+    taken.take_interior(cell.free);
+    if (how_.sampler == "nir04")
+      sample_nir04({how_.difference, how_.part_polygons}, cell.grown, is_free, taken);
+    else
+      sample_faces({.sampler = how_.sampler, .reliability = how_.reliability, .start_grid = how_.start_grid}, plan,
+                   cell.grown, is_free, taken);
+    return {.samples = taken.taken()};
+  }
+
+ private:
+  const settings& how_;
+  const sampler_world world_;
+};
+
+}  // namespace
+
+std::unique_ptr<cell_sampler> make_cell_sampler(const settings& how, const sampler_world& world) {
+  return std::make_unique<hemicube_sampler>(how, world);
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,194 @@
+#include "sampler/nir04.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+#include "sampler/boundary_face.h"
+
+namespace sightcell::bake {
+namespace {
+
+// Corners lie at whole numbers of these steps along a face, so that quads which share one know it: 12 divisions.
+constexpr std::uint32_t steps = 4096;
+constexpr int deepest_part = 6;  // a cell is halved at most so often
+
+struct corner {
+  bool free = false;
+  corner_view seen;
+};
+
+struct quad {
+  double difference = 0.0;
+  std::uint32_t face = 0, x = 0, y = 0, size = steps;  // from (x, y), in steps
+  // The largest difference first; of equal ones the largest quad, then in the order of faces and rows.
+  bool operator<(const quad& other) const {
+    return std::tuple(difference, size, ~face, ~y, ~x) <
+           std::tuple(other.difference, other.size, ~other.face, ~other.y, ~other.x);
+  }
+};
+
+// One box: a cell or a part of one.
+class part_sampling {
+ public:
+  part_sampling(const nir04_options& how, const box& where, const std::function<bool(const glm::vec3&)>& is_free,
+                double pixels, hemicubes& cell)
+      : how_(how), faces_(faces_of(where.min, where.max)), is_free_(is_free), pixels_(pixels), cell_(cell) {}
+
+  // Takes at most budget hemicubes.
+  void sample(std::uint32_t budget) {
+    budget_ = budget;
+    start();
+    while (!quads_.empty() && left() > 0) {
+      const quad next = quads_.top();
+      quads_.pop();
+      if (next.difference <= how_.difference || next.size == 1) continue;
+      divide(next);
+    }
+  }
+
+  // How many polygons all its corners see together.
+  std::size_t polygons() const {
+    std::vector<std::uint32_t> ids;
+    for (const auto& face : corners_)
+      for (const auto& [at, one] : face)
+        for (const seen_polygon& s : one.seen) ids.push_back(s.id);
+    std::sort(ids.begin(), ids.end());
+    return static_cast<std::size_t>(std::unique(ids.begin(), ids.end()) - ids.begin());
+  }
+
+ private:
+  using place = std::pair<std::uint32_t, std::uint32_t>;
+
+  std::uint32_t left() const { return std::min(budget_ - std::min(budget_, taken_), cell_.left()); }
+
+  void start() {
+    const std::size_t each = budget_ / faces_.size();
+    if (each < 4) {
+      for (std::uint32_t face = 0; face < faces_.size(); ++face) want(face, {steps / 2, steps / 2});
+      take_wanted();
+      return;
+    }
+    const std::uint32_t size = each < 9 ? steps : steps / 2;
+    for (std::uint32_t face = 0; face < faces_.size(); ++face)
+      for (std::uint32_t y = 0; y <= steps; y += size)
+        for (std::uint32_t x = 0; x <= steps; x += size) want(face, {x, y});
+    take_wanted();
+    for (std::uint32_t face = 0; face < faces_.size(); ++face)
+      for (std::uint32_t y = 0; y < steps; y += size)
+        for (std::uint32_t x = 0; x < steps; x += size) add_quad({0.0, face, x, y, size}, 0.0);
+  }
+
+  void divide(const quad& whole) {
+    const std::uint32_t half = whole.size / 2;
+    for (std::uint32_t y = 0; y <= 2; ++y)
+      for (std::uint32_t x = 0; x <= 2; ++x) want(whole.face, {whole.x + x * half, whole.y + y * half});
+    take_wanted();
+    for (std::uint32_t y = 0; y < 2; ++y)
+      for (std::uint32_t x = 0; x < 2; ++x)
+        add_quad({0.0, whole.face, whole.x + x * half, whole.y + y * half, half}, whole.difference);
+  }
+
+  // parent: the difference of the quad it was part of, which it keeps where walls leave it less than two corners.
+  void add_quad(quad one, double parent) {
+    std::array<const corner_view*, 4> seen{};
+    std::size_t count = 0;
+    for (const place& at : {place{one.x, one.y},
+                            {one.x + one.size, one.y},
+                            {one.x, one.y + one.size},
+                            {one.x + one.size, one.y + one.size}}) {
+      const auto found = corners_[one.face].find(at);
+      if (found != corners_[one.face].end() && found->second.free) seen[count++] = &found->second.seen;
+    }
+    one.difference = count < 2 ? parent : quad_difference(std::span(seen).first(count), pixels_);
+    quads_.push(one);
+  }
+
+  void want(std::uint32_t face, const place& at) {
+    const auto [found, is_new] = corners_[face].try_emplace(at);
+    if (!is_new) return;
+    const pose where = faces_[face].at(glm::vec2{at.first, at.second} / static_cast<float>(steps));
+    if (!is_free_(where.eye)) return;
+    wanted_.push_back(&found->second);
+    poses_.push_back(where);
+  }
+
+  // Where the budget ends in the middle, the first of them have it.
+  void take_wanted() {
+    const std::size_t count = std::min<std::size_t>(left(), poses_.size());
+    views_.resize(count);
+    cell_.take(std::span(poses_).first(count), views_);
+    taken_ += static_cast<std::uint32_t>(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      wanted_[i]->free = true;
+      wanted_[i]->seen = std::move(views_[i].seen);
+    }
+    wanted_.clear();
+    poses_.clear();
+  }
+
+  const nir04_options& how_;
+  const std::array<boundary_face, 6> faces_;
+  const std::function<bool(const glm::vec3&)>& is_free_;
+  const double pixels_;
+  hemicubes& cell_;
+  std::uint32_t budget_ = 0, taken_ = 0;
+  std::array<std::map<place, corner>, 6> corners_;  // pointers into it stay valid
+  std::priority_queue<quad> quads_;
+  std::vector<corner*> wanted_;
+  std::vector<pose> poses_;
+  std::vector<hemicube_view> views_;
+};
+
+// The hierarchy of cells in the original stops where a cell sees few enough polygons. Here cells are given, so a cell
+// that sees more is cut across its longest side, and what its parts see is together what it sees.
+void sample_part(const nir04_options& how, const box& where, const std::function<bool(const glm::vec3&)>& is_free,
+                 double pixels, hemicubes& cell, std::uint32_t budget, int depth) {
+  const bool may_cut = how.part_polygons > 0 && depth < deepest_part;
+  part_sampling part(how, where, is_free, pixels, cell);
+  const std::uint32_t before = cell.taken();
+  part.sample(may_cut ? (budget + 2) / 3 : budget);
+  budget -= std::min(budget, cell.taken() - before);
+  if (!may_cut || budget < 12 || part.polygons() <= how.part_polygons) return;
+  const glm::vec3 size = where.max - where.min;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.z >= size.y ? 2 : 1);
+  box low = where, high = where;
+  low.max[axis] = high.min[axis] = 0.5f * (where.min[axis] + where.max[axis]);
+  const std::uint32_t half = budget / 2;
+  sample_part(how, low, is_free, pixels, cell, half, depth + 1);
+  sample_part(how, high, is_free, pixels, cell, budget - half, depth + 1);
+}
+
+}  // namespace
+
+double quad_difference(std::span<const corner_view* const> corners, double pixels) {
+  if (corners.size() < 2) return 0.0;
+  std::array<std::size_t, 4> at{};
+  std::array<double, 4> missing{};
+  for (;;) {
+    std::uint32_t id = UINT32_MAX, most = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      if (at[i] < corners[i]->size()) id = std::min(id, (*corners[i])[at[i]].id);
+    if (id == UINT32_MAX) break;
+    std::array<bool, 4> has{};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (at[i] == corners[i]->size() || (*corners[i])[at[i]].id != id) continue;
+      has[i] = true;
+      most = std::max(most, (*corners[i])[at[i]++].pixels);
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      if (!has[i]) missing[i] += most;
+  }
+  return *std::max_element(missing.begin(), missing.end()) / pixels;
+}
+
+void sample_nir04(const nir04_options& how, const box& grown, const std::function<bool(const glm::vec3&)>& is_free,
+                  hemicubes& cell) {
+  const double pixels = 3.0 * cell.resolution() * cell.resolution();
+  sample_part(how, grown, is_free, pixels, cell, cell.left(), 0);
+}
+
+}  // namespace sightcell::bake

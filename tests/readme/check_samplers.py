@@ -1,0 +1,18 @@
+#!/usr/bin/python3
+"""bake/SAMPLERS.md is what the program prints. usage: check_samplers.py sightcell SAMPLERS.md"""
+import difflib
+import subprocess
+import sys
+
+
+def main():
+    program, page = sys.argv[1:]
+    printed = subprocess.run([program, "samplers", "--markdown"], stdout=subprocess.PIPE, text=True, check=True).stdout
+    with open(page, encoding="utf-8") as stream:
+        written = stream.read()
+    if printed != written:
+        sys.stdout.writelines(difflib.unified_diff(written.splitlines(True), printed.splitlines(True), page, "printed"))
+        sys.exit(f"{page} differs; write it again: sightcell samplers --markdown > {page}")
+
+
+main()
