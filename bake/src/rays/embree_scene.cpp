@@ -32,7 +32,8 @@ void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
   const auto* context = reinterpret_cast<const look_context*>(a.context);
   for (unsigned i = 0; i < a.N; ++i) {
     if (a.valid[i] != -1) continue;
-    const bool there = context->scene->is_there(a, i, context->all_double_sided);
+    const bool there = (!context->only || (*context->only)(context->scene->polygon_of(a, i))) &&
+                       context->scene->is_there(a, i, context->all_double_sided);
     if (there && hides(RTCHitN_geomID(a.hit, a.N, i)) && !context->pass_all) continue;
     if (there && context->passed)
       context->passed->push_back({context->scene->polygon_of(a, i), RTCRayN_tfar(a.ray, a.N, i)});

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "sightcell/scene/scene.h"
@@ -81,8 +82,9 @@ struct look_context {
   RTCIntersectContext base{};
   const embree_scene* scene;
   bool all_double_sided;
-  std::vector<passed_polygon>* passed = nullptr;  // what was met and does not hide; null: nobody asks
-  bool pass_all = false;                          // what hides is noted there too, and the ray goes on
+  std::vector<passed_polygon>* passed = nullptr;             // what was met and does not hide; null: nobody asks
+  bool pass_all = false;                                     // what hides is noted there too, and the ray goes on
+  const std::function<bool(std::uint32_t)>* only = nullptr;  // other polygons are not there; null: all are
 };
 
 }  // namespace sightcell::bake

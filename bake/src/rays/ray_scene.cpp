@@ -122,6 +122,16 @@ void ray_scene::look(const glm::vec3& eye, const glm::vec3& direction, sight& ou
   }
 }
 
+std::uint32_t ray_scene::front_of_set(const glm::vec3& eye, const glm::vec3& direction,
+                                      const std::function<bool(std::uint32_t)>& contains) const {
+  look_context context(*embree_);
+  context.only = &contains;
+  RTCRayHit r{.ray = one_ray(eye, direction, 0.0f, std::numeric_limits<float>::infinity()), .hit = {}};
+  r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(embree_->solid, &context.base, &r);
+  return r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon;
+}
+
 void ray_scene::coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,
                            std::vector<std::uint32_t>& out) const {
   look_context context(*embree_);

@@ -4,6 +4,7 @@
 // thread.
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -46,6 +47,11 @@ class ray_scene {
 
   // direction is a unit vector. out is overwritten; its storage is reused.
   void look(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+
+  // What a picture of a set alone shows there: the first polygon that hides along the ray among those of the set, under
+  // rule 1; no_polygon: none.
+  std::uint32_t front_of_set(const glm::vec3& eye, const glm::vec3& direction,
+                             const std::function<bool(std::uint32_t)>& contains) const;
 
   // Rule 2 of seeing: all polygons that are there from this side and lie within coincidence_reach of a place on the
   // ray, the one that was hit there included. out is overwritten: ascending, each once.

@@ -143,11 +143,19 @@ glm::u8vec3 surface_colors::color_at(const surface& seen, const glm::dvec3& dire
   return srgb().bytes(color);
 }
 
+glm::u8vec3 surface_colors::color_of(std::uint32_t polygon, const glm::vec3& eye, const glm::vec3& direction) const {
+  return color_at(surface_of(polygon, glm::dvec3(eye)), glm::dvec3(direction));
+}
+
+glm::u8vec3 surface_colors::sky() {
+  return srgb().bytes(glm::dvec3(picture::sky_color));
+}
+
 void surface_colors::color(const pose& where, const hemicube_image& image, std::vector<glm::u8vec3>& out) const {
   out.resize(image.ids.size());
   const std::size_t stride = 3 * std::size_t{image.resolution};
   const auto faces = hemicube_faces(where, image.resolution);
-  const glm::u8vec3 sky = srgb().bytes(glm::dvec3(picture::sky_color));
+  const glm::u8vec3 behind_all = sky();
   const auto color_row = [&](const face_view& face, std::size_t y) {
     const auto part = [](std::size_t at, std::uint32_t first, std::uint32_t size, float low, float high) {
       return static_cast<double>(low) +
@@ -162,7 +170,7 @@ void surface_colors::color(const pose& where, const hemicube_image& image, std::
       const std::size_t pixel = y * stride + x;
       const std::uint32_t id = image.ids[pixel];
       if (id >= scene_.polygon_count) {
-        out[pixel] = sky;
+        out[pixel] = behind_all;
         continue;
       }
       if (id != last) seen = surface_of(last = id, glm::dvec3(where.eye));

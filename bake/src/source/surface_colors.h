@@ -29,6 +29,12 @@ class surface_colors {
   // several threads at a time.
   void color(const pose& where, const hemicube_image& image, std::vector<glm::u8vec3>& out) const;
 
+  // Of one polygon along one line of sight that meets it: what color() gives a pixel whose center lies there. The
+  // length of direction does not matter.
+  glm::u8vec3 color_of(std::uint32_t polygon, const glm::vec3& eye, const glm::vec3& direction) const;
+  // Where there is no polygon.
+  static glm::u8vec3 sky();
+
  private:
   struct surface;  // a polygon as seen from an eye
 

@@ -94,6 +94,49 @@ TEST(ray_scene, what_never_hides_is_seen_and_keeps_no_eye_off) {
   EXPECT_FALSE(rays.is_free({7.99f, 0.1f, 0.2f}, 0.05f));
 }
 
+TEST(ray_scene, the_front_of_a_set_is_the_next_of_it_that_hides) {
+  tiny_scene tiny;
+  const auto pane = tiny.wall_x(1, -1, 1, glass), near = tiny.wall_x(2, -1, 1), turned = tiny.wall_x(3, +1, 1),
+             door = tiny.wall_x(4, -1, 1);
+  const auto iron = tiny.masked_quad({5, -2, -2}, {5, -2, 2}, {5, 2, 2}, {5, 2, -2}, left_half);
+  const auto far = tiny.wall_x(6, -1, 1);
+  tiny.tag(door, {.occluder = false});
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  const auto front = [&](float z, const std::vector<std::uint32_t>& quads) {
+    const auto in_set = [&](std::uint32_t id) {
+      return std::any_of(quads.begin(), quads.end(), [&](std::uint32_t q) { return id == q || id == q + 1; });
+    };
+    const std::uint32_t found = rays.front_of_set({0, 0.1f, z}, {1, 0, 0}, in_set);
+    return found == no_polygon ? found : found - found % 2;  // the quad's first polygon
+  };
+  EXPECT_EQ(front(0.2f, {pane, near, turned, door, iron, far}), near) << "as look() has it";
+  EXPECT_EQ(front(0.2f, {pane, turned, door, iron, far}), far) << "neither glass nor back, open door or hole";
+  EXPECT_EQ(front(-0.2f, {pane, turned, door, iron, far}), iron) << "the mask is there on its left half";
+  EXPECT_EQ(front(0.2f, {pane, turned, door, iron}), no_polygon);
+  EXPECT_EQ(front(0.2f, {}), no_polygon);
+}
+
+TEST(ray_scene, the_front_of_all_is_what_a_ray_sees) {
+  tiny_scene tiny;
+  for (int i = 1; i < 30; ++i) {
+    const auto f = static_cast<float>(i);
+    tiny.wall_x(1 + 0.1f * f, i % 2 == 0 ? -1.0f : 1.0f, 0.2f * f, i % 5 == 0 ? glass : tiny_scene::look{});
+  }
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  random_stream random(1, 2, purpose::verify);
+  sight s;
+  int hits = 0;
+  for (int i = 0; i < 500; ++i) {
+    const glm::vec3 eye = random.in_box(glm::vec3{-1.0f}, glm::vec3{0.9f}), direction = random.on_sphere();
+    rays.look(eye, direction, s);
+    EXPECT_EQ(rays.front_of_set(eye, direction, [](std::uint32_t) { return true; }), s.front);
+    hits += s.front != no_polygon;
+  }
+  EXPECT_GT(hits, 100);
+}
+
 TEST(ray_scene, a_closed_box_that_may_move_is_no_solid) {
   tiny_scene tiny;
   const auto lift = tiny.closed_box({-1, -1, -1}, {1, 1, 1});

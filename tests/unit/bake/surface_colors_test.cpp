@@ -197,6 +197,31 @@ TEST(surface_colors, the_order_of_polygons_does_not_matter) {
   EXPECT_EQ(a.colors, b.colors);
 }
 
+TEST(surface_colors, one_line_of_sight_has_the_color_of_its_pixel) {
+  scene::scene s;
+  build(s, false);
+  scene::finish(s);
+  const scene::world_geometry world = scene::flatten(s);
+  const bake::surface_colors colors(s, world);
+  bake::pose where;
+  where.eye = {0.3f, 0.2f, 0.5f};
+  seen_scene seen;
+  bake::make_cpu_source(world, {size, 100.0f})->render_image(where, seen.image);
+  colors.color(where, seen.image, seen.colors);
+  std::vector<rgb> distinct;
+  for (std::uint32_t y = 0; y < size; ++y) {
+    for (std::uint32_t x = 0; x < size; ++x) {
+      const glm::vec3 ray((static_cast<float>(x) + 0.5f) / (size / 2) - 1.0f,
+                          (static_cast<float>(y) + 0.5f) / (size / 2) - 1.0f, -1.0f);
+      const std::uint32_t id = seen.image.ids[std::size_t{y} * 3 * size + x];
+      const rgb one = id == scene::no_index ? bake::surface_colors::sky() : colors.color_of(id, where.eye, 7.0f * ray);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(one[c], seen.at(x, y)[c], 1) << x << ' ' << y;
+      if (std::find(distinct.begin(), distinct.end(), one) == distinct.end()) distinct.push_back(one);
+    }
+  }
+  EXPECT_GT(distinct.size(), 50u) << "there is something to tell apart";
+}
+
 TEST(surface_colors, any_number_of_threads_gives_the_same_bytes) {
   scene::scene s;
   build(s, false);
