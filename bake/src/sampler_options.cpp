@@ -10,13 +10,17 @@ namespace {
 
 using names = std::string_view;
 
-constexpr std::array importance_samplers{names("importance-depth")};
+constexpr std::array importance_samplers{names("importance-depth"), names("importance-depth-color")};
 constexpr std::array nir04_alone{names("nir04")};
-constexpr std::array hemicube_samplers{names("importance-depth"), names("nir04"), names("uniform"), names("halton")};
-constexpr std::array every_sampler{names("importance-depth"), names("nir04"), names("uniform"), names("halton")};
+constexpr std::array hemicube_samplers{names("importance-depth"), names("importance-depth-color"), names("nir04"),
+                                       names("uniform"), names("halton")};
+constexpr std::array every_sampler{names("importance-depth"), names("importance-depth-color"), names("nir04"),
+                                   names("uniform"), names("halton")};
 
-constexpr std::array<sampler_info, 4> all_samplers{{
+constexpr std::array<sampler_info, 5> all_samplers{{
     {"importance-depth", "hemicubes on the cell's faces, toward where depth shows gaps", "the thesis (METHOD.md)"},
+    {"importance-depth-color", "the same, and gaps count more where what is new changes the picture's colors",
+     "the thesis (METHOD.md)"},
     {"nir04", "hemicubes on the cell's faces, between those that see different polygons", "Nirenstein and Blake 2004"},
     {"uniform", "hemicubes on a regular grid over the cell's faces", ""},
     {"halton", "hemicubes evenly spread over the cell's faces",

@@ -74,7 +74,8 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
                        });
   blocks.emplace(list.cells, how.margin);
   eyes = choose_source(how, geometry, *rays);  // its context belongs to the calling thread
-  sampler = make_cell_sampler(how, {*rays, *eyes.source, nullptr, list.cells});
+  if (how.sampler == "importance-depth-color") colors.emplace(s, geometry);
+  sampler = make_cell_sampler(how, {*rays, *eyes.source, colors ? &*colors : nullptr, list.cells});
   if (tell.on_message) {
     for (const std::string& warning : geometry.warnings) tell.on_message(severity::warning, warning);
     tell.on_message(severity::note, fmt::format("device: {}, source {}{}", eyes.source->device(), eyes.name,

@@ -13,6 +13,7 @@
 #include "sampler/cell_sampler.h"
 #include "sightcell/bake/bake.h"
 #include "source/choose_source.h"
+#include "source/surface_colors.h"
 
 namespace sightcell::bake {
 
@@ -32,6 +33,7 @@ struct workshop {
   chosen_source eyes;
   cell_list list;
   std::optional<cell_blocks> blocks;
+  std::optional<surface_colors> colors;  // where the sampler looks at them
   std::unique_ptr<cell_sampler> sampler;
   std::string settings_text;  // for the checkpoint's key; the file's has the overrides besides
   // Names all that decides a byte: scene with the textures that decide alpha, cells, settings, device, version.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "sampler/color_weight.h"
 #include "sampler/face_sampling.h"
 #include "sampler/hemicubes.h"
 #include "sampler/nir04.h"
@@ -34,11 +35,18 @@ class hemicube_sampler final : public cell_sampler {
       sample_nir04({how_.difference, how_.part_polygons}, cell.grown, is_free, taken);
     else
       sample_faces({.sampler = how_.sampler, .reliability = how_.reliability, .start_grid = how_.start_grid}, plan,
-                   cell.grown, is_free, taken);
+                   cell.grown, is_free, taken, weight_with(without_cracks, set));
     return {.samples = taken.taken()};
   }
 
  private:
+  importance_weight weight_with(hemicube_source& source, const cell_set& set) const {
+    if (world_.colors == nullptr) return nullptr;
+    return [&](const pose& where, const hemicube_view& view) {
+      return color_difference(where, view, source, world_.rays, *world_.colors, set);
+    };
+  }
+
   const settings& how_;
   const sampler_world world_;
 };
