@@ -52,9 +52,10 @@ void hemicubes::take_interior(std::span<const glm::vec3> points) {
     for (const float side : {1.0f, -1.0f})
       poses.push_back({eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
   std::vector<hemicube_view> views(std::min(poses.size(), interior_batch));
+  const time_limit of_cubes(plan_.seconds * plan_.interior_share, source_.shared());  // faces need time too
   for (std::size_t first = 0; first < poses.size();) {
     const std::size_t count = std::min({interior_batch, poses.size() - first, std::size_t{left()}});
-    if (count == 0) return;  // the time is spent
+    if (count == 0 || of_cubes.reached()) return;
     take(std::span(poses).subspan(first, count), std::span(views).first(count));
     first += count;
   }

@@ -323,6 +323,22 @@ TEST(hemicubes, a_limit_of_time_ends_a_cell) {
   EXPECT_LE(taken.taken(), 6u);
 }
 
+TEST(hemicubes, cubes_leave_time_for_the_faces) {
+  scripted_source source;
+  source.answer = [](const pose&, hemicube_view&) {
+    for (const double began = thread_cpu_seconds(); thread_cpu_seconds() - began < 1e-4;) continue;
+  };
+  cell_set set(10);
+  const std::vector<glm::vec3> interior(100'000, glm::vec3{2, 1, 2});
+  const hemicube_plan plan{.samples = 100'000, .geometry_inside = true, .interior_share = 0.25, .seconds = 0.1};
+  hemicubes taken(plan, source, set);
+  taken.take_interior(interior);
+  const std::uint32_t cubes = taken.taken();
+  EXPECT_GT(cubes, 32u);
+  EXPECT_LT(cubes, 500u);
+  EXPECT_GT(taken.left(), 0u);
+}
+
 TEST(sample_cell, an_empty_cell_gets_boundary_samples_only) {
   scripted_source source;
   source.answer = [](const pose&, hemicube_view& view) { view.seen = {{3, 10}}; };
