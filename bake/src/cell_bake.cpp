@@ -75,7 +75,7 @@ cell_record cell_baker::sample(const view_cell& cell, cell_set& set) const {
     return record;
   }
   for (const std::uint32_t polygon : always_) set.add(polygon, free.front());
-  const auto inside = polygons_touching(rays_.geometry(), grown(cell));
+  const auto inside = rays_.touching(grown(cell).min, grown(cell).max);
   record.geometry_inside = !inside.empty();
   const sampling_effort effort = sampler_.sample({grown(cell), cell.place, record.geometry_inside, free}, set);
   record.samples = effort.samples;

@@ -27,14 +27,6 @@ std::vector<glm::vec3> draw_free_points(const ray_scene& rays, const box& where,
   return found;
 }
 
-std::vector<std::uint32_t> polygons_touching(const scene::world_geometry& geometry, const box& where) {
-  std::vector<std::uint32_t> touching;
-  for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon)
-    if (!geometry.kinds[polygon].absent && triangle_touches_box(corners_of(geometry, polygon), where.min, where.max))
-      touching.push_back(polygon);
-  return touching;
-}
-
 bool faces(const ray_scene& rays, std::uint32_t polygon, const glm::vec3& eye) {
   if (rays.sees_both_sides(polygon)) return true;
   const triangle t = corners_of(rays.geometry(), polygon);

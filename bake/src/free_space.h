@@ -19,9 +19,6 @@ struct box {
 std::vector<glm::vec3> draw_free_points(const ray_scene& rays, const box& where, float radius, std::size_t wanted,
                                         std::uint64_t max_tries, random_stream& random, std::uint64_t& tries);
 
-// Polygons that touch the box (absent ones excepted), ascending.
-std::vector<std::uint32_t> polygons_touching(const scene::world_geometry& geometry, const box& where);
-
 // Is the polygon's front (either side, if it is seen from both) toward the eye?
 bool faces(const ray_scene& rays, std::uint32_t polygon, const glm::vec3& eye);
 

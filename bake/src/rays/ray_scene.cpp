@@ -89,6 +89,20 @@ bool note_touch(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
+struct box_query {
+  const embree_scene* scene;
+  glm::vec3 min, max;
+  std::vector<std::uint32_t>* found;
+};
+
+bool note_in_box(RTCPointQueryFunctionArguments* arguments) {
+  const auto& asked = *static_cast<box_query*>(arguments->userPtr);
+  const std::uint32_t polygon = asked.scene->ids[arguments->geomID][arguments->primID];
+  if (triangle_touches_box(corners_of(asked.scene->geometry, polygon), asked.min, asked.max))
+    asked.found->push_back(polygon);
+  return false;  // the radius stays
+}
+
 }  // namespace
 
 ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_sided)
@@ -165,6 +179,21 @@ bool ray_scene::through_gap(const glm::vec3& eye, const glm::vec3& direction, fl
     if (blocked(beside) && blocked(-beside)) return true;
   }
   return false;
+}
+
+std::vector<std::uint32_t> ray_scene::touching(const glm::vec3& min, const glm::vec3& max) const {
+  std::vector<std::uint32_t> found;
+  const glm::vec3 middle = 0.5f * (min + max);
+  RTCPointQuery query{};
+  query.x = middle.x, query.y = middle.y, query.z = middle.z;
+  // The ball around the box, with room for rounding: the exact test comes after.
+  query.radius = 1.001f * 0.5f * glm::distance(min, max) + 1e-4f;
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  box_query asked{embree_.get(), min, max, &found};
+  rtcPointQuery(embree_->all, &query, &context, note_in_box, &asked);
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {

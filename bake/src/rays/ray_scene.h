@@ -66,6 +66,9 @@ class ray_scene {
   // Polygons within reach of a point along a unit normal, front or back of it, whichever way they face; ascending.
   void stacked(const glm::vec3& point, const glm::vec3& normal, float reach, std::vector<std::uint32_t>& out) const;
 
+  // Polygons that touch a box, ascending.
+  std::vector<std::uint32_t> touching(const glm::vec3& min, const glm::vec3& max) const;
+
   // Free points: they keep radius from every surface and are not inside a solid. A function of the place alone: of 64
   // fixed directions that ignore sidedness, at most a tenth of the hits may show the back of an opaque single-sided
   // polygon (design.md section 6) with no front in the same place. free[i] is set for points[i].

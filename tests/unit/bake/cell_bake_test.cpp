@@ -76,7 +76,7 @@ class cell_bake : public testing::Test {
         for (const std::uint32_t polygon : coincident) ++hits[polygon];
       }
     const std::set<std::uint32_t> set(record.set.begin(), record.set.end());
-    const auto inside = polygons_touching(rays.geometry(), grown);
+    const auto inside = rays.touching(grown.min, grown.max);
     for (std::uint32_t polygon = 0; polygon < hits.size(); ++polygon) {
       if (hits[polygon] >= 400) {
         EXPECT_TRUE(set.contains(polygon)) << "polygon " << polygon << " is seen by " << hits[polygon] << " rays";

@@ -399,13 +399,36 @@ TEST(triangle_math, touching_a_box) {
   EXPECT_TRUE(triangle_touches_box({glm::vec3{1.8f, 0, 0}, {0, 1.8f, 0}, {0.9f, 0.9f, 9}}, low, high));
 }
 
+TEST(ray_scene, finds_all_that_touch_a_box_and_no_others) {
+  tiny_scene tiny;
+  random_stream random(5, 5, purpose::verify);
+  const auto place = [&] { return random.in_box({-10, -10, -10}, {10, 10, 10}); };
+  for (int i = 0; i < 1000; ++i) {
+    const glm::vec3 corner = place();
+    const float size = i % 10 == 0 ? 1.0f : 0.1f;  // some are larger than the boxes
+    tiny.triangle(corner, corner + size * place(), corner + size * place());
+  }
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  int touching = 0;
+  for (int i = 0; i < 50; ++i) {
+    const glm::vec3 min = place(), max = min + glm::vec3{0.2f, 4.0f, 1.0f} * (1.0f + random.uniform());
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t polygon = 0; polygon < w.geometry.kinds.size(); ++polygon)
+      if (triangle_touches_box(corners_of(w.geometry, polygon), min, max)) expected.push_back(polygon);
+    EXPECT_EQ(rays.touching(min, max), expected) << i;
+    touching += static_cast<int>(expected.size());
+  }
+  EXPECT_GT(touching, 50);
+}
+
 TEST(free_space, finds_what_touches_and_faces) {
   tiny_scene tiny;
   const auto floor = tiny.quad({-5, 0, 5}, {5, 0, 5}, {5, 0, -5}, {-5, 0, -5});
   const auto away = tiny.wall_x(50, -1, 1);
   const world w(tiny);
   const ray_scene rays(w.geometry, false);
-  EXPECT_EQ(polygons_touching(w.geometry, {{-1, -1, -1}, {1, 1, 1}}), (std::vector<std::uint32_t>{floor, floor + 1}));
+  EXPECT_EQ(rays.touching({-1, -1, -1}, {1, 1, 1}), (std::vector<std::uint32_t>{floor, floor + 1}));
   EXPECT_TRUE(faces(rays, floor, {0, 1, 0}));
   EXPECT_FALSE(faces(rays, floor, {0, -1, 0}));
   EXPECT_TRUE(faces(rays, away, {0, -1, 0}));
