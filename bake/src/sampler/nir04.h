@@ -26,9 +26,9 @@ struct nir04_options {
   std::uint32_t part_polygons = 0;  // a box that sees more of them is sampled again in halves; 0: never
 };
 
-// Takes hemicubes until none is left or no quad is worth dividing: of all faces the quad with the largest difference
-// first. Quads begin as 2 x 2 per face where there are nine hemicubes for each, else as one, else a hemicube stands in
-// the middle. The result does not depend on threads.
+// Takes hemicubes until none is left or no quad is worth dividing: of all faces the quad first whose difference times
+// area is largest. Quads begin as 2 x 2 per face where there are nine hemicubes for each, else as one, else a hemicube
+// stands in the middle. The result does not depend on threads.
 void sample_nir04(const nir04_options& how, const box& grown, const std::function<bool(const glm::vec3&)>& is_free,
                   hemicubes& cell);
 
