@@ -14,6 +14,7 @@
 #include "phases.h"
 #include "process_time.h"
 #include "pvs_output.h"
+#include "sightcell/bake/sampler_options.h"
 #include "work_file.h"
 #include "workshop.h"
 
@@ -21,7 +22,9 @@ namespace sightcell::bake {
 namespace {
 
 void warn_of_geometry_inside(const ledger& book, const settings& how, const callbacks& tell) {
-  if (!book.stopped() && tell.on_message && how.max_pixel_error == 0.0 && book.not_empty() > 0)
+  // Samplers that look with rays have new places inside in every round: there more rays do find what is missing.
+  if (!book.stopped() && tell.on_message && how.max_pixel_error == 0.0 && book.not_empty() > 0 &&
+      takes_hemicubes(how.sampler))
     tell.on_message(severity::warning,
                     fmt::format("{} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
                                 "are missed there however many samples are taken",

@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
+#include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -25,6 +26,10 @@ constexpr std::uint64_t vertex_bytes = 12;
 // A column of the field in which floors are looked for (cells/walkable.cpp): at most so many, four along a metre.
 constexpr std::uint64_t of_column = 32;
 constexpr double most_columns = 4 << 20, columns_per_square_metre = 16.0;
+// What a wave of rays finds, and how it is ordered; who is still to be followed, by polygon
+// (sampler/guided_search.cpp).
+constexpr std::uint64_t of_wave = 65536 * 128ull;
+constexpr std::uint64_t of_lead = 28;
 // Libraries, their workers and what the allocator keeps for each thread.
 constexpr std::uint64_t of_process = 32ull << 20;
 // Records of neighbors and of cells that wait to be committed.
@@ -61,12 +66,13 @@ std::uint64_t peak_resident_memory() {
 std::uint64_t memory_of_scene(const scene::scene& s, const settings& how) {
   std::uint64_t per_polygon = of_rays + of_duplicates;
   if (how.max_pixel_error > 0.0) per_polygon += of_neighbors;
-  if (how.source != "rays") per_polygon += of_source;
+  if (takes_hemicubes(how.sampler) && how.source != "rays") per_polygon += of_source;
   const std::uint64_t copies = how.all_double_sided ? 2 : 1;
   return of_process + copies * flattened(s) + s.polygon_count * per_polygon;
 }
 
 std::uint64_t memory_of_lane(std::uint64_t polygons, std::uint64_t set_bytes, const settings& how) {
+  if (!takes_hemicubes(how.sampler)) return set_bytes + polygons * of_lead + of_wave + of_records;
   // Depths and ids of a face; what rays see of all five, and where, is larger.
   const std::uint64_t pixels = std::uint64_t{how.resolution} * how.resolution;
   const std::uint64_t of_images = how.source == "rays" ? 64 * pixels : 16 * pixels;

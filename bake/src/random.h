@@ -26,7 +26,8 @@ enum class purpose : std::uint64_t {
   retest = 8,              // phase 1: what cells of the block see
   retest_all = 9,          // phase 2: what cells of all blocks around see
   dilation_of_finds = 10,  // phase 2
-  jitter = 11
+  jitter = 11,
+  guided = 13  // rays of gvs and gvs++
 };
 
 class random_stream {

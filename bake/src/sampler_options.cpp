@@ -14,10 +14,11 @@ constexpr std::array importance_samplers{names("importance-depth"), names("impor
 constexpr std::array nir04_alone{names("nir04")};
 constexpr std::array hemicube_samplers{names("importance-depth"), names("importance-depth-color"), names("nir04"),
                                        names("uniform"), names("halton")};
+constexpr std::array gvs_alone{names("gvs")};
 constexpr std::array every_sampler{names("importance-depth"), names("importance-depth-color"), names("nir04"),
-                                   names("uniform"), names("halton")};
+                                   names("uniform"), names("halton"), names("gvs")};
 
-constexpr std::array<sampler_info, 5> all_samplers{{
+constexpr std::array<sampler_info, 6> all_samplers{{
     {"importance-depth", "hemicubes on the cell's faces, toward where depth shows gaps", "the thesis (METHOD.md)"},
     {"importance-depth-color", "the same, and gaps count more where what is new changes the picture's colors",
      "the thesis (METHOD.md)"},
@@ -25,16 +26,17 @@ constexpr std::array<sampler_info, 5> all_samplers{{
     {"uniform", "hemicubes on a regular grid over the cell's faces", ""},
     {"halton", "hemicubes evenly spread over the cell's faces",
      "Halton 1964, shifted as by Cranley and Patterson 1976"},
+    {"gvs", "rays: at random, then past the borders of what they found and past what hides it", "Wonka et al. 2006"},
 }};
 
-constexpr std::array<sampler_option, 8> all_options{{
+constexpr std::array<sampler_option, 13> all_options{{
     {"--samples", "N", "hemicubes per cell, at most", &settings::samples, 6, 100'000, hemicube_samplers},
     {"--seconds-per-cell", "S",
      "seconds of one core after which a cell is sampled no more, so that its set depends on the machine; 0: no limit",
      &settings::seconds_per_cell, 0, 1e6, every_sampler},
     {"--interior-share", "Q",
-     "of the hemicubes of a cell with geometry inside: they become full cubes at free places in it",
-     &settings::interior_share, 0, 0.9, hemicube_samplers},
+     "of the hemicubes (as full cubes) or random rays of a cell with geometry inside: they start at free places in it",
+     &settings::interior_share, 0, 0.9, every_sampler},
     {"--jitter", "", "turn every hemicube at random by up to half a pixel", &settings::jitter, 0, 1, hemicube_samplers},
     {"--reliability", "R", "a face is done when its map of reliability is nowhere below this", &settings::reliability,
      0.01, 1, importance_samplers},
@@ -44,6 +46,16 @@ constexpr std::array<sampler_option, 8> all_options{{
      &settings::difference, 0, 1, nir04_alone},
     {"--part-polygons", "N", "a cell that sees more polygons is sampled again in two halves, and those too; 0: never",
      &settings::part_polygons, 0, 4294967295.0, nir04_alone},
+    {"--sampling-rays", "N", "rays per cell, all of them, at most", &settings::sampling_rays, 1000, 1e11, gvs_alone},
+    {"--rays-per-round", "N", "random rays, before what they found is followed", &settings::rays_per_round, 512, 1e9,
+     gvs_alone},
+    {"--fewest-new", "N",
+     "a cell is done when a round, with all it led to, found fewer new polygons; 0: when its rays are spent",
+     &settings::fewest_new, 0, 4294967295.0, gvs_alone},
+    {"--border-depth", "N", "how often a stretch of a polygon's border is halved where its ends see different polygons",
+     &settings::border_depth, 0, 12, gvs_alone},
+    {"--border-offset", "D", "how far past a border rays go, as a share of the distance to it",
+     &settings::border_offset, 1e-6, 0.1, gvs_alone},
 }};
 
 }  // namespace
@@ -58,6 +70,10 @@ std::span<const sampler_info> samplers() {
 
 std::span<const sampler_option> sampler_options() {
   return all_options;
+}
+
+bool takes_hemicubes(std::string_view sampler) {
+  return std::find(hemicube_samplers.begin(), hemicube_samplers.end(), sampler) != hemicube_samplers.end();
 }
 
 std::string value_text(const sampler_option& option, const settings& s) {

@@ -6,12 +6,15 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bound/fresh_rays.h"
 #include "memory_limit.h"
+#include "process_time.h"
+#include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/json_text.h"
 
@@ -87,39 +90,87 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
   key = checkpoint_key(s, list.cells, given, settings_text);
 }
 
-double print_estimate(const workshop& w, std::size_t left, const callbacks& tell) {
-  if (left == 0) return 0.0;
-  const std::vector<view_cell>& cells = w.list.cells;
-  const settings& how = w.how;
-  constexpr std::size_t trials = 4;
-  constexpr std::uint64_t trial_rays = 2048;
-  double hemicube_seconds = 0.0, ray_seconds = 0.0, polygons = 0.0;
+namespace {
+
+// What trials in a few cells say of all.
+struct trial_result {
+  double sampling_seconds = 0.0;  // per cell, on one thread
+  double ray_seconds = 0.0;       // per fresh ray, all threads together
+  double polygons = 0.0;          // seen by a cell, or by one of its hemicubes
+  std::string sampling;           // what the first number is made of
+};
+
+constexpr std::size_t trials = 4;
+
+trial_result try_hemicubes(const workshop& w) {
+  trial_result result;
   hemicube_view view;
   w.eyes.source->render({}, view);  // the first one pays for compiling and uploading
+  double seconds = 0.0;
   for (std::size_t i = 0; i < trials; ++i) {
-    const view_cell& cell = cells[i * cells.size() / trials];
-    double start = seconds_now();
+    const view_cell& cell = w.list.cells[i * w.list.cells.size() / trials];
+    const double start = seconds_now();
     w.eyes.source->render({.eye = 0.5f * (cell.min + cell.max)}, view);
-    hemicube_seconds += (seconds_now() - start) / trials;
-    polygons += static_cast<double>(view.seen.size()) / trials;
-    start = seconds_now();
+    seconds += (seconds_now() - start) / trials;
+    result.polygons += static_cast<double>(view.seen.size()) / trials;
+  }
+  result.sampling_seconds = w.how.samples * seconds;
+  result.sampling = fmt::format("{} hemicubes each at {:.1f} ms", w.how.samples, 1e3 * seconds);
+  return result;
+}
+
+trial_result try_sampling_rays(const workshop& w) {
+  trial_result result;
+  settings how = w.how;
+  how.sampling_rays = std::min<std::uint64_t>(how.sampling_rays, 65536);
+  const auto sampler = make_cell_sampler(how, {*w.rays, *w.eyes.source, nullptr, w.list.cells});
+  cell_set set(static_cast<std::uint32_t>(w.geometry.kinds.size()));
+  tbb::task_arena alone(1);  // so that the time of this thread is all of it
+  double seconds = 0.0, cast = 0.0;
+  for (std::size_t i = 0; i < trials; ++i) {
+    const view_cell& cell = w.list.cells[i * w.list.cells.size() / trials];
+    const box where{cell.min, cell.max};
+    const std::array<glm::vec3, 1> middle{0.5f * (cell.min + cell.max)};
+    set.clear();
+    const double start = thread_cpu_seconds();
+    alone.execute([&] { cast += static_cast<double>(sampler->sample({where, cell.place, false, middle}, set).rays); });
+    seconds += thread_cpu_seconds() - start;
+    result.polygons += set.size() / static_cast<double>(trials);
+  }
+  result.sampling_seconds = cast > 0.0 ? static_cast<double>(w.how.sampling_rays) * seconds / cast : 0.0;
+  result.sampling =
+      fmt::format("{} rays each at {:.1f} us", w.how.sampling_rays, cast > 0.0 ? 1e6 * seconds / cast : 0.0);
+  return result;
+}
+
+}  // namespace
+
+double print_estimate(const workshop& w, std::size_t left, const callbacks& tell) {
+  if (left == 0) return 0.0;
+  const settings& how = w.how;
+  trial_result result = takes_hemicubes(how.sampler) ? try_hemicubes(w) : try_sampling_rays(w);
+  constexpr std::uint64_t trial_rays = 2048;
+  for (std::size_t i = 0; i < trials; ++i) {
+    const view_cell& cell = w.list.cells[i * w.list.cells.size() / trials];
+    const double start = seconds_now();
     const auto batch =
         cast_fresh_rays(*w.rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap}, trial_rays,
                         {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
-    if (batch.rays > 0) ray_seconds += (seconds_now() - start) / static_cast<double>(batch.rays) / trials;
+    if (batch.rays > 0) result.ray_seconds += (seconds_now() - start) / static_cast<double>(batch.rays) / trials;
   }
   // A first batch that holds needs about 15 / max_pixel_error rays; dilation and second batches about as much again.
   const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
-  // Hemicubes of a shared source are spread over the threads; rays were, when they were timed.
+  // Cells of a shared source are spread over the threads; fresh rays were, when they were timed.
   const int at_once = w.eyes.source->shared() ? tbb::this_task_arena::max_concurrency() : 1;
-  const double per_cell = how.samples * hemicube_seconds / at_once + rays * ray_seconds;
-  if (!tell.on_message) return polygons;
-  tell.on_message(severity::note,
-                  fmt::format("estimate: {} cells, {} hemicubes each at {:.1f} ms{}: about {:.0f} s", left, how.samples,
-                              1e3 * hemicube_seconds,
-                              rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
-                              std::ceil(per_cell * static_cast<double>(left))));
-  return polygons;
+  const double limit = how.seconds_per_cell > 0.0 ? how.seconds_per_cell : result.sampling_seconds;
+  const double per_cell = std::min(result.sampling_seconds, limit) / at_once + rays * result.ray_seconds;
+  if (!tell.on_message) return result.polygons;
+  tell.on_message(
+      severity::note,
+      fmt::format("estimate: {} cells, {}{}: about {:.0f} s", left, result.sampling,
+                  rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * result.ray_seconds) : std::string(),
+                  std::ceil(per_cell * static_cast<double>(left))));
+  return result.polygons;
 }
 
 }  // namespace sightcell::bake

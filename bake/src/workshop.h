@@ -40,8 +40,8 @@ struct workshop {
   std::string key;
 };
 
-// Times a few hemicubes and rays in cells spread over the list, and says how long so many cells will take. Returns how
-// many polygons such a hemicube sees; 0 where no cell is left.
+// Times a few hemicubes, or the sampler's own rays, and fresh rays in cells spread over the list, and says how long so
+// many cells will take. Returns how many polygons a trial saw; 0 where no cell is left.
 double print_estimate(const workshop& shop, std::size_t cells_left, const callbacks& tell);
 
 }  // namespace sightcell::bake

@@ -5,6 +5,7 @@
 
 #include "sampler/color_weight.h"
 #include "sampler/face_sampling.h"
+#include "sampler/gvs.h"
 #include "sampler/hemicubes.h"
 #include "sampler/nir04.h"
 #include "seeing/gap_filter.h"
@@ -41,7 +42,7 @@ class hemicube_sampler final : public cell_sampler {
 
  private:
   importance_weight weight_with(hemicube_source& source, const cell_set& set) const {
-    if (world_.colors == nullptr) return nullptr;
+    if (how_.sampler != "importance-depth-color") return nullptr;
     return [&](const pose& where, const hemicube_view& view) {
       return color_difference(where, view, source, world_.rays, *world_.colors, set);
     };
@@ -54,6 +55,7 @@ class hemicube_sampler final : public cell_sampler {
 }  // namespace
 
 std::unique_ptr<cell_sampler> make_cell_sampler(const settings& how, const sampler_world& world) {
+  if (how.sampler == "gvs") return std::make_unique<gvs>(how, world);
   return std::make_unique<hemicube_sampler>(how, world);
 }
 

@@ -1,14 +1,30 @@
 #include "source/choose_source.h"
 
 #include <glm/geometric.hpp>
+#include <stdexcept>
 #include <utility>
 
+#include "sightcell/bake/sampler_options.h"
 #include "source/cpu_source.h"
 #include "source/gpu_source.h"
 #include "source/rays_source.h"
 
 namespace sightcell::bake {
 namespace {
+
+// Stands where the sampler takes no hemicubes.
+class no_source final : public hemicube_source {
+ public:
+  using hemicube_source::render;
+  void render(std::span<const pose>, std::span<hemicube_view>) override { refuse(); }
+  void render_image(const pose&, hemicube_image&) override { refuse(); }
+  bool shared() const override { return true; }
+  std::uint32_t resolution() const override { return 0; }
+  std::string device() const override { return "rays alone"; }
+
+ private:
+  [[noreturn]] static void refuse() { throw std::logic_error("this sampler takes no hemicubes"); }
+};
 
 void resolve(const settings& how, chosen_source& chosen) {
   chosen.name = how.source;
@@ -23,6 +39,11 @@ void resolve(const settings& how, chosen_source& chosen) {
 
 chosen_source choose_source(const settings& how, const scene::world_geometry& geometry, const ray_scene& rays) {
   chosen_source chosen;
+  if (!takes_hemicubes(how.sampler)) {
+    chosen.name = "none";
+    chosen.source = std::make_unique<no_source>();
+    return chosen;
+  }
   resolve(how, chosen);
   // The far plane of the importance: the diagonal of the scene's box.
   const float diagonal = glm::distance(geometry.min, geometry.max);

@@ -58,7 +58,11 @@ TEST(memory_limit, what_is_not_built_is_not_counted) {
   const std::uint64_t without_neighbors = memory_of_scene(s, how);
   how.source = "rays";
   EXPECT_LT(without_neighbors, all);
-  EXPECT_LT(memory_of_scene(s, how), without_neighbors);
+  const std::uint64_t without_source = memory_of_scene(s, how);
+  EXPECT_LT(without_source, without_neighbors);
+  how.source = "cpu";
+  how.sampler = "gvs";
+  EXPECT_EQ(memory_of_scene(s, how), without_source) << "no hemicube is drawn";
 }
 
 TEST(memory_limit, floors_of_a_wide_scene_take_memory) {

@@ -34,6 +34,10 @@ struct sampler_option {
 // Static storage.
 std::span<const sampler_option> sampler_options();
 
+// Of samplers that look with rays alone --samples, --jitter, --resolution and --source say nothing. A name that is none
+// takes none.
+bool takes_hemicubes(std::string_view sampler);
+
 // The value that s has for an option, as shortest text that reads back as the same value; a flag is "true" or "false".
 std::string value_text(const sampler_option& option, const settings& s);
 

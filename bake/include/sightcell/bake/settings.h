@@ -35,14 +35,19 @@ struct settings {
   // --- sampling
   // --sampler, by name. What these settings mean, their ranges and which samplers have them: sampler_options.h.
   std::string sampler = "importance-depth";
-  std::uint32_t samples = 24;       // --samples, hemicubes per cell
-  double seconds_per_cell = 0.0;    // --seconds-per-cell, 0: no limit
-  double interior_share = 0.5;      // --interior-share
-  bool jitter = false;              // --jitter
-  double reliability = 0.995;       // --reliability
-  std::uint32_t start_grid = 0;     // --start-grid, 0: by the number of samples
-  double difference = 0.0;          // --difference
-  std::uint32_t part_polygons = 0;  // --part-polygons, 0: a cell is never cut
+  std::uint32_t samples = 24;               // --samples, hemicubes per cell
+  double seconds_per_cell = 0.0;            // --seconds-per-cell, 0: no limit
+  double interior_share = 0.5;              // --interior-share
+  bool jitter = false;                      // --jitter
+  double reliability = 0.995;               // --reliability
+  std::uint32_t start_grid = 0;             // --start-grid, 0: by the number of samples
+  double difference = 0.0;                  // --difference
+  std::uint32_t part_polygons = 0;          // --part-polygons, 0: a cell is never cut
+  std::uint64_t sampling_rays = 1'000'000;  // --sampling-rays, rays per cell
+  std::uint32_t rays_per_round = 65536;     // --rays-per-round
+  std::uint32_t fewest_new = 0;             // --fewest-new, 0: until the rays are spent
+  std::uint32_t border_depth = 3;           // --border-depth
+  double border_offset = 1e-3;              // --border-offset, of the distance
   // --source, of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (Embree, slow) or auto: gpu where there is a
   // hardware one, else cpu. Sources differ in a few pixels: which one it was stands in the file.
   std::string source = "auto";

@@ -1,0 +1,60 @@
+#include "sampler/reverse_sampling.h"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <optional>
+
+#include "sampler/border_sampling.h"
+
+namespace sightcell::bake {
+namespace {
+
+// The first eye in the cell of all that look at border along the line past edge.
+std::optional<glm::vec3> eye_past(const glm::vec3& edge, const glm::vec3& border, const box& cell) {
+  const glm::vec3 way = edge - border;
+  float enter = 1.0f, leave = std::numeric_limits<float>::infinity();  // 1: at the edge
+  for (int axis = 0; axis < 3; ++axis) {
+    if (way[axis] == 0.0f) {
+      if (border[axis] < cell.min[axis] || border[axis] > cell.max[axis]) return {};
+      continue;
+    }
+    const float a = (cell.min[axis] - border[axis]) / way[axis], b = (cell.max[axis] - border[axis]) / way[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  if (!(enter <= leave)) return {};
+  const float at = enter > 1.0f ? enter : 0.5f * (enter + leave);
+  return glm::clamp(border + way * at, cell.min, cell.max);
+}
+
+}  // namespace
+
+bool is_blocked_before(float distance, float reach) {
+  return distance < reach - std::max(0.02f, 0.01f * reach);  // as rule 3 tells what is before a place
+}
+
+void add_reverse_eyes(const triangle& occluder, const glm::vec3& eye, const glm::vec3& seen, const glm::vec3& border,
+                      float offset, const box& cell, std::vector<glm::vec3>& eyes) {
+  const glm::vec3 normal = glm::cross(seen - eye, border - eye);
+  const glm::vec3 across = glm::cross(border - eye, normal);  // in the plane, square to the blocked ray
+  if (!(glm::dot(across, across) > 0.0f)) return;
+  const border_polygon ring = enlarged(occluder, eye, offset);
+  std::optional<glm::vec3> low, high;
+  float lowest = 0.0f, highest = 0.0f;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const glm::vec3 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+    const float above = glm::dot(normal, a - eye), below = glm::dot(normal, b - eye);
+    if ((above > 0.0f) == (below > 0.0f)) continue;
+    const glm::vec3 cut = a + (b - a) * (above / (above - below));
+    const float at = glm::dot(across, cut - eye);
+    if (!low || at < lowest) low = cut, lowest = at;
+    if (!high || at > highest) high = cut, highest = at;
+  }
+  for (const auto& end : {low, high})
+    if (end)
+      if (const auto start = eye_past(*end, border, cell)) eyes.push_back(*start);
+}
+
+}  // namespace sightcell::bake
