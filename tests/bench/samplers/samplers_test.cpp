@@ -1,0 +1,264 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+
+#include "bench/samplers/jobs.h"
+#include "bench/samplers/judge.h"
+#include "bench/samplers/measure.h"
+#include "bench/samplers/truth.h"
+#include "bound/fresh_rays.h"
+#include "sightcell/scene/error.h"
+#include "unit/bake/tiny_scene.h"
+
+namespace {
+
+namespace bake = sightcell::bake;
+namespace scene = sightcell::scene;
+using namespace sightcell::bench;
+using sightcell::test::tiny_scene;
+
+constexpr tiny_scene::look pane{scene::alpha_mode::blend, true};
+
+bake::view_cell cell_at(glm::vec3 min, glm::vec3 max, std::uint64_t place = 7) {
+  bake::view_cell cell;
+  cell.min = min, cell.max = max, cell.place = place;
+  return cell;
+}
+
+// A scene of its own folder of kept files, removed at the end.
+class folder {
+ public:
+  folder() : path(std::filesystem::temp_directory_path() / ("samplers_test." + std::to_string(getpid()))) {
+    std::filesystem::remove_all(path);
+  }
+  ~folder() { std::filesystem::remove_all(path); }
+  const std::filesystem::path path;
+};
+
+std::vector<std::uint32_t> all_but(const ground& g, const std::vector<std::uint32_t>& quads) {
+  std::vector<std::uint32_t> set;
+  for (std::uint32_t id = 0; id < g.polygons(); ++id)
+    if (std::none_of(quads.begin(), quads.end(), [&](std::uint32_t q) { return id == q || id == q + 1; }))
+      set.push_back(id);
+  return set;
+}
+
+// A room with all that excuses a miss, or makes it count once: panes before a wall, a wall in the same place as
+// another, a wall behind a crack.
+struct room {
+  tiny_scene tiny;
+  std::vector<std::uint32_t> missing, excused;  // what a set lacks: wrong, and not wrong
+  room() {
+    tiny.closed_box({-10, -10, -10}, {10, 10, 10}, true);
+    missing.push_back(tiny.wall_x(5, -1, 3));
+    missing.push_back(tiny.wall_x(4, -1, 2, pane));
+    missing.push_back(tiny.wall_x(4.5f, -1, 2, pane));
+    const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
+    tiny.quad({-4, 0.0008f, 6}, {4, 0.0008f, 6}, {4, 4, 6}, {-4, 4, 6}, sheet);
+    tiny.quad({-4, -4, 6}, {4, -4, 6}, {4, -0.0008f, 6}, {-4, -0.0008f, 6}, sheet);
+    excused.push_back(tiny.quad({-4, -3, 8}, {-4, 3, 8}, {4, 3, 8}, {4, -3, 8}, sheet));
+    excused.push_back(tiny.wall_x(-6, 1, 2));
+    tiny.wall_x(-6, 1, 2.5f);
+  }
+};
+
+TEST(bench_truth, agrees_with_fresh_rays) {
+  room made;
+  const ground g(made.tiny.finished(), {cell_at({-1, -1, -1}, {1, 1, 1})}, {}, "room");
+  cell_truth truth(g, 0);
+  truth.extend(400'000);
+  cell_judge judge(truth);
+  std::vector<std::vector<std::uint32_t>> cases{made.missing, {}};
+  for (const std::uint32_t one : made.missing) cases.push_back({one});
+  for (const std::uint32_t one : made.excused) cases.push_back({one});
+  for (const auto& missing : cases) {
+    const auto set = all_but(g, missing);
+    std::vector<bool> marks(g.polygons());
+    for (const std::uint32_t id : set) marks[id] = true;
+    constexpr std::uint64_t count = 60'000;
+    const bake::fresh_batch fresh =
+        bake::cast_fresh_rays(g.rays, g.grown(0), {g.rules.player_radius, g.rules.smallest_gap}, count, {1, 7},
+                              [&](std::uint32_t id) { return marks[id]; });
+    const judgement found = judge.judge(set, false);
+    const double error = static_cast<double>(fresh.misses) / count;
+    // Shares are of four kept rays of few large polygons here, which the spread knows.
+    const double sigma = std::sqrt(found.spread) / static_cast<double>(found.rays) + std::sqrt(error / count);
+    EXPECT_NEAR(found.pixel_error(), error, 4.0 * sigma) << (missing.empty() ? 0 : missing.front());
+    EXPECT_EQ(found.misses > 0.0, !missing.empty() && missing.front() < made.excused.front());
+  }
+}
+
+TEST(bench_truth, steps_and_threads_change_nothing) {
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 2);
+  room made;
+  const ground g(made.tiny.finished(), {cell_at({-1, -1, -1}, {1, 1, 1})}, {}, "room");
+  const folder where;
+  const kept_files kept(where.path);
+  cell_truth once(g, 0), steps(g, 0), loaded(g, 0);
+  tbb::task_arena(1).execute([&] { once.extend(60'000); });
+  tbb::task_arena(2).execute([&] {
+    steps.extend(5'000);
+    EXPECT_LT(steps.rays(), 10'000u);
+    steps.extend(20'000);
+    steps.save(kept);
+    ASSERT_TRUE(loaded.load(kept));
+    loaded.extend(60'000);
+  });
+  ASSERT_EQ(loaded.polygons().size(), once.polygons().size());
+  EXPECT_EQ(loaded.rays(), once.rays());
+  EXPECT_EQ(loaded.free_share(), once.free_share());
+  std::uint64_t most = 0;
+  for (std::size_t i = 0; i < once.polygons().size(); ++i) {
+    const truth_polygon &a = once.polygons()[i], &b = loaded.polygons()[i];
+    EXPECT_EQ(a.polygon, b.polygon);
+    EXPECT_EQ(a.rays, b.rays);
+    most = std::max<std::uint64_t>(most, a.rays);
+    for (std::uint32_t k = 0; k < a.kept(); ++k) {
+      EXPECT_EQ(a.kept_rays[k].number, b.kept_rays[k].number);
+      EXPECT_EQ(a.kept_rays[k].direction, b.kept_rays[k].direction);
+      EXPECT_EQ(a.kept_rays[k].distance, b.kept_rays[k].distance);
+    }
+  }
+  EXPECT_GT(most, 1000u);
+}
+
+TEST(bench_truth, a_damaged_file_is_none) {
+  room made;
+  const ground g(made.tiny.finished(), {cell_at({-1, -1, -1}, {1, 1, 1})}, {}, "room");
+  const folder where;
+  const kept_files kept(where.path);
+  cell_truth truth(g, 0);
+  EXPECT_FALSE(truth.load(kept));
+  truth.extend(5'000);
+  truth.save(kept);
+  const auto file = where.path / truth.key().substr(0, 2) / (truth.key() + ".truth");
+  const auto size = std::filesystem::file_size(file);
+  for (const std::uintmax_t at : {std::uintmax_t{3}, size / 2, size - 1}) {
+    {
+      std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+      bytes.seekg(static_cast<std::streamoff>(at));
+      const auto byte = static_cast<char>(bytes.get() ^ 4);
+      bytes.seekp(static_cast<std::streamoff>(at));
+      bytes.put(byte);
+    }
+    EXPECT_FALSE(truth.load(kept)) << at;
+    truth.save(kept);
+    EXPECT_TRUE(truth.load(kept));
+  }
+  std::filesystem::resize_file(file, size / 2);
+  EXPECT_FALSE(truth.load(kept));
+}
+
+// Colors each draw by its first polygon.
+scene::scene colored(tiny_scene tiny, const std::vector<std::pair<std::uint32_t, glm::vec4>>& colors) {
+  scene::scene s = tiny.finished();
+  for (const auto& [polygon, color] : colors)
+    s.materials[s.draws[scene::draw_of(s, polygon)].material].base_color = color;
+  return s;
+}
+
+TEST(bench_judge, color_error_is_that_of_what_stands_behind) {
+  constexpr glm::vec4 red{1, 0, 0, 1}, green{0, 1, 0, 1}, blue{0, 0, 1, 0.25f};
+  tiny_scene tiny;
+  const auto near = tiny.wall_x(4, -1, 2), far = tiny.wall_x(6, -1, 40), glass = tiny.wall_x(3, -1, 1, pane);
+  const ground g(colored(tiny, {{near, red}, {far, green}, {glass, blue}}), {cell_at({-1, -1, -1}, {1, 1, 1})}, {},
+                 "walls");
+  cell_truth truth(g, 0);
+  truth.extend(100'000);
+  cell_judge judge(truth);
+  const auto error = [&](const std::vector<std::uint32_t>& missing) { return judge.judge(all_but(g, missing), true); };
+  const double of_near = error({near}).pixel_error();
+  EXPECT_GT(of_near, 0.02);
+  EXPECT_EQ(error({}).color_error(), 0.0);
+  // Red instead of green: two of three channels are as wrong as can be.
+  EXPECT_NEAR(error({near}).color_error(), of_near * 2.0 / 3.0, 1e-9);
+  // The sky is (162, 196, 234).
+  const double red_sky = (255 - 162 + 196 + 234) / 765.0, green_sky = (162 + 255 - 196 + 234) / 765.0;
+  const judgement both = error({near, far});
+  EXPECT_NEAR(both.color_error(), of_near * red_sky + (both.pixel_error() - of_near) * green_sky, 1e-9);
+  EXPECT_GT(both.pixel_error(), 2.0 * of_near);
+  // A quarter of blue instead of red, or of green where a side view passes the near wall.
+  const judgement through = error({glass});
+  EXPECT_NEAR(through.color_error(), through.pixel_error() * 0.25 * 2.0 / 3.0, 1e-9);
+  // What misses the glass and the wall behind it is one wrong ray: those of the wall, and a few that pass it by.
+  EXPECT_LT(error({near, glass}).pixel_error(), of_near + 0.5 * through.pixel_error());
+}
+
+TEST(bench_judge, spread_is_the_variance_of_misses) {
+  // A slit that shows what is behind it to a small part of the cell: rays of one place are wrong together.
+  tiny_scene tiny;
+  tiny.closed_box({-30, -30, -30}, {30, 30, 30}, true);
+  const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
+  tiny.quad({3, -9, -9}, {3, -9, 1.0f}, {3, 9, 1.0f}, {3, 9, -9}, sheet);
+  tiny.quad({3, -9, 1.3f}, {3, -9, 9}, {3, 9, 9}, {3, 9, 1.3f}, sheet);
+  tiny.quad({1.5f, -9, 1.0f}, {3, -9, 1.0f}, {3, 9, 1.0f}, {1.5f, 9, 1.0f}, sheet);
+  tiny.quad({1.5f, -9, 1.3f}, {3, -9, 1.3f}, {3, 9, 1.3f}, {1.5f, 9, 1.3f}, sheet);
+  const auto hidden = tiny.quad({3.5f, -9, -1}, {3.5f, -9, 3}, {3.5f, 9, 3}, {3.5f, 9, -1}, sheet);
+  std::vector<bake::view_cell> cells;
+  constexpr std::size_t trials = 150;
+  for (std::size_t i = 0; i < trials; ++i) cells.push_back(cell_at({-1, -1, -1}, {1, 1, 1}, 100 + i));
+  const ground g(tiny.finished(), std::move(cells), {}, "slit");
+  const auto set = all_but(g, {hidden});
+  std::vector<double> misses;
+  double spread = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < trials; ++i) {
+    cell_truth truth(g, i);
+    truth.extend(8'000);
+    const judgement found = cell_judge(truth).judge(set, false);
+    misses.push_back(found.misses);
+    sum += found.misses;
+    spread += found.spread / trials;
+  }
+  double variance = 0.0;
+  for (const double one : misses) variance += (one - sum / trials) * (one - sum / trials) / (trials - 1);
+  EXPECT_GT(sum / trials, 10.0);
+  EXPECT_GT(variance, 1.3 * sum / trials) << "there is something to tell";
+  EXPECT_NEAR(spread / variance, 1.0, 0.35) << spread << ' ' << variance;
+}
+
+TEST(bench_interval, is_that_of_poisson) {
+  // Exact limits, from tables.
+  for (const auto& [found, low, high] : {std::tuple{0.0, 0.0, 3.689},
+                                         {1.0, 0.0253, 5.572},
+                                         {5.0, 1.623, 11.668},
+                                         {20.0, 12.217, 30.888},
+                                         {100.0, 81.364, 121.627}}) {
+    EXPECT_NEAR(poisson_interval(found).low, low, found < 5.0 ? 0.013 : 0.01 * low) << found;
+    EXPECT_NEAR(poisson_interval(found).high, high, 0.01 * high) << found;
+  }
+  EXPECT_EQ(error_interval(0.0, 0.0, 0.0).high, 1.0);
+  EXPECT_NEAR(error_interval(0.0, 0.0, 1000.0).high, 0.00369, 0.00004);
+  EXPECT_NEAR(error_interval(0.01, 100.0, 1e4).high, 0.01216, 0.00001);
+}
+
+TEST(bench_jobs, settings_are_those_of_the_samplers) {
+  const auto parse = [](const char* settings, const char* other = "{}") {
+    json text{{"jobs", json::array()}};
+    for (const char* one : {settings, other})
+      text["jobs"].push_back({{"label", "x"}, {"code", "1"}, {"settings", json::parse(one)}});
+    return parse_jobs(text, "jobs.json");
+  };
+  const job_list list = parse(R"({"sampler":"nir04","samples":80,"part-polygons":9,"jitter":true,"resolution":512})");
+  const job &given = list.jobs.at(0), &plain = list.jobs.at(1);
+  EXPECT_EQ(given.how.part_polygons, 9u);
+  EXPECT_TRUE(given.how.jitter);
+  EXPECT_EQ(given.how.max_pixel_error, 0.0);
+  EXPECT_EQ(given.settings.at("part_polygons"), 9);
+  EXPECT_EQ(given.settings.at("source"), "cpu");
+  EXPECT_EQ(plain.settings.at("samples"), 24);
+  EXPECT_FALSE(plain.settings.contains("part_polygons")) << "importance-depth has none";
+  EXPECT_EQ(list.truth.max_rays, 40'000'000u);
+  for (const char* wrong : {R"({"part_polygons":9})", R"({"sampler":"nobody"})", R"({"samples":"many"})", R"({"x":1})",
+                            R"({"resolution":17})"})
+    EXPECT_THROW(parse(wrong), sightcell::error) << wrong;
+  EXPECT_THROW(parse(R"({"margin":0.5})"), sightcell::error) << "the other job has another truth";
+  EXPECT_EQ(parse(R"({"margin":0.5})", R"({"margin":0.5})").jobs.at(0).rules().margin, 0.5f);
+}
+
+}  // namespace
