@@ -15,10 +15,12 @@ constexpr std::array nir04_alone{names("nir04")};
 constexpr std::array hemicube_samplers{names("importance-depth"), names("importance-depth-color"), names("nir04"),
                                        names("uniform"), names("halton")};
 constexpr std::array gvs_alone{names("gvs")};
+constexpr std::array gvs_plus_plus_alone{names("gvs++")};
+constexpr std::array guided_samplers{names("gvs"), names("gvs++")};
 constexpr std::array every_sampler{names("importance-depth"), names("importance-depth-color"), names("nir04"),
-                                   names("uniform"), names("halton"), names("gvs")};
+                                   names("uniform"), names("halton"), names("gvs"), names("gvs++")};
 
-constexpr std::array<sampler_info, 6> all_samplers{{
+constexpr std::array<sampler_info, 7> all_samplers{{
     {"importance-depth", "hemicubes on the cell's faces, toward where depth shows gaps", "the thesis (METHOD.md)"},
     {"importance-depth-color", "the same, and gaps count more where what is new changes the picture's colors",
      "the thesis (METHOD.md)"},
@@ -27,9 +29,11 @@ constexpr std::array<sampler_info, 6> all_samplers{{
     {"halton", "hemicubes evenly spread over the cell's faces",
      "Halton 1964, shifted as by Cranley and Patterson 1976"},
     {"gvs", "rays: at random, then past the borders of what they found and past what hides it", "Wonka et al. 2006"},
+    {"gvs++", "rays: very many at random, then in bulk past the borders of all they found and from the cell's edges",
+     "Koch and Wimmer 2021"},
 }};
 
-constexpr std::array<sampler_option, 13> all_options{{
+constexpr std::array<sampler_option, 14> all_options{{
     {"--samples", "N", "hemicubes per cell, at most", &settings::samples, 6, 100'000, hemicube_samplers},
     {"--seconds-per-cell", "S",
      "seconds of one core after which a cell is sampled no more, so that its set depends on the machine; 0: no limit",
@@ -46,16 +50,21 @@ constexpr std::array<sampler_option, 13> all_options{{
      &settings::difference, 0, 1, nir04_alone},
     {"--part-polygons", "N", "a cell that sees more polygons is sampled again in two halves, and those too; 0: never",
      &settings::part_polygons, 0, 4294967295.0, nir04_alone},
-    {"--sampling-rays", "N", "rays per cell, all of them, at most", &settings::sampling_rays, 1000, 1e11, gvs_alone},
+    {"--sampling-rays", "N", "rays per cell, all of them, at most", &settings::sampling_rays, 1000, 1e11,
+     guided_samplers},
     {"--rays-per-round", "N", "random rays, before what they found is followed", &settings::rays_per_round, 512, 1e9,
-     gvs_alone},
+     guided_samplers},
     {"--fewest-new", "N",
-     "a cell is done when a round, with all it led to, found fewer new polygons; 0: when its rays are spent",
-     &settings::fewest_new, 0, 4294967295.0, gvs_alone},
+     "a cell is done when a round (gvs++: three in a row), with all it led to, found fewer new polygons; 0: when its "
+     "rays are spent",
+     &settings::fewest_new, 0, 4294967295.0, guided_samplers},
     {"--border-depth", "N", "how often a stretch of a polygon's border is halved where its ends see different polygons",
      &settings::border_depth, 0, 12, gvs_alone},
+    {"--border-samples", "N",
+     "rays past each edge of a found polygon, and from each edge of the cell toward what is hidden there",
+     &settings::border_samples, 1, 1000, gvs_plus_plus_alone},
     {"--border-offset", "D", "how far past a border rays go, as a share of the distance to it",
-     &settings::border_offset, 1e-6, 0.1, gvs_alone},
+     &settings::border_offset, 1e-6, 0.1, guided_samplers},
 }};
 
 }  // namespace

@@ -33,7 +33,7 @@ ground::ground(scene::scene from, std::vector<bake::view_cell> all, const seeing
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
     free[i] = has_free_point(rays, all[i], rules.player_radius);
     const bake::box grown = bake::box{all[i].min, all[i].max}.grown(rules.margin);
-    inside[i] = free[i] && !bake::polygons_touching(geometry, grown).empty();
+    inside[i] = free[i] && !rays.touching(grown.min, grown.max).empty();
   });
   for (std::size_t i = 0; i < all.size(); ++i) {
     std::string name = all[i].name.empty() ? fmt::format("cell {}", i) : all[i].name;

@@ -15,6 +15,7 @@
 #include "rays/triangle_math.h"
 #include "sampler/border_sampling.h"
 #include "sampler/cell_sampler.h"
+#include "sampler/gvs_plus_plus.h"
 #include "sampler/random_rays.h"
 #include "sampler/ray_finds.h"
 #include "sampler/reverse_sampling.h"
@@ -250,7 +251,45 @@ TEST_P(ray_samplers, nothing_is_seen_from_places_that_are_not_free) {
   for (const std::uint32_t polygon : seen.members) EXPECT_LT(polygon, hidden);
 }
 
-INSTANTIATE_TEST_SUITE_P(guided, ray_samplers, testing::Values("gvs"));
+INSTANTIATE_TEST_SUITE_P(guided, ray_samplers, testing::Values("gvs", "gvs++"));
+
+TEST(gvs_plus_plus, border_points_go_around_the_triangle) {
+  const triangle t{{{3, 0, 0}, {4, 2, 0}, {5, 0, 1}}};
+  const glm::vec3 eye{0, 0, 0};
+  const std::vector<glm::vec3> points = border_points(t, eye, 1e-3f, 7);
+  ASSERT_EQ(points.size(), 9u + 3 * 7u);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_FALSE(ray_meets(t, eye, points[i])) << i;
+    EXPECT_TRUE(ray_meets(t, eye, glm::mix(points[i], (t[0] + t[1] + t[2]) / 3.0f, 0.1f))) << i << " closely";
+    EXPECT_LT(glm::length(points[i] - points[(i + 1) % points.size()]), 0.4f);
+  }
+}
+
+TEST(gvs_plus_plus, edge_points_lie_on_all_twelve_edges) {
+  const box cell{{0, 0, 0}, {4, 2, 3}};
+  const std::vector<glm::vec3> points = edge_points(cell, 5);
+  ASSERT_EQ(points.size(), 60u);
+  std::set<std::array<float, 3>> different;
+  for (const glm::vec3& p : points) {
+    int on = 0;
+    for (int axis = 0; axis < 3; ++axis) on += p[axis] == cell.min[axis] || p[axis] == cell.max[axis] ? 1 : 0;
+    EXPECT_EQ(on, 2);
+    different.insert({p.x, p.y, p.z});
+  }
+  EXPECT_EQ(different.size(), 60u);
+}
+
+TEST(gvs_plus_plus, three_poor_iterations_end_a_cell_and_not_one) {
+  test::tiny_scene made;
+  made.wall_x(5, 1, 3);  // shows its back, so nothing is ever found
+  settings how;
+  how.rays_per_round = 2'048;
+  how.fewest_new = 1;
+  how.sampler = "gvs";
+  EXPECT_EQ(sample(how, made.finished(), 1).rays, 2'048u);
+  how.sampler = "gvs++";
+  EXPECT_EQ(sample(how, made.finished(), 1).rays, 3 * 2'048u);
+}
 
 TEST(random_rays, leave_the_boundary_and_start_inside_where_geometry_is) {
   test::tiny_scene made;

@@ -47,6 +47,7 @@ struct settings {
   std::uint32_t rays_per_round = 65536;     // --rays-per-round
   std::uint32_t fewest_new = 0;             // --fewest-new, 0: until the rays are spent
   std::uint32_t border_depth = 3;           // --border-depth
+  std::uint32_t border_samples = 10;        // --border-samples
   double border_offset = 1e-3;              // --border-offset, of the distance
   // --source, of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (Embree, slow) or auto: gpu where there is a
   // hardware one, else cpu. Sources differ in a few pixels: which one it was stands in the file.
