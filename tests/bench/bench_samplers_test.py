@@ -160,6 +160,48 @@ class BenchSamplers(unittest.TestCase):
         self.assertEqual((limited["cells"], limited["left_out"]), (self.first["cells"], []))
         self.assertTrue(all(all(job) for job in from_cache(limited)))
 
+    def command(self, verb, out, *words):
+        asked = os.path.join(self.folder.name, "jobs.json")
+        with open(asked, "w", encoding="utf-8") as stream:
+            json.dump(JOBS, stream)
+        with open(self.cells, encoding="utf-8") as stream:
+            name = json.load(stream)["cells"][0]["name"]
+        return run(verb, self.town, "--cells", self.cells, "--cell", name, "--jobs", asked, "--out", out, *words)
+
+    def test_growth_of_five_faces(self):
+        out = os.path.join(self.folder.name, "growth.json")
+        done = self.command("growth", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(out, encoding="utf-8") as stream:
+            faces = json.load(stream)["faces"]
+        self.assertEqual([face["face"] for face in faces], ["-x", "+x", "+y", "-z", "+z"])
+        for face in faces:
+            self.assertEqual([job["label"] for job in face["jobs"]], [job["label"] for job in JOBS["jobs"]])
+            for job, asked in zip(face["jobs"], JOBS["jobs"]):
+                self.assertTrue(0 < len(job["sizes"]) <= asked["settings"]["samples"], job)
+                self.assertEqual(job["sizes"], sorted(job["sizes"]))
+                self.assertTrue(0 < job["sizes"][-1] < 20000)
+
+    def test_pictures_show_what_is_missed(self):
+        out = os.path.join(self.folder.name, "pictures")
+        done = self.command("pictures", out, "--cache", self.cache)
+        if "gl.no-context" in done.stderr:
+            self.skipTest(done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        told = json.loads(done.stdout)
+        with open(os.path.join(out, "pictures.json"), encoding="utf-8") as stream:
+            self.assertEqual(json.load(stream), told)
+        names = [told["picture"], told["outside"]]
+        for job, measured in zip(told["jobs"], self.first["jobs"]):
+            self.assertEqual((job["label"], job["set"]), (measured["label"], measured["cells"][0]["set"]))
+            self.assertLess(job["differing_pixels"], told["pixels"] / 4)
+            names += [job[key] for key in ("picture", "red", "red_grown", "outside")]
+        self.assertGreater(told["jobs"][0]["differing_pixels"], 0, "there it misses most")
+        self.assertEqual(sorted(names), sorted(set(os.listdir(out)) - {"pictures.json"}))
+        for name in names:
+            with open(os.path.join(out, name), "rb") as stream:
+                self.assertEqual(stream.read(4), b"\x89PNG")
+
     def test_unknown_settings_are_refused(self):
         wrong = copy.deepcopy(JOBS)
         wrong["jobs"][0]["settings"]["difference"] = 0.5

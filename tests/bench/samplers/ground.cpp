@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -45,6 +46,14 @@ ground::ground(scene::scene from, std::vector<bake::view_cell> all, const seeing
     names.push_back(std::move(name));
     geometry_inside.push_back(inside[i] != 0);
   }
+}
+
+std::size_t ground::cell_named(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw error(error_kind::wrong_use, "bench.no-cell", "the cell \"" + name + "\"",
+                "is not there or has no free point", fmt::format("name one of: {}", fmt::join(names, ", ")));
+  return static_cast<std::size_t>(found - names.begin());
 }
 
 std::string ground::text_of(std::size_t cell) const {

@@ -34,6 +34,8 @@ struct ground {
 
   std::uint32_t polygons() const { return static_cast<std::uint32_t>(geometry.kinds.size()); }
   bake::box grown(std::size_t cell) const { return bake::box{cells[cell].min, cells[cell].max}.grown(rules.margin); }
+  // By name. Throws sightcell::error where there is none, or it was left out.
+  std::size_t cell_named(const std::string& name) const;
   // Names a cell of this scene under these rules.
   std::string text_of(std::size_t cell) const;
 };

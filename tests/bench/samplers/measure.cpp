@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "bench/samplers/commands.h"
 #include "bench/samplers/judge.h"
 #include "bench/samplers/sampling.h"
 
@@ -236,11 +237,10 @@ json measure_samplers(const ground& g, const job_list& list, const kept_files& k
           {"sampling_cpu_seconds", sampling_seconds}};
 }
 
-int run_measure(const measure_options& how) {
+void run_measure(const bench_options& how) {
   const job_list list = read_jobs(how.jobs);
   const auto g = load_ground(how.scene, how.cells, how.cell_limit, list.jobs.front().rules(), how.scene_hash);
   write_json(how.out, measure_samplers(*g, list, kept_files(how.cache), how.threads));
-  return 0;
 }
 
 }  // namespace sightcell::bench

@@ -1,22 +1,11 @@
 #pragma once
 // bench_samplers measure: all jobs over all cells of a scene, against the truth of each cell.
-#include <cstdint>
-#include <filesystem>
-#include <string>
-
 #include "bench/hemicube/cache.h"
 #include "bench/samplers/ground.h"
 #include "bench/samplers/jobs.h"
 #include "bench/samplers/kept_files.h"
 
 namespace sightcell::bench {
-
-struct measure_options {
-  std::filesystem::path scene, cells, jobs, out, cache;
-  unsigned threads = 0;  // 0: all
-  std::uint32_t cell_limit = 0;
-  std::string scene_hash;  // empty: of the file
-};
 
 // Works on the calling thread's TBB arena. What it gives (means are over cells; what is pooled takes cells as equal):
 //   scene, hash, polygons, left_out (names of cells without a free point)
@@ -28,7 +17,5 @@ struct measure_options {
 //   truth: interval, interval_met, rays (of the cell with the fewest), place_rays
 //   truth_cpu_seconds, sampling_cpu_seconds: of all that is in the file, whenever it was measured
 json measure_samplers(const ground& g, const job_list& list, const kept_files& kept, unsigned threads);
-
-int run_measure(const measure_options& how);
 
 }  // namespace sightcell::bench

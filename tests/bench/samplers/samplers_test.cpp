@@ -8,12 +8,14 @@
 #include <fstream>
 #include <numeric>
 
+#include "bench/samplers/growth.h"
 #include "bench/samplers/jobs.h"
 #include "bench/samplers/judge.h"
-#include "bench/samplers/measure.h"
+#include "bench/samplers/pictures.h"
 #include "bench/samplers/truth.h"
 #include "bound/fresh_rays.h"
 #include "sightcell/scene/error.h"
+#include "source/choose_source.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace {
@@ -259,6 +261,54 @@ TEST(bench_jobs, settings_are_those_of_the_samplers) {
     EXPECT_THROW(parse(wrong), sightcell::error) << wrong;
   EXPECT_THROW(parse(R"({"margin":0.5})"), sightcell::error) << "the other job has another truth";
   EXPECT_EQ(parse(R"({"margin":0.5})", R"({"margin":0.5})").jobs.at(0).rules().margin, 0.5f);
+}
+
+TEST(bench_growth, only_the_face_that_is_asked_for_sees) {
+  tiny_scene tiny;
+  tiny.wall_x(5, -1, 3), tiny.wall_x(6, -1, 40), tiny.wall_x(-6, 1, 3);
+  const ground g(tiny.finished(), {cell_at({-1, -1, -1}, {1, 1, 1})}, {}, "walls");
+  const bake::box grown = g.grown(0);
+  const auto faces = bake::faces_of(grown.min, grown.max);
+  for (const char* sampler : {"importance-depth", "nir04", "uniform", "halton"}) {
+    job what;
+    what.how.sampler = sampler, what.how.source = "cpu", what.how.samples = 12, what.how.resolution = 64;
+    what.how.jitter = true;
+    const bake::chosen_source eyes = bake::choose_source(what.how, g.geometry, g.rays);
+    const auto right = growth_of_face(g, 0, what, faces[1], *eyes.source);
+    const auto left = growth_of_face(g, 0, what, faces[0], *eyes.source);
+    ASSERT_FALSE(right.empty() || left.empty()) << sampler;
+    EXPECT_LE(right.size(), 12u) << sampler;
+    EXPECT_TRUE(std::is_sorted(right.begin(), right.end())) << sampler;
+    EXPECT_EQ(right.back(), 4u) << sampler;
+    EXPECT_EQ(left.back(), 2u) << sampler << ": the wall at -6, and none of those at the other side";
+  }
+}
+
+TEST(bench_pictures, red_pixels_grow) {
+  sightcell::picture::image_rgba marked{6, 5, std::vector<std::uint8_t>(6 * 5 * 4, 100)};
+  const auto red = [](const auto& image, std::size_t x, std::size_t y) {
+    const std::uint8_t* at = &image.pixels[4 * (y * 6 + x)];
+    return at[0] == 255 && at[1] == 0 && at[2] == 0 && at[3] == 255;
+  };
+  const std::uint8_t color[4]{255, 0, 0, 255};
+  std::copy_n(color, 4, &marked.pixels[4 * (1 * 6 + 5)]);
+  const auto grown = grow_red(marked, 2);
+  for (std::size_t y = 0; y < 5; ++y)
+    for (std::size_t x = 0; x < 6; ++x) EXPECT_EQ(red(grown, x, y), x >= 3 && y <= 3) << x << ' ' << y;
+}
+
+TEST(bench_pictures, the_worst_view_looks_at_what_is_missed) {
+  room made;
+  const ground g(made.tiny.finished(), {cell_at({-1, -1, -1}, {1, 1, 1})}, {}, "room");
+  cell_truth truth(g, 0);
+  truth.extend(20'000);
+  const worst_view of_wall = find_worst_view(truth, all_but(g, {made.missing.front()}));  // at x = 5
+  EXPECT_GT(of_wall.missed_share, 0.05);
+  EXPECT_GT(of_wall.forward.x, 0.8f);
+  // From where the wall is largest: near it.
+  EXPECT_GT(of_wall.eye.x, 0.8f);
+  EXPECT_EQ(find_worst_view(truth, all_but(g, {})).missed_share, 0.0);
+  EXPECT_EQ(find_worst_view(truth, all_but(g, {made.excused.back()})).missed_share, 0.0);
 }
 
 }  // namespace

@@ -83,14 +83,21 @@ std::string sampling_bench::key_of(const job& what, std::size_t cell) const {
   return hash_of_text(text);
 }
 
+sampled_figures sampling_bench::kept_figures(const job& what, std::size_t cell) const {
+  sampled_figures f;
+  std::vector<std::uint32_t> set;
+  const std::string key = key_of(what, cell);
+  const auto bytes = kept_.read(key, "sampled");
+  if (!bytes || !decode(*bytes, ground_.polygons(), f, set)) return {.key = key};
+  f.key = key;
+  f.from_cache = true;
+  return f;
+}
+
 std::size_t sampling_bench::missing(const job& what) const {
   std::size_t count = 0;
-  std::vector<std::uint32_t> set;
-  for (std::size_t cell = 0; cell < ground_.cells.size(); ++cell) {
-    const auto bytes = kept_.read(key_of(what, cell), "sampled");
-    sampled_figures figures;
-    if (!bytes || !decode(*bytes, ground_.polygons(), figures, set)) ++count;
-  }
+  for (std::size_t cell = 0; cell < ground_.cells.size(); ++cell)
+    if (!kept_figures(what, cell).from_cache) ++count;
   return count;
 }
 
@@ -107,18 +114,21 @@ bake::hemicube_source& sampling_bench::source_of(const bake::settings& how) {
 
 std::vector<sampled_figures> sampling_bench::run(const job& what,
                                                  const std::function<void(std::size_t cell)>& measured) {
-  std::vector<sampled_figures> figures(ground_.cells.size());
+  std::vector<sampled_figures> figures;
   std::vector<std::size_t> cells;
-  std::vector<std::uint32_t> set;
-  for (std::size_t cell = 0; cell < figures.size(); ++cell) {
-    sampled_figures& f = figures[cell];
-    f.key = key_of(what, cell);
-    const auto bytes = kept_.read(f.key, "sampled");
-    f.from_cache = bytes && decode(*bytes, ground_.polygons(), f, set);
-    if (!f.from_cache) cells.push_back(cell);
+  for (std::size_t cell = 0; cell < ground_.cells.size(); ++cell) {
+    figures.push_back(kept_figures(what, cell));
+    if (!figures.back().from_cache) cells.push_back(cell);
   }
   if (!cells.empty()) measure(what, cells, figures, measured);
   return figures;
+}
+
+sampled_figures sampling_bench::run_cell(const job& what, std::size_t cell) {
+  std::vector<sampled_figures> figures(ground_.cells.size());
+  figures[cell] = kept_figures(what, cell);
+  if (!figures[cell].from_cache) measure(what, {cell}, figures, nullptr);
+  return figures[cell];
 }
 
 void sampling_bench::measure(const job& what, const std::vector<std::size_t>& cells,

@@ -36,6 +36,8 @@ class sampling_bench {
 
   // One per cell. measured: told after each cell that was not kept.
   std::vector<sampled_figures> run(const job& what, const std::function<void(std::size_t cell)>& measured);
+  // Of one cell alone.
+  sampled_figures run_cell(const job& what, std::size_t cell);
   // How many cells run() would measure.
   std::size_t missing(const job& what) const;
   // Ascending. Throws sightcell::error where it is no longer kept.
@@ -45,6 +47,7 @@ class sampling_bench {
   struct clocked_sampler;
 
   std::string key_of(const job& what, std::size_t cell) const;
+  sampled_figures kept_figures(const job& what, std::size_t cell) const;  // the key alone where nothing is kept
   void measure(const job& what, const std::vector<std::size_t>& cells, std::vector<sampled_figures>& figures,
                const std::function<void(std::size_t cell)>& measured);
   bake::hemicube_source& source_of(const bake::settings& how);
