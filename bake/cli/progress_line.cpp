@@ -41,6 +41,7 @@ void progress_line::update(const bake::progress& now) {
     const nlohmann::ordered_json line = {{"cells", now.cells_done},
                                          {"cells_total", now.cells_total},
                                          {"cells_checked", now.cells_checked},
+                                         {"prepared", now.prepared},
                                          {"seconds", now.seconds},
                                          {"seconds_left", now.seconds_left},
                                          {"pixel_error", now.pixel_error},
@@ -52,6 +53,10 @@ void progress_line::update(const bake::progress& now) {
   std::string text = fmt::format("{} of {} cells", grouped(now.cells_done), grouped(now.cells_total));
   if (all && now.seconds_left > 0.0)
     text += fmt::format(" ({} checked with their neighbors)", grouped(now.cells_checked));
+  if (now.prepared < 1.0) {
+    show(text + fmt::format(", {:.0f} % of the rays for all of them", 100.0 * now.prepared));
+    return;
+  }
   if (now.seconds_left > 0.0)
     text += fmt::format(", {:.2g} cells/s, {} left", now.cells_per_second, duration_text(now.seconds_left));
   else if (all)

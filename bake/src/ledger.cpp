@@ -64,6 +64,13 @@ bool ledger::open() {
   return tell_progress(0);
 }
 
+bool ledger::preparing(double share) {
+  now_.prepared = share;
+  const bool go_on = tell_progress(0);
+  now_.prepared = 1.0;
+  return go_on;
+}
+
 // Records of the first round that nobody reads any more: those of blocks all of whose cells are through phase 1.
 void ledger::forget_first_rounds(std::span<const stage_record> records, std::vector<std::uint32_t>& forget) const {
   std::vector<std::uint32_t> blocks;

@@ -22,6 +22,8 @@ class ledger {
   void resume(std::uint32_t cell, cell_stage stage, const cell_summary& record);
   // Before the first step. This and close answer false when the user has had enough.
   bool open();
+  // Before the first step too: so much of what the sampler does for all cells is done, 0 to 1.
+  bool preparing(double share);
   // Steps that end after the user has had enough are still committed.
   bool close(std::span<const stage_record> records, std::size_t in_work, checkpoint& done);
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,6 +16,8 @@
 
 namespace sightcell::bake {
 namespace {
+
+constexpr std::chrono::milliseconds tell_pause{200};  // of progress before the first cell
 
 // Made in place: it cannot be moved.
 cell_baker baker_of(const workshop& shop) {
@@ -32,6 +36,30 @@ void run(const phase_work& work, const cell_baker& baker, step_queue queue, cons
         work.file.copy_if_due();
         return go_on;
       });
+}
+
+// What the sampler does for all cells together, where any of them is still to be sampled. How many those are changes
+// nothing: every resume and every shard does all of it. False: the user has had enough.
+bool prepare(const phase_work& work) {
+  const cell_blocks& all = work.plan.blocks();
+  const auto sampled = [&](std::uint32_t cell) {
+    return work.book.have().has(cell, cell_stage::sampled) || work.plan.through_phase_1(work.book.have(), cell);
+  };
+  if (std::all_of(work.blocks.begin(), work.blocks.end(), [&](std::uint32_t block) {
+        const auto cells = all.cells_of(block);
+        return std::all_of(cells.begin(), cells.end(), sampled);
+      }))
+    return true;
+  using clock = std::chrono::steady_clock;
+  clock::time_point told = clock::now();
+  work.arena.execute([&] {
+    work.shop.sampler->prepare([&](double share) {
+      if (clock::now() - told < tell_pause) return true;
+      told = clock::now();
+      return work.book.preparing(share);
+    });
+  });
+  return !work.book.stopped();
 }
 
 // What others see and own does not, one after the other.
@@ -78,7 +106,7 @@ void keeping(work_file& file, const std::function<void()>& work) {
 }
 
 void run_phase_1(const phase_work& work) {
-  if (work.book.stopped()) return;
+  if (work.book.stopped() || !prepare(work)) return;
   const cell_baker baker = baker_of(work.shop);
   const auto sampled = [&](std::uint32_t cell) { return required(work.file.records(), cell, cell_stage::sampled); };
   const take_step take = [&](const cell_step& step, cell_set& set) {

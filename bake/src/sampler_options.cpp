@@ -16,11 +16,15 @@ constexpr std::array hemicube_samplers{names("importance-depth"), names("importa
                                        names("uniform"), names("halton")};
 constexpr std::array gvs_alone{names("gvs")};
 constexpr std::array gvs_plus_plus_alone{names("gvs++")};
+constexpr std::array agvs_alone{names("agvs")};
 constexpr std::array guided_samplers{names("gvs"), names("gvs++")};
+constexpr std::array ray_samplers{names("gvs"), names("gvs++"), names("agvs")};
+constexpr std::array all_but_agvs{names("importance-depth"), names("importance-depth-color"), names("nir04"),
+                                  names("uniform"), names("halton"), names("gvs"), names("gvs++")};
 constexpr std::array every_sampler{names("importance-depth"), names("importance-depth-color"), names("nir04"),
-                                   names("uniform"), names("halton"), names("gvs"), names("gvs++")};
+                                   names("uniform"), names("halton"), names("gvs"), names("gvs++"), names("agvs")};
 
-constexpr std::array<sampler_info, 7> all_samplers{{
+constexpr std::array<sampler_info, 8> all_samplers{{
     {"importance-depth", "hemicubes on the cell's faces, toward where depth shows gaps", "the thesis (METHOD.md)"},
     {"importance-depth-color", "the same, and gaps count more where what is new changes the picture's colors",
      "the thesis (METHOD.md)"},
@@ -31,16 +35,17 @@ constexpr std::array<sampler_info, 7> all_samplers{{
     {"gvs", "rays: at random, then past the borders of what they found and past what hides it", "Wonka et al. 2006"},
     {"gvs++", "rays: very many at random, then in bulk past the borders of all they found and from the cell's edges",
      "Koch and Wimmer 2021"},
+    {"agvs", "rays for all cells at once: at random, and beside those that found something", "Bittner et al. 2009"},
 }};
 
-constexpr std::array<sampler_option, 14> all_options{{
+constexpr std::array<sampler_option, 15> all_options{{
     {"--samples", "N", "hemicubes per cell, at most", &settings::samples, 6, 100'000, hemicube_samplers},
     {"--seconds-per-cell", "S",
      "seconds of one core after which a cell is sampled no more, so that its set depends on the machine; 0: no limit",
      &settings::seconds_per_cell, 0, 1e6, every_sampler},
     {"--interior-share", "Q",
      "of the hemicubes (as full cubes) or random rays of a cell with geometry inside: they start at free places in it",
-     &settings::interior_share, 0, 0.9, every_sampler},
+     &settings::interior_share, 0, 0.9, all_but_agvs},
     {"--jitter", "", "turn every hemicube at random by up to half a pixel", &settings::jitter, 0, 1, hemicube_samplers},
     {"--reliability", "R", "a face is done when its map of reliability is nowhere below this", &settings::reliability,
      0.01, 1, importance_samplers},
@@ -50,14 +55,14 @@ constexpr std::array<sampler_option, 14> all_options{{
      &settings::difference, 0, 1, nir04_alone},
     {"--part-polygons", "N", "a cell that sees more polygons is sampled again in two halves, and those too; 0: never",
      &settings::part_polygons, 0, 4294967295.0, nir04_alone},
-    {"--sampling-rays", "N", "rays per cell, all of them, at most", &settings::sampling_rays, 1000, 1e11,
-     guided_samplers},
-    {"--rays-per-round", "N", "random rays, before what they found is followed", &settings::rays_per_round, 512, 1e9,
-     guided_samplers},
+    {"--sampling-rays", "N", "rays per cell, all of them, at most", &settings::sampling_rays, 1000, 1e11, ray_samplers},
+    {"--rays-per-round", "N",
+     "random rays, before what they found is followed; of agvs all rays that are cast before their finds count",
+     &settings::rays_per_round, 512, 1e9, ray_samplers},
     {"--fewest-new", "N",
      "a cell is done when a round (gvs++: three in a row), with all it led to, found fewer new polygons; 0: when its "
-     "rays are spent",
-     &settings::fewest_new, 0, 4294967295.0, guided_samplers},
+     "rays are spent; of agvs all cells are, when a round found fewer in their mean",
+     &settings::fewest_new, 0, 4294967295.0, ray_samplers},
     {"--border-depth", "N", "how often a stretch of a polygon's border is halved where its ends see different polygons",
      &settings::border_depth, 0, 12, gvs_alone},
     {"--border-samples", "N",
@@ -65,6 +70,10 @@ constexpr std::array<sampler_option, 14> all_options{{
      &settings::border_samples, 1, 1000, gvs_plus_plus_alone},
     {"--border-offset", "D", "how far past a border rays go, as a share of the distance to it",
      &settings::border_offset, 1e-6, 0.1, guided_samplers},
+    {"--filter", "M",
+     "metres: what cells within so much of a cell's box see joins its set unverified, seen from there or not; 0: "
+     "nothing",
+     &settings::filter, 0, 100, agvs_alone},
 }};
 
 }  // namespace

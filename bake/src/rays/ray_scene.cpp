@@ -113,9 +113,19 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
 ray_scene::~ray_scene() = default;
 
 void ray_scene::look(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
+  look_context context(*embree_);
+  look(context, eye, direction, out);
+}
+
+void ray_scene::look_at_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
+  look_context context(*embree_);
+  context.all_double_sided = true;
+  look(context, eye, direction, out);
+}
+
+void ray_scene::look(look_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
   thread_local std::vector<passed_polygon> passed;
   passed.clear();
-  look_context context(*embree_);
   context.passed = &passed;
   constexpr float infinity = std::numeric_limits<float>::infinity();
   RTCRayHit r{.ray = one_ray(eye, direction, 0.0f, infinity), .hit = {}};

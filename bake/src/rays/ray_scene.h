@@ -15,6 +15,7 @@
 namespace sightcell::bake {
 
 struct embree_scene;
+struct look_context;
 
 inline constexpr std::uint32_t no_polygon = 0xFFFFFFFFu;
 
@@ -53,6 +54,9 @@ class ray_scene {
   std::uint32_t front_of_set(const glm::vec3& eye, const glm::vec3& direction,
                              const std::function<bool(std::uint32_t)>& contains) const;
 
+  // The same where no polygon is single-sided: all that keeps a line from going on in either direction.
+  void look_at_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+
   // Rule 2 of seeing: all polygons that are there from this side and lie within coincidence_reach of a place on the
   // ray, the one that was hit there included. out is overwritten: ascending, each once.
   void coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,
@@ -82,6 +86,7 @@ class ray_scene {
   }
 
  private:
+  void look(look_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
   bool touches_surface(const glm::vec3& point, float radius) const;
   bool has_front(const glm::vec3& point, const glm::vec3& direction, float distance) const;
   void find_solid(std::span<const glm::vec3> points, std::span<std::uint8_t> solid) const;

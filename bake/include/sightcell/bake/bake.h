@@ -27,10 +27,11 @@ struct world_geometry;
 
 namespace sightcell::bake {
 
-// Told before the first cell and whenever one has come further.
+// Told before the first cell and whenever one has come further; several times a second while a sampler prepares.
 struct progress {
   std::uint32_t cells_done = 0, cells_total = 0;  // done: its bound is known and committed
   std::uint32_t cells_checked = 0;  // of these: what neighboring cells see was tried too; nothing is left to do
+  double prepared = 1.0;            // below 1 before the first cell: of what the sampler does for all of them together
   double seconds = 0.0;             // wall clock since the bake began
   double cells_per_second = 0.0;    // of this run; work that has begun counts; 0 until some is committed
   double seconds_left = 0.0;        // for what is left at that rate

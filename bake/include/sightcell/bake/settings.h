@@ -49,6 +49,7 @@ struct settings {
   std::uint32_t border_depth = 3;           // --border-depth
   std::uint32_t border_samples = 10;        // --border-samples
   double border_offset = 1e-3;              // --border-offset, of the distance
+  double filter = 0.0;                      // --filter, metres
   // --source, of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (Embree, slow) or auto: gpu where there is a
   // hardware one, else cpu. Sources differ in a few pixels: which one it was stands in the file.
   std::string source = "auto";

@@ -1,0 +1,41 @@
+#pragma once
+// Where in the cells places were found free or not, so that fewer are asked about in walls: each costs 64 rays.
+#include <algorithm>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "free_space.h"
+
+namespace sightcell::bake {
+
+class free_memory {
+ public:
+  explicit free_memory(std::size_t cells) : in_vain_(cells * parts_of_cell) {}
+
+  // Of a place in a cell's box.
+  static std::uint32_t part_of(const box& cell, const glm::vec3& place) {
+    const glm::vec3 share = (place - cell.min) / (cell.max - cell.min);
+    const auto along = [](float s, std::uint32_t n) {
+      return static_cast<std::uint32_t>(std::clamp(s, 0.0f, 0.999f) * static_cast<float>(n));
+    };
+    return (along(share.z, wide) * high + along(share.y, high)) * wide + along(share.x, wide);
+  }
+  // Several places were asked about there and none was free.
+  bool is_barren(std::uint32_t cell, std::uint32_t part) const { return in_vain_[number_of(cell, part)] >= enough; }
+  void note(std::uint32_t cell, std::uint32_t part, bool free) {
+    std::uint8_t& in_vain = in_vain_[number_of(cell, part)];
+    in_vain = free ? std::uint8_t{0} : static_cast<std::uint8_t>(std::min(in_vain + 1, int{enough}));
+  }
+
+ private:
+  static constexpr std::uint32_t wide = 8, high = 4, parts_of_cell = wide * wide * high;
+  static constexpr std::uint8_t enough = 3;
+  static std::size_t number_of(std::uint32_t cell, std::uint32_t part) {
+    return cell * std::size_t{parts_of_cell} + part;
+  }
+
+  std::vector<std::uint8_t> in_vain_;  // of each part of each cell: how many places in a row were not free
+};
+
+}  // namespace sightcell::bake

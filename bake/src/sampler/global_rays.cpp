@@ -1,0 +1,174 @@
+#include "sampler/global_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "finish/aim.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr int tries = 4;            // for a polygon that faces a cell
+constexpr double lately = 0.5;      // the weight of the last round
+constexpr float past_edge = 1e-3f;  // of a polygon's size: where the narrowest silhouette ray goes past it
+
+// Nearly normal, of variance 1: sums and products only, so the same bits on every machine.
+float bell(random_stream& numbers) {
+  float sum = -2.0f;
+  for (int i = 0; i < 4; ++i) sum += numbers.uniform();
+  return sum * 1.7320508f;
+}
+
+float longest_edge(const triangle& t) {
+  return std::max({glm::length(t[1] - t[0]), glm::length(t[2] - t[1]), glm::length(t[0] - t[2])});
+}
+
+// Beside a place, square to a direction.
+glm::vec3 beside(const glm::vec3& place, const glm::vec3& direction, float by, random_stream& numbers) {
+  const glm::vec3 up = std::abs(direction.y) < 0.9f ? glm::vec3{0, 1, 0} : glm::vec3{1, 0, 0};
+  const glm::vec3 right = glm::normalize(glm::cross(direction, up));
+  const float x = by * bell(numbers), y = by * bell(numbers);
+  return place + right * x + glm::cross(right, direction) * y;
+}
+
+glm::vec3 unit(const glm::vec3& way) {
+  const float length = glm::length(way);
+  return length > 0.0f ? way / length : glm::vec3{0.0f};
+}
+
+glm::vec3 normal_of(const triangle& t) {
+  return unit(glm::cross(t[1] - t[0], t[2] - t[0]));
+}
+
+// Where the way from a place in the triangle's plane to another one leaves the triangle: 0 to 1, 1 where it does not.
+float leaves(const triangle& t, const glm::vec3& from, const glm::vec3& to) {
+  const glm::vec3 normal = normal_of(t);
+  float first = 1.0f;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::vec3 inward = glm::cross(normal, t[(i + 1) % 3] - t[i]);
+    const float a = glm::dot(from - t[i], inward), b = glm::dot(to - t[i], inward);
+    if (b < 0.0f && a > b) first = std::min(first, std::max(a, 0.0f) / (a - b));
+  }
+  return first;
+}
+
+}  // namespace
+
+global_rays::global_rays(const ray_scene& rays, std::span<const box> cells) : rays_(rays), cells_(cells) {
+  const scene::world_geometry& geometry = rays.geometry();
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> named;
+  for (std::uint32_t polygon = 0; polygon < geometry.kinds.size(); ++polygon)
+    if (!geometry.kinds[polygon].absent) named.emplace_back(name_of(corners_of(geometry, polygon)), polygon);
+  std::sort(named.begin(), named.end());
+  polygons_.reserve(named.size());
+  for (const auto& [name, polygon] : named) polygons_.push_back(polygon);
+  off_surface_ = std::max(2e-4f, 1e-6f * glm::length(geometry.max - geometry.min));
+}
+
+glm::vec3 global_rays::place_in_cell(random_stream& numbers) const {
+  const box& cell = cells_[numbers.bits() % cells_.size()];
+  return numbers.in_box(cell.min, cell.max);
+}
+
+std::uint32_t global_rays::any_polygon(random_stream& numbers) const {
+  return polygons_[numbers.bits() % polygons_.size()];
+}
+
+global_ray global_rays::random(random_stream& numbers) const {
+  const glm::vec3 origin = place_in_cell(numbers);
+  return {.origin = origin, .direction = numbers.on_sphere()};
+}
+
+global_ray global_rays::object(random_stream& numbers) const {
+  const std::uint32_t polygon = any_polygon(numbers);
+  const triangle corners = corners_of(rays_.geometry(), polygon);
+  const glm::vec3 place = random_point(corners, numbers);
+  glm::vec3 direction = numbers.on_sphere();
+  if (!rays_.sees_both_sides(polygon) && glm::dot(direction, normal_of(corners)) < 0.0f) direction = -direction;
+  return {.origin = place + direction * off_surface_, .direction = direction};
+}
+
+global_ray global_rays::two_point(random_stream& numbers) const {
+  for (int i = 0; i < tries; ++i) {
+    const std::uint32_t polygon = any_polygon(numbers);
+    const glm::vec3 place = random_point(corners_of(rays_.geometry(), polygon), numbers);
+    const glm::vec3 eye = place_in_cell(numbers);
+    if (!faces(rays_, polygon, eye)) continue;
+    const glm::vec3 direction = unit(eye - place);
+    return {.origin = place + direction * off_surface_, .direction = direction};
+  }
+  return {};
+}
+
+global_ray global_rays::mutation(const mutation_candidate& from, random_stream& numbers) const {
+  const glm::vec3 direction = unit(from.point - from.eye);
+  // On the scale of the polygon, and down to an eighth of it: neighbors of a large one may be small.
+  const float scale = 0.5f * longest_edge(corners_of(rays_.geometry(), from.polygon)) *
+                      std::ldexp(1.0f, -static_cast<int>(numbers.bits() % 4));
+  const glm::vec3 aim = beside(from.point, direction, scale, numbers);
+  const glm::vec3 eye = beside(from.eye, direction, std::min(scale, glm::length(from.point - from.eye)), numbers);
+  return {.origin = eye, .direction = unit(aim - eye), .polygon = from.polygon, .point = from.point, .aim = aim};
+}
+
+global_ray global_rays::silhouette(const mutation_candidate& from, random_stream& numbers) const {
+  const triangle corners = corners_of(rays_.geometry(), from.polygon);
+  const std::size_t edge = numbers.bits() % 3;
+  const glm::vec3 &a = corners[edge], &b = corners[(edge + 1) % 3], &opposite = corners[(edge + 2) % 3];
+  const glm::vec3 on_edge = a + (b - a) * numbers.uniform();
+  const glm::vec3 direction = unit(on_edge - from.eye);
+  // Away from the third corner, as the eye sees it.
+  const glm::vec3 along = unit(b - a);
+  glm::vec3 out = on_edge - opposite;
+  out -= along * glm::dot(out, along);
+  out = unit(out - direction * glm::dot(out, direction));
+  const float size = longest_edge(corners);
+  const float by = std::max(size * past_edge * std::ldexp(1.0f, static_cast<int>(numbers.bits() % 8)), off_surface_);
+  const glm::vec3 aim = on_edge + out * by;
+  return {.origin = from.eye,
+          .direction = unit(aim - from.eye),
+          .origin_is_free = true,
+          .polygon = from.polygon,
+          .point = from.point,
+          .aim = aim};
+}
+
+global_ray global_rays::reverse(const blocked_ray& from, random_stream& numbers) const {
+  const triangle corners = corners_of(rays_.geometry(), from.occluder);
+  const glm::vec3 normal = normal_of(corners), earlier = from.point - from.eye;
+  const float slope = glm::dot(earlier, normal);
+  if (slope == 0.0f) return {};
+  // Where the earlier ray passed the occluder's plane: between there and the hit lies the edge.
+  const glm::vec3 passed = from.eye + earlier * (glm::dot(from.hit - from.eye, normal) / slope);
+  const glm::vec3 way = passed - from.hit;
+  const float length = glm::length(way), edge = leaves(corners, from.hit, passed);
+  if (!(length > 0.0f) || edge >= 1.0f) return {};
+  const float by = longest_edge(corners) * past_edge * std::ldexp(1.0f, static_cast<int>(numbers.bits() % 8));
+  const glm::vec3 origin = from.hit + way * edge + way / length * std::max(by, off_surface_);
+  return {.origin = origin, .direction = unit(origin - from.aim)};
+}
+
+std::array<std::uint64_t, ray_kinds> adaptive_shares::rays_of_round(
+    std::uint64_t rays, const std::array<std::uint64_t, ray_kinds>& limits) const {
+  double all = 0.0;
+  for (std::size_t kind = 0; kind < ray_kinds; ++kind) all += limits[kind] > 0 ? per_ray_[kind] : 0.0;
+  std::array<std::uint64_t, ray_kinds> counts{};
+  std::uint64_t given = 0;
+  for (std::size_t kind = 1; kind < ray_kinds; ++kind) {
+    const double share = least + (1.0 - least * ray_kinds) * (all > 0.0 ? per_ray_[kind] / all : 0.0);
+    counts[kind] = std::min(static_cast<std::uint64_t>(share * static_cast<double>(rays)), limits[kind]);
+    given += counts[kind];
+  }
+  counts[0] = rays - given;
+  return counts;
+}
+
+void adaptive_shares::found(ray_kind kind, std::uint64_t rays, std::uint64_t pairs) {
+  if (rays == 0) return;
+  double& mean = per_ray_[static_cast<std::size_t>(kind)];
+  mean += lately * (static_cast<double>(pairs) / static_cast<double>(rays) - mean);
+}
+
+}  // namespace sightcell::bake

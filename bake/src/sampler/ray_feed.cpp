@@ -1,0 +1,108 @@
+#include "sampler/ray_feed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "free_space.h"
+#include "random.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr float before_aim = 0.99f;      // of the way: what is met earlier blocks it
+constexpr float barren_share = 0.0625f;  // of the places in a part of a cell that seems to be a wall
+
+}  // namespace
+
+// The nearest that hides from either side, and what is passed on the way. way: 1 along the ray, -1 against it.
+bool ray_feed::meets_back(const global_ray& ray, float way, float& clear) {
+  rays_.look_at_both_sides(ray.origin, ray.direction * way, seen_);
+  clear = way * seen_.distance;
+  for (const passed_polygon& p : seen_.before) things_.push_back({p.polygon, way * p.distance});
+  if (seen_.front == no_polygon) return false;
+  if (!faces(rays_, seen_.front, ray.origin)) return true;
+  things_.push_back({seen_.front, clear});
+  return false;
+}
+
+// Sight goes on through a back.
+float ray_feed::trace_on(const global_ray& ray, float way, float clear) {
+  rays_.look(ray.origin, ray.direction * way, seen_);
+  for (const passed_polygon& p : seen_.before)
+    if (p.distance > std::abs(clear)) things_.push_back({p.polygon, way * p.distance});
+  if (seen_.front != no_polygon) things_.push_back({seen_.front, way * seen_.distance});
+  return way * seen_.distance;
+}
+
+// False where the ray is of no use to anybody.
+bool ray_feed::trace(const global_ray& ray) {
+  things_.clear();
+  const bool back_ahead = meets_back(ray, 1.0f, clear_to_), back_behind = meets_back(ray, -1.0f, clear_from_);
+  // Backs on both sides: a line in a solid. A free place has backs on at most a tenth of its sides.
+  if (back_ahead && back_behind) return false;
+  to_ = back_ahead ? trace_on(ray, 1.0f, clear_to_) : clear_to_;
+  from_ = back_behind ? trace_on(ray, -1.0f, clear_from_) : clear_from_;
+  return !things_.empty();
+}
+
+void ray_feed::note_new(const global_ray& ray, const crossing& through, float at, std::uint64_t number,
+                        std::vector<found_pair>& found) {
+  const glm::vec3 eye = ray.origin + ray.direction * at;
+  for (const thing& t : things_) {
+    const bool ahead = at < t.at;
+    if (ahead ? at < clear_from_ : at > clear_to_) continue;
+    if (known_[through.cell].contains(t.polygon) || !faces(rays_, t.polygon, eye)) continue;
+    const glm::vec3 direction = ahead ? ray.direction : -ray.direction;
+    if (rays_.through_gap(eye, direction, std::abs(t.at - at), rules_.smallest_gap)) continue;
+    found.push_back({through.cell, t.polygon, eye, ray.origin + ray.direction * t.at, number});
+  }
+}
+
+void ray_feed::cast(const global_ray& ray, std::uint64_t number, feed_finds& finds) {
+  if (ray.direction == glm::vec3{0.0f} || !trace(ray)) return;
+  if (ray.polygon != no_polygon && clear_to_ < before_aim * glm::length(ray.aim - ray.origin)) {
+    const auto hit = std::find_if(things_.begin(), things_.end(), [&](const thing& t) { return t.at == clear_to_; });
+    if (hit != things_.end() && hit->polygon != ray.polygon)
+      finds.blocked.push_back({ray.origin, ray.point, ray.aim, ray.origin + ray.direction * clear_to_, hit->polygon});
+  }
+  const float from = from_ + rules_.player_radius, to = to_ - rules_.player_radius;  // beyond nothing is free
+  if (!(from < to)) return;
+  cells_.find(ray.origin, ray.direction, from, to, crossed_);
+  new_.clear(), eyes_.clear(), asked_.clear(), ends_.clear();
+  for (const crossing& through : crossed_) {
+    const bool at_origin = ray.origin_is_free && through.from <= 0.0f && through.to >= 0.0f;
+    random_stream numbers(rules_.seed, places_[through.cell], purpose::agvs_place, rules_.round, number);
+    const float at = at_origin ? 0.0f : through.from + (through.to - through.from) * numbers.uniform();
+    if (at_origin) {
+      note_new(ray, through, at, number, finds.found);
+      continue;
+    }
+    const glm::vec3 eye = ray.origin + ray.direction * at;
+    const std::uint32_t part = free_memory::part_of(cells_.boxes()[through.cell], eye);
+    if (memory_.is_barren(through.cell, part) && numbers.uniform() >= barren_share) continue;
+    const std::size_t before = new_.size();
+    note_new(ray, through, at, number, new_);
+    if (new_.size() == before) continue;
+    eyes_.push_back(eye);
+    asked_.push_back({through.cell, part});
+    ends_.push_back(new_.size());
+  }
+  take_where_free(finds);
+}
+
+void ray_feed::take_where_free(feed_finds& finds) {
+  if (eyes_.empty()) return;
+  // Places along a ray in one packet: the 64 rays of each take the same way.
+  free_.assign(eyes_.size(), 0);
+  rays_.find_free(eyes_, rules_.player_radius, free_);
+  for (std::size_t i = 0, first = 0; i < free_.size(); first = ends_[i++]) {
+    asked_[i].free = free_[i] != 0;
+    if (free_[i])
+      finds.found.insert(finds.found.end(), new_.begin() + static_cast<std::ptrdiff_t>(first),
+                         new_.begin() + static_cast<std::ptrdiff_t>(ends_[i]));
+  }
+  finds.asked.insert(finds.asked.end(), asked_.begin(), asked_.end());
+}
+
+}  // namespace sightcell::bake

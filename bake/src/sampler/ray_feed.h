@@ -1,0 +1,85 @@
+#pragma once
+// One ray for all cells: a free segment of a line, which cells it crosses, and what is seen at its ends from them.
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "rays/ray_scene.h"
+#include "sampler/free_memory.h"
+#include "sampler/global_rays.h"
+#include "sampler/seen_pairs.h"
+#include "sampler/segment_cells.h"
+
+namespace sightcell::bake {
+
+struct found_pair {
+  std::uint32_t cell = 0, polygon = no_polygon;
+  glm::vec3 eye{0.0f};    // a free place of the cell
+  glm::vec3 point{0.0f};  // on the polygon; the same for all cells of a ray
+  std::uint64_t ray = 0;
+};
+
+// What came of the question whether a place is free.
+struct place_asked {
+  std::uint32_t cell = 0, part = 0;
+  bool free = false;
+};
+
+// What rays came to, in their order.
+struct feed_finds {
+  std::vector<found_pair> found;
+  std::vector<blocked_ray> blocked;
+  std::vector<place_asked> asked;
+};
+
+struct feed_rules {
+  float player_radius = 0.05f, smallest_gap = 0.002f;
+  std::uint64_t seed = 1, round = 0;  // name the random numbers
+};
+
+// One thread's, for one round. The pairs must not change while rays are cast.
+class ray_feed {
+ public:
+  // places: of the cells, by which their random numbers are named. All must outlive this.
+  ray_feed(const ray_scene& rays, const segment_cells& cells, std::span<const std::uint64_t> places,
+           std::span<const seen_pairs> known, const free_memory& memory, const feed_rules& rules)
+      : rays_(rays), cells_(cells), places_(places), known_(known), memory_(memory), rules_(rules) {}
+
+  // Adds to finds what the cells that the ray crosses do not have yet. From each of them one place on the ray looks
+  // both ways; it counts where it is free, which is asked only where something is new.
+  void cast(const global_ray& ray, std::uint64_t number, feed_finds& finds);
+
+ private:
+  struct thing {  // on the line
+    std::uint32_t polygon;
+    float at;
+  };
+  bool trace(const global_ray& ray);
+  bool meets_back(const global_ray& ray, float way, float& clear);
+  float trace_on(const global_ray& ray, float way, float clear);
+  void note_new(const global_ray& ray, const crossing& through, float at, std::uint64_t number,
+                std::vector<found_pair>& found);
+  void take_where_free(feed_finds& finds);
+
+  const ray_scene& rays_;
+  const segment_cells& cells_;
+  std::span<const std::uint64_t> places_;
+  std::span<const seen_pairs> known_;
+  const free_memory& memory_;
+  const feed_rules rules_;
+
+  // The line, by distance from the ray's origin: between clear_from and clear_to nothing hides from either side; from
+  // there to from and to nothing hides from who looks away from the origin.
+  float from_ = 0.0f, to_ = 0.0f, clear_from_ = 0.0f, clear_to_ = 0.0f;
+  std::vector<thing> things_;
+  sight seen_;
+  std::vector<crossing> crossed_;
+  std::vector<found_pair> new_;
+  std::vector<glm::vec3> eyes_;     // of new_
+  std::vector<place_asked> asked_;  // for each of eyes_
+  std::vector<std::size_t> ends_;   // in new_, for each of eyes_
+  std::vector<std::uint8_t> free_;
+};
+
+}  // namespace sightcell::bake

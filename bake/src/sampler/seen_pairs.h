@@ -1,0 +1,48 @@
+#pragma once
+// What one cell was seen to see, while all cells are sampled at once: polygons with their witnesses, in a flat table.
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "rays/ray_scene.h"
+
+namespace sightcell::bake {
+
+class seen_pairs {
+ public:
+  struct pair {
+    std::uint32_t polygon = no_polygon;
+    glm::vec3 eye{0.0f};
+  };
+
+  bool contains(std::uint32_t polygon) const { return !keys_.empty() && keys_[slot_of(polygon)] == polygon; }
+  // False where it was there.
+  bool add(std::uint32_t polygon, const glm::vec3& eye) {
+    if (2 * (pairs_.size() + 1) > keys_.size()) grow();
+    std::uint32_t& key = keys_[slot_of(polygon)];
+    if (key == polygon) return false;
+    key = polygon;
+    pairs_.push_back({polygon, eye});
+    return true;
+  }
+  // In the order in which they joined.
+  const std::vector<pair>& all() const { return pairs_; }
+
+ private:
+  // Where the polygon is, or would be.
+  std::size_t slot_of(std::uint32_t polygon) const {
+    const std::size_t mask = keys_.size() - 1;
+    std::size_t slot = (std::uint64_t{polygon} * 0x9E3779B97F4A7C15ull >> 32) & mask;
+    while (keys_[slot] != polygon && keys_[slot] != no_polygon) slot = (slot + 1) & mask;
+    return slot;
+  }
+  void grow() {
+    keys_.assign(keys_.empty() ? 64 : 2 * keys_.size(), no_polygon);
+    for (const pair& p : pairs_) keys_[slot_of(p.polygon)] = p.polygon;
+  }
+
+  std::vector<std::uint32_t> keys_;  // a power of two, at most half of them taken
+  std::vector<pair> pairs_;
+};
+
+}  // namespace sightcell::bake

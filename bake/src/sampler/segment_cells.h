@@ -1,0 +1,46 @@
+#pragma once
+// Which cells a line goes through, for many cells anywhere: a grid of voxels about as large as a cell.
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "free_space.h"
+
+namespace sightcell::bake {
+
+struct crossing {
+  std::uint32_t cell = 0;
+  float from = 0.0f, to = 0.0f;  // along the line, from < to
+};
+
+class segment_cells {
+ public:
+  explicit segment_cells(std::vector<box> cells);
+
+  // The cells that eye + t * direction crosses for t between from and to, which may be infinite; ascending, each once.
+  // out is overwritten.
+  void find(const glm::vec3& eye, const glm::vec3& direction, float from, float to, std::vector<crossing>& out) const;
+
+  const std::vector<box>& boxes() const { return cells_; }
+
+ private:
+  using voxel = std::array<int, 3>;
+  voxel voxel_of(const glm::vec3& point) const;
+  std::size_t number_of(const voxel& v) const {
+    return (static_cast<std::size_t>(v[2]) * static_cast<std::size_t>(count_[1]) + static_cast<std::size_t>(v[1])) *
+               static_cast<std::size_t>(count_[0]) +
+           static_cast<std::size_t>(v[0]);
+  }
+  template <typename Visit>
+  void for_each_voxel(const box& of, Visit visit) const;
+
+  std::vector<box> cells_;
+  box all_;
+  glm::vec3 size_{1.0f};  // of a voxel
+  voxel count_{1, 1, 1};
+  std::vector<std::uint32_t> begins_;  // of each voxel in members_, and the end of the last
+  std::vector<std::uint32_t> members_;
+};
+
+}  // namespace sightcell::bake
