@@ -10,7 +10,7 @@
 namespace sightcell::bench {
 namespace {
 
-constexpr int judge_version = 1;  // raised when the same set and truth may be judged otherwise
+constexpr int judge_version = 2;  // raised when the same set and truth may be judged otherwise
 
 // Set as a question that is quick to ask.
 std::vector<bool> marks_of(const std::vector<std::uint32_t>& set, std::uint32_t polygons) {
@@ -19,25 +19,27 @@ std::vector<bool> marks_of(const std::vector<std::uint32_t>& set, std::uint32_t 
   return marks;
 }
 
-struct weighed_ray {
+// A polygon's wrong rays at a place, as far as the sample of its places goes.
+struct wrong_place {
   std::uint32_t place;
-  const truth_polygon* of;
-  double weight;
+  double order, reach, rays;  // reach: with order below it, a place of the polygon is in the sample
 };
 
-// Sum over places of the square of how many of their rays are wrong, from the kept ones: each stands for weight, and
-// two stand for as many pairs as there are for each pair that was kept.
-double squares(std::vector<weighed_ray>& wrong) {
+// Of polygons with more places the last one that is kept only says how far the sample reaches.
+double reach_of(const truth_polygon& p) {
+  return p.places > p.kept() ? p.kept_places[p.kept() - 1].order() : 2.0;
+}
+
+// Sum over places and pairs of polygons of the product of how many rays are wrong about each. A place is in the samples
+// of both polygons when its order is below both reaches, so each such place stands for as many as that is rare.
+double products(std::vector<wrong_place>& wrong) {
   std::stable_sort(wrong.begin(), wrong.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
   double sum = 0.0;
   for (std::size_t first = 0, last; first < wrong.size(); first = last) {
     for (last = first; last < wrong.size() && wrong[last].place == wrong[first].place; ++last) {
-      const weighed_ray& one = wrong[last];
-      sum += one.weight;
       for (std::size_t other = first; other < last; ++other) {
-        const double rays = one.of->rays, kept = one.of->kept();
-        const bool same = wrong[other].of == one.of;
-        sum += 2.0 * (same ? rays * (rays - 1.0) / (kept * (kept - 1.0)) : wrong[other].weight * one.weight);
+        const double reach = std::min(wrong[other].reach, wrong[last].reach);
+        if (wrong[last].order < reach) sum += 2.0 * wrong[other].rays * wrong[last].rays / std::min(1.0, reach);
       }
     }
   }
@@ -72,7 +74,7 @@ bool cell_judge::hides(std::uint32_t polygon) const {
 }
 
 bool cell_judge::is_wrong(std::size_t polygon, std::uint32_t kept, const in_set& contains) {
-  const truth_ray& ray = truth_.polygons()[polygon].kept_rays[kept];
+  const truth_place& ray = truth_.polygons()[polygon].kept_places[kept];
   excuse& known = excuses_[polygon][kept];
   if (known == excuse::unknown) {
     if (ground_.rays.through_gap(ray.eye, ray.direction, ray.distance, ground_.rules.smallest_gap)) {
@@ -90,7 +92,7 @@ bool cell_judge::is_wrong(std::size_t polygon, std::uint32_t kept, const in_set&
   return std::none_of(together.begin(), together.end(), contains);
 }
 
-bool cell_judge::really_missing(const truth_ray& ray, std::uint32_t polygon, float distance,
+bool cell_judge::really_missing(const truth_place& ray, std::uint32_t polygon, float distance,
                                 const in_set& contains) const {
   if (contains(polygon) || ground_.rays.through_gap(ray.eye, ray.direction, distance, ground_.rules.smallest_gap))
     return false;
@@ -100,7 +102,7 @@ bool cell_judge::really_missing(const truth_ray& ray, std::uint32_t polygon, flo
 }
 
 // A ray that is wrong about its front, or about a polygon with a lower number that it passes, is counted there.
-bool cell_judge::missed_before(const truth_ray& ray, std::uint32_t polygon, const in_set& contains) const {
+bool cell_judge::missed_before(const truth_place& ray, std::uint32_t polygon, const in_set& contains) const {
   bake::sight seen;
   ground_.rays.look(ray.eye, ray.direction, seen);
   if (seen.front != bake::no_polygon && really_missing(ray, seen.front, seen.distance, contains)) return true;
@@ -117,17 +119,20 @@ std::vector<cell_judge::verdict> cell_judge::verdicts(const in_set& contains) {
     const truth_polygon& p = truth_.polygons()[i];
     if (contains(p.polygon)) continue;
     verdict one{&p};
+    double wrong = 0.0, all = 0.0;
     for (std::uint32_t k = 0; k < p.kept(); ++k) {
-      one.wrong[k] =
-          is_wrong(i, k, contains) && (hides(p.polygon) || !missed_before(p.kept_rays[k], p.polygon, contains));
-      one.count += one.wrong[k] ? 1 : 0;
+      const truth_place& ray = p.kept_places[k];
+      one.wrong[k] = is_wrong(i, k, contains) && (hides(p.polygon) || !missed_before(ray, p.polygon, contains));
+      wrong += one.wrong[k] ? ray.rays : 0;
+      all += ray.rays;
     }
-    if (one.count > 0) found.push_back(one);
+    one.share = wrong / all;
+    if (one.share > 0.0) found.push_back(one);
   }
   return found;
 }
 
-double cell_judge::color_difference(const truth_ray& ray, std::uint32_t polygon, const in_set& contains) const {
+double cell_judge::color_difference(const truth_place& ray, std::uint32_t polygon, const in_set& contains) const {
   const std::uint32_t shown = ground_.rays.front_of_set(ray.eye, ray.direction, contains);
   const glm::u8vec3 right = ground_.colors.color_of(polygon, ray.eye, ray.direction);
   const glm::u8vec3 wrong =
@@ -145,20 +150,28 @@ judgement cell_judge::judge(const std::vector<std::uint32_t>& set, bool with_col
   const std::vector<bool> marks = marks_of(set, ground_.polygons());
   const in_set contains = [&](std::uint32_t polygon) { return marks[polygon]; };
   judgement result{.rays = truth_.rays()};
-  std::vector<weighed_ray> wrong;
+  std::vector<wrong_place> wrong;
   for (const verdict& v : verdicts(contains)) {
-    const double rays = v.of->rays, kept = v.of->kept(), share = v.count / kept;
-    result.misses += rays * share;
-    if (v.of->rays > v.of->kept()) result.spread += rays * (rays - kept) * share * (1.0 - share) / (kept - 1.0);
+    const double rays = v.of->rays, kept = v.of->kept();
+    result.misses += rays * v.share;
+    result.spread += static_cast<double>(v.of->squares) * v.share;
+    if (v.share < 1.0)  // as if the next four places could be others
+      result.spread += rays * rays * v.share * (1.0 - v.share) / (kept - 1.0) * (1.0 - kept / v.of->places);
     for (std::uint32_t k = 0; k < v.of->kept(); ++k) {
       if (!v.wrong[k]) continue;
-      const truth_ray& ray = v.of->kept_rays[k];
-      wrong.push_back({ray.place(), v.of, rays / kept});
-      if (with_color) result.color += rays / kept * color_difference(ray, v.of->polygon, contains);
+      const truth_place& ray = v.of->kept_places[k];
+      wrong.push_back({ray.number, ray.order(), reach_of(*v.of), static_cast<double>(ray.rays)});
+      if (with_color) result.color += v.weight(k) * color_difference(ray, v.of->polygon, contains);
     }
   }
-  result.spread += squares(wrong);
+  result.spread += products(wrong);
   return result;
+}
+
+double cell_judge::verdict::weight(std::uint32_t kept) const {
+  double all = 0.0;
+  for (std::uint32_t k = 0; k < of->kept(); ++k) all += of->kept_places[k].rays;
+  return static_cast<double>(of->rays) * of->kept_places[kept].rays / all;
 }
 
 std::vector<wrong_ray> cell_judge::wrong_rays(const std::vector<std::uint32_t>& set) {
@@ -166,8 +179,7 @@ std::vector<wrong_ray> cell_judge::wrong_rays(const std::vector<std::uint32_t>& 
   std::vector<wrong_ray> wrong;
   for (const verdict& v : verdicts([&](std::uint32_t polygon) { return marks[polygon]; }))
     for (std::uint32_t k = 0; k < v.of->kept(); ++k)
-      if (v.wrong[k])
-        wrong.push_back({v.of->kept_rays[k], v.of->polygon, static_cast<double>(v.of->rays) / v.of->kept()});
+      if (v.wrong[k]) wrong.push_back({v.of->kept_places[k], v.of->polygon, v.weight(k)});
   return wrong;
 }
 

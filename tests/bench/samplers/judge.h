@@ -33,9 +33,9 @@ struct pooled_judgement {
 };
 pooled_judgement pooled(const std::vector<judgement>& cells);
 
-// A ray that is wrong, for so many of the truth.
+// A kept ray that is wrong, for so many of the truth.
 struct wrong_ray {
-  truth_ray ray;
+  truth_place ray;
   std::uint32_t polygon = 0;
   double weight = 0.0;
 };
@@ -61,13 +61,15 @@ class cell_judge {
   struct verdict {
     const truth_polygon* of;
     std::array<bool, truth_polygon::kept_most> wrong{};
-    std::uint32_t count = 0;
+    double share = 0.0;  // of its rays
+    // Of the truth's rays, that a kept one stands for.
+    double weight(std::uint32_t kept) const;
   };
   std::vector<verdict> verdicts(const in_set& contains);
   bool is_wrong(std::size_t polygon, std::uint32_t kept, const in_set& contains);
-  bool missed_before(const truth_ray& ray, std::uint32_t polygon, const in_set& contains) const;
-  bool really_missing(const truth_ray& ray, std::uint32_t polygon, float distance, const in_set& contains) const;
-  double color_difference(const truth_ray& ray, std::uint32_t polygon, const in_set& contains) const;
+  bool missed_before(const truth_place& ray, std::uint32_t polygon, const in_set& contains) const;
+  bool really_missing(const truth_place& ray, std::uint32_t polygon, float distance, const in_set& contains) const;
+  double color_difference(const truth_place& ray, std::uint32_t polygon, const in_set& contains) const;
   bool hides(std::uint32_t polygon) const;
 
   const cell_truth& truth_;

@@ -140,12 +140,12 @@ worst_view find_worst_view(const cell_truth& truth, const std::vector<std::uint3
   const ground& g = truth.on();
   worst_view worst;
   if (!truth.polygons().empty()) {
-    const truth_ray& any = truth.polygons().front().kept_rays.front();
+    const truth_place& any = truth.polygons().front().kept_places.front();
     worst.eye = any.eye, worst.forward = any.direction;
   }
   std::map<std::uint32_t, std::pair<double, glm::vec3>> places;  // how much each is known to miss, and where it is
   for (const wrong_ray& wrong : cell_judge(truth).wrong_rays(set)) {
-    auto& [weight, eye] = places[wrong.ray.place()];
+    auto& [weight, eye] = places[wrong.ray.number];
     weight += wrong.weight;
     eye = wrong.ray.eye;
   }
@@ -165,7 +165,7 @@ worst_view find_worst_view(const cell_truth& truth, const std::vector<std::uint3
   // So few that none of the rays was one: what truth knows stands.
   if (worst.missed_share == 0.0 && !order.empty()) {
     for (const wrong_ray& wrong : cell_judge(truth).wrong_rays(set))
-      if (wrong.ray.place() == order.front().second) worst = {wrong.ray.eye, wrong.ray.direction, 0.0};
+      if (wrong.ray.number == order.front().second) worst = {wrong.ray.eye, wrong.ray.direction, 0.0};
   }
   return worst;
 }

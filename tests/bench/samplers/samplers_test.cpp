@@ -121,10 +121,12 @@ TEST(bench_truth, steps_and_threads_change_nothing) {
     EXPECT_EQ(a.polygon, b.polygon);
     EXPECT_EQ(a.rays, b.rays);
     most = std::max<std::uint64_t>(most, a.rays);
+    EXPECT_EQ(a.places, b.places);
+    EXPECT_EQ(a.squares, b.squares);
     for (std::uint32_t k = 0; k < a.kept(); ++k) {
-      EXPECT_EQ(a.kept_rays[k].number, b.kept_rays[k].number);
-      EXPECT_EQ(a.kept_rays[k].direction, b.kept_rays[k].direction);
-      EXPECT_EQ(a.kept_rays[k].distance, b.kept_rays[k].distance);
+      EXPECT_EQ(a.kept_places[k].number, b.kept_places[k].number);
+      EXPECT_EQ(a.kept_places[k].direction, b.kept_places[k].direction);
+      EXPECT_EQ(a.kept_places[k].rays, b.kept_places[k].rays);
     }
   }
   EXPECT_GT(most, 1000u);
@@ -192,36 +194,71 @@ TEST(bench_judge, color_error_is_that_of_what_stands_behind) {
   EXPECT_LT(error({near, glass}).pixel_error(), of_near + 0.5 * through.pixel_error());
 }
 
-TEST(bench_judge, spread_is_the_variance_of_misses) {
-  // A slit that shows what is behind it to a small part of the cell: rays of one place are wrong together.
+// Truths of as many cells in the same place, with other random numbers each: do they differ as much as each of them
+// thinks? hidden: what the set lacks.
+void expect_spread(tiny_scene tiny, const std::vector<std::uint32_t>& hidden, std::uint64_t rays) {
+  constexpr std::size_t trials = 120;
+  std::vector<bake::view_cell> cells;
+  for (std::size_t i = 0; i < trials; ++i) cells.push_back(cell_at({-1, -1, -1}, {1, 1, 1}, 100 + i));
+  const ground g(tiny.finished(), std::move(cells), {}, "many");
+  const auto set = all_but(g, hidden);
+  std::vector<judgement> found;
+  double spread = 0.0, mean = 0.0, variance = 0.0;
+  for (std::size_t i = 0; i < trials; ++i) {
+    cell_truth truth(g, i);
+    truth.extend(rays);
+    found.push_back(cell_judge(truth).judge(set, false));
+    mean += found.back().misses / trials;
+    spread += found.back().spread / trials;
+  }
+  std::size_t too_sure = 0;
+  for (const judgement& one : found) variance += (one.misses - mean) * (one.misses - mean) / (trials - 1);
+  for (const judgement& one : found) too_sure += one.spread < 0.3 * variance ? 1 : 0;
+  EXPECT_GT(mean, 10.0);
+  EXPECT_GT(variance, 1.3 * mean) << "there is something to tell";
+  EXPECT_NEAR(spread / variance, 1.0, 0.35) << spread << ' ' << variance << ' ' << mean;
+  EXPECT_LT(too_sure, trials / 10) << "not only on average";
+}
+
+constexpr tiny_scene::look sheet{scene::alpha_mode::opaque, true};
+
+TEST(bench_judge, spread_is_the_variance_of_misses_through_a_slit) {
+  // It shows what is behind it to a small part of the cell: rays of one place are wrong together.
   tiny_scene tiny;
   tiny.closed_box({-30, -30, -30}, {30, 30, 30}, true);
-  const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
   tiny.quad({3, -9, -9}, {3, -9, 1.0f}, {3, 9, 1.0f}, {3, 9, -9}, sheet);
   tiny.quad({3, -9, 1.3f}, {3, -9, 9}, {3, 9, 9}, {3, 9, 1.3f}, sheet);
   tiny.quad({1.5f, -9, 1.0f}, {3, -9, 1.0f}, {3, 9, 1.0f}, {1.5f, 9, 1.0f}, sheet);
   tiny.quad({1.5f, -9, 1.3f}, {3, -9, 1.3f}, {3, 9, 1.3f}, {1.5f, 9, 1.3f}, sheet);
   const auto hidden = tiny.quad({3.5f, -9, -1}, {3.5f, -9, 3}, {3.5f, 9, 3}, {3.5f, 9, -1}, sheet);
-  std::vector<bake::view_cell> cells;
-  constexpr std::size_t trials = 150;
-  for (std::size_t i = 0; i < trials; ++i) cells.push_back(cell_at({-1, -1, -1}, {1, 1, 1}, 100 + i));
-  const ground g(tiny.finished(), std::move(cells), {}, "slit");
-  const auto set = all_but(g, {hidden});
-  std::vector<double> misses;
-  double spread = 0.0, sum = 0.0;
-  for (std::size_t i = 0; i < trials; ++i) {
-    cell_truth truth(g, i);
-    truth.extend(8'000);
-    const judgement found = cell_judge(truth).judge(set, false);
-    misses.push_back(found.misses);
-    sum += found.misses;
-    spread += found.spread / trials;
+  expect_spread(tiny, {hidden}, 8'000);
+}
+
+// A bench whose underside few places see, but there it is everything: side x side quads, of which four places each are
+// kept.
+std::vector<std::uint32_t> add_bench(tiny_scene& tiny, int side) {
+  tiny.closed_box({-30, -1.2f, -30}, {30, 30, 30}, true);
+  tiny.quad({-0.5f, -0.8f, 0.5f}, {0.5f, -0.8f, 0.5f}, {0.5f, -0.8f, -0.5f}, {-0.5f, -0.8f, -0.5f});
+  std::vector<std::uint32_t> hidden;
+  const float step = 1.0f / static_cast<float>(side);
+  for (int i = 0; i < side * side; ++i) {
+    const float x = -0.5f + step * static_cast<float>(i % side), z = -0.5f + step * static_cast<float>(i / side);
+    hidden.push_back(
+        tiny.quad({x, -0.81f, z}, {x + step, -0.81f, z}, {x + step, -0.81f, z + step}, {x, -0.81f, z + step}));
   }
-  double variance = 0.0;
-  for (const double one : misses) variance += (one - sum / trials) * (one - sum / trials) / (trials - 1);
-  EXPECT_GT(sum / trials, 10.0);
-  EXPECT_GT(variance, 1.3 * sum / trials) << "there is something to tell";
-  EXPECT_NEAR(spread / variance, 1.0, 0.35) << spread << ' ' << variance;
+  return hidden;
+}
+
+TEST(bench_judge, spread_is_the_variance_of_misses_under_a_bench_of_one_board) {
+  tiny_scene tiny;
+  const auto hidden = add_bench(tiny, 1);
+  expect_spread(tiny, hidden, 20'000);
+}
+
+TEST(bench_judge, spread_is_the_variance_of_misses_under_a_bench_of_many_boards) {
+  tiny_scene tiny;
+  const auto hidden = add_bench(tiny, 3);
+  expect_spread(tiny, hidden, 60'000);
 }
 
 TEST(bench_interval, is_that_of_poisson) {

@@ -11,7 +11,7 @@
 namespace sightcell::bench {
 namespace {
 
-constexpr int truth_version = 1;  // raised when the same cell may give other numbers
+constexpr int truth_version = 3;  // raised when the same cell may give other numbers
 constexpr std::uint64_t truth_seed = 0x7472757468u;
 constexpr auto truth_purpose = static_cast<bake::purpose>(truth_seed);  // beyond those of a bake
 
@@ -20,15 +20,30 @@ constexpr std::uint64_t chunk_rays = places_of_chunk * rays_of_place;
 constexpr std::uint64_t tries_of_place = 256;  // then a chunk has fewer
 constexpr std::uint64_t chunks_at_once = 256;
 
-struct seen_by_ray {
+struct seen_from_place {
   std::uint32_t polygon;
-  truth_ray ray;
+  truth_place where;
 };
 
 struct chunk_result {
-  std::vector<seen_by_ray> seen;
+  std::vector<seen_from_place> seen;
   std::uint64_t places = 0, tries = 0;
 };
+
+// What the rays of one place saw is put together: from is where it begins in seen.
+void join_place(std::vector<seen_from_place>& seen, std::size_t from) {
+  const auto first = seen.begin() + static_cast<std::ptrdiff_t>(from);
+  std::stable_sort(first, seen.end(), [](const auto& a, const auto& b) { return a.polygon < b.polygon; });
+  auto last = first;
+  for (auto one = first; one != seen.end(); ++one) {
+    if (one == first) continue;
+    if (one->polygon == last->polygon)
+      ++last->where.rays;
+    else
+      *++last = *one;
+  }
+  if (first != seen.end()) seen.erase(last + 1, seen.end());
+}
 
 chunk_result cast_chunk(const ground& g, std::size_t cell, std::uint64_t chunk) {
   chunk_result result;
@@ -36,34 +51,36 @@ chunk_result cast_chunk(const ground& g, std::size_t cell, std::uint64_t chunk) 
   const auto eyes = bake::draw_free_points(g.rays, g.grown(cell), g.rules.player_radius, places_of_chunk,
                                            places_of_chunk * tries_of_place, random, result.tries);
   result.places = eyes.size();
-  result.seen.reserve(eyes.size() * rays_of_place);
   bake::sight seen;
-  auto number = static_cast<std::uint32_t>(chunk * chunk_rays);
-  for (const glm::vec3& eye : eyes)
-    for (std::uint32_t i = 0; i < rays_of_place; ++i, ++number) {
+  auto number = static_cast<std::uint32_t>(chunk * places_of_chunk);
+  for (const glm::vec3& eye : eyes) {
+    const std::size_t from = result.seen.size();
+    for (std::uint32_t i = 0; i < rays_of_place; ++i) {
       const glm::vec3 direction = random.on_sphere();
       g.rays.look(eye, direction, seen);
-      if (seen.front != bake::no_polygon) result.seen.push_back({seen.front, {eye, direction, seen.distance, number}});
+      if (seen.front != bake::no_polygon)
+        result.seen.push_back({seen.front, {eye, direction, seen.distance, number, 1}});
       for (const bake::passed_polygon& p : seen.before)
-        result.seen.push_back({p.polygon, {eye, direction, p.distance, number}});
+        result.seen.push_back({p.polygon, {eye, direction, p.distance, number, 1}});
     }
+    join_place(result.seen, from);
+    ++number;
+  }
   return result;
 }
 
-std::uint64_t order_of(const truth_ray& ray) {
-  return bake::mix_bits(ray.number);
-}
-
-void note(truth_polygon& in, const truth_ray& ray) {
+void note(truth_polygon& in, const truth_place& where) {
   const std::uint32_t kept = in.kept();
-  ++in.rays;
+  in.rays += where.rays;
+  in.squares += std::uint64_t{where.rays} * where.rays;
+  ++in.places;
   if (kept < truth_polygon::kept_most) {
-    in.kept_rays[kept] = ray;
+    in.kept_places[kept] = where;
     return;
   }
-  const auto last = std::max_element(in.kept_rays.begin(), in.kept_rays.end(),
-                                     [](const auto& a, const auto& b) { return order_of(a) < order_of(b); });
-  if (order_of(ray) < order_of(*last)) *last = ray;
+  const auto last = std::max_element(in.kept_places.begin(), in.kept_places.end(),
+                                     [](const auto& a, const auto& b) { return a.order() < b.order(); });
+  if (where.order() < last->order()) *last = where;
 }
 
 }  // namespace
@@ -80,13 +97,13 @@ void cell_truth::extend(std::uint64_t rays) {
     tbb::parallel_for(std::size_t{0}, results.size(),
                       [&](std::size_t i) { results[i] = cast_chunk(*ground_, cell_, chunks_ + i); });
     for (const chunk_result& one : results) {
-      for (const seen_by_ray& seen : one.seen) {
+      for (const seen_from_place& seen : one.seen) {
         std::uint32_t& at = index[seen.polygon];
         if (at == scene::no_index) {
           at = static_cast<std::uint32_t>(polygons_.size());
           polygons_.push_back({.polygon = seen.polygon});
         }
-        note(polygons_[at], seen.ray);
+        note(polygons_[at], seen.where);
       }
       places_ += one.places;
       rays_ += one.places * rays_of_place;
@@ -96,8 +113,8 @@ void cell_truth::extend(std::uint64_t rays) {
   }
   std::sort(polygons_.begin(), polygons_.end(), [](const auto& a, const auto& b) { return a.polygon < b.polygon; });
   for (truth_polygon& p : polygons_)
-    std::sort(p.kept_rays.begin(), p.kept_rays.begin() + p.kept(),
-              [](const auto& a, const auto& b) { return order_of(a) < order_of(b); });
+    std::sort(p.kept_places.begin(), p.kept_places.begin() + p.kept(),
+              [](const auto& a, const auto& b) { return a.order() < b.order(); });
   cpu_seconds_ += bake::process_cpu_seconds() - began;
 }
 
@@ -117,7 +134,9 @@ bool cell_truth::load(const kept_files& kept) {
   found.cpu_seconds_ = in.get<double>();
   for (auto left = in.get<std::uint64_t>(); left > 0 && !in.failed(); --left) {
     truth_polygon p{.polygon = in.get<std::uint32_t>(), .rays = in.get<std::uint32_t>()};
-    for (std::uint32_t i = 0; i < p.kept(); ++i) p.kept_rays[i] = in.get<truth_ray>();
+    p.places = in.get<std::uint32_t>();
+    p.squares = in.get<std::uint64_t>();
+    for (std::uint32_t i = 0; i < p.kept(); ++i) p.kept_places[i] = in.get<truth_place>();
     found.polygons_.push_back(p);
   }
   if (!in.ended() || (!found.polygons_.empty() && found.polygons_.back().polygon >= ground_->polygons())) return false;
@@ -136,7 +155,9 @@ void cell_truth::save(const kept_files& kept) const {
   for (const truth_polygon& p : polygons_) {
     out.put(p.polygon);
     out.put(p.rays);
-    for (std::uint32_t i = 0; i < p.kept(); ++i) out.put(p.kept_rays[i]);
+    out.put(p.places);
+    out.put(p.squares);
+    for (std::uint32_t i = 0; i < p.kept(); ++i) out.put(p.kept_places[i]);
   }
   kept.write(key(), "truth", out.bytes());
 }
