@@ -47,7 +47,7 @@ struct settings {
   std::uint32_t rays_per_round = 65536;     // --rays-per-round
   std::uint32_t fewest_new = 0;             // --fewest-new, 0: until the rays are spent
   std::uint32_t border_depth = 3;           // --border-depth
-  std::uint32_t border_samples = 10;        // --border-samples
+  std::uint32_t border_samples = 6;        // --border-samples
   double border_offset = 1e-3;              // --border-offset, of the distance
   double filter = 0.0;                      // --filter, metres
   // --source, of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (Embree, slow) or auto: gpu where there is a
