@@ -119,12 +119,12 @@ trial_result try_hemicubes(const workshop& w) {
   return result;
 }
 
-constexpr std::uint64_t trial_sampling_rays = 65536;
+constexpr std::uint64_t trial_sampling_rays = 65536, trial_rays_for_all = 8192;
 
 // Seconds for one ray of a sampler that casts them for all cells together.
 double try_rays_for_all(const workshop& w) {
   settings how = w.how;
-  how.sampling_rays = std::max<std::uint64_t>(trial_sampling_rays / w.list.cells.size(), 1);
+  how.sampling_rays = std::max<std::uint64_t>(trial_rays_for_all / w.list.cells.size(), 1);
   const auto sampler = make_cell_sampler(how, {*w.rays, *w.eyes.source, nullptr, w.list.cells});
   tbb::task_arena alone(1);
   const double start = thread_cpu_seconds();

@@ -16,7 +16,9 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t pool_size = 1 << 17;  // mutation candidates
-constexpr std::uint64_t chunk_rays = 64;
+// Each round is twice the last until it has --rays-per-round: at first every ray of a round finds the same.
+constexpr std::uint64_t first_round = 1024;
+constexpr std::uint64_t chunk_rays = 512;
 
 auto key(const glm::vec3& v) {
   return std::tie(v.x, v.y, v.z);
@@ -124,8 +126,9 @@ feed_finds agvs::cast(const round_plan& plan) const {
     const std::uint64_t end = std::min(rays, (chunk + 1) * chunk_rays);
     for (std::uint64_t i = chunk * chunk_rays; i < end; ++i) {
       random_stream numbers(how_.seed, 0, purpose::agvs, round_, i);
-      feed.cast(ray_of(plan, i, numbers), i, chunks[chunk]);
+      feed.cast(ray_of(plan, i, numbers), i);
     }
+    chunks[chunk] = feed.take();
   });
   feed_finds all;
   for (const feed_finds& chunk : chunks) {
@@ -177,18 +180,19 @@ void agvs::make_candidates(std::vector<found_pair>& joined) {
 }
 
 void agvs::prepare(const std::function<bool(double share)>& go_on) {
-  if (known_.empty()) return;
   const double began = process_cpu_seconds();
+  if (!rays_.find_free_places(how_.player_radius, how_.seed, places_)) return;
   const std::uint64_t budget = how_.sampling_rays * known_.size();
   const double seconds = how_.seconds_per_cell * static_cast<double>(known_.size());
   while (spent_ < budget) {
     if (!go_on(static_cast<double>(spent_) / static_cast<double>(budget))) return;
-    const round_plan plan = plan_round(std::min<std::uint64_t>(how_.rays_per_round, budget - spent_));
+    const std::uint64_t rays = std::min<std::uint64_t>(how_.rays_per_round, first_round << std::min(round_, 20ul));
+    const round_plan plan = plan_round(std::min(rays, budget - spent_));
     feed_finds finds = cast(plan);
     const std::uint64_t joined = merge(plan, finds);
     spent_ += std::accumulate(plan.counts.begin(), plan.counts.end(), std::uint64_t{0});
     ++round_;
-    if (joined < std::uint64_t{how_.fewest_new} * known_.size()) break;
+    if (rays >= how_.rays_per_round && joined < std::uint64_t{how_.fewest_new} * known_.size()) break;
     if (seconds > 0.0 && process_cpu_seconds() - began >= seconds) break;
   }
 }

@@ -1,5 +1,7 @@
 #include "sampler/global_rays.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -11,9 +13,11 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr int tries = 4;            // for a polygon that faces a cell
-constexpr double lately = 0.5;      // the weight of the last round
-constexpr float past_edge = 1e-3f;  // of a polygon's size: where the narrowest silhouette ray goes past it
+constexpr std::size_t free_places = 32;     // of a cell
+constexpr std::uint64_t free_tries = 4096;  // for the first of them: other cells are not stored
+constexpr int tries = 4;                    // for a polygon that faces a cell
+constexpr double lately = 0.5;              // the weight of the last round
+constexpr float past_edge = 1e-3f;          // of a polygon's size: where the narrowest silhouette ray goes past it
 
 // Nearly normal, of variance 1: sums and products only, so the same bits on every machine.
 float bell(random_stream& numbers) {
@@ -68,9 +72,21 @@ global_rays::global_rays(const ray_scene& rays, std::span<const box> cells) : ra
   off_surface_ = std::max(2e-4f, 1e-6f * glm::length(geometry.max - geometry.min));
 }
 
-glm::vec3 global_rays::place_in_cell(random_stream& numbers) const {
-  const box& cell = cells_[numbers.bits() % cells_.size()];
-  return numbers.in_box(cell.min, cell.max);
+bool global_rays::find_free_places(float player_radius, std::uint64_t seed, std::span<const std::uint64_t> places) {
+  free_.assign(cells_.size(), {});
+  tbb::parallel_for(std::size_t{0}, cells_.size(), [&](std::size_t cell) {
+    random_stream numbers(seed, places[cell], purpose::agvs_place, ~std::uint64_t{0});
+    std::uint64_t tried = 0;
+    free_[cell] = draw_free_points(rays_, cells_[cell], player_radius, free_places, free_tries, numbers, tried);
+  });
+  with_free_.clear();
+  for (std::uint32_t cell = 0; cell < cells_.size(); ++cell)
+    if (!free_[cell].empty()) with_free_.push_back(cell);
+  return !with_free_.empty();
+}
+
+std::uint32_t global_rays::any_cell(random_stream& numbers) const {
+  return with_free_[numbers.bits() % with_free_.size()];
 }
 
 std::uint32_t global_rays::any_polygon(random_stream& numbers) const {
@@ -78,8 +94,12 @@ std::uint32_t global_rays::any_polygon(random_stream& numbers) const {
 }
 
 global_ray global_rays::random(random_stream& numbers) const {
-  const glm::vec3 origin = place_in_cell(numbers);
-  return {.origin = origin, .direction = numbers.on_sphere()};
+  const std::uint32_t cell = any_cell(numbers);
+  // Half of them from anywhere: there are more places than those.
+  const bool known = numbers.uniform() < 0.5f;
+  const glm::vec3 origin =
+      known ? free_[cell][numbers.bits() % free_[cell].size()] : numbers.in_box(cells_[cell].min, cells_[cell].max);
+  return {.origin = origin, .direction = numbers.on_sphere(), .origin_is_free = known};
 }
 
 global_ray global_rays::object(random_stream& numbers) const {
@@ -95,7 +115,8 @@ global_ray global_rays::two_point(random_stream& numbers) const {
   for (int i = 0; i < tries; ++i) {
     const std::uint32_t polygon = any_polygon(numbers);
     const glm::vec3 place = random_point(corners_of(rays_.geometry(), polygon), numbers);
-    const glm::vec3 eye = place_in_cell(numbers);
+    const std::uint32_t cell = any_cell(numbers);
+    const glm::vec3 eye = free_[cell][numbers.bits() % free_[cell].size()];
     if (!faces(rays_, polygon, eye)) continue;
     const glm::vec3 direction = unit(eye - place);
     return {.origin = place + direction * off_surface_, .direction = direction};

@@ -50,8 +50,12 @@ struct global_ray {
 
 class global_rays {
  public:
-  // cells: at least one; must outlive this.
+  // cells: must outlive this.
   global_rays(const ray_scene& rays, std::span<const box> cells);
+  // Before the first ray: looks for free places of the cells, on the calling thread's TBB arena. From then on rays
+  // begin in and aim at cells that have some. places: of the cells, by which their random numbers are named. False
+  // where no cell has any.
+  bool find_free_places(float player_radius, std::uint64_t seed, std::span<const std::uint64_t> places);
 
   global_ray random(random_stream& numbers) const;
   global_ray object(random_stream& numbers) const;
@@ -61,13 +65,15 @@ class global_rays {
   global_ray reverse(const blocked_ray& from, random_stream& numbers) const;
 
  private:
-  glm::vec3 place_in_cell(random_stream& numbers) const;
+  std::uint32_t any_cell(random_stream& numbers) const;
   std::uint32_t any_polygon(random_stream& numbers) const;
 
   const ray_scene& rays_;
   std::span<const box> cells_;
-  std::vector<std::uint32_t> polygons_;  // that can be seen, in an order of geometry
-  float off_surface_;                    // how far before a polygon its rays begin, metres
+  std::vector<std::vector<glm::vec3>> free_;  // places of each cell
+  std::vector<std::uint32_t> with_free_;      // cells that have some
+  std::vector<std::uint32_t> polygons_;       // that can be seen, in an order of geometry
+  float off_surface_;                         // how far before a polygon its rays begin, metres
 };
 
 // How many rays of each kind a round casts, by what each found lately per ray.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
+#include <tuple>
+#include <utility>
 
 #include "free_space.h"
 #include "random.h"
@@ -59,23 +62,22 @@ void ray_feed::note_new(const global_ray& ray, const crossing& through, float at
   }
 }
 
-void ray_feed::cast(const global_ray& ray, std::uint64_t number, feed_finds& finds) {
+void ray_feed::cast(const global_ray& ray, std::uint64_t number) {
   if (ray.direction == glm::vec3{0.0f} || !trace(ray)) return;
   if (ray.polygon != no_polygon && clear_to_ < before_aim * glm::length(ray.aim - ray.origin)) {
     const auto hit = std::find_if(things_.begin(), things_.end(), [&](const thing& t) { return t.at == clear_to_; });
     if (hit != things_.end() && hit->polygon != ray.polygon)
-      finds.blocked.push_back({ray.origin, ray.point, ray.aim, ray.origin + ray.direction * clear_to_, hit->polygon});
+      finds_.blocked.push_back({ray.origin, ray.point, ray.aim, ray.origin + ray.direction * clear_to_, hit->polygon});
   }
   const float from = from_ + rules_.player_radius, to = to_ - rules_.player_radius;  // beyond nothing is free
   if (!(from < to)) return;
   cells_.find(ray.origin, ray.direction, from, to, crossed_);
-  new_.clear(), eyes_.clear(), asked_.clear(), ends_.clear();
   for (const crossing& through : crossed_) {
     const bool at_origin = ray.origin_is_free && through.from <= 0.0f && through.to >= 0.0f;
     random_stream numbers(rules_.seed, places_[through.cell], purpose::agvs_place, rules_.round, number);
     const float at = at_origin ? 0.0f : through.from + (through.to - through.from) * numbers.uniform();
     if (at_origin) {
-      note_new(ray, through, at, number, finds.found);
+      note_new(ray, through, at, number, finds_.found);
       continue;
     }
     const glm::vec3 eye = ray.origin + ray.direction * at;
@@ -88,21 +90,27 @@ void ray_feed::cast(const global_ray& ray, std::uint64_t number, feed_finds& fin
     asked_.push_back({through.cell, part});
     ends_.push_back(new_.size());
   }
-  take_where_free(finds);
 }
 
-void ray_feed::take_where_free(feed_finds& finds) {
-  if (eyes_.empty()) return;
-  // Places along a ray in one packet: the 64 rays of each take the same way.
-  free_.assign(eyes_.size(), 0);
-  rays_.find_free(eyes_, rules_.player_radius, free_);
-  for (std::size_t i = 0, first = 0; i < free_.size(); first = ends_[i++]) {
-    asked_[i].free = free_[i] != 0;
-    if (free_[i])
-      finds.found.insert(finds.found.end(), new_.begin() + static_cast<std::ptrdiff_t>(first),
-                         new_.begin() + static_cast<std::ptrdiff_t>(ends_[i]));
-  }
-  finds.asked.insert(finds.asked.end(), asked_.begin(), asked_.end());
+feed_finds ray_feed::take() {
+  // Neighboring places in one packet: the 64 rays of each take the same way.
+  std::vector<std::uint32_t> order(eyes_.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tie(asked_[a].cell, asked_[a].part, a) < std::tie(asked_[b].cell, asked_[b].part, b);
+  });
+  std::vector<glm::vec3> sorted;
+  for (const std::uint32_t i : order) sorted.push_back(eyes_[i]);
+  std::vector<std::uint8_t> free(sorted.size());
+  rays_.find_free(sorted, rules_.player_radius, free);
+  for (std::size_t k = 0; k < order.size(); ++k) asked_[order[k]].free = free[k] != 0;
+  for (std::size_t i = 0, first = 0; i < asked_.size(); first = ends_[i++])
+    if (asked_[i].free)
+      finds_.found.insert(finds_.found.end(), new_.begin() + static_cast<std::ptrdiff_t>(first),
+                          new_.begin() + static_cast<std::ptrdiff_t>(ends_[i]));
+  finds_.asked = std::move(asked_);
+  new_.clear(), eyes_.clear(), asked_.clear(), ends_.clear();
+  return std::exchange(finds_, {});
 }
 
 }  // namespace sightcell::bake

@@ -46,9 +46,11 @@ class ray_feed {
            std::span<const seen_pairs> known, const free_memory& memory, const feed_rules& rules)
       : rays_(rays), cells_(cells), places_(places), known_(known), memory_(memory), rules_(rules) {}
 
-  // Adds to finds what the cells that the ray crosses do not have yet. From each of them one place on the ray looks
-  // both ways; it counts where it is free, which is asked only where something is new.
-  void cast(const global_ray& ray, std::uint64_t number, feed_finds& finds);
+  // Notes what the cells that the ray crosses do not have yet. From each of them one place on the ray looks both ways;
+  // it counts where it is free, which is asked only where something is new.
+  void cast(const global_ray& ray, std::uint64_t number);
+  // What all rays since the last call came to.
+  feed_finds take();
 
  private:
   struct thing {  // on the line
@@ -60,7 +62,6 @@ class ray_feed {
   float trace_on(const global_ray& ray, float way, float clear);
   void note_new(const global_ray& ray, const crossing& through, float at, std::uint64_t number,
                 std::vector<found_pair>& found);
-  void take_where_free(feed_finds& finds);
 
   const ray_scene& rays_;
   const segment_cells& cells_;
@@ -75,11 +76,11 @@ class ray_feed {
   std::vector<thing> things_;
   sight seen_;
   std::vector<crossing> crossed_;
+  feed_finds finds_;
   std::vector<found_pair> new_;
   std::vector<glm::vec3> eyes_;     // of new_
   std::vector<place_asked> asked_;  // for each of eyes_
   std::vector<std::size_t> ends_;   // in new_, for each of eyes_
-  std::vector<std::uint8_t> free_;
 };
 
 }  // namespace sightcell::bake

@@ -37,8 +37,8 @@ class one_ray : public testing::Test {
     const std::vector<seen_pairs> known(boxes.size());
     const free_memory memory(boxes.size());
     ray_feed feed(rays, cells, places, known, memory, {});
-    feed_finds finds;
-    feed.cast(ray, 0, finds);
+    feed.cast(ray, 0);
+    const feed_finds finds = feed.take();
     std::vector<walls> got(boxes.size());
     for (const found_pair& f : finds.found) {
       got[f.cell].insert(f.polygon);
