@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <set>
@@ -201,13 +202,16 @@ outcome sample(const settings& how, const scene::scene& from, int threads, bool 
   const scene::world_geometry geometry = scene::flatten(from, scene::animated_as::always);
   const ray_scene rays(geometry, false);
   no_hemicubes source;
-  const auto sampler = make_cell_sampler(how, {rays, source});
+  const box grown{{-2, 0.2f, -2}, {2, 2, 2}};
+  const std::array<view_cell, 1> cells{{{grown.min + how.margin, grown.max - how.margin, "", 5}}};
+  const auto sampler = make_cell_sampler(how, {rays, source, nullptr, cells});
   cell_set set(static_cast<std::uint32_t>(geometry.kinds.size()));
   const std::vector<glm::vec3> free{{0, 1, 0}};
   outcome result;
   tbb::task_arena arena(threads);
   arena.execute([&] {
-    result.rays = sampler->sample({{{-2, 0.2f, -2}, {2, 2, 2}}, 5, geometry_inside, free}, set).rays;
+    sampler->prepare([](double) { return true; });
+    result.rays = sampler->sample({grown, 5, geometry_inside, free}, set).rays;
   });
   result.members = set.members();
   for (const std::uint32_t polygon : result.members) result.names.push_back(name_of(corners_of(geometry, polygon)));
@@ -276,7 +280,7 @@ TEST_P(ray_samplers, nothing_is_seen_from_places_that_are_not_free) {
   for (const std::uint32_t polygon : seen.members) EXPECT_LT(polygon, hidden);
 }
 
-INSTANTIATE_TEST_SUITE_P(guided, ray_samplers, testing::Values("gvs", "gvs++"));
+INSTANTIATE_TEST_SUITE_P(guided, ray_samplers, testing::Values("gvs", "gvs++", "agvs"));
 
 TEST(gvs_plus_plus, border_points_go_around_the_triangle) {
   const triangle t{{{3, 0, 0}, {4, 2, 0}, {5, 0, 1}}};
