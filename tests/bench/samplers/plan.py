@@ -1,0 +1,160 @@
+"""What bench_samplers measures: scenes, methods, settings, and the thesis's rows beside them."""
+import hashlib
+import os
+
+# Samples per cell (of GVS millions of rays) -> what the thesis printed: seconds, visible %, pixel error, color error.
+# GeForce GTX 260, 20 cells picked by hand; it says that its GVS was not optimised.
+THESIS = {
+    "vienna800k": {
+        "importance-depth": {80: (6.22, 2.80, 5.5e-5, 1.5e-5), 180: (15.47, 3.05, 4.0e-6, 1.2e-6),
+                             264: (22.96, 3.13, 2.0e-6, 5.6e-7), 320: (35.35, 3.17, 2.0e-6, 5.5e-7)},
+        "importance-depth-color": {264: (115.33, 3.15, 2.0e-6, 5.7e-7), 320: (142.48, 3.18, 1.0e-6, 5.4e-7)},
+        "nir04": {266: (18.88, 3.04, 2.2e-5, 6.0e-6), 325: (23.66, 3.08, 1.6e-5, 4.7e-6)},
+        "gvs": {7.25: (175.61, 2.70, 3.1e-4, 9.9e-5)}},
+    "vienna8m": {
+        "importance-depth": {176: (66.22, 0.413, 1.1e-5, None), 296: (111.70, 0.433, 6.0e-6, None)},
+        "nir04": {176: (48.67, 0.407, 6.3e-5, None), 301: (86.31, 0.431, 4.9e-5, None)},
+        "gvs": {5.4: (369.91, 1.27, 1.4e-4, None)}},
+    "hongkong": {
+        "importance-depth": {284: (51.97, 1.77, 8.8e-5, None), 424: (79.39, 1.86, 4.9e-5, None)},
+        "nir04": {288: (36.22, 1.68, 4.4e-4, None), 427: (54.19, 1.80, 2.4e-4, None)},
+        "gvs": {14.3: (777.31, 1.80, 3.4e-3, None)}},
+}
+TABLE_OF = {"vienna800k": "5.1", "vienna8m": "5.2", "hongkong": "5.3"}
+PRESETS = list(TABLE_OF)
+REAL = {"intel_castle": "city/intel_castle.glb", "candela_city": "city/candela_city.glb",
+        "accident": "levels/accident.glb", "czest3ctf": "levels/czest3ctf.glb"}
+CITY_SEED = 2
+REAL_CELLS = 12  # those without a free place are left out
+
+# The count that equal-sample tables compare at, the one of the thesis nearest to 264; of rays in millions.
+MAIN = {"vienna800k": 264, "vienna8m": 296, "hongkong": 284}
+RAYS = {"vienna800k": 7.25, "vienna8m": 5.4, "hongkong": 14.3}
+REAL_MAIN, REAL_RAYS = 264, 5.0
+EQUAL_SECONDS = 1.0  # of a core per cell
+PUBLISHED = 1024     # pixels along a hemicube's front face
+RESOLUTIONS = (256, 512, 1024)
+
+ON_FACES = ["importance-depth", "importance-depth-color", "uniform", "halton"]
+HEMICUBES = ON_FACES + ["nir04"]
+RIVALS = ["nir04", "uniform", "halton"]  # they get the better of the published setting and the best of RESOLUTIONS
+RAY_METHODS = ["gvs", "gvs++", "agvs"]
+
+# What a method's result depends on, so that a change to one method measures that one anew: files under bake/src.
+SHARED_CODE = ["rays", "seeing", "cell_set.cpp", "cell_set.h", "free_space.cpp", "free_space.h", "random.h",
+               "sampler/cell_sampler.h", "sampler/time_limit.h"]
+HEMICUBE_CODE = ["source/cpu", "source/cpu_source.cpp", "source/hemicube_faces.cpp", "sampler/hemicubes.",
+                 "sampler/boundary_face.h"]
+FACE_CODE = HEMICUBE_CODE + ["sampler/face_sampl"]
+DEPTH_CODE = FACE_CODE + ["sampler/importance_depth."]
+GUIDED_CODE = ["finish/aim.", "sampler/boundary_face.h", "sampler/border_sampling.", "sampler/guided_search.",
+               "sampler/random_rays.", "sampler/ray_finds.", "sampler/reverse_sampling."]
+METHOD_CODE = {
+    "importance-depth": DEPTH_CODE,
+    "importance-depth-color": DEPTH_CODE + ["sampler/color_weight.", "source/surface_colors."],
+    "uniform": FACE_CODE + ["sampler/uniform_grid."],
+    "halton": FACE_CODE + ["sampler/halton."],
+    "nir04": HEMICUBE_CODE + ["sampler/nir04."],
+    "gvs": GUIDED_CODE + ["sampler/gvs."],
+    "gvs++": GUIDED_CODE + ["sampler/gvs_plus_plus."],
+    "agvs": ["finish/aim.", "sampler/agvs.", "sampler/global_rays.", "sampler/ray_feed.", "sampler/seen_pairs.",
+             "sampler/segment_cells."],
+}
+# They decide nothing of what a method finds.
+NO_CODE = ["sampler/cell_sampler.cpp", "sampler/free_memory.h", "sampler_options."]
+
+
+def files_of(source, name):
+    """Files under bake/src: of a folder, or those of a folder whose names begin so."""
+    folder, start = os.path.split(os.path.join(source, name))
+    found = []
+    for entry in sorted(os.listdir(folder)):
+        path = os.path.join(folder, entry)
+        if os.path.isdir(path) and entry == start:
+            found += sorted(os.path.join(at, f) for at, _, names in os.walk(path) for f in names)
+        elif os.path.isfile(path) and entry.startswith(start):
+            found.append(path)
+    if not found:
+        raise SystemExit(f"bench_samplers: {name} is not in bake/src; correct METHOD_CODE")
+    return found
+
+
+def check_code(root):
+    """A sampler's source that no method names would change results that are taken from the cache all the same."""
+    source = os.path.join(root, "bake", "src")
+    known = {f for names in METHOD_CODE.values() for name in names + SHARED_CODE + NO_CODE
+             for f in files_of(source, name)}
+    unknown = [f for f in files_of(source, "sampler") if f not in known]
+    if unknown:
+        raise SystemExit(f"bench_samplers: no method names {', '.join(unknown)}; correct METHOD_CODE")
+
+
+def code_of(root, method):
+    """A hash of the sources that decide what a method finds."""
+    source = os.path.join(root, "bake", "src")
+    total = hashlib.sha256()
+    for name in SHARED_CODE + METHOD_CODE[method]:
+        for file in files_of(source, name):
+            with open(file, "rb") as stream:
+                total.update(stream.read())
+    return total.hexdigest()[:16]
+
+
+def hemicubes(method, samples, resolution=PUBLISHED, jitter=False, seconds=0.0):
+    return {"sampler": method, "samples": samples, "resolution": resolution, "jitter": jitter,
+            "seconds_per_cell": seconds}
+
+
+def rays(method, millions, seconds=0.0, **more):
+    return {"sampler": method, "sampling_rays": round(1e6 * millions), "seconds_per_cell": seconds, **more}
+
+
+def job(kind, settings, **more):
+    """kind: thesis (a row of its tables), samples (equal numbers), time (equal time)."""
+    words = [settings["sampler"]]
+    if "samples" in settings and kind != "time":
+        words.append(str(settings["samples"]))
+    if "sampling_rays" in settings and kind != "time":
+        words.append(f"{settings['sampling_rays'] / 1e6:g} M")
+    if "resolution" in settings:
+        words.append(f"{settings['resolution']}{'j' if settings['jitter'] else ''}")
+    if settings.get("filter"):
+        words.append(f"filter {settings['filter']:g} m")
+    if settings["seconds_per_cell"]:
+        words.append(f"{settings['seconds_per_cell']:g} s")
+    return {"label": " ".join(words), "settings": settings, "kind": kind, **more}
+
+
+def jobs_of(scene, quick):
+    """All that is measured on a scene, each setting once."""
+    main, millions = MAIN.get(scene, REAL_MAIN), RAYS.get(scene, REAL_RAYS)
+    if quick:
+        millions = min(millions, 2.0)
+    found = []
+    thesis = {} if quick else THESIS.get(scene, {})
+    for method, rows in thesis.items():
+        for count in rows:
+            settings = rays(method, count) if method in RAY_METHODS else hemicubes(method, count)
+            found.append(job("thesis", settings, thesis=rows[count]))
+    for method in ON_FACES + ["nir04"]:
+        found.append(job("samples", hemicubes(method, main)))
+        if method in RIVALS and not quick:
+            found += [job("samples", hemicubes(method, main, r, True)) for r in RESOLUTIONS]
+    found += [job("samples", rays(method, millions)) for method in RAY_METHODS]
+    found.append(job("samples", rays("agvs", millions, filter=2.0)))
+    # Many more samples than the time is enough for.
+    for method in HEMICUBES:
+        found.append(job("time", hemicubes(method, 2000, PUBLISHED, False, EQUAL_SECONDS)))
+        if method in RIVALS and not quick:
+            found += [job("time", hemicubes(method, 4000 if r == 256 else 2000, r, True, EQUAL_SECONDS))
+                      for r in RESOLUTIONS]
+    found += [job("time", rays(method, 1000, EQUAL_SECONDS)) for method in RAY_METHODS]
+    unique, seen = [], {}
+    for one in found:
+        key = repr(sorted(one["settings"].items()))
+        if key in seen:
+            seen[key].setdefault("also", []).append(one["kind"])
+            continue
+        seen[key] = one
+        unique.append(one)
+    return unique

@@ -1,0 +1,157 @@
+"""The tables of bench_samplers as Markdown and CSV, from what the measuring program wrote."""
+import csv
+import statistics
+
+from plan import PUBLISHED, RAY_METHODS, RIVALS, TABLE_OF
+
+
+def number(value, digits=3):
+    """1.2e-05 as 1.2e-5; plain where that is shorter."""
+    if value is None:
+        return ""
+    if value == 0:
+        return "0"
+    if abs(value) >= 1e-3:
+        return f"{value:.{digits}g}" if abs(value) < 1000 else f"{value:,.0f}"
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def kinds(job):
+    return [job["kind"]] + job.get("also", [])
+
+
+def method(job):
+    return job["settings"]["sampler"]
+
+
+def count_text(job):
+    """Mean samples or rays that a cell took."""
+    pooled = job["pooled"]
+    if method(job) in RAY_METHODS:
+        return f"{pooled['rays'] / 1e6:.3g} M rays"
+    return f"{pooled['samples']:.0f}"
+
+
+def variant_text(job):
+    s = job["settings"]
+    if "resolution" in s:
+        return f"{s['resolution']}{' jittered' if s['jitter'] else ''}"
+    return f"filter {s['filter']:g} m" if s.get("filter") else ""
+
+
+def error_text(pooled):
+    return f"{number(pooled['pixel_error'])} ({number(pooled['low'])} to {number(pooled['high'])})"
+
+
+def mean_of(result, job, inside):
+    """Mean pixel error of the cells with geometry inside, or of those without."""
+    errors = [c["pixel_error"] for cell, c in zip(result["cells"], job["cells"]) if cell["geometry_inside"] == inside]
+    return statistics.fmean(errors) if errors else None
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+def thesis_table(result):
+    rows = []
+    for job in result["jobs"]:
+        if "thesis" not in job:
+            continue
+        seconds, visible, error, color = job["thesis"]
+        p = job["pooled"]
+        rows.append([method(job), count_text(job), number(p["cpu_seconds"]), number(p["visible_percent"]),
+                     error_text(p), number(p["color_error"]), number(seconds), number(visible), number(error),
+                     number(color)])
+    return table(["method", "samples or rays", "CPU s per cell", "visible %", "pixel error (95 %)", "color error",
+                  "thesis: s", "visible %", "pixel error", "color error"], rows)
+
+
+def best_of(jobs):
+    """Of the variants of each method the one with the lowest pixel error, published settings kept beside it."""
+    chosen = {}
+    for job in jobs:
+        key = (method(job), job["settings"].get("filter", 0))
+        if key not in chosen or job["pooled"]["pixel_error"] < chosen[key]["pooled"]["pixel_error"]:
+            chosen[key] = job
+    return list(chosen.values())
+
+
+def compared(result, kind):
+    """Published settings of all, then of rivals their best where it is another."""
+    jobs = [job for job in result["jobs"] if kind in kinds(job)]
+    count = jobs and max(j["settings"].get("samples", 0) for j in jobs if method(j) == "importance-depth")
+    if kind == "samples":  # rows of the thesis have other numbers too
+        jobs = [j for j in jobs if j["settings"].get("samples", count) == count]
+    published = [j for j in jobs if j["settings"].get("resolution", PUBLISHED) == PUBLISHED
+                 and not j["settings"].get("jitter")]
+    best = [j for j in best_of(jobs) if j not in published]
+    return published, best
+
+
+def comparison_table(result, kind):
+    published, best = compared(result, kind)
+    depth = next((j for j in published if method(j) == "importance-depth"), None)
+    rows = []
+    for job in published + best:
+        p = job["pooled"]
+        ratio = p["pixel_error"] / depth["pooled"]["pixel_error"] if depth and depth["pooled"]["pixel_error"] else None
+        errors = sorted(c["pixel_error"] for c in job["cells"])
+        rows.append([method(job) + (" (best)" if job in best else ""), variant_text(job), count_text(job),
+                     number(p["cpu_seconds"]), number(p["visible_percent"]), error_text(p), number(p["color_error"]),
+                     f"{ratio:.2g}" if ratio is not None else "",
+                     number(mean_of(result, job, False)), number(mean_of(result, job, True)),
+                     f"{number(errors[0])}, {number(statistics.median(errors))}, {number(errors[-1])}"])
+    return table(["method", "setting", "samples or rays", "CPU s per cell", "visible %", "pixel error (95 %)",
+                  "color error", "x depth", "in empty cells", "in others", "cells: least, median, most"], rows)
+
+
+def markdown(results):
+    text = ""
+    for result in results:
+        name = result["name"]
+        cells = result["cells"]
+        inside = sum(1 for c in cells if c["geometry_inside"])
+        text += (f"### {name}: {result['polygons']:,} polygons, {len(cells)} cells ({inside} with geometry inside), "
+                 f"{sum(c['truth_rays'] for c in cells) / 1e6:,.0f} M rays of truth\n\n")
+        if any("thesis" in job for job in result["jobs"]):
+            text += f"Table {TABLE_OF[name]} of the thesis, and its rows:\n\n{thesis_table(result)}\n"
+        text += f"Equal samples:\n\n{comparison_table(result, 'samples')}\n"
+        text += f"Equal time:\n\n{comparison_table(result, 'time')}\n"
+    return text
+
+
+def rival_ratios(results):
+    """Pixel error of each rival, the better of published and best, over that of importance-depth."""
+    rows = []
+    for result in results:
+        row = [result["name"]]
+        for kind in ("samples", "time"):
+            published, best = compared(result, kind)
+            depth = next(j for j in published if method(j) == "importance-depth")["pooled"]["pixel_error"]
+            for name in RIVALS:
+                errors = [j["pooled"]["pixel_error"] for j in published + best if method(j) == name]
+                row.append(f"{min(errors) / depth:.2g}" if errors and depth else "")
+        rows.append(row)
+    head = ["scene"] + [f"{name}, equal {kind}" for kind in ("samples", "time") for name in RIVALS]
+    return table(head, rows)
+
+
+def write_csv(path, results):
+    with open(path, "w", encoding="utf-8", newline="") as stream:
+        out = csv.writer(stream, lineterminator="\n")
+        out.writerow(["scene", "kind", "method", "resolution", "jitter", "filter", "cell", "samples", "rays",
+                      "cpu_seconds", "polygons", "visible_percent", "pixel_error", "low", "high", "misses",
+                      "color_error"])
+        for result in results:
+            for job in result["jobs"]:
+                s = job["settings"]
+                front = [result["name"], "+".join(sorted(set(kinds(job)))), s["sampler"], s.get("resolution", ""),
+                         int(s.get("jitter", False)), s.get("filter", "")]
+                for cell, c in zip(result["cells"], job["cells"]):
+                    out.writerow(front + [cell["name"], c["samples"], c["rays"], f"{c['cpu_seconds']:.4g}", c["set"],
+                                          f"{100 * c['set'] / result['polygons']:.5g}", f"{c['pixel_error']:.4g}",
+                                          f"{c['low']:.4g}", f"{c['high']:.4g}", f"{c['misses']:.4g}",
+                                          f"{c['color_error']:.4g}"])
