@@ -1,5 +1,5 @@
 #pragma once
-// Adaptive border sampling (Wonka et al., Guided Visibility Sampling, SIGGRAPH 2006, section 3.2): around a polygon
+// Adaptive border sampling (Wonka et al., Guided Visibility Sampling, SIGGRAPH 2006): around a polygon
 // that was just found lies what is found next, so rays go closely past its border.
 #include <array>
 #include <cstdint>

@@ -43,10 +43,11 @@ class hemicube_sampler final : public cell_sampler {
   }
 
  private:
+  // C = 1 where nothing is new, so that depth still speaks when the set is nearly complete (METHOD.md).
   importance_weight weight_with(hemicube_source& source, const cell_set& set) const {
     if (how_.sampler != "importance-depth-color") return nullptr;
     return [&](const pose& where, const hemicube_view& view) {
-      return color_difference(where, view, source, world_.rays, *world_.colors, set);
+      return 1.0 + color_difference(where, view, source, world_.rays, *world_.colors, set);
     };
   }
 

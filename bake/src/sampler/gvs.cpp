@@ -10,7 +10,7 @@
 namespace sightcell::bake {
 namespace {
 
-// Border and reverse sampling of one polygon (section 3 of the paper, figure 3).
+// Border and reverse sampling of one polygon.
 class gvs_step {
  public:
   gvs_step(const settings& how, const ray_scene& rays, const box& cell) : how_(how), rays_(rays), cell_(cell) {}

@@ -1,5 +1,5 @@
 #pragma once
-// Reverse sampling (Wonka et al., Guided Visibility Sampling, SIGGRAPH 2006, section 3.3): where a border ray was
+// Reverse sampling (Wonka et al., Guided Visibility Sampling, SIGGRAPH 2006): where a border ray was
 // blocked by something clearly nearer, another eye may look past it.
 #include <glm/vec3.hpp>
 #include <vector>

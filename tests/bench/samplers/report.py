@@ -1,6 +1,4 @@
-"""The figures of bench_samplers as one HTML page: charts drawn here as SVG, pictures from the measuring program."""
-import base64
-import glob
+"""The figures of bench_samplers as one HTML page: charts drawn here as SVG, pictures of the measuring program beside it."""
 import html
 import json
 import os
@@ -86,13 +84,26 @@ def set_sizes(result):
     return chart(series, "cells", "polygons in the set", names=names)
 
 
-def image(path):
-    with open(path, "rb") as stream:
-        return "data:image/png;base64," + base64.b64encode(stream.read()).decode()
+def figure(scene, name, caption):
+    """A picture beside the page."""
+    return f'<figure><img src="{scene}/{name}" alt=""><figcaption>{html.escape(caption)}</figcaption></figure>'
 
 
-def figure(path, caption):
-    return f'<figure><img src="{image(path)}" alt=""><figcaption>{html.escape(caption)}</figcaption></figure>'
+def shown(scene, pictures):
+    """Figures 5.5 to 5.12: what each method gets wrong in one view, and from outside what it kept."""
+    with open(pictures, encoding="utf-8") as stream:
+        seen = json.load(stream)
+    eye = ", ".join(f"{v:.2f}" for v in seen["eye"])
+    text = (f"<h3>What is wrong in one view, in red (figures 5.5 to 5.11)</h3><p>Cell {html.escape(seen['cell'])}, from "
+            f"({eye}), {seen['pixels']:,} pixels: where the first method misses most. Red pixels are drawn larger.</p>")
+    text += figure(scene, seen["picture"], "everything")
+    for one in seen["jobs"]:
+        text += figure(scene, one["red_grown"], f"{one['label']}: {one['differing_pixels']} pixels differ, mean color "
+                                                f"error {number(one['color_error'])}")
+    text += "<h3>What each method kept, from outside (figure 5.12)</h3>" + figure(scene, seen["outside"], "everything")
+    for one in seen["jobs"]:
+        text += figure(scene, one["outside"], f"{one['label']}: {one['set']:,} polygons")
+    return text
 
 
 def jobs_file(result, name, labels, **changes):
@@ -123,9 +134,7 @@ def scene_pictures(bench, result, out):
     on_faces = [j["label"] for j in jobs if method(j) in HEMICUBES]
     bench.run("growth", *where, jobs_file(result, "growth", on_faces, samples=GROWTH_SAMPLES), "--cell", cell, "--out",
               growth)
-    text = f"<h3>Pictures from cell {html.escape(cell)}, where importance-depth misses most</h3>"
-    for path in sorted(glob.glob(os.path.join(folder, "*.png"))):
-        text += figure(path, os.path.splitext(os.path.basename(path))[0].replace("-", " "))
+    text = shown(result["name"], os.path.join(folder, "pictures.json"))
     with open(growth, encoding="utf-8") as stream:
         faces = json.load(stream)["faces"]
     text += "<h3>How the set grows with hemicubes on one face (figure 5.13)</h3>"
@@ -151,4 +160,4 @@ def write(bench, results, out, pictures):
     with open(path + ".part", "w", encoding="utf-8") as stream:
         stream.write(text)
     os.replace(path + ".part", path)
-    print(f"figures: {path}, {number(os.path.getsize(path) / 1e6)} MB\n")
+    print(f"figures: {path}\n")

@@ -42,7 +42,7 @@ gap_scene slit(std::uint64_t variant) {
   facing_cell(made, 4.6f, -30, 30, -60, z);
   facing_cell(made, 4.6f, -30, 30, z + 0.3f, 60);
   const auto hidden = facing_cell(made, 12.6f, -30, 30, z, z + 0.3f);
-  return {made.finished(), long_cell, both_of(hidden)};
+  return {made.finished(), long_cell, both_of(hidden), {}};
 }
 
 gap_scene window(std::uint64_t variant) {
@@ -52,7 +52,7 @@ gap_scene window(std::uint64_t variant) {
   const float z = 8.5f + 2.3f * random.uniform(), y = 0.1f + 1.1f * random.uniform();
   wall_with_hole(made, 4.6f, y, y + 0.7f, z, z + 0.7f);
   const auto hidden = facing_cell(made, 12.6f, y + 0.2f, y + 0.5f, z + 0.2f, z + 0.5f);
-  return {made.finished(), long_cell, both_of(hidden)};
+  return {made.finished(), long_cell, both_of(hidden), {}};
 }
 
 gap_scene crack(std::uint64_t variant) {
@@ -63,7 +63,7 @@ gap_scene crack(std::uint64_t variant) {
   made.closed_box({4.6f, -30, -59}, {5.4f, 30, z});
   made.closed_box({4.6f, -30, z + 0.25f}, {5.4f, 30, 59});
   const auto hidden = facing_cell(made, 8.0f, -30, 30, z, z + 0.25f);
-  return {made.finished(), long_cell, both_of(hidden)};
+  return {made.finished(), long_cell, both_of(hidden), {}};
 }
 
 namespace {
@@ -89,7 +89,22 @@ gap_scene tile_behind_window(std::uint64_t variant) {
   const float z = 4.0f + 3.5f * random.uniform(), y = 0.5f + random.uniform();
   wall_with_hole(made, 8.0f, y, y + 0.5f, z, z + 0.5f);
   const auto hidden = wall_with_tile(made, 8.2f, y + 0.2f, z + 0.1f + 0.3f * random.uniform(), 0.03f);
-  return {made.finished(), {{0, 0, 4}, {4, 2, 8}}, both_of(hidden)};
+  return {made.finished(), {{0, 0, 4}, {4, 2, 8}}, both_of(hidden), {}};
+}
+
+gap_scene corridor(std::uint64_t variant) {
+  auto random = numbers_of(variant);
+  tiny_scene made;
+  made.closed_box({-1, -1, -1}, {67, 4, 5}, true);
+  const float y = 0.4f + random.uniform(), z = 0.4f + 3.0f * random.uniform();
+  wall_with_hole(made, 64.5f, y, y + 0.3f, z, z + 0.3f);
+  const auto hidden = facing_cell(made, 65.0f, y + 0.05f, y + 0.25f, z + 0.05f, z + 0.25f);
+  gap_scene found{made.finished(), {{0, 0, 0}, {4, 2, 4}}, both_of(hidden), {}};
+  for (int i = 1; i < 16; ++i) {
+    const float x = 4.0f * static_cast<float>(i);
+    found.beside.push_back({{x, 0, 0}, {x + 4, 2, 4}});
+  }
+  return found;
 }
 
 gap_scene tile_behind_plate(std::uint64_t variant) {
@@ -100,7 +115,7 @@ gap_scene tile_behind_plate(std::uint64_t variant) {
   const float y = 0.5f + random.uniform(), z = 1.0f + 2.0f * random.uniform(), end = z + (3.9f - z) / 8.0f;
   facing_cell(made, 11.0f, -2, 4, z - 1.0f, end);
   const auto hidden = wall_with_tile(made, 12.0f, y, z, 0.03f);
-  return {made.finished(), {{0, 0, 0}, {4, 2, 4}}, both_of(hidden)};
+  return {made.finished(), {{0, 0, 0}, {4, 2, 4}}, both_of(hidden), {}};
 }
 
 }  // namespace sightcell::test

@@ -12,6 +12,7 @@ struct gap_scene {
   scene::scene scene;
   bake::box cell;                     // its grown box; nothing is inside
   std::vector<std::uint32_t> hidden;  // polygons, of which any counts
+  std::vector<bake::box> beside;      // other cells, which have to find it too
 };
 
 // A slit 0.3 m wide, anywhere in a wall along a cell of 12 m; what is behind it is seen from as much of that side.
@@ -22,6 +23,9 @@ gap_scene window(std::uint64_t variant);
 // A tile of 3 cm between large ones, on a wall that a window far off shows a part of: who finds the large ones and
 // looks past their borders has it.
 gap_scene tile_behind_window(std::uint64_t variant);
+// A corridor of sixteen cells with a small window at its end: one line of sight to what is behind it crosses many
+// cells.
+gap_scene corridor(std::uint64_t variant);
 // A tile between large ones, which a plate hides from all but one end of the cell: who looks past the plate's border
 // from where the tile is has it.
 gap_scene tile_behind_plate(std::uint64_t variant);

@@ -11,6 +11,7 @@
 #include "rays/ray_scene.h"
 #include "sampler/cell_sampler.h"
 #include "source/choose_source.h"
+#include "source/surface_colors.h"
 
 namespace sightcell::bake {
 namespace {
@@ -42,11 +43,21 @@ bool finds(const finding& f, std::uint64_t effort, std::uint64_t variant) {
   const scene::world_geometry geometry = scene::flatten(where.scene, scene::animated_as::always);
   const ray_scene rays(geometry, false);
   const chosen_source chosen = choose_source(how, geometry, rays);
-  const auto sampler = make_cell_sampler(how, {rays, *chosen.source});
-  cell_set set(static_cast<std::uint32_t>(geometry.kinds.size()));
-  const std::vector<glm::vec3> free{0.5f * (where.cell.min + where.cell.max)};
-  (void)sampler->sample({where.cell, variant, false, free}, set);
-  return std::any_of(where.hidden.begin(), where.hidden.end(), [&](std::uint32_t p) { return set.contains(p); });
+  const surface_colors colors(where.scene, geometry);
+  how.margin = 0.0f;  // the cell is as it is
+  std::vector<box> boxes = where.beside;
+  boxes.push_back(where.cell);
+  std::vector<view_cell> cells(boxes.size());
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    cells[i].min = boxes[i].min, cells[i].max = boxes[i].max, cells[i].place = 1000 * i + variant;
+  const auto sampler = make_cell_sampler(how, {rays, *chosen.source, &colors, cells});
+  sampler->prepare([](double) { return true; });
+  return std::all_of(cells.begin(), cells.end(), [&](const view_cell& cell) {
+    cell_set set(static_cast<std::uint32_t>(geometry.kinds.size()));
+    const std::vector<glm::vec3> free{0.5f * (cell.min + cell.max)};
+    (void)sampler->sample({{cell.min, cell.max}, cell.place, false, free}, set);
+    return std::any_of(where.hidden.begin(), where.hidden.end(), [&](std::uint32_t p) { return set.contains(p); });
+  });
 }
 
 int found(const finding& f, std::uint64_t effort) {
@@ -72,6 +83,9 @@ constexpr finding findings[] = {
     {"importance-depth", "slit", test::slit, 192, 3},
     {"importance-depth", "window", test::window, 192, 3},
     {"importance-depth", "crack", test::crack, 192, 3},
+    {"importance-depth-color", "slit", test::slit, 192, 3},
+    {"importance-depth-color", "window", test::window, 192, 3},
+    {"importance-depth-color", "crack", test::crack, 192, 3},
     {"nir04", "window", test::window, 384, 3},
     {"nir04", "crack", test::crack, 192, 3},
     {"uniform", "slit", test::slit, 384, 6},
@@ -82,6 +96,7 @@ constexpr finding findings[] = {
     {"gvs", "tile_behind_plate", test::tile_behind_plate, 2048, 3},
     {"gvs++", "tile_behind_window", test::tile_behind_window, 2048, 3},
     {"gvs++", "tile_behind_plate", test::tile_behind_plate, 2048, 3},
+    {"agvs", "corridor", test::corridor, 32, 6},
 };
 
 INSTANTIATE_TEST_SUITE_P(samplers, gap_scenes_of, testing::ValuesIn(findings), [](const auto& row) {

@@ -323,6 +323,25 @@ TEST(hemicubes, a_limit_of_time_ends_a_cell) {
   EXPECT_LE(taken.taken(), 6u);
 }
 
+TEST(hemicubes, are_weighed_before_what_they_see_joins) {
+  scripted_source source;
+  source.answer = [](const pose&, hemicube_view& view) {
+    view.seen = {{3, 10, 0}};
+    view.importance = {1, 2, 3, 4};
+  };
+  cell_set set(10);
+  const hemicube_plan plan{.samples = 4};
+  hemicubes taken(plan, source, set);
+  const std::array<pose, 2> poses{};
+  std::array<hemicube_view, 2> views;
+  const importance_weight weigh = [&](const pose&, const hemicube_view&) { return set.contains(3) ? 1.0 : 2.0; };
+  taken.take(poses, views, weigh);
+  EXPECT_EQ(views[0].importance, (std::array<double, 4>{2, 4, 6, 8}));
+  EXPECT_EQ(views[1].importance, (std::array<double, 4>{2, 4, 6, 8})) << "a round is weighed by what was before it";
+  taken.take(poses, views, weigh);
+  EXPECT_EQ(views[0].importance, (std::array<double, 4>{1, 2, 3, 4}));
+}
+
 TEST(hemicubes, cubes_leave_time_for_the_faces) {
   scripted_source source;
   source.answer = [](const pose&, hemicube_view&) {
