@@ -6,7 +6,7 @@ usage: bench_samplers.py --bin FOLDER [--scene NAME ...] [--quick] [--threads N]
 
 --bin: the folder with sightcell-city and bench_samplers. Prints Markdown tables; writes the figures into one HTML page,
 OUT/index.html (default build/samplers). Scenes: vienna800k, vienna8m, hongkong (made with seed 2), intel_castle,
-candela_city, accident, czest3ctf (under SIGHTCELL_DATA; said so where they are missing).
+candela_city, accident, czest3ctf (under SIGHTCELL_DATA; said so where they are missing); small-town when it is named.
 Truth and results are kept under $SIGHTCELL_CACHE (default build/cache) by content: scene, cell, method, settings and
 the sources that decide what the method finds. A rerun does what changed.
 --quick: vienna800k and czest3ctf with four cells, main rows alone.
@@ -56,16 +56,17 @@ class Bench:
 
     def scene(self, name):
         """Scene, cells file or None, cell limit; None where the scene is missing."""
-        limit = 4 if self.options.quick else 0
-        if name in plan.PRESETS:
+        limit = (2 if name == plan.TOWN else 4) if self.options.quick else 0
+        if name in plan.PRESETS + [plan.TOWN]:
+            asked = ["--preset", name] if name in plan.PRESETS else ["--polygons", "20000"]
             city = self.program("sightcell-city")
             stem = os.path.join(self.cache, f"{name}-{plan.CITY_SEED}-{hash_of(city)[:16]}")
             scene, cells = stem + ".glb", stem + ".cells.json"
             if not (os.path.exists(scene) and os.path.exists(cells)):
                 say(f"making {name}")
                 part = stem + ".part.glb"
-                subprocess.run([city, "--preset", name, "--seed", str(plan.CITY_SEED), "--out", part, "--cells", cells],
-                               check=True)
+                subprocess.run([city, *asked, "--seed", str(plan.CITY_SEED), "--out", part, "--cells", cells],
+                               check=True, stdout=subprocess.DEVNULL)
                 os.replace(part, scene)
             return scene, cells, limit
         data = os.environ.get("SIGHTCELL_DATA")
@@ -114,7 +115,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     names = plan.PRESETS + list(plan.REAL)
     parser.add_argument("--bin", required=True)
-    parser.add_argument("--scene", nargs="+", choices=names, metavar="NAME")
+    parser.add_argument("--scene", nargs="+", choices=names + [plan.TOWN], metavar="NAME")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--out", default=os.path.join("build", "samplers"))

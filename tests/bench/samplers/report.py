@@ -3,7 +3,7 @@ import html
 import json
 import os
 
-from plan import HEMICUBES, MAIN, REAL_MAIN
+from plan import HEMICUBES, MAIN, REAL_MAIN, TOWN
 from tables import comparison_table, kinds, method, number, thesis_table
 
 COLORS = {"importance-depth": "#0b5fa5", "importance-depth-color": "#2f9fd8", "nir04": "#c1440e", "uniform": "#888888",
@@ -132,7 +132,7 @@ def scene_pictures(bench, result, out):
               bench.cache, "--out", folder)
     growth = os.path.join(folder, "growth.json")
     on_faces = [j["label"] for j in jobs if method(j) in HEMICUBES]
-    bench.run("growth", *where, jobs_file(result, "growth", on_faces, samples=GROWTH_SAMPLES), "--cell", cell, "--out",
+    bench.run("growth", *where, jobs_file(result, "growth", on_faces, samples=GROWTH_SAMPLES if result["name"] != TOWN else 6), "--cell", cell, "--out",
               growth)
     text = shown(result["name"], os.path.join(folder, "pictures.json"))
     with open(growth, encoding="utf-8") as stream:
