@@ -1,10 +1,13 @@
 #include "cell_bake.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "finish/dilation.h"
 #include "finish/ray_finish.h"
 #include "finish/retest.h"
+#include "rays/triangle_math.h"
 
 namespace sightcell::bake {
 namespace {
@@ -81,15 +84,40 @@ cell_record cell_baker::sample(const view_cell& cell, cell_set& set) const {
   record.samples = effort.samples;
   record.rays_spent = effort.rays;
 
-  // Rule 4: what touches the cell and faces a free point of it is in its set.
-  for (const std::uint32_t polygon : inside)
-    for (const glm::vec3& eye : free)
-      if (faces(rays_, polygon, eye)) {
-        set.add(polygon, eye);
-        break;
-      }
+  add_inside(cell, inside, free, set);
   set.save(record);
   return record;
+}
+
+// Rule 4: what touches the cell and faces a free point of it is in its set.
+void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside,
+                            const std::vector<glm::vec3>& free, cell_set& set) const {
+  // Whom no point faces may still show itself to who comes near, like the underside of a shelf just above the floor:
+  // the place before its middle is asked too.
+  const box where = grown(cell);
+  std::vector<glm::vec3> before;
+  std::vector<std::uint32_t> whose;
+  for (const std::uint32_t polygon : inside) {
+    const auto facing =
+        std::find_if(free.begin(), free.end(), [&](const glm::vec3& eye) { return faces(rays_, polygon, eye); });
+    if (facing != free.end()) {
+      set.add(polygon, *facing);
+      continue;
+    }
+    const triangle t = corners_of(rays_.geometry(), polygon);
+    const glm::vec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+    const float length = glm::length(normal);
+    if (!(length > 0.0f)) continue;
+    // Nobody faces it, so it is single-sided.
+    const glm::vec3 eye = (t[0] + t[1] + t[2]) / 3.0f + normal * (1.1f * how_.player_radius / length);
+    if (glm::any(glm::lessThan(eye, where.min)) || glm::any(glm::greaterThan(eye, where.max))) continue;
+    before.push_back(eye);
+    whose.push_back(polygon);
+  }
+  std::vector<std::uint8_t> is_free(before.size());
+  rays_.find_free(before, how_.player_radius, is_free);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (is_free[i]) set.add(whose[i], before[i]);
 }
 
 // The set is what the cell has so far.

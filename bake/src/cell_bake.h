@@ -51,6 +51,8 @@ class cell_baker {
  private:
   box grown(const view_cell& cell) const { return box{cell.min, cell.max}.grown(how_.margin); }
   bool find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const;
+  void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside, const std::vector<glm::vec3>& free,
+                  cell_set& set) const;
   void bound(const view_cell& cell, cell_set& set, cell_record& record) const;
 
   const settings& how_;

@@ -158,6 +158,23 @@ TEST_F(cell_bake, all_sides_of_a_pillar_inside_are_in_the_set) {
   EXPECT_EQ(core_sides, 8);
 }
 
+TEST_F(cell_bake, an_underside_just_above_the_ground_of_a_cell_is_in_the_set_where_an_eye_fits_below) {
+  tiny_scene tiny;
+  tiny.closed_box({-5, -3, -5}, {5, 45, 5}, true);
+  const auto facing_down = [&](float x, float y) {
+    return tiny.quad({x, y, 0.2f}, {x + 0.3f, y, 0.2f}, {x + 0.3f, y, 0.5f}, {x, y, 0.5f});
+  };
+  const auto open = facing_down(0.2f, -1.19f), covered = facing_down(-0.6f, -1.19f);
+  tiny.quad({-0.6f, -1.24f, 0.5f}, {-0.3f, -1.24f, 0.5f}, {-0.3f, -1.24f, 0.2f}, {-0.6f, -1.24f, 0.2f});
+  settings how;
+  how.max_pixel_error = 0.0;
+  how.samples = 6;
+  // The grown cell begins at -1.25 and is 40 m high: of 128 free points none lies so low.
+  const cell_record record = bake(tiny, {{-1, -1, -1}, {1, 39, 1}, "", 7}, how);
+  EXPECT_TRUE(has(record, open));
+  EXPECT_FALSE(has_any(record, covered));
+}
+
 TEST_F(cell_bake, a_cell_half_in_a_wall_does_not_open_it) {
   // A closed room; the cell reaches through its wall into the solid between this room and the next.
   tiny_scene tiny;
