@@ -78,8 +78,8 @@ class Bench:
 
     def jobs_file(self, name, jobs):
         path = os.path.join(self.cache, f"{name}{'-quick' if self.options.quick else ''}.jobs.json")
-        asked = [{"label": j["label"], "settings": j["settings"], "code": plan.code_of(ROOT, j["settings"]["sampler"])}
-                 for j in jobs]
+        asked = [{"label": j["label"], "settings": j["settings"], "importance": j.get("importance", True),
+                  "code": plan.code_of(ROOT, j["settings"]["sampler"])} for j in jobs]
         with open(path, "w", encoding="utf-8") as stream:
             json.dump({"jobs": asked, "truth": QUICK_TRUTH if self.options.quick else TRUTH}, stream, indent=1)
         return path

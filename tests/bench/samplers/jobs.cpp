@@ -62,7 +62,8 @@ json text_of(const bake::settings& how) {
 }
 
 job read_job(const json& one, const std::string& subject) {
-  job made{one.at("label").get<std::string>(), one.value("code", ""), {}, {}, one.value("of_all", false)};
+  job made{one.at("label").get<std::string>(), one.value("code", ""),        {}, {},
+           one.value("of_all", false),         one.value("importance", true)};
   const std::string where = subject + ", job \"" + made.label + "\"";
   made.how.source = "cpu";
   made.how.max_pixel_error = 0.0;
@@ -80,6 +81,7 @@ job read_job(const json& one, const std::string& subject) {
   }
   bake::validate(made.how);
   made.settings = text_of(made.how);
+  if (!made.importance) made.settings["importance"] = false;
   made.of_all = made.of_all || made.how.sampler == "agvs";
   return made;
 }

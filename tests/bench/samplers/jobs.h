@@ -22,6 +22,9 @@ struct job {
   bake::settings how;   // max_pixel_error 0: the sampler alone
   json settings;        // all that its sampler looks at, with defaults
   bool of_all = false;  // what a cell gets depends on the other cells of the run
+  // For explaining: false, hemicubes say nothing of importance, so that importance-depth goes where it is far from all
+  // samples.
+  bool importance = true;
   seeing_rules rules() const { return {how.margin, how.player_radius, how.smallest_gap}; }
 };
 
@@ -38,8 +41,9 @@ struct job_list {
 // {"jobs":[{"label":"depth 80","code":"...","settings":{"sampler":"importance-depth","samples":80}}],
 //  "truth":{"interval":0.1,"first_rays":1e6,"max_rays":4e7}}
 // A setting is a sampler's option without its dashes (sampler_options.h), with _ or -, or one of sampler, resolution,
-// seed, source, margin, player_radius, smallest_gap. "of_all": true besides label and code: see above; agvs always is.
-// Throws sightcell::error where a setting is not known, not the sampler's or out of range, or rules differ.
+// seed, source, margin, player_radius, smallest_gap. "importance": false, "of_all": true besides label and code: see
+// above; agvs always is of all. Throws sightcell::error where a setting is not known, not the sampler's or out of
+// range, or rules differ.
 job_list read_jobs(const std::filesystem::path& path);
 job_list parse_jobs(const json& text, const std::string& subject);
 

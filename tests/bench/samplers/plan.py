@@ -40,9 +40,10 @@ ON_FACES = ["importance-depth", "importance-depth-color", "uniform", "halton"]
 HEMICUBES = ON_FACES + ["nir04"]
 RIVALS = ["nir04", "uniform", "halton"]  # they get the better of the published setting and the best of RESOLUTIONS
 RAY_METHODS = ["gvs", "gvs++", "agvs"]
+EXPLAINED = ["vienna800k", "czest3ctf"]  # where experiments say why
 
 # What a method's result depends on, so that a change to one method measures that one anew: files under bake/src.
-SHARED_CODE = ["rays", "seeing", "cell_set.cpp", "cell_set.h", "free_space.cpp", "free_space.h", "random.h",
+SHARED_CODE = ["rays", "seeing", "cell_bake.", "cell_set.cpp", "cell_set.h", "free_space.cpp", "free_space.h", "random.h",
                "sampler/cell_sampler.h", "sampler/time_limit.h"]
 HEMICUBE_CODE = ["source/cpu", "source/cpu_source.cpp", "source/hemicube_faces.cpp", "sampler/hemicubes.",
                  "sampler/boundary_face.h"]
@@ -126,6 +127,23 @@ def job(kind, settings, **more):
     return {"label": " ".join(words), "settings": settings, "kind": kind, **more}
 
 
+def experiments(main, millions):
+    """What depth is without its importance, how much of the error is pixels that are too coarse, what interior cubes
+    are worth, and the filter of agvs."""
+    depth = hemicubes("importance-depth", main)
+    found = [job("why", depth, importance=False)]
+    found[0]["label"] += " without importance"
+    for method in ("importance-depth", "halton"):
+        found += [job("why", hemicubes(method, main, 512)), job("why", hemicubes(method, main, 2048)),
+                  job("why", hemicubes(method, main, PUBLISHED, True))]
+    for method in ("importance-depth", "halton", "nir04"):
+        for share in (0.0, 0.8):
+            one = job("why", {**hemicubes(method, main), "interior_share": share})
+            one["label"] += f" interior {share:g}"
+            found.append(one)
+    return found + [job("why", rays("agvs", millions, filter=2.0))]
+
+
 def jobs_of(scene, quick):
     """All that is measured on a scene, each setting once."""
     main, millions = MAIN.get(scene, REAL_MAIN), RAYS.get(scene, REAL_RAYS)
@@ -143,7 +161,6 @@ def jobs_of(scene, quick):
         if method in RIVALS and not quick:
             found += [job("samples", hemicubes(method, main, r, True)) for r in RESOLUTIONS]
     found += [job("samples", rays(method, millions)) for method in RAY_METHODS]
-    found.append(job("samples", rays("agvs", millions, filter=2.0)))
     # Many more samples than the time is enough for.
     for method in HEMICUBES:
         found.append(job("time", hemicubes(method, 2000, PUBLISHED, False, seconds)))
@@ -151,9 +168,11 @@ def jobs_of(scene, quick):
             found += [job("time", hemicubes(method, 4000 if r == 256 else 2000, r, True, seconds))
                       for r in RESOLUTIONS]
     found += [job("time", rays(method, 1000, seconds)) for method in RAY_METHODS]
+    if scene in EXPLAINED and not quick:
+        found += experiments(main, millions)
     unique, seen = [], {}
     for one in found:
-        key = repr(sorted(one["settings"].items()))
+        key = repr((sorted(one["settings"].items()), one.get("importance", True)))
         if key in seen:
             seen[key].setdefault("also", []).append(one["kind"])
             continue

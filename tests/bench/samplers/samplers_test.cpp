@@ -300,6 +300,16 @@ TEST(bench_jobs, settings_are_those_of_the_samplers) {
   EXPECT_EQ(parse(R"({"margin":0.5})", R"({"margin":0.5})").jobs.at(0).rules().margin, 0.5f);
 }
 
+TEST(bench_jobs, what_is_tried_without_importance_is_another_job) {
+  const auto parse = [](bool importance) {
+    const json text{{"jobs", {{{"label", "x"}, {"importance", importance}, {"settings", json::object()}}}}};
+    return parse_jobs(text, "jobs.json").jobs.at(0);
+  };
+  EXPECT_TRUE(parse(true).importance);
+  EXPECT_FALSE(parse(false).importance);
+  EXPECT_NE(parse(true).settings, parse(false).settings) << "they are kept by their settings";
+}
+
 TEST(bench_growth, only_the_face_that_is_asked_for_sees) {
   tiny_scene tiny;
   tiny.wall_x(5, -1, 3), tiny.wall_x(6, -1, 40), tiny.wall_x(-6, 1, 3);

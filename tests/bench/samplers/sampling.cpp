@@ -51,6 +51,30 @@ bool decode(const std::string& bytes, std::uint32_t polygons, sampled_figures& f
 
 }  // namespace
 
+namespace {
+
+// Sees all that another sees, and no gaps.
+class without_importance final : public bake::hemicube_source {
+ public:
+  explicit without_importance(bake::hemicube_source& behind) : behind_(behind) {}
+  using hemicube_source::render;
+  void render(std::span<const bake::pose> poses, std::span<bake::hemicube_view> views) override {
+    behind_.render(poses, views);
+    for (bake::hemicube_view& view : views) view.importance.fill(0.0);
+  }
+  void render_image(const bake::pose& where, bake::hemicube_image& image) override {
+    behind_.render_image(where, image);
+  }
+  bool shared() const override { return behind_.shared(); }
+  std::uint32_t resolution() const override { return behind_.resolution(); }
+  std::string device() const override { return behind_.device(); }
+
+ private:
+  bake::hemicube_source& behind_;
+};
+
+}  // namespace
+
 // What the baker asks, so that sampling is timed and nothing else: not the search for free points, nor what touches the
 // cell, which are the same for all samplers.
 struct sampling_bench::clocked_sampler final : bake::cell_sampler {
@@ -135,7 +159,9 @@ void sampling_bench::measure(const job& what, const std::vector<std::size_t>& ce
                              std::vector<sampled_figures>& figures,
                              const std::function<void(std::size_t cell)>& measured) {
   how_ = what.how;
-  bake::hemicube_source& source = source_of(how_);
+  bake::hemicube_source& eyes = source_of(how_);
+  without_importance flat(eyes);
+  bake::hemicube_source& source = what.importance ? eyes : flat;
   sampler_->by_process = !source.shared();
   sampler_->inner = bake::make_cell_sampler(how_, {ground_.rays, source, &ground_.colors, ground_.cells});
   const double began = bake::process_cpu_seconds();

@@ -108,6 +108,19 @@ def comparison_table(result, kind):
                   "color error", "x depth", "in empty cells", "in others", "cells: least, median, most"], rows)
 
 
+def why_table(result):
+    """The experiments, and what they are held against."""
+    rows = []
+    for job in result["jobs"]:
+        if "why" not in kinds(job) and job not in compared(result, "samples")[0]:
+            continue
+        p = job["pooled"]
+        rows.append([job["label"], count_text(job), number(p["cpu_seconds"]), number(p["visible_percent"]),
+                     error_text(p), number(mean_of(result, job, False)), number(mean_of(result, job, True))])
+    return table(["experiment", "samples or rays", "CPU s per cell", "visible %", "pixel error (95 %)",
+                  "in empty cells", "in others"], rows)
+
+
 def markdown(results):
     text = ""
     for result in results:
@@ -120,6 +133,8 @@ def markdown(results):
             text += f"Table {TABLE_OF[name]} of the thesis, and its rows:\n\n{thesis_table(result)}\n"
         text += f"Equal samples:\n\n{comparison_table(result, 'samples')}\n"
         text += f"Equal time:\n\n{comparison_table(result, 'time')}\n"
+        if any("why" in kinds(job) for job in result["jobs"]):
+            text += f"Experiments at equal samples:\n\n{why_table(result)}\n"
     return text
 
 
