@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "finish/aim.h"
+#include "rays/line_box.h"
 
 namespace sightcell::bake {
 namespace {
@@ -46,16 +47,8 @@ std::vector<candidate> candidates_of(std::span<const cell_record> neighbors, con
 glm::vec3 entry(const box& into, const glm::vec3& eye, const glm::vec3& point) {
   const glm::vec3 way = point - eye;
   float enter = 0.0f, leave = 1.0f;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (way[axis] == 0.0f) {
-      if (eye[axis] < into.min[axis] || eye[axis] > into.max[axis]) leave = -1.0f;
-      continue;
-    }
-    const float a = (into.min[axis] - eye[axis]) / way[axis], b = (into.max[axis] - eye[axis]) / way[axis];
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
-  }
-  return glm::clamp(enter <= leave ? eye + way * enter : eye, into.min, into.max);
+  const bool meets = clip_line(into.min, into.max, eye, way, enter, leave);
+  return glm::clamp(meets ? eye + way * enter : eye, into.min, into.max);
 }
 
 // What one stretch of candidates came to.

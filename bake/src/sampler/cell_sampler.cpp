@@ -1,8 +1,5 @@
 #include "sampler/cell_sampler.h"
 
-#include <algorithm>
-#include <string>
-
 #include "sampler/agvs.h"
 #include "sampler/color_weight.h"
 #include "sampler/face_sampling.h"
@@ -11,8 +8,6 @@
 #include "sampler/hemicubes.h"
 #include "sampler/nir04.h"
 #include "seeing/gap_filter.h"
-#include "sightcell/bake/sampler_options.h"
-#include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
 namespace {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "rays/line_box.h"
 #include "sampler/border_sampling.h"
 
 namespace sightcell::bake {
@@ -15,16 +16,7 @@ namespace {
 std::optional<glm::vec3> eye_past(const glm::vec3& edge, const glm::vec3& border, const box& cell) {
   const glm::vec3 way = edge - border;
   float enter = 1.0f, leave = std::numeric_limits<float>::infinity();  // 1: at the edge
-  for (int axis = 0; axis < 3; ++axis) {
-    if (way[axis] == 0.0f) {
-      if (border[axis] < cell.min[axis] || border[axis] > cell.max[axis]) return {};
-      continue;
-    }
-    const float a = (cell.min[axis] - border[axis]) / way[axis], b = (cell.max[axis] - border[axis]) / way[axis];
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
-  }
-  if (!(enter <= leave)) return {};
+  if (!clip_line(cell.min, cell.max, border, way, enter, leave)) return {};
   const float at = enter > 1.0f ? enter : 0.5f * (enter + leave);
   return glm::clamp(border + way * at, cell.min, cell.max);
 }

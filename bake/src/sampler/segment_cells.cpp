@@ -5,25 +5,16 @@
 #include <glm/common.hpp>
 #include <limits>
 
+#include "rays/line_box.h"
+
 namespace sightcell::bake {
 namespace {
 
 constexpr double most_voxels = 4 << 20;
 constexpr float slack = 1e-3f;  // of a voxel: what rounding may put into the next one
 
-// Cuts from..to down to what lies in the box; false where nothing is left.
 bool clip(const box& within, const glm::vec3& eye, const glm::vec3& direction, float& from, float& to) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (direction[axis] == 0.0f) {
-      if (eye[axis] < within.min[axis] || eye[axis] > within.max[axis]) return false;
-      continue;
-    }
-    const float a = (within.min[axis] - eye[axis]) / direction[axis];
-    const float b = (within.max[axis] - eye[axis]) / direction[axis];
-    from = std::max(from, std::min(a, b));
-    to = std::min(to, std::max(a, b));
-  }
-  return from < to;
+  return clip_line(within.min, within.max, eye, direction, from, to) && from < to;
 }
 
 }  // namespace
