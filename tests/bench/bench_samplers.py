@@ -90,7 +90,7 @@ class Bench:
             command += ["--cells", cells]
         if limit:
             command += ["--cell-limit", str(limit)]
-        subprocess.run(command, check=True)
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)  # what it says is in its files
 
     def measure(self, name):
         found = self.scene(name)

@@ -101,7 +101,7 @@ def comparison_table(result, kind):
         errors = sorted(c["pixel_error"] for c in job["cells"])
         rows.append([method(job) + (" (best)" if job in best else ""), variant_text(job), count_text(job),
                      number(p["cpu_seconds"]), number(p["visible_percent"]), error_text(p), number(p["color_error"]),
-                     f"{ratio:.2g}" if ratio is not None else "",
+                     "" if ratio is None else f"{ratio:.0f}" if ratio >= 100 else f"{ratio:.2g}",
                      number(mean_of(result, job, False)), number(mean_of(result, job, True)),
                      f"{number(errors[0])}, {number(statistics.median(errors))}, {number(errors[-1])}"])
     return table(["method", "setting", "samples or rays", "CPU s per cell", "visible %", "pixel error (95 %)",
