@@ -29,6 +29,7 @@ SHARDS = 16
 # 16 blocks of 8 x 8 cells in the middle of the town.
 BAKE = ['--cells-grid=-16,1,-16,16,1.5,16', '--cell-size', '1', '--samples', '6', '--resolution', '64',
         '--max-pixel-error', '3e-2', '--seed', '7']
+IN_ORDER = 'signal before the time limit'
 PATIENCE = 600  # seconds for one submission: a hang must end, no result depends on it
 
 
@@ -62,7 +63,7 @@ class Strikes:
     def __init__(self, cluster, level, numbers):
         self.cluster, self.level, self.numbers = cluster, level, numbers
         self.kinds = {'kill -9 of the bake': self.kill_bake, 'scancel --signal=KILL': self.kill_job,
-                      'scontrol requeue': self.requeue, 'signal before the time limit': self.limit,
+                      'scontrol requeue': self.requeue, IN_ORDER: self.limit,
                       'preemption': self.preempt}
         self.done = collections.Counter()
         self.kept = collections.Counter()  # by shard: records in the copy that was left beside the level
@@ -96,13 +97,34 @@ class Strikes:
         return Victim(pid, process, f'{variables["SLURM_ARRAY_JOB_ID"]}_{task}', variables['SLURMD_NODENAME'],
                       f'{self.level}.shard-{task}-of-{SHARDS}.phase-{phase}')
 
+    def log_size(self, victim):
+        """Bytes of the log beside its database; None: it has none, or has ended."""
+        try:
+            for name in os.listdir(f'/proc/{victim.pid}/fd'):
+                path = os.readlink(f'/proc/{victim.pid}/fd/{name}')
+                if path.endswith('.bake-wal'):
+                    return os.path.getsize(path)
+        except (FileNotFoundError, ProcessLookupError):
+            pass
+        return None
+
+    def until_records(self, victim):
+        """Until what it has written has grown twice: the first time it may have been the empty tables."""
+        end, sizes = time.monotonic() + PATIENCE, set()
+        while len(sizes) < 3 and time.monotonic() < end and not select.select([victim.process], [], [], 0.01)[0]:
+            if (size := self.log_size(victim)) is not None:
+                sizes.add(size)
+
     def strike(self, kind, phase, longest):
         """Whether a shard of the phase was ended before its time."""
         victim = self.choose(phase)
         if victim is None:
             return False
         try:
-            time.sleep(self.numbers.uniform(0, longest))
+            if kind == IN_ORDER and phase == '1':
+                self.until_records(victim)  # there has to be something to leave
+            else:
+                time.sleep(self.numbers.uniform(0, longest))
             if not send(victim, signal.SIGSTOP):
                 return False
             if os.path.exists(victim.file):
@@ -241,7 +263,7 @@ class Farm(unittest.TestCase):
             self.assertLess(submissions, 12, self.last_words())
             # An end in order leaves what was done; where it came before the first record, another has to come.
             if not plan['1'] and not sum(strikes.kept.values()):
-                plan['1'].append('signal before the time limit')
+                plan['1'].append(IN_ORDER)
         print(f'farm: {submissions} submissions, {sum(strikes.kept.values())} records in copies of struck shards; ' +
               ', '.join(f'{k}: {n}' for k, n in strikes.done.items()), flush=True)
         self.assertGreater(sum(strikes.kept.values()), 0)
