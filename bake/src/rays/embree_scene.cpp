@@ -36,7 +36,8 @@ void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
                        context->scene->is_there(a, i, context->all_double_sided);
     if (there && hides(RTCHitN_geomID(a.hit, a.N, i)) && !context->pass_all) continue;
     if (there && context->passed)
-      context->passed->push_back({context->scene->polygon_of(a, i), RTCRayN_tfar(a.ray, a.N, i)});
+      context->passed[RTCRayN_id(a.ray, a.N, i) - context->first_id].push_back(
+          {context->scene->polygon_of(a, i), RTCRayN_tfar(a.ray, a.N, i)});
     a.valid[i] = 0;
   }
 }

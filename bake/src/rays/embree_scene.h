@@ -83,6 +83,7 @@ struct look_context {
   const embree_scene* scene;
   bool all_double_sided;
   std::vector<passed_polygon>* passed = nullptr;             // what was met and does not hide; null: nobody asks
+  unsigned first_id = 0;                                     // ray id i notes into passed[i - first_id]
   bool pass_all = false;                                     // what hides is noted there too, and the ray goes on
   const std::function<bool(std::uint32_t)>* only = nullptr;  // other polygons are not there; null: all are
 };

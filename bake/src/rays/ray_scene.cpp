@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t solid_directions = 64;
 constexpr std::size_t packet = 8;  // rays per Embree packet: the width of AVX2
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Evenly spread over the sphere (Fibonacci lattice), turned so that no direction lies in an axis plane.
 std::array<glm::vec3, solid_directions> make_solid_directions() {
@@ -32,6 +33,21 @@ std::array<glm::vec3, solid_directions> make_solid_directions() {
 const std::array<glm::vec3, solid_directions>& fixed_directions() {
   static const auto directions = make_solid_directions();
   return directions;
+}
+
+// passed is reordered. Traversal is not in order of distance: polygons behind the front one may have been noted too,
+// and some twice.
+void note_front(std::uint32_t front, float distance, std::vector<passed_polygon>& passed, sight& out) {
+  out.front = front;
+  out.distance = distance;
+  out.before.clear();
+  std::sort(passed.begin(), passed.end(), [](const passed_polygon& a, const passed_polygon& b) {
+    return a.polygon != b.polygon ? a.polygon < b.polygon : a.distance < b.distance;
+  });
+  for (const passed_polygon& p : passed) {
+    const bool again = !out.before.empty() && out.before.back().polygon == p.polygon;
+    if (p.distance < distance && !again) out.before.push_back(p);
+  }
 }
 
 struct nearness {
@@ -127,22 +143,42 @@ void ray_scene::look(look_context& context, const glm::vec3& eye, const glm::vec
   thread_local std::vector<passed_polygon> passed;
   passed.clear();
   context.passed = &passed;
-  constexpr float infinity = std::numeric_limits<float>::infinity();
   RTCRayHit r{.ray = one_ray(eye, direction, 0.0f, infinity), .hit = {}};
   r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(embree_->all, &context.base, &r);
 
   const bool hit = r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-  out.front = hit ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon;
-  out.distance = hit ? r.ray.tfar : infinity;
-  // Traversal is not in order of distance: polygons behind the front one may have been noted too, and some twice.
-  out.before.clear();
-  std::sort(passed.begin(), passed.end(), [](const passed_polygon& a, const passed_polygon& b) {
-    return a.polygon != b.polygon ? a.polygon < b.polygon : a.distance < b.distance;
-  });
-  for (const passed_polygon& p : passed) {
-    const bool again = !out.before.empty() && out.before.back().polygon == p.polygon;
-    if (p.distance < out.distance && !again) out.before.push_back(p);
+  note_front(hit ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon, hit ? r.ray.tfar : infinity, passed, out);
+}
+
+void ray_scene::look(std::span<const sight_line> lines, std::span<sight> out) const {
+  // Ids of rays that no filter of masked geometry takes for its own (ray_tests_masks).
+  constexpr unsigned first_id = ray_tests_masks + 1;
+  thread_local std::array<std::vector<passed_polygon>, packet> passed;
+  look_context context(*embree_);
+  context.passed = passed.data();
+  context.first_id = first_id;
+  for (std::size_t first = 0; first < lines.size(); first += packet) {
+    const std::size_t count = std::min(packet, lines.size() - first);
+    alignas(32) int valid[packet];
+    RTCRayHit8 r{};
+    for (std::size_t i = 0; i < packet; ++i) {
+      const sight_line& line = lines[first + std::min(i, count - 1)];
+      valid[i] = i < count ? -1 : 0;
+      r.ray.org_x[i] = line.eye.x, r.ray.org_y[i] = line.eye.y, r.ray.org_z[i] = line.eye.z;
+      r.ray.dir_x[i] = line.direction.x, r.ray.dir_y[i] = line.direction.y, r.ray.dir_z[i] = line.direction.z;
+      r.ray.tfar[i] = infinity;
+      r.ray.mask[i] = ~0u;
+      r.ray.id[i] = first_id + static_cast<unsigned>(i);
+      r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      passed[i].clear();
+    }
+    rtcIntersect8(valid, embree_->all, &context.base, &r);
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool hit = r.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+      note_front(hit ? embree_->ids[r.hit.geomID[i]][r.hit.primID[i]] : no_polygon, hit ? r.ray.tfar[i] : infinity,
+                 passed[i], out[first + i]);
+    }
   }
 }
 

@@ -32,6 +32,11 @@ struct sight {
   std::vector<passed_polygon> before;  // passed on the way to it, each polygon once, ascending ids
 };
 
+// A ray: direction is a unit vector.
+struct sight_line {
+  glm::vec3 eye{0.0f}, direction{0.0f};
+};
+
 // Rule 2 of seeing: what lies within this of a surface is in the same place, metres.
 inline float coincidence_reach(float distance) {
   return std::max(2e-4f, 2e-5f * distance);
@@ -48,6 +53,11 @@ class ray_scene {
 
   // direction is a unit vector. out is overwritten; its storage is reused.
   void look(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+
+  // look() of several rays, eight at a time: quicker, most where neighbors in the list go about the same way. What a
+  // ray sees may differ from look() by rounding at edges; it depends on the seven beside it and on nothing else. Both
+  // spans have the same size; sights are overwritten, their storage is reused.
+  void look(std::span<const sight_line> lines, std::span<sight> out) const;
 
   // What a picture of a set alone shows there: the first polygon that hides along the ray among those of the set, under
   // rule 1; no_polygon: none.

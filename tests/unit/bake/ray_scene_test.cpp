@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "free_space.h"
+#include "random.h"
 #include "rays/triangle_math.h"
 #include "tiny_scene.h"
 
@@ -57,6 +59,39 @@ TEST(ray_scene, backs_of_single_sided_polygons_are_not_there) {
   ray_scene(w.geometry, true).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, back));
   EXPECT_FALSE(sees(s, far));
+}
+
+TEST(ray_scene, packets_see_what_single_rays_see) {
+  tiny_scene tiny;
+  tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+  for (const float place : {2.0f, 3.0f, 4.0f}) tiny.wall_x(place, -1, 1.5f, glass);
+  tiny.wall_x(-2, +1, 1);  // seen from behind: not there
+  tiny.masked_quad({-1, 1, -3}, {1, 1, -3}, {1, 3, -3}, {-1, 3, -3}, left_half);
+  tiny.masked_quad({-1, 1, -4}, {1, 1, -4}, {1, 3, -4}, {-1, 3, -4}, left_half, true);
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  random_stream random(1, 1, purpose::verify);
+  for (const std::size_t count : {1u, 7u, 8u, 501u}) {
+    std::vector<sight_line> lines(count);
+    for (sight_line& line : lines) line = {random.in_box(glm::vec3(-1.0f), glm::vec3(1.0f)), random.on_sphere()};
+    std::vector<sight> seen(count);
+    seen.front().before.push_back({});  // what was there is forgotten
+    rays.look(lines, seen);
+    sight alone;
+    std::size_t passed = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      rays.look(lines[i].eye, lines[i].direction, alone);
+      EXPECT_EQ(seen[i].front, alone.front);
+      EXPECT_NEAR(seen[i].distance, alone.distance, 1e-4f);
+      ASSERT_EQ(seen[i].before.size(), alone.before.size());
+      for (std::size_t k = 0; k < alone.before.size(); ++k)
+        EXPECT_EQ(seen[i].before[k].polygon, alone.before[k].polygon);
+      passed += alone.before.size();
+    }
+    if (count > 100) {
+      EXPECT_GT(passed, 20u);
+    }
+  }
 }
 
 TEST(ray_scene, glass_is_seen_and_lets_through) {
