@@ -4,8 +4,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "finish/dilation.h"
 #include "finish/ray_finish.h"
+#include "finish/refinement.h"
 #include "finish/retest.h"
 #include "rays/triangle_math.h"
 
@@ -164,11 +164,9 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
   record.rays_spent +=
       retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest_all, {how_.player_radius, how_.smallest_gap}},
              neighbors, set);
-  std::uint64_t wave = 0;
-  record.rays_spent +=
-      dilate(rays_, *neighbors_,
-             {how_.seed, cell.place, how_.smallest_gap, finish_settings().max_rays, purpose::dilation_of_finds}, before,
-             wave, set);
+  refinement beside(rays_, *neighbors_, {how_.seed, cell.place, how_.smallest_gap, purpose::dilation_of_finds}, before,
+                    set);
+  record.rays_spent += beside.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays).rays;
   set.save(record);
   return record;
 }

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "bound/fresh_rays.h"
+#include "bound/bound_rays.h"
 #include "memory_limit.h"
 #include "process_time.h"
 #include "sightcell/bake/sampler_options.h"
@@ -22,7 +22,7 @@ namespace sightcell::bake {
 namespace {
 
 // Raised whenever the same settings may give other bytes: old checkpoints are then refused by name.
-constexpr int bake_version = 6;
+constexpr int bake_version = 7;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -164,16 +164,16 @@ double print_estimate(const workshop& w, std::size_t left, const callbacks& tell
   if (left == 0) return 0.0;
   const settings& how = w.how;
   trial_result result = takes_hemicubes(how.sampler) ? try_hemicubes(w) : try_sampling_rays(w);
-  constexpr std::uint64_t trial_rays = 2048;
+  constexpr std::uint64_t trial_rays = 32768;  // so that the places which are tested anyway do not decide
   for (std::size_t i = 0; i < trials; ++i) {
     const view_cell& cell = w.list.cells[i * w.list.cells.size() / trials];
     const double start = seconds_now();
-    const auto batch =
-        cast_fresh_rays(*w.rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap}, trial_rays,
-                        {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
-    if (batch.rays > 0) result.ray_seconds += (seconds_now() - start) / static_cast<double>(batch.rays) / trials;
+    (void)cast_bound_rays(*w.rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap},
+                          {.trials = trial_rays, .free_share = 1.0, .risk = 0.01},
+                          {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
+    result.ray_seconds += (seconds_now() - start) / static_cast<double>(trial_rays) / trials;
   }
-  // A first batch that holds needs about 15 / max_pixel_error rays; dilation and second batches about as much again.
+  // Most cells need two or three batches, the first of about 5 / max_pixel_error rays.
   const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
   // Cells of a shared source are spread over the threads; fresh rays were, when they were timed.
   const int at_once = w.eyes.source->shared() ? tbb::this_task_arena::max_concurrency() : 1;

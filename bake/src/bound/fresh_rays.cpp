@@ -4,41 +4,14 @@
 
 #include <algorithm>
 
+#include "bound/ray_trial.h"
+
 namespace sightcell::bake {
 namespace {
 
 constexpr std::uint64_t chunk_rays = 512;
 // Where fewer than one place in 256 is free, a chunk casts fewer rays than asked rather than search on.
 constexpr std::uint64_t max_places_per_ray = 256;
-
-class trial {
- public:
-  trial(const ray_scene& rays, const fresh_rules& rules, const std::function<bool(std::uint32_t)>& contains)
-      : rays_(rays), rules_(rules), contains_(contains) {}
-
-  // Notes what the ray saw and the set does not have. True when the ray is wrong.
-  bool cast(const glm::vec3& eye, const glm::vec3& direction, std::vector<missed_polygon>& missed) {
-    rays_.look(eye, direction, seen_);
-    bool wrong = false;
-    const auto check = [&](std::uint32_t polygon, float distance) {
-      if (contains_(polygon) || rays_.through_gap(eye, direction, distance, rules_.smallest_gap)) return;
-      rays_.coincident(eye, direction, distance, coincident_);
-      const bool excused = std::any_of(coincident_.begin(), coincident_.end(), contains_);
-      missed.push_back({polygon, eye, distance, direction, excused});
-      wrong = wrong || !excused;
-    };
-    if (seen_.front != no_polygon) check(seen_.front, seen_.distance);
-    for (const passed_polygon& passed : seen_.before) check(passed.polygon, passed.distance);
-    return wrong;
-  }
-
- private:
-  const ray_scene& rays_;
-  const fresh_rules& rules_;
-  const std::function<bool(std::uint32_t)>& contains_;
-  sight seen_;
-  std::vector<std::uint32_t> coincident_;
-};
 
 fresh_batch cast_chunk(const ray_scene& rays, const box& grown, const fresh_rules& rules, std::uint64_t count,
                        const fresh_source& source, std::uint64_t chunk,
@@ -47,9 +20,13 @@ fresh_batch cast_chunk(const ray_scene& rays, const box& grown, const fresh_rule
   random_stream random(source.seed, source.place, source.use, source.round, chunk);
   const auto eyes =
       draw_free_points(rays, grown, rules.player_radius, count, count * max_places_per_ray, random, batch.places);
-  trial one(rays, rules, contains);
-  for (const glm::vec3& eye : eyes)
-    if (one.cast(eye, random.on_sphere(), batch.missed)) ++batch.misses;
+  ray_trial one(rays, rules, contains);
+  sight seen;
+  for (const glm::vec3& eye : eyes) {
+    const sight_line line{eye, random.on_sphere()};
+    rays.look(line.eye, line.direction, seen);
+    if (one.judge(line, seen, batch.missed)) ++batch.misses;
+  }
   batch.rays = eyes.size();
   return batch;
 }

@@ -29,17 +29,22 @@ bool aimed_rays::aim(const glm::vec3& eye, const glm::vec3& point, std::uint32_t
   if (!(length > 0.0f)) return false;
   const glm::vec3 direction = toward / length;
   rays_.look(eye, direction, seen_);
-  bool hit = seen_.front == target;
-  note(seen_.front, eye, direction, seen_.distance, found);
-  for (const passed_polygon& p : seen_.before) {
-    note(p.polygon, eye, direction, p.distance, found);
+  return take({eye, direction}, seen_, length, target, found);
+}
+
+bool aimed_rays::take(const sight_line& line, const sight& seen, float length, std::uint32_t target,
+                      std::vector<found_polygon>& found) {
+  bool hit = seen.front == target;
+  note(seen.front, line.eye, line.direction, seen.distance, found);
+  for (const passed_polygon& p : seen.before) {
+    note(p.polygon, line.eye, line.direction, p.distance, found);
     hit = hit || p.polygon == target;
   }
   // Rule 2: what is hit where the target ought to be may lie in the same place.
-  if (hit || !(std::abs(seen_.distance - length) <= coincidence_reach(seen_.distance))) return hit;
-  rays_.coincident(eye, direction, seen_.distance, coincident_);
+  if (hit || !(std::abs(seen.distance - length) <= coincidence_reach(seen.distance))) return hit;
+  rays_.coincident(line.eye, line.direction, seen.distance, coincident_);
   for (const std::uint32_t polygon : coincident_) {
-    note(polygon, eye, direction, seen_.distance, found);
+    note(polygon, line.eye, line.direction, seen.distance, found);
     hit = hit || polygon == target;
   }
   return hit;

@@ -36,6 +36,9 @@ class aimed_rays {
   // Casts the ray from eye toward a point on the target and adds to found all that it sees and the set does not have;
   // true when the target is among what it sees. Nothing where eye and point coincide.
   bool aim(const glm::vec3& eye, const glm::vec3& point, std::uint32_t target, std::vector<found_polygon>& found);
+  // The same of a ray that was cast already: what it saw, and how far away along it the point is.
+  bool take(const sight_line& line, const sight& seen, float length, std::uint32_t target,
+            std::vector<found_polygon>& found);
 
  private:
   void note(std::uint32_t polygon, const glm::vec3& eye, const glm::vec3& direction, float distance,

@@ -3,39 +3,54 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
-#include "finish/dilation.h"
+#include "finish/refinement.h"
 
 namespace sightcell::bake {
 namespace {
 
 // A batch of only the rays that zero misses need would fail whenever the set is not far better than asked, so there is
 // room for a few misses; not where free places are rare and every ray costs hundreds of tested places.
-constexpr std::uint64_t headroom(double free_share) {
-  return free_share < 0.05 ? 1 : 4;
+constexpr double headroom(double free_share) {
+  return free_share < 0.05 ? 1.02 : 1.25;
 }
+
+constexpr double share_of_places = 0.1;  // of a batch's risk: of taking too many places for free ones
 
 }  // namespace
 
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
                                const finish_settings& how, cell_set& set) {
   finish_result result;
-  std::uint64_t wave = 0;
-  const auto dilate_from = [&](std::size_t first) {
-    const std::uint64_t left = how.max_rays - std::min(how.max_rays, result.rays_spent);
-    result.rays_spent += dilate(rays, neighbors, {how.seed, how.place, how.rules.smallest_gap, left}, first, wave, set);
+  refinement beside(rays, neighbors, {how.seed, how.place, how.rules.smallest_gap}, 0, set);
+  double worth = 4.0 * whole_sphere;
+  const auto look_beside = [&] {
+    const refinement_yield one = beside.run(worth, how.max_rays - std::min(how.max_rays, result.rays_spent));
+    result.rays_spent += one.rays;
+    return one.found_sr();
   };
-  dilate_from(0);
+  // Largest first, until what a step finds does not count any more.
+  const auto refine_to = [&](double least) {
+    for (double found = whole_sphere; result.rays_spent < how.max_rays && !beside.done();) {
+      if (worth <= least * whole_sphere && found < 0.25 * how.max_pixel_error * whole_sphere) break;
+      worth *= 0.25;
+      found = look_beside();
+    }
+  };
+  double least = how.max_pixel_error;
+  refine_to(least);
 
   for (std::uint64_t batch = 1; result.rays_spent < how.max_rays; ++batch) {
-    const double confidence = 1.0 - 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
+    const double risk = 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
+    const double confidence = 1.0 - (1.0 - share_of_places) * risk;
     const std::uint64_t doubled = std::uint64_t{1} << std::min<std::uint64_t>(batch - 1, 20);
-    const std::uint64_t wanted =
-        headroom(how.free_share) * doubled * trials_without_miss(how.max_pixel_error, confidence);
+    const auto wanted = static_cast<std::uint64_t>(
+        headroom(how.free_share) * static_cast<double>(doubled * trials_without_miss(how.max_pixel_error, confidence)));
     const std::uint64_t count = std::min(wanted, how.max_rays - result.rays_spent);
-    const fresh_batch fresh =
-        cast_fresh_rays(rays, grown, how.rules, count, {how.seed, how.place, purpose::bound, batch},
-                        [&](std::uint32_t polygon) { return set.contains(polygon); });
+    const fresh_batch fresh = cast_bound_rays(
+        rays, grown, how.rules, {.trials = count, .free_share = how.free_share, .risk = share_of_places * risk},
+        {how.seed, how.place, purpose::bound, batch}, [&](std::uint32_t polygon) { return set.contains(polygon); });
     result.rays = fresh.rays;
     result.misses = fresh.misses;
     result.confidence = confidence;
@@ -43,10 +58,11 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     result.bound_met = result.upper_bound <= how.max_pixel_error;
     result.rays_spent += std::max<std::uint64_t>(fresh.rays + fresh.places, 1);
 
-    const std::size_t first = set.members().size();
     for (const missed_polygon& m : fresh.missed) set.add(m.polygon, m.eye);
-    dilate_from(first);
+    (void)look_beside();
     if (result.bound_met) break;
+    least /= 16.0;
+    refine_to(least);
   }
   return result;
 }

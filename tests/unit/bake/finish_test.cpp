@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <cmath>
 #include <set>
 
+#include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
 #include "bound/fresh_rays.h"
-#include "finish/dilation.h"
 #include "finish/ray_finish.h"
+#include "finish/refinement.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {
@@ -65,17 +67,37 @@ TEST(vertex_neighbors, joins_what_shares_a_place) {
   EXPECT_EQ(near, std::set<std::uint32_t>{apart});
 }
 
-TEST(dilation, spreads_over_a_room_from_one_polygon) {
+TEST(refinement, spreads_over_a_room_from_one_polygon) {
   const world w(gridded_room(4));
   cell_set set(w.s.polygon_count);
   set.add(0, {0, 0, 0});
-  std::uint64_t round = 0;
-  const auto rays = dilate(w.rays, w.neighbors, {1, 1, 0.0f, 1'000'000}, 0, round, set);
+  refinement beside(w.rays, w.neighbors, {1, 1, 0.0f}, 0, set);
+  const refinement_yield yield = beside.run(1e-6, 1'000'000);
   EXPECT_EQ(set.size(), w.s.polygon_count);
-  EXPECT_LT(rays, 4u * 12u * w.s.polygon_count);
+  EXPECT_LT(yield.rays, 2u * w.s.polygon_count) << "each is seen at the first try";
+  const double first = yield.found_sr() / (set.size() - 1.0);  // about what one polygon covers
+  EXPECT_NEAR(yield.found_sr() + first, whole_sphere, 2.0 * first);
+  EXPECT_TRUE(beside.done());
 }
 
-TEST(dilation, never_adds_what_is_not_seen) {
+TEST(refinement, leaves_what_is_worth_less) {
+  tiny_scene tiny;
+  // A large wall, and beside it along its right edge a strip of 1 cm.
+  const auto wall = tiny.quad({4, -2, -2}, {4, -2, 2}, {4, 2, 2}, {4, 2, -2});
+  const auto strip = tiny.quad({4, -2, 2}, {4, -2, 2.01f}, {4, 2, 2.01f}, {4, 2, 2});
+  const world w(tiny);
+  cell_set set(w.s.polygon_count);
+  set.add(wall, {0, 0, 0});
+  refinement beside(w.rays, w.neighbors, {1, 1, 0.0f}, 0, set);
+  (void)beside.run(0.1, 1'000'000);
+  EXPECT_TRUE(set.contains(wall + 1));
+  EXPECT_FALSE(set.contains(strip) || set.contains(strip + 1)) << "1 cm in 4 m is less than 0.1 sr";
+  EXPECT_FALSE(beside.done());
+  (void)beside.run(1e-6, 1'000'000);
+  EXPECT_TRUE(set.contains(strip) && set.contains(strip + 1));
+}
+
+TEST(refinement, never_adds_what_is_not_seen) {
   tiny_scene tiny;
   // The upper and the lower half of a wall share an edge; from the eye a screen hides all of the lower one.
   const auto upper = tiny.quad({4, 0, -2}, {4, 0, 2}, {4, 2, 2}, {4, 2, -2});
@@ -86,14 +108,15 @@ TEST(dilation, never_adds_what_is_not_seen) {
   ASSERT_TRUE(faces(w.rays, lower, eye));
   cell_set set(w.s.polygon_count);
   set.add(upper, eye);
-  std::uint64_t round = 0;
-  (void)dilate(w.rays, w.neighbors, {1, 1, 0.0f, 1'000'000}, 0, round, set);
+  refinement beside(w.rays, w.neighbors, {1, 1, 0.0f}, 0, set);
+  (void)beside.run(1e-9, 1'000'000);
   EXPECT_TRUE(set.contains(upper + 1));
   EXPECT_FALSE(set.contains(lower) || set.contains(lower + 1)) << "hidden";
   EXPECT_TRUE(set.contains(screen) || set.contains(screen + 1)) << "it was hit on the way to the lower half";
+  EXPECT_TRUE(beside.done()) << "nobody tries forever";
 }
 
-TEST(dilation, aims_at_no_back) {
+TEST(refinement, aims_at_no_back) {
   tiny_scene tiny;
   const auto front = tiny.wall_x(2, -1, 3);
   const auto back = tiny.quad({2, 3, 3}, {2, 3, -3}, {2, 6, -3}, {2, 6, 3});  // shares the upper edge, turned away
@@ -101,9 +124,26 @@ TEST(dilation, aims_at_no_back) {
   cell_set set(w.s.polygon_count);
   set.add(front, {0, 0, 0});
   set.add(front + 1, {0, 0, 0});
-  std::uint64_t round = 0;
-  EXPECT_EQ(dilate(w.rays, w.neighbors, {1, 1, 0.0f, 1'000'000}, 0, round, set), 0u);
+  refinement beside(w.rays, w.neighbors, {1, 1, 0.0f}, 0, set);
+  EXPECT_EQ(beside.run(1e-9, 1'000'000).rays, 0u);
   EXPECT_FALSE(set.contains(back));
+}
+
+TEST(refinement, does_not_depend_on_threads) {
+  const world w(gridded_room(12));
+  const auto members = [&](int threads) {
+    cell_set set(w.s.polygon_count);
+    set.add(0, {0.1f, 0.2f, 0.3f});
+    tbb::task_arena arena(threads);
+    arena.execute([&] {
+      refinement beside(w.rays, w.neighbors, {1, 1, 0.0f}, 0, set);
+      (void)beside.run(2e-3, 400);
+    });
+    return set.members();
+  };
+  const auto one = members(1);
+  EXPECT_EQ(one, members(4));
+  EXPECT_LT(one.size(), w.s.polygon_count) << "the rays were not enough for all";
 }
 
 TEST(fresh_rays, count_what_the_set_lacks) {
@@ -146,6 +186,58 @@ TEST(fresh_rays, a_place_without_free_points_ends) {
   EXPECT_EQ(batch.places, 64u * 256u);
 }
 
+TEST(bound_rays, count_what_the_set_lacks) {
+  const world w(gridded_room(2));
+  const auto batch = cast_bound_rays(w.rays, middle, {}, {.trials = 60'000, .free_share = 1.0, .risk = 0.01},
+                                     {1, 1, purpose::bound, 1}, [&](std::uint32_t p) { return p >= 8; });
+  EXPECT_LE(batch.rays, 60'000u);
+  EXPECT_GT(batch.rays, 58'000u) << "all places are free, and 256 of them are tested";
+  EXPECT_NEAR(static_cast<double>(batch.misses) / 60'000.0, 1.0 / 6.0, 0.01);
+  EXPECT_EQ(batch.misses, batch.missed.size());
+}
+
+// A room, half of it filled by a closed box: whoever looks from inside the box does not see its backs, but the walls.
+tiny_scene half_filled_room() {
+  tiny_scene tiny = gridded_room(2);
+  tiny.closed_box({0, -1.9f, -1.9f}, {1.9f, 1.9f, 1.9f});
+  return tiny;
+}
+
+TEST(bound_rays, are_trials_only_from_free_places) {
+  const world w(half_filled_room());
+  const box all{{-1.5f, -1.5f, -1.5f}, {1.5f, 1.5f, 1.5f}};       // a half of it is in the box, or 5 cm before it
+  const auto lacks_one = [](std::uint32_t p) { return p != 0; };  // of the wall across, which both halves look at
+  const auto tested = cast_fresh_rays(w.rays, all, {}, 40'000, {1, 1, purpose::bound, 1}, lacks_one);
+  const auto batch = cast_bound_rays(w.rays, all, {}, {.trials = 40'000, .free_share = 0.5, .risk = 0.01},
+                                     {1, 1, purpose::bound, 2}, lacks_one);
+  // 80,000 rays, about a half of them trials; at least so many, so rather less.
+  EXPECT_GT(batch.rays, 30'000u);
+  const double error = static_cast<double>(tested.misses) / static_cast<double>(tested.rays);
+  const double trials = 80'000.0 * 1.45 / 3.0;
+  EXPECT_LE(static_cast<double>(batch.rays), trials);
+  EXPECT_NEAR(static_cast<double>(batch.misses) / trials, error, 5.0 * std::sqrt(2.0 * error / trials));
+  for (const missed_polygon& m : batch.missed) EXPECT_TRUE(w.rays.is_free(m.eye, 0.05f));
+}
+
+TEST(bound_rays, do_not_depend_on_threads) {
+  const world w(half_filled_room());
+  const auto cast = [&](int threads) {
+    fresh_batch batch;
+    tbb::task_arena arena(threads);
+    arena.execute([&] {
+      batch = cast_bound_rays(w.rays, {{-1.5f, -1.5f, -1.5f}, {1.5f, 1.5f, 1.5f}}, {},
+                              {.trials = 9'000, .free_share = 0.5, .risk = 0.01}, {1, 1, purpose::bound, 1},
+                              [&](std::uint32_t p) { return p % 7 != 0; });
+    });
+    return batch;
+  };
+  const fresh_batch one = cast(1), four = cast(4);
+  EXPECT_EQ(one.rays, four.rays);
+  EXPECT_EQ(one.misses, four.misses);
+  ASSERT_EQ(one.missed.size(), four.missed.size());
+  for (std::size_t i = 0; i < one.missed.size(); ++i) EXPECT_EQ(one.missed[i].eye, four.missed[i].eye);
+}
+
 TEST(ray_finish, meets_the_bound_from_an_empty_set) {
   const world w(gridded_room(5));
   cell_set set(w.s.polygon_count);
@@ -155,7 +247,7 @@ TEST(ray_finish, meets_the_bound_from_an_empty_set) {
   EXPECT_TRUE(result.bound_met);
   EXPECT_LE(result.upper_bound, 1e-3);
   EXPECT_DOUBLE_EQ(result.upper_bound, clopper_pearson_upper(result.misses, result.rays, result.confidence));
-  EXPECT_GE(result.confidence, 0.975);
+  EXPECT_GE(result.confidence, 1.0 - 0.9 * 0.025) << "a tenth of the risk is for how many places are free";
   EXPECT_EQ(set.size(), w.s.polygon_count);
 }
 

@@ -1,0 +1,114 @@
+#include "bound/bound_rays.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "bound/free_count.h"
+#include "bound/ray_trial.h"
+#include "rays/direction_code.h"
+
+namespace sightcell::bake {
+namespace {
+
+// So many that rays of one packet, which go about the same way, are some degrees apart.
+constexpr std::uint64_t chunk_rays = 4096;
+constexpr double fewest_free = 0.25;  // share below which a place that is not free is likelier than a ray is cheap
+constexpr std::uint64_t fewest_tests = 256, rays_per_test = 256;
+
+struct chunk_result {
+  std::uint64_t tested = 0, free = 0, misses = 0, asked = 0;
+  std::vector<missed_polygon> missed;
+};
+
+// Rays from places that nobody tested.
+std::vector<sight_line> draw(const box& grown, std::uint64_t count, random_stream random) {
+  std::vector<sight_line> lines(count);
+  for (sight_line& line : lines) {
+    line.eye = random.in_box(grown.min, grown.max);
+    line.direction = random.on_sphere();
+  }
+  return lines;
+}
+
+// Eight rays at a time that go about the same way; which ones saw something that the set lacks, in the order of lines.
+std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial,
+                                    const std::vector<sight_line>& lines) {
+  constexpr std::size_t packet = 8;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order(lines.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {direction_code(lines[i].direction), i};
+  std::sort(order.begin(), order.end());
+  std::array<sight_line, packet> together;
+  std::array<sight, packet> seen;
+  std::vector<std::uint32_t> found;
+  for (std::size_t first = 0; first < order.size(); first += packet) {
+    const std::size_t count = std::min(packet, order.size() - first);
+    for (std::size_t i = 0; i < count; ++i) together[i] = lines[order[first + i].second];
+    rays.look(std::span(together).first(count), std::span(seen).first(count));
+    for (std::size_t i = 0; i < count; ++i)
+      if (trial.lacks(seen[i])) found.push_back(order[first + i].second);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rules& rules, std::uint64_t count,
+                        std::uint64_t tests, random_stream random, const std::function<bool(std::uint32_t)>& contains) {
+  chunk_result result;
+  const std::vector<sight_line> lines = draw(grown, count, random);
+  ray_trial trial(rays, rules, contains);
+  const std::vector<std::uint32_t> wrong = suspects(rays, trial, lines);
+
+  std::vector<glm::vec3> places;
+  for (std::size_t i = 0; i < std::min<std::size_t>(tests, lines.size()); ++i) places.push_back(lines[i].eye);
+  result.tested = places.size();
+  for (const std::uint32_t i : wrong) places.push_back(lines[i].eye);
+  result.asked = places.size();
+  std::vector<std::uint8_t> free(places.size());
+  rays.find_free(places, rules.player_radius, free);
+  result.free = static_cast<std::uint64_t>(
+      std::count(free.begin(), free.begin() + static_cast<std::ptrdiff_t>(result.tested), std::uint8_t{1}));
+
+  sight seen;
+  for (std::size_t k = 0; k < wrong.size(); ++k) {
+    if (!free[result.tested + k]) continue;  // it was no trial
+    const sight_line& line = lines[wrong[k]];
+    rays.look(line.eye, line.direction, seen);
+    if (trial.judge(line, seen, result.missed)) ++result.misses;
+  }
+  return result;
+}
+
+}  // namespace
+
+fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, const bound_plan& plan,
+                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains) {
+  if (plan.free_share < fewest_free) return cast_fresh_rays(rays, grown, rules, plan.trials, source, contains);
+  const auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(plan.trials) / plan.free_share));
+  std::vector<chunk_result> chunks((count + chunk_rays - 1) / chunk_rays);
+  const std::uint64_t tests = std::max(fewest_tests, count / rays_per_test);
+  const std::uint64_t tests_of_chunk = (tests + chunks.size() - 1) / std::max<std::size_t>(chunks.size(), 1);
+  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+    const std::uint64_t size = std::min(chunk_rays, count - i * chunk_rays);
+    chunks[i] = cast_chunk(rays, grown, rules, size, tests_of_chunk,
+                           random_stream(source.seed, source.place, source.use, source.round, i), contains);
+  });
+  fresh_batch all;
+  std::uint64_t tested = 0, free = 0;
+  for (const chunk_result& chunk : chunks) {
+    tested += chunk.tested;
+    free += chunk.free;
+    all.misses += chunk.misses;
+    all.places += chunk.asked;
+    all.missed.insert(all.missed.end(), chunk.missed.begin(), chunk.missed.end());
+  }
+  all.rays = free_at_least(count, tested, free, plan.risk);
+  all.places += count - std::min(count, all.rays);
+  return all;
+}
+
+}  // namespace sightcell::bake

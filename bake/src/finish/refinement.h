@@ -1,0 +1,77 @@
+#pragma once
+// Verified dilation ordered by what it is worth: what lies next to a seen polygon is likely seen too, so rays are aimed
+// at it from where the seen one was seen best, those that would cover most of the picture first. Only what a ray truly
+// hits joins (design.md section 6).
+#include <array>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "cell_set.h"
+#include "finish/near_polygons.h"
+#include "random.h"
+#include "rays/ray_scene.h"
+
+namespace sightcell::bake {
+
+inline constexpr double whole_sphere = 4.0 * std::numbers::pi;  // sr
+
+struct refinement_settings {
+  std::uint64_t seed = 0, place = 0;
+  float smallest_gap = 0.0f;  // what is seen only through narrower cracks does not join (rule 3)
+  purpose use = purpose::dilation;
+};
+
+// What a wave did: for those who decide whether to go on.
+struct refinement_yield {
+  std::uint64_t rays = 0;
+  std::uint64_t found = 0;  // solid angle of what joined, from where it was seen, in 2^-40 sr: sums keep no order
+  double found_sr() const { return 0x1p-40 * static_cast<double>(found); }
+};
+
+// A *try* is a ray from the witness of a member toward a random point of a polygon beside it. Its worth is the solid
+// angle of that polygon from there, a quarter of it after each ray that missed. Tries wait in levels of worth, a factor
+// of two each; a level is worked off in waves, each from one state of the set and with one ray per polygon, so that a
+// polygon that several members are beside is looked at from different places. Neither threads nor the order of ids
+// matter.
+class refinement {
+ public:
+  // References must outlive the object. first: members from this one on, in joining order, are looked beside of.
+  refinement(const ray_scene& rays, const near_polygons& neighbors, const refinement_settings& how, std::size_t first,
+             cell_set& set);
+
+  // Works off tries worth `worth` sr or more (within a factor of two), those of what joins on the way too, until none
+  // is left or max_rays are cast. Runs on the calling thread's TBB arena.
+  refinement_yield run(double worth, std::uint64_t max_rays);
+  bool done() const;  // nothing waits
+
+ private:
+  static constexpr std::size_t level_count = 48;
+
+  struct attempt {
+    std::uint32_t target = 0, member = 0;
+    float worth = 0.0f;
+    std::uint32_t misses = 0;
+  };
+
+  struct aimed_try {
+    sight_line line;
+    float length = 0.0f;  // to the point aimed at
+    std::uint32_t which = 0, code = 0;
+    std::uint64_t name = 0;
+  };
+
+  void take_members();
+  void push(const attempt& one);
+  std::vector<aimed_try> aim(const std::vector<attempt>& tries) const;
+  refinement_yield run_wave(std::vector<attempt>& wave);
+
+  const ray_scene& rays_;
+  const near_polygons& neighbors_;
+  const refinement_settings how_;
+  cell_set& set_;
+  std::size_t taken_;  // members that were looked beside of
+  std::array<std::vector<attempt>, level_count> levels_;
+};
+
+}  // namespace sightcell::bake
