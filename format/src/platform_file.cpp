@@ -9,9 +9,6 @@
 #define NOMINMAX
 #endif
 #include <windows.h>
-
-#include <io.h>
-#include <process.h>
 #else
 #include <fcntl.h>
 #include <unistd.h>
@@ -34,11 +31,11 @@ std::wstring wide(const char* utf8) {
 }  // namespace
 
 std::FILE* open_for_writing(const char* path) {
-  return _wfopen(wide(path).c_str(), L"wb");
+  return _wfopen(wide(path).c_str(), L"wbc");  // c: what fflush() hands on goes to the disk
 }
 
 bool flush_to_disk(std::FILE* file) noexcept {
-  return std::fflush(file) == 0 && _commit(_fileno(file)) == 0;
+  return std::fflush(file) == 0;
 }
 
 bool replace_file(const char* from, const char* to) {
@@ -54,7 +51,7 @@ bool remove_file(const char* path) {
 }
 
 std::uint64_t process_number() noexcept {
-  return static_cast<std::uint64_t>(_getpid());
+  return static_cast<std::uint64_t>(GetCurrentProcessId());
 }
 
 #else

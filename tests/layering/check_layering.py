@@ -20,7 +20,8 @@ C_STANDARD = {name + '.h' for name in (
     'stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype').split()}
 
 POSIX = ['unistd.h', 'fcntl.h', 'sys/']
-PLATFORM = POSIX + ['windows.h', 'io.h', 'process.h']
+SYSTEM = POSIX + ['windows.h']
+PLATFORM = SYSTEM + ['io.h']  # of tests
 FORMAT_READ = ['sightcell/format/layout.h', 'sightcell/format/status.h', 'sightcell/format/records.h',
                'sightcell/format/reader.h', 'sightcell/format/draw_ranges.h']
 FORMAT = ['sightcell/format/']
@@ -36,9 +37,9 @@ SHADERS = ['shared/', 'shaders/']
 ALLOWED = {
     # The rule everything hangs on: format knows nobody; runtime knows format alone; bake and runtime never meet.
     'format': [],
-    'format/src/platform_file.cpp': PLATFORM,
+    'format/src/platform_file.cpp': SYSTEM,
     'runtime': FORMAT_READ,
-    'runtime/src/file_input.cpp': FORMAT_READ + PLATFORM,
+    'runtime/src/file_input.cpp': FORMAT_READ + SYSTEM,
     'shaders': [],
     'bake/scene': ['glm/', 'nlohmann/', 'xxhash.h'],
     'bake/scene/src/draco_decode.cpp': ['draco/'],

@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -35,23 +34,19 @@ std::vector<sight_line> draw(const box& grown, std::uint64_t count, random_strea
   return lines;
 }
 
-// Eight rays at a time that go about the same way; which ones saw something that the set lacks, in the order of lines.
+// Rays that go about the same way share packets; which ones saw something that the set lacks, in the order of lines.
 std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial,
                                     const std::vector<sight_line>& lines) {
-  constexpr std::size_t packet = 8;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order(lines.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {direction_code(lines[i].direction), i};
   std::sort(order.begin(), order.end());
-  std::array<sight_line, packet> together;
-  std::array<sight, packet> seen;
+  std::vector<sight_line> sorted(lines.size());
+  for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = lines[order[i].second];
+  std::vector<sight> seen(lines.size());
+  rays.look(sorted, seen);
   std::vector<std::uint32_t> found;
-  for (std::size_t first = 0; first < order.size(); first += packet) {
-    const std::size_t count = std::min(packet, order.size() - first);
-    for (std::size_t i = 0; i < count; ++i) together[i] = lines[order[first + i].second];
-    rays.look(std::span(together).first(count), std::span(seen).first(count));
-    for (std::size_t i = 0; i < count; ++i)
-      if (trial.lacks(seen[i])) found.push_back(order[first + i].second);
-  }
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if (trial.lacks(seen[i])) found.push_back(order[i].second);
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -106,7 +101,8 @@ fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh
     all.places += chunk.asked;
     all.missed.insert(all.missed.end(), chunk.missed.begin(), chunk.missed.end());
   }
-  all.rays = free_at_least(count, tested, free, plan.risk);
+  // Every miss was a trial, too: where nearly all rays are wrong there are more of them than the limit says.
+  all.rays = std::max(free_at_least(count, tested, free, plan.risk), all.misses);
   all.places += count - std::min(count, all.rays);
   return all;
 }

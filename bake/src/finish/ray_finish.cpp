@@ -10,13 +10,14 @@
 namespace sightcell::bake {
 namespace {
 
-// A batch of only the rays that zero misses need would fail whenever the set is not far better than asked, so there is
-// room for a few misses; not where free places are rare and every ray costs hundreds of tested places.
+// The first batch has about the rays that zero misses need: what it misses is the best hint for the next, which is
+// twice as large. A little more, because fewer count as trials than are cast; not where free places are rare and every
+// ray costs hundreds of tested places.
 constexpr double headroom(double free_share) {
   return free_share < 0.05 ? 1.02 : 1.25;
 }
 
-constexpr double share_of_places = 0.1;  // of a batch's risk: of taking too many places for free ones
+constexpr double share_of_places = 0.01;  // of a batch's risk: of taking too many places for free ones
 
 }  // namespace
 
@@ -43,18 +44,18 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
 
   for (std::uint64_t batch = 1; result.rays_spent < how.max_rays; ++batch) {
     const double risk = 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
-    const double confidence = 1.0 - (1.0 - share_of_places) * risk;
+    const double of_misses = 1.0 - (1.0 - share_of_places) * risk;  // the rest is for how many places are free
     const std::uint64_t doubled = std::uint64_t{1} << std::min<std::uint64_t>(batch - 1, 20);
     const auto wanted = static_cast<std::uint64_t>(
-        headroom(how.free_share) * static_cast<double>(doubled * trials_without_miss(how.max_pixel_error, confidence)));
+        headroom(how.free_share) * static_cast<double>(doubled * trials_without_miss(how.max_pixel_error, of_misses)));
     const std::uint64_t count = std::min(wanted, how.max_rays - result.rays_spent);
     const fresh_batch fresh = cast_bound_rays(
         rays, grown, how.rules, {.trials = count, .free_share = how.free_share, .risk = share_of_places * risk},
         {how.seed, how.place, purpose::bound, batch}, [&](std::uint32_t polygon) { return set.contains(polygon); });
     result.rays = fresh.rays;
     result.misses = fresh.misses;
-    result.confidence = confidence;
-    result.upper_bound = clopper_pearson_upper(fresh.misses, fresh.rays, confidence);
+    result.confidence = 1.0 - risk;
+    result.upper_bound = clopper_pearson_upper(fresh.misses, fresh.rays, of_misses);
     result.bound_met = result.upper_bound <= how.max_pixel_error;
     result.rays_spent += std::max<std::uint64_t>(fresh.rays + fresh.places, 1);
 

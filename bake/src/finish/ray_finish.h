@@ -21,7 +21,7 @@ struct finish_settings {
 struct finish_result {
   bool bound_met = false;
   std::uint64_t rays = 0, misses = 0;  // of the last fresh batch; what missed has joined the set since
-  double upper_bound = 1.0;            // exact, at this batch's confidence
+  double upper_bound = 1.0;            // holds with this batch's confidence
   double confidence = 0.0;
   std::uint64_t rays_spent = 0;  // sight rays and tested places, all batches and dilation
 };

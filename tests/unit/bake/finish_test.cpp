@@ -219,6 +219,31 @@ TEST(bound_rays, are_trials_only_from_free_places) {
   for (const missed_polygon& m : batch.missed) EXPECT_TRUE(w.rays.is_free(m.eye, 0.05f));
 }
 
+TEST(bound_rays, are_no_fewer_than_their_misses) {
+  const world w(half_filled_room());
+  const auto batch = cast_bound_rays(w.rays, {{-1.5f, -1.5f, -1.5f}, {1.5f, 1.5f, 1.5f}}, {},
+                                     {.trials = 9'000, .free_share = 0.5, .risk = 0.01}, {1, 1, purpose::bound, 1},
+                                     [](std::uint32_t) { return false; });
+  EXPECT_GT(batch.misses, 8'000u);
+  EXPECT_EQ(batch.rays, batch.misses);
+}
+
+TEST(bound_rays, bounds_hold) {
+  // As of fresh rays below, where a third of the places is not free and only few are tested.
+  const world w(half_filled_room());
+  const box all{{-1.5f, -1.5f, -1.5f}, {0.7f, 1.5f, 1.5f}};
+  const auto lacks_one = [](std::uint32_t p) { return p != 0; };
+  const auto truth = cast_fresh_rays(w.rays, all, {}, 400'000, {1, 1, purpose::verify, 1}, lacks_one);
+  const double error = static_cast<double>(truth.misses) / static_cast<double>(truth.rays);
+  int below = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const auto batch = cast_bound_rays(w.rays, all, {}, {.trials = 500, .free_share = 0.6, .risk = 0.01},
+                                       {seed, 1, purpose::bound, 1}, lacks_one);
+    below += clopper_pearson_upper(batch.misses, batch.rays, 0.96) < error;
+  }
+  EXPECT_LE(below, 10 + 6);  // 5 % of 200, plus two standard errors
+}
+
 TEST(bound_rays, do_not_depend_on_threads) {
   const world w(half_filled_room());
   const auto cast = [&](int threads) {
@@ -246,8 +271,11 @@ TEST(ray_finish, meets_the_bound_from_an_empty_set) {
   const finish_result result = finish_with_rays(w.rays, w.neighbors, middle, how, set);
   EXPECT_TRUE(result.bound_met);
   EXPECT_LE(result.upper_bound, 1e-3);
-  EXPECT_DOUBLE_EQ(result.upper_bound, clopper_pearson_upper(result.misses, result.rays, result.confidence));
-  EXPECT_GE(result.confidence, 1.0 - 0.9 * 0.025) << "a tenth of the risk is for how many places are free";
+  // A hundredth of the risk is for how many places are free.
+  const double of_misses = 1.0 - 0.99 * (1.0 - result.confidence);
+  EXPECT_NEAR(result.upper_bound / clopper_pearson_upper(result.misses, result.rays, of_misses), 1.0, 1e-9);
+  EXPECT_GE(result.upper_bound, clopper_pearson_upper(result.misses, result.rays, result.confidence));
+  EXPECT_GE(result.confidence, 0.975);
   EXPECT_EQ(set.size(), w.s.polygon_count);
 }
 

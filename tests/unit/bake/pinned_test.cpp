@@ -70,15 +70,15 @@ void expect_pinned(std::uint64_t hash, std::uint64_t pinned) {
 }
 
 TEST(pinned, pillars_in_a_room) {
-  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0x59d9f824fa995b8d);
+  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0xd5d67faf5719b808);
 }
 
 TEST(pinned, glass_and_decals) {
-  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0x4ba80b6d2d1cdba1);
+  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0x0bb58718249da4d1);
 }
 
 TEST(pinned, a_slit) {
-  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0xc45e16f5b71ba61e);
+  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0x3934dd03fdef6d7a);
 }
 
 }  // namespace

@@ -29,8 +29,9 @@ struct draw_record {
   std::uint64_t host_tag = 0;       // the host's own value, carried through untouched
 };
 
-// What fresh rays proved about one cell: misses of rays, and the exact one-sided upper bound of the pixel error at that
-// confidence (Clopper-Pearson). rays = 0: nothing was measured for this cell and upper_bound is 1.
+// What fresh rays proved about one cell: misses of at least so many rays, and a one-sided upper bound of the pixel error
+// that holds with that confidence: Clopper-Pearson's, or a little above where the number of rays is itself a bound.
+// rays = 0: nothing was measured for this cell and upper_bound is 1.
 struct certificate_record {
   std::uint32_t cell = 0;
   std::uint64_t rays = 0;
