@@ -11,14 +11,17 @@ double log_choose(std::uint64_t n, std::uint64_t k) {
   return log_factorial(n) - log_factorial(k) - log_factorial(n - k);
 }
 
-// P(at least `free` of the tested are free) where `all_free` of all places are. Terms are summed upwards from the
-// first, each from the one before it: called where free is above the mean or near it, so they soon only fall.
+// P(at least `free` of the tested are free) where `all_free` of all places are, or a half where it is no less than that.
+// Terms are summed upwards from the first, each from the one before it; they begin above the mean, so they only fall.
 double at_least(std::uint64_t places, std::uint64_t all_free, std::uint64_t tested, std::uint64_t free) {
   if (all_free < free) return 0.0;
   const std::uint64_t walled = places - all_free;
   // So many of the tested are free whatever happens.
   const std::uint64_t first = std::max(free, tested > walled ? tested - walled : 0);
   if (first > free) return 1.0;
+  // A median is the mean rounded down, or above that (Siegel 2001). Terms that rise would leave a double.
+  const double mean = static_cast<double>(tested) * static_cast<double>(all_free) / static_cast<double>(places);
+  if (static_cast<double>(first) <= std::floor(mean)) return 0.5;
   const std::uint64_t last = std::min(tested, all_free);
   double sum = 1.0, term = 1.0;
   for (std::uint64_t x = first; x < last; ++x) {

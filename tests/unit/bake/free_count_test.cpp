@@ -43,6 +43,18 @@ TEST(free_count, is_not_timid) {
   EXPECT_NEAR(static_cast<double>(half) / 1'280'000.0, 0.5 - 2.807 * std::sqrt(0.25 / 5'000.0), 2e-4);
 }
 
+TEST(free_count, large_batches) {
+  // As many as a bake casts where few places are free: the middle of the range is then e^40000 times less likely.
+  for (const double share : {0.01, 0.03, 0.27, 0.5, 0.97}) {
+    const std::uint64_t places = 20'000'000, tested = places / 256;
+    const auto free = static_cast<std::uint64_t>(share * static_cast<double>(tested));
+    const std::uint64_t claimed = free_at_least(places, tested, free, 0.00025);
+    const double deviation = std::sqrt(share * (1.0 - share) / static_cast<double>(tested));
+    EXPECT_LT(static_cast<double>(claimed) / 2e7, share - 3.0 * deviation) << share;
+    EXPECT_GT(static_cast<double>(claimed) / 2e7, share - 4.5 * deviation) << share;
+  }
+}
+
 TEST(free_count, edges) {
   EXPECT_EQ(free_at_least(100, 100, 37, 0.01), 37u) << "all were tested";
   EXPECT_EQ(free_at_least(100, 50, 0, 0.01), 0u);
