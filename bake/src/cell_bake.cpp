@@ -122,12 +122,16 @@ void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32
 
 // The set is what the cell has so far.
 void cell_baker::bound(const view_cell& cell, cell_set& set, cell_record& record) const {
+  auto views = sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
+  const time_limit limit(views ? how_.seconds_per_cell : 0.0, views && views->source.shared());
   const finish_settings finish{.max_pixel_error = how_.max_pixel_error,
                                .rules = {how_.player_radius, how_.smallest_gap},
                                .free_share = record.free_share,
                                .seed = how_.seed,
-                               .place = cell.place};
-  const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), finish, set);
+                               .place = cell.place,
+                               .limit = &limit};
+  const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), finish, set, views ? &*views : nullptr);
+  if (views) record.samples = views->places.taken();
   record.rays = proof.rays;
   record.misses = proof.misses;
   record.upper_bound = proof.upper_bound;

@@ -21,7 +21,8 @@ constexpr std::chrono::milliseconds tell_pause{200};  // of progress before the 
 
 // Made in place: it cannot be moved.
 cell_baker baker_of(const workshop& shop) {
-  return {shop.how, shop.given, *shop.rays, shop.neighbors ? &*shop.neighbors : nullptr, *shop.sampler};
+  const bool bounds = shop.how.max_pixel_error > 0.0;
+  return {shop.how, shop.given, *shop.rays, bounds ? &*shop.neighbors : nullptr, *shop.sampler};
 }
 
 void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {

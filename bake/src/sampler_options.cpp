@@ -12,19 +12,35 @@ using names = std::string_view;
 
 constexpr std::array importance_samplers{names("importance-depth"), names("importance-depth-color")};
 constexpr std::array nir04_alone{names("nir04")};
-constexpr std::array hemicube_samplers{names("importance-depth"), names("importance-depth-color"), names("nir04"),
+constexpr std::array hemicube_samplers{names("guided"), names("importance-depth"), names("importance-depth-color"),
+                                       names("nir04"),  names("uniform"),          names("halton")};
+constexpr std::array jittered_samplers{names("importance-depth"), names("importance-depth-color"), names("nir04"),
                                        names("uniform"), names("halton")};
 constexpr std::array gvs_alone{names("gvs")};
 constexpr std::array gvs_plus_plus_alone{names("gvs++")};
 constexpr std::array agvs_alone{names("agvs")};
-constexpr std::array guided_samplers{names("gvs"), names("gvs++")};
+constexpr std::array border_samplers{names("gvs"), names("gvs++")};
 constexpr std::array ray_samplers{names("gvs"), names("gvs++"), names("agvs")};
-constexpr std::array all_but_agvs{names("importance-depth"), names("importance-depth-color"), names("nir04"),
-                                  names("uniform"), names("halton"), names("gvs"), names("gvs++")};
-constexpr std::array every_sampler{names("importance-depth"), names("importance-depth-color"), names("nir04"),
-                                   names("uniform"), names("halton"), names("gvs"), names("gvs++"), names("agvs")};
+constexpr std::array sharing_samplers{names("importance-depth"),
+                                      names("importance-depth-color"),
+                                      names("nir04"),
+                                      names("uniform"),
+                                      names("halton"),
+                                      names("gvs"),
+                                      names("gvs++")};
+constexpr std::array every_sampler{names("guided"),
+                                   names("importance-depth"),
+                                   names("importance-depth-color"),
+                                   names("nir04"),
+                                   names("uniform"),
+                                   names("halton"),
+                                   names("gvs"),
+                                   names("gvs++"),
+                                   names("agvs")};
 
-constexpr std::array<sampler_info, 8> all_samplers{{
+constexpr std::array<sampler_info, 9> all_samplers{{
+    {"guided", "hemicubes and rays beside what they saw, by turns, until what is missing is below the error asked for",
+     "ours (METHOD.md)"},
     {"importance-depth", "hemicubes on the cell's faces, toward where depth shows gaps", "the thesis (METHOD.md)"},
     {"importance-depth-color", "the same, and gaps count more where what is new changes the picture's colors",
      "the thesis (METHOD.md)"},
@@ -39,14 +55,18 @@ constexpr std::array<sampler_info, 8> all_samplers{{
 }};
 
 constexpr std::array<sampler_option, 15> all_options{{
-    {"--samples", "N", "hemicubes per cell, at most", &settings::samples, 6, 100'000, hemicube_samplers},
+    {"--samples", "N",
+     "hemicubes per cell, at most; of guided with an error to reach those of its first round: it takes more as it "
+     "needs "
+     "them",
+     &settings::samples, 6, 100'000, hemicube_samplers},
     {"--seconds-per-cell", "S",
      "seconds of one core after which a cell is sampled no more, so that its set depends on the machine; 0: no limit",
      &settings::seconds_per_cell, 0, 1e6, every_sampler},
     {"--interior-share", "Q",
      "of the hemicubes (as full cubes) or random rays of a cell with geometry inside: they start at free places in it",
-     &settings::interior_share, 0, 0.9, all_but_agvs},
-    {"--jitter", "", "turn every hemicube at random by up to half a pixel", &settings::jitter, 0, 1, hemicube_samplers},
+     &settings::interior_share, 0, 0.9, sharing_samplers},
+    {"--jitter", "", "turn every hemicube at random by up to half a pixel", &settings::jitter, 0, 1, jittered_samplers},
     {"--reliability", "R", "a face is done when its map of reliability is nowhere below this", &settings::reliability,
      0.01, 1, importance_samplers},
     {"--start-grid", "N", "hemicubes along each side of a face that come first; 0: 1 to 3, by --samples",
@@ -69,7 +89,7 @@ constexpr std::array<sampler_option, 15> all_options{{
      "rays past each edge of a found polygon, and from each edge of the cell toward what is hidden there",
      &settings::border_samples, 1, 1000, gvs_plus_plus_alone},
     {"--border-offset", "D", "how far past a border rays go, as a share of the distance to it",
-     &settings::border_offset, 1e-6, 0.1, guided_samplers},
+     &settings::border_offset, 1e-6, 0.1, border_samplers},
     {"--filter", "M",
      "metres: what cells within so much of a cell's box see joins its set unverified, seen from there or not; 0: "
      "nothing",

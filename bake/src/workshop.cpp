@@ -22,7 +22,7 @@ namespace sightcell::bake {
 namespace {
 
 // Raised whenever the same settings may give other bytes: old checkpoints are then refused by name.
-constexpr int bake_version = 8;
+constexpr int bake_version = 9;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -73,12 +73,13 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
   tbb::parallel_invoke([&] { list = make_cells(geometry, how); },
                        [&] {
                          rays.emplace(geometry, how.all_double_sided);
-                         if (how.max_pixel_error > 0.0) neighbors.emplace(*rays);
+                         if (how.max_pixel_error > 0.0 || how.sampler == "guided") neighbors.emplace(*rays);
                        });
   blocks.emplace(list.cells, how.margin);
   eyes = choose_source(how, geometry, *rays);  // its context belongs to the calling thread
   if (how.sampler == "importance-depth-color") colors.emplace(s, geometry);
-  sampler = make_cell_sampler(how, {*rays, *eyes.source, colors ? &*colors : nullptr, list.cells});
+  sampler = make_cell_sampler(
+      how, {*rays, *eyes.source, colors ? &*colors : nullptr, list.cells, neighbors ? &*neighbors : nullptr});
   if (tell.on_message) {
     for (const std::string& warning : geometry.warnings) tell.on_message(severity::warning, warning);
     tell.on_message(severity::note, fmt::format("device: {}, source {}{}", eyes.source->device(), eyes.name,

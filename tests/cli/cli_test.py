@@ -55,7 +55,7 @@ class Usage(InFolder):
 
     def test_values_out_of_range_are_2_and_name_the_option(self):
         for option, value in (('--cell-size', '0.1'), ('--margin', '11'), ('--player-radius', '0'),
-                              ('--sampler', 'guided'), ('--source', 'opengl'), ('--samples', '5'), ('--resolution', '255'),
+                              ('--sampler', 'guesswork'), ('--source', 'opengl'), ('--samples', '5'), ('--resolution', '255'),
                               ('--max-pixel-error', '0.9'),
                               ('--cells-grid', '0,0,0,1,0,1'), ('--cells-grid', '0,0,0,1,nan,1')):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)

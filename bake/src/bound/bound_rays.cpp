@@ -16,7 +16,6 @@ namespace {
 
 // So many that rays of one packet, which go about the same way, are some degrees apart.
 constexpr std::uint64_t chunk_rays = 4096;
-constexpr double fewest_free = 0.25;  // share below which a place that is not free is likelier than a ray is cheap
 constexpr std::uint64_t fewest_tests = 256, rays_per_test = 256;
 
 struct chunk_result {

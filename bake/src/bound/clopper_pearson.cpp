@@ -1,5 +1,6 @@
 #include "bound/clopper_pearson.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sightcell::bake {
@@ -40,6 +41,27 @@ double clopper_pearson_upper(std::uint64_t misses, std::uint64_t trials, double 
 
 std::uint64_t trials_without_miss(double target, double confidence) {
   return static_cast<std::uint64_t>(std::ceil(std::log(1.0 - confidence) / std::log1p(-target)));
+}
+
+std::uint64_t trials_allowing(std::uint64_t misses, double target, double confidence) {
+  std::uint64_t low = trials_without_miss(target, confidence), high = low;
+  if (misses == 0) return low;
+  while (clopper_pearson_upper(misses, high, confidence) > target) high *= 2;
+  while (high - low > high / 1000 + 1) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    (clopper_pearson_upper(misses, middle, confidence) > target ? low : high) = middle;
+  }
+  return high;
+}
+
+double about_at_most(std::uint64_t misses, std::uint64_t trials, double p) {
+  const double mean = static_cast<double>(trials) * p;
+  double sum = 0.0, term = std::exp(-mean);
+  for (std::uint64_t k = 0; k <= misses; ++k) {
+    sum += term;
+    term *= mean / static_cast<double>(k + 1);
+  }
+  return std::min(sum, 1.0);
 }
 
 }  // namespace sightcell::bake

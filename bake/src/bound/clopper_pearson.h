@@ -12,4 +12,11 @@ double clopper_pearson_upper(std::uint64_t misses, std::uint64_t trials, double 
 // The fewest trials whose bound is at or below target when none misses: ln(1 - confidence) / ln(1 - target).
 std::uint64_t trials_without_miss(double target, double confidence);
 
+// The same when so many miss; not one too many by more than a thousandth.
+std::uint64_t trials_allowing(std::uint64_t misses, double target, double confidence);
+
+// The chance of at most `misses` in `trials` independent trials that each miss with probability p, as Poisson (1837)
+// has it: for planning alone.
+double about_at_most(std::uint64_t misses, std::uint64_t trials, double p);
+
 }  // namespace sightcell::bake

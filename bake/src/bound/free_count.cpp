@@ -11,8 +11,9 @@ double log_choose(std::uint64_t n, std::uint64_t k) {
   return log_factorial(n) - log_factorial(k) - log_factorial(n - k);
 }
 
-// P(at least `free` of the tested are free) where `all_free` of all places are, or a half where it is no less than that.
-// Terms are summed upwards from the first, each from the one before it; they begin above the mean, so they only fall.
+// P(at least `free` of the tested are free) where `all_free` of all places are, or a half where it is no less than
+// that. Terms are summed upwards from the first, each from the one before it; they begin above the mean, so they only
+// fall.
 double at_least(std::uint64_t places, std::uint64_t all_free, std::uint64_t tested, std::uint64_t free) {
   if (all_free < free) return 0.0;
   const std::uint64_t walled = places - all_free;

@@ -4,6 +4,7 @@
 
 #include "bound/fresh_rays.h"
 #include "cell_set.h"
+#include "finish/cell_search.h"
 #include "finish/near_polygons.h"
 #include "free_space.h"
 #include "rays/ray_scene.h"
@@ -14,8 +15,9 @@ struct finish_settings {
   double max_pixel_error = 1e-3;
   fresh_rules rules;
   double free_share = 1.0;              // about this share of the grown box is free; decides the size of batches only
-  std::uint64_t max_rays = 40'000'000;  // sight rays and tested places together
+  std::uint64_t max_rays = 40'000'000;  // sight rays and tested places, and hemicubes for some thousand each
   std::uint64_t seed = 0, place = 0;
+  const time_limit* limit = nullptr;  // a batch under way is not cut short; null: none
 };
 
 struct finish_result {
@@ -23,15 +25,16 @@ struct finish_result {
   std::uint64_t rays = 0, misses = 0;  // of the last fresh batch; what missed has joined the set since
   double upper_bound = 1.0;            // holds with this batch's confidence
   double confidence = 0.0;
-  std::uint64_t rays_spent = 0;  // sight rays and tested places, all batches and dilation
+  std::uint64_t rays_spent = 0;  // sight rays and tested places of all batches, and what the search spent
 };
 
-// Verified dilation from all members, then batches of fresh rays: position uniform over the free points of the grown
-// box, direction uniform on the sphere, all independent, so that for a fixed set the misses are binomial and the bound
-// is exact. Batch j has the confidence share 0.05 / 2^j: stopping at the first batch that meets the target keeps 95 %
-// for the whole run. Misses join with their position as witness and are dilated. Runs on the calling thread's TBB
-// arena; the result does not depend on the number of threads.
+// A search, then batches of fresh rays: position uniform over the free points of the grown box, direction uniform on
+// the sphere, all independent, so that for a fixed set the misses are binomial and the bound is exact. Batch j has the
+// confidence share 0.05 / 2^j: stopping at the first batch that meets the target keeps 95 % for the whole run. Misses
+// join with their position as witness, and the search goes on. Runs on the calling thread's TBB arena; the result does
+// not depend on the number of threads. views: hemicubes that may be taken where more is missing than rays find; null:
+// none.
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
-                               const finish_settings& how, cell_set& set);
+                               const finish_settings& how, cell_set& set, search_views* views = nullptr);
 
 }  // namespace sightcell::bake

@@ -19,22 +19,11 @@ namespace sightcell::bake {
 namespace {
 
 constexpr float worth_after_miss = 0.25f;
-constexpr std::uint32_t most_misses = 8;
-constexpr float largest = 6.2831853f;  // sr, half of all directions: no triangle covers more
-
-// Van Oosterom and Strackee 1983: the solid angle of a triangle, exactly.
-float solid_angle(const triangle& t, const glm::vec3& eye) {
-  const glm::vec3 a = t[0] - eye, b = t[1] - eye, c = t[2] - eye;
-  const float la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-  const float volume = std::abs(glm::dot(a, glm::cross(b, c)));
-  const float below = la * lb * lc + glm::dot(a, b) * lc + glm::dot(a, c) * lb + glm::dot(b, c) * la;
-  return std::min(2.0f * std::atan2(volume, below), largest);
-}
-
+constexpr std::uint32_t most_misses = 16;
 // Powers of two below the largest worth.
 std::size_t level_of(float worth, std::size_t count) {
   if (!(worth > 0.0f)) return count - 1;
-  const float below = std::log2(largest / worth);
+  const float below = std::log2(largest_solid_angle / worth);
   return std::min(static_cast<std::size_t>(std::max(below, 0.0f)), count - 1);
 }
 
@@ -91,7 +80,7 @@ refinement_yield refinement::run(double worth, std::uint64_t max_rays) {
       ++level;
       continue;
     }
-    if (all.rays >= max_rays) break;
+    if (all.rays >= max_rays || over()) break;
     std::vector<attempt> wave;
     wave.swap(levels_[level]);
     const refinement_yield one = run_wave(wave);
@@ -102,6 +91,16 @@ refinement_yield refinement::run(double worth, std::uint64_t max_rays) {
     level = 0;
   }
   return all;
+}
+
+// A place that the target faces; where a few draws meet none, the witness of the member it is beside.
+glm::vec3 refinement::eye_of(const attempt& one, random_stream& random) const {
+  constexpr int draws = 4;
+  for (int i = 0; one.misses > 0 && how_.places && !how_.places->empty() && i < draws; ++i) {
+    const glm::vec3& eye = (*how_.places)[random.bits() % how_.places->size()];
+    if (faces(rays_, one.target, eye)) return eye;
+  }
+  return set_.witness(one.member);
 }
 
 // Rays in the order in which they share packets: of one eye, and about the same way.
@@ -115,7 +114,7 @@ std::vector<refinement::aimed_try> refinement::aim(const std::vector<attempt>& t
       ray.which = static_cast<std::uint32_t>(i);
       ray.name = name_of(corners_of(rays_.geometry(), one.member)) - name_of(corners);
       random_stream random(how_.seed, how_.place, how_.use, one.misses, ray.name);
-      ray.line.eye = set_.witness(one.member);
+      ray.line.eye = eye_of(one, random);
       const glm::vec3 toward = random_point(corners, random) - ray.line.eye;
       ray.length = glm::length(toward);
       ray.line.direction = ray.length > 0.0f ? toward / ray.length : glm::vec3{0.0f, 1.0f, 0.0f};

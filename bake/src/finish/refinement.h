@@ -11,6 +11,7 @@
 #include "finish/near_polygons.h"
 #include "random.h"
 #include "rays/ray_scene.h"
+#include "sampler/time_limit.h"
 
 namespace sightcell::bake {
 
@@ -20,6 +21,10 @@ struct refinement_settings {
   std::uint64_t seed = 0, place = 0;
   float smallest_gap = 0.0f;  // what is seen only through narrower cracks does not join (rule 3)
   purpose use = purpose::dilation;
+  // Free places of the cell where tries begin that follow a miss, in an order that ids have no part in; may grow
+  // between runs. Null: all tries begin at witnesses. As the next one it must outlive the object.
+  const std::vector<glm::vec3>* places = nullptr;
+  const time_limit* limit = nullptr;  // where it is reached, what waits goes on waiting
 };
 
 // What a wave did: for those who decide whether to go on.
@@ -29,11 +34,12 @@ struct refinement_yield {
   double found_sr() const { return 0x1p-40 * static_cast<double>(found); }
 };
 
-// A *try* is a ray from the witness of a member toward a random point of a polygon beside it. Its worth is the solid
-// angle of that polygon from there, a quarter of it after each ray that missed. Tries wait in levels of worth, a factor
-// of two each; a level is worked off in waves, each from one state of the set and with one ray per polygon, so that a
-// polygon that several members are beside is looked at from different places. Neither threads nor the order of ids
-// matter.
+// A *try* is a ray from the witness of a member toward a random point of a polygon beside it; after a miss from another
+// place in the cell, because what the witness does not see is mostly seen from somewhere else. Its worth is the solid
+// angle of that polygon from the member's witness, a quarter of it after each ray that missed. Tries wait in levels of
+// worth, a factor of two each; a level is worked off in waves, each from one state of the set and with one ray per
+// polygon, so that a polygon that several members are beside is looked at from different places. Neither threads nor
+// the order of ids matter.
 class refinement {
  public:
   // References must outlive the object. first: members from this one on, in joining order, are looked beside of.
@@ -62,9 +68,11 @@ class refinement {
   };
 
   void take_members();
+  glm::vec3 eye_of(const attempt& one, random_stream& random) const;
   void push(const attempt& one);
   std::vector<aimed_try> aim(const std::vector<attempt>& tries) const;
   refinement_yield run_wave(std::vector<attempt>& wave);
+  bool over() const { return how_.limit && how_.limit->reached(); }
 
   const ray_scene& rays_;
   const near_polygons& neighbors_;

@@ -38,6 +38,14 @@ bool separates(const glm::vec3& axis, const triangle& local, const glm::vec3& ha
 
 }  // namespace
 
+float solid_angle(const triangle& corners, const glm::vec3& eye) {
+  const glm::vec3 a = corners[0] - eye, b = corners[1] - eye, c = corners[2] - eye;
+  const float la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+  const float volume = std::abs(glm::dot(a, glm::cross(b, c)));
+  const float below = la * lb * lc + glm::dot(a, b) * lc + glm::dot(a, c) * lb + glm::dot(b, c) * la;
+  return std::min(2.0f * std::atan2(volume, below), largest_solid_angle);
+}
+
 float distance_to_triangle(const glm::vec3& point, const triangle& corners) {
   return glm::distance(point, nearest_on_triangle(point, corners));
 }

@@ -16,6 +16,12 @@ inline triangle corners_of(const scene::world_geometry& geometry, std::uint32_t 
           geometry.positions[geometry.indices[first + 2]]};
 }
 
+// sr, half of all directions: no triangle covers more.
+inline constexpr float largest_solid_angle = 6.2831853f;
+
+// How much of all directions the triangle covers, seen from eye, sr; exact (Van Oosterom and Strackee 1983).
+float solid_angle(const triangle& corners, const glm::vec3& eye);
+
 // Distance in metres from a point to the nearest point of the triangle (Ericson, Real-Time Collision Detection, 5.1.5).
 float distance_to_triangle(const glm::vec3& point, const triangle& corners);
 

@@ -3,6 +3,7 @@
 #include "sampler/agvs.h"
 #include "sampler/color_weight.h"
 #include "sampler/face_sampling.h"
+#include "sampler/guided.h"
 #include "sampler/gvs.h"
 #include "sampler/gvs_plus_plus.h"
 #include "sampler/hemicubes.h"
@@ -53,6 +54,7 @@ class hemicube_sampler final : public cell_sampler {
 }  // namespace
 
 std::unique_ptr<cell_sampler> make_cell_sampler(const settings& how, const sampler_world& world) {
+  if (how.sampler == "guided") return std::make_unique<guided>(how, world);
   if (how.sampler == "agvs") return std::make_unique<agvs>(how, world);
   if (how.sampler == "gvs") return std::make_unique<gvs>(how, world);
   if (how.sampler == "gvs++") return std::make_unique<gvs_plus_plus>(how, world);

@@ -4,10 +4,12 @@
 #include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "cell_set.h"
 #include "cells/view_cell.h"
+#include "finish/cell_search.h"
 #include "free_space.h"
 #include "rays/ray_scene.h"
 #include "sightcell/bake/settings.h"
@@ -21,8 +23,9 @@ class surface_colors;
 struct sampler_world {
   const ray_scene& rays;
   hemicube_source& source;
-  const surface_colors* colors = nullptr;  // of importance-depth-color, which cannot do without
-  std::span<const view_cell> cells = {};   // of the whole bake, for samplers whose rays feed all that they cross
+  const surface_colors* colors = nullptr;    // of importance-depth-color, which cannot do without
+  std::span<const view_cell> cells = {};     // of the whole bake, for samplers whose rays feed all that they cross
+  const near_polygons* neighbors = nullptr;  // of guided, which cannot do without
 };
 
 struct sampled_cell {
@@ -47,6 +50,12 @@ class cell_sampler {
   // ends it. May be called from several threads at a time, each with a set of its own, where the source is shared();
   // works on the calling thread's TBB arena.
   virtual sampling_effort sample(const sampled_cell& cell, cell_set& set) const = 0;
+  // Hemicubes for the search that goes on after `taken` of them; nothing where this sampler looks no further.
+  // cell.free may be empty.
+  virtual std::optional<search_views> later_views(const sampled_cell& cell, std::uint32_t taken) const {
+    (void)cell, (void)taken;
+    return std::nullopt;
+  }
 };
 
 // By how.sampler. Throws sightcell::error for an unknown name.

@@ -2,16 +2,12 @@
 
 #include <glm/common.hpp>
 
+#include "sampler/radical_inverse.h"
+
 namespace sightcell::bake {
 namespace {
 
 constexpr std::uint32_t give_up_after = 256;  // rejected places in a row: the face lies in a wall
-
-float radical_inverse(std::uint32_t index, std::uint32_t base) {
-  double value = 0.0, digit = 1.0 / base;
-  for (; index > 0; index /= base, digit /= base) value += digit * (index % base);
-  return static_cast<float>(value);
-}
 
 }  // namespace
 

@@ -49,16 +49,19 @@ HEMICUBE_CODE = ["source/cpu", "source/cpu_source.cpp", "source/hemicube_faces.c
                  "sampler/boundary_face.h"]
 FACE_CODE = HEMICUBE_CODE + ["sampler/face_sampl"]
 DEPTH_CODE = FACE_CODE + ["sampler/importance_depth."]
-GUIDED_CODE = ["finish/aim.", "sampler/boundary_face.h", "sampler/border_sampling.", "sampler/guided_search.",
+RAY_CODE = ["finish/aim.", "sampler/boundary_face.h", "sampler/border_sampling.", "sampler/guided_search.",
                "sampler/random_rays.", "sampler/ray_finds.", "sampler/reverse_sampling."]
 METHOD_CODE = {
+    "guided": HEMICUBE_CODE + ["finish/aim.", "finish/cell_search.", "finish/near_polygons.h", "finish/refinement.",
+                               "finish/vertex_neighbors.", "sampler/guided.", "sampler/guided_views.",
+                               "sampler/radical_inverse.h"],
     "importance-depth": DEPTH_CODE,
     "importance-depth-color": DEPTH_CODE + ["sampler/color_weight.", "source/surface_colors."],
     "uniform": FACE_CODE + ["sampler/uniform_grid."],
-    "halton": FACE_CODE + ["sampler/halton."],
+    "halton": FACE_CODE + ["sampler/halton.", "sampler/radical_inverse.h"],
     "nir04": HEMICUBE_CODE + ["sampler/nir04."],
-    "gvs": GUIDED_CODE + ["sampler/gvs."],
-    "gvs++": GUIDED_CODE + ["sampler/gvs_plus_plus."],
+    "gvs": RAY_CODE + ["sampler/gvs."],
+    "gvs++": RAY_CODE + ["sampler/gvs_plus_plus."],
     "agvs": ["finish/aim.", "sampler/agvs.", "sampler/global_rays.", "sampler/ray_feed.", "sampler/seen_pairs.",
              "sampler/segment_cells."],
 }

@@ -136,6 +136,12 @@ bake::hemicube_source& sampling_bench::source_of(const bake::settings& how) {
   return *eyes_.source;
 }
 
+// Of the scene, as its ray tree is: no sampler's time.
+const bake::near_polygons* sampling_bench::neighbors() {
+  if (how_.sampler == "guided" && !neighbors_) neighbors_.emplace(ground_.rays);
+  return neighbors_ ? &*neighbors_ : nullptr;
+}
+
 std::vector<sampled_figures> sampling_bench::run(const job& what,
                                                  const std::function<void(std::size_t cell)>& measured) {
   std::vector<sampled_figures> figures;
@@ -163,7 +169,7 @@ void sampling_bench::measure(const job& what, const std::vector<std::size_t>& ce
   without_importance flat(eyes);
   bake::hemicube_source& source = what.importance ? eyes : flat;
   sampler_->by_process = !source.shared();
-  sampler_->inner = bake::make_cell_sampler(how_, {ground_.rays, source, &ground_.colors, ground_.cells});
+  sampler_->inner = bake::make_cell_sampler(how_, {ground_.rays, source, &ground_.colors, ground_.cells, neighbors()});
   const double began = bake::process_cpu_seconds();
   sampler_->inner->prepare([](double) { return true; });
   const double prepared = (bake::process_cpu_seconds() - began) / static_cast<double>(ground_.cells.size());

@@ -11,6 +11,7 @@
 #include "bench/samplers/jobs.h"
 #include "bench/samplers/kept_files.h"
 #include "cell_bake.h"
+#include "finish/near_polygons.h"
 #include "sampler/cell_sampler.h"
 #include "source/choose_source.h"
 
@@ -51,6 +52,7 @@ class sampling_bench {
   void measure(const job& what, const std::vector<std::size_t>& cells, std::vector<sampled_figures>& figures,
                const std::function<void(std::size_t cell)>& measured);
   bake::hemicube_source& source_of(const bake::settings& how);
+  const bake::near_polygons* neighbors();
 
   const ground& ground_;
   const kept_files& kept_;
@@ -59,6 +61,7 @@ class sampling_bench {
   bake::settings how_;  // of the job that runs; the baker looks at it
   std::unique_ptr<clocked_sampler> sampler_;
   bake::cell_baker baker_;
+  std::optional<bake::near_polygons> neighbors_;
   bake::chosen_source eyes_;
   std::string eyes_for_;  // what settings they were made for
 };

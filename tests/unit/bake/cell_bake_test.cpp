@@ -47,7 +47,7 @@ class cell_bake : public testing::Test {
     const near_polygons neighbors(rays);
     const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
     const overrides none;
-    const auto sampler = make_cell_sampler(how, {rays, *source});
+    const auto sampler = make_cell_sampler(how, {rays, *source, nullptr, {}, &neighbors});
     const cell_baker baker(how, none, rays, how.max_pixel_error > 0.0 ? &neighbors : nullptr, *sampler);
     cell_set set = baker.make_set();
     cell_record record = baker.finished(cell, baker.sample_and_finish(cell, set));
@@ -314,7 +314,7 @@ TEST_F(cell_bake, every_cell_starts_afresh) {
   const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
   const settings how;
   const overrides none;
-  const auto sampler = make_cell_sampler(how, {rays, *source});
+  const auto sampler = make_cell_sampler(how, {rays, *source, nullptr, {}, &neighbors});
   const cell_baker baker(how, none, rays, &neighbors, *sampler);
   cell_set set = baker.make_set();
   (void)baker.sample_and_finish(around_origin, set);

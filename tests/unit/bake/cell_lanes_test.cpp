@@ -87,7 +87,7 @@ class cell_lanes : public testing::Test {
 
   // Takes all steps of wanted_ on the arena.
   void run(std::size_t lanes, tbb::task_arena& arena, const steps_ended& ended, bool rays = true) {
-    const auto sampler = make_cell_sampler(how_, {*rays_, *source_});
+    const auto sampler = make_cell_sampler(how_, {*rays_, *source_, nullptr, {}, &*neighbors_});
     const cell_baker baker(how_, none_, *rays_, rays ? &*neighbors_ : nullptr, *sampler);
     step_queue steps = queue();
     take_steps(

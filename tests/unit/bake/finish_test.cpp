@@ -113,7 +113,26 @@ TEST(refinement, never_adds_what_is_not_seen) {
   EXPECT_TRUE(set.contains(upper + 1));
   EXPECT_FALSE(set.contains(lower) || set.contains(lower + 1)) << "hidden";
   EXPECT_TRUE(set.contains(screen) || set.contains(screen + 1)) << "it was hit on the way to the lower half";
+  (void)beside.run(0.0, 1'000'000);
   EXPECT_TRUE(beside.done()) << "nobody tries forever";
+}
+
+TEST(refinement, tries_from_another_place_after_a_miss) {
+  tiny_scene tiny;
+  // As above, but over a low screen: from its witness the lower half is hidden, from a place above it is not.
+  const auto upper = tiny.quad({4, 0, -2}, {4, 0, 2}, {4, 2, 2}, {4, 2, -2});
+  const auto lower = tiny.quad({4, -2, -2}, {4, -2, 2}, {4, 0, 2}, {4, 0, -2});
+  tiny.quad({1, -9, -9}, {1, -9, 9}, {1, 0.4f, 9}, {1, 0.4f, -9});
+  const world w(tiny);
+  const glm::vec3 eye{0, 0.5f, 0};
+  const std::vector<glm::vec3> places{{0, 3, 0}};
+  for (const bool other_places : {false, true}) {
+    cell_set set(w.s.polygon_count);
+    set.add(upper, eye);
+    refinement beside(w.rays, w.neighbors, {.seed = 1, .place = 1, .places = other_places ? &places : nullptr}, 0, set);
+    (void)beside.run(1e-9, 1'000'000);
+    EXPECT_EQ(set.contains(lower) && set.contains(lower + 1), other_places);
+  }
 }
 
 TEST(refinement, aims_at_no_back) {

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <string>
 
+#include "finish/near_polygons.h"
 #include "gap_scenes.h"
 #include "rays/ray_scene.h"
 #include "sampler/cell_sampler.h"
@@ -45,12 +46,14 @@ bool finds(const finding& f, std::uint64_t effort, std::uint64_t variant) {
   const chosen_source chosen = choose_source(how, geometry, rays);
   const surface_colors colors(where.scene, geometry);
   how.margin = 0.0f;  // the cell is as it is
+  how.max_pixel_error = 0.0;
+  const near_polygons neighbors(rays);
   std::vector<box> boxes = where.beside;
   boxes.push_back(where.cell);
   std::vector<view_cell> cells(boxes.size());
   for (std::size_t i = 0; i < cells.size(); ++i)
     cells[i].min = boxes[i].min, cells[i].max = boxes[i].max, cells[i].place = 1000 * i + variant;
-  const auto sampler = make_cell_sampler(how, {rays, *chosen.source, &colors, cells});
+  const auto sampler = make_cell_sampler(how, {rays, *chosen.source, &colors, cells, &neighbors});
   sampler->prepare([](double) { return true; });
   return std::all_of(cells.begin(), cells.end(), [&](const view_cell& cell) {
     cell_set set(static_cast<std::uint32_t>(geometry.kinds.size()));
@@ -90,6 +93,8 @@ constexpr finding findings[] = {
     {"nir04", "crack", test::crack, 192, 3},
     {"uniform", "slit", test::slit, 384, 6},
     {"uniform", "window", test::window, 768, 6},
+    {"guided", "slit", test::slit, 192, 6},
+    {"guided", "window", test::window, 768, 6},
     {"halton", "slit", test::slit, 192, 6},
     {"halton", "window", test::window, 768, 6},
     {"gvs", "tile_behind_window", test::tile_behind_window, 2048, 3},

@@ -55,6 +55,8 @@ TEST(memory_limit, what_is_not_built_is_not_counted) {
   how.source = "cpu";
   const std::uint64_t all = memory_of_scene(s, how);
   how.max_pixel_error = 0.0;
+  EXPECT_EQ(memory_of_scene(s, how), all) << "guided looks beside what it knows without an error to reach, too";
+  how.sampler = "halton";
   const std::uint64_t without_neighbors = memory_of_scene(s, how);
   how.source = "rays";
   EXPECT_LT(without_neighbors, all);

@@ -42,7 +42,7 @@ TEST(settings, errors_name_the_option) {
   expect("--player-radius", [](settings& s) { s.player_radius = INFINITY; });
   expect("--smallest-gap", [](settings& s) { s.smallest_gap = -0.001f; });
   expect("--smallest-gap", [](settings& s) { s.smallest_gap = 0.2f; });
-  expect("--sampler", [](settings& s) { s.sampler = "guided"; });
+  expect("--sampler", [](settings& s) { s.sampler = "guesswork"; });
   expect("--source", [](settings& s) { s.source = "opengl"; });
   expect("--source", [](settings& s) { s.source = ""; });
   expect("--samples", [](settings& s) { s.samples = 5; });
@@ -121,7 +121,7 @@ TEST(settings, ends_of_the_ranges_are_inside) {
 TEST(settings, description_is_one_line_of_json_in_fixed_order) {
   EXPECT_EQ(describe({}),
             R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,)"
-            R"("sampler":"importance-depth","samples":24,"resolution":256,"max_pixel_error":0.001,"seed":1,)"
+            R"("sampler":"guided","samples":24,"resolution":512,"max_pixel_error":0.001,"seed":1,)"
             R"("all_double_sided":false,"smallest_gap":0.002})");
 }
 

@@ -34,7 +34,7 @@ struct settings {
 
   // --- sampling
   // --sampler, by name. What these settings mean, their ranges and which samplers have them: sampler_options.h.
-  std::string sampler = "importance-depth";
+  std::string sampler = "guided";
   std::uint32_t samples = 24;               // --samples, hemicubes per cell
   double seconds_per_cell = 0.0;            // --seconds-per-cell, 0: no limit
   double interior_share = 0.5;              // --interior-share
@@ -53,7 +53,7 @@ struct settings {
   // --source, of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (Embree, slow) or auto: gpu where there is a
   // hardware one, else cpu. Sources differ in a few pixels: which one it was stands in the file.
   std::string source = "auto";
-  std::uint32_t resolution = 256;  // --resolution, pixels along a hemicube face, even, 16..4096
+  std::uint32_t resolution = 512;  // --resolution, pixels along a hemicube face, even, 16..4096
   double max_pixel_error = 1e-3;   // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
   std::uint64_t seed = 1;          // --seed
 

@@ -1,0 +1,80 @@
+#pragma once
+// What else does a cell see? Hemicubes from new places and rays beside what is known, whichever found more lately for
+// what it cost (design.md section 6).
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "cell_set.h"
+#include "finish/near_polygons.h"
+#include "finish/refinement.h"
+#include "rays/ray_scene.h"
+#include "sampler/guided_views.h"
+#include "sampler/time_limit.h"
+#include "source/hemicube_source.h"
+
+namespace sightcell::bake {
+
+// Hemicubes that a search may take.
+struct search_views {
+  guided_views places;
+  hemicube_source& source;
+  std::uint32_t most = 0xFFFFFFFFu;  // with those taken before
+};
+
+struct search_settings {
+  std::uint64_t seed = 0, place = 0;
+  float smallest_gap = 0.0f;
+  const time_limit* limit = nullptr;  // null: none
+};
+
+struct search_goal {
+  double least_worth = 0.0;  // sr: rays go beside all that is worth as much, and in later rounds less
+  std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // in rays, with what was spent before
+  // Is so little missing, as a share of all directions, that another round of hemicubes at this cost, in rays, does not
+  // pay? Null: hemicubes are taken until they are spent.
+  std::function<bool(double missing, std::uint64_t cost)> enough = {};
+};
+
+class cell_search {
+ public:
+  // views: null, rays alone. References must outlive the object; nobody else may change the set between its calls but
+  // by adding.
+  cell_search(const ray_scene& rays, const near_polygons& neighbors, search_views* views, const search_settings& how,
+              cell_set& set);
+
+  // Rounds of hemicubes, each with rays beside what they saw, until what they show is enough or none is left.
+  void look_for(const search_goal& goal);
+  // Rays beside what has joined since, as far as they went before. For polygons that others found.
+  void look_beside(std::uint64_t max_cost);
+
+  // Of the next round of hemicubes, in rays; 0 where there is none.
+  std::uint64_t cost_of_views() const;
+  // What is missing, about, of all directions: the share of the last round's pixels that show what was not known, or
+  // what was heard since. 1: nothing is known of it.
+  double missing() const { return missing_; }
+  void hear(double missing) { missing_ = missing; }
+  // In rays: a hemicube costs as much as some thousand.
+  std::uint64_t spent() const { return spent_; }
+  std::uint64_t rays() const { return cast_; }
+
+ private:
+  bool may_view() const;
+  std::uint32_t next_views() const;
+  bool over() const { return how_.limit && how_.limit->reached(); }
+  void view();
+  std::uint64_t take(const std::vector<pose>& poses);
+
+  const ray_scene& rays_;
+  search_views* views_;
+  const search_settings how_;
+  cell_set& set_;
+  std::vector<glm::vec3> places_;  // free ones
+  refinement beside_;
+  double worth_;  // rays go beside all that is worth as much, sr
+  double missing_ = 1.0;
+  std::uint64_t spent_ = 0, cast_ = 0;
+};
+
+}  // namespace sightcell::bake
