@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-SAMPLERS = ["importance-depth", "importance-depth-color", "uniform", "halton", "nir04", "gvs", "gvs++", "agvs"]
+SAMPLERS = ["guided", "importance-depth", "importance-depth-color", "uniform", "halton", "nir04", "gvs", "gvs++", "agvs"]
 
 
 def main():

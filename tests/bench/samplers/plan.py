@@ -110,6 +110,11 @@ def hemicubes(method, samples, resolution=PUBLISHED, jitter=False, seconds=0.0):
             "seconds_per_cell": seconds}
 
 
+def guided(samples, seconds=0.0):
+    """Our default, with its own resolution and jitter. Where time ends it its hemicubes are as many as it likes."""
+    return {"sampler": "guided", "samples": samples, "resolution": 512, "seconds_per_cell": seconds}
+
+
 def rays(method, millions, seconds=0.0, **more):
     return {"sampler": method, "sampling_rays": round(1e6 * millions), "seconds_per_cell": seconds, **more}
 
@@ -122,7 +127,7 @@ def job(kind, settings, **more):
     if "sampling_rays" in settings and kind != "time":
         words.append(f"{settings['sampling_rays'] / 1e6:g} M")
     if "resolution" in settings:
-        words.append(f"{settings['resolution']}{'j' if settings['jitter'] else ''}")
+        words.append(f"{settings['resolution']}{'j' if settings.get('jitter') else ''}")
     if settings.get("filter"):
         words.append(f"filter {settings['filter']:g} m")
     if settings["seconds_per_cell"]:
@@ -161,6 +166,7 @@ def jobs_of(scene, quick):
         found.append(job("samples", hemicubes(method, main)))
         if method in RIVALS and not quick:
             found += [job("samples", hemicubes(method, main, r, True)) for r in RESOLUTIONS]
+    found.append(job("samples", guided(main)))
     found += [job("samples", rays(method, millions)) for method in RAY_METHODS]
     # Many more samples than the time is enough for.
     for method in HEMICUBES:
@@ -168,6 +174,7 @@ def jobs_of(scene, quick):
         if method in RIVALS and not quick:
             found += [job("time", hemicubes(method, 4000 if r == 256 else 2000, r, True, seconds))
                       for r in RESOLUTIONS]
+    found.append(job("time", guided(100_000, seconds)))
     found += [job("time", rays(method, 1000, seconds)) for method in RAY_METHODS]
     if scene in EXPLAINED and not quick:
         found += experiments(main)

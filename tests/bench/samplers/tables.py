@@ -36,7 +36,7 @@ def count_text(job):
 def variant_text(job):
     s = job["settings"]
     if "resolution" in s:
-        return f"{s['resolution']}{' jittered' if s['jitter'] else ''}"
+        return f"{s['resolution']}{' jittered' if s.get('jitter') else ''}"
     return f"filter {s['filter']:g} m" if s.get("filter") else ""
 
 
@@ -85,8 +85,8 @@ def compared(result, kind):
     count = jobs and max(j["settings"].get("samples", 0) for j in jobs if method(j) == "importance-depth")
     if kind == "samples":  # rows of the thesis have other numbers too
         jobs = [j for j in jobs if j["settings"].get("samples", count) == count]
-    published = [j for j in jobs if j["settings"].get("resolution", PUBLISHED) == PUBLISHED
-                 and not j["settings"].get("jitter")]
+    published = [j for j in jobs if method(j) == "guided"  # it has one setting, its own
+                 or j["settings"].get("resolution", PUBLISHED) == PUBLISHED and not j["settings"].get("jitter")]
     best = [j for j in best_of(jobs) if j not in published]
     return published, best
 
