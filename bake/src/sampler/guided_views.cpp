@@ -77,7 +77,7 @@ std::vector<pose> guided_views::next(std::uint32_t count) {
   while (poses.size() < count) {
     if (how_.geometry_inside) owed_inside_ += how_.interior_share;
     if (owed_inside_ >= 2.0 && poses.size() + 2 <= count) {
-      owed_inside_ -= 2.0;
+      owed_inside_ += how_.interior_share - 2.0;  // a cube is two hemicubes
       if (add_cube()) continue;
     }
     if (const auto where = on_a_face())

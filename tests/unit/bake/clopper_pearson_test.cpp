@@ -47,5 +47,20 @@ TEST(clopper_pearson, fewest_trials) {
   }
 }
 
+TEST(clopper_pearson, trials_that_allow_misses) {
+  for (const double target : {1e-2, 1e-5})
+    for (const std::uint64_t misses : {0u, 1u, 7u, 60u}) {
+      const std::uint64_t n = trials_allowing(misses, target, 0.975);
+      EXPECT_LE(clopper_pearson_upper(misses, n, 0.975), target) << misses;
+      EXPECT_GT(clopper_pearson_upper(misses, n - n / 500 - 2, 0.975), target) << misses;
+    }
+}
+
+TEST(clopper_pearson, about_at_most) {
+  EXPECT_NEAR(about_at_most(0, 100'000, 1e-5), std::exp(-1.0), 1e-12);
+  EXPECT_NEAR(about_at_most(2, 100'000, 1e-5), 2.5 * std::exp(-1.0), 1e-12);
+  EXPECT_EQ(about_at_most(3, 1'000, 0.0), 1.0);
+}
+
 }  // namespace
 }  // namespace sightcell::bake
