@@ -44,7 +44,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   sum.source = shop->eyes.name;
   sum.device = shop->eyes.source->device();
 
-  const stage_plan plan(*shop->blocks, shop->neighbors.has_value());
+  const stage_plan plan(*shop->blocks, shop->bounds());
   std::vector<std::uint32_t> blocks(shop->blocks->count());
   std::iota(blocks.begin(), blocks.end(), 0u);
   work_file file(output, how.scratch, shop->key, fresh);

@@ -21,8 +21,7 @@ constexpr std::chrono::milliseconds tell_pause{200};  // of progress before the 
 
 // Made in place: it cannot be moved.
 cell_baker baker_of(const workshop& shop) {
-  const bool bounds = shop.how.max_pixel_error > 0.0;
-  return {shop.how, shop.given, *shop.rays, bounds ? &*shop.neighbors : nullptr, *shop.sampler};
+  return {shop.how, shop.given, *shop.rays, shop.bounds() ? &*shop.neighbors : nullptr, *shop.sampler};
 }
 
 void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {

@@ -152,7 +152,7 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
   arena.execute([&] { shop.emplace(s, how, tell); });
   sum.source = shop->eyes.name;
   sum.device = shop->eyes.source->device();
-  const stage_plan plan(*shop->blocks, shop->neighbors.has_value());
+  const stage_plan plan(*shop->blocks, shop->bounds());
   const std::vector<std::uint32_t> blocks = blocks_of(part, *shop->blocks);
   sum.cells = cells_in(blocks, *shop->blocks);
   if (tell.on_message)

@@ -24,6 +24,9 @@ struct workshop {
   workshop(const workshop&) = delete;  // its parts know each other
   workshop& operator=(const workshop&) = delete;
 
+  // Do rays bound what is missing? Then cells share what they saw.
+  bool bounds() const { return how.max_pixel_error > 0.0; }
+
   const scene::scene& s;
   const settings& how;
   overrides given;

@@ -433,6 +433,47 @@ TEST_F(curtain_room, other_overrides_are_another_bake) {
   EXPECT_EQ(bake(scene_, how_, path, false, {}).result, outcome::done);
 }
 
+TEST_F(bake_library, cells_share_nothing_where_the_sampler_is_alone) {
+  tiny_scene tiny;
+  tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+  for (int i = -8; i <= 8; ++i)
+    for (int j = -8; j <= 8; ++j) {
+      const glm::vec3 at{0.9f * static_cast<float>(i), -1.0f, 0.9f * static_cast<float>(j)};
+      tiny.closed_box(at - glm::vec3{0.1f, 0.5f, 0.1f}, at + glm::vec3{0.1f, 0.5f, 0.1f}, false);
+    }
+  const scene::scene s = tiny.finished();
+  const auto seen = [&](const settings& how) {
+    const auto path = folder_ / "room.pvs";
+    (void)bake(s, how, path, true, {});
+    const std::vector<std::byte> bytes = test::file_bytes(path);
+    format::reader file;
+    EXPECT_EQ(format::reader::open(bytes, file), format::status::ok);
+    std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
+    std::size_t polygons = 0;
+    for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+      std::size_t runs = 0;
+      EXPECT_EQ(file.decode_row(cell, row, scratch, runs), format::status::ok);
+      for (std::size_t i = 0; i < runs; ++i) polygons += row[i].count;
+    }
+    return polygons;
+  };
+  settings how = four_cells();
+  how.cells_grid = {};
+  how.samples = 6;
+  how.resolution = 16;
+  how.max_pixel_error = 0.0;
+  std::size_t alone = 0;
+  std::vector<cell_box> all;
+  for (const float x : {-2.0f, 0.0f})
+    for (const float z : {-2.0f, 0.0f}) {
+      all.push_back({"", {x, 0.0f, z}, {x + 2.0f, 1.0f, z + 2.0f}});
+      how.cells = {all.back()};
+      alone += seen(how);
+    }
+  how.cells = all;
+  EXPECT_EQ(seen(how), alone);
+}
+
 TEST_F(bake_library, another_seed_is_another_bake) {
   std::uint32_t back = 0;
   const scene::scene s = room(back);
