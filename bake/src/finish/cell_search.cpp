@@ -4,7 +4,6 @@
 #include <limits>
 #include <tuple>
 
-#include "rays/triangle_math.h"
 #include "seeing/gap_filter.h"
 
 namespace sightcell::bake {
