@@ -170,7 +170,7 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
              neighbors, set);
   refinement beside(rays_, *neighbors_, {how_.seed, cell.place, how_.smallest_gap, purpose::dilation_of_finds}, before,
                     set);
-  record.rays_spent += beside.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays).rays;
+  record.rays_spent += beside.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays);
   set.save(record);
   return record;
 }

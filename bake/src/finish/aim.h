@@ -12,11 +12,16 @@
 
 namespace sightcell::bake {
 
+// An order of places that does not depend on ids.
+inline bool is_lower(const glm::vec3& a, const glm::vec3& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
 struct found_polygon {
   std::uint32_t polygon;
   glm::vec3 eye;
   bool operator<(const found_polygon& other) const {
-    return std::tie(polygon, eye.x, eye.y, eye.z) < std::tie(other.polygon, other.eye.x, other.eye.y, other.eye.z);
+    return polygon != other.polygon ? polygon < other.polygon : is_lower(eye, other.eye);
   }
 };
 

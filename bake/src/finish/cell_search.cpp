@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <tuple>
 
+#include "finish/aim.h"
 #include "seeing/gap_filter.h"
 
 namespace sightcell::bake {
@@ -20,10 +20,7 @@ std::uint64_t cost_of(std::uint32_t resolution) {
 }
 
 std::vector<glm::vec3> sorted_places(std::vector<glm::vec3> places) {
-  const auto below = [](const glm::vec3& a, const glm::vec3& b) {
-    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-  };
-  std::sort(places.begin(), places.end(), below);
+  std::sort(places.begin(), places.end(), is_lower);
   places.erase(std::unique(places.begin(), places.end()), places.end());
   return places;
 }
@@ -61,9 +58,9 @@ std::uint64_t cell_search::cost_of_views() const {
 }
 
 void cell_search::look_beside(std::uint64_t max_cost) {
-  const refinement_yield one = beside_.run(worth_, max_cost - std::min(max_cost, spent_));
-  spent_ += one.rays;
-  cast_ += one.rays;
+  const std::uint64_t rays = beside_.run(worth_, max_cost - std::min(max_cost, spent_));
+  spent_ += rays;
+  cast_ += rays;
 }
 
 // Returns how many pixels show what was not known.

@@ -1,6 +1,5 @@
 #pragma once
-// What else does a cell see? Hemicubes from new places and rays beside what is known, whichever found more lately for
-// what it cost (design.md section 6).
+// What else does a cell see? Hemicubes from new places and rays beside what is known, by turns (design.md section 6).
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -46,7 +45,7 @@ class cell_search {
 
   // Rounds of hemicubes, each with rays beside what they saw, until what they show is enough or none is left.
   void look_for(const search_goal& goal);
-  // Rays beside what has joined since, as far as they went before. For polygons that others found.
+  // Rays beside all that is known, a step further than the last round went. For polygons that others found.
   void look_beside(std::uint64_t max_cost);
 
   // Of the next round of hemicubes, in rays; 0 where there is none.

@@ -110,7 +110,6 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     if (result.bound_met || (how.limit && how.limit->reached())) break;
     if (fresh.misses == 0) ++too_short;
     search.hear(static_cast<double>(fresh.misses) / static_cast<double>(std::max<std::uint64_t>(fresh.rays, 1)));
-    goal.least_worth /= 4.0;
   }
   return result;
 }

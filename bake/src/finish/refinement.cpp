@@ -27,10 +27,6 @@ std::size_t level_of(float worth, std::size_t count) {
   return std::min(static_cast<std::size_t>(std::max(below, 0.0f)), count - 1);
 }
 
-bool is_lower(const glm::vec3& a, const glm::vec3& b) {
-  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-}
-
 }  // namespace
 
 refinement::refinement(const ray_scene& rays, const near_polygons& neighbors, const refinement_settings& how,
@@ -71,8 +67,8 @@ void refinement::take_members() {
     for (const attempt& one : part) push(one);
 }
 
-refinement_yield refinement::run(double worth, std::uint64_t max_rays) {
-  refinement_yield all;
+std::uint64_t refinement::run(double worth, std::uint64_t max_rays) {
+  std::uint64_t cast = 0;
   take_members();
   const std::size_t last = level_of(static_cast<float>(worth), level_count);
   for (std::size_t level = 0; level <= last;) {
@@ -80,17 +76,15 @@ refinement_yield refinement::run(double worth, std::uint64_t max_rays) {
       ++level;
       continue;
     }
-    if (all.rays >= max_rays || over()) break;
+    if (cast >= max_rays || over()) break;
     std::vector<attempt> wave;
     wave.swap(levels_[level]);
-    const refinement_yield one = run_wave(wave);
-    all.rays += one.rays;
-    all.found += one.found;
+    cast += run_wave(wave);
     take_members();
     // What joined may be beside something that is worth more than this level.
     level = 0;
   }
-  return all;
+  return cast;
 }
 
 // A place that the target faces; where a few draws meet none, the witness of the member it is beside.
@@ -129,7 +123,7 @@ std::vector<refinement::aimed_try> refinement::aim(const std::vector<attempt>& t
 }
 
 // One ray for each target of the wave, from the member that has tried least; the others wait for the next wave.
-refinement_yield refinement::run_wave(std::vector<attempt>& wave) {
+std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
   wave.erase(std::remove_if(wave.begin(), wave.end(), [&](const attempt& one) { return set_.contains(one.target); }),
              wave.end());
   // Targets in any order, but who is first of a target's must not depend on ids.
@@ -173,8 +167,6 @@ refinement_yield refinement::run_wave(std::vector<attempt>& wave) {
     }
   });
 
-  refinement_yield yield;
-  yield.rays = now.size();
   std::vector<found_polygon> found;
   for (const outcome& o : outcomes) {
     found.insert(found.end(), o.found.begin(), o.found.end());
@@ -182,10 +174,8 @@ refinement_yield refinement::run_wave(std::vector<attempt>& wave) {
   }
   // Of several eyes that saw a polygon in this wave the lowest is its witness: again not a matter of ids.
   std::sort(found.begin(), found.end());
-  for (const found_polygon& f : found)
-    if (set_.add(f.polygon, f.eye))
-      yield.found += static_cast<std::uint64_t>(0x1p40 * solid_angle(corners_of(rays_.geometry(), f.polygon), f.eye));
-  return yield;
+  for (const found_polygon& f : found) set_.add(f.polygon, f.eye);
+  return now.size();
 }
 
 }  // namespace sightcell::bake

@@ -27,13 +27,6 @@ struct refinement_settings {
   const time_limit* limit = nullptr;  // where it is reached, what waits goes on waiting
 };
 
-// What a wave did: for those who decide whether to go on.
-struct refinement_yield {
-  std::uint64_t rays = 0;
-  std::uint64_t found = 0;  // solid angle of what joined, from where it was seen, in 2^-40 sr: sums keep no order
-  double found_sr() const { return 0x1p-40 * static_cast<double>(found); }
-};
-
 // A *try* is a ray from the witness of a member toward a random point of a polygon beside it; after a miss from another
 // place in the cell, because what the witness does not see is mostly seen from somewhere else. Its worth is the solid
 // angle of that polygon from the member's witness, a quarter of it after each ray that missed. Tries wait in levels of
@@ -47,8 +40,8 @@ class refinement {
              cell_set& set);
 
   // Works off tries worth `worth` sr or more (within a factor of two), those of what joins on the way too, until none
-  // is left or max_rays are cast. Runs on the calling thread's TBB arena.
-  refinement_yield run(double worth, std::uint64_t max_rays);
+  // is left or max_rays are cast; returns how many were. Runs on the calling thread's TBB arena.
+  std::uint64_t run(double worth, std::uint64_t max_rays);
   bool done() const;  // nothing waits
 
  private:
@@ -71,7 +64,7 @@ class refinement {
   glm::vec3 eye_of(const attempt& one, random_stream& random) const;
   void push(const attempt& one);
   std::vector<aimed_try> aim(const std::vector<attempt>& tries) const;
-  refinement_yield run_wave(std::vector<attempt>& wave);
+  std::uint64_t run_wave(std::vector<attempt>& wave);
   bool over() const { return how_.limit && how_.limit->reached(); }
 
   const ray_scene& rays_;
