@@ -69,7 +69,7 @@ class cell_search {
   search_views* views_;
   const search_settings how_;
   cell_set& set_;
-  std::vector<glm::vec3> places_;  // free ones
+  std::vector<glm::vec3> places_;  // where hemicubes stood and rays began
   refinement beside_;
   double worth_;  // rays go beside all that is worth as much, sr
   double missing_ = 1.0;

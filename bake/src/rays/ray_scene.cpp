@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
+#include "rays/direction_code.h"
 #include "rays/embree_scene.h"
 #include "rays/triangle_math.h"
 
@@ -33,6 +36,19 @@ std::array<glm::vec3, solid_directions> make_solid_directions() {
 const std::array<glm::vec3, solid_directions>& fixed_directions() {
   static const auto directions = make_solid_directions();
   return directions;
+}
+
+// Places in an order in which neighbors share packets.
+std::vector<std::uint32_t> near_each_other(std::span<const glm::vec3> points) {
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  if (points.size() <= packet) return order;
+  glm::vec3 min = points[0], max = points[0];
+  for (const glm::vec3& p : points) min = glm::min(min, p), max = glm::max(max, p);
+  std::vector<std::uint32_t> codes(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) codes[i] = place_code(points[i], min, max - min);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return codes[a] < codes[b]; });
+  return order;
 }
 
 // passed is reordered. Traversal is not in order of distance: polygons behind the front one may have been noted too,
@@ -82,6 +98,23 @@ RTCRayHit8 parallel_rays(std::span<const glm::vec3> points, const glm::vec3& dir
     r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
   }
   return r;
+}
+
+// Takes the lanes out that have a front where they show a back. Walls are modeled as two single-sided layers back to
+// back, too: which of them a ray meets first is chance, and their backs say nothing.
+void drop_covered(const embree_scene& scene, const RTCRayHit8& seen, std::span<int> back) {
+  if (std::find(back.begin(), back.end(), -1) == back.end()) return;
+  look_context context(scene);
+  context.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  RTCRay8 r = seen.ray;
+  for (std::size_t i = 0; i < packet; ++i) {
+    const float distance = seen.ray.tfar[i], reach = coincidence_reach(distance);
+    r.tnear[i] = std::max(0.0f, distance - reach);
+    r.tfar[i] = distance + reach;
+  }
+  rtcOccluded8(back.data(), scene.solid, &context.base, &r);
+  for (std::size_t i = 0; i < packet; ++i)
+    if (r.tfar[i] < 0.0f) back[i] = 0;
 }
 
 RTCRay one_ray(const glm::vec3& eye, const glm::vec3& direction, float from, float to) {
@@ -252,19 +285,10 @@ bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {
   return near.touched;
 }
 
-// Walls are modeled as two single-sided layers back to back, too: which of them a ray meets first is chance, and their
-// backs say nothing.
-bool ray_scene::has_front(const glm::vec3& point, const glm::vec3& direction, float distance) const {
-  look_context context(*embree_);
-  const float reach = coincidence_reach(distance);
-  RTCRay r = one_ray(point, direction, std::max(0.0f, distance - reach), distance + reach);
-  rtcOccluded1(embree_->solid, &context.base, &r);
-  return r.tfar < 0.0f;
-}
-
 // Packets of eight neighboring points along one direction: parallel rays from near places take the same way through
 // the tree, which makes the 64 rays of a place several times cheaper than one by one.
-void ray_scene::find_solid(std::span<const glm::vec3> points, std::span<std::uint8_t> solid) const {
+// A solid: of the hits more than one in so many shows a back.
+void ray_scene::find_solid(std::span<const glm::vec3> points, int one_in, std::span<std::uint8_t> solid) const {
   // Nobody is single-sided then: whoever asks for it has windings that say nothing.
   if (all_double_sided_) {
     std::fill(solid.begin(), solid.end(), std::uint8_t{0});
@@ -284,40 +308,54 @@ void ray_scene::find_solid(std::span<const glm::vec3> points, std::span<std::uin
       context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
       rtcIntersect8(valid, embree_->solid, &context, &r);
       const int left = static_cast<int>(solid_directions - k - 1);
+      alignas(32) int back[packet]{};
       for (std::size_t i = 0; i < count; ++i) {
         if (valid[i] == 0 || r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         ++hits[i];
         const scene::polygon_kind kind = geometry_.kinds[embree_->ids[r.hit.geomID[i]][r.hit.primID[i]]];
         const glm::vec3 normal{r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]};
         const bool votes = kind.alpha == scene::alpha_mode::opaque && !kind.double_sided;
-        if (votes && glm::dot(normal, direction) > 0.0f && !has_front(points[first + i], direction, r.ray.tfar[i]))
-          ++backs[i];
+        if (votes && glm::dot(normal, direction) > 0.0f) back[i] = -1;
+      }
+      drop_covered(*embree_, r, back);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (valid[i] == 0) continue;
+        backs[i] -= back[i];
         // Even if all that is left hit fronts, it would be a solid: seven directions do for most places inside one.
-        if (10 * backs[i] > hits[i] + left) valid[i] = 0, --undecided;
+        if (one_in * backs[i] > hits[i] + left) valid[i] = 0, --undecided;
       }
     }
-    for (std::size_t i = 0; i < count; ++i) solid[first + i] = 10 * backs[i] > hits[i] ? 1 : 0;
+    for (std::size_t i = 0; i < count; ++i) solid[first + i] = one_in * backs[i] > hits[i] ? 1 : 0;
   }
 }
 
+// In this order: most places that are not clear lie in solids, and seven rays in packets tell that, for less than it
+// takes to find the surface next to one.
+void ray_scene::find_clear(std::span<const glm::vec3> points, float radius, int one_in,
+                           std::span<std::uint8_t> clear) const {
+  std::vector<std::uint8_t> solid(points.size());
+  const std::vector<std::uint32_t> order = near_each_other(points);
+  std::vector<glm::vec3> sorted(points.size());
+  for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = points[order[i]];
+  find_solid(sorted, one_in, solid);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    clear[order[i]] = solid[i] || touches_surface(sorted[i], radius) ? 0 : 1;
+}
+
 void ray_scene::find_free(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const {
-  std::vector<glm::vec3> clear;
-  std::vector<std::size_t> which;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    free[i] = 0;
-    if (touches_surface(points[i], radius)) continue;
-    clear.push_back(points[i]);
-    which.push_back(i);
-  }
-  std::vector<std::uint8_t> solid(clear.size());
-  find_solid(clear, solid);
-  for (std::size_t i = 0; i < which.size(); ++i) free[which[i]] = solid[i] ? 0 : 1;
+  find_clear(points, radius, 10, free);
 }
 
 bool ray_scene::is_free(const glm::vec3& point, float radius) const {
   std::uint8_t free = 0;
   find_free({&point, 1}, radius, {&free, 1});
   return free != 0;
+}
+
+bool ray_scene::is_nearly_free(const glm::vec3& point, float radius) const {
+  std::uint8_t clear = 0;
+  find_clear({&point, 1}, radius, 4, {&clear, 1});
+  return clear != 0;
 }
 
 }  // namespace sightcell::bake

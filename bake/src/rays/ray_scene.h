@@ -88,6 +88,9 @@ class ray_scene {
   // polygon (design.md section 6) with no front in the same place. free[i] is set for points[i].
   void find_free(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const;
   bool is_free(const glm::vec3& point, float radius) const;
+  // Is the point free, or a solid by a little: at most a quarter of the hits show backs? Of 64 other directions such a
+  // place may well be free.
+  bool is_nearly_free(const glm::vec3& point, float radius) const;
 
   const scene::world_geometry& geometry() const { return geometry_; }
   const embree_scene& embree() const { return *embree_; }  // for packets of rays
@@ -98,8 +101,8 @@ class ray_scene {
  private:
   void look(look_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
   bool touches_surface(const glm::vec3& point, float radius) const;
-  bool has_front(const glm::vec3& point, const glm::vec3& direction, float distance) const;
-  void find_solid(std::span<const glm::vec3> points, std::span<std::uint8_t> solid) const;
+  void find_solid(std::span<const glm::vec3> points, int one_in, std::span<std::uint8_t> solid) const;
+  void find_clear(std::span<const glm::vec3> points, float radius, int one_in, std::span<std::uint8_t> clear) const;
 
   const scene::world_geometry& geometry_;
   bool all_double_sided_;

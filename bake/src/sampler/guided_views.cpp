@@ -46,7 +46,7 @@ std::optional<pose> guided_views::on_a_face() {
       const std::uint32_t i = ++used_[face];
       const glm::vec2 halton{radical_inverse(i, 2), radical_inverse(i, 3)};
       const pose where = faces_[face].at(glm::fract(halton + shifts_[face]));
-      if (is_free(where.eye)) return turn % 2 == 1 ? rotated(where) : where;
+      if (may_look_from(where.eye)) return turn % 2 == 1 ? rotated(where) : where;
     }
     walled_[face] = true;
   }
@@ -58,7 +58,7 @@ std::optional<glm::vec3> guided_views::inside() {
     const std::uint32_t i = ++used_inside_;
     const glm::vec3 halton{radical_inverse(i, 2), radical_inverse(i, 3), radical_inverse(i, 5)};
     const glm::vec3 eye = grown_.min + (grown_.max - grown_.min) * glm::fract(halton + shift_inside_);
-    if (is_free(eye)) return eye;
+    if (may_look_from(eye)) return eye;
   }
   std::uint64_t tested = 0;
   const auto found = draw_free_points(rays_, grown_, how_.player_radius, 1, most_tests, anywhere_, tested);

@@ -28,12 +28,13 @@ struct guided_places {
 // The Halton sequence in bases 2 and 3 per face, in bases 2, 3 and 5 inside, shifted at random (Cranley and Patterson
 // 1976). Faces take turns. Every second turn hemicubes are rotated by 45 degrees about the face's normal, so that the
 // corners of one are the middles of edges of the next, and each is turned by up to half a pixel at random: what hides
-// between the pixels of one does not hide in the next (design.md section 6).
+// between the pixels of one does not hide in the next (design.md section 6). They stand in places that are nearly free,
+// too: whoever tells solids by other directions may find such a place free.
 class guided_views {
  public:
   guided_views(const ray_scene& rays, const box& grown, const guided_places& how);
 
-  // The next poses, in free places; fewer where no more are found. They depend on the arguments and on how many were
+  // The next poses; fewer where no more places are found. They depend on the arguments and on how many were
   // asked for before.
   std::vector<pose> next(std::uint32_t count);
   std::uint32_t taken() const { return how_.taken; }
@@ -42,7 +43,7 @@ class guided_views {
  private:
   std::optional<pose> on_a_face();
   std::optional<glm::vec3> inside();
-  bool is_free(const glm::vec3& eye) const { return rays_.is_free(eye, how_.player_radius); }
+  bool may_look_from(const glm::vec3& eye) const { return rays_.is_nearly_free(eye, how_.player_radius); }
 
   const ray_scene& rays_;
   const box grown_;

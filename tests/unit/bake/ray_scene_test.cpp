@@ -208,6 +208,24 @@ TEST(ray_scene, walls_of_two_layers_back_to_back_make_no_solid) {
   }
 }
 
+TEST(ray_scene, a_solid_by_a_little_is_nearly_free) {
+  tiny_scene tiny;
+  tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+  const glm::vec3 middle{0.02f, -0.01f, 0.03f};
+  const auto told = [&] {
+    const world w(tiny);
+    const ray_scene rays(w.geometry, false);
+    return std::pair{rays.is_free(middle, 0.05f), rays.is_nearly_free(middle, 0.05f)};
+  };
+  EXPECT_EQ(told(), std::pair(true, true));
+  tiny.wall_x(2, 1, 2);  // its back, in a sixth of all directions
+  EXPECT_EQ(told(), std::pair(false, true));
+  tiny.wall_x(-2, -1, 2);  // in a third
+  EXPECT_EQ(told(), std::pair(false, false));
+  const world w(tiny);
+  EXPECT_FALSE(ray_scene(w.geometry, false).is_nearly_free({8.97f, 8, 8}, 0.05f)) << "at a surface";
+}
+
 TEST(ray_scene, nothing_is_a_solid_where_all_polygons_are_double_sided) {
   tiny_scene tiny;
   tiny.closed_box({-1, -1, -1}, {1, 1, 1});

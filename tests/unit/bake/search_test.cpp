@@ -101,6 +101,21 @@ TEST(guided_views, find_the_only_free_corner_and_end_where_there_is_none) {
   for (const pose& p : corner.next(6)) EXPECT_LT(p.eye.x, -1.05f);
 }
 
+// The bound's rays never start there; judges that draw other directions may find such a place free.
+TEST(guided_views, stand_in_solids_by_a_little_too) {
+  tiny_scene tiny;
+  tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
+  tiny.wall_x(2, 1, 2);
+  const scene::scene s = tiny.finished();
+  const scene::world_geometry geometry = scene::flatten(s);
+  const ray_scene rays(geometry, false);
+  const box around{{-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}};
+  guided_views views(rays, around, places_of(false));
+  const std::vector<pose> poses = views.next(6);
+  EXPECT_EQ(poses.size(), 6u);
+  for (const pose& p : poses) EXPECT_FALSE(rays.is_free(p.eye, 0.05f));
+}
+
 TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   const world w;
   search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source};
