@@ -120,8 +120,8 @@ void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32
     if (is_free[i]) set.add(whose[i], before[i]);
 }
 
-// The set is what the cell has so far.
-void cell_baker::bound(const view_cell& cell, cell_set& set, cell_record& record) const {
+// The set is what the cell has so far; the sampler found the first `known` members.
+void cell_baker::bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const {
   auto views = sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
   const time_limit limit(views ? how_.seconds_per_cell : 0.0, views && views->source.shared());
   const finish_settings finish{.max_pixel_error = how_.max_pixel_error,
@@ -129,7 +129,8 @@ void cell_baker::bound(const view_cell& cell, cell_set& set, cell_record& record
                                .free_share = record.free_share,
                                .seed = how_.seed,
                                .place = cell.place,
-                               .limit = &limit};
+                               .limit = &limit,
+                               .known = known};
   const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), finish, set, views ? &*views : nullptr);
   if (views) record.samples = views->places.taken();
   record.rays = proof.rays;
@@ -146,16 +147,17 @@ cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& ow
   cell_record record = own;
   if (!record.stored) return record;
   set.load(record);
+  const std::size_t known = set.members().size();
   record.rays_spent +=
       retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest, {how_.player_radius, how_.smallest_gap}},
              neighbors, set);
-  bound(cell, set, record);
+  bound(cell, known, set, record);
   return record;
 }
 
 cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set) const {
   cell_record record = sample(cell, set);
-  if (record.stored && shares()) bound(cell, set, record);
+  if (record.stored && shares()) bound(cell, set.members().size(), set, record);
   return record;
 }
 
@@ -168,7 +170,12 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
   record.rays_spent +=
       retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest_all, {how_.player_radius, how_.smallest_gap}},
              neighbors, set);
-  refinement beside(rays_, *neighbors_, {how_.seed, cell.place, how_.smallest_gap, purpose::dilation_of_finds}, before,
+  refinement beside(rays_, *neighbors_,
+                    {.seed = how_.seed,
+                     .place = cell.place,
+                     .smallest_gap = how_.smallest_gap,
+                     .use = purpose::dilation_of_finds,
+                     .known = before},
                     set);
   record.rays_spent += beside.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays);
   set.save(record);

@@ -53,7 +53,7 @@ class cell_baker {
   bool find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const;
   void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside, const std::vector<glm::vec3>& free,
                   cell_set& set) const;
-  void bound(const view_cell& cell, cell_set& set, cell_record& record) const;
+  void bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const;
 
   const settings& how_;
   const overrides& given_;

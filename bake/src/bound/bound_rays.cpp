@@ -15,7 +15,7 @@ namespace sightcell::bake {
 namespace {
 
 // So many that rays of one packet, which go about the same way, are some degrees apart.
-constexpr std::uint64_t chunk_rays = 4096;
+constexpr std::uint64_t chunk_rays = 65536;
 constexpr std::uint64_t fewest_tests = 256, rays_per_test = 256;
 
 struct chunk_result {
@@ -34,10 +34,12 @@ std::vector<sight_line> draw(const box& grown, std::uint64_t count, random_strea
 }
 
 // Rays that go about the same way share packets; which ones saw something that the set lacks, in the order of lines.
-std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial,
+std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial, const box& grown,
                                     const std::vector<sight_line>& lines) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order(lines.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {direction_code(lines[i].direction), i};
+  for (std::uint32_t i = 0; i < order.size(); ++i)
+    order[i] = {direction_code(lines[i].direction) << 15 | place_code(lines[i].eye, grown.min, grown.max - grown.min),
+                i};
   std::sort(order.begin(), order.end());
   std::vector<sight_line> sorted(lines.size());
   for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = lines[order[i].second];
@@ -55,7 +57,7 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rul
   chunk_result result;
   const std::vector<sight_line> lines = draw(grown, count, random);
   ray_trial trial(rays, rules, contains);
-  const std::vector<std::uint32_t> wrong = suspects(rays, trial, lines);
+  const std::vector<std::uint32_t> wrong = suspects(rays, trial, grown, lines);
 
   std::vector<glm::vec3> places;
   for (std::size_t i = 0; i < std::min<std::size_t>(tests, lines.size()); ++i) places.push_back(lines[i].eye);

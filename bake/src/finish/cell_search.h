@@ -22,14 +22,22 @@ struct search_views {
   std::uint32_t most = 0xFFFFFFFFu;  // with those taken before
 };
 
+// Rays go beside all that is worth so much, in sr, of the error to reach; with each doubling of the hemicubes beside a
+// quarter of that: the more is known, the smaller is what is missing.
+double worth_beside(double max_pixel_error);
+double worth_after(double worth, std::uint32_t hemicubes);
+
 struct search_settings {
   std::uint64_t seed = 0, place = 0;
   float smallest_gap = 0.0f;
   const time_limit* limit = nullptr;  // null: none
+  // As in refinement_settings.
+  std::size_t known = 0;
+  double tried = 0.0;
 };
 
 struct search_goal {
-  double least_worth = 0.0;  // sr: rays go beside all that is worth as much, and in later rounds less
+  double worth = 0.0;                            // sr: what rays go beside of after the first round
   std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // in rays, with what was spent before
   // Is so little missing, as a share of all directions, that another round of hemicubes at this cost, in rays, does not
   // pay? Null: hemicubes are taken until they are spent.
@@ -45,12 +53,12 @@ class cell_search {
 
   // Rounds of hemicubes, each with rays beside what they saw, until what they show is enough or none is left.
   void look_for(const search_goal& goal);
-  // Rays beside all that is known, a step further than the last round went. For polygons that others found.
+  // Rays beside all that is known, as far as the last round went. For polygons that others found.
   void look_beside(std::uint64_t max_cost);
 
   // Of the next round of hemicubes, in rays; 0 where there is none.
   std::uint64_t cost_of_views() const;
-  // What is missing, about, of all directions: the share of the last round's pixels that show what was not known, or
+  // What is missing, about, of all directions: by the share of the last round's pixels that show what was not known, or
   // what was heard since. 1: nothing is known of it.
   double missing() const { return missing_; }
   void hear(double missing) { missing_ = missing; }
@@ -71,7 +79,9 @@ class cell_search {
   cell_set& set_;
   std::vector<glm::vec3> places_;  // where hemicubes stood and rays began
   refinement beside_;
-  double worth_;  // rays go beside all that is worth as much, sr
+  double worth_ = 0.0;        // of the goal, sr
+  std::uint32_t deeper_ = 0;  // searches without hemicubes: each goes on as if their number had doubled
+  double cost_of_view_, cost_of_round_ = 0.0;  // of one hemicube, as the last round had it; of that round so far
   double missing_ = 1.0;
   std::uint64_t spent_ = 0, cast_ = 0;
 };

@@ -11,11 +11,9 @@ namespace sightcell::bake {
 namespace {
 
 constexpr double share_of_places = 0.01;  // of a batch's risk: of taking too many places for free ones
-constexpr double least_of_target = 1e-4;  // of the target's share of all directions: what rays still go beside
-constexpr double of_a_bound_ray = 0.25;   // of what a ray aimed costs
-// Of what is thought to be missing: what is left when the round that told of it has joined, and after the next one.
-constexpr double left_now = 0.8, left_after_next = 0.45;
-constexpr double without_hearsay = 0.1;  // of the target: what is thought to be missing where nothing is known
+constexpr double of_a_bound_ray = 0.2;    // of what a ray aimed costs
+constexpr double left_after_next = 0.45;  // of what is missing, when another round of hemicubes has joined
+constexpr double without_hearsay = 0.1;   // of the target: what is thought to be missing where nothing is known
 
 // What part of a batch fails, by `risk` for the places alone.
 double risk_of(std::uint64_t batch) {
@@ -55,7 +53,7 @@ bool batch_pays(double missing, std::uint64_t cost_of_views, double target, doub
   if (missing >= 1.0)
     return cost_of_trial * static_cast<double>(trials_without_miss(target, confidence)) <=
            static_cast<double>(cost_of_views);
-  const planned_batch now = plan_batch(left_now * missing, target, confidence),
+  const planned_batch now = plan_batch(missing, target, confidence),
                       later = plan_batch(left_after_next * missing, target, confidence);
   return now.likely &&
          cost_of_trial * static_cast<double>(now.trials - later.trials) <= static_cast<double>(cost_of_views);
@@ -66,14 +64,20 @@ bool batch_pays(double missing, std::uint64_t cost_of_views, double target, doub
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
                                const finish_settings& how, cell_set& set, search_views* views) {
   finish_result result;
+  const double target = how.max_pixel_error, worth = worth_beside(target);
   cell_search search(rays, neighbors, views,
-                     {.seed = how.seed, .place = how.place, .smallest_gap = how.rules.smallest_gap, .limit = how.limit},
+                     {.seed = how.seed,
+                      .place = how.place,
+                      .smallest_gap = how.rules.smallest_gap,
+                      .limit = how.limit,
+                      .known = views ? how.known : 0,
+                      .tried = views ? worth_after(worth, views->places.taken()) : 0.0},
                      set);
-  const double target = how.max_pixel_error, cost_of_trial = of_a_bound_ray / std::max(how.free_share, 1e-3);
+  const double cost_of_trial = of_a_bound_ray / std::max(how.free_share, 1e-3);
   std::uint64_t of_batches = 0;
   int too_short = 0;       // batches that failed though nothing missed
   double of_misses = 0.0;  // the confidence that is left for misses; the rest is for how many places are free
-  search_goal goal{.least_worth = least_of_target * target * whole_sphere};
+  search_goal goal{.worth = worth};
   goal.enough = [&](double missing, std::uint64_t cost) {
     return batch_pays(missing, cost, target, of_misses, cost_of_trial);
   };
@@ -86,7 +90,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     result.rays_spent = of_batches + search.spent();
 
     // Rays alone know little of how much is missing: their batches double.
-    const double missing = search.missing() < 1.0 ? left_now * search.missing() : without_hearsay * target;
+    const double missing = search.missing() < 1.0 ? search.missing() : without_hearsay * target;
     const double most = std::ldexp(static_cast<double>(trials_without_miss(target, of_misses)),
                                    static_cast<int>(std::min<std::uint64_t>(batch, 30)) + (views ? 4 : 0));
     const double trials = std::min(static_cast<double>(plan_batch(missing, target, of_misses).trials), most);

@@ -18,6 +18,7 @@ struct finish_settings {
   std::uint64_t max_rays = 40'000'000;  // sight rays and tested places, and hemicubes for some thousand each
   std::uint64_t seed = 0, place = 0;
   const time_limit* limit = nullptr;  // a batch under way is not cut short; null: none
+  std::size_t known = 0;              // with views: so many members have been looked beside of, by guided
 };
 
 struct finish_result {

@@ -30,8 +30,8 @@ std::size_t level_of(float worth, std::size_t count) {
 }  // namespace
 
 refinement::refinement(const ray_scene& rays, const near_polygons& neighbors, const refinement_settings& how,
-                       std::size_t first, cell_set& set)
-    : rays_(rays), neighbors_(neighbors), how_(how), set_(set), taken_(first) {}
+                       cell_set& set)
+    : rays_(rays), neighbors_(neighbors), how_(how), set_(set), taken_(how.tried > 0.0 ? 0 : how.known) {}
 
 void refinement::push(const attempt& one) {
   levels_[level_of(one.worth, level_count)].push_back(one);
@@ -40,6 +40,16 @@ void refinement::push(const attempt& one) {
 bool refinement::done() const {
   return taken_ == set_.members().size() &&
          std::all_of(levels_.begin(), levels_.end(), [](const auto& level) { return level.empty(); });
+}
+
+// Brings a try to where those of earlier runs ended; false where nothing is left of it.
+bool refinement::leave_tried(attempt& one) const {
+  const std::size_t last = level_of(static_cast<float>(how_.tried), level_count);
+  while (one.misses < most_misses && level_of(one.worth, level_count) <= last) {
+    ++one.misses;
+    one.worth *= worth_after_miss;
+  }
+  return one.misses < most_misses;
 }
 
 void refinement::take_members() {
@@ -58,9 +68,11 @@ void refinement::take_members() {
       });
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
-      for (const std::uint32_t neighbor : near)
-        if (faces(rays_, neighbor, eye))  // else its back: it cannot be seen from here
-          found[k].push_back({neighbor, member, solid_angle(corners_of(rays_.geometry(), neighbor), eye), 0});
+      for (const std::uint32_t neighbor : near) {
+        if (!faces(rays_, neighbor, eye)) continue;  // its back: it cannot be seen from here
+        attempt one{neighbor, member, solid_angle(corners_of(rays_.geometry(), neighbor), eye), 0};
+        if (i >= how_.known || leave_tried(one)) found[k].push_back(one);
+      }
     }
   });
   for (const auto& part : found)

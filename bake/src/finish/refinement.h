@@ -25,6 +25,10 @@ struct refinement_settings {
   // between runs. Null: all tries begin at witnesses. As the next one it must outlive the object.
   const std::vector<glm::vec3>* places = nullptr;
   const time_limit* limit = nullptr;  // where it is reached, what waits goes on waiting
+  // So many members were there before, and who found them had gone beside them, down to tries worth `tried` sr: those
+  // go on below that. 0: nothing is left of them.
+  std::size_t known = 0;
+  double tried = 0.0;
 };
 
 // A *try* is a ray from the witness of a member toward a random point of a polygon beside it; after a miss from another
@@ -35,9 +39,8 @@ struct refinement_settings {
 // the order of ids matter.
 class refinement {
  public:
-  // References must outlive the object. first: members from this one on, in joining order, are looked beside of.
-  refinement(const ray_scene& rays, const near_polygons& neighbors, const refinement_settings& how, std::size_t first,
-             cell_set& set);
+  // References must outlive the object.
+  refinement(const ray_scene& rays, const near_polygons& neighbors, const refinement_settings& how, cell_set& set);
 
   // Works off tries worth `worth` sr or more (within a factor of two), those of what joins on the way too, until none
   // is left or max_rays are cast; returns how many were. Runs on the calling thread's TBB arena.
@@ -61,6 +64,7 @@ class refinement {
   };
 
   void take_members();
+  bool leave_tried(attempt& one) const;
   glm::vec3 eye_of(const attempt& one, random_stream& random) const;
   void push(const attempt& one);
   std::vector<aimed_try> aim(const std::vector<attempt>& tries) const;

@@ -1,13 +1,11 @@
 #include "sampler/guided.h"
 
-#include <limits>
-
 #include "finish/cell_search.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr double least_worth = 1e-9 * whole_sphere;  // sr, of rays without an error to reach
+constexpr double error_without_one = 1e-5;  // where none is to be reached, rays go as far as for this one
 
 }  // namespace
 
@@ -24,13 +22,12 @@ std::optional<search_views> guided::later_views(const sampled_cell& cell, std::u
 }
 
 sampling_effort guided::sample(const sampled_cell& cell, cell_set& set) const {
-  const bool searches = how_.max_pixel_error == 0.0;
   const time_limit limit(how_.seconds_per_cell, world_.source.shared());
   auto views = later_views(cell, 0);
   views->most = how_.samples;
   cell_search search(world_.rays, *world_.neighbors, &*views,
                      {.seed = how_.seed, .place = cell.place, .smallest_gap = how_.smallest_gap, .limit = &limit}, set);
-  search.look_for({.least_worth = searches ? least_worth : std::numeric_limits<double>::infinity()});
+  search.look_for({.worth = worth_beside(how_.max_pixel_error > 0.0 ? how_.max_pixel_error : error_without_one)});
   return {.samples = views->places.taken(), .rays = search.rays()};
 }
 
