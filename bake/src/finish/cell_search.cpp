@@ -63,7 +63,7 @@ void cell_search::look_beside(std::uint64_t max_cost) {
   cast_ += rays;
 }
 
-// Returns how many pixels show what was not known.
+// Returns how many pixels show what was not known and is large enough to count.
 std::uint64_t cell_search::take(const std::vector<pose>& poses) {
   gap_filter without_cracks(views_->source, rays_, set_, how_.smallest_gap);
   std::vector<hemicube_view> views(poses.size());
@@ -72,7 +72,7 @@ std::uint64_t cell_search::take(const std::vector<pose>& poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     places_.push_back(poses[i].eye);
     for (const seen_polygon& s : views[i].seen)
-      if (!set_.contains(s.id)) fresh += s.pixels;
+      if (!set_.contains(s.id) && how_.metric->is_large(s.id, poses[i].eye)) fresh += s.pixels;
     set_.add_view(poses[i].eye, views[i].seen);
   }
   return fresh;

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "bound/metric.h"
 #include "cell_set.h"
 #include "finish/near_polygons.h"
 #include "finish/refinement.h"
@@ -26,13 +27,14 @@ struct search_settings {
   std::uint64_t seed = 0, place = 0;
   float smallest_gap = 0.0f;
   const time_limit* limit = nullptr;  // null: none
+  const error_metric* metric = &pixel_metric;
 };
 
 struct search_goal {
   double least_worth = 0.0;  // sr: rays go beside all that is worth as much, and in later rounds less
   std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // in rays, with what was spent before
-  // Is so little missing, as a share of all directions, that another round of hemicubes at this cost, in rays, does not
-  // pay? Null: hemicubes are taken until they are spent.
+  // Is so little missing, as a share of all directions and large enough to count, that another round of hemicubes at
+  // this cost, in rays, does not pay? Null: hemicubes are taken until they are spent.
   std::function<bool(double missing, std::uint64_t cost)> enough = {};
 };
 
@@ -50,8 +52,8 @@ class cell_search {
 
   // Of the next round of hemicubes, in rays; 0 where there is none.
   std::uint64_t cost_of_views() const;
-  // What is missing, about, of all directions: the share of the last round's pixels that show what was not known, or
-  // what was heard since. 1: nothing is known of it.
+  // What is missing, about, of all directions: the share of the last round's pixels that show what was not known and
+  // would count by view, or what was heard since. 1: nothing is known of it. How much it differs in color nobody asks.
   double missing() const { return missing_; }
   void hear(double missing) { missing_ = missing; }
   // In rays: a hemicube costs as much as some thousand.

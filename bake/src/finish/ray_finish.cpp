@@ -67,7 +67,11 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                                const finish_settings& how, cell_set& set, search_views* views) {
   finish_result result;
   cell_search search(rays, neighbors, views,
-                     {.seed = how.seed, .place = how.place, .smallest_gap = how.rules.smallest_gap, .limit = how.limit},
+                     {.seed = how.seed,
+                      .place = how.place,
+                      .smallest_gap = how.rules.smallest_gap,
+                      .limit = how.limit,
+                      .metric = how.rules.metric},
                      set);
   const double target = how.max_pixel_error, cost_of_trial = of_a_bound_ray / std::max(how.free_share, 1e-3);
   std::uint64_t of_batches = 0;

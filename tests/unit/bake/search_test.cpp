@@ -138,6 +138,29 @@ TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   EXPECT_GE(search.spent(), costs[0] + costs[1] + costs[2]);
 }
 
+TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {
+  const world w;
+  metric_settings view;
+  view.kind = metric_kind::view;
+  const auto missing = [&](const error_metric& metric) {
+    search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
+    cell_set set(w.s.polygon_count);
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &metric}, set);
+    search.look_for({.least_worth = 1e9});
+    EXPECT_EQ(views.places.taken(), 48u);
+    return search.missing();
+  };
+  const double plain = missing(pixel_metric);
+  EXPECT_GT(plain, 0.0);
+  view.view_least = 0.0;
+  EXPECT_EQ(missing(error_metric(view, w.rays, nullptr)), plain);
+  view.view_least = 1e4;  // 0.01 sr
+  const double large = missing(error_metric(view, w.rays, nullptr));
+  EXPECT_LT(large, plain);
+  view.view_least = 1e6;
+  EXPECT_LT(missing(error_metric(view, w.rays, nullptr)), large);
+}
+
 TEST(cell_search, spends_its_hemicubes_and_no_more) {
   const world w;
   search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 37};
