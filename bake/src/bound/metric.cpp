@@ -91,6 +91,20 @@ double error_metric::color_difference(const sight_line& line, const sight& seen,
   return (range.x + range.y + range.z) / (3.0 * 255.0);
 }
 
+double error_metric::weight(std::uint32_t polygon, const sight_line& line,
+                            const std::function<bool(std::uint32_t)>& contains) const {
+  if (kind_ == metric_kind::pixel) return 1.0;
+  if (kind_ == metric_kind::view) {
+    const bool shown = line.direction.y >= lowest_ && line.direction.y <= highest_ && is_large(polygon, line.eye);
+    return shown ? 2.0 / static_cast<double>(highest_ - lowest_) : 0.0;  // the band is a part of all directions
+  }
+  const std::uint32_t behind = rays_->front_of_set(line.eye, line.direction, contains);
+  const glm::u8vec3 whole = colors_->color_of(polygon, line.eye, line.direction);
+  const glm::u8vec3 found =
+      behind == no_polygon ? surface_colors::sky() : colors_->color_of(behind, line.eye, line.direction);
+  return mean_color_difference({&whole, 1}, {&found, 1});
+}
+
 bool error_metric::counts(const sight_line& line, const sight& seen, const lacking_surfaces& lacking,
                           const std::function<bool(std::uint32_t)>& contains, random_stream& random) const {
   if (kind_ == metric_kind::color) {

@@ -39,6 +39,11 @@ class error_metric {
     return kind_ != metric_kind::view || covers_enough(polygon, eye);
   }
 
+  // For hints: about how much it adds to the error, for each part of all directions, that a set lacks the polygon that
+  // shows along a line. By color one ray tells what else of the set hides there; what hides nothing is left out.
+  double weight(std::uint32_t polygon, const sight_line& line,
+                const std::function<bool(std::uint32_t)>& contains) const;
+
   // Does a ray that saw this, and lacks some of it, count as a miss? By view: where any of what it lacks is large. By
   // color: where an independent number, uniform in 0..1 and the next one of random, is below the ray's difference of
   // color: a trial that fails with the difference as its probability, and over all rays with the mean of them.

@@ -5,6 +5,7 @@
 
 #include "finish/aim.h"
 #include "seeing/gap_filter.h"
+#include "source/hemicube_faces.h"
 
 namespace sightcell::bake {
 namespace {
@@ -63,16 +64,21 @@ void cell_search::look_beside(std::uint64_t max_cost) {
   cast_ += rays;
 }
 
-// Returns how many pixels show what was not known and is large enough to count.
-std::uint64_t cell_search::take(const std::vector<pose>& poses) {
+// Returns how many pixels show what was not known, each weighed by the metric along a line through one of its
+// polygon's.
+double cell_search::take(const std::vector<pose>& poses) {
   gap_filter without_cracks(views_->source, rays_, set_, how_.smallest_gap);
   std::vector<hemicube_view> views(poses.size());
   without_cracks.render(poses, views);
-  std::uint64_t fresh = 0;
+  const std::function<bool(std::uint32_t)> contains = [this](std::uint32_t polygon) { return set_.contains(polygon); };
+  double fresh = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     places_.push_back(poses[i].eye);
-    for (const seen_polygon& s : views[i].seen)
-      if (!set_.contains(s.id) && how_.metric->is_large(s.id, poses[i].eye)) fresh += s.pixels;
+    for (const seen_polygon& s : views[i].seen) {
+      if (contains(s.id)) continue;
+      const sight_line line{poses[i].eye, pixel_direction(poses[i], views_->places.resolution(), s.pixel)};
+      fresh += s.pixels * how_.metric->weight(s.id, line, contains);
+    }
     set_.add_view(poses[i].eye, views[i].seen);
   }
   return fresh;
@@ -81,7 +87,7 @@ std::uint64_t cell_search::take(const std::vector<pose>& poses) {
 void cell_search::view() {
   const std::uint32_t before = views_->places.taken(), resolution = views_->places.resolution();
   const std::uint32_t count = next_views();
-  std::uint64_t fresh = 0;
+  double fresh = 0.0;
   std::uint32_t taken = 0;
   while (taken < count && !over()) {
     const std::vector<pose> poses = views_->places.next(std::min(turn, count - taken));
@@ -93,7 +99,7 @@ void cell_search::view() {
     taken += static_cast<std::uint32_t>(poses.size());
   }
   spent_ += taken * cost_of(resolution);
-  if (before > 0 && taken > 0) missing_ = static_cast<double>(fresh) / (3.0 * resolution * resolution * taken);
+  if (before > 0 && taken > 0) missing_ = fresh / (3.0 * resolution * resolution * taken);
 }
 
 void cell_search::look_for(const search_goal& goal) {

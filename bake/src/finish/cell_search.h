@@ -33,8 +33,8 @@ struct search_settings {
 struct search_goal {
   double least_worth = 0.0;  // sr: rays go beside all that is worth as much, and in later rounds less
   std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // in rays, with what was spent before
-  // Is so little missing, as a share of all directions and large enough to count, that another round of hemicubes at
-  // this cost, in rays, does not pay? Null: hemicubes are taken until they are spent.
+  // Is so little missing, by the metric, that another round of hemicubes at this cost, in rays, does not pay? Null:
+  // hemicubes are taken until they are spent.
   std::function<bool(double missing, std::uint64_t cost)> enough = {};
 };
 
@@ -52,8 +52,8 @@ class cell_search {
 
   // Of the next round of hemicubes, in rays; 0 where there is none.
   std::uint64_t cost_of_views() const;
-  // What is missing, about, of all directions: the share of the last round's pixels that show what was not known and
-  // would count by view, or what was heard since. 1: nothing is known of it. How much it differs in color nobody asks.
+  // The error by the metric, about: the share of the last round's pixels that show what was not known, weighed, or what
+  // was heard since. 1: nothing is known of it.
   double missing() const { return missing_; }
   void hear(double missing) { missing_ = missing; }
   // In rays: a hemicube costs as much as some thousand.
@@ -65,7 +65,7 @@ class cell_search {
   std::uint32_t next_views() const;
   bool over() const { return how_.limit && how_.limit->reached(); }
   void view();
-  std::uint64_t take(const std::vector<pose>& poses);
+  double take(const std::vector<pose>& poses);
 
   const ray_scene& rays_;
   search_views* views_;

@@ -155,6 +155,22 @@ std::vector<double> heights(const error_metric& metric, int count) {
   return drawn;
 }
 
+TEST(view_metric, hints_weigh_what_pictures_show) {
+  octant made;
+  const world w(made.tiny.finished());
+  metric_settings how = coarse_view();
+  how.view_pitch = {-15.0, 45.0};  // from -60 to 90 degrees
+  const double share = 0.5 * (1.0 + std::sin(60.0 * degree));
+  const auto weight = [&](std::uint32_t polygon, const glm::vec3& toward) {
+    return w.by(how).weight(polygon, {{0, 0, 0}, glm::normalize(toward)}, [](std::uint32_t) { return true; });
+  };
+  how.view_least = 0.9 * octant_angle / coarse_pixel;
+  EXPECT_NEAR(weight(made.corner, {1, 1, 1}), 1.0 / share, 1e-6);
+  EXPECT_EQ(weight(made.corner, {1, -3, 1}), 0.0) << "65 degrees down";
+  how.view_least = 1.1 * octant_angle / coarse_pixel;
+  EXPECT_EQ(weight(made.corner, {1, 1, 1}), 0.0);
+}
+
 TEST(view_metric, the_band_is_what_a_picture_can_hold) {
   tiny_scene tiny;
   tiny.wall_x(2, -1, 1);
@@ -242,6 +258,21 @@ TEST(color_metric, counts_by_how_much_the_color_differs) {
     for (const missed_polygon& m : batch.missed) counting += m.counts;
     EXPECT_EQ(counting, batch.misses);
   }
+}
+
+TEST(color_metric, hints_weigh_what_differs) {
+  painted scene;
+  const world w = scene.with(black, red);
+  const auto weight = [&](std::uint32_t polygon, const std::vector<std::uint32_t>& missing) {
+    return w.by(metric_kind::color)
+        .weight(polygon, {{0, 0, 0}, glm::normalize(glm::vec3{1, 1, 1})}, world::in_all_but(missing));
+  };
+  EXPECT_NEAR(weight(scene.corner, {scene.corner}), 1.0 / 3.0, 1e-9);
+  EXPECT_EQ(weight(scene.corner, {}), 0.0);
+  std::vector<std::uint32_t> all(w.s.polygon_count);
+  std::iota(all.begin(), all.end(), 0u);
+  const glm::vec3 off = glm::abs(glm::vec3(surface_colors::sky()) - glm::vec3{255, 0, 0}) / 255.0f;
+  EXPECT_NEAR(weight(scene.corner, all), static_cast<double>(off.x + off.y + off.z) / 3.0, 1e-6);
 }
 
 TEST(color_metric, the_sky_is_a_color_too) {

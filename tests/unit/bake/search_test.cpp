@@ -8,6 +8,7 @@
 #include "finish/cell_search.h"
 #include "sampler/guided_views.h"
 #include "source/choose_source.h"
+#include "source/surface_colors.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {
@@ -159,6 +160,22 @@ TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {
   EXPECT_LT(large, plain);
   view.view_least = 1e6;
   EXPECT_LT(missing(error_metric(view, w.rays, nullptr)), large);
+}
+
+TEST(cell_search, what_looks_the_same_is_not_missing_by_color) {
+  const world w;
+  metric_settings color;
+  color.kind = metric_kind::color;
+  const surface_colors colors(w.s, w.geometry);
+  const error_metric metric(color, w.rays, &colors);
+  const auto missing = [&](const error_metric& by) {
+    search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
+    cell_set set(w.s.polygon_count);
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &by}, set);
+    search.look_for({.least_worth = 1e9});
+    return search.missing();
+  };
+  EXPECT_LT(missing(metric), 0.2 * missing(pixel_metric)) << "all is white, but for the sky where nothing is known";
 }
 
 TEST(cell_search, spends_its_hemicubes_and_no_more) {
