@@ -87,28 +87,34 @@ TEST(view_metric, a_polygon_counts_from_its_least_size_on) {
 }
 
 TEST(view_metric, knows_sizes_far_below_a_pixel) {
-  // Of 1e-9 sr, 8 m away and turned by 60 degrees: its area has a half left.
-  const double area = 2.0 * 64.0 * 1e-9;
-  const auto leg = static_cast<float>(std::sqrt(2.0 * area));
+  // Specks of 1e-8 sr all around, 8 m away and turned by 60 degrees, which leaves a half of their area. A pixel of 1920
+  // x 1080 is a hundred times as large; single precision is off by a tenth here.
+  const float leg = std::sqrt(2.0f * 2.0f * 64.0f * 1e-8f);
+  constexpr std::uint32_t specks = 200;
   tiny_scene tiny;
-  const float c = 0.5f, s = std::sqrt(0.75f);
-  const auto speck = tiny.triangle({8, 0, 0}, {8, leg, 0}, {8 + leg * s, 0, leg * c});
+  random_stream random(1, 2, purpose::verify);
+  for (std::uint32_t i = 0; i < specks; ++i) {
+    const glm::vec3 toward = random.on_sphere(), across = glm::normalize(glm::cross(toward, random.on_sphere()));
+    const glm::vec3 along = std::sqrt(0.75f) * toward + 0.5f * glm::cross(toward, across), at = 8.0f * toward;
+    tiny.triangle(at, at + leg * across, at + leg * along);
+  }
   const world w(tiny.finished());
   metric_settings how = coarse_view();
   for (const double of_it : {0.98, 1.02}) {
-    how.view_least = of_it * 1e-9 / coarse_pixel;
-    EXPECT_EQ(w.by(how).is_large(speck, {0, 0, 0}), of_it < 1.0);
+    how.view_least = of_it * 1e-8 / coarse_pixel;
+    const error_metric metric = w.by(how);
+    for (std::uint32_t i = 0; i < specks; ++i) EXPECT_EQ(metric.is_large(i, {0, 0, 0}), of_it < 1.0) << i;
   }
-  EXPECT_TRUE(pixel_metric.is_large(speck, {0, 0, 0}));
-  EXPECT_TRUE(w.by(metric_kind::color).is_large(speck, {0, 0, 0}));
+  EXPECT_TRUE(pixel_metric.is_large(0, {0, 0, 0}));
+  EXPECT_TRUE(w.by(metric_kind::color).is_large(0, {0, 0, 0}));
 }
 
 TEST(view_metric, one_large_polygon_of_those_a_ray_lacks_is_enough) {
-  // Before the corner a pane that is small enough, and one in its own place: whichever of them a ray is told of.
+  // Before the corner a pane that is too small, and 0.06 mm before it, so in its place, a sheet that is.
   octant made;
   const auto pane =
       made.tiny.triangle({0.3f, 0.1f, 0.1f}, {0.1f, 0.1f, 0.3f}, {0.1f, 0.3f, 0.1f}, {scene::alpha_mode::blend, true});
-  const auto third = [](float x, float y, float z) { return glm::vec3{x, y, z} / 3.0f; };
+  const auto third = [](float x, float y, float z) { return 0.9999f * glm::vec3{x, y, z} / 3.0f; };
   const auto same = made.tiny.triangle(third(1.2f, 0.9f, 0.9f), third(0.9f, 0.9f, 1.2f), third(0.9f, 1.2f, 0.9f));
   const world w(made.tiny.finished());
   metric_settings how = coarse_view();
@@ -119,6 +125,8 @@ TEST(view_metric, one_large_polygon_of_those_a_ray_lacks_is_enough) {
   EXPECT_EQ(w.cast(metric, {same}).misses, 0u) << "excused by the corner";
   const std::uint64_t alone = w.cast(metric, {made.corner, same}).misses;
   expect_share(alone, many, 0.125);
+  how.view_least = 0.0;
+  EXPECT_EQ(alone, w.cast(w.by(how), {made.corner, same}).misses) << "also where the sheet is in front";
   const fresh_batch both = w.cast(metric, {made.corner, same, pane});
   EXPECT_EQ(both.misses, alone) << "the same rays, through the pane or not";
   EXPECT_GT(both.missed.size(), alone) << "what is too small joins, too";
@@ -376,6 +384,15 @@ TEST(error_metric, batches_of_the_bound_measure_the_same) {
       cast_bound_rays(w.rays, middle, {.metric = &metric}, {.trials = many, .free_share = 1.0, .risk = 0.01},
                       {1, 1, purpose::bound, 1}, world::in_all_but({scene.corner}));
   expect_share(batch.misses, many, 1.0 / 24.0);
+  metric_settings how = coarse_view();
+  for (const double up : {90.0, -60.0}) {
+    how.view_pitch = {-90.0, up};
+    const error_metric view = w.by(how);
+    const auto seen =
+        cast_bound_rays(w.rays, middle, {.metric = &view}, {.trials = many, .free_share = 1.0, .risk = 0.01},
+                        {1, 1, purpose::bound, 1}, world::in_all_but({scene.corner}));
+    expect_share(seen.misses, many, up > 0.0 ? 0.125 : 0.0);
+  }
 }
 
 // The corner is all that is missing, and rays from beside it never find it: it shares no vertex with anything.
