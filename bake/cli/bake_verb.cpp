@@ -15,6 +15,7 @@
 
 #include "console.h"
 #include "exit_codes.h"
+#include "metric_options.h"
 #include "number_text.h"
 #include "progress_line.h"
 #include "shard_option.h"
@@ -34,6 +35,7 @@ struct bake_options {
   std::filesystem::path cells_file;
   std::vector<float> cells_grid;
   bake::settings settings;
+  metric_options metric;
   bool fresh = false, json = false;
   std::string shard;
   std::uint32_t phase = 1;
@@ -55,6 +57,7 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"cells_over_bound", sum.cells_over_bound},
           {"cells_resumed", sum.cells_resumed},
           {"visible_set_percent", sum.visible_percent},
+          {"metric", options.metric.metric},
           {"max_upper_bound", sum.max_upper_bound},
           {"cpu_seconds", sum.cpu_seconds},
           {"bytes", sum.bytes},
@@ -130,8 +133,8 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
                            options.output.string(), grouped(sum.cells), grouped(sum.bytes), sum.visible_percent,
                            duration_text(sum.cpu_seconds), how.seed));
   if (how.max_pixel_error > 0.0)
-    line.message(fmt::format("largest bound of a cell's pixel error: {:.2e} (asked for {:g})", sum.max_upper_bound,
-                             how.max_pixel_error));
+    line.message(fmt::format("largest bound of a cell's {}: {:.2e} (asked for {:g})", error_name(how.metric),
+                             sum.max_upper_bound, how.max_pixel_error));
   if (sum.result == bake::outcome::bound_not_met) {
     line.message(fmt::format("{} of {} cells are above --max-pixel-error {:g}; the file is complete and says so",
                              grouped(sum.cells_over_bound), grouped(sum.cells), how.max_pixel_error));
@@ -148,6 +151,7 @@ int run_bake(bake_options options) {
     std::copy_n(options.cells_grid.begin(), how.cells_grid->size(), how.cells_grid->begin());
   }
   how.animated = *scene::animated_as_of(options.animated);
+  how.metric = metric_of(options.metric);
   bake::validate(how);  // before minutes of loading
   std::optional<bake::shard> part;
   if (!options.shard.empty()) {
@@ -220,8 +224,9 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
   add(verb, "--sampler", s.sampler, "NAME", "what looks for visible polygons; see sightcell samplers")
       ->group("Sampling");
   for (const bake::sampler_option& option : bake::sampler_options()) add_sampler_option(verb, option, s);
-  add(verb, "--max-pixel-error", s.max_pixel_error, "E", "bound of the pixel error of each cell; 0: no rays")
+  add(verb, "--max-pixel-error", s.max_pixel_error, "E", "bound of the error of each cell; 0: no rays")
       ->group("Sampling");
+  add_metric_options(verb, o.metric, "Sampling");
   add(verb, "--source", s.source, "NAME",
       "of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (to check the others, slow) or auto: gpu where there is "
       "a "

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "exit_codes.h"
+#include "metric_options.h"
 #include "number_text.h"
 #include "pvs_file.h"
 #include "scene_info.h"
@@ -103,6 +104,7 @@ ordered_json file_json(const pvs_file& pvs) {
           {"false_visible_percent", 0.0},  // nothing in this version adds polygons that no ray or pixel has seen
           {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
           {"margin", facts.margin},
+          {"metric", pvs.metric()},
           {"max_pixel_error", facts.max_pixel_error},
           {"confidence", facts.confidence},
           {"format_version", file.format_version()},
@@ -122,7 +124,7 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
              info["ranges_per_cell"].get<double>());
   fmt::print("  size               {:.3f} bits per visible polygon, {:.0f} % of the rows are differences\n",
              info["bits_per_visible_polygon"].get<double>(), info["delta_row_percent"].get<double>());
-  fmt::print("  pixel error        at most {:g} in every cell, confidence {:g}\n",
+  fmt::print("  {:<18} at most {:g} in every cell, confidence {:g}\n", error_name(info["metric"].get<std::string>()),
              info["max_pixel_error"].get<double>(), info["confidence"].get<double>());
   fmt::print("  layout             {}, margin {:g} m, {}\n", info["layout"].get<std::string>(),
              info["margin"].get<double>(), info["repeatable"].get<bool>() ? "repeatable" : "not repeatable");

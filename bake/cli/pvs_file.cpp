@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sightcell/bake/settings.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/json_text.h"
@@ -68,6 +69,14 @@ scene::animated_as pvs_file::animated() const {
   const auto found = settings.is_object() ? settings.find("animated") : settings.end();
   const auto named = found != settings.end() && found->is_string() ? found->get<std::string>() : std::string();
   return scene::animated_as_of(named).value_or(scene::animated_as::always);
+}
+
+std::string_view pvs_file::metric() const {
+  const auto settings = scene::parse_json(reader_.settings(), false);
+  const auto found = settings.is_object() ? settings.find("metric") : settings.end();
+  const auto& names = bake::metric_names;
+  const auto name = found != settings.end() ? std::find(names.begin(), names.end(), *found) : names.end();
+  return name != names.end() ? *name : names.front();
 }
 
 int pvs_file::scene() const {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "sightcell/format/reader.h"
@@ -25,6 +26,7 @@ class pvs_file {
   std::uint64_t size() const { return bytes_.size(); }
   format::row_statistics statistics() const;
   scene::animated_as animated() const;  // what it was baked with
+  std::string_view metric() const;      // of what error its bounds are, as --metric has it
   int scene() const;                    // the glTF scene that it was baked from; -1: the default one
   std::vector<std::uint32_t> cell_set(std::uint32_t cell) const;  // ascending stored numbers; version 0: source ids
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "exit_codes.h"
+#include "metric_options.h"
 #include "number_text.h"
 #include "progress_line.h"
 #include "pvs_file.h"
@@ -28,6 +29,7 @@ constexpr std::size_t named_on_terminal = 10;  // missing polygons; --json has a
 struct verify_options {
   std::filesystem::path scene, file, picture;
   bake::verify_settings how;
+  metric_options metric;
   double max_pixel_error = 1e-3;
   bool json = false;
 };
@@ -70,7 +72,8 @@ ordered_json miss_json(const named_miss& named) {
 ordered_json result_json(const bake::verification& v, const std::vector<named_miss>& missing,
                          const ordered_json& worst_view, const verify_options& options) {
   const bake::cell_verification* worst = worst_cell(v);
-  ordered_json result = {{"pixel_error", v.pixel_error},
+  ordered_json result = {{"metric", options.metric.metric},
+                         {"pixel_error", v.pixel_error},
                          {"upper_bound", v.upper_bound},
                          {"confidence", v.confidence},
                          {"rays", v.rays},
@@ -117,6 +120,7 @@ ordered_json try_worst_view(const scene::scene& s, const pvs_file& file, const s
 
 void report(const bake::verification& v, const std::vector<named_miss>& missing, const verify_options& options,
             progress_line& line) {
+  const std::string error = error_name(options.how.metric);
   for (std::size_t i = 0; i < std::min(missing.size(), named_on_terminal); ++i) {
     const named_miss& named = missing[i];
     line.message(fmt::format("missing: polygon {} (draw {}, node {} \"{}\") in cell {}: {} rays, {:.2e} of the cell's",
@@ -126,15 +130,16 @@ void report(const bake::verification& v, const std::vector<named_miss>& missing,
   if (missing.size() > named_on_terminal)
     line.message(fmt::format("... and {} more (--json lists them)", missing.size() - named_on_terminal));
   if (const bake::cell_verification* worst = worst_cell(v))
-    line.message(fmt::format("worst cell: {}, pixel error {:.2e}, at most {:.2e}", worst->cell, worst->error,
-                             worst->upper_bound));
+    line.message(
+        fmt::format("worst cell: {}, {} {:.2e}, at most {:.2e}", worst->cell, error, worst->error, worst->upper_bound));
   line.message(fmt::format(
-      "{}: {} misses of {} rays in {} cells; pixel error {:.2e}, at most {:.2e} ({:g} % sure); asked for {:g}",
+      "{}: {} misses of {} rays in {} cells; {} {:.2e}, at most {:.2e} ({:g} % sure); asked for {:g}",
       v.upper_bound <= options.max_pixel_error ? "passed" : "FAILED", grouped(v.misses), grouped(v.rays),
-      grouped(v.cells.size()), v.pixel_error, v.upper_bound, 100.0 * v.confidence, options.max_pixel_error));
+      grouped(v.cells.size()), error, v.pixel_error, v.upper_bound, 100.0 * v.confidence, options.max_pixel_error));
 }
 
-int run_verify(const verify_options& options) {
+int run_verify(verify_options options) {
+  options.how.metric = metric_of(options.metric);
   if (!(options.max_pixel_error > 0.0 && options.max_pixel_error <= 1.0))
     throw error(error_kind::wrong_use, "settings.out-of-range", "--max-pixel-error",
                 fmt::format("is {}", options.max_pixel_error), "give a number above 0, at most 1");
@@ -144,6 +149,9 @@ int run_verify(const verify_options& options) {
   const pvs_file file = pvs_file::open(options.file);
   const scene::scene s = scene::load_gltf(options.scene, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
+  if (file.metric() != options.metric.metric)
+    line.message(fmt::format("bounds in the file are of the {}, this measures the {}", error_name(file.metric()),
+                             error_name(options.how.metric)));
   const bake::verification v =
       bake::verify(s, file.bytes(), options.file.string(), options.how,
                    [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
@@ -161,8 +169,7 @@ int run_verify(const verify_options& options) {
 
 void add_verify_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<verify_options>();
-  CLI::App& verb =
-      *program.add_subcommand("verify", "bound the pixel error of a .pvs file with fresh, independent rays");
+  CLI::App& verb = *program.add_subcommand("verify", "bound the error of a .pvs file with fresh, independent rays");
   verb.add_option("SCENE", options->scene, ".glb or .gltf")->type_name("FILE")->required();
   verb.add_option("FILE", options->file, "the .pvs file baked from it")->type_name("FILE.pvs")->required();
   const auto add = [&verb](const char* name, auto& value, const char* unit, const char* help) {
@@ -172,6 +179,7 @@ void add_verify_verb(CLI::App& program, action& chosen) {
   add("--rays", options->how.rays, "N", "rays over all cells together, the same number for each");
   add("--seed", options->how.seed, "N", "of the rays");
   add("--max-pixel-error", options->max_pixel_error, "E", "exit 3 when the upper bound over all cells is above it");
+  add_metric_options(verb, options->metric, "Options");
   verb.add_option("--picture", options->picture, "folder for pictures of the worst view; default: beside FILE.pvs")
       ->type_name("DIR");
   verb.add_flag("--json", options->json, "print one JSON object on standard output");

@@ -86,6 +86,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
 summary bake(const host_scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
              const callbacks& tell) {
   validate(how);  // before alpha functions are called
+  require_no_colors(how.metric);
   return bake(scene_of(s), how, output, fresh, tell);
 }
 

@@ -35,12 +35,13 @@ void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vect
 }  // namespace
 
 cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
-                       const near_polygons* neighbors, const cell_sampler& sampler)
+                       const near_polygons* neighbors, const cell_sampler& sampler, const error_metric& metric)
     : how_(how),
       given_(given),
       rays_(rays),
       neighbors_(neighbors),
       sampler_(sampler),
+      metric_(metric),
       duplicates_(rays.geometry(), how.all_double_sided) {
   const auto& kinds = rays.geometry().kinds;
   for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
@@ -125,7 +126,7 @@ void cell_baker::bound(const view_cell& cell, std::size_t known, cell_set& set, 
   auto views = sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
   const time_limit limit(views ? how_.seconds_per_cell : 0.0, views && views->source.shared());
   const finish_settings finish{.max_pixel_error = how_.max_pixel_error,
-                               .rules = {how_.player_radius, how_.smallest_gap},
+                               .rules = {how_.player_radius, how_.smallest_gap, &metric_},
                                .free_share = record.free_share,
                                .seed = how_.seed,
                                .place = cell.place,

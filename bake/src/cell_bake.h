@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "bound/metric.h"
 #include "cell_record.h"
 #include "cell_set.h"
 #include "cells/overrides.h"
@@ -22,9 +23,10 @@ namespace sightcell::bake {
 // calling thread's TBB arena.
 class cell_baker {
  public:
-  // References must outlive the baker. neighbors: null when max_pixel_error is 0 (no rays). sampler: prepared.
+  // References must outlive the baker. neighbors: null when max_pixel_error is 0 (no rays). sampler: prepared. metric:
+  // that of how.
   cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
-             const cell_sampler& sampler);
+             const cell_sampler& sampler, const error_metric& metric = pixel_metric);
   cell_baker(const cell_baker&) = delete;  // sets point into it
   cell_baker& operator=(const cell_baker&) = delete;
 
@@ -60,6 +62,7 @@ class cell_baker {
   const ray_scene& rays_;
   const near_polygons* neighbors_;
   const cell_sampler& sampler_;
+  const error_metric& metric_;
   duplicate_classes duplicates_;
   std::vector<std::uint32_t> always_;  // polygons that are in every set
 };

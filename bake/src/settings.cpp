@@ -74,6 +74,16 @@ std::string sampler_text(const settings& s) {
   return text;
 }
 
+// What the error means, where it is another one than the pixel error.
+std::string metric_text(const metric_settings& s) {
+  if (s.kind == metric_kind::pixel) return {};
+  std::string text = fmt::format(R"(,"metric":"{}")", metric_names[static_cast<std::size_t>(s.kind)]);
+  if (s.kind == metric_kind::view)
+    text += fmt::format(R"(,"view_resolution":[{},{}],"view_fov":{},"view_pitch":[{},{}],"view_least":{})",
+                        s.view_width, s.view_height, s.view_fov, s.view_pitch[0], s.view_pitch[1], s.view_least);
+  return text;
+}
+
 const char* kind_of_cells(const settings& s) {
   if (!s.cells.empty()) return "given";
   if (s.cells_file) return "file";
@@ -81,6 +91,18 @@ const char* kind_of_cells(const settings& s) {
 }
 
 }  // namespace
+
+void validate_metric(const metric_settings& s) {
+  if (static_cast<std::size_t>(s.kind) >= metric_names.size())
+    refuse("--metric", number(static_cast<int>(s.kind)), "pixel, view or color");
+  check<std::uint32_t>("--view-resolution", s.view_width, 16, 65536, " pixels");
+  check<std::uint32_t>("--view-resolution", s.view_height, 16, 65536, " pixels");
+  check("--view-fov", s.view_fov, 1.0, 170.0, " degrees");
+  for (const double pitch : s.view_pitch) check("--view-pitch", pitch, -90.0, 90.0, " degrees");
+  if (!(s.view_pitch[0] <= s.view_pitch[1]))
+    refuse("--view-pitch", fmt::format("{},{}", s.view_pitch[0], s.view_pitch[1]), "the lower angle first");
+  check("--view-least", s.view_least, 0.0, 1e6, "");
+}
 
 void validate(const settings& s) {
   if (s.cells_file && s.cells_grid)
@@ -101,6 +123,7 @@ void validate(const settings& s) {
   if (s.resolution % 2 != 0) refuse("--resolution", number(s.resolution), "an even number, 16 to 4096");
   if (s.max_pixel_error != 0.0 && !(s.max_pixel_error >= 1e-7 && s.max_pixel_error <= 0.5))
     refuse("--max-pixel-error", number(s.max_pixel_error), "0 (no rays) or 1e-07 to 0.5");
+  validate_metric(s.metric);
   if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
 }
@@ -120,6 +143,7 @@ std::string describe(const settings& s) {
   text += sampler_text(s);
   text += fmt::format(R"(,"all_double_sided":{})", s.all_double_sided);
   text += fmt::format(R"(,"smallest_gap":{})", number(s.smallest_gap));
+  text += metric_text(s.metric);
   if (s.animated != scene::animated_as::always)
     text += fmt::format(R"(,"animated":"{}")", scene::animated_as_names[static_cast<std::size_t>(s.animated)]);
   if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);

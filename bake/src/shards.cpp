@@ -172,6 +172,7 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
 summary bake_shard(const host_scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
                    bool fresh, const callbacks& tell) {
   validate(how);  // before alpha functions are called
+  require_no_colors(how.metric);
   return bake_shard(scene_of(s), how, output, part, fresh, tell);
 }
 

@@ -5,15 +5,18 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "bound/clopper_pearson.h"
 #include "bound/fresh_rays.h"
+#include "bound/metric.h"
 #include "host_scene.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/json_text.h"
+#include "source/surface_colors.h"
 
 namespace sightcell::bake {
 namespace {
@@ -27,7 +30,8 @@ void require_ok(format::status outcome, const std::string& name) {
 
 // What the bake was told and the check has to know too.
 struct seeing_rules {
-  fresh_rules fresh{settings{}.player_radius, 0.0f};  // files from before rule 3 have no smallest gap
+  fresh_rules fresh{.player_radius = settings{}.player_radius,
+                    .smallest_gap = 0.0f};  // files from before rule 3 have no smallest gap
   bool all_double_sided = false;
   scene::animated_as animated = scene::animated_as::always;
 };
@@ -70,7 +74,7 @@ class membership {
 void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<missing_polygon>& missing) {
   std::map<std::uint32_t, missing_polygon> by_polygon;
   for (const missed_polygon& m : batch.missed) {
-    if (m.excused) continue;
+    if (!m.counts) continue;
     missing_polygon& entry = by_polygon[m.polygon];
     if (entry.rays++ > 0) continue;
     const glm::vec3 target = m.eye + m.direction * std::min(m.distance, 1e6f);
@@ -85,10 +89,14 @@ void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<miss
 verification verify_cells(const scene::scene& s, const format::reader& file, const std::string& name,
                           const verify_settings& how,
                           const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
-  const seeing_rules rules = rules_of(file);
+  seeing_rules rules = rules_of(file);
   scene::world_geometry geometry = scene::flatten(s, rules.animated);
   apply_stored_overrides(file.settings(), geometry);
   const ray_scene rays(geometry, rules.all_double_sided);
+  std::optional<surface_colors> colors;
+  if (how.metric.kind == metric_kind::color) colors.emplace(s, geometry);
+  const error_metric metric(how.metric, rays, colors ? &*colors : nullptr);
+  rules.fresh.metric = &metric;
   const std::uint32_t stored = file.cell_count();
   const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
   const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
@@ -133,6 +141,7 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
 
 verification verify(const scene::scene& s, std::span<const std::byte> file, const std::string& name,
                     const verify_settings& how, const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
+  validate_metric(how.metric);
   format::reader opened;
   require_ok(format::reader::open(file, opened), name);
   if (opened.polygon_count() != s.polygon_count || opened.facts().scene_fingerprint != s.fingerprint)
@@ -146,6 +155,7 @@ verification verify(const scene::scene& s, std::span<const std::byte> file, cons
 
 verification verify(const host_scene& s, std::span<const std::byte> file, const std::string& name,
                     const verify_settings& how, const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
+  require_no_colors(how.metric);
   return verify(scene_of(s), file, name, how, on_progress);
 }
 

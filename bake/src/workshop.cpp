@@ -77,7 +77,9 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
                        });
   blocks.emplace(list.cells, how.margin);
   eyes = choose_source(how, geometry, *rays);  // its context belongs to the calling thread
-  if (how.sampler == "importance-depth-color") colors.emplace(s, geometry);
+  const bool by_color = bounds() && how.metric.kind == metric_kind::color;
+  if (how.sampler == "importance-depth-color" || by_color) colors.emplace(s, geometry);
+  if (bounds()) metric = error_metric(how.metric, *rays, colors ? &*colors : nullptr);
   sampler = make_cell_sampler(
       how, {*rays, *eyes.source, colors ? &*colors : nullptr, list.cells, neighbors ? &*neighbors : nullptr});
   if (tell.on_message) {

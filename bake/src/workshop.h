@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "bound/metric.h"
 #include "cells/cell_blocks.h"
 #include "cells/overrides.h"
 #include "cells/view_cell.h"
@@ -36,7 +37,8 @@ struct workshop {
   chosen_source eyes;
   cell_list list;
   std::optional<cell_blocks> blocks;
-  std::optional<surface_colors> colors;  // where the sampler looks at them
+  std::optional<surface_colors> colors;  // where the sampler or the metric looks at them
+  error_metric metric;
   std::unique_ptr<cell_sampler> sampler;
   std::string settings_text;  // for the checkpoint's key; the file's has the overrides besides
   // Names all that decides a byte: scene with the textures that decide alpha, cells, settings, device, version.

@@ -26,7 +26,8 @@ class Usage(InFolder):
     def test_help_names_every_option_of_this_version(self):
         out, _ = self.expect(0, 'bake', '--help')
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
-                       '--player-radius', '--sampler', '--samples', '--max-pixel-error', '--source', '--resolution',
+                       '--player-radius', '--sampler', '--samples', '--max-pixel-error', '--metric',
+                       '--view-resolution', '--view-fov', '--view-pitch', '--view-least', '--source', '--resolution',
                        '--all-double-sided', '--animated', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
@@ -41,14 +42,17 @@ class Usage(InFolder):
                           ['bake', scene, '-o', file, '--samples', '-8'],
                           ['bake', scene, '-o', file, '--cells-grid', '1,2,3'],
                           ['bake', scene, '-o', file, '--animated', 'sometimes'],
+                          ['bake', scene, '-o', file, '--metric', 'taste'],
+                          ['bake', scene, '-o', file, '--metric', 'view', '--view-resolution', '1920'],
+                          ['bake', scene, '-o', file, '--metric', 'view', '--view-pitch', '0'],
+                          ['verify', scene, file, '--metric', 'taste'],
                           ['bake', scene, '-o', file, '--progress', 'loud']):
             out, err = self.expect(2, *arguments)
             self.assertEqual(out, '', arguments)
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--time-budget=9', '--metric=view',
-                       '--safety-ring=edge', '--misses=x', '--layout=merged',
+        for option in ('--time-budget=9', '--safety-ring=edge', '--misses=x', '--layout=merged',
                        '--profile=small', '--importance', '--report=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
@@ -62,6 +66,17 @@ class Usage(InFolder):
             self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
         _, err = self.expect(2, 'verify', self.room, self.path('no.pvs'), '--rays', '0')
         self.assertIn('--rays', err)
+        for option, value in (('--view-resolution', '8x1080'), ('--view-fov', '171'), ('--view-pitch', '-91,0'),
+                              ('--view-pitch', '10,-10'), ('--view-least', '-1')):
+            for verb in (['bake', self.room, '-o', self.path('no.pvs')], ['verify', self.room, self.path('no.pvs')]):
+                _, err = self.expect(2, *verb, '--metric', 'view', option, value)
+                self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
+
+    def test_options_of_a_view_are_refused_without_one(self):
+        for verb in (['bake', self.room, '-o', self.path('no.pvs')], ['verify', self.room, self.path('no.pvs')]):
+            for metric in ([], ['--metric', 'pixel'], ['--metric', 'color']):
+                _, err = self.expect(2, *verb, '--view-fov', '50', *metric)
+                self.assertIn('--view-fov', self.assert_one_error_line(err, 'cli.wrong-use'))
 
     def test_output_must_not_be_the_scene(self):
         _, err = self.expect(2, 'bake', self.room, '-o', self.room)
@@ -213,6 +228,47 @@ class Bake(InFolder):
         for picture in worst['pictures']:
             self.assertEqual(read(picture)[:8], b'\x89PNG\r\n\x1a\n')
         self.assertGreater(worst['differing_pixels'], 1000)
+
+    def test_the_metric_is_named_everywhere(self):
+        view = ['--view-resolution', '640x360', '--view-fov', '90', '--view-pitch', '-30,20.5', '--view-least', '0.5']
+        of_view = {'view_resolution': [640, 360], 'view_fov': 90, 'view_pitch': [-30, 20.5], 'view_least': 0.5}
+        for metric, more in (('pixel', []), ('view', view), ('color', [])):
+            file = self.path(f'{metric}.pvs')
+            out, err = self.bake(0, file, '--metric', metric, *more, '--json')
+            self.assertEqual(json.loads(out)['metric'], metric)
+            self.assertIn(f"largest bound of a cell's {metric} error: ", err)
+            info = json.loads(self.expect(0, 'info', file, '--json')[0])
+            self.assertEqual(info['metric'], metric)
+            self.assertEqual(info['settings'].get('metric', 'pixel'), metric)
+            for key, value in of_view.items():
+                self.assertEqual(info['settings'].get(key), value if metric == 'view' else None)
+            self.assertRegex(self.expect(0, 'info', file)[0], f'{metric} error +at most')
+            for measured in ('pixel', metric):
+                asked = [] if measured == 'pixel' else ['--metric', measured, *more]
+                out, err = self.expect(0, 'verify', self.room, file, '--rays', '20000', '--json', *asked)
+                self.assertEqual(json.loads(out)['metric'], measured)
+                self.assertIn(f'; {measured} error ', err)
+                self.assertEqual('bounds in the file are of' in err, measured != metric)
+        self.bake(0, self.path('default.pvs'))
+        self.assertEqual(read(self.path('default.pvs')), read(self.path('pixel.pvs')))
+
+    def test_verify_measures_what_it_is_told(self):
+        if not PROGRAMS.drop:
+            self.skipTest('no sightcell-test-drop-polygon in this build')
+        file, broken = self.path('seen.pvs'), self.path('unseen.pvs')
+        self.bake(0, file)
+        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+
+        def error(*metric):
+            out, _ = self.expect(3, 'verify', self.room, broken, '--rays', '20000', '--json', *metric)
+            return json.loads(out)['pixel_error']
+        # Half of the floor is missing, white before the sky: all of it counts, less, or none where nobody looks down.
+        self.assertGreater(error(), 0.02)
+        self.assertTrue(0.1 * error() < error('--metric', 'color') < 0.9 * error())
+        self.assertGreater(error('--metric', 'view', '--view-pitch', '-90,-60'), error())
+        self.assertGreater(error('--metric', 'view', '--view-least', '10'), 0.02)
+        for more in (['--view-least', '1e6', '--view-resolution', '16x16'], ['--view-pitch', '60,90']):
+            self.expect(0, 'verify', self.room, broken, '--rays', '20000', '--metric', 'view', *more)
 
     def test_a_missing_polygon_is_patched(self):
         if not PROGRAMS.drop:
@@ -439,6 +495,8 @@ class Resume(Stopped):
     def test_other_settings_are_refused_until_fresh(self):
         output = self.path('other.pvs')
         self.stop(output, signal.SIGKILL)
+        _, err = self.expect(2, *self.command(output, '--metric', 'color'))
+        self.assertIn('metric', self.assert_one_error_line(err, 'checkpoint.other-bake'))
         _, err = self.expect(2, *self.command(output, '--player-radius', '0.1'))
         line = self.assert_one_error_line(err, 'checkpoint.other-bake')
         self.assertIn(output + '.bake', line)

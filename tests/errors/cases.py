@@ -26,6 +26,7 @@ UNIT_TESTS = {
     'gpu.scene-too-large': 'tests/unit/bake/source_view_test.cpp',
     'hemicube.resolution': 'tests/unit/bake/source_view_test.cpp',
     'host.bad-array': 'tests/unit/bake/host_scene_test.cpp',
+    'host.no-colors': 'tests/unit/bake/host_scene_test.cpp',
     'output.encode': 'tests/unit/bake/verify_test.cpp',
     'picture.camera': 'tests/unit/picture/picture_test.cpp',
     'picture.empty': 'tests/unit/picture/write_png_test.cpp',

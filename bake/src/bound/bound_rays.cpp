@@ -24,11 +24,11 @@ struct chunk_result {
 };
 
 // Rays from places that nobody tested.
-std::vector<sight_line> draw(const box& grown, std::uint64_t count, random_stream random) {
+std::vector<sight_line> draw(const box& grown, std::uint64_t count, const error_metric& metric, random_stream& random) {
   std::vector<sight_line> lines(count);
   for (sight_line& line : lines) {
     line.eye = random.in_box(grown.min, grown.max);
-    line.direction = random.on_sphere();
+    line.direction = metric.direction(random);
   }
   return lines;
 }
@@ -55,7 +55,7 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
 chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rules& rules, std::uint64_t count,
                         std::uint64_t tests, random_stream random, const std::function<bool(std::uint32_t)>& contains) {
   chunk_result result;
-  const std::vector<sight_line> lines = draw(grown, count, random);
+  const std::vector<sight_line> lines = draw(grown, count, *rules.metric, random);
   ray_trial trial(rays, rules, contains);
   const std::vector<std::uint32_t> wrong = suspects(rays, trial, grown, lines);
 
@@ -74,7 +74,7 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rul
     if (!free[result.tested + k]) continue;  // it was no trial
     const sight_line& line = lines[wrong[k]];
     rays.look(line.eye, line.direction, seen);
-    if (trial.judge(line, seen, result.missed)) ++result.misses;
+    if (trial.judge(line, seen, random, result.missed)) ++result.misses;
   }
   return result;
 }

@@ -17,14 +17,14 @@ struct bound_plan {
   double risk = 0.0;         // of claiming more trials than there were, in (0, 1)
 };
 
-// As cast_fresh_rays: independent rays, place uniform over the free places of the grown box, direction uniform on the
-// sphere. But a place takes 64 rays to test, so a place is tested only where its ray saw what the set does not have,
-// and where it tells how many places are free: from the first of each chunk follows, with a probability of at least 1 -
-// risk, how many of all are (free_at_least()), and so many trials the batch has. Given their number, wrong rays among
-// trials are binomial, and more trials only lower the bound: with it at 1 - a it holds at 1 - a - risk.
-// Where less than fewest_free of the box is free all places are tested, and trials are exact. rays: trials, at least;
-// places: places that were tested and rays that were cast from others. Runs on the calling thread's TBB arena; the
-// result depends on the arguments alone.
+// As cast_fresh_rays: independent rays, place uniform over the free places of the grown box, direction by the metric.
+// But a place takes 64 rays to test, so a place is tested only where its ray saw what the set does not have, and where
+// it tells how many places are free: from the first of each chunk follows, with a probability of at least 1 - risk, how
+// many of all are (free_at_least()), and so many trials the batch has. Given their number, wrong rays among trials are
+// binomial, and more trials only lower the bound: with it at 1 - a it holds at 1 - a - risk. Where less than
+// fewest_free of the box is free all places are tested, and trials are exact. rays: trials, at least; places: places
+// that were tested and rays that were cast from others. Runs on the calling thread's TBB arena; the result depends on
+// the arguments alone.
 fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, const bound_plan& plan,
                             const fresh_source& source, const std::function<bool(std::uint32_t)>& contains);
 

@@ -23,9 +23,9 @@ fresh_batch cast_chunk(const ray_scene& rays, const box& grown, const fresh_rule
   ray_trial one(rays, rules, contains);
   sight seen;
   for (const glm::vec3& eye : eyes) {
-    const sight_line line{eye, random.on_sphere()};
+    const sight_line line{eye, rules.metric->direction(random)};
     rays.look(line.eye, line.direction, seen);
-    if (one.judge(line, seen, batch.missed)) ++batch.misses;
+    if (one.judge(line, seen, random, batch.missed)) ++batch.misses;
   }
   batch.rays = eyes.size();
   return batch;

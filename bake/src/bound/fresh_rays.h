@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "bound/metric.h"
 #include "free_space.h"
 #include "random.h"
 #include "rays/ray_scene.h"
@@ -17,13 +18,13 @@ struct missed_polygon {
   glm::vec3 eye{0.0f};
   float distance = 0.0f;
   glm::vec3 direction{0.0f};
-  bool excused = false;  // another polygon in the same place is in the set (rule 2): the picture is right
+  bool counts = true;  // its ray counts as a miss, and rule 2 does not excuse it
 };
 
 struct fresh_batch {
-  std::uint64_t rays = 0;              // cast; fewer than asked only where free places are too rare
-  std::uint64_t misses = 0;            // wrong rays: they saw at least one polygon that is missing without an excuse
-  std::uint64_t places = 0;            // positions tested to find free ones
+  std::uint64_t rays = 0;    // cast; fewer than asked only where free places are too rare
+  std::uint64_t misses = 0;  // rays that saw at least one polygon that is missing without an excuse, and count
+  std::uint64_t places = 0;  // positions tested to find free ones
   std::vector<missed_polygon> missed;  // in a fixed order; a ray adds every polygon it missed
 };
 
@@ -33,14 +34,15 @@ struct fresh_source {
   std::uint64_t round = 0;
 };
 
-// What a ray is wrong about: rules 2 and 3 of seeing excuse (design.md section 3, pixel error).
+// What a ray is wrong about: rules 2 and 3 of seeing excuse (design.md section 3, pixel error). And what that means.
 struct fresh_rules {
   float player_radius = 0.05f;
   float smallest_gap = 0.002f;
+  const error_metric* metric = &pixel_metric;  // outlives the rules
 };
 
-// Casts count rays on the calling thread's TBB arena. contains: is a polygon in the set? called from many threads. The
-// result depends on the arguments alone.
+// Directions are those of the metric. Casts count rays on the calling thread's TBB arena. contains: is a polygon in the
+// set? called from many threads. The result depends on the arguments alone.
 fresh_batch cast_fresh_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, std::uint64_t count,
                             const fresh_source& source, const std::function<bool(std::uint32_t)>& contains);
 

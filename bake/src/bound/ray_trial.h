@@ -1,10 +1,13 @@
 #pragma once
 // What one fresh ray is wrong about.
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "bound/fresh_rays.h"
+#include "bound/metric.h"
 #include "rays/ray_scene.h"
 
 namespace sightcell::bake {
@@ -24,20 +27,29 @@ class ray_trial {
     return false;
   }
 
-  // Notes what the ray saw and the set does not have. True when the ray is wrong.
-  bool judge(const sight_line& line, const sight& seen, std::vector<missed_polygon>& missed) {
-    bool wrong = false;
+  // Notes what the ray saw and the set does not have. True when the ray counts as a miss: it is wrong, and the metric
+  // says so, which may take numbers of random.
+  bool judge(const sight_line& line, const sight& seen, random_stream& random, std::vector<missed_polygon>& missed) {
+    const std::size_t first = missed.size();
+    lacking_.polygons.clear();
+    lacking_.nearest = std::numeric_limits<float>::infinity();
     const auto check = [&](std::uint32_t polygon, float distance) {
       if (contains_(polygon) || rays_.through_gap(line.eye, line.direction, distance, rules_.smallest_gap)) return;
       rays_.coincident(line.eye, line.direction, distance, coincident_);
-      bool excused = false;
-      for (const std::uint32_t same : coincident_) excused = excused || contains_(same);
-      missed.push_back({polygon, line.eye, distance, line.direction, excused});
-      wrong = wrong || !excused;
+      // Another polygon in the same place is in the set (rule 2): the picture is right.
+      const bool excused =
+          std::any_of(coincident_.begin(), coincident_.end(), [&](std::uint32_t same) { return contains_(same); });
+      missed.push_back({polygon, line.eye, distance, line.direction, !excused});
+      if (excused) return;
+      lacking_.polygons.insert(lacking_.polygons.end(), coincident_.begin(), coincident_.end());
+      lacking_.nearest = std::min(lacking_.nearest, distance);
     };
     if (seen.front != no_polygon) check(seen.front, seen.distance);
     for (const passed_polygon& passed : seen.before) check(passed.polygon, passed.distance);
-    return wrong;
+    if (lacking_.polygons.empty()) return false;
+    const bool counts = rules_.metric->counts(line, seen, lacking_, contains_, random);
+    for (std::size_t i = first; i < missed.size(); ++i) missed[i].counts = missed[i].counts && counts;
+    return counts;
   }
 
  private:
@@ -45,6 +57,7 @@ class ray_trial {
   const fresh_rules& rules_;
   const std::function<bool(std::uint32_t)>& contains_;
   std::vector<std::uint32_t> coincident_;
+  lacking_surfaces lacking_;
 };
 
 }  // namespace sightcell::bake

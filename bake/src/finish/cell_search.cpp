@@ -5,6 +5,7 @@
 
 #include "finish/aim.h"
 #include "seeing/gap_filter.h"
+#include "source/hemicube_faces.h"
 
 namespace sightcell::bake {
 namespace {
@@ -77,18 +78,22 @@ void cell_search::look_beside(std::uint64_t max_cost) {
   cast_ += rays;
 }
 
-// Returns how many pixels show what was not known.
-std::uint64_t cell_search::take(const std::vector<pose>& poses) {
+// Returns how many pixels show what was not known, each weighed by the metric along a line through one of its
+// polygon's.
+double cell_search::take(const std::vector<pose>& poses) {
   gap_filter without_cracks(views_->source, rays_, set_, how_.smallest_gap);
   std::vector<hemicube_view> views(poses.size());
   without_cracks.render(poses, views);
-  std::uint64_t fresh = 0;
+  const std::function<bool(std::uint32_t)> contains = [this](std::uint32_t polygon) { return set_.contains(polygon); };
+  double fresh = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     places_.push_back(poses[i].eye);
     double masked = 0.0;
     for (const seen_polygon& s : views[i].seen) {
-      if (!set_.contains(s.id)) fresh += s.pixels;
       if (rays_.geometry().kinds[s.id].alpha_tested) ++masked;
+      if (contains(s.id)) continue;
+      const sight_line line{poses[i].eye, pixel_direction(poses[i], views_->places.resolution(), s.pixel)};
+      fresh += s.pixels * how_.metric->weight(s.id, line, contains);
     }
     cost_of_round_ += cost_of(views_->places.resolution(), static_cast<double>(views[i].seen.size()), masked);
     set_.add_view(poses[i].eye, views[i].seen);
@@ -99,7 +104,7 @@ std::uint64_t cell_search::take(const std::vector<pose>& poses) {
 void cell_search::view() {
   const std::uint32_t before = views_->places.taken(), resolution = views_->places.resolution();
   const std::uint32_t count = next_views();
-  std::uint64_t fresh = 0;
+  double fresh = 0.0;
   std::uint32_t taken = 0;
   cost_of_round_ = 0.0;
   while (taken < count && !over()) {
@@ -114,7 +119,7 @@ void cell_search::view() {
   spent_ += static_cast<std::uint64_t>(cost_of_round_);
   if (taken > 0) cost_of_view_ = cost_of_round_ / taken;
   if (before > 0 && taken > 0) {
-    const double was = static_cast<double>(fresh) / (3.0 * resolution * resolution * taken);
+    const double was = fresh / (3.0 * resolution * resolution * taken);
     missing_ = left_of_round * was;
   }
 }

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "bound/metric.h"
 #include "cell_set.h"
 #include "finish/near_polygons.h"
 #include "finish/refinement.h"
@@ -31,6 +32,7 @@ struct search_settings {
   std::uint64_t seed = 0, place = 0;
   float smallest_gap = 0.0f;
   const time_limit* limit = nullptr;  // null: none
+  const error_metric* metric = &pixel_metric;
   // As in refinement_settings.
   std::size_t known = 0;
   double tried = 0.0;
@@ -39,8 +41,8 @@ struct search_settings {
 struct search_goal {
   double worth = 0.0;                            // sr: what rays go beside of after the first round
   std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // in rays, with what was spent before
-  // Is so little missing, as a share of all directions, that another round of hemicubes at this cost, in rays, does not
-  // pay? Null: hemicubes are taken until they are spent.
+  // Is so little missing, by the metric, that another round of hemicubes at this cost, in rays, does not pay? Null:
+  // hemicubes are taken until they are spent.
   std::function<bool(double missing, std::uint64_t cost)> enough = {};
 };
 
@@ -58,8 +60,8 @@ class cell_search {
 
   // Of the next round of hemicubes, in rays; 0 where there is none.
   std::uint64_t cost_of_views() const;
-  // What is missing, about, of all directions: by the share of the last round's pixels that show what was not known, or
-  // what was heard since. 1: nothing is known of it.
+  // What is missing, about, by the metric: by the share of the last round's pixels that show what was not known,
+  // weighed, or what was heard since. 1: nothing is known of it.
   double missing() const { return missing_; }
   void hear(double missing) { missing_ = missing; }
   // In rays: a hemicube costs as much as some thousand.
@@ -71,7 +73,7 @@ class cell_search {
   std::uint32_t next_views() const;
   bool over() const { return how_.limit && how_.limit->reached(); }
   void view();
-  std::uint64_t take(const std::vector<pose>& poses);
+  double take(const std::vector<pose>& poses);
 
   const ray_scene& rays_;
   search_views* views_;

@@ -70,6 +70,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                       .place = how.place,
                       .smallest_gap = how.rules.smallest_gap,
                       .limit = how.limit,
+                      .metric = how.rules.metric,
                       .known = views ? how.known : 0,
                       .tried = views ? worth_after(worth, views->places.taken()) : 0.0},
                      set);

@@ -29,12 +29,12 @@ struct finish_result {
   std::uint64_t rays_spent = 0;  // sight rays and tested places of all batches, and what the search spent
 };
 
-// A search, then batches of fresh rays: position uniform over the free points of the grown box, direction uniform on
-// the sphere, all independent, so that for a fixed set the misses are binomial and the bound is exact. Batch j has the
-// confidence share 0.05 / 2^j: stopping at the first batch that meets the target keeps 95 % for the whole run. Misses
-// join with their position as witness, and the search goes on. Runs on the calling thread's TBB arena; the result does
-// not depend on the number of threads. views: hemicubes that may be taken where more is missing than rays find; null:
-// none.
+// A search, then batches of fresh rays: position uniform over the free points of the grown box, direction as the metric
+// of the rules has it, all independent, so that for a fixed set the misses are binomial and the bound is exact. Batch j
+// has the confidence share 0.05 / 2^j: stopping at the first batch that meets the target keeps 95 % for the whole run.
+// Misses join with their position as witness, and the search goes on. Runs on the calling thread's TBB arena; the
+// result does not depend on the number of threads. views: hemicubes that may be taken where more is missing than rays
+// find; null: none.
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
                                const finish_settings& how, cell_set& set, search_views* views = nullptr);
 

@@ -225,6 +225,13 @@ std::uint32_t ray_scene::front_of_set(const glm::vec3& eye, const glm::vec3& dir
   return r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon;
 }
 
+void ray_scene::look_at_set(const glm::vec3& eye, const glm::vec3& direction,
+                            const std::function<bool(std::uint32_t)>& contains, sight& out) const {
+  look_context context(*embree_);
+  context.only = &contains;
+  look(context, eye, direction, out);
+}
+
 void ray_scene::coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,
                            std::vector<std::uint32_t>& out) const {
   look_context context(*embree_);

@@ -64,7 +64,11 @@ class ray_scene {
   std::uint32_t front_of_set(const glm::vec3& eye, const glm::vec3& direction,
                              const std::function<bool(std::uint32_t)>& contains) const;
 
-  // The same where no polygon is single-sided: all that keeps a line from going on in either direction.
+  // look() where other polygons than those of the set are not there: what passes is told besides.
+  void look_at_set(const glm::vec3& eye, const glm::vec3& direction, const std::function<bool(std::uint32_t)>& contains,
+                   sight& out) const;
+
+  // look() where no polygon is single-sided: all that keeps a line from going on in either direction.
   void look_at_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
 
   // Rule 2 of seeing: all polygons that are there from this side and lie within coincidence_reach of a place on the

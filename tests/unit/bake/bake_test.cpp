@@ -94,6 +94,41 @@ TEST_F(bake_library, hemicubes_see_both_sides_when_told) {
     }
 }
 
+// Confetti in a white room: few coarse hemicubes see little of it, and rays beside what they saw find no more.
+TEST_F(bake_library, the_error_is_that_of_the_metric) {
+  tiny_scene tiny;
+  tiny.closed_box({-3, -3, -3}, {3, 3, 3}, true);
+  for (int i = 0; i < 400; ++i) {
+    const float y = -2.0f + 0.2f * static_cast<float>(i % 20), z = -2.0f + 0.2f * static_cast<float>(i / 20);
+    tiny.triangle({2, y, z}, {2, y, z + 0.05f}, {2, y + 0.05f, z}, {scene::alpha_mode::opaque, true});
+  }
+  const scene::scene s = tiny.finished();
+  settings how;
+  how.cells = {{"stand", {-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}}};
+  how.source = "cpu";
+  how.sampler = "halton";
+  how.samples = 6;
+  how.resolution = 16;
+  const auto certificate = [&](const metric_settings& metric, const std::filesystem::path& path) {
+    how.metric = metric;
+    EXPECT_EQ(bake(s, how, path, true, {}).result, outcome::done);
+    const std::vector<std::byte> bytes = test::file_bytes(path);
+    format::reader file;
+    format::certificate_record record;
+    EXPECT_EQ(format::reader::open(bytes, file), format::status::ok);
+    EXPECT_EQ(file.certificate(0, record), format::status::ok);
+    return record;
+  };
+  // A first batch is 97.5 % sure, whatever comes after it more.
+  EXPECT_GT(certificate({}, folder_ / "pixel.pvs").confidence, 0.98);
+  for (const metric_settings& metric :
+       {metric_settings{.kind = metric_kind::color}, metric_settings{.kind = metric_kind::view, .view_least = 1e6}}) {
+    const format::certificate_record record = certificate(metric, folder_ / "other.pvs");
+    EXPECT_NEAR(record.confidence, 0.975, 1e-9) << "all is white, or too small";
+    EXPECT_EQ(record.misses, 0u);
+  }
+}
+
 TEST_F(bake_library, what_moves_is_in_the_sets_unless_told_to_be_left_out) {
   tiny_scene tiny;
   tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);

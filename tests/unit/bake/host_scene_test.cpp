@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "errors/error_id.h"
 #include "file_bytes.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
@@ -227,6 +228,18 @@ TEST(host_scene, broken_arrays_are_refused_by_name) {
                  e.materials[0].alpha_function = [](float, float) { return 1.0f; };
                }),
                "0 x 256");
+}
+
+TEST(host_scene, has_no_colors_to_measure_by) {
+  engine e;
+  e.draw(e.square());
+  settings how;
+  how.metric.kind = metric_kind::color;
+  verify_settings check;
+  check.metric.kind = metric_kind::color;
+  EXPECT_EQ(test::error_id([&] { (void)bake(e.view(), how, "none.pvs", true, {}); }), "host.no-colors");
+  EXPECT_EQ(test::error_id([&] { (void)bake_shard(e.view(), how, "none.pvs", {}, true, {}); }), "host.no-colors");
+  EXPECT_EQ(test::error_id([&] { (void)verify(e.view(), {}, "none.pvs", check, {}); }), "host.no-colors");
 }
 
 // A closed room with a fence across it and a sheet behind: bake, verify and the tags in the file.

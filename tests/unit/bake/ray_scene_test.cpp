@@ -152,6 +152,28 @@ TEST(ray_scene, the_front_of_a_set_is_the_next_of_it_that_hides) {
   EXPECT_EQ(front(0.2f, {}), no_polygon);
 }
 
+TEST(ray_scene, a_look_at_a_set_has_what_passes_in_it) {
+  tiny_scene tiny;
+  const auto pane = tiny.wall_x(1, -1, 1, glass), near = tiny.wall_x(2, -1, 1), other = tiny.wall_x(3, -1, 1, glass),
+             far = tiny.wall_x(4, -1, 1), last = tiny.wall_x(5, -1, 1, glass);
+  const world w(tiny);
+  const ray_scene rays(w.geometry, false);
+  sight s;
+  const auto passed = [&](std::uint32_t left_out) {
+    rays.look_at_set(
+        {0, 0.1f, 0.2f}, {1, 0, 0}, [&](std::uint32_t id) { return id - id % 2 != left_out; }, s);
+    std::vector<std::uint32_t> quads;
+    for (const passed_polygon& p : s.before) quads.push_back(p.polygon - p.polygon % 2);
+    return quads;
+  };
+  EXPECT_EQ(passed(last), std::vector<std::uint32_t>{pane});
+  EXPECT_EQ(s.front - s.front % 2, near);
+  EXPECT_EQ(passed(pane), std::vector<std::uint32_t>{});
+  EXPECT_EQ(passed(near), (std::vector<std::uint32_t>{pane, other}));
+  EXPECT_EQ(s.front - s.front % 2, far);
+  EXPECT_FLOAT_EQ(s.distance, 4.0f);
+}
+
 TEST(ray_scene, the_front_of_all_is_what_a_ray_sees) {
   tiny_scene tiny;
   for (int i = 1; i < 30; ++i) {

@@ -8,6 +8,7 @@
 #include "finish/cell_search.h"
 #include "sampler/guided_views.h"
 #include "source/choose_source.h"
+#include "source/surface_colors.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {
@@ -138,6 +139,45 @@ TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   EXPECT_NEAR(static_cast<double>(costs[2]), 2.0 * static_cast<double>(costs[1]), 0.2 * static_cast<double>(costs[1]))
       << "the next round is as large as all before it";
   EXPECT_GE(search.spent(), costs[0] + costs[1] + costs[2]);
+}
+
+TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {
+  const world w;
+  metric_settings view;
+  view.kind = metric_kind::view;
+  const auto missing = [&](const error_metric& metric) {
+    search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
+    cell_set set(w.s.polygon_count);
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &metric}, set);
+    search.look_for({.worth = 1e9});
+    EXPECT_EQ(views.places.taken(), 48u);
+    return search.missing();
+  };
+  const double plain = missing(pixel_metric);
+  EXPECT_GT(plain, 0.0);
+  view.view_least = 0.0;
+  EXPECT_EQ(missing(error_metric(view, w.rays, nullptr)), plain);
+  view.view_least = 1e4;  // 0.01 sr
+  const double large = missing(error_metric(view, w.rays, nullptr));
+  EXPECT_LT(large, plain);
+  view.view_least = 1e6;
+  EXPECT_LT(missing(error_metric(view, w.rays, nullptr)), large);
+}
+
+TEST(cell_search, what_looks_the_same_is_not_missing_by_color) {
+  const world w;
+  metric_settings color;
+  color.kind = metric_kind::color;
+  const surface_colors colors(w.s, w.geometry);
+  const error_metric metric(color, w.rays, &colors);
+  const auto missing = [&](const error_metric& by) {
+    search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
+    cell_set set(w.s.polygon_count);
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &by}, set);
+    search.look_for({.worth = 1e9});
+    return search.missing();
+  };
+  EXPECT_LT(missing(metric), 0.2 * missing(pixel_metric)) << "all is white, but for the sky where nothing is known";
 }
 
 TEST(cell_search, spends_its_hemicubes_and_no_more) {

@@ -58,6 +58,15 @@ TEST(settings, errors_name_the_option) {
   expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = 0.6; });
   expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = -1e-3; });
   expect("--max-pixel-error", [](settings& s) { s.max_pixel_error = NAN; });
+  expect("--metric", [](settings& s) { s.metric.kind = static_cast<metric_kind>(3); });
+  expect("--view-resolution", [](settings& s) { s.metric.view_width = 15; });
+  expect("--view-resolution", [](settings& s) { s.metric.view_height = 65537; });
+  expect("--view-fov", [](settings& s) { s.metric.view_fov = 0.5; });
+  expect("--view-fov", [](settings& s) { s.metric.view_fov = NAN; });
+  expect("--view-pitch", [](settings& s) { s.metric.view_pitch = {-91.0, 0.0}; });
+  expect("--view-pitch", [](settings& s) { s.metric.view_pitch = {0.0, NAN}; });
+  expect("--view-pitch", [](settings& s) { s.metric.view_pitch = {10.0, 5.0}; });
+  expect("--view-least", [](settings& s) { s.metric.view_least = -0.1; });
   expect("--animated", [](settings& s) { s.animated = static_cast<scene::animated_as>(3); });
   expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, 0, 1}}; });
   expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, NAN, 1}}; });
@@ -119,10 +128,23 @@ TEST(settings, ends_of_the_ranges_are_inside) {
 }
 
 TEST(settings, description_is_one_line_of_json_in_fixed_order) {
-  EXPECT_EQ(describe({}),
-            R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,)"
-            R"("sampler":"guided","samples":24,"resolution":512,"max_pixel_error":0.001,"seed":1,)"
-            R"("all_double_sided":false,"smallest_gap":0.002})");
+  EXPECT_EQ(describe({}), R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,)"
+                          R"("sampler":"guided","samples":24,"resolution":512,"max_pixel_error":0.001,"seed":1,)"
+                          R"("all_double_sided":false,"smallest_gap":0.002})");
+}
+
+TEST(settings, a_metric_other_than_pixel_stands_in_the_description) {
+  settings s;
+  const std::string before = describe(s);
+  s.metric.view_fov = 90.0;
+  EXPECT_EQ(describe(s), before) << "of view alone";
+  s.metric.kind = metric_kind::color;
+  EXPECT_NE(describe(s).find(R"(,"metric":"color"})"), std::string::npos) << describe(s);
+  s.metric = {.kind = metric_kind::view, .view_width = 640, .view_pitch = {-20.0, 12.5}};
+  EXPECT_NE(describe(s).find(R"(,"metric":"view","view_resolution":[640,1080],"view_fov":60,"view_pitch":[-20,12.5],)"
+                             R"("view_least":0.25})"),
+            std::string::npos)
+      << describe(s);
 }
 
 TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_byte) {

@@ -84,6 +84,40 @@ TEST(verify, measures_the_error_of_a_set) {
   EXPECT_EQ(check(s, file.path(), how).misses, 0u);
 }
 
+TEST(verify, measures_by_the_metric_it_is_told) {
+  // A red square before one wall of a white room, and a speck before another one: both are missing.
+  tiny_scene tiny;
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2}, true);
+  const auto square = tiny.wall_x(1, -1, 1);
+  const auto speck = tiny.triangle({-1, 0, 0}, {-1, 0, -0.04f}, {-1, 0.04f, 0});
+  scene::scene s = tiny.finished();
+  s.materials[1].base_color = {1, 0, 0, 1};
+  scene::finish(s);
+  const temporary_file file("verify_metric.pvs");
+  const view_cell small{{-1e-3f, -1e-3f, -1e-3f}, {1e-3f, 1e-3f, 1e-3f}, "", 1};
+  (void)write(s, small, all_but(s, {square, square + 1, speck}), 0.0f, file.path());
+  verify_settings how;
+  how.rays = 60'000;
+  const verification by_pixel = check(s, file.path(), how);
+  EXPECT_NEAR(by_pixel.pixel_error, 1.0 / 6.0, 0.01);
+  EXPECT_EQ(by_pixel.missing.size(), 3u);
+
+  how.metric.kind = metric_kind::color;
+  const verification by_color = check(s, file.path(), how);
+  EXPECT_NEAR(by_color.pixel_error, 2.0 / 3.0 / 6.0, 0.01);
+  EXPECT_EQ(by_color.missing.size(), 2u) << "the speck is as white as the wall";
+
+  how.metric.kind = metric_kind::view;
+  how.metric.view_least = 1e3;
+  how.metric.view_pitch = {0.0, 0.0};
+  const verification by_view = check(s, file.path(), how);
+  EXPECT_GT(by_view.pixel_error, 1.25 / 6.0) << "30 degrees up and down, where the square fills more";
+  EXPECT_EQ(by_view.missing.size(), 2u) << "the speck is too small";
+
+  how.metric.view_fov = 0.0;
+  EXPECT_EQ(test::error_id([&] { (void)check(s, file.path(), how); }), "settings.out-of-range");
+}
+
 TEST(verify, looks_from_the_margin_too) {
   // What lies behind the deep slit is seen from above the cell alone.
   tiny_scene tiny;

@@ -106,13 +106,13 @@ struct cell_verification {
 // A polygon that rays saw and the file does not have, with an eye that sees it.
 struct missing_polygon {
   std::uint32_t cell = 0, polygon = 0;
-  std::uint64_t rays = 0;  // rays that saw it
+  std::uint64_t rays = 0;  // rays that saw it and count as misses
   std::array<float, 3> eye{}, target{};
 };
 
 struct verification {
   std::uint64_t rays = 0, misses = 0;
-  double pixel_error = 0.0, upper_bound = 1.0, confidence = 0.95;
+  double pixel_error = 0.0, upper_bound = 1.0, confidence = 0.95;  // of the error that the metric says
   double visible_set_percent = 0.0;
   std::vector<cell_verification> cells;
   std::vector<missing_polygon> missing;  // most rays first, at most 100
@@ -123,9 +123,11 @@ struct verify_settings {
   std::uint64_t rays = 1'000'000;  // --rays, over all cells together, the same number for each
   std::uint64_t seed = 12345;      // --seed
   std::uint32_t threads = 0;
+  metric_settings metric = {};  // --metric, what the error is; that of the bake may be another
 };
 
-// Casts fresh independent rays against the cell sets of a .pvs file: its own ray scene, no sampler code.
+// Casts fresh independent rays against the cell sets of a .pvs file: its own ray scene, no sampler code. A host's scene
+// has no colors: metric_kind::color is refused with it, as by bake().
 // file: the bytes of the .pvs, read during the call; name: of the file, for messages. Throws sightcell::error when the
 // file is broken or belongs to another scene.
 verification verify(const scene::scene& s, std::span<const std::byte> file, const std::string& name,

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightcell/scene/animated_as.h"
@@ -17,6 +18,28 @@ struct cell_box {
   std::string name;  // for people; may be empty
   std::array<float, 3> min{}, max{};
 };
+
+// What the error of a cell is: the share of its rays that count as a miss, of which an upper bound is proved.
+enum class metric_kind : std::uint8_t {
+  pixel,  // a ray from a free place in any direction is wrong
+  view,   // the same where pictures look, and what is missing is not too small for a picture
+  color   // by how much a ray's color differs, in the mean
+};
+inline constexpr std::array<std::string_view, 3> metric_names{"pixel", "view", "color"};
+
+struct metric_settings {
+  metric_kind kind = metric_kind::pixel;  // --metric
+  // --- of view alone: the pictures of the host
+  std::uint32_t view_width = 1920, view_height = 1080;  // --view-resolution WxH, pixels, 16..65536
+  double view_fov = 60.0;                               // --view-fov, of the whole height, degrees, 1..170
+  // --view-pitch MIN,MAX: how far the camera looks up or down, degrees, -90..90; it does not roll
+  std::array<double, 2> view_pitch{-90.0, 90.0};
+  // --view-least, 0..1e6: what covers less than this part of the pixel in the picture's middle does not count
+  double view_least = 0.25;
+};
+
+// Throws sightcell::error (wrong_use) naming the option when a value is out of its range.
+void validate_metric(const metric_settings& s);
 
 struct settings {
   // --scene, which scene of a glTF file; -1: the file's default. bake() takes the scene it is given: this is written
@@ -47,7 +70,7 @@ struct settings {
   std::uint32_t rays_per_round = 65536;     // --rays-per-round
   std::uint32_t fewest_new = 0;             // --fewest-new, 0: until the rays are spent
   std::uint32_t border_depth = 3;           // --border-depth
-  std::uint32_t border_samples = 6;        // --border-samples
+  std::uint32_t border_samples = 6;         // --border-samples
   double border_offset = 1e-3;              // --border-offset, of the distance
   double filter = 0.0;                      // --filter, metres
   // --source, of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (Embree, slow) or auto: gpu where there is a
@@ -55,6 +78,7 @@ struct settings {
   std::string source = "auto";
   std::uint32_t resolution = 512;  // --resolution, pixels along a hemicube face, even, 16..4096
   double max_pixel_error = 1e-3;   // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
+  metric_settings metric = {};     // of what error that is the bound; a host's scene has no colors for color
   std::uint64_t seed = 1;          // --seed
 
   // --- seeing
