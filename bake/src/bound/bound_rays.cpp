@@ -81,31 +81,52 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rul
 
 }  // namespace
 
-fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, const bound_plan& plan,
-                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains) {
-  if (plan.free_share < fewest_free) return cast_fresh_rays(rays, grown, rules, plan.trials, source, contains);
-  const auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(plan.trials) / plan.free_share));
+// Where nearly nothing is free: every ray is a trial.
+void bound_batch::cast_tested(std::uint64_t trials) {
+  constexpr std::uint64_t most_parts = 1024;  // streams of random numbers: parts of all rounds must differ
+  fresh_source source = source_;
+  source.round = source_.round * most_parts + parts_++;
+  const fresh_batch part = cast_fresh_rays(rays_, grown_, rules_, trials, source, contains_);
+  cast_ += part.rays, tested_ += part.rays, free_ += part.rays;
+  misses_ += part.misses;
+  asked_ += part.places;
+  missed_.insert(missed_.end(), part.missed.begin(), part.missed.end());
+}
+
+void bound_batch::cast(std::uint64_t trials) {
+  if (free_share_ < fewest_free) return cast_tested(trials);
+  const auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(trials) / free_share_));
   std::vector<chunk_result> chunks((count + chunk_rays - 1) / chunk_rays);
   const std::uint64_t tests = std::max(fewest_tests, count / rays_per_test);
   const std::uint64_t tests_of_chunk = (tests + chunks.size() - 1) / std::max<std::size_t>(chunks.size(), 1);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
     const std::uint64_t size = std::min(chunk_rays, count - i * chunk_rays);
-    chunks[i] = cast_chunk(rays, grown, rules, size, tests_of_chunk,
-                           random_stream(source.seed, source.place, source.use, source.round, i), contains);
+    chunks[i] =
+        cast_chunk(rays_, grown_, rules_, size, tests_of_chunk,
+                   random_stream(source_.seed, source_.place, source_.use, source_.round, parts_ + i), contains_);
   });
-  fresh_batch all;
-  std::uint64_t tested = 0, free = 0;
+  parts_ += chunks.size();
+  cast_ += count;
   for (const chunk_result& chunk : chunks) {
-    tested += chunk.tested;
-    free += chunk.free;
-    all.misses += chunk.misses;
-    all.places += chunk.asked;
-    all.missed.insert(all.missed.end(), chunk.missed.begin(), chunk.missed.end());
+    tested_ += chunk.tested;
+    free_ += chunk.free;
+    misses_ += chunk.misses;
+    asked_ += chunk.asked;
+    missed_.insert(missed_.end(), chunk.missed.begin(), chunk.missed.end());
   }
-  // Every miss was a trial, too: where nearly all rays are wrong there are more of them than the limit says.
-  all.rays = std::max(free_at_least(count, tested, free, plan.risk), all.misses);
-  all.places += count - std::min(count, all.rays);
-  return all;
+}
+
+// Every miss was a trial, too: where nearly all rays are wrong there are more of them than the limit says.
+std::uint64_t bound_batch::trials(double risk) const {
+  return std::max(free_at_least(cast_, tested_, free_, risk), misses_);
+}
+
+fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, const bound_plan& plan,
+                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains) {
+  bound_batch batch(rays, grown, rules, plan.free_share, source, contains);
+  batch.cast(plan.trials);
+  const std::uint64_t trials = batch.trials(plan.risk);
+  return {.rays = trials, .misses = batch.misses(), .places = batch.spent() - trials, .missed = batch.missed()};
 }
 
 }  // namespace sightcell::bake

@@ -28,4 +28,37 @@ struct bound_plan {
 fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, const bound_plan& plan,
                             const fresh_source& source, const std::function<bool(std::uint32_t)>& contains);
 
+// The same, a part at a time: how long the batch becomes may depend on what came so far.
+class bound_batch {
+ public:
+  // References must outlive the batch; contains must answer the same throughout.
+  bound_batch(const ray_scene& rays, const box& grown, const fresh_rules& rules, double free_share,
+              const fresh_source& source, const std::function<bool(std::uint32_t)>& contains)
+      : rays_(rays), grown_(grown), rules_(rules), free_share_(free_share), source_(source), contains_(contains) {}
+
+  // About so many more trials.
+  void cast(std::uint64_t trials);
+  // At least so many trials so far, but for `risk`.
+  std::uint64_t trials(double risk) const;
+  std::uint64_t misses() const { return misses_; }
+  // Sight rays and tested places.
+  std::uint64_t spent() const { return cast_ + asked_; }
+  // In a fixed order.
+  const std::vector<missed_polygon>& missed() const { return missed_; }
+
+ private:
+  void cast_tested(std::uint64_t trials);
+
+  const ray_scene& rays_;
+  const box grown_;
+  const fresh_rules& rules_;
+  const double free_share_;
+  const fresh_source source_;
+  const std::function<bool(std::uint32_t)>& contains_;
+  std::uint64_t cast_ = 0, tested_ = 0, free_ = 0;  // rays, from places of which some were tested, and are free
+  std::uint64_t misses_ = 0, asked_ = 0;            // places asked about
+  std::uint64_t parts_ = 0;
+  std::vector<missed_polygon> missed_;
+};
+
 }  // namespace sightcell::bake

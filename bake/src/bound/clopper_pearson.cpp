@@ -46,12 +46,14 @@ std::uint64_t trials_without_miss(double target, double confidence) {
 std::uint64_t trials_allowing(std::uint64_t misses, double target, double confidence) {
   std::uint64_t low = trials_without_miss(target, confidence), high = low;
   if (misses == 0) return low;
-  while (clopper_pearson_upper(misses, high, confidence) > target) high *= 2;
-  while (high - low > high / 1000 + 1) {
+  // The bound is at or below the target where so few misses are as unlikely under it as 1 - confidence.
+  const auto too_few = [&](std::uint64_t trials) { return cumulative(misses, trials, target) > 1.0 - confidence; };
+  while (too_few(high)) high *= 2;
+  while (high - low > high / 2000 + 1) {
     const std::uint64_t middle = low + (high - low) / 2;
-    (clopper_pearson_upper(misses, middle, confidence) > target ? low : high) = middle;
+    (too_few(middle) ? low : high) = middle;
   }
-  return high;
+  return high + high / 1'000'000 + 1;  // so that rounding does not tell the bound from the target
 }
 
 double about_at_most(std::uint64_t misses, std::uint64_t trials, double p) {

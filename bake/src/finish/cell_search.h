@@ -1,5 +1,6 @@
 #pragma once
 // What else does a cell see? Hemicubes from new places and rays beside what is known, by turns (design.md section 6).
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -38,12 +39,15 @@ struct search_settings {
   double tried = 0.0;
 };
 
+// What may be missing, by the metric: values that are about as likely as each other, ascending.
+using error_guess = std::array<double, 5>;
+
 struct search_goal {
   double worth = 0.0;                            // sr: what rays go beside of after the first round
   std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // in rays, with what was spent before
   // Is so little missing, by the metric, that another round of hemicubes at this cost, in rays, does not pay? Null:
   // hemicubes are taken until they are spent.
-  std::function<bool(double missing, std::uint64_t cost)> enough = {};
+  std::function<bool(const error_guess& missing, std::uint64_t cost)> enough = {};
 };
 
 class cell_search {
@@ -60,10 +64,11 @@ class cell_search {
 
   // Of the next round of hemicubes, in rays; 0 where there is none.
   std::uint64_t cost_of_views() const;
-  // What is missing, about, by the metric: by the share of the last round's pixels that show what was not known,
-  // weighed, or what was heard since. 1: nothing is known of it.
-  double missing() const { return missing_; }
-  void hear(double missing) { missing_ = missing; }
+  // By the share of the last round's pixels that show what was not known, weighed, or by what was heard since. All 1:
+  // nothing is known of it.
+  const error_guess& missing() const { return missing_; }
+  // A batch of rays found so much missing.
+  void hear(double missing);
   // In rays: a hemicube costs as much as some thousand.
   std::uint64_t spent() const { return spent_; }
   std::uint64_t rays() const { return cast_; }
@@ -84,7 +89,7 @@ class cell_search {
   double worth_ = 0.0;        // of the goal, sr
   std::uint32_t deeper_ = 0;  // searches without hemicubes: each goes on as if their number had doubled
   double cost_of_view_, cost_of_round_ = 0.0;  // of one hemicube, as the last round had it; of that round so far
-  double missing_ = 1.0;
+  error_guess missing_;
   std::uint64_t spent_ = 0, cast_ = 0;
 };
 

@@ -5,17 +5,18 @@
 
 #include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
+#include "bound/looks.h"
 #include "finish/cell_search.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr double share_of_places = 0.01;  // of a batch's risk: of taking too many places for free ones
-constexpr double of_a_bound_ray = 0.2;    // of what a ray aimed costs
-constexpr double left_after_next = 0.45;  // of what is missing, when another round of hemicubes has joined
-constexpr double without_hearsay = 0.1;   // of the target: what is thought to be missing where nothing is known
+constexpr double share_of_places = 0.01;   // of a look's risk: of taking too many places for free ones
+constexpr double of_a_bound_ray = 0.2;     // of what a ray aimed costs
+constexpr double left_after_round = 0.45;  // of what is missing, when another round of hemicubes has joined
+constexpr double left_after_rays = 0.7;    // when rays have gone beside what a batch found
 
-// What part of a batch fails, by `risk` for the places alone.
+// What part of a run fails, by batches alone.
 double risk_of(std::uint64_t batch) {
   return 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
 }
@@ -23,40 +24,78 @@ double risk_of(std::uint64_t batch) {
 // More rays than trials are wanted, because fewer count than are cast: the share of free places is known from about a
 // hundred, and then a limit is taken from those that are tested, 256 or more.
 double headroom(double trials, double free_share) {
-  if (free_share < fewest_free) return 1.02;  // all places are tested
+  if (free_share < fewest_free) return 1.0;  // all places are tested
   constexpr double deviations = 3.5;
   const double tests = std::max(256.0, trials / free_share / 256.0);
-  return 1.1 + deviations * std::sqrt((1.0 - free_share) / (free_share * tests));
+  return 1.02 + deviations * std::sqrt((1.0 - free_share) / (free_share * tests));
 }
 
-// The shortest batch that will do with a good chance if so much is missing, and that chance. What a batch misses is a
-// hint, but a dear one: one that is too short is lost.
-struct planned_batch {
-  std::uint64_t trials = 0;
-  bool likely = false;
+// What is left to do, in rays: of batches alone, and of rounds of hemicubes with the batches after them.
+class plan_costs {
+ public:
+  plan_costs(const std::vector<look>& looks, double of_trial, double of_views)
+      : looks_(looks), of_trial_(of_trial), of_views_(of_views) {}
+
+  // A batch now; where it would fail, that is known after its first look, and another round follows.
+  double now(double missing, int round = 0) const {
+    const double trials = expected_trials(looks_, missing);
+    if (std::isfinite(trials)) return of_trial_ * trials;
+    return of_trial_ * static_cast<double>(looks_.front().trials) + later(missing, round);
+  }
+  // A round first. Each is twice the one before it.
+  double later(double missing, int round = 0) const {
+    constexpr int most_rounds = 12;
+    if (round == most_rounds) return 0.0;
+    return std::ldexp(of_views_, round) + now(left_after_round * missing, round + 1);
+  }
+
+ private:
+  const std::vector<look>& looks_;
+  double of_trial_, of_views_;
 };
 
-planned_batch plan_batch(double missing, double target, double confidence) {
-  constexpr double good_chance = 0.8;
-  constexpr std::uint64_t most_misses = 64;
-  planned_batch planned;
-  for (std::uint64_t k = 0; k <= most_misses && !planned.likely; ++k) {
-    planned.trials = trials_allowing(k, target, confidence);
-    planned.likely = about_at_most(k, planned.trials, missing) >= good_chance;
-  }
-  return planned;
+// Does a batch now cost less than another round of hemicubes and a shorter batch after it? In the mean over all that
+// may be missing.
+bool batch_pays(const std::vector<look>& looks, const error_guess& missing, std::uint64_t cost_of_views,
+                double cost_of_trial) {
+  const auto views = static_cast<double>(cost_of_views);
+  // Where nothing is known a cheap batch is the quickest to say how much is missing.
+  if (missing.front() >= 1.0) return cost_of_trial * static_cast<double>(looks.front().trials) <= views;
+  const plan_costs costs(looks, cost_of_trial, views);
+  double now = 0.0, later = 0.0;
+  for (const double m : missing) now += costs.now(m), later += costs.later(m);
+  return now <= later;
 }
 
-// Does a batch now cost less than another round of hemicubes and the shorter batch after it?
-bool batch_pays(double missing, std::uint64_t cost_of_views, double target, double confidence, double cost_of_trial) {
-  // Where nothing is known a cheap batch is the quickest to say how much is missing.
-  if (missing >= 1.0)
-    return cost_of_trial * static_cast<double>(trials_without_miss(target, confidence)) <=
-           static_cast<double>(cost_of_views);
-  const planned_batch now = plan_batch(missing, target, confidence),
-                      later = plan_batch(left_after_next * missing, target, confidence);
-  return now.likely &&
-         cost_of_trial * static_cast<double>(now.trials - later.trials) <= static_cast<double>(cost_of_views);
+// What a batch came to.
+struct proof {
+  look at;                   // the last look: trials and risk of the bound
+  std::uint64_t misses = 0;  // of so many trials
+};
+
+// Casts until a look ends the batch well, until it would take longer than to look for more and begin another, or until
+// max_cost is spent.
+proof prove(bound_batch& batch, const std::vector<look>& looks, const finish_settings& how, std::uint64_t cost_of_views,
+            double cost_of_trial, std::uint64_t max_cost) {
+  const double left = cost_of_views > 0 ? left_after_round : left_after_rays;
+  for (const look& next : looks) {
+    if (next.misses < batch.misses() && &next != &looks.back()) continue;
+    std::uint64_t trials = batch.trials(share_of_places * next.risk);
+    while (trials < next.trials && batch.spent() < max_cost) {
+      const auto more = static_cast<double>(next.trials - trials);
+      const double most = static_cast<double>(max_cost - batch.spent()) * std::max(how.free_share, 1e-3);
+      batch.cast(static_cast<std::uint64_t>(std::clamp(headroom(more, how.free_share) * more, 1.0, most + 1.0)));
+      trials = batch.trials(share_of_places * next.risk);
+    }
+    // Exactly so many, whatever more there are: that number does not depend on what missed.
+    const proof now{{next.misses, std::max(std::min(trials, next.trials), batch.misses()), next.risk}, batch.misses()};
+    if (now.misses <= next.misses || trials < next.trials || (how.limit && how.limit->reached())) return now;
+    const double rate = static_cast<double>(now.misses) / static_cast<double>(trials);
+    const double whole = expected_trials(looks, rate, now.misses, trials), again = expected_trials(looks, left * rate);
+    const double go_on = cost_of_trial * (whole - static_cast<double>(trials));
+    if (!std::isfinite(whole) || go_on > static_cast<double>(cost_of_views) + cost_of_trial * again) return now;
+  }
+  return {};  // the last look always answers
 }
 
 }  // namespace
@@ -75,46 +114,37 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                       .tried = views ? worth_after(worth, views->places.taken()) : 0.0},
                      set);
   const double cost_of_trial = of_a_bound_ray / std::max(how.free_share, 1e-3);
+  const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
   std::uint64_t of_batches = 0;
-  int too_short = 0;       // batches that failed though nothing missed
-  double of_misses = 0.0;  // the confidence that is left for misses; the rest is for how many places are free
+  std::vector<look> looks;
   search_goal goal{.worth = worth};
-  goal.enough = [&](double missing, std::uint64_t cost) {
-    return batch_pays(missing, cost, target, of_misses, cost_of_trial);
+  goal.enough = [&](const error_guess& missing, std::uint64_t cost) {
+    return batch_pays(looks, missing, cost, cost_of_trial);
   };
 
-  for (std::uint64_t batch = 1; batch == 1 || result.rays_spent < how.max_rays; ++batch) {
-    const double risk = risk_of(batch);
-    of_misses = 1.0 - (1.0 - share_of_places) * risk;
+  for (std::uint64_t number = 1; number == 1 || result.rays_spent < how.max_rays; ++number) {
+    looks = plan_looks(target, risk_of(number), share_of_places);
     goal.max_cost = how.max_rays - std::min(how.max_rays, of_batches);
     search.look_for(goal);
     result.rays_spent = of_batches + search.spent();
 
-    // Rays alone know little of how much is missing: their batches double.
-    const double missing = search.missing() < 1.0 ? search.missing() : without_hearsay * target;
-    const double most = std::ldexp(static_cast<double>(trials_without_miss(target, of_misses)),
-                                   static_cast<int>(std::min<std::uint64_t>(batch, 30)) + (views ? 4 : 0));
-    const double trials = std::min(static_cast<double>(plan_batch(missing, target, of_misses).trials), most);
-    const double wanted = headroom(trials, how.free_share) * std::ldexp(trials, too_short);
+    bound_batch batch(rays, grown, how.rules, how.free_share, {how.seed, how.place, purpose::bound, number}, contains);
     const std::uint64_t left = how.max_rays - std::min(result.rays_spent, how.max_rays);
-    const std::uint64_t count =
-        std::clamp<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1, std::max<std::uint64_t>(left, 1));
-    const fresh_batch fresh = cast_bound_rays(
-        rays, grown, how.rules, {.trials = count, .free_share = how.free_share, .risk = share_of_places * risk},
-        {how.seed, how.place, purpose::bound, batch}, [&](std::uint32_t polygon) { return set.contains(polygon); });
-    result.rays = fresh.rays;
-    result.misses = fresh.misses;
-    result.confidence = 1.0 - risk;
-    result.upper_bound = clopper_pearson_upper(fresh.misses, fresh.rays, of_misses);
+    const proof found =
+        prove(batch, looks, how, search.cost_of_views(), cost_of_trial, std::max<std::uint64_t>(left, 1));
+    result.rays = found.at.trials;
+    result.misses = found.misses;
+    result.confidence = 1.0 - found.at.risk;
+    result.upper_bound =
+        clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - share_of_places) * found.at.risk);
     result.bound_met = result.upper_bound <= target;
-    of_batches += std::max<std::uint64_t>(fresh.rays + fresh.places, 1);
+    of_batches += std::max<std::uint64_t>(batch.spent(), 1);
 
-    for (const missed_polygon& m : fresh.missed) set.add(m.polygon, m.eye);
+    for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
     search.look_beside(how.max_rays - std::min(how.max_rays, of_batches));
     result.rays_spent = of_batches + search.spent();
     if (result.bound_met || (how.limit && how.limit->reached())) break;
-    if (fresh.misses == 0) ++too_short;
-    search.hear(static_cast<double>(fresh.misses) / static_cast<double>(std::max<std::uint64_t>(fresh.rays, 1)));
+    search.hear(static_cast<double>(found.misses) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
   }
   return result;
 }

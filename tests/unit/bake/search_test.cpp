@@ -124,8 +124,8 @@ TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7}, set);
   std::vector<double> said;
   std::vector<std::uint64_t> costs;
-  search.look_for({.worth = 1e-6, .enough = [&](double missing, std::uint64_t cost) {
-                     said.push_back(missing);
+  search.look_for({.worth = 1e-6, .enough = [&](const error_guess& missing, std::uint64_t cost) {
+                     said.push_back(missing.back());
                      costs.push_back(cost);
                      return said.size() == 4;
                    }});
@@ -151,7 +151,7 @@ TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {
     cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &metric}, set);
     search.look_for({.worth = 1e9});
     EXPECT_EQ(views.places.taken(), 48u);
-    return search.missing();
+    return search.missing().back();
   };
   const double plain = missing(pixel_metric);
   EXPECT_GT(plain, 0.0);
@@ -175,7 +175,7 @@ TEST(cell_search, what_looks_the_same_is_not_missing_by_color) {
     cell_set set(w.s.polygon_count);
     cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &by}, set);
     search.look_for({.worth = 1e9});
-    return search.missing();
+    return search.missing().back();
   };
   EXPECT_LT(missing(metric), 0.2 * missing(pixel_metric)) << "all is white, but for the sky where nothing is known";
 }
@@ -213,7 +213,7 @@ TEST(cell_search, rays_alone_where_there_are_no_hemicubes) {
   cell_search search(w.rays, w.neighbors, nullptr, {.seed = 1, .place = 7}, set);
   EXPECT_EQ(search.cost_of_views(), 0u);
   search.look_for({.worth = 1e-6});
-  EXPECT_EQ(search.missing(), 1.0);
+  EXPECT_EQ(search.missing().back(), 1.0);
   EXPECT_GT(set.size(), 1u);
 }
 
