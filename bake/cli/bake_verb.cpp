@@ -18,6 +18,7 @@
 #include "metric_options.h"
 #include "number_text.h"
 #include "progress_line.h"
+#include "safety_ring_text.h"
 #include "shard_option.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/bake/sampler_options.h"
@@ -40,6 +41,7 @@ struct bake_options {
   std::string shard;
   std::uint32_t phase = 1;
   std::string progress = "auto", animated = std::string(scene::animated_as_names.front());
+  std::string safety_ring = std::string(bake::safety_ring_names.front());
 };
 
 progress_mode mode_of(const std::string& name) {
@@ -58,6 +60,8 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"cells_resumed", sum.cells_resumed},
           {"visible_set_percent", sum.visible_percent},
           {"metric", options.metric.metric},
+          {"unseen_per_cell", sum.unseen_per_cell},
+          {"unseen_percent", sum.unseen_percent},
           {"max_upper_bound", sum.max_upper_bound},
           {"cpu_seconds", sum.cpu_seconds},
           {"bytes", sum.bytes},
@@ -132,6 +136,7 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
   line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
                            options.output.string(), grouped(sum.cells), grouped(sum.bytes), sum.visible_percent,
                            duration_text(sum.cpu_seconds), how.seed));
+  if (how.safety_ring != bake::safety_ring::none) line.message(safety_ring_text(sum));
   if (how.max_pixel_error > 0.0)
     line.message(fmt::format("largest bound of a cell's {}: {:.2e} (asked for {:g})", error_name(how.metric),
                              sum.max_upper_bound, how.max_pixel_error));
@@ -152,6 +157,7 @@ int run_bake(bake_options options) {
   }
   how.animated = *scene::animated_as_of(options.animated);
   how.metric = metric_of(options.metric);
+  how.safety_ring = *bake::safety_ring_of(options.safety_ring);
   bake::validate(how);  // before minutes of loading
   std::optional<bake::shard> part;
   if (!options.shard.empty()) {
@@ -243,6 +249,12 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
       "what animations or skins move and no mark speaks for: always (in every set, hides nothing), rest (static, as "
       "the file poses it) or dynamic (left out)")
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
+      ->group("Seeing");
+  const auto& rings = bake::safety_ring_names;
+  add(verb, "--safety-ring", o.safety_ring, "HOW",
+      "none, or edge or vertex: what shares one with a polygon of a cell's set joins it unless it faces away, seen or "
+      "not; fewer misses for more that is drawn")
+      ->check(CLI::IsMember(std::vector<std::string>(rings.begin(), rings.end())))
       ->group("Seeing");
 }
 

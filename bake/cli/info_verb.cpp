@@ -83,6 +83,13 @@ ordered_json settings_json(std::string_view text) {
   return parsed.is_discarded() ? ordered_json(std::string(text)) : parsed;
 }
 
+// How the sets were dilated unseen, by the settings text: "edge", "vertex"; empty where they were not.
+std::string safety_ring_of(const ordered_json& settings) {
+  if (!settings.is_object() || !settings.contains("safety_ring")) return {};
+  const ordered_json& named = settings["safety_ring"];
+  return named.is_string() ? named.get<std::string>() : std::string();
+}
+
 double visible_percent(const format::row_statistics& sums, std::uint32_t polygons) {
   const double all = static_cast<double>(sums.cells) * polygons;
   return all > 0.0 ? 100.0 * static_cast<double>(sums.polygons) / all : 0.0;
@@ -92,6 +99,7 @@ ordered_json file_json(const pvs_file& pvs) {
   const format::reader& file = pvs.content();
   const format::row_statistics sums = pvs.statistics();
   const format::file_facts& facts = file.facts();
+  const ordered_json settings = settings_json(file.settings());
   return {{"cells", file.cell_count()},
           {"polygons", file.polygon_count()},
           {"draws", file.draw_count()},
@@ -101,7 +109,8 @@ ordered_json file_json(const pvs_file& pvs) {
           {"runs_per_cell", sums.runs_per_cell()},
           {"ranges_per_cell", sums.ranges_per_cell()},
           {"delta_row_percent", sums.delta_row_percent()},
-          {"false_visible_percent", 0.0},  // nothing in this version adds polygons that no ray or pixel has seen
+          // Which of a safety ring's polygons can be seen nobody has asked.
+          {"false_visible_percent", safety_ring_of(settings).empty() ? ordered_json(0.0) : ordered_json(nullptr)},
           {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
           {"margin", facts.margin},
           {"metric", pvs.metric()},
@@ -110,7 +119,7 @@ ordered_json file_json(const pvs_file& pvs) {
           {"format_version", file.format_version()},
           {"sections", sections_json(file)},
           {"fingerprint", hex(facts.scene_fingerprint)},
-          {"settings", settings_json(file.settings())},
+          {"settings", settings},
           {"repeatable", facts.repeatable},
           {"certificate", certificate_json(file)}};
 }
@@ -126,6 +135,9 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
              info["bits_per_visible_polygon"].get<double>(), info["delta_row_percent"].get<double>());
   fmt::print("  {:<18} at most {:g} in every cell, confidence {:g}\n", error_name(info["metric"].get<std::string>()),
              info["max_pixel_error"].get<double>(), info["confidence"].get<double>());
+  if (const std::string ring = safety_ring_of(info["settings"]); !ring.empty())
+    fmt::print("  safety ring        {}: what shares one with a polygon that was found is in the sets too, unseen\n",
+               ring);
   fmt::print("  layout             {}, margin {:g} m, {}\n", info["layout"].get<std::string>(),
              info["margin"].get<double>(), info["repeatable"].get<bool>() ? "repeatable" : "not repeatable");
   fmt::print("  scene fingerprint  {}\n", info["fingerprint"].get<std::string>());

@@ -10,6 +10,7 @@
 #include "exit_codes.h"
 #include "number_text.h"
 #include "progress_line.h"
+#include "safety_ring_text.h"
 #include "sightcell/bake/bake.h"
 #include "verbs.h"
 
@@ -38,6 +39,8 @@ int run_merge(const merge_options& options) {
                                       {"cells_left_out", sum.cells_left_out},
                                       {"cells_over_bound", sum.cells_over_bound},
                                       {"visible_set_percent", sum.visible_percent},
+                                      {"unseen_per_cell", sum.unseen_per_cell},
+                                      {"unseen_percent", sum.unseen_percent},
                                       {"max_upper_bound", sum.max_upper_bound},
                                       {"bytes", sum.bytes}};
     fmt::print("{}\n", text.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
@@ -45,6 +48,7 @@ int run_merge(const merge_options& options) {
     line.message(fmt::format("{}: {} cells from {} shard files, {} bytes, {:.3f} % of all polygons visible per cell",
                              options.output.string(), grouped(sum.cells), grouped(shards.size()), grouped(sum.bytes),
                              sum.visible_percent));
+    if (sum.unseen_per_cell > 0.0) line.message(safety_ring_text(sum));
   }
   return sum.result == bake::outcome::bound_not_met ? exit_bound_not_met : exit_done;
 }

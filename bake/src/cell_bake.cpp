@@ -7,6 +7,7 @@
 #include "finish/ray_finish.h"
 #include "finish/refinement.h"
 #include "finish/retest.h"
+#include "finish/ring_polygons.h"
 #include "rays/triangle_math.h"
 
 namespace sightcell::bake {
@@ -183,13 +184,27 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
   return record;
 }
 
+// What belongs to a set though nothing of it was looked for.
+void cell_baker::complete(const view_cell& cell, std::vector<std::uint32_t>& set) const {
+  add_coarser_levels(rays_.geometry().lods, set);
+  add_polygons(given_, cell.number, set);
+}
+
 cell_record cell_baker::finished(const view_cell& cell, cell_record last) const {
   last.witnesses.clear();
   last.witness_of.clear();
   last.free_share = 1.0;
   if (!last.stored) return last;
-  add_coarser_levels(rays_.geometry().lods, last.set);
-  add_polygons(given_, cell.number, last.set);
+  std::vector<std::uint32_t> with_ring = last.set;
+  complete(cell, last.set);
+  if (how_.safety_ring == safety_ring::none) return last;
+  // Around what was found, and not around what joins by hand; what joins with it does so with the ring as well.
+  const auto ring = ring_of(rays_, neighbors_->sharing, how_.safety_ring, grown(cell), with_ring);
+  const auto begin_of_ring = with_ring.insert(with_ring.end(), ring.begin(), ring.end());
+  std::inplace_merge(with_ring.begin(), begin_of_ring, with_ring.end());
+  complete(cell, with_ring);
+  last.unseen = with_ring.size() - last.set.size();
+  last.set = std::move(with_ring);
   return last;
 }
 

@@ -23,8 +23,8 @@ namespace sightcell::bake {
 // calling thread's TBB arena.
 class cell_baker {
  public:
-  // References must outlive the baker. neighbors: null when max_pixel_error is 0 (no rays). sampler: prepared. metric:
-  // that of how.
+  // References must outlive the baker. neighbors: may be null when max_pixel_error is 0 (no rays) and no safety ring is
+  // asked for. sampler: prepared. metric: that of how.
   cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
              const cell_sampler& sampler, const error_metric& metric = pixel_metric);
   cell_baker(const cell_baker&) = delete;  // sets point into it
@@ -44,17 +44,19 @@ class cell_baker {
   // Phase 2: what neighbors of all blocks have found after phase 1 is tried. Adds only, so the bound still holds.
   cell_record check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
                     cell_set& set) const;
-  // From the last of these to a finished cell: overrides of the cells file and coarser levels of detail join.
+  // From the last of these to a finished cell: overrides of the cells file, coarser levels of detail and the safety
+  // ring join.
   cell_record finished(const view_cell& cell, cell_record last) const;
 
   // Do cells see what others found? Not where the sampler is alone.
-  bool shares() const { return neighbors_ != nullptr; }
+  bool shares() const { return how_.max_pixel_error > 0.0; }
 
  private:
   box grown(const view_cell& cell) const { return box{cell.min, cell.max}.grown(how_.margin); }
   bool find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const;
   void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside, const std::vector<glm::vec3>& free,
                   cell_set& set) const;
+  void complete(const view_cell& cell, std::vector<std::uint32_t>& set) const;
   void bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const;
 
   const settings& how_;

@@ -26,6 +26,7 @@ struct cell_record {
   std::uint64_t rays_spent = 0;  // of all ray work
   std::uint32_t samples = 0;     // hemicubes rendered
   bool bound_met = true;
+  std::uint64_t unseen = 0;  // of the set of a finished cell: joined with the safety ring
 
   // For what comes after; a finished cell has none of it.
   double free_share = 1.0;  // about this share of the grown box is free

@@ -21,7 +21,7 @@ constexpr std::chrono::milliseconds tell_pause{200};  // of progress before the 
 
 // Made in place: it cannot be moved.
 cell_baker baker_of(const workshop& shop) {
-  return {shop.how, shop.given, *shop.rays, shop.bounds() ? &*shop.neighbors : nullptr, *shop.sampler, shop.metric};
+  return {shop.how, shop.given, *shop.rays, shop.neighbors ? &*shop.neighbors : nullptr, *shop.sampler, shop.metric};
 }
 
 void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {

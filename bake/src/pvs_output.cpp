@@ -51,6 +51,7 @@ struct stored_cells {
   std::vector<format::box> boxes;
   std::vector<format::certificate_record> certificate;
   double polygons = 0.0;  // of all sets together
+  double unseen = 0.0;    // of these, what the safety ring added
 };
 
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
@@ -71,6 +72,7 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
     out.boxes.push_back(frame.cells[i]);
     out.places.push_back(i);
     out.polygons += static_cast<double>(record.set.size());
+    out.unseen += static_cast<double>(record.unseen);
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;
   }
@@ -124,6 +126,8 @@ void write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   const auto cells_written = static_cast<double>(stored.boxes.size());
   sum.cells = static_cast<std::uint32_t>(stored.boxes.size());
   sum.visible_percent = 100.0 * stored.polygons / (cells_written * std::max(frame.facts.polygon_count, 1u));
+  sum.unseen_per_cell = stored.unseen / cells_written;
+  sum.unseen_percent = 100.0 * stored.unseen / std::max(stored.polygons - stored.unseen, 1.0);
   sum.bytes = bytes.size();
   if (sum.cells_over_bound > 0) sum.result = outcome::bound_not_met;
 }

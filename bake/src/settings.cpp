@@ -126,6 +126,8 @@ void validate(const settings& s) {
   validate_metric(s.metric);
   if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
+  if (static_cast<std::size_t>(s.safety_ring) >= safety_ring_names.size())
+    refuse("--safety-ring", number(static_cast<int>(s.safety_ring)), "none, edge or vertex");
 }
 
 std::string describe(const settings& s) {
@@ -146,6 +148,8 @@ std::string describe(const settings& s) {
   text += metric_text(s.metric);
   if (s.animated != scene::animated_as::always)
     text += fmt::format(R"(,"animated":"{}")", scene::animated_as_names[static_cast<std::size_t>(s.animated)]);
+  if (s.safety_ring != safety_ring::none)
+    text += fmt::format(R"(,"safety_ring":"{}")", safety_ring_names[static_cast<std::size_t>(s.safety_ring)]);
   if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
   text += "}";
   return text;

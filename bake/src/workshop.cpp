@@ -70,11 +70,13 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
   flatten_into(geometry, s, how, given);
   require_memory(s, how, &geometry);
   // Cells know nothing of rays, and most of both is one thread's work.
-  tbb::parallel_invoke([&] { list = make_cells(geometry, how); },
-                       [&] {
-                         rays.emplace(geometry, how.all_double_sided);
-                         if (how.max_pixel_error > 0.0 || how.sampler == "guided") neighbors.emplace(*rays);
-                       });
+  tbb::parallel_invoke(
+      [&] { list = make_cells(geometry, how); },
+      [&] {
+        rays.emplace(geometry, how.all_double_sided);
+        if (how.max_pixel_error > 0.0 || how.sampler == "guided" || how.safety_ring != safety_ring::none)
+          neighbors.emplace(*rays);
+      });
   blocks.emplace(list.cells, how.margin);
   eyes = choose_source(how, geometry, *rays);  // its context belongs to the calling thread
   const bool by_color = bounds() && how.metric.kind == metric_kind::color;

@@ -33,7 +33,7 @@ struct workshop {
   overrides given;
   scene::world_geometry geometry;
   std::optional<ray_scene> rays;
-  std::optional<near_polygons> neighbors;  // where something is looked for beside what is known
+  std::optional<near_polygons> neighbors;  // where something is looked for, or taken, beside what is known
   chosen_source eyes;
   cell_list list;
   std::optional<cell_blocks> blocks;

@@ -28,7 +28,7 @@ class Usage(InFolder):
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
                        '--player-radius', '--sampler', '--samples', '--max-pixel-error', '--metric',
                        '--view-resolution', '--view-fov', '--view-pitch', '--view-least', '--source', '--resolution',
-                       '--all-double-sided', '--animated', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
+                       '--all-double-sided', '--animated', '--safety-ring', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
     def test_version(self):
@@ -46,13 +46,14 @@ class Usage(InFolder):
                           ['bake', scene, '-o', file, '--metric', 'view', '--view-resolution', '1920'],
                           ['bake', scene, '-o', file, '--metric', 'view', '--view-pitch', '0'],
                           ['verify', scene, file, '--metric', 'taste'],
+                          ['bake', scene, '-o', file, '--safety-ring', 'face'],
                           ['bake', scene, '-o', file, '--progress', 'loud']):
             out, err = self.expect(2, *arguments)
             self.assertEqual(out, '', arguments)
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--time-budget=9', '--safety-ring=edge', '--misses=x', '--layout=merged',
+        for option in ('--time-budget=9', '--misses=x', '--layout=merged',
                        '--profile=small', '--importance', '--report=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
@@ -292,6 +293,30 @@ class Bake(InFolder):
         self.assertEqual(read(broken), read(whole))
         self.assertIn('0 polygons added, 1 were there', self.expect(0, 'patch', broken, '--add', '0:1')[0])
         self.assertEqual(read(broken), read(whole))
+
+    def test_a_safety_ring_is_told_of(self):
+        self.make_city()
+        sizes, file = {}, self.path('ring.pvs')
+        for ring in ('none', 'edge', 'vertex'):
+            out, err = self.expect(0, 'bake', self.city, '-o', file, '--cell-limit', '4', *QUICK_BAKE, '--safety-ring',
+                                   ring, '--json')
+            summary = json.loads(out)
+            info = json.loads(self.expect(0, 'info', file, '--json')[0])
+            self.assertEqual(info['settings'].get('safety_ring', 'none'), ring)
+            # Of the sets with the ring: what was seen and what joined unseen.
+            sizes[ring] = summary['visible_set_percent'] / (1 + summary['unseen_percent'] / 100)
+            text = self.expect(0, 'info', file)[0]
+            if ring == 'none':
+                self.assertEqual((summary['unseen_per_cell'], summary['unseen_percent']), (0, 0))
+                self.assertEqual(info['false_visible_percent'], 0)
+                self.assertNotIn('safety ring', err + text)
+                continue
+            self.assertGreater(summary['unseen_per_cell'], 1)
+            self.assertIsNone(info['false_visible_percent'])
+            self.assertIn(f"safety ring: {summary['unseen_per_cell']:.1f} polygons per cell added unseen", err)
+            self.assertIn(f'safety ring        {ring}:', text)
+        self.assertAlmostEqual(sizes['edge'], sizes['none'])
+        self.assertAlmostEqual(sizes['vertex'], sizes['none'])
 
     def test_file_of_another_scene_is_refused(self):
         other, file = self.path('other.glb'), self.path('of-this-room.pvs')

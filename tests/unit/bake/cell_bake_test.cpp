@@ -48,7 +48,7 @@ class cell_bake : public testing::Test {
     const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
     const overrides none;
     const auto sampler = make_cell_sampler(how, {rays, *source, nullptr, {}, &neighbors});
-    const cell_baker baker(how, none, rays, how.max_pixel_error > 0.0 ? &neighbors : nullptr, *sampler);
+    const cell_baker baker(how, none, rays, &neighbors, *sampler);
     cell_set set = baker.make_set();
     cell_record record = baker.finished(cell, baker.sample_and_finish(cell, set));
     if (checked && how.max_pixel_error > 0.0 && record.stored) expect_as_brute_force(rays, cell, how, record);

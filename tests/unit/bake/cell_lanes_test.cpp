@@ -87,8 +87,10 @@ class cell_lanes : public testing::Test {
 
   // Takes all steps of wanted_ on the arena.
   void run(std::size_t lanes, tbb::task_arena& arena, const steps_ended& ended, bool rays = true) {
-    const auto sampler = make_cell_sampler(how_, {*rays_, *source_, nullptr, {}, &*neighbors_});
-    const cell_baker baker(how_, none_, *rays_, rays ? &*neighbors_ : nullptr, *sampler);
+    settings how = how_;
+    if (!rays) how.max_pixel_error = 0.0;
+    const auto sampler = make_cell_sampler(how, {*rays_, *source_, nullptr, {}, &*neighbors_});
+    const cell_baker baker(how, none_, *rays_, &*neighbors_, *sampler);
     step_queue steps = queue();
     take_steps(
         steps, [&] { return baker.make_set(); },

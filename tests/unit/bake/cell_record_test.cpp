@@ -22,6 +22,7 @@ cell_record sample() {
   r.samples = 24;
   r.free_share = 0.1;
   r.bound_met = false;
+  r.unseen = 3;
   r.geometry_inside = true;
   return r;
 }

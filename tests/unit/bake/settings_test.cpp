@@ -68,6 +68,7 @@ TEST(settings, errors_name_the_option) {
   expect("--view-pitch", [](settings& s) { s.metric.view_pitch = {10.0, 5.0}; });
   expect("--view-least", [](settings& s) { s.metric.view_least = -0.1; });
   expect("--animated", [](settings& s) { s.animated = static_cast<scene::animated_as>(3); });
+  expect("--safety-ring", [](settings& s) { s.safety_ring = static_cast<safety_ring>(3); });
   expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, 0, 1}}; });
   expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, NAN, 1}}; });
   expect("--cells-grid", [](settings& s) {
@@ -159,6 +160,9 @@ TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_b
   EXPECT_NE(describe(b).find(R"("animated":"rest")"), std::string::npos);
   b.animated = scene::animated_as::dynamic;
   EXPECT_NE(describe(b).find(R"("animated":"dynamic")"), std::string::npos);
+  b = a;
+  b.safety_ring = safety_ring::edge;
+  EXPECT_NE(describe(b).find(R"("safety_ring":"edge")"), std::string::npos);
   a.cells_file = "here/cells.json";
   b = a;
   b.cells_file = "there/cells.json";

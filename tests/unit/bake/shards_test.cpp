@@ -84,6 +84,19 @@ TEST_F(shards, any_number_of_them_gives_the_bytes_of_one_bake) {
   EXPECT_TRUE(fs::is_empty(folder_ / "scratch"));
 }
 
+TEST_F(shards, are_merged_with_their_safety_rings) {
+  // The ring is added where the scene is, not by merge, which has none; nor by phase 1, or phase 2 would spread it.
+  how_.safety_ring = safety_ring::vertex;
+  const summary in_one = bake(scene_, how_, out("whole.pvs"), true, {});
+  EXPECT_GT(in_one.unseen_per_cell, 0.0);
+  for (const std::uint32_t phase : {1u, 2u})
+    for (const std::uint32_t i : {0u, 1u, 2u}) (void)part("m.pvs", i, 3, phase);
+  const summary in_parts = merge(find_shard_files(out("m.pvs")), out("m.pvs"), {});
+  EXPECT_EQ(test::file_bytes(out("m.pvs")), test::file_bytes(out("whole.pvs")));
+  EXPECT_EQ(in_parts.unseen_per_cell, in_one.unseen_per_cell);
+  EXPECT_EQ(in_parts.unseen_percent, in_one.unseen_percent);
+}
+
 TEST_F(shards, share_what_they_see_within_a_block_and_over_its_border) {
   // Or the tests above would compare cells that know nothing of each other.
   how_.samples = 6;

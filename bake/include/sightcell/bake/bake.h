@@ -58,6 +58,9 @@ struct summary {
   std::uint32_t cells_over_bound = 0;
   std::uint32_t cells_resumed = 0;  // taken from the checkpoint
   double visible_percent = 0.0;
+  // What the safety ring added, seen by nothing: polygons in the mean over the cells, and all of them in percent of
+  // what the sets would hold without it. Of a whole bake or a merge, not of a shard.
+  double unseen_per_cell = 0.0, unseen_percent = 0.0;
   double max_upper_bound = 1.0;
   double cpu_seconds = 0.0;  // of the process, this run
   std::uint64_t bytes = 0;

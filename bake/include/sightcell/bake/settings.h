@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightcell/bake/safety_ring.h"
 #include "sightcell/scene/animated_as.h"
 
 namespace sightcell::bake {
@@ -86,6 +87,8 @@ struct settings {
   float smallest_gap = 0.002f;    // --smallest-gap, metres, 0..0.1: narrower cracks let nothing through; 0: all do
   // --animated: what animations or skins move and no mark speaks for.
   scene::animated_as animated = scene::animated_as::always;
+  // --safety-ring none|edge|vertex: what shares an edge or a vertex with a polygon of a finished set joins it unseen.
+  bake::safety_ring safety_ring = bake::safety_ring::none;
 
   // --- running; none of these changes a byte of the file
   std::uint32_t threads = 0;  // --threads, 0: all
