@@ -15,7 +15,7 @@ struct finish_settings {
   double max_pixel_error = 1e-3;
   fresh_rules rules;
   double free_share = 1.0;              // about this share of the grown box is free; decides the size of batches only
-  std::uint64_t max_rays = 40'000'000;  // sight rays and tested places, and hemicubes for some thousand each
+  std::uint64_t max_rays = 100'000'000;  // sight rays and tested places, and hemicubes for some thousand each
   std::uint64_t seed = 0, place = 0;
   const time_limit* limit = nullptr;  // a batch under way is not cut short; null: none
   std::size_t known = 0;              // with views: so many members have been looked beside of, by guided
