@@ -69,7 +69,7 @@ class cell_search {
   const error_guess& missing() const { return missing_; }
   // A batch of rays found so much missing.
   void hear(double missing);
-  // In rays: a hemicube costs as much as some thousand.
+  // In rays: a hemicube counts by what it sees.
   std::uint64_t spent() const { return spent_; }
   std::uint64_t rays() const { return cast_; }
 

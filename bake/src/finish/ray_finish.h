@@ -14,8 +14,8 @@ namespace sightcell::bake {
 struct finish_settings {
   double max_pixel_error = 1e-3;
   fresh_rules rules;
-  double free_share = 1.0;              // about this share of the grown box is free; decides the size of batches only
-  std::uint64_t max_rays = 100'000'000;  // sight rays and tested places, and hemicubes for some thousand each
+  double free_share = 1.0;               // about this share of the grown box is free; decides the size of batches only
+  std::uint64_t max_rays = 100'000'000;  // sight rays, tested places, and hemicubes by what they see
   std::uint64_t seed = 0, place = 0;
   const time_limit* limit = nullptr;  // a batch under way is not cut short; null: none
   std::size_t known = 0;              // with views: so many members have been looked beside of, by guided
@@ -31,10 +31,10 @@ struct finish_result {
 
 // A search, then batches of fresh rays: position uniform over the free points of the grown box, direction as the metric
 // of the rules has it, all independent, so that for a fixed set the misses are binomial and the bound is exact. Batch j
-// has the confidence share 0.05 / 2^j: stopping at the first batch that meets the target keeps 95 % for the whole run.
-// Misses join with their position as witness, and the search goes on. Runs on the calling thread's TBB arena; the
-// result does not depend on the number of threads. views: hemicubes that may be taken where more is missing than rays
-// find; null: none.
+// has the confidence share 0.05 / 2^j, divided among the looks at it (looks.h): stopping at the first look that meets
+// the target keeps 95 % for the whole run. Misses join with their position as witness, and the search goes on. Runs on
+// the calling thread's TBB arena; the result does not depend on the number of threads. views: hemicubes that may be
+// taken where more is missing than rays find; null: none.
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
                                const finish_settings& how, cell_set& set, search_views* views = nullptr);
 

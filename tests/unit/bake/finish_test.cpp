@@ -250,10 +250,17 @@ TEST(bound_rays, are_trials_only_from_free_places) {
   const box all{{-1.5f, -1.5f, -1.5f}, {1.5f, 1.5f, 1.5f}};       // a half of it is in the box, or 5 cm before it
   const auto lacks_one = [](std::uint32_t p) { return p != 0; };  // of the wall across, which both halves look at
   const auto tested = cast_fresh_rays(w.rays, all, {}, 40'000, {1, 1, purpose::bound, 1}, lacks_one);
-  const auto batch = cast_bound_rays(w.rays, all, {}, {.trials = 40'000, .free_share = 0.5, .risk = 0.01},
-                                     {1, 1, purpose::bound, 2}, lacks_one);
-  // 80,000 rays, about a half of them trials; at least so many, so rather less.
-  EXPECT_GT(batch.rays, 25'000u);
+  const auto cast = [&](std::uint64_t round) {
+    return cast_bound_rays(w.rays, all, {}, {.trials = 40'000, .free_share = 0.5, .risk = 0.01},
+                           {1, 1, purpose::bound, round}, lacks_one);
+  };
+  const auto batch = cast(2);
+  // 80,000 rays, about a half of them trials; at least so many, so rather less: 33,400 in the mean, but one batch,
+  // which tests 312 places, is off by 2,300.
+  constexpr std::uint64_t rounds = 8;
+  std::uint64_t sum = 0;
+  for (std::uint64_t round = 0; round < rounds; ++round) sum += cast(2 + round).rays;
+  EXPECT_GT(sum, rounds * 30'000u);
   const double error = static_cast<double>(tested.misses) / static_cast<double>(tested.rays);
   const double trials = 80'000.0 * 1.45 / 3.0;
   EXPECT_LE(static_cast<double>(batch.rays), trials);
