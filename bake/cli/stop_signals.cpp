@@ -34,7 +34,7 @@ stop_signals::stop_signals() {
 }
 
 stop_signals::~stop_signals() {
-  for (const auto& [signal, action] : before_) sigaction(signal, &action, nullptr);
+  for (const auto& [signal, before] : before_) sigaction(signal, &before, nullptr);
 }
 
 bool stop_signals::asked() const {
