@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -57,6 +58,8 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"cells", sum.cells},
           {"cells_left_out", sum.cells_left_out},
           {"cells_over_bound", sum.cells_over_bound},
+          {"cells_out_of_time", sum.cells_out_of_time},
+          {"cells_unreached", sum.cells_unreached},
           {"cells_resumed", sum.cells_resumed},
           {"visible_set_percent", sum.visible_percent},
           {"metric", options.metric.metric},
@@ -127,10 +130,20 @@ int report_shard(const std::filesystem::path& target, const bake::summary& sum, 
   return exit_done;
 }
 
+// Without a time budget there is one reason: a cell's rays were spent, or its seconds.
+std::string why_over_bound(const bake::settings& how, const bake::summary& sum) {
+  if (how.time_budget == 0.0) return "";
+  const std::uint32_t out_of_rays = sum.cells_over_bound - sum.cells_out_of_time;
+  return fmt::format(", {} because --time-budget was spent{}", grouped(sum.cells_out_of_time),
+                     out_of_rays > 0 ? fmt::format(" and {} because their rays were", grouped(out_of_rays)) : "");
+}
+
 int report(const bake_options& options, const bake::settings& how, const bake::summary& sum, progress_line& line) {
   if (sum.result == bake::outcome::cancelled) {
-    line.message(
-        fmt::format("stopped: the same command resumes; finished cells are in {}.bake", options.output.string()));
+    line.message(fmt::format("stopped: the same command resumes; {} are in {}.bake{}",
+                             how.time_budget > 0.0 ? "cells and what they have come to" : "finished cells",
+                             options.output.string(),
+                             sum.bytes > 0 ? ", and " + options.output.string() + " holds them" : ""));
     return exit_cancelled;
   }
   line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
@@ -141,14 +154,16 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
     line.message(fmt::format("largest bound of a cell's {}: {:.2e} (asked for {:g})", error_name(how.metric),
                              sum.max_upper_bound, how.max_pixel_error));
   if (sum.result == bake::outcome::bound_not_met) {
-    line.message(fmt::format("{} of {} cells are above --max-pixel-error {:g}; the file is complete and says so",
-                             grouped(sum.cells_over_bound), grouped(sum.cells), how.max_pixel_error));
+    line.message(fmt::format("{} of {} cells are above --max-pixel-error {:g}{}; the file is complete and says so",
+                             grouped(sum.cells_over_bound), grouped(sum.cells), how.max_pixel_error,
+                             why_over_bound(how, sum)));
     return exit_bound_not_met;
   }
   return exit_done;
 }
 
 int run_bake(bake_options options) {
+  const auto began = std::chrono::steady_clock::now();
   bake::settings& how = options.settings;
   if (!options.cells_file.empty()) how.cells_file = options.cells_file;
   if (!options.cells_grid.empty()) {
@@ -172,6 +187,7 @@ int run_bake(bake_options options) {
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   line.message(fmt::format("{}: {} polygons in {} draws", s.name, grouped(s.polygon_count), grouped(s.draws.size())));
 
+  how.time_spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const stop_signals signals;
   bake::callbacks tell;
   tell.on_progress = [&](const bake::progress& now) {
@@ -230,6 +246,10 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
   add(verb, "--sampler", s.sampler, "NAME", "what looks for visible polygons; see sightcell samplers")
       ->group("Sampling");
   for (const bake::sampler_option& option : bake::sampler_options()) add_sampler_option(verb, option, s);
+  add(verb, "--time-budget", s.time_budget, "SECONDS",
+      "on the clock for the whole bake, of guided: spent where the bound is largest, down to --max-pixel-error; what "
+      "is found depends on the machine; 0: none")
+      ->group("Sampling");
   add(verb, "--max-pixel-error", s.max_pixel_error, "E", "bound of the error of each cell; 0: no rays")
       ->group("Sampling");
   add_metric_options(verb, o.metric, "Sampling");

@@ -41,6 +41,7 @@ void progress_line::update(const bake::progress& now) {
     const nlohmann::ordered_json line = {{"cells", now.cells_done},
                                          {"cells_total", now.cells_total},
                                          {"cells_checked", now.cells_checked},
+                                         {"target", now.target},
                                          {"prepared", now.prepared},
                                          {"seconds", now.seconds},
                                          {"seconds_left", now.seconds_left},
@@ -51,6 +52,12 @@ void progress_line::update(const bake::progress& now) {
     return;
   }
   std::string text = fmt::format("{} of {} cells", grouped(now.cells_done), grouped(now.cells_total));
+  if (now.target > 0.0) {
+    show(text + fmt::format(" ({} done), to {:.1e}, {} left, error {:.1e} (worst bound {:.1e}), {:.2f} % visible",
+                            grouped(now.cells_checked), now.target, duration_text(now.seconds_left), now.pixel_error,
+                            now.worst_bound, now.visible_percent));
+    return;
+  }
   if (all && now.seconds_left > 0.0)
     text += fmt::format(" ({} checked with their neighbors)", grouped(now.cells_checked));
   if (now.prepared < 1.0) {

@@ -15,6 +15,7 @@
 #include "process_time.h"
 #include "pvs_output.h"
 #include "sightcell/bake/sampler_options.h"
+#include "timed_bake.h"
 #include "work_file.h"
 #include "workshop.h"
 
@@ -31,11 +32,58 @@ void warn_of_geometry_inside(const ledger& book, const settings& how, const call
                                 book.not_empty()));
 }
 
+// For the records while they come, their copy, and the file in the end.
+void check_room(const workshop& shop, std::uint32_t cells_left, const work_file& file,
+                const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
+  double seen = 0.0;
+  // Of a time budget nobody has to guess how long it takes.
+  const callbacks& estimate = shop.how.time_budget > 0.0 ? callbacks() : tell;
+  arena.execute([&] { seen = print_estimate(shop, cells_left, estimate); });
+  const std::uint64_t of_records = cells_left * checkpoint_bytes_of_cell(seen);
+  check_disk_space({{folder_of(file.path()), of_records},
+                    {folder_of(output), shop.blocks->cell_count() * file_bytes_of_cell(seen)},
+                    {folder_of(output), shop.how.scratch.empty() ? 0 : of_records}},
+                   tell);
+}
+
+// Phase after phase, until every cell is done.
+void bake_all(const workshop& shop, const stage_plan& plan, tbb::task_arena& arena, work_file& file,
+              const std::filesystem::path& output, const callbacks& tell, summary& sum) {
+  std::vector<std::uint32_t> blocks(shop.blocks->count());
+  std::iota(blocks.begin(), blocks.end(), 0u);
+  checkpoint& done = file.records();
+  ledger book(shop.s.polygon_count, plan, shop.blocks->cell_count(), tell);
+  resume(done, book, tell);
+  sum.cells_resumed = book.resumed();
+  check_room(shop, book.cells_left(), file, output, arena, tell);
+  const phase_work work{shop, plan, blocks, arena, book, file};
+  keeping(file, [&] {
+    book.open();
+    run_phase_1(work);
+    run_phase_2(work, [&](std::uint32_t cell) { return required(done, cell, plan.end_of_phase_1(cell)); });
+  });
+  warn_of_geometry_inside(book, shop.how, tell);
+  if (book.stopped()) {
+    sum.result = outcome::cancelled;
+    file.copy();
+    return;
+  }
+  const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells);
+  keeping(file, [&] {
+    arena.execute([&] {
+      write_pvs(
+          frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, tell, sum);
+    });
+  });
+  file.remove();
+}
+
 }  // namespace
 
 summary bake(const scene::scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
              const callbacks& tell) {
   validate(how);
+  time_budget clock(how.time_budget, how.time_spent);
   const double began = process_cpu_seconds();
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
@@ -45,39 +93,12 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   sum.device = shop->eyes.source->device();
 
   const stage_plan plan(*shop->blocks, shop->bounds());
-  std::vector<std::uint32_t> blocks(shop->blocks->count());
-  std::iota(blocks.begin(), blocks.end(), 0u);
   work_file file(output, how.scratch, shop->key, fresh);
-  checkpoint& done = file.records();
-  ledger book(s.polygon_count, plan, shop->blocks->cell_count(), tell);
-  resume(done, book, tell);
-  sum.cells_resumed = book.resumed();
-  double seen = 0.0;
-  arena.execute([&] { seen = print_estimate(*shop, book.cells_left(), tell); });
-  const std::uint64_t of_records = book.cells_left() * checkpoint_bytes_of_cell(seen);
-  check_disk_space({{folder_of(file.path()), of_records},
-                    {folder_of(output), shop->blocks->cell_count() * file_bytes_of_cell(seen)},
-                    {folder_of(output), how.scratch.empty() ? 0 : of_records}},  // the copy
-                   tell);
-  const phase_work work{*shop, plan, blocks, arena, book, file};
-  keeping(file, [&] {
-    book.open();
-    run_phase_1(work);
-    run_phase_2(work, [&](std::uint32_t cell) { return required(done, cell, plan.end_of_phase_1(cell)); });
-  });
-  warn_of_geometry_inside(book, how, tell);
-  if (book.stopped()) {
-    sum.result = outcome::cancelled;
-    file.copy();
+  if (how.time_budget > 0.0) {
+    check_room(*shop, shop->blocks->cell_count(), file, output, arena, tell);
+    bake_in_time({*shop, plan, arena, clock, file, output, tell}, sum);
   } else {
-    const pvs_frame frame = frame_of(s, how, with_overrides(shop->settings_text, shop->given), shop->list.cells);
-    keeping(file, [&] {
-      arena.execute([&] {
-        write_pvs(
-            frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, tell, sum);
-      });
-    });
-    file.remove();
+    bake_all(*shop, plan, arena, file, output, tell, sum);
   }
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;

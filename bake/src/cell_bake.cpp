@@ -4,11 +4,11 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "finish/ray_finish.h"
 #include "finish/refinement.h"
 #include "finish/retest.h"
 #include "finish/ring_polygons.h"
 #include "rays/triangle_math.h"
+#include "time_budget.h"
 
 namespace sightcell::bake {
 namespace {
@@ -31,6 +31,14 @@ void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vect
   }
   std::sort(set.begin(), set.end());
   set.erase(std::unique(set.begin(), set.end()), set.end());
+}
+
+void take_bound(const finish_result& proof, cell_record& record) {
+  record.rays = proof.rays;
+  record.misses = proof.misses;
+  record.upper_bound = proof.upper_bound;
+  record.confidence = proof.confidence;
+  record.bound_met = proof.bound_met;
 }
 
 }  // namespace
@@ -122,26 +130,34 @@ void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32
     if (is_free[i]) set.add(whose[i], before[i]);
 }
 
+std::optional<search_views> cell_baker::views_of(const view_cell& cell, const cell_record& record) const {
+  return sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
+}
+
+// The set is what the cell has so far; goes into the record with what it took, but for the bound.
+finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views,
+                                 cell_set& set, cell_record& record) const {
+  how.rules = {how_.player_radius, how_.smallest_gap, &metric_};
+  how.free_share = record.free_share;
+  how.seed = how_.seed;
+  how.place = cell.place;
+  const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), how, set, views ? &*views : nullptr);
+  if (views) record.samples = views->places.taken();
+  record.batches = static_cast<std::uint32_t>(proof.batches);
+  record.rays_spent += proof.rays_spent;
+  set.save(record);
+  return proof;
+}
+
 // The set is what the cell has so far; the sampler found the first `known` members.
 void cell_baker::bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const {
-  auto views = sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
+  auto views = views_of(cell, record);
   const time_limit limit(views ? how_.seconds_per_cell : 0.0, views && views->source.shared());
-  const finish_settings finish{.max_pixel_error = how_.max_pixel_error,
-                               .rules = {how_.player_radius, how_.smallest_gap, &metric_},
-                               .free_share = record.free_share,
-                               .seed = how_.seed,
-                               .place = cell.place,
-                               .limit = &limit,
-                               .known = known};
-  const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), finish, set, views ? &*views : nullptr);
-  if (views) record.samples = views->places.taken();
-  record.rays = proof.rays;
-  record.misses = proof.misses;
-  record.upper_bound = proof.upper_bound;
-  record.confidence = proof.confidence;
-  record.rays_spent += proof.rays_spent;
-  record.bound_met = proof.bound_met;
-  set.save(record);
+  const finish_settings how{.max_pixel_error = how_.max_pixel_error,
+                            .limit = &limit,
+                            .known = known,
+                            .known_to = first_target(how_)};
+  take_bound(finish(cell, how, views, set, record), record);
 }
 
 cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& own,
@@ -164,7 +180,7 @@ cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set) 
 }
 
 cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
-                              cell_set& set) const {
+                              cell_set& set, const time_limit* limit) const {
   cell_record record = own;
   if (!record.stored) return record;
   set.load(record);
@@ -177,10 +193,41 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
                      .place = cell.place,
                      .smallest_gap = how_.smallest_gap,
                      .use = purpose::dilation_of_finds,
+                     .limit = limit,
                      .known = before},
                     set);
   record.rays_spent += beside.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays);
   set.save(record);
+  return record;
+}
+
+cell_record cell_baker::improve(const view_cell& cell, const cell_record* before,
+                                std::span<const cell_record> neighbors, const cell_turn& turn, cell_set& set) const {
+  if (turn.limit->reached()) return before ? *before : cell_record();
+  cell_record record = before ? *before : sample(cell, set);
+  if (!record.stored) return record;
+  if (before) set.load(record);
+  const std::size_t known = set.members().size();
+  if (before) {
+    const retest_settings how{seed_after(record.batches, how_.seed),
+                              cell.place,
+                              purpose::retest_all,
+                              {how_.player_radius, how_.smallest_gap}};
+    record.rays_spent += retest(rays_, grown(cell), how, neighbors, set);
+  }
+  auto views = views_of(cell, record);
+  const finish_settings how{.max_pixel_error = turn.target,
+                            .max_rays = turn.max_rays,
+                            .limit = turn.limit,
+                            .limit_ends_batches = true,
+                            .batches_before = record.batches,
+                            .known = known,
+                            // What met a bound had gone about as far as for that.
+                            .known_to = before ? before->upper_bound : turn.target};
+  const finish_result proof = finish(cell, how, views, set, record);
+  // All bounds hold together, each of a set that was smaller than this one.
+  if (proof.upper_bound < record.upper_bound) take_bound(proof, record);
+  record.bound_met = record.upper_bound <= how_.max_pixel_error;
   return record;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // One cell from start to end: free places, hemicubes, polygons inside, what neighbors see, rays.
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,12 +11,20 @@
 #include "cells/overrides.h"
 #include "cells/view_cell.h"
 #include "finish/near_polygons.h"
+#include "finish/ray_finish.h"
 #include "free_space.h"
 #include "rays/ray_scene.h"
 #include "sampler/cell_sampler.h"
 #include "sightcell/bake/settings.h"
 
 namespace sightcell::bake {
+
+// How far a cell is brought at a time where a time budget is spent on all of them by turns.
+struct cell_turn {
+  double target = 1e-2;        // its bound is to be at most this
+  std::uint64_t max_rays = 0;  // or so many have been spent on it
+  const time_limit* limit = nullptr;
+};
 
 // A record depends on settings, scene, the cell's box and place, and the records it is given, alone. In all calls set
 // is a place to work in and is overwritten: it takes set_bytes(), so it is made once and used for many cells. All may
@@ -42,8 +51,13 @@ class cell_baker {
   // Both rounds of a cell that no other is in the block of.
   cell_record sample_and_finish(const view_cell& cell, cell_set& set) const;
   // Phase 2: what neighbors of all blocks have found after phase 1 is tried. Adds only, so the bound still holds.
+  // limit: null, none.
   cell_record check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
-                    cell_set& set) const;
+                    cell_set& set, const time_limit* limit = nullptr) const;
+  // The next turn of a cell, or its first: before is null. What neighbors have found by now is tried first. The set
+  // grows and the bound falls, or both are what they were.
+  cell_record improve(const view_cell& cell, const cell_record* before, std::span<const cell_record> neighbors,
+                      const cell_turn& turn, cell_set& set) const;
   // From the last of these to a finished cell: overrides of the cells file, coarser levels of detail and the safety
   // ring join.
   cell_record finished(const view_cell& cell, cell_record last) const;
@@ -57,6 +71,9 @@ class cell_baker {
   void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside, const std::vector<glm::vec3>& free,
                   cell_set& set) const;
   void complete(const view_cell& cell, std::vector<std::uint32_t>& set) const;
+  std::optional<search_views> views_of(const view_cell& cell, const cell_record& record) const;
+  finish_result finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views, cell_set& set,
+                       cell_record& record) const;
   void bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const;
 
   const settings& how_;

@@ -8,7 +8,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint8_t record_version = 3;
+constexpr std::uint8_t record_version = 4;
 constexpr std::size_t checksum_size = 8;
 
 void put_bytes(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
@@ -140,6 +140,7 @@ void take_plain_fields(reader& in, cell_record& record) {
   record.rays_spent = in.take(8);
   record.samples = static_cast<std::uint32_t>(in.take(4));
   record.free_share = in.take_double();
+  record.batches = static_cast<std::uint32_t>(in.take(4));
   record.unseen = in.take_varint();
 }
 
@@ -162,6 +163,7 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   put_bytes(out, record.rays_spent, 8);
   put_bytes(out, record.samples, 4);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.free_share), 8);
+  put_bytes(out, record.batches, 4);
   put_varint(out, record.unseen);
   put_set(out, record.set);
   put_witnesses(out, record);

@@ -23,6 +23,7 @@ struct cell_record {
   std::uint64_t misses = 0;
   double upper_bound = 1.0;
   double confidence = 0.0;
+  std::uint32_t batches = 0;     // fresh batches so far: the next one has a smaller share of the confidence
   std::uint64_t rays_spent = 0;  // of all ray work
   std::uint32_t samples = 0;     // hemicubes rendered
   bool bound_met = true;

@@ -48,6 +48,14 @@ step_queue step_queue::phase_2(const stage_plan& plan, const stage_table& have, 
   return queue;
 }
 
+step_queue step_queue::listed(const stage_plan& plan, std::span<const cell_step> steps) {
+  step_queue queue(plan);
+  queue.ready_.assign(steps.begin(), steps.end());
+  queue.count_ = static_cast<std::uint32_t>(steps.size());
+  queue.left_ = queue.count_;
+  return queue;
+}
+
 std::optional<cell_step> step_queue::begin_next() {
   std::deque<cell_step>& from = ready_first_.empty() ? ready_ : ready_first_;
   if (from.empty()) return std::nullopt;

@@ -66,6 +66,9 @@ class step_queue {
   // Phase 2 of these blocks: phase 1 of all that touches them must be there.
   static step_queue phase_2(const stage_plan& plan, const stage_table& have, std::span<const std::uint32_t> blocks);
 
+  // These steps, in this order: none waits for another.
+  static step_queue listed(const stage_plan& plan, std::span<const cell_step> steps);
+
   // The next step that can begin. Nothing: all have begun, or those that are left wait for others to be committed.
   std::optional<cell_step> begin_next();
   // Its record is committed.

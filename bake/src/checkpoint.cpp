@@ -25,7 +25,7 @@ namespace sightcell::bake {
 namespace {
 
 constexpr int application_id = 0x53434B31;  // "SCK1": tells our files from other people's databases
-constexpr int schema_version = 4;
+constexpr int schema_version = 5;
 struct finalize_statement {
   void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 };

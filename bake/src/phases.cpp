@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "cell_bake.h"
 #include "cell_lanes.h"
 #include "finish/retest.h"
 #include "memory_limit.h"
@@ -19,18 +18,9 @@ namespace {
 
 constexpr std::chrono::milliseconds tell_pause{200};  // of progress before the first cell
 
-// Made in place: it cannot be moved.
-cell_baker baker_of(const workshop& shop) {
-  return {shop.how, shop.given, *shop.rays, shop.neighbors ? &*shop.neighbors : nullptr, *shop.sampler, shop.metric};
-}
-
 void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {
-  const settings& how = work.shop.how;
-  const std::size_t most = lane_count(work.shop.eyes.source->shared(), work.arena.max_concurrency(), baker.set_bytes());
-  const std::uint64_t of_lane = memory_of_lane(work.shop.geometry.kinds.size(), baker.set_bytes(), how);
-  const std::size_t lanes = lanes_that_fit(most, of_lane, how);
   take_steps(
-      queue, [&] { return baker.make_set(); }, take, lanes, work.arena,
+      queue, [&] { return baker.make_set(); }, take, lanes_of(work.shop, baker, work.arena), work.arena,
       [&](std::span<const stage_record> ended, std::size_t in_work) {
         const bool go_on = work.book.close(ended, in_work, work.file.records());
         work.file.copy_if_due();
@@ -62,7 +52,18 @@ bool prepare(const phase_work& work) {
   return !work.book.stopped();
 }
 
-// What others see and own does not, one after the other.
+}  // namespace
+
+cell_baker baker_of(const workshop& shop) {
+  return {shop.how, shop.given, *shop.rays, shop.neighbors ? &*shop.neighbors : nullptr, *shop.sampler, shop.metric};
+}
+
+std::size_t lanes_of(const workshop& shop, const cell_baker& baker, const tbb::task_arena& arena) {
+  const std::size_t most = lane_count(shop.eyes.source->shared(), arena.max_concurrency(), baker.set_bytes());
+  const std::uint64_t of_lane = memory_of_lane(shop.geometry.kinds.size(), baker.set_bytes(), shop.how);
+  return lanes_that_fit(most, of_lane, shop.how);
+}
+
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
                                       const record_of_phase_1& record_of) {
   std::vector<cell_record> neighbors;
@@ -70,18 +71,18 @@ std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const st
   return neighbors;
 }
 
-}  // namespace
-
 void resume(checkpoint& done, ledger& book, const callbacks& tell) {
   const std::uint32_t damaged = done.survey(
       [&](std::uint32_t cell, cell_stage stage, const cell_summary& record) { book.resume(cell, stage, record); });
+  tell_of_resume(damaged, book.resumed(), book.cells_total(), tell);
+}
+
+void tell_of_resume(std::uint32_t damaged, std::uint32_t resumed, std::uint32_t cells, const callbacks& tell) {
   if (!tell.on_message) return;
   if (damaged > 0)
     tell.on_message(severity::warning,
                     fmt::format("{} records of the unfinished bake are damaged: their cells are baked anew", damaged));
-  if (book.resumed() > 0)
-    tell.on_message(severity::note,
-                    fmt::format("resuming: {} of {} cells are done", book.resumed(), book.cells_total()));
+  if (resumed > 0) tell.on_message(severity::note, fmt::format("resuming: {} of {} cells are done", resumed, cells));
 }
 
 cell_record required(const checkpoint& done, std::uint32_t cell, cell_stage stage) {

@@ -5,13 +5,20 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
+#include "cell_bake.h"
 #include "checkpoint.h"
 #include "ledger.h"
 #include "work_file.h"
 #include "workshop.h"
 
 namespace sightcell::bake {
+
+// Made in place: it cannot be moved.
+cell_baker baker_of(const workshop& shop);
+// So many cells are in work at once.
+std::size_t lanes_of(const workshop& shop, const cell_baker& baker, const tbb::task_arena& arena);
 
 // What phase 1 left of a cell; called from many threads.
 using record_of_phase_1 = std::function<cell_record(std::uint32_t cell)>;
@@ -28,6 +35,11 @@ struct phase_work {
 
 // What an earlier run left, into the book; says how much that is.
 void resume(checkpoint& done, ledger& book, const callbacks& tell);
+// What others see and own does not, one after the other.
+std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
+                                      const record_of_phase_1& record_of);
+// Says how many records of an earlier run there are, and how many were damaged.
+void tell_of_resume(std::uint32_t damaged, std::uint32_t resumed, std::uint32_t cells, const callbacks& tell);
 // A record that must be there.
 cell_record required(const checkpoint& done, std::uint32_t cell, cell_stage stage);
 // Runs work and leaves a copy of the file where that is asked for, however work ends.

@@ -88,6 +88,7 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
   frame.facts.polygon_count = s.polygon_count;
   frame.facts.margin = how.margin;
   frame.facts.scene_fingerprint = s.fingerprint;
+  frame.facts.repeatable = how.time_budget == 0.0 && how.seconds_per_cell == 0.0;
   frame.seed = how.seed;
   frame.draws = draw_table(s);
   for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});

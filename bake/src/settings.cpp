@@ -84,6 +84,19 @@ std::string metric_text(const metric_settings& s) {
   return text;
 }
 
+// Only a search that goes on where it ended can be done by turns, and only a bound says whose turn it is.
+void check_time_budget(const settings& s) {
+  if (!(s.time_budget >= 0.0 && s.time_budget <= 1e7)) refuse("--time-budget", number(s.time_budget), "0 to 1e+07");
+  if (s.time_budget == 0.0) return;
+  const auto refuse_with = [](const char* cause, const char* remedy) {
+    throw error(error_kind::wrong_use, "settings.time-budget", "--time-budget", cause, remedy);
+  };
+  if (s.sampler != "guided") refuse_with("is for the sampler guided alone", "leave out --sampler, or --time-budget");
+  if (s.max_pixel_error == 0.0)
+    refuse_with("is spent by bounds, and --max-pixel-error 0 has none", "give the smallest bound that is worth time");
+  if (s.seconds_per_cell > 0.0) refuse_with("is given together with --seconds-per-cell", "give one of them");
+}
+
 const char* kind_of_cells(const settings& s) {
   if (!s.cells.empty()) return "given";
   if (s.cells_file) return "file";
@@ -124,6 +137,7 @@ void validate(const settings& s) {
   if (s.max_pixel_error != 0.0 && !(s.max_pixel_error >= 1e-7 && s.max_pixel_error <= 0.5))
     refuse("--max-pixel-error", number(s.max_pixel_error), "0 (no rays) or 1e-07 to 0.5");
   validate_metric(s.metric);
+  check_time_budget(s);
   if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
   if (static_cast<std::size_t>(s.safety_ring) >= safety_ring_names.size())
@@ -143,6 +157,7 @@ std::string describe(const settings& s) {
   text += fmt::format(R"(,"sampler":{},"samples":{},"resolution":{},"max_pixel_error":{},"seed":{})",
                       nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);
   text += sampler_text(s);
+  if (s.time_budget > 0.0) text += fmt::format(R"(,"time_budget":{})", number(s.time_budget));
   text += fmt::format(R"(,"all_double_sided":{})", s.all_double_sided);
   text += fmt::format(R"(,"smallest_gap":{})", number(s.smallest_gap));
   text += metric_text(s.metric);

@@ -33,6 +33,13 @@ void validate(const shard& part) {
                 "give 1 or 2");
 }
 
+// It is one clock for cells of all blocks.
+void refuse_time_budget(const settings& how) {
+  if (how.time_budget > 0.0)
+    throw error(error_kind::wrong_use, "settings.time-budget", "--time-budget", "is for a bake on one machine",
+                "leave out --shard, or --time-budget");
+}
+
 std::vector<std::uint32_t> blocks_of(const shard& part, const cell_blocks& all) {
   std::vector<std::uint32_t> own;
   for (std::uint32_t block = part.index; block < all.count(); block += part.count) own.push_back(block);
@@ -144,6 +151,7 @@ std::vector<std::filesystem::path> find_shard_files(const std::filesystem::path&
 summary bake_shard(const scene::scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
                    bool fresh, const callbacks& tell) {
   validate(how);
+  refuse_time_budget(how);
   validate(part);
   const double began = process_cpu_seconds();
   summary sum;

@@ -92,7 +92,9 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
     for (const std::string& warning : list.warnings) tell.on_message(severity::warning, warning);
   }
   settings_text = text_of(how, eyes);
-  key = checkpoint_key(s, list.cells, given, settings_text);
+  settings of_records = how;  // those of a time budget can be gone on with whatever budget
+  of_records.time_budget = how.time_budget > 0.0 ? 1.0 : 0.0;
+  key = checkpoint_key(s, list.cells, given, text_of(of_records, eyes));
 }
 
 namespace {

@@ -40,7 +40,7 @@ struct workshop {
   std::optional<surface_colors> colors;  // where the sampler or the metric looks at them
   error_metric metric;
   std::unique_ptr<cell_sampler> sampler;
-  std::string settings_text;  // for the checkpoint's key; the file's has the overrides besides
+  std::string settings_text;  // the file's has the overrides besides
   // Names all that decides a byte: scene with the textures that decide alpha, cells, settings, device, version.
   std::string key;
 };

@@ -43,20 +43,23 @@ def hash_of(path):
 
 
 class Bench:
-    def __init__(self, options):
-        self.options = options
+    """Measures jobs over a scene's cells. limit: of a scene's name, how many cells, 0 for all; what: of its files' names."""
+
+    def __init__(self, folder, threads, limit, truth, what="", real=None):
+        self.folder, self.threads, self.limit, self.truth = folder, threads, limit, truth
+        self.what, self.real = what, real or plan.REAL
         self.cache = os.path.abspath(os.path.join(os.environ.get("SIGHTCELL_CACHE", "build/cache"), "bench_samplers"))
         os.makedirs(self.cache, exist_ok=True)
 
     def program(self, name):
-        path = os.path.join(self.options.bin, name)
+        path = os.path.join(self.folder, name)
         if not os.path.exists(path):
             sys.exit(f"bench_samplers: {path} is not there; build it: cmake --build --preset release")
         return path
 
     def scene(self, name):
         """Scene, cells file or None, cell limit; None where the scene is missing."""
-        limit = (2 if name == plan.TOWN else 4) if self.options.quick else 0
+        limit = self.limit(name)
         if name in plan.PRESETS + [plan.TOWN]:
             asked = ["--preset", name] if name in plan.PRESETS else ["--polygons", "20000"]
             city = self.program("sightcell-city")
@@ -70,18 +73,18 @@ class Bench:
                 os.replace(part, scene)
             return scene, cells, limit
         data = os.environ.get("SIGHTCELL_DATA")
-        scene = data and os.path.join(data, plan.REAL[name])
+        scene = data and os.path.join(data, self.real[name])
         if not scene or not os.path.exists(scene):
             say(f"{name} is skipped: " + ("SIGHTCELL_DATA is not set" if not data else f"{scene} is missing"))
             return None
-        return scene, None, limit or plan.REAL_CELLS
+        return scene, None, limit
 
     def jobs_file(self, name, jobs):
-        path = os.path.join(self.cache, f"{name}{'-quick' if self.options.quick else ''}.jobs.json")
+        path = os.path.join(self.cache, f"{name}{self.what}.jobs.json")
         asked = [{"label": j["label"], "settings": j["settings"], "importance": j.get("importance", True),
                   "code": plan.code_of(ROOT, j["settings"]["sampler"])} for j in jobs]
         with open(path, "w", encoding="utf-8") as stream:
-            json.dump({"jobs": asked, "truth": QUICK_TRUTH if self.options.quick else TRUTH}, stream, indent=1)
+            json.dump({"jobs": asked, "truth": self.truth}, stream, indent=1)
         return path
 
     def run(self, verb, scene, cells, limit, jobs_file, *more):
@@ -92,23 +95,32 @@ class Bench:
             command += ["--cell-limit", str(limit)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)  # what it says is in its files
 
-    def measure(self, name):
+    def measure(self, name, jobs):
         found = self.scene(name)
         if found is None:
             return None
         scene, cells, limit = found
-        jobs = plan.jobs_of(name, self.options.quick)
         asked = self.jobs_file(name, jobs)
         out = asked.replace(".jobs.json", ".results.json")
         say(f"{name}: {len(jobs)} settings")
         self.run("measure", scene, cells, limit, asked, "--out", out, "--cache", self.cache, "--threads",
-                 str(self.options.threads))
+                 str(self.threads))
         with open(out, encoding="utf-8") as stream:
             result = json.load(stream)
         for mine, measured in zip(jobs, result["jobs"]):
             measured.update(mine)  # its settings are those that were asked for, without defaults
         result.update({"name": name, "file": scene, "cells_file": cells, "limit": limit, "jobs_file": asked})
         return result
+
+
+def bench_of(options):
+    def limit(name):
+        if options.quick:
+            return 2 if name == plan.TOWN else 4
+        return plan.REAL_CELLS if name in plan.REAL else 0
+
+    return Bench(options.bin, options.threads, limit, QUICK_TRUTH if options.quick else TRUTH,
+                 "-quick" if options.quick else "")
 
 
 def main():
@@ -123,9 +135,9 @@ def main():
     parser.add_argument("--no-pictures", action="store_true")
     options = parser.parse_args()
     plan.check_code(ROOT)
-    bench = Bench(options)
+    bench = bench_of(options)
     wanted = options.scene or (["vienna800k", "czest3ctf"] if options.quick else names)
-    results = [r for r in (bench.measure(name) for name in wanted) if r]
+    results = [r for r in (bench.measure(name, plan.jobs_of(name, options.quick)) for name in wanted) if r]
     if not results:
         sys.exit("bench_samplers: no scene is there")
     print(tables.markdown(results))

@@ -26,7 +26,7 @@ class Usage(InFolder):
     def test_help_names_every_option_of_this_version(self):
         out, _ = self.expect(0, 'bake', '--help')
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
-                       '--player-radius', '--sampler', '--samples', '--max-pixel-error', '--metric',
+                       '--player-radius', '--sampler', '--samples', '--time-budget', '--max-pixel-error', '--metric',
                        '--view-resolution', '--view-fov', '--view-pitch', '--view-least', '--source', '--resolution',
                        '--all-double-sided', '--animated', '--safety-ring', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
@@ -53,7 +53,7 @@ class Usage(InFolder):
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--time-budget=9', '--misses=x', '--layout=merged',
+        for option in ('--misses=x', '--layout=merged',
                        '--profile=small', '--importance', '--report=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
@@ -61,7 +61,7 @@ class Usage(InFolder):
     def test_values_out_of_range_are_2_and_name_the_option(self):
         for option, value in (('--cell-size', '0.1'), ('--margin', '11'), ('--player-radius', '0'),
                               ('--sampler', 'guesswork'), ('--source', 'opengl'), ('--samples', '5'), ('--resolution', '255'),
-                              ('--max-pixel-error', '0.9'),
+                              ('--max-pixel-error', '0.9'), ('--time-budget', '-1'),
                               ('--cells-grid', '0,0,0,1,0,1'), ('--cells-grid', '0,0,0,1,nan,1')):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)
             self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
@@ -318,6 +318,29 @@ class Bake(InFolder):
         self.assertAlmostEqual(sizes['edge'], sizes['none'])
         self.assertAlmostEqual(sizes['vertex'], sizes['none'])
 
+    def test_a_time_budget_that_is_not_needed(self):
+        file = self.path('in-time.pvs')
+        out, err = self.bake(0, file, '--time-budget', '1000', '--json', '--progress', 'json')
+        summary = json.loads(out)
+        self.assertEqual([summary[key] for key in ('result', 'cells', 'cells_over_bound', 'cells_out_of_time',
+                                                   'cells_unreached')], ['done', 1, 0, 0, 0])
+        targets = {json.loads(line)['target'] for line in err.splitlines() if line.startswith('{')}
+        self.assertEqual(targets, {1e-2})
+        info = json.loads(self.expect(0, 'info', file, '--json')[0])
+        self.assertEqual((info['repeatable'], info['settings']['time_budget']), (False, 1000))
+        self.assertIn('not repeatable', self.expect(0, 'info', file)[0])
+        self.expect(0, 'verify', self.room, file, '--rays', '20000')
+
+    def test_a_time_budget_that_is_spent(self):
+        file = self.path('out-of-time.pvs')
+        out, err = self.expect(3, 'bake', self.room, '-o', file, '--cells-file', self.cells, '--resolution', '64',
+                               '--max-pixel-error', '1e-7', '--time-budget', '2', '--json')
+        summary = json.loads(out)
+        self.assertEqual([summary[key] for key in ('result', 'cells', 'cells_over_bound', 'cells_out_of_time')],
+                         ['bound_not_met', 1, 1, 1])
+        self.assertIn('1 of 1 cells are above --max-pixel-error 1e-07, 1 because --time-budget was spent', err)
+        self.expect(0, 'verify', self.room, file, '--rays', '20000')
+
     def test_file_of_another_scene_is_refused(self):
         other, file = self.path('other.glb'), self.path('of-this-room.pvs')
         write_room(other, height=5)
@@ -516,6 +539,24 @@ class Resume(Stopped):
         for number in (signal.SIGINT, signal.SIGTERM):
             self.assertEqual(self.stop(output, number), 130)
         self.assert_resumes(output, after=2)
+
+    def test_interrupted_in_its_time_budget_it_leaves_a_file_and_goes_on(self):
+        output = self.path('in-time.pvs')
+        running = self.start(output, '--time-budget', '1000')
+        running.send_signal(signal.SIGINT)
+        _, said = running.communicate(timeout=TIMEOUT)
+        self.assertEqual(running.returncode, 130)
+        self.assertIn(f'{output} holds them', said)
+        before = json.loads(self.expect(0, 'info', output, '--json')[0])
+        self.assertGreaterEqual(before['cells'], 1)
+        self.assertFalse(before['repeatable'])
+        out, err = self.expect(0, *self.command(output, '--time-budget', '2000', '--json'))
+        self.assertGreaterEqual(json.loads(out)['cells_resumed'], before['cells'])
+        self.assertIn('resuming', err)
+        after = json.loads(self.expect(0, 'info', output, '--json')[0])
+        self.assertGreaterEqual(after['cells'], before['cells'])
+        self.assertLessEqual(after['max_pixel_error'], 1e-3)
+        self.assertFalse(os.path.exists(output + '.bake'))
 
     def test_other_settings_are_refused_until_fresh(self):
         output = self.path('other.pvs')

@@ -129,10 +129,14 @@ def bake_with_cells(content):
     return prepare
 
 
-def option(name, value):
+def options(named, *given):
     def prepare(folder):
-        return Call(['bake', room(folder), '-o', os.path.join(folder, 'out.pvs'), name, value], name)
+        return Call(['bake', room(folder), '-o', os.path.join(folder, 'out.pvs'), *given], named)
     return prepare
+
+
+def option(name, value):
+    return options(name, name, value)
 
 
 def checkpoint(make):
@@ -267,6 +271,7 @@ CASES = [
     ('bake.no-free-cell', 1, lambda f: Call(bake(f, cells_file=cells(f, low=(90, 90, 90), high=(91, 91, 91)),
                                                  scene_file=scene(f, 'solid.gltf', scale=100.0)), 'solid.gltf')),
     ('bake.nothing-to-see', 4, lambda f: Call(bake(f, scene_file=scene(f, nodes=[{}])), 'scene.gltf')),
+    ('bake.time-budget', 1, options('room.gltf', '--time-budget', '1e-6')),
     ('cells.bad-box', 4, bake_with_cells('{"cells":[{"min":[0,0],"max":[1,1,1]}]}')),
     ('cells.bad-name', 4, bake_with_cells('{"cells":[{"name":7,"min":[0,0,0],"max":[1,1,1]}]}')),
     ('cells.bad-override', 4, bake_with_cells('{"never":7,"cells":[{"min":[0,0,0],"max":[1,1,1]}]}')),
@@ -336,4 +341,6 @@ CASES = [
     ('settings.out-of-range', 2, option('--cell-size', '0.1')),
     ('settings.out-of-range', 2, option('--resolution', '255')),
     ('settings.out-of-range', 2, option('--source', 'opengl')),
+    ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--sampler', 'halton')),
+    ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--shard', '0/2')),
 ]

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -19,7 +20,7 @@ constexpr std::uint64_t chunk_rays = 65536;
 constexpr std::uint64_t fewest_tests = 256, rays_per_test = 256;
 
 struct chunk_result {
-  std::uint64_t tested = 0, free = 0, misses = 0, asked = 0;
+  std::uint64_t cast = 0, tested = 0, free = 0, misses = 0, asked = 0;
   std::vector<missed_polygon> missed;
 };
 
@@ -56,6 +57,7 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rul
                         std::uint64_t tests, random_stream random, const std::function<bool(std::uint32_t)>& contains) {
   chunk_result result;
   const std::vector<sight_line> lines = draw(grown, count, *rules.metric, random);
+  result.cast = count;
   ray_trial trial(rays, rules, contains);
   const std::vector<std::uint32_t> wrong = suspects(rays, trial, grown, lines);
 
@@ -86,7 +88,8 @@ void bound_batch::cast_tested(std::uint64_t trials) {
   constexpr std::uint64_t most_parts = 1024;  // streams of random numbers: parts of all rounds must differ
   fresh_source source = source_;
   source.round = source_.round * most_parts + parts_++;
-  const fresh_batch part = cast_fresh_rays(rays_, grown_, rules_, trials, source, contains_);
+  const fresh_batch part = cast_fresh_rays(rays_, grown_, rules_, trials, source, contains_, give_up_);
+  given_up_ = given_up_ || part.given_up;
   cast_ += part.rays, tested_ += part.rays, free_ += part.rays;
   misses_ += part.misses;
   asked_ += part.places;
@@ -99,15 +102,21 @@ void bound_batch::cast(std::uint64_t trials) {
   std::vector<chunk_result> chunks((count + chunk_rays - 1) / chunk_rays);
   const std::uint64_t tests = std::max(fewest_tests, count / rays_per_test);
   const std::uint64_t tests_of_chunk = (tests + chunks.size() - 1) / std::max<std::size_t>(chunks.size(), 1);
+  std::atomic<bool> given_up{false};
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+    if (give_up_ && (given_up || give_up_())) {
+      given_up = true;
+      return;
+    }
     const std::uint64_t size = std::min(chunk_rays, count - i * chunk_rays);
     chunks[i] =
         cast_chunk(rays_, grown_, rules_, size, tests_of_chunk,
                    random_stream(source_.seed, source_.place, source_.use, source_.round, parts_ + i), contains_);
   });
+  given_up_ = given_up_ || given_up;
   parts_ += chunks.size();
-  cast_ += count;
   for (const chunk_result& chunk : chunks) {
+    cast_ += chunk.cast;
     tested_ += chunk.tested;
     free_ += chunk.free;
     misses_ += chunk.misses;

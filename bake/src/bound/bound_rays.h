@@ -2,6 +2,8 @@
 // Fresh rays for the bound alone: their places are not tested one by one.
 #include <cstdint>
 #include <functional>
+#include <utility>
+#include <vector>
 
 #include "bound/fresh_rays.h"
 
@@ -31,13 +33,24 @@ fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh
 // The same, a part at a time: how long the batch becomes may depend on what came so far.
 class bound_batch {
  public:
-  // References must outlive the batch; contains must answer the same throughout.
+  // References must outlive the batch; contains must answer the same throughout. give_up: asked from many threads; once
+  // it is true the batch is given up; empty: never.
   bound_batch(const ray_scene& rays, const box& grown, const fresh_rules& rules, double free_share,
-              const fresh_source& source, const std::function<bool(std::uint32_t)>& contains)
-      : rays_(rays), grown_(grown), rules_(rules), free_share_(free_share), source_(source), contains_(contains) {}
+              const fresh_source& source, const std::function<bool(std::uint32_t)>& contains,
+              std::function<bool()> give_up = {})
+      : rays_(rays),
+        grown_(grown),
+        rules_(rules),
+        free_share_(free_share),
+        source_(source),
+        contains_(contains),
+        give_up_(std::move(give_up)) {}
 
   // About so many more trials.
   void cast(std::uint64_t trials);
+  // Then not all rays of the last part were cast, and which were depends on the time: the batch says nothing of what is
+  // missing, and only what it missed is of use.
+  bool given_up() const { return given_up_; }
   // At least so many trials so far, but for `risk`.
   std::uint64_t trials(double risk) const;
   std::uint64_t misses() const { return misses_; }
@@ -55,6 +68,8 @@ class bound_batch {
   const double free_share_;
   const fresh_source source_;
   const std::function<bool(std::uint32_t)>& contains_;
+  const std::function<bool()> give_up_;
+  bool given_up_ = false;
   std::uint64_t cast_ = 0, tested_ = 0, free_ = 0;  // rays, from places of which some were tested, and are free
   std::uint64_t misses_ = 0, asked_ = 0;            // places asked about
   std::uint64_t parts_ = 0;

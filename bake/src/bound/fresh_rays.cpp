@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "bound/ray_trial.h"
 
@@ -34,9 +35,15 @@ fresh_batch cast_chunk(const ray_scene& rays, const box& grown, const fresh_rule
 }  // namespace
 
 fresh_batch cast_fresh_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, std::uint64_t count,
-                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains) {
+                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains,
+                            const std::function<bool()>& give_up) {
   std::vector<fresh_batch> chunks((count + chunk_rays - 1) / chunk_rays);
+  std::atomic<bool> given_up{false};
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+    if (give_up && (given_up || give_up())) {
+      given_up = true;
+      return;
+    }
     const std::uint64_t size = std::min(chunk_rays, count - i * chunk_rays);
     chunks[i] = cast_chunk(rays, grown, rules, size, source, i, contains);
   });
@@ -47,6 +54,8 @@ fresh_batch cast_fresh_rays(const ray_scene& rays, const box& grown, const fresh
     all.places += chunk.places;
     all.missed.insert(all.missed.end(), chunk.missed.begin(), chunk.missed.end());
   }
+  all.given_up = given_up;
+  if (given_up) all.rays = all.misses = 0;
   return all;
 }
 

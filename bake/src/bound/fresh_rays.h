@@ -26,6 +26,7 @@ struct fresh_batch {
   std::uint64_t misses = 0;  // rays that saw at least one polygon that is missing without an excuse, and count
   std::uint64_t places = 0;  // positions tested to find free ones
   std::vector<missed_polygon> missed;  // in a fixed order; a ray adds every polygon it missed
+  bool given_up = false;               // then there are no rays and no misses, but what was found so far
 };
 
 struct fresh_source {
@@ -42,8 +43,10 @@ struct fresh_rules {
 };
 
 // Directions are those of the metric. Casts count rays on the calling thread's TBB arena. contains: is a polygon in the
-// set? called from many threads. The result depends on the arguments alone.
+// set? called from many threads. The result depends on the arguments alone. give_up: asked from many threads; once
+// it is true the batch is given up.
 fresh_batch cast_fresh_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, std::uint64_t count,
-                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains);
+                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains,
+                            const std::function<bool()>& give_up = {});
 
 }  // namespace sightcell::bake

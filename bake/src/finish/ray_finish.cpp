@@ -85,6 +85,7 @@ proof prove(bound_batch& batch, const std::vector<look>& looks, const finish_set
       const auto more = static_cast<double>(next.trials - trials);
       const double most = static_cast<double>(max_cost - batch.spent()) * std::max(how.free_share, 1e-3);
       batch.cast(static_cast<std::uint64_t>(std::clamp(headroom(more, how.free_share) * more, 1.0, most + 1.0)));
+      if (batch.given_up()) return {};
       trials = batch.trials(share_of_places * next.risk);
     }
     // Exactly so many, whatever more there are: that number does not depend on what missed.
@@ -105,13 +106,13 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
   finish_result result;
   const double target = how.max_pixel_error, worth = worth_beside(target);
   cell_search search(rays, neighbors, views,
-                     {.seed = how.seed,
+                     {.seed = seed_after(how.batches_before, how.seed),
                       .place = how.place,
                       .smallest_gap = how.rules.smallest_gap,
                       .limit = how.limit,
                       .metric = how.rules.metric,
                       .known = views ? how.known : 0,
-                      .tried = views ? worth_after(worth, views->places.taken()) : 0.0},
+                      .tried = views ? worth_after(worth_beside(how.known_to), views->places.taken()) : 0.0},
                      set);
   const double cost_of_trial = of_a_bound_ray / std::max(how.free_share, 1e-3);
   const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
@@ -122,23 +123,31 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     return batch_pays(looks, missing, cost, cost_of_trial);
   };
 
-  for (std::uint64_t number = 1; number == 1 || result.rays_spent < how.max_rays; ++number) {
+  std::function<bool()> give_up;
+  if (how.limit && how.limit_ends_batches) give_up = [&] { return how.limit->reached(); };
+
+  for (std::uint64_t turn = 1; turn == 1 || result.rays_spent < how.max_rays; ++turn) {
+    const std::uint64_t number = how.batches_before + turn;
     looks = plan_looks(target, risk_of(number), share_of_places);
     goal.max_cost = how.max_rays - std::min(how.max_rays, of_batches);
     search.look_for(goal);
     result.rays_spent = of_batches + search.spent();
 
-    bound_batch batch(rays, grown, how.rules, how.free_share, {how.seed, how.place, purpose::bound, number}, contains);
+    bound_batch batch(rays, grown, how.rules, how.free_share, {how.seed, how.place, purpose::bound, number}, contains,
+                      give_up);
     const std::uint64_t left = how.max_rays - std::min(result.rays_spent, how.max_rays);
     const proof found =
         prove(batch, looks, how, search.cost_of_views(), cost_of_trial, std::max<std::uint64_t>(left, 1));
-    result.rays = found.at.trials;
-    result.misses = found.misses;
-    result.confidence = 1.0 - found.at.risk;
-    result.upper_bound =
-        clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - share_of_places) * found.at.risk);
-    result.bound_met = result.upper_bound <= target;
+    result.batches = number;
     of_batches += std::max<std::uint64_t>(batch.spent(), 1);
+    if (!batch.given_up()) {
+      result.rays = found.at.trials;
+      result.misses = found.misses;
+      result.confidence = 1.0 - found.at.risk;
+      result.upper_bound =
+          clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - share_of_places) * found.at.risk);
+      result.bound_met = result.upper_bound <= target;
+    }
 
     for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
     search.look_beside(how.max_rays - std::min(how.max_rays, of_batches));

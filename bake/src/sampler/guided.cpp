@@ -1,6 +1,7 @@
 #include "sampler/guided.h"
 
 #include "finish/cell_search.h"
+#include "time_budget.h"
 
 namespace sightcell::bake {
 namespace {
@@ -27,7 +28,7 @@ sampling_effort guided::sample(const sampled_cell& cell, cell_set& set) const {
   views->most = how_.samples;
   cell_search search(world_.rays, *world_.neighbors, &*views,
                      {.seed = how_.seed, .place = cell.place, .smallest_gap = how_.smallest_gap, .limit = &limit}, set);
-  search.look_for({.worth = worth_beside(how_.max_pixel_error > 0.0 ? how_.max_pixel_error : error_without_one)});
+  search.look_for({.worth = worth_beside(how_.max_pixel_error > 0.0 ? first_target(how_) : error_without_one)});
   return {.samples = views->places.taken(), .rays = search.rays()};
 }
 

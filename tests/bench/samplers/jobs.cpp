@@ -37,6 +37,8 @@ bool take_common(const std::string& key, const json& value, bake::settings& how)
     how.seed = value.get<std::uint64_t>();
   else if (key == "source")
     how.source = value.get<std::string>();
+  else if (key == "max_pixel_error")
+    how.max_pixel_error = value.get<double>();
   else if (key == "margin")
     how.margin = value.get<float>();
   else if (key == "player_radius")
@@ -58,6 +60,7 @@ json text_of(const bake::settings& how) {
   text["margin"] = how.margin;
   text["player_radius"] = how.player_radius;
   text["smallest_gap"] = how.smallest_gap;
+  if (how.max_pixel_error > 0.0) text["max_pixel_error"] = how.max_pixel_error;
   return text;
 }
 

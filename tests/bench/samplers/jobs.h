@@ -19,7 +19,7 @@ struct seeing_rules {
 struct job {
   std::string label;
   std::string code;     // names the code that a result is of; opaque
-  bake::settings how;   // max_pixel_error 0: the sampler alone
+  bake::settings how;   // max_pixel_error 0: the sampler alone; else rays to that bound follow
   json settings;        // all that its sampler looks at, with defaults
   bool of_all = false;  // what a cell gets depends on the other cells of the run
   // For explaining: false, hemicubes say nothing of importance, so that importance-depth goes where it is far from all
@@ -41,7 +41,7 @@ struct job_list {
 // {"jobs":[{"label":"depth 80","code":"...","settings":{"sampler":"importance-depth","samples":80}}],
 //  "truth":{"interval":0.1,"first_rays":1e6,"max_rays":4e7}}
 // A setting is a sampler's option without its dashes (sampler_options.h), with _ or -, or one of sampler, resolution,
-// seed, source, margin, player_radius, smallest_gap. "importance": false, "of_all": true besides label and code: see
+// seed, source, margin, player_radius, smallest_gap, max_pixel_error. "importance": false, "of_all": true besides label and code: see
 // above; agvs always is of all. Throws sightcell::error where a setting is not known, not the sampler's or out of
 // range, or rules differ.
 job_list read_jobs(const std::filesystem::path& path);

@@ -167,6 +167,7 @@ json job_text(const job& one, const std::vector<sampled_figures>& sampled, const
     cells.push_back({{"samples", f.samples},
                      {"rays", f.rays},
                      {"cpu_seconds", f.cpu_seconds},
+                     {"upper_bound", f.upper_bound},
                      {"set", f.set_size},
                      {"pixel_error", j.pixel_error()},
                      {"low", low},

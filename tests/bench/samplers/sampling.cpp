@@ -17,7 +17,7 @@
 namespace sightcell::bench {
 namespace {
 
-constexpr int sampling_version = 1;          // raised when what is kept would be measured otherwise
+constexpr int sampling_version = 2;          // raised when what is kept would be measured otherwise
 thread_local double sampling_seconds = 0.0;  // of the last cell of this thread
 
 std::string encode(const sampled_figures& f, const std::vector<std::uint32_t>& set) {
@@ -25,6 +25,7 @@ std::string encode(const sampled_figures& f, const std::vector<std::uint32_t>& s
   out.put(f.samples);
   out.put(f.rays);
   out.put(f.cpu_seconds);
+  out.put(f.upper_bound);
   out.put(static_cast<std::uint32_t>(set.size()));
   std::uint32_t before = 0;
   for (const std::uint32_t polygon : set) {
@@ -39,6 +40,7 @@ bool decode(const std::string& bytes, std::uint32_t polygons, sampled_figures& f
   f.samples = in.get<std::uint32_t>();
   f.rays = in.get<std::uint64_t>();
   f.cpu_seconds = in.get<double>();
+  f.upper_bound = in.get<double>();
   f.set_size = in.get<std::uint32_t>();
   set.clear();
   std::uint64_t polygon = 0;
@@ -94,8 +96,7 @@ sampling_bench::sampling_bench(const ground& g, const kept_files& kept, unsigned
     : ground_(g),
       kept_(kept),
       threads_(std::max(threads, 1u)),
-      sampler_(std::make_unique<clocked_sampler>()),
-      baker_(how_, none_, g.rays, nullptr, *sampler_) {}
+      sampler_(std::make_unique<clocked_sampler>()) {}
 
 sampling_bench::~sampling_bench() = default;
 
@@ -138,7 +139,7 @@ bake::hemicube_source& sampling_bench::source_of(const bake::settings& how) {
 
 // Of the scene, as its ray tree is: no sampler's time.
 const bake::near_polygons* sampling_bench::neighbors() {
-  if (how_.sampler == "guided" && !neighbors_) neighbors_.emplace(ground_.rays);
+  if ((how_.sampler == "guided" || how_.max_pixel_error > 0.0) && !neighbors_) neighbors_.emplace(ground_.rays);
   return neighbors_ ? &*neighbors_ : nullptr;
 }
 
@@ -172,6 +173,7 @@ void sampling_bench::measure(const job& what, const std::vector<std::size_t>& ce
   sampler_->inner = bake::make_cell_sampler(how_, {ground_.rays, source, &ground_.colors, ground_.cells, neighbors()});
   const double began = bake::process_cpu_seconds();
   sampler_->inner->prepare([](double) { return true; });
+  baker_.emplace(how_, none_, ground_.rays, neighbors(), *sampler_);
   const double prepared = (bake::process_cpu_seconds() - began) / static_cast<double>(ground_.cells.size());
 
   std::atomic<std::size_t> next{0};
@@ -181,14 +183,18 @@ void sampling_bench::measure(const job& what, const std::vector<std::size_t>& ce
     tbb::task_arena alone(1);
     alone.execute([&] {
       try {
-        bake::cell_set set = baker_.make_set();
+        bake::cell_set set = baker_->make_set();
         for (std::size_t i; (i = next++) < cells.size();) {
           sampled_figures& f = figures[cells[i]];
           sampling_seconds = 0.0;
-          const bake::cell_record found = baker_.sample(ground_.cells[cells[i]], set);
+          const bool bounded = how_.max_pixel_error > 0.0;
+          const double start = sampler_->seconds();
+          const bake::view_cell& cell = ground_.cells[cells[i]];
+          const bake::cell_record found = bounded ? baker_->sample_and_finish(cell, set) : baker_->sample(cell, set);
           f.samples = found.samples;
           f.rays = found.rays_spent;
-          f.cpu_seconds = sampling_seconds + prepared;
+          f.upper_bound = found.upper_bound;
+          f.cpu_seconds = prepared + (bounded ? sampler_->seconds() - start : sampling_seconds);
           f.set_size = static_cast<std::uint32_t>(found.set.size());
           kept_.write(f.key, "sampled", encode(f, found.set));
           const std::lock_guard lock(one_at_a_time);

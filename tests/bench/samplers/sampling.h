@@ -23,8 +23,9 @@ struct sampled_figures {
   std::uint32_t samples = 0;
   std::uint64_t rays = 0;
   // Of sampling alone, on one thread; of a source with a device, of the process. With the cell's part of what the
-  // sampler prepared for all cells.
+  // sampler prepared for all cells. Where there is a bound, of all that a bake does for the cell.
   double cpu_seconds = 0.0;
+  double upper_bound = 1.0;  // 1: none
   std::uint32_t set_size = 0;
   bool from_cache = false;
 };
@@ -60,7 +61,7 @@ class sampling_bench {
   const bake::overrides none_;
   bake::settings how_;  // of the job that runs; the baker looks at it
   std::unique_ptr<clocked_sampler> sampler_;
-  bake::cell_baker baker_;
+  std::optional<bake::cell_baker> baker_;  // likewise
   std::optional<bake::near_polygons> neighbors_;
   bake::chosen_source eyes_;
   std::string eyes_for_;  // what settings they were made for

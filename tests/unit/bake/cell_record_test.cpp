@@ -23,6 +23,7 @@ cell_record sample() {
   r.free_share = 0.1;
   r.bound_met = false;
   r.unseen = 3;
+  r.batches = 2;
   r.geometry_inside = true;
   return r;
 }

@@ -312,6 +312,49 @@ TEST(bound_rays, do_not_depend_on_threads) {
   for (std::size_t i = 0; i < one.missed.size(); ++i) EXPECT_EQ(one.missed[i].eye, four.missed[i].eye);
 }
 
+TEST(bound_rays, that_are_given_up_prove_nothing_and_keep_what_they_found) {
+  const world w(gridded_room(2));
+  tbb::task_arena alone(1);
+  for (const double free_share : {1.0, 0.001}) {  // places tested where it decides, and all of them
+    int asked = 0;
+    const std::function<bool(std::uint32_t)> most = [](std::uint32_t p) { return p >= 8; };
+    const fresh_rules rules;
+    bound_batch batch(w.rays, middle, rules, free_share, {1, 1, purpose::bound, 1}, most, [&] { return ++asked > 2; });
+    alone.execute([&] { batch.cast(300'000); });
+    EXPECT_EQ(asked, 3) << "then it has ended";
+    EXPECT_TRUE(batch.given_up());
+    EXPECT_LT(batch.spent(), 200'000u);
+    EXPECT_GT(batch.missed().size(), 100u);
+  }
+}
+
+TEST(ray_finish, goes_on_counting_batches) {
+  const world w(gridded_room(5));
+  const auto run = [&](std::uint64_t before) {
+    cell_set set(w.s.polygon_count);
+    return finish_with_rays(w.rays, w.neighbors, middle, {.max_pixel_error = 1e-3, .batches_before = before}, set);
+  };
+  const finish_result first = run(0), later = run(3);
+  EXPECT_TRUE(first.bound_met && later.bound_met);
+  EXPECT_GE(first.confidence, 1.0 - 0.05 / std::ldexp(1.0, static_cast<int>(first.batches)));
+  EXPECT_GE(later.batches, 4u);
+  EXPECT_GE(later.confidence, 1.0 - 0.05 / std::ldexp(1.0, static_cast<int>(later.batches)));
+  EXPECT_GT(later.rays, first.rays) << "a smaller share of the risk takes more rays";
+}
+
+TEST(ray_finish, has_no_bound_of_a_batch_that_its_limit_ends) {
+  const world w(gridded_room(5));
+  cell_set set(w.s.polygon_count);
+  const time_limit over(1e-9, false);
+  const finish_result result =
+      finish_with_rays(w.rays, w.neighbors, middle,
+                       {.max_pixel_error = 1e-3, .limit = &over, .limit_ends_batches = true, .batches_before = 2}, set);
+  EXPECT_FALSE(result.bound_met);
+  EXPECT_EQ(result.upper_bound, 1.0);
+  EXPECT_EQ(result.rays, 0u);
+  EXPECT_EQ(result.batches, 3u) << "it was begun: its share is spent";
+}
+
 TEST(ray_finish, meets_the_bound_from_an_empty_set) {
   const world w(gridded_room(5));
   cell_set set(w.s.polygon_count);

@@ -105,6 +105,21 @@ TEST(sampler_options, what_is_not_the_default_stands_in_the_text_of_who_has_it) 
   EXPECT_NE(describe(s).find(R"("jitter":true)"), std::string::npos);
 }
 
+TEST(settings, a_time_budget_needs_a_bound_and_a_search_that_goes_on) {
+  const auto id_of = [](const std::function<void(settings&)>& change) {
+    settings s;
+    s.time_budget = 60.0;
+    change(s);
+    return test::error_id([&] { validate(s); });
+  };
+  EXPECT_EQ(id_of([](settings&) {}), "");
+  EXPECT_EQ(id_of([](settings& s) { s.sampler = "halton"; }), "settings.time-budget");
+  EXPECT_EQ(id_of([](settings& s) { s.max_pixel_error = 0.0; }), "settings.time-budget");
+  EXPECT_EQ(id_of([](settings& s) { s.seconds_per_cell = 1.0; }), "settings.time-budget");
+  EXPECT_EQ(id_of([](settings& s) { s.time_budget = -1.0; }), "settings.out-of-range");
+  EXPECT_EQ(id_of([](settings& s) { s.time_budget = NAN; }), "settings.out-of-range");
+}
+
 TEST(settings, one_kind_of_cells_is_enough) {
   settings s;
   s.cells.push_back({"", {0, 0, 0}, {1, 1, 1}});
@@ -163,6 +178,9 @@ TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_b
   b = a;
   b.safety_ring = safety_ring::edge;
   EXPECT_NE(describe(b).find(R"("safety_ring":"edge")"), std::string::npos);
+  b = a;
+  b.time_budget = 90.0;
+  EXPECT_NE(describe(b).find(R"("time_budget":90)"), std::string::npos);
   a.cells_file = "here/cells.json";
   b = a;
   b.cells_file = "there/cells.json";

@@ -255,6 +255,8 @@ TEST_F(shards, another_bakes_are_refused) {
   EXPECT_EQ(part("m.pvs", 0, 2, 1, true).result, outcome::done) << "fresh";
   EXPECT_EQ(part("m.pvs", 0, 2, 1).cells_resumed, 128u) << "there already, and left alone";
   EXPECT_EQ(error_id([&] { (void)part("m.pvs", 2, 2, 1); }), "shard.out-of-range");
+  how_.time_budget = 60.0;
+  EXPECT_EQ(error_id([&] { (void)part("m.pvs", 0, 2, 1); }), "settings.time-budget") << "one clock, one machine";
 }
 
 TEST_F(shards, damage_is_named) {

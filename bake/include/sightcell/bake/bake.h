@@ -30,14 +30,17 @@ namespace sightcell::bake {
 // Told before the first cell and whenever one has come further; several times a second while a sampler prepares.
 struct progress {
   std::uint32_t cells_done = 0, cells_total = 0;  // done: its bound is known and committed
-  std::uint32_t cells_checked = 0;  // of these: what neighboring cells see was tried too; nothing is left to do
-  double prepared = 1.0;            // below 1 before the first cell: of what the sampler does for all of them together
-  double seconds = 0.0;             // wall clock since the bake began
-  double cells_per_second = 0.0;    // of this run; work that has begun counts; 0 until some is committed
-  double seconds_left = 0.0;        // for what is left at that rate
-  double pixel_error = 0.0;         // pooled misses / rays of the last fresh batches so far
-  double worst_bound = 0.0;         // largest upper bound of a finished cell
-  double visible_percent = 0.0;     // mean cell set of the cells so far, percent of all polygons
+  // Of these: what neighboring cells see was tried too; nothing is left to do. Of a time budget: max_pixel_error is
+  // met.
+  std::uint32_t cells_checked = 0;
+  double target = 0.0;            // of a time budget: the bound that all cells are being brought to; else 0
+  double prepared = 1.0;          // below 1 before the first cell: of what the sampler does for all of them together
+  double seconds = 0.0;           // wall clock since the bake began
+  double cells_per_second = 0.0;  // of this run; work that has begun counts; 0 until some is committed
+  double seconds_left = 0.0;      // for what is left at that rate
+  double pixel_error = 0.0;       // pooled misses / rays of the last fresh batches so far
+  double worst_bound = 0.0;       // largest upper bound of a finished cell
+  double visible_percent = 0.0;   // mean cell set of the cells so far, percent of all polygons
 };
 
 enum class severity { note, warning };
@@ -56,6 +59,9 @@ struct summary {
   std::uint32_t cells = 0;           // stored in the file
   std::uint32_t cells_left_out = 0;  // without a free point
   std::uint32_t cells_over_bound = 0;
+  // Of a time budget: over the bound because it was spent; the others' rays were. And cells without a bound, which are
+  // not in the file.
+  std::uint32_t cells_out_of_time = 0, cells_unreached = 0;
   std::uint32_t cells_resumed = 0;  // taken from the checkpoint
   double visible_percent = 0.0;
   // What the safety ring added, seen by nothing: polygons in the mean over the cells, and all of them in percent of
@@ -69,7 +75,8 @@ struct summary {
 
 // Bakes s into output. Finished cells are committed beside it (output + ".bake") as they come; the output appears by
 // rename at the end, or not at all when cancelled (then the same call resumes). fresh: an old checkpoint is thrown
-// away. Throws sightcell::error.
+// away. With a time budget the output is there before, is replaced by better ones, and holds what there is when
+// cancelled. Throws sightcell::error.
 summary bake(const scene::scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
              const callbacks& tell);
 summary bake(const host_scene& s, const settings& how, const std::filesystem::path& output, bool fresh,

@@ -78,6 +78,9 @@ struct settings {
   // hardware one, else cpu. Sources differ in a few pixels: which one it was stands in the file.
   std::string source = "auto";
   std::uint32_t resolution = 512;  // --resolution, pixels along a hemicube face, even, 16..4096
+  // --time-budget, of guided: seconds on the clock for the whole bake, spent where the bound is largest, down to
+  // max_pixel_error; 0: none. What is found then depends on the machine.
+  double time_budget = 0.0;
   double max_pixel_error = 1e-3;   // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
   metric_settings metric = {};     // of what error that is the bound; a host's scene has no colors for color
   std::uint64_t seed = 1;          // --seed
@@ -92,6 +95,8 @@ struct settings {
 
   // --- running; none of these changes a byte of the file
   std::uint32_t threads = 0;  // --threads, 0: all
+  // Of the time budget, what was spent before bake() is called: on loading.
+  double time_spent = 0.0;
   // --scratch: a folder on a local disk where the unfinished bake is kept; a copy is left beside the output when the
   // bake ends early, and every few minutes. Empty: it is kept beside the output.
   std::filesystem::path scratch;

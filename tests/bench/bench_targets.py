@@ -1,0 +1,136 @@
+#!/usr/bin/python3
+"""The default sampler at the errors that are asked of it, and beside all others at equal time.
+
+usage: bench_targets.py --bin FOLDER [--scene NAME ...] [--cells N] [--threads N] [--json OUT.json]
+
+--bin: the folder with sightcell-city and bench_samplers. Eleven scenes: the city's presets (made with seed 2) and eight
+real ones under SIGHTCELL_DATA (said so where they are missing), N cells of each, 8 unless told, spread evenly over all:
+open ones, ones with geometry inside, ones that lie in walls in part. Prints Markdown tables. Truth and results are kept
+under $SIGHTCELL_CACHE (default build/cache) as those of bench_samplers.py are; a rerun does what changed.
+
+Errors of a cell below 1e-8 count as 1e-8. Rivals have jitter, and 512 pixels, at which they do best in most cells; at one
+second those of 256 are there as well.
+"""
+import argparse
+import json
+import math
+import os
+import statistics
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "samplers"))
+import bench_samplers  # noqa: E402
+import plan  # noqa: E402
+
+REAL = {**plan.REAL, "denhaag_01": "city/denhaag_01.glb", "colosseum": "building/ancient_colosseum_labyrinth.glb",
+        "temple": "foliage/temple.glb", "oacmpctf3": "levels/oacmpctf3.glb"}
+TRUTH = {"interval": 1.0, "first_rays": 8_000_000, "max_rays": 8_000_000}
+TARGETS = (1e-4, 1e-5, 3e-6)
+SECONDS = (0.5, 1.0, 2.0)
+LEAST = 1e-8
+
+
+def jobs():
+    made = [plan.job("target", {**plan.guided(24), "max_pixel_error": t}) for t in TARGETS]
+    for one, target in zip(made, TARGETS):
+        one["label"], one["target"] = f"guided to {target:g}", target
+    for seconds in SECONDS:
+        many = 100_000
+        group = [plan.guided(many, seconds), plan.rays("gvs", 1000, seconds), plan.rays("gvs++", 1000, seconds)]
+        for size in (256, 512) if seconds == 1.0 else (512,):
+            group += [plan.hemicubes(m, many, size, True, seconds) for m in ("halton", "nir04", "importance-depth")]
+        made += [plan.job("time", s) for s in group]
+    return made
+
+
+def geometric(values):
+    return math.exp(statistics.fmean(math.log(v) for v in values))
+
+
+def errors(job):
+    return [max(c["pixel_error"], LEAST) for c in job["cells"]]
+
+
+def row(*columns):
+    return "| " + " | ".join(columns) + " |"
+
+
+def target_table(results):
+    print(row("scene", "target", "met by truth", "bound met", "samples", "rays, M", "CPU s: mean, median, worst",
+              "E: mean", "seen", "us per polygon: median, worst"))
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    pooled = {t: [] for t in TARGETS}
+    for result in results:
+        for job in result["jobs"]:
+            if "target" not in job:
+                continue
+            target, cells = job["target"], job["cells"]
+            pooled[target] += cells
+            print(row(result["name"], f"{target:g}", *target_columns(target, cells)))
+    for target, cells in pooled.items():
+        print(row("**all**", f"{target:g}", *target_columns(target, cells)))
+
+
+def target_columns(target, cells):
+    seconds = [c["cpu_seconds"] for c in cells]
+    each = [1e6 * c["cpu_seconds"] / max(c["set"], 1) for c in cells]
+    return (f"{sum(c['pixel_error'] <= target for c in cells)} of {len(cells)}",
+            f"{sum(c['upper_bound'] <= target for c in cells)}",
+            f"{statistics.fmean(c['samples'] for c in cells):.0f}",
+            f"{statistics.fmean(c['rays'] for c in cells) / 1e6:.2f}",
+            f"{statistics.fmean(seconds):.2f}, {statistics.median(seconds):.2f}, {max(seconds):.1f}",
+            f"{statistics.fmean(c['pixel_error'] for c in cells):.1e}",
+            f"{statistics.fmean(c['set'] for c in cells):,.0f}",
+            f"{statistics.median(each):.0f}, {max(each):,.0f}")
+
+
+def time_table(results, seconds):
+    """Geometric means over the cells of a scene, and of all, of E; below how often E is that of guided."""
+    groups = {}
+    for result in results:
+        for job in result["jobs"]:
+            if job.get("target") is None and job["settings"]["seconds_per_cell"] == seconds:
+                groups.setdefault(job["label"], {})[result["name"]] = job
+    ours = next(label for label in groups if label.startswith("guided"))
+    names = [r["name"] for r in results]
+    print(f"\n#### {seconds:g} s of a core\n")
+    print(row("", *names, "all cells", "over guided", "CPU s"))
+    print("|---" * (len(names) + 4) + "|")
+    own = [e for n in names for e in errors(groups[ours][n])]
+    best = [math.inf] * len(own)
+    for label, of in groups.items():
+        every = [e for n in names for e in errors(of[n])]
+        if label != ours:
+            best = [min(a, b) for a, b in zip(best, every)]
+        spent = [c["cpu_seconds"] for n in names for c in of[n]["cells"]]
+        print(row(label, *(f"{geometric(errors(of[n])):.1e}" for n in names), f"{geometric(every):.1e}",
+                  f"{geometric(every) / geometric(own):.2f}", f"{statistics.fmean(spent):.2f}"))
+    ratios = sorted(b / o for b, o in zip(best, own))
+    print(f"\nBest rival of each cell over guided: median {statistics.median(ratios):.2f}, least {ratios[0]:.2f}, "
+          f"greatest {ratios[-1]:.2f}; below 1 in {sum(r < 1.0 for r in ratios)} of {len(ratios)} cells.")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    names = plan.PRESETS + list(REAL)
+    parser.add_argument("--bin", required=True)
+    parser.add_argument("--scene", nargs="+", choices=names + [plan.TOWN], metavar="NAME", default=names)
+    parser.add_argument("--cells", type=int, default=8)
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--json")
+    options = parser.parse_args()
+    plan.check_code(bench_samplers.ROOT)
+    bench = bench_samplers.Bench(options.bin, options.threads, lambda name: options.cells, TRUTH, "-targets", REAL)
+    results = [r for r in (bench.measure(name, jobs()) for name in options.scene) if r]
+    if not results:
+        sys.exit("bench_targets: no scene is there")
+    target_table(results)
+    for seconds in SECONDS:
+        time_table(results, seconds)
+    if options.json:
+        with open(options.json, "w", encoding="utf-8") as stream:
+            json.dump(results, stream, indent=1)
+
+
+if __name__ == "__main__":
+    main()
