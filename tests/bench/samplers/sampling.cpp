@@ -86,6 +86,9 @@ struct sampling_bench::clocked_sampler final : bake::cell_sampler {
     sampling_seconds = seconds() - began;
     return effort;
   }
+  std::optional<bake::search_views> later_views(const bake::sampled_cell& cell, std::uint32_t taken) const override {
+    return inner->later_views(cell, taken);
+  }
   double seconds() const { return by_process ? bake::process_cpu_seconds() : bake::thread_cpu_seconds(); }
 
   std::unique_ptr<bake::cell_sampler> inner;
