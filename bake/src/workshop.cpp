@@ -22,7 +22,7 @@ namespace sightcell::bake {
 namespace {
 
 // Raised whenever the same settings may give other bytes: old checkpoints are then refused by name.
-constexpr int bake_version = 13;
+constexpr int bake_version = 14;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();

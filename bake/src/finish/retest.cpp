@@ -15,6 +15,11 @@
 namespace sightcell::bake {
 namespace {
 
+// Eyes that a polygon is tried from: those next to a neighbor's line of sight, and any. What neighbors see is most of
+// what a cell lacks (in a street 4.6e-6 of 5.2e-6 after four rays for each), and rays are cheap: 3.1e-6 with these.
+constexpr std::size_t most_nearest = 4;
+constexpr int any_eyes = 28;
+
 // A polygon that neighbors see and this cell does not, with the eyes of the nearest two of them.
 struct candidate {
   std::uint32_t polygon = 0;
@@ -82,16 +87,12 @@ class tester {
       ++out.rays;
       return aimed_.aim(eye, point, one.polygon, out.found);
     };
-    const glm::vec3 first = random_point(corners, random), second = random_point(corners, random);
+    const glm::vec3 first = random_point(corners, random);
     // Places that are known to be free come first: to tell of another one takes 64 rays.
-    if (!eyes_.empty()) {
-      if (aim(nearest_eye(one.witnesses[0], first), first)) return;
-      const auto any = static_cast<std::size_t>(random.bits() % eyes_.size());
-      if (aim(eyes_[any], second)) return;
-    }
-    for (std::size_t i = 0; i < one.witnesses.size(); ++i) {
-      const glm::vec3& point = i == 0 ? second : first;
-      const glm::vec3 eye = entry(grown_, one.witnesses[i], point);
+    const std::vector<std::uint32_t> nearest = nearest_eyes(one.witnesses[0], first);
+    if (!nearest.empty() && aim(eyes_[nearest.front()], first)) return;
+    for (const glm::vec3& witness : one.witnesses) {
+      const glm::vec3 point = random_point(corners, random), eye = entry(grown_, witness, point);
       const std::size_t before = out.found.size();
       if (!aim(eye, point)) {
         out.found.resize(before);
@@ -100,10 +101,15 @@ class tester {
       if (rays_.is_free(eye, how_.rules.player_radius)) return;
       out.found.resize(before);
     }
+    for (std::size_t i = 1; i < nearest.size(); ++i)
+      if (aim(eyes_[nearest[i]], random_point(corners, random))) return;
+    for (int i = 0; i < any_eyes && !eyes_.empty(); ++i)
+      if (aim(eyes_[random.bits() % eyes_.size()], random_point(corners, random))) return;
   }
 
  private:
-  const glm::vec3& nearest_eye(const glm::vec3& witness, const glm::vec3& point) const {
+  // To the line of sight from the witness, the next of them first.
+  std::vector<std::uint32_t> nearest_eyes(const glm::vec3& witness, const glm::vec3& point) const {
     const glm::vec3 way = point - witness;
     const float length = glm::dot(way, way);
     const auto square_to_line = [&](const glm::vec3& eye) {
@@ -111,13 +117,13 @@ class tester {
       const glm::vec3 off = eye - (witness + way * along);
       return glm::dot(off, off);
     };
-    const glm::vec3* best = &eyes_.front();
-    float least = square_to_line(*best);
-    for (const glm::vec3& eye : eyes_) {
-      const float square = square_to_line(eye);
-      if (square < least) least = square, best = &eye;
-    }
-    return *best;
+    std::vector<std::pair<float, std::uint32_t>> order(eyes_.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {square_to_line(eyes_[i]), i};
+    const std::size_t count = std::min(order.size(), most_nearest);
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
+    std::vector<std::uint32_t> nearest(count);
+    for (std::size_t i = 0; i < count; ++i) nearest[i] = order[i].second;
+    return nearest;
   }
 
   const ray_scene& rays_;

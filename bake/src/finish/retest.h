@@ -23,8 +23,8 @@ struct retest_settings {
 void drop_known(std::span<const std::uint32_t> own, cell_record& neighbor);
 
 // neighbors: records with witnesses, of one moment, the nearest first. What they have and set has not is tried from
-// free places of the grown box: from the eye of this set next to the neighbor's line of sight, from another one, and
-// from where that line enters the box. set must have been loaded: its eyes() are tried. All is tried from one state of
+// free places of the grown box: from the eyes of this set next to the neighbor's line of sight, from where that line
+// enters the box, and from any eyes. set must have been loaded: its eyes() are tried. All is tried from one state of
 // the set, finds join at the end. Returns the rays cast. Runs on the calling thread's TBB arena; does not depend on the
 // number of threads.
 std::uint64_t retest(const ray_scene& rays, const box& grown, const retest_settings& how,

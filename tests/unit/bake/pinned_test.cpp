@@ -70,15 +70,15 @@ void expect_pinned(std::uint64_t hash, std::uint64_t pinned) {
 }
 
 TEST(pinned, pillars_in_a_room) {
-  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0x6b3f6a6759121780);
+  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0xcb4be04e440b8ee0);
 }
 
 TEST(pinned, glass_and_decals) {
-  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0xfffd70c3a9d5f7d7);
+  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0x04f5bdcb0679c95c);
 }
 
 TEST(pinned, a_slit) {
-  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0x15d81ebeb7713c07);
+  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0x103a307d8d3dcf24);
 }
 
 }  // namespace
