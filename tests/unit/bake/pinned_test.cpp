@@ -22,11 +22,7 @@ using test::tiny_scene;
 
 scene::scene pillars() {
   tiny_scene tiny;
-  tiny.closed_box({-9, -3, -9}, {9, 3, 9}, true);
-  for (int i = 0; i < 24; ++i) {
-    const float x = -8.0f + 0.65f * static_cast<float>(i), z = static_cast<float>(i * 5 % 13) - 6.0f;
-    tiny.closed_box({x, -3, z}, {x + 0.4f, 2, z + 0.5f});
-  }
+  tiny.room_with_pillars();
   return tiny.finished();
 }
 

@@ -109,11 +109,7 @@ class safety_ring_bake : public testing::Test {
               (std::string("sightcell_ring_") + testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder_);
     tiny_scene tiny;
-    tiny.closed_box({-9, -3, -9}, {9, 3, 9}, true);
-    for (int i = 0; i < 24; ++i) {
-      const float x = -8.0f + 0.65f * static_cast<float>(i), z = static_cast<float>(i * 5 % 13) - 6.0f;
-      tiny.closed_box({x, -3, z}, {x + 0.4f, 2, z + 0.5f});
-    }
+    tiny.room_with_pillars();
     scene_ = tiny.finished();
     how_.cells_grid = {-4.0f, 0.0f, -4.0f, 4.0f, 1.0f, 4.0f};
     how_.cell_size = 2.0f;

@@ -48,11 +48,7 @@ class time_budget_bake : public testing::Test {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     test::tiny_scene tiny;
-    tiny.closed_box({-9, -3, -9}, {9, 3, 9}, true);
-    for (int i = 0; i < 24; ++i) {
-      const float x = -8.0f + 0.65f * static_cast<float>(i), z = static_cast<float>(i * 5 % 13) - 6.0f;
-      tiny.closed_box({x, -3, z}, {x + 0.4f, 2, z + 0.5f});
-    }
+    tiny.room_with_pillars();
     tiny.closed_box({1.7f, -3, 1.7f}, {4.3f, 2.9f, 4.3f});
     scene_ = tiny.finished();
     how_.cells_grid = {-4.0f, 0.0f, -4.0f, 4.0f, 1.0f, 4.0f};

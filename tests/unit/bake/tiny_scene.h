@@ -51,6 +51,15 @@ class tiny_scene {
     return add(std::move(p), std::move(i), look{});
   }
 
+  // A room of 18 x 6 x 18 m around the origin, and 24 pillars in it that hide each other from most places.
+  void room_with_pillars() {
+    closed_box({-9, -3, -9}, {9, 3, 9}, true);
+    for (int i = 0; i < 24; ++i) {
+      const float x = -8.0f + 0.65f * static_cast<float>(i), z = static_cast<float>(i * 5 % 13) - 6.0f;
+      closed_box({x, -3, z}, {x + 0.4f, 2, z + 0.5f});
+    }
+  }
+
   // A wall at x = 2 with a slit from z = 1.1 to 1.3, a meter deep toward -x, and a quad right behind it. Returns the
   // quad: it is seen from places with x < 1 only under flat angles, so from z around the slit's and not from far below.
   std::uint32_t deep_slit() {
