@@ -8,7 +8,6 @@
 #include "finish/retest.h"
 #include "finish/ring_polygons.h"
 #include "rays/triangle_math.h"
-#include "time_budget.h"
 
 namespace sightcell::bake {
 namespace {
@@ -156,7 +155,7 @@ void cell_baker::bound(const view_cell& cell, std::size_t known, cell_set& set, 
   const finish_settings how{.max_pixel_error = how_.max_pixel_error,
                             .limit = &limit,
                             .known = known,
-                            .known_to = first_target(how_)};
+                            .known_to = how_.max_pixel_error};
   take_bound(finish(cell, how, views, set, record), record);
 }
 

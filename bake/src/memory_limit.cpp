@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
+#include "finish/near_polygons.h"
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
 
@@ -65,8 +66,7 @@ std::uint64_t peak_resident_memory() {
 
 std::uint64_t memory_of_scene(const scene::scene& s, const settings& how) {
   std::uint64_t per_polygon = of_rays + of_duplicates;
-  if (how.max_pixel_error > 0.0 || how.sampler == "guided" || how.safety_ring != safety_ring::none)
-    per_polygon += of_neighbors;
+  if (needs_neighbors(how)) per_polygon += of_neighbors;
   if (takes_hemicubes(how.sampler) && how.source != "rays") per_polygon += of_source;
   const std::uint64_t copies = how.all_double_sided ? 2 : 1;
   return of_process + copies * flattened(s) + s.polygon_count * per_polygon;

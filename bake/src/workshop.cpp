@@ -74,8 +74,7 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
       [&] { list = make_cells(geometry, how); },
       [&] {
         rays.emplace(geometry, how.all_double_sided);
-        if (how.max_pixel_error > 0.0 || how.sampler == "guided" || how.safety_ring != safety_ring::none)
-          neighbors.emplace(*rays);
+        if (needs_neighbors(how)) neighbors.emplace(*rays);
       });
   blocks.emplace(list.cells, how.margin);
   eyes = choose_source(how, geometry, *rays);  // its context belongs to the calling thread

@@ -5,6 +5,7 @@
 #include "finish/vertex_neighbors.h"
 #include "rays/ray_scene.h"
 #include "seeing/coincident.h"
+#include "sightcell/bake/settings.h"
 
 namespace sightcell::bake {
 
@@ -21,5 +22,10 @@ struct near_polygons {
     for (const std::uint32_t partner : coinciding.of(polygon)) visit(partner);
   }
 };
+
+// Does such a bake look for, or take, anything beside what it knows?
+inline bool needs_neighbors(const settings& how) {
+  return how.max_pixel_error > 0.0 || how.sampler == "guided" || how.safety_ring != safety_ring::none;
+}
 
 }  // namespace sightcell::bake

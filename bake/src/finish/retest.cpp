@@ -89,8 +89,8 @@ class tester {
     };
     const glm::vec3 first = random_point(corners, random);
     // Places that are known to be free come first: to tell of another one takes 64 rays.
-    const std::vector<std::uint32_t> nearest = nearest_eyes(one.witnesses[0], first);
-    if (!nearest.empty() && aim(eyes_[nearest.front()], first)) return;
+    const std::size_t nearest = find_nearest(one.witnesses[0], first);
+    if (nearest > 0 && aim(eyes_[order_[0].second], first)) return;
     for (const glm::vec3& witness : one.witnesses) {
       const glm::vec3 point = random_point(corners, random), eye = entry(grown_, witness, point);
       const std::size_t before = out.found.size();
@@ -101,15 +101,15 @@ class tester {
       if (rays_.is_free(eye, how_.rules.player_radius)) return;
       out.found.resize(before);
     }
-    for (std::size_t i = 1; i < nearest.size(); ++i)
-      if (aim(eyes_[nearest[i]], random_point(corners, random))) return;
+    for (std::size_t i = 1; i < nearest; ++i)
+      if (aim(eyes_[order_[i].second], random_point(corners, random))) return;
     for (int i = 0; i < any_eyes && !eyes_.empty(); ++i)
       if (aim(eyes_[random.bits() % eyes_.size()], random_point(corners, random))) return;
   }
 
  private:
-  // To the line of sight from the witness, the next of them first.
-  std::vector<std::uint32_t> nearest_eyes(const glm::vec3& witness, const glm::vec3& point) const {
+  // Puts the eyes next to the line of sight from the witness first in order_; returns how many.
+  std::size_t find_nearest(const glm::vec3& witness, const glm::vec3& point) {
     const glm::vec3 way = point - witness;
     const float length = glm::dot(way, way);
     const auto square_to_line = [&](const glm::vec3& eye) {
@@ -117,13 +117,11 @@ class tester {
       const glm::vec3 off = eye - (witness + way * along);
       return glm::dot(off, off);
     };
-    std::vector<std::pair<float, std::uint32_t>> order(eyes_.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {square_to_line(eyes_[i]), i};
-    const std::size_t count = std::min(order.size(), most_nearest);
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
-    std::vector<std::uint32_t> nearest(count);
-    for (std::size_t i = 0; i < count; ++i) nearest[i] = order[i].second;
-    return nearest;
+    order_.resize(eyes_.size());
+    for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = {square_to_line(eyes_[i]), i};
+    const std::size_t count = std::min(order_.size(), most_nearest);
+    std::partial_sort(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(count), order_.end());
+    return count;
   }
 
   const ray_scene& rays_;
@@ -131,6 +129,7 @@ class tester {
   const retest_settings& how_;
   const std::vector<glm::vec3>& eyes_;
   aimed_rays aimed_;
+  std::vector<std::pair<float, std::uint32_t>> order_;  // eyes by the square of their distance
 };
 
 }  // namespace
