@@ -152,10 +152,8 @@ finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std
 void cell_baker::bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const {
   auto views = views_of(cell, record);
   const time_limit limit(views ? how_.seconds_per_cell : 0.0, views && views->source.shared());
-  const finish_settings how{.max_pixel_error = how_.max_pixel_error,
-                            .limit = &limit,
-                            .known = known,
-                            .known_to = how_.max_pixel_error};
+  const finish_settings how{
+      .max_pixel_error = how_.max_pixel_error, .limit = &limit, .known = known, .known_to = how_.max_pixel_error};
   take_bound(finish(cell, how, views, set, record), record);
 }
 
