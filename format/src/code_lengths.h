@@ -1,0 +1,17 @@
+#pragma once
+// Counts of symbols -> lengths of the best prefix code (prefix_code.h) with at most longest_code bits: Larmore and
+// Hirschberg's package-merge (J. ACM 37, 1990).
+#include <array>
+#include <cstdint>
+
+#include "number_symbols.h"
+
+namespace sightcell::format {
+
+using symbol_counts = std::array<std::uint64_t, symbol_count>;
+using symbol_lengths = std::array<std::uint8_t, symbol_count>;
+
+// 0 for symbols that do not occur; one alone has 1 bit. Equal counts: the lower symbol has the shorter code. Allocates.
+symbol_lengths best_lengths(const symbol_counts& counts);
+
+}  // namespace sightcell::format

@@ -1,0 +1,32 @@
+#pragma once
+// Sets as the difference to a reference set, in its rank space (SPEC.md, "Differences"): what is removed is counted
+// among the members of the reference alone, what is added among the numbers that are no members. Both lists are shorter
+// that way than they are among all numbers, and their gaps smaller. rank_encoder.h is the way back.
+//
+// Lists are their borders here: the first number of a run and the one behind its last, run by run; strictly ascending.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace sightcell::format {
+
+// Stands behind the last border of a list of differences.
+inline constexpr std::uint32_t no_border = 0xFFFFFFFFu;
+
+// Numbers that apply_rank_difference may write for lists of so many numbers (the no_border behind them not counted).
+[[nodiscard]] constexpr std::size_t rank_difference_room(std::size_t reference, std::size_t removed,
+                                                         std::size_t added) noexcept {
+  return reference + removed + added + 2;
+}
+
+// reference without `removed` (ranks among its members) and with `added` (ranks among the numbers below limit that are
+// no members) -> the borders of the set, in out[0 .. count). removed and added end with no_border, and are of an even
+// number besides. False, and count 0, when a rank is beyond the last one. out: rank_difference_room() numbers, not
+// overlapping the lists. limit below no_border. Whatever the numbers are, nothing is read or written elsewhere.
+// Allocates nothing. O(borders of all three).
+[[nodiscard]] bool apply_rank_difference(std::span<const std::uint32_t> reference,
+                                         std::span<const std::uint32_t> removed, std::span<const std::uint32_t> added,
+                                         std::uint32_t limit, std::span<std::uint32_t> out,
+                                         std::size_t& count) noexcept;
+
+}  // namespace sightcell::format
