@@ -8,10 +8,11 @@
 namespace sightcell::format {
 namespace {
 
-// A list of differences, closed for apply_rank_difference. Empty when it is none.
+// A list of differences, closed for apply_rank_difference. Empty when it is none, or longer than the room, which is
+// that of the longest and a number.
 std::span<const std::uint32_t> decode_list(const run_code& code, bit_reader& in, std::uint32_t count,
-                                           const row_bounds& bounds, std::span<std::uint32_t> room) noexcept {
-  if (count > bounds.list_runs || !code.decode(in, count, bounds.limit, room)) return {};
+                                           std::uint32_t limit, std::span<std::uint32_t> room) noexcept {
+  if (!code.decode(in, count, limit, room)) return {};
   room[2 * std::size_t{count}] = no_border;
   return room.first(2 * std::size_t{count} + 1);
 }
@@ -82,8 +83,8 @@ status row_chunk::decode(std::uint32_t place, const row_codes& codes, const row_
   std::size_t count = 2 * std::size_t{root.first_count};
   while (depth > 0) {
     row_head& row = chain[--depth];
-    const auto removed = decode_list(codes.removed, row.lists, row.first_count, bounds, removed_room);
-    const auto added = decode_list(codes.added, row.lists, row.second_count, bounds, added_room);
+    const auto removed = decode_list(codes.removed, row.lists, row.first_count, bounds.limit, removed_room);
+    const auto added = decode_list(codes.added, row.lists, row.second_count, bounds.limit, added_room);
     if (!apply_rank_difference(set.first(count), removed, added, bounds.limit, next, count)) return status::corrupt;
     if (count > 2 * std::size_t{bounds.runs}) return status::corrupt;
     std::swap(set, next);

@@ -185,6 +185,15 @@ TEST(row_chunk, bounds_are_kept) {
   EXPECT_EQ(chunk.decode(0, c.codes, right, scratch, borders, end), status::capacity);
 }
 
+// The room of a set is larger than its bound where there are lists; the bound holds all the same.
+TEST(row_chunk, own_rows_keep_the_bound_of_runs) {
+  coded c = encode({{{0, 1}, {5, 2}, {9, 1}}});
+  c.bounds.list_runs = 5;
+  EXPECT_EQ(decode(c, c.bytes, 1, 0).outcome, status::ok);
+  --c.bounds.runs;
+  EXPECT_EQ(decode(c, c.bytes, 1, 0).outcome, status::corrupt);
+}
+
 TEST(row_chunk, chains_and_circles_of_references) {
   // Rows that are nothing but differences without lists: 1, place, no runs, no runs.
   const auto chunk_of = [](const std::vector<std::uint32_t>& references) {
