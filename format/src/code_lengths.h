@@ -4,12 +4,11 @@
 #include <array>
 #include <cstdint>
 
-#include "number_symbols.h"
+#include "prefix_code.h"
 
 namespace sightcell::format {
 
 using symbol_counts = std::array<std::uint64_t, symbol_count>;
-using symbol_lengths = std::array<std::uint8_t, symbol_count>;
 
 // 0 for symbols that do not occur; one alone has 1 bit. Equal counts: the lower symbol has the shorter code. Allocates.
 symbol_lengths best_lengths(const symbol_counts& counts);

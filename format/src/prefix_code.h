@@ -12,6 +12,8 @@
 namespace sightcell::format {
 
 inline constexpr unsigned longest_code = 15;
+// Bits of every symbol's code, 0 where it has none.
+using symbol_lengths = std::array<std::uint8_t, symbol_count>;
 
 class prefix_code {
  public:
