@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "packed_columns.h"
 #include "polygon_orders_writer.h"
 #include "random_source.h"
 
@@ -112,6 +113,28 @@ TEST(polygon_orders, the_order_of_the_source_takes_a_bit_a_polygon) {
   order.begins_atom.assign(80'000, true);
   const auto bytes = written(std::span(&order, 1));
   EXPECT_LT(bytes.size(), 20'100u);  // and one for its atom
+}
+
+TEST(polygon_orders, every_order_begins_with_an_atom) {
+  auto orders = some_orders(5);
+  EXPECT_TRUE(polygon_orders().open(written(orders)));
+  orders[2].begins_atom[0] = false;
+  EXPECT_FALSE(polygon_orders().open(written(orders)));
+}
+
+// An atom more or less in one order, which another one may make up for.
+TEST(polygon_orders, orders_have_as_many_atoms_as_begin_in_them) {
+  const auto orders = some_orders(6);
+  auto bytes = written(orders);
+  std::uint64_t size = 0;
+  ASSERT_TRUE(
+      packed_columns::size_of(std::span(bytes).subspan(4), 3, static_cast<std::uint32_t>(orders.size()) + 1, size));
+  const std::size_t atoms = 4 + static_cast<std::size_t>(size);
+  const std::byte before = bytes[atoms + 2];
+  for (int bit = 0; bit < 8; ++bit) {
+    bytes[atoms + 2] = before ^ static_cast<std::byte>(1 << bit);
+    EXPECT_FALSE(polygon_orders().open(bytes)) << bit;
+  }
 }
 
 TEST(polygon_orders, spans_of_another_size) {
