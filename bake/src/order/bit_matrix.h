@@ -1,0 +1,49 @@
+#pragma once
+// Rows of bits and the Hamming distance between them: what a polygon order is measured in. Two polygons side by side
+// cost as many run ends as there are columns in which they differ.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sightcell::bake {
+
+class bit_matrix {
+ public:
+  bit_matrix() = default;
+  // All bits are 0. There is at least one column; the number of columns is rounded up to a multiple of 64.
+  bit_matrix(std::uint32_t rows, std::uint32_t columns);
+
+  std::uint32_t rows() const { return rows_; }
+  std::uint32_t columns() const { return words_ * 64; }
+  std::span<std::uint64_t> row(std::uint32_t r) { return std::span(bits_).subspan(offset(r), words_); }
+  std::span<const std::uint64_t> row(std::uint32_t r) const { return std::span(bits_).subspan(offset(r), words_); }
+
+  bool get(std::uint32_t r, std::uint32_t column) const {
+    return (bits_[offset(r) + column / 64] >> (column % 64) & 1) != 0;
+  }
+  void toggle(std::uint32_t r, std::uint32_t column) {
+    bits_[offset(r) + column / 64] ^= std::uint64_t{1} << (column % 64);
+  }
+  void clear(std::uint32_t r);
+
+  // Columns in which two rows differ.
+  std::int32_t distance(std::uint32_t a, std::uint32_t b) const {
+    return count_differences_(&bits_[offset(a)], &bits_[offset(b)], words_);
+  }
+
+ private:
+  using counter = std::int32_t (*)(const std::uint64_t*, const std::uint64_t*, std::size_t);
+  static counter best_counter();
+  std::size_t offset(std::uint32_t r) const { return std::size_t{r} * words_; }
+
+  std::uint32_t rows_ = 0, words_ = 0;
+  std::vector<std::uint64_t> bits_;
+  counter count_differences_ = nullptr;
+};
+
+// Where many columns have their place in a matrix that is narrower: a column of many is hashed to one of few and added
+// to it (exclusive or), which keeps small distances as they are. Wide matrices take their columns as they are.
+std::uint32_t folded_column(std::uint64_t column, std::uint64_t columns, const bit_matrix& matrix);
+
+}  // namespace sightcell::bake

@@ -1,0 +1,115 @@
+#include "order/neighbor_lists.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "order/in_blocks.h"
+#include "random.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::uint32_t places_ahead = 3;   // rows of a sort that are proposed to each other
+constexpr std::uint32_t few_rows = 64;      // up to here all pairs cost less than sorts
+constexpr std::uint32_t bits_of_key = 8;    // first set bits by which rows are sorted
+constexpr std::uint32_t last_rank = 65535;  // of a column: ranks take 16 bits of a key
+
+std::vector<std::uint16_t> permuted_ranks(std::uint32_t columns, std::uint64_t seed) {
+  std::vector<std::uint16_t> ranks(columns);
+  for (std::uint32_t i = 0; i < columns; ++i) ranks[i] = static_cast<std::uint16_t>(i);
+  std::uint64_t state = seed;
+  for (std::uint32_t i = columns; i > 1; --i)
+    std::swap(ranks[i - 1], ranks[mix_bits(state += 0x9E3779B97F4A7C15ull) % i]);
+  return ranks;
+}
+
+using sort_key = std::pair<std::uint64_t, std::uint64_t>;
+
+// The ranks of the first set bits, every second one in falling order: as in a Gray code, rows next to each other where
+// a bit changes are then near in the bits that follow.
+sort_key key_of(std::span<const std::uint64_t> row, std::span<const std::uint16_t> ranks) {
+  std::array<std::uint32_t, bits_of_key + 1> first{};  // ascending
+  std::uint32_t found = 0;
+  for (std::size_t word = 0; word < row.size(); ++word)
+    for (std::uint64_t bits = row[word]; bits != 0; bits &= bits - 1) {
+      const std::uint32_t rank = ranks[word * 64 + static_cast<std::uint32_t>(std::countr_zero(bits))];
+      if (found == bits_of_key && rank > first[found - 1]) continue;
+      std::uint32_t at = found;
+      for (; at > 0 && first[at - 1] > rank; --at) first[at] = first[at - 1];
+      first[at] = rank;
+      found = std::min(found + 1, bits_of_key);
+    }
+  std::array<std::uint64_t, 2> key{};
+  for (std::uint32_t i = 0; i < found; ++i)
+    key[i / 4] |= std::uint64_t{i % 2 == 1 ? first[i] : last_rank - first[i]} << (48 - 16 * (i % 4));
+  return {key[0], key[1]};
+}
+
+}  // namespace
+
+void neighbor_lists::add(std::uint32_t row, std::uint32_t other, std::int32_t distance) {
+  const std::span<near_row> list = std::span(near_).subspan(std::size_t{row} * kept_, kept_);
+  if (distance >= list.back().distance) return;
+  for (const near_row& known : list) {
+    if (known.row == other) return;
+    if (known.row == no_row) break;
+  }
+  std::size_t at = list.size() - 1;
+  for (; at > 0 && list[at - 1].distance > distance; --at) list[at] = list[at - 1];
+  list[at] = {.row = other, .distance = distance};
+}
+
+void neighbor_lists::add_in_order(const bit_matrix& matrix, std::span<const std::uint32_t> order, std::uint32_t ahead) {
+  const std::size_t count = order.size();
+  std::vector<std::int32_t> distances(count * ahead);  // [i * ahead + k - 1]: from place i to place i + k
+  in_blocks(count, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t k = 1; k <= ahead && i + k < count; ++k)
+        distances[i * ahead + k - 1] = matrix.distance(order[i], order[i + k]);
+  });
+  in_blocks(count, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t k = 1; k <= ahead; ++k) {
+        if (i >= k) add(order[i], order[i - k], distances[(i - k) * ahead + k - 1]);
+        if (i + k < count) add(order[i], order[i + k], distances[i * ahead + k - 1]);
+      }
+  });
+}
+
+std::vector<std::uint32_t> sorted_by_permuted_bits(const bit_matrix& matrix, std::span<const std::uint32_t> rows,
+                                                   std::uint64_t seed) {
+  struct item {
+    sort_key key;
+    std::uint32_t place;
+  };
+  const std::vector<std::uint16_t> ranks = permuted_ranks(matrix.columns(), seed);
+  std::vector<item> items(rows.size());
+  in_blocks(rows.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      items[i] = {key_of(matrix.row(rows[i]), ranks), static_cast<std::uint32_t>(i)};
+  });
+  sort_without_ties(items,
+                    [](const item& a, const item& b) { return std::tie(a.key, a.place) < std::tie(b.key, b.place); });
+  std::vector<std::uint32_t> sorted(rows.size());
+  for (std::size_t i = 0; i < items.size(); ++i) sorted[i] = rows[items[i].place];
+  return sorted;
+}
+
+neighbor_lists neighbors_by_sorts(const bit_matrix& matrix, std::span<const std::uint32_t> rows, std::uint32_t kept,
+                                  std::uint32_t sorts, std::uint64_t first_seed) {
+  neighbor_lists found(matrix.rows(), kept);
+  if (rows.size() <= few_rows) {
+    found.add_in_order(matrix, rows, few_rows);
+    return found;
+  }
+  found.add_in_order(matrix, rows, places_ahead);
+  for (std::uint64_t seed = first_seed; seed < first_seed + sorts; ++seed)
+    found.add_in_order(matrix, sorted_by_permuted_bits(matrix, rows, seed), places_ahead);
+  return found;
+}
+
+}  // namespace sightcell::bake
