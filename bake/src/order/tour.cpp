@@ -134,7 +134,8 @@ std::vector<std::uint32_t> shortest_path(const bit_matrix& matrix, const tour_se
   if (matrix.rows() <= 2) return {};
   if (matrix.rows() == 3) return {0};
   const tour_edge fixed = ends_of(matrix);
-  std::vector<std::uint32_t> rows(matrix.rows());
+  // Where the path ends is mostly like where it begins, and would only take a place in lists twice.
+  std::vector<std::uint32_t> rows(matrix.rows() - 1);
   std::iota(rows.begin(), rows.end(), 0u);
   const neighbor_lists near = neighbors_by_sorts(matrix, rows, how.neighbors, how.sorts, neighbor_seed);
   std::vector<std::uint32_t> tour;
