@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t places_ahead = 3;   // rows of a sort that are proposed to each other
 constexpr std::uint32_t few_rows = 64;      // up to here all pairs cost less than sorts
-constexpr std::uint32_t bits_of_key = 8;    // first set bits by which rows are sorted
+constexpr std::uint32_t bits_of_key = 16;   // first set bits by which rows are sorted; 8 break lines of thousands
 constexpr std::uint32_t last_rank = 65535;  // of a column: ranks take 16 bits of a key
 
 std::vector<std::uint16_t> permuted_ranks(std::uint32_t columns, std::uint64_t seed) {
@@ -27,7 +27,7 @@ std::vector<std::uint16_t> permuted_ranks(std::uint32_t columns, std::uint64_t s
   return ranks;
 }
 
-using sort_key = std::pair<std::uint64_t, std::uint64_t>;
+using sort_key = std::array<std::uint64_t, bits_of_key / 4>;
 
 // The ranks of the first set bits, every second one in falling order: as in a Gray code, rows next to each other where
 // a bit changes are then near in the bits that follow.
@@ -43,10 +43,10 @@ sort_key key_of(std::span<const std::uint64_t> row, std::span<const std::uint16_
       first[at] = rank;
       found = std::min(found + 1, bits_of_key);
     }
-  std::array<std::uint64_t, 2> key{};
+  sort_key key{};
   for (std::uint32_t i = 0; i < found; ++i)
     key[i / 4] |= std::uint64_t{i % 2 == 1 ? first[i] : last_rank - first[i]} << (48 - 16 * (i % 4));
-  return {key[0], key[1]};
+  return key;
 }
 
 }  // namespace

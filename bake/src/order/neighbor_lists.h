@@ -41,7 +41,7 @@ class neighbor_lists {
 };
 
 // The given rows in the order of a few of their first set bits after a permutation of all columns that seed names;
-// ties stay as they come. Takes 24 bytes per row meanwhile.
+// ties stay as they come. Takes 44 bytes per row meanwhile.
 std::vector<std::uint32_t> sorted_by_permuted_bits(const bit_matrix& matrix, std::span<const std::uint32_t> rows,
                                                    std::uint64_t seed);
 
