@@ -112,8 +112,6 @@ bool or_opt::moves(const segment& part) {
     if (part.has(at)) continue;
     for (const std::uint32_t beside_tail : links_.of(at)) {
       if (part.has(beside_tail) || fixed_.joins(at, beside_tail)) continue;
-      // Where nothing else is left of the tour it has this edge twice.
-      if (tour_edge{part.before, part.after}.joins(at, beside_tail)) continue;
       if (left + matrix_.distance(at, beside_tail) - matrix_.distance(part.tail(), beside_tail) <= 0) continue;
       move(part, at, beside_tail);
       return true;

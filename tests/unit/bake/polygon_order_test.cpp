@@ -200,6 +200,16 @@ TEST(polygon_order, one_order_serves_all_instances) {
   EXPECT_LE(static_cast<double>(ordered_runs(scene)), 1.05 * 120);
 }
 
+// What one cell sees of two instances are two bits of a signature, which must not cancel each other out.
+TEST(polygon_order, cells_may_see_the_same_of_several_instances) {
+  made_up scene;
+  scene.add_draw(0, 6);
+  scene.add_draw(0, 6);
+  std::vector<bool>& set = scene.add_cell();
+  for (const std::uint32_t i : {0, 2, 4}) set[i] = set[6 + i] = true;
+  EXPECT_EQ(ordered_runs(scene), 2u);
+}
+
 // Three walls, each a line; cells look round the two corners between them.
 TEST(polygon_order, draws_are_laid_end_to_end) {
   constexpr std::uint32_t count = 60;
