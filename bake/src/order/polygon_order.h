@@ -54,7 +54,7 @@ struct polygon_order {
 //
 // Memory: w = min(sketch_bits, widest unit's columns) / 8 bytes for each of A atoms (polygons of a unit with the same
 // signature), 16 for each polygon of the units; 20 * neighbors + 60 for each atom of the units worked on at once; twice
-// sketch_bits / 8 for each draw. 3 million atoms and 2,000 cells: about 1.5 GiB. Sets are never kept.
+// sketch_bits / 8 for each draw. Measured: 3 million atoms and 2,000 cells 1.4 GiB. Sets are never kept.
 polygon_order order_polygons(const order_input& in, const order_settings& how);
 
 }  // namespace sightcell::bake

@@ -65,6 +65,7 @@ void greedy_tour::take_shortest(std::vector<edge>& edges) {
 
 void greedy_tour::take_neighbors(const neighbor_lists& near) {
   std::vector<edge> edges;
+  edges.reserve(std::size_t{matrix_.rows()} * near.kept());  // what is not used is not touched
   for (std::uint32_t a = 0; a < matrix_.rows(); ++a)
     for (const auto& [b, distance] : near.of(a)) {
       if (b == no_row) break;

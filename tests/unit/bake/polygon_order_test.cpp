@@ -245,12 +245,15 @@ TEST(polygon_order, instances_are_not_flipped) {
 }
 
 TEST(polygon_order, the_number_of_threads_changes_nothing) {
-  // A unit that is worked on with all threads, and many that are worked on side by side.
-  made_up scene = shuffled_line(20000, 300, 5);
+  // A unit of so many atoms that it is worked on with all threads, and many that are worked on side by side.
+  made_up scene = shuffled_line(20000, 80, 5);
+  std::mt19937 random(6);
+  for (std::vector<bool>& set : scene.sets)
+    for (std::size_t i = 0; i < set.size(); ++i) set[i] = set[i] != (random() % 8 == 0);
   const made_up small = random_scene(9);
   for (const ordered_draw& draw : small.draws) scene.add_draw(1 + draw.unit, draw.count);
   for (std::size_t c = 0; c < scene.sets.size(); ++c)
-    scene.sets[c].insert(scene.sets[c].end(), small.sets[c % 80].begin(), small.sets[c % 80].end());
+    scene.sets[c].insert(scene.sets[c].end(), small.sets[c].begin(), small.sets[c].end());
   std::vector<polygon_order> orders;
   for (const std::size_t threads : {1u, 2u, 4u}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

@@ -142,6 +142,7 @@ TEST(tour, neighbors_are_sorted_and_known_once) {
   near.add(0, 7, 5);
   near.add(0, 8, 4);
   near.add(0, 7, 5);
+  EXPECT_EQ(near.of(0)[2].row, no_row);
   near.add(0, 9, 5);
   near.add(0, 6, 5);  // comes too late
   near.add(0, 5, 1);
