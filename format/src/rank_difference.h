@@ -20,10 +20,10 @@ inline constexpr std::uint32_t no_border = 0xFFFFFFFFu;
 }
 
 // reference without `removed` (ranks among its members) and with `added` (ranks among the numbers below limit that are
-// no members) -> the borders of the set, in out[0 .. count). removed and added end with no_border, and are of an even
-// number besides. False, and count 0, when a rank is beyond the last one. out: rank_difference_room() numbers, not
-// overlapping the lists. limit below no_border. Whatever the numbers are, nothing is read or written elsewhere.
-// Allocates nothing. O(borders of all three).
+// no members) -> the borders of the set, in out[0 .. count). reference: a set below limit. removed and added: of an
+// even number of borders, and then no_border; whatever they are besides, nothing is read or written elsewhere. out:
+// rank_difference_room() numbers, not overlapping the others. limit below no_border. False, and count 0, when a rank is
+// beyond the last one. Allocates nothing. O(borders of all three).
 [[nodiscard]] bool apply_rank_difference(std::span<const std::uint32_t> reference,
                                          std::span<const std::uint32_t> removed, std::span<const std::uint32_t> added,
                                          std::uint32_t limit, std::span<std::uint32_t> out,
