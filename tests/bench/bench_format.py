@@ -1,0 +1,273 @@
+#!/usr/bin/python3
+"""Bytes and decode times of .pvs files beside CRoaring, varint runs and zstd, on frozen cell sets.
+
+usage: bench_format.py --bin FOLDER [--scene NAME ...] [--file NAME=PATH ...] [--repeat N] [--again] [--quick]
+                       [--json OUT.json]
+
+--bin: the folder with sightcell, sightcell-city and bench_format. Eight corpora: what the default sampler finds at an error
+of 1e-4 in six real scenes under SIGHTCELL_DATA (said so where one is missing), in the city's preset vienna800k (seed 2) and
+in a town of 145,000 polygons whose cells are more than 10,000; small-town when it is named. Prints Markdown tables.
+--file takes a file that is there already for a corpus of that name, or of any other name.
+
+The bakes take 1 to 40 CPU minutes each; stopped ones go on where they were. They are kept under $SIGHTCELL_CACHE (default
+build/cache) as the only shard of a bake, by scene, options and bake_version; `sightcell merge` makes the file of them, again
+whenever the code that writes files has changed: the sets stay frozen, and a new format costs seconds.
+Results are kept by program and file; --again measures anew.
+
+  sets        bytes of a file without its sections SIDE below: with header, directory, code tables and order
+  b/vp        bits per (cell, visible polygon), as `sightcell info` has it
+  atom        polygons that the same cells see
+  move        sightcell_view_move into a cell; ranges, polygons, indices: those calls after it; cold: move after 64 MiB were
+              written between two moves, which a last-level cache may be large enough to hold besides
+  Rows of peers have no offsets; a file's have. Times are of single calls by the steady clock, medians per cell, means over
+  cells, in shuffled order.
+"""
+import argparse
+import hashlib
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "samplers"))
+import bench_samplers  # noqa: E402
+import bench_targets  # noqa: E402
+import plan  # noqa: E402
+from bench_samplers import ROOT, hash_of  # noqa: E402
+
+# Cells that are baked, spread evenly; 0: all.
+CELLS = {"czest3ctf": 0, "oacmpctf3": 600, "accident": 1000, "denhaag_01": 1000, "intel_castle": 700, "candela_city": 500,
+         "vienna800k": 2000, "town145k": 0, plan.TOWN: 8}
+TOWNS = {"town145k": 145_000, plan.TOWN: 20_000}
+OPTIONS = ["--max-pixel-error", "1e-4", "--source", "cpu"]
+SIDE = {"settings", "certificate", "draws", "cells"}
+WRITERS = ["format/include", "format/src", "bake/src/pvs_output.cpp", "bake/src/pvs_output.h", "bake/src/merge.cpp"]
+PEERS = {"roaring": "CRoaring", "roaring_zstd": "CRoaring + zstd", "varint": "varint runs",
+         "varint_zstd_dictionary": "varint + zstd + dictionary", "varint_zstd_whole": "varint, whole-file zstd",
+         "roaring_zstd_whole": "CRoaring, whole-file zstd"}
+
+
+def say(text):
+    print(f"bench_format: {text}", file=sys.stderr, flush=True)
+
+
+def fail(text):
+    sys.exit(f"bench_format: {text}")
+
+
+def digest(*words):
+    return hashlib.sha256("\0".join(words).encode()).hexdigest()[:24]
+
+
+def bake_version():
+    with open(os.path.join(ROOT, "bake", "src", "workshop.cpp"), encoding="utf-8") as stream:
+        found = re.search(r"bake_version = (\d+);", stream.read())
+    return found[1] if found else fail("bake/src/workshop.cpp says no bake_version")
+
+
+def writer_code():
+    """A hash of the sources that decide a file's bytes, given its sets."""
+    files = []
+    for name in WRITERS:
+        path = os.path.join(ROOT, name)
+        files += [path] if os.path.isfile(path) else [os.path.join(at, f) for at, _, names in os.walk(path) for f in names]
+    return digest(*(hash_of(f) for f in sorted(files)))
+
+
+class Bench:
+    def __init__(self, options):
+        self.options = options
+        self.cache = os.path.abspath(os.path.join(os.environ.get("SIGHTCELL_CACHE", "build/cache"), "bench_format"))
+        os.makedirs(self.cache, exist_ok=True)
+        self.samplers = bench_samplers.Bench(options.bin, 1, lambda name: 0, {}, real=bench_targets.REAL)
+
+    def program(self, name):
+        return self.samplers.program(name)
+
+    def run(self, *command):
+        """Standard output of a program; what it says beside passes through."""
+        done = subprocess.run([self.program(command[0]), *command[1:]], stdout=subprocess.PIPE, text=True, check=False)
+        if done.returncode not in (0, 3):  # 3: a bound was not met
+            fail(f"{' '.join(command)} ended with {done.returncode}")
+        return done.stdout
+
+    def scene(self, name):
+        if name not in TOWNS:
+            found = self.samplers.scene(name)
+            return found and found[0]
+        path = os.path.join(self.cache, f"{name}-{plan.CITY_SEED}-{hash_of(self.program('sightcell-city'))[:16]}.glb")
+        if not os.path.exists(path):
+            say(f"making {name}")
+            part = path[:-len(".glb")] + ".part.glb"
+            self.run("sightcell-city", "--polygons", str(TOWNS[name]), "--seed", str(plan.CITY_SEED), "--out", part)
+            os.replace(part, path)
+        return path
+
+    def shards(self, name, scene):
+        """The frozen cell sets: both phases of the one shard of a bake."""
+        options = OPTIONS + (["--cell-limit", str(CELLS[name])] if CELLS[name] else [])
+        stem = os.path.join(self.cache, f"{name}-{digest(hash_of(scene), bake_version(), *options)}")
+        found = []
+        for phase in ("1", "2"):
+            shard, done = f"{stem}.pvs.shard-0-of-1.phase-{phase}", f"{stem}.phase-{phase}.done"
+            if not os.path.exists(done):
+                say(f"{name}: phase {phase} of its bake; when it is stopped, the next run goes on with it")
+                self.run("sightcell", "bake", scene, "-o", stem + ".pvs", *options, "--shard", "0/1", "--phase", phase)
+                with open(done, "w", encoding="utf-8"):
+                    pass
+            found += [shard] if os.path.exists(shard) else []
+        return stem, found
+
+    def file(self, name):
+        """A corpus's .pvs, or None where its scene is missing."""
+        if name in self.options.file:
+            return self.options.file[name]
+        scene = self.scene(name)
+        if not scene:
+            return None
+        stem, shards = self.shards(name, scene)
+        path = f"{stem}-{writer_code()}.pvs"
+        if not os.path.exists(path):
+            self.run("sightcell", "merge", path, *shards)
+        return path
+
+    def measure(self, name):
+        path = self.file(name)
+        if path is None:
+            return None
+        words = ["--quick"] if self.options.quick else ["--repeat", str(self.options.repeat)]
+        kept = os.path.join(self.cache, digest(hash_of(self.program("bench_format")), hash_of(path), *words) + ".json")
+        if self.options.again or not os.path.exists(kept):
+            say(f"{name}: measuring {os.path.basename(path)}")
+            self.run("bench_format", path, *words, "--json", kept + ".part")
+            os.replace(kept + ".part", kept)
+        with open(kept, encoding="utf-8") as stream:
+            result = json.load(stream)
+        info = json.loads(self.run("sightcell", "info", path, "--json"))
+        info.pop("certificate", None)
+        check(name, result["facts"], info)
+        side = sum(s["size"] for s in info["sections"] if s["name"] in SIDE)
+        return {"name": name, **result, "info": info, "sets_bytes": result["facts"]["file_bytes"] - side}
+
+
+def check(name, facts, info):
+    """What the C ABI delivered against what the file says of itself."""
+    pairs = [("cells", "cells"), ("polygons", "polygons"), ("draws", "draws"), ("file_bytes", "bytes"),
+             ("format_version", "format_version"), ("visible_set_percent", "visible_set_percent"),
+             ("ranges_per_cell", "ranges_per_cell")]
+    for mine, theirs in pairs:
+        if abs(facts[mine] - info[theirs]) > 1e-6 * abs(info[theirs]):
+            fail(f"{name}: {mine} is {facts[mine]}, and {info[theirs]} by sightcell info")
+
+
+def table(title, columns, rows):
+    print(f"\n{title}\n\n| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
+    for row in rows:
+        print(f"| {' | '.join(row)} |")
+
+
+def facts_table(results):
+    def row(r):
+        f, info = r["facts"], r["info"]
+        return [r["name"], f"{f['polygons']:,}", f"{f['draws']:,}", f"{f['cells']:,}", f"{f['visible_set_percent']:.2f}",
+                f"{f['visible_polygons'] / f['cells']:,.0f}", f"{f['polygons_seen'] / max(f['atoms'], 1):.2f}",
+                f"{f['runs_per_cell']:,.0f}", f"{f['ranges_per_cell']:,.0f}", f"{info['delta_row_percent']:.0f}",
+                f"{f['file_bytes']:,}", f"{info['bits_per_visible_polygon']:.3f}"]
+
+    table(f"Corpora (format version {', '.join(sorted({str(r['facts']['format_version']) for r in results}))})",
+          ["", "polygons", "draws", "cells", "visible set %", "polygons per cell", "polygons per atom",
+           "runs per cell, source order", "ranges per cell, delivered", "delta rows %", "file bytes", "b/vp"],
+          [row(r) for r in results])
+
+
+def peer_bytes(result, with_dictionary):
+    sizes = {name: result["peers"][name]["bytes"] for name in PEERS}
+    if with_dictionary:
+        sizes["varint_zstd_dictionary"] = result["peers"]["varint_zstd_dictionary"]["bytes_with_dictionary"]
+    sizes["whole"] = min(sizes["varint_zstd_whole"], sizes["roaring_zstd_whole"])
+    return sizes
+
+
+def bytes_tables(results):
+    kinds = ["roaring", "roaring_zstd", "varint", "varint_zstd_dictionary"]
+
+    def row(r):
+        sizes, used = peer_bytes(r, False), r["peers"]["varint_zstd_dictionary"]["dictionary"]
+        return [r["name"], f"{r['facts']['file_bytes']:,}", f"{r['sets_bytes']:,}", *(f"{sizes[k]:,}" for k in kinds),
+                f"{used:,}", f"{sizes['whole']:,}"]
+
+    table("Bytes", ["", "ours: file", "ours: sets", *(PEERS[k] for k in kinds), "its dictionary",
+                    "best whole-file zstd"], [row(r) for r in results])
+
+    def ratios(r, own):
+        without, counted = peer_bytes(r, False), peer_bytes(r, True)
+        return [size / own for size in (*(without[k] for k in kinds), counted["varint_zstd_dictionary"], without["whole"])]
+
+    for what, own in (("sets", lambda r: r["sets_bytes"]), ("file", lambda r: r["facts"]["file_bytes"])):
+        found = [ratios(r, own(r)) for r in results]
+        rows = [[r["name"], *(f"{v:.2f}" for v in values)] for r, values in zip(results, found)]
+        rows.append(["**median**", *(f"{statistics.median(column):.2f}" for column in zip(*found))])
+        table(f"Bytes of peers through ours: {what}",
+              ["", *(PEERS[k] for k in kinds), "the same, dictionary counted", "best whole-file zstd"], rows)
+
+
+def times_tables(results):
+    ours = ["move", "ranges", "polygons", "indices", "memcpy_of_indices"]
+    others = ["roaring", "roaring_zstd", "varint", "varint_zstd_dictionary"]
+    headings = ["move", "move, cold", "move, file order", "ranges", "polygons", "indices", "memcpy of the same",
+                "indices / memcpy", "CRoaring to ids", "CRoaring + zstd to ids", "varint to runs",
+                "varint + zstd + dictionary to runs"]
+
+    def row(r, unit, digits):
+        times = r["times"]
+        own, other = ([times["shuffled"][n][unit] for n in names] for names in (ours, others))
+        values = [own[0], times["cold"]["calls"]["move"][unit], times["file_order"]["move"][unit], *own[1:]]
+        texts = [f"{v:,.{digits}f}" for v in values]
+        return [r["name"], *texts, f"{own[3] / max(own[4], 1e-9):.2f}", *(f"{v:,.{digits}f}" for v in other)]
+
+    table("Decoding, ns per cell", ["", *headings], [row(r, "ns_per_cell", 0) for r in results])
+    table("Decoding, ns per run: ours by range delivered, peers by run in source order", ["", *headings],
+          [row(r, "ns_per_run", 1) for r in results])
+    clock = statistics.median(r["times"]["clock_ns"] for r in results)
+    print(f"\nThe clock's own {clock:.0f} ns are in each time per cell.")
+
+
+def ready_file(text):
+    name, _, path = text.partition("=")
+    if not path:
+        raise argparse.ArgumentTypeError(f"{text} is not NAME=PATH")
+    return name, path
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bin", required=True)
+    parser.add_argument("--scene", nargs="+", choices=list(CELLS), metavar="NAME")
+    parser.add_argument("--file", nargs="+", action="extend", type=ready_file, metavar="NAME=PATH", default=[])
+    parser.add_argument("--repeat", type=int, default=5)
+    parser.add_argument("--again", action="store_true")
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--json")
+    options = parser.parse_args()
+    options.file = dict(options.file)
+    named = options.scene or ([] if options.file else [name for name in CELLS if name != plan.TOWN])
+    named += [name for name in options.file if name not in named]
+    bench = Bench(options)
+    try:
+        results = [r for r in map(bench.measure, named) if r]
+    except KeyboardInterrupt:
+        fail("stopped; the next run goes on from here")
+    if not results:
+        fail("no scene is there")
+    facts_table(results)
+    bytes_tables(results)
+    times_tables(results)
+    if options.json:
+        with open(options.json, "w", encoding="utf-8") as stream:
+            json.dump(results, stream, indent=1)
+
+
+if __name__ == "__main__":
+    main()
