@@ -63,7 +63,8 @@ class ours {
         ranges_(of.info.range_bound),
         ids_(of.most_polygons),
         stored_(3 * std::size_t{of.info.polygon_count}),
-        list_(3 * of.most_polygons) {
+        list_(3 * of.most_polygons),
+        copy_(list_.size()) {
     std::iota(stored_.begin(), stored_.end(), 0u);
   }
 
@@ -79,20 +80,22 @@ class ours {
     sightcell_view_polygons(view_.get(), ids_.data(), ids_.size(), &count);
   }
   void indices() { sightcell_view_indices(view_.get(), stored_.data(), list_.data(), list_.size(), &index_count_); }
-  // As many bytes, from where the cell's polygons begin, to the same place.
+  // As many bytes to a place of its own, from half the buffer past where the cell's polygons begin: neither is in a
+  // nearer cache than what the index list was copied from and to.
   void plain_copy() {
-    const std::size_t from = range_count_ == 0 ? 0 : std::min(3 * first_stored_, stored_.size() - index_count_);
-    std::memcpy(list_.data(), stored_.data() + from, index_count_ * sizeof(std::uint32_t));
+    const std::size_t from = (3 * first_polygon_ + stored_.size() / 2) % std::max<std::size_t>(stored_.size(), 1);
+    std::memcpy(copy_.data(), stored_.data() + std::min(from, stored_.size() - index_count_),
+                index_count_ * sizeof(std::uint32_t));
   }
-  void note_first(std::uint32_t first) { first_stored_ = first; }
+  void note_first(std::uint32_t polygon) { first_polygon_ = polygon; }
 
  private:
   const corpus& of_;
   view_handle view_;
   std::vector<sightcell_range> ranges_;
-  std::vector<std::uint32_t> ids_, stored_, list_;
+  std::vector<std::uint32_t> ids_, stored_, list_, copy_;
   sightcell_frame frame_{};
-  std::size_t range_count_ = 0, index_count_ = 0, first_stored_ = 0;
+  std::size_t range_count_ = 0, index_count_ = 0, first_polygon_ = 0;
 };
 
 struct timed_call {
