@@ -9,7 +9,7 @@ of 1e-4 in six real scenes under SIGHTCELL_DATA (said so where one is missing), 
 in a town of 145,000 polygons whose cells are more than 10,000; small-town when it is named. Prints Markdown tables.
 --file takes a file that is there already for a corpus of that name, or of any other name.
 
-The bakes take 1 to 40 CPU minutes each; stopped ones go on where they were. They are kept under $SIGHTCELL_CACHE (default
+The bakes take 1 to 25 CPU minutes each; stopped ones go on where they were. They are kept under $SIGHTCELL_CACHE (default
 build/cache) as the only shard of a bake, by scene, options and bake_version; `sightcell merge` makes the file of them, again
 whenever the code that writes files has changed: the sets stay frozen, and a new format costs seconds.
 Results are kept by program and file; --again measures anew.
