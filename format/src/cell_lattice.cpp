@@ -1,0 +1,111 @@
+#include "cell_lattice.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <tuple>
+
+#include "checked_reader.h"
+#include "record_rules.h"
+
+namespace sightcell::format {
+namespace {
+
+constexpr std::uint32_t column_count = 7;
+
+lattice_place place_of(const lattice_chunk& chunk, unsigned bit) noexcept {
+  constexpr auto width = static_cast<unsigned>(lattice_chunk_width);
+  return {chunk.x * lattice_chunk_width + static_cast<std::int32_t>(bit % width), chunk.y,
+          chunk.z * lattice_chunk_width + static_cast<std::int32_t>(bit / width), chunk.level};
+}
+
+// Chunks whose places have numbers.
+bool is_near(std::int32_t chunk) noexcept {
+  constexpr std::int32_t most = (1 << 30) / lattice_chunk_width;
+  return chunk >= -most && chunk < most;
+}
+
+bool comes_before(const lattice_chunk& a, const lattice_chunk& b) noexcept {
+  return std::tie(a.level, a.z, a.x, a.y) < std::tie(b.level, b.z, b.x, b.y);
+}
+
+}  // namespace
+
+box box_of(const lattice_shape& shape, const lattice_place& place) noexcept {
+  const double width = std::ldexp(shape.width, -static_cast<int>(place.level));
+  const double height = std::ldexp(shape.height, -static_cast<int>(place.level));
+  const auto corner = [&](double more) {
+    return std::array<float, 3>{static_cast<float>((place.x + more) * width),
+                                static_cast<float>((place.y + more) * height),
+                                static_cast<float>((place.z + more) * width)};
+  };
+  return {corner(0.0), corner(1.0)};
+}
+
+bool cell_lattice::open(std::span<const std::byte> bytes, std::uint32_t cells) noexcept {
+  *this = cell_lattice{};
+  cell_lattice made;
+  const checked_reader in(bytes);
+  if (!in.read_f64(0, made.shape_.width) || !in.read_f64(8, made.shape_.height) || !in.read_u32(16, made.chunks_)) {
+    return false;
+  }
+  const bool finite = std::isfinite(made.shape_.width) && std::isfinite(made.shape_.height);
+  if (!finite || !(made.shape_.width > 0.0) || !(made.shape_.height > 0.0) || made.chunks_ > cells) return false;
+  packed_columns columns;
+  if (!columns.open(bytes.subspan(20), column_count, made.chunks_)) return false;
+  std::uint32_t number = 0;
+  for (packed_column* column :
+       {&made.x_, &made.y_, &made.z_, &made.level_, &made.first_, &made.mask_low_, &made.mask_high_}) {
+    *column = packed_column(columns, number++);
+  }
+  if (!made.chunks_are_good(cells)) return false;
+  *this = made;
+  return true;
+}
+
+bool cell_lattice::chunks_are_good(std::uint32_t cells) const noexcept {
+  std::uint64_t next = 0;
+  lattice_chunk last;
+  for (std::uint32_t number = 0; number < chunks_; ++number) {
+    const lattice_chunk c = chunk(number);
+    if (c.level > max_lattice_level || c.mask == 0 || c.first_cell != next) return false;
+    if (!is_near(c.x) || !is_near(c.z) || c.y < -(1 << 30) || c.y >= 1 << 30) return false;
+    if (number > 0 && !comes_before(last, c)) return false;
+    for (std::uint64_t left = c.mask; left != 0; left &= left - 1) {
+      if (!box_is_valid(box_of(shape_, place_of(c, static_cast<unsigned>(std::countr_zero(left)))))) return false;
+    }
+    next += static_cast<std::uint64_t>(std::popcount(c.mask));
+    last = c;
+  }
+  return next == cells;
+}
+
+lattice_chunk cell_lattice::chunk(std::uint32_t number) const noexcept {
+  return {to_signed(x_[number]), to_signed(y_[number]), to_signed(z_[number]),
+          level_[number],        first_[number],        std::uint64_t{mask_high_[number]} << 32 | mask_low_[number]};
+}
+
+bool cell_lattice::cell_box(std::uint32_t cell, box& out) const noexcept {
+  // The last chunk that begins at or before the cell.
+  std::uint32_t low = 0;
+  std::uint32_t high = chunks_;
+  while (low < high) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    if (first_[middle] <= cell) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  if (low == 0) return false;
+  const lattice_chunk c = chunk(low - 1);
+  std::uint64_t left = c.mask;
+  for (std::uint32_t before = cell - c.first_cell; before > 0 && left != 0; --before) left &= left - 1;
+  if (left == 0 || c.level > max_lattice_level || !is_near(c.x) || !is_near(c.z)) return false;
+  const box b = box_of(shape_, place_of(c, static_cast<unsigned>(std::countr_zero(left))));
+  if (!box_is_valid(b)) return false;
+  out = b;
+  return true;
+}
+
+}  // namespace sightcell::format
