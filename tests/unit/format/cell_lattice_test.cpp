@@ -119,13 +119,13 @@ TEST(cell_lattice, chunks_without_cells_are_refused) {
     const auto zero = from_signed(0), one = from_signed(1);
     put_columns(
         std::vector<std::vector<std::uint32_t>>{
-            {zero, one}, {zero, zero}, {zero, zero}, {0, 0}, {0, mask == 0 ? 0u : 1u}, {mask, 1}, {0, 0}},
+            {zero, one}, {zero, zero}, {zero, zero}, {0, 0}, {0, mask == 0 ? 0u : 1u}, {mask, 3}, {0, 0}},
         bytes);
     return bytes;
   };
   cell_lattice lattice;
-  EXPECT_TRUE(lattice.open(bytes_of(1), 2));
-  EXPECT_FALSE(lattice.open(bytes_of(0), 1));
+  EXPECT_TRUE(lattice.open(bytes_of(1), 3));
+  EXPECT_FALSE(lattice.open(bytes_of(0), 2));
 }
 
 TEST(cell_lattice, places_that_are_none_are_not_written) {
