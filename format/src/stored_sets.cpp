@@ -23,10 +23,6 @@ stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std
     orders_.push_back({order, std::vector<bool>(order.size(), false)});
     if (!order.empty()) orders_.back().begins_atom[0] = true;
   }
-  find_stored();
-}
-
-void stored_sets::find_stored() {
   for (std::size_t d = 0; d < draws_.size(); ++d) {
     const std::vector<std::uint32_t>& order = orders_[order_of_draw_[d]].source_of_stored;
     for (std::uint32_t i = 0; i < draws_[d].polygon_count; ++i) {
@@ -35,7 +31,8 @@ void stored_sets::find_stored() {
   }
 }
 
-// Through a bit for each polygon: sorting the stored numbers takes several times as long.
+// Through a bit for each polygon, and at least one behind the last: sorting the stored numbers takes several times as
+// long.
 void stored_sets::polygon_runs(std::span<const std::uint32_t> source_ids, std::vector<run>& runs) {
   runs.clear();
   for (const std::uint32_t id : source_ids) {
@@ -58,8 +55,6 @@ void stored_sets::polygon_runs(std::span<const std::uint32_t> source_ids, std::v
     before = bits >> 63;
     members_[word] = 0;
   }
-  // The last word has a bit behind the last polygon only if there is room for it.
-  if (!runs.empty() && runs.back().count == 0) border(polygon_count_of(draws_));
 }
 
 void stored_sets::find_place(std::uint32_t polygon, place& at) const {
@@ -100,7 +95,6 @@ void stored_sets::find_atoms() {
   for (std::size_t d = 0; d < draws_.size(); ++d) {
     first_atom_[d + 1] = first_atom_[d] + atoms_before_[order_of_draw_[d]].back();
   }
-  find_stored();
 }
 
 void stored_sets::to_atoms(std::vector<run>& polygons) const {

@@ -25,7 +25,7 @@ class stored_sets {
   // Runs of stored polygons: of every set, before find_atoms.
   void mark(std::span<const run> polygons);
   // Where no marked run begins or ends in any of the draws of an order, two polygons are of one atom. Inside atoms
-  // polygons are sorted, which changes the stored numbers that polygon_runs gives, but no run.
+  // the orders are sorted, which changes no run of a set that was marked.
   void find_atoms();
 
   // The same runs, counted in atoms. Runs must begin and end where atoms do, as those that were marked.
@@ -43,7 +43,6 @@ class stored_sets {
     std::uint32_t local = 0;
   };
   void find_place(std::uint32_t polygon, place& at) const;
-  void find_stored();
 
   std::vector<draw_record> draws_;
   std::vector<std::uint32_t> order_of_draw_;
