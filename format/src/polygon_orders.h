@@ -1,12 +1,10 @@
 #pragma once
-// The orders section (SPEC.md, "Orders"): in which order the polygons of a draw are stored, and where its atoms begin.
-// An atom is a stretch of stored polygons that every cell sees whole or not at all; rows count atoms. Draws share
-// orders: all instances of a primitive have one. polygon_orders_writer.h is the way back.
+// The orders section (SPEC.md, "Orders"): in which order the polygons of a draw are stored. Draws share orders: all
+// instances of a primitive have one. polygon_orders_writer.h is the way back.
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "bit_reader.h"
 #include "packed_columns.h"
 #include "prefix_code.h"
 
@@ -16,27 +14,17 @@ class polygon_orders {
  public:
   // A section without orders.
   polygon_orders() noexcept = default;
-  // bytes: the section; viewed. False when its parts do not fit each other or the bytes. O(polygons of all orders / 8).
+  // bytes: the section; viewed. False when its parts do not fit each other or the bytes. O(orders).
   [[nodiscard]] bool open(std::span<const std::byte> bytes) noexcept;
 
   [[nodiscard]] std::uint32_t count() const noexcept { return count_; }
   // Of all orders together.
   [[nodiscard]] std::uint32_t polygons() const noexcept { return first_polygon_[count_]; }
-  [[nodiscard]] std::uint32_t atoms() const noexcept { return first_atom_[count_]; }
   // Of all orders before this one; number may be count().
   [[nodiscard]] std::uint32_t first_polygon(std::uint32_t number) const noexcept { return first_polygon_[number]; }
-  [[nodiscard]] std::uint32_t first_atom(std::uint32_t number) const noexcept { return first_atom_[number]; }
   [[nodiscard]] std::uint32_t polygon_count(std::uint32_t number) const noexcept {
     return first_polygon(number + 1) - first_polygon(number);
   }
-  [[nodiscard]] std::uint32_t atom_count(std::uint32_t number) const noexcept {
-    return first_atom(number + 1) - first_atom(number);
-  }
-
-  // The stored polygon, counted from the first of its draw, that each atom of an order begins with: ascending from 0.
-  // out: atom_count(number). False when somebody changed the bytes; out is ascending and below polygon_count then too,
-  // or not all written.
-  [[nodiscard]] bool atom_begins(std::uint32_t number, std::span<std::uint32_t> out) const noexcept;
 
   // out[i]: which of its draw's polygons, in the order of the source, is stored as the i-th. out:
   // polygon_count(number). False when the bits are none, or say a polygon that there is not. That none is said twice is
@@ -44,13 +32,10 @@ class polygon_orders {
   [[nodiscard]] bool source_of_stored(std::uint32_t number, std::span<std::uint32_t> out) const noexcept;
 
  private:
-  [[nodiscard]] bool begins_atom(std::uint64_t polygon) const noexcept;
-  [[nodiscard]] bool check_shape() const noexcept;
-
   std::uint32_t count_ = 0;
-  packed_column first_polygon_, first_atom_, first_byte_;
-  std::span<const std::byte> atom_bits_, permutations_;
-  prefix_code begins_, follows_;  // of polygons that begin an atom, and of the others
+  packed_column first_polygon_, first_byte_;
+  std::span<const std::byte> permutations_;
+  prefix_code steps_;
 };
 
 }  // namespace sightcell::format
