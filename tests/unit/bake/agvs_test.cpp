@@ -13,6 +13,7 @@
 #include <set>
 
 #include "file_bytes.h"
+#include "fresh_folder.h"
 #include "sightcell/bake/bake.h"
 #include "tiny_scene.h"
 
@@ -196,10 +197,6 @@ class no_source final : public hemicube_source {
 class two_rooms : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("sightcell_agvs_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     tiny_scene tiny;
     tiny.closed_box({-9, -3, -9}, {9, 3, 9}, true);
     tiny.closed_box({-0.2f, -3, -9}, {0.2f, 3, 4});
@@ -218,7 +215,6 @@ class two_rooms : public testing::Test {
     how_.rays_per_round = 1'024;
     how_.max_pixel_error = 0.0;
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   std::vector<std::byte> baked(const char* name, bool fresh = true) {
     EXPECT_EQ(bake(scene_, how_, folder_ / name, fresh, {}).result, outcome::done);
@@ -231,7 +227,7 @@ class two_rooms : public testing::Test {
   }
 
   const tbb::global_control allowed_{tbb::global_control::max_allowed_parallelism, 8};
-  fs::path folder_;
+  test::fresh_folder folder_;
   scene::scene scene_;
   settings how_;
 };

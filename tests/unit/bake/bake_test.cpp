@@ -16,6 +16,7 @@
 
 #include "errors/error_id.h"
 #include "file_bytes.h"
+#include "fresh_folder.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/error.h"
@@ -28,17 +29,6 @@ using test::tiny_scene;
 
 class bake_library : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("sightcell_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
-  }
-
   // A room with a screen in it that turns its back to the cells.
   static scene::scene room(std::uint32_t& back) {
     tiny_scene tiny;
@@ -65,7 +55,7 @@ class bake_library : public testing::Test {
     return how;
   }
 
-  std::filesystem::path folder_;
+  test::fresh_folder folder_;
 };
 
 TEST_F(bake_library, hemicubes_see_both_sides_when_told) {
@@ -304,7 +294,7 @@ TEST_F(several_cells, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_by
       EXPECT_EQ(told.back().cells_checked, cells);
       EXPECT_EQ(told.back().seconds_left, 0.0);
       // Nothing is left beside the two files.
-      EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2);
+      EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 2);
       std::filesystem::remove(folder_ / "broken.pvs");
     }
   EXPECT_GT(most_resumed, 2u) << "with threads, cells that were in work are kept too";

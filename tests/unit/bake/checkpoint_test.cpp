@@ -13,6 +13,7 @@
 #include <limits>
 #include <sstream>
 
+#include "fresh_folder.h"
 #include "sightcell/scene/error.h"
 
 namespace sightcell::bake {
@@ -58,22 +59,16 @@ std::string error_id(const std::function<void()>& act) {
 
 class checkpoint_test : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "sightcell-checkpoint-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    path_ = folder_ / "out.pvs.bake";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::size_t files_in_folder() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
   }
   static void write_file(const fs::path& path, const std::string& bytes) {
     std::ofstream(path, std::ios::binary) << bytes;
   }
   void write(const std::string& bytes) const { write_file(path_, bytes); }
 
-  fs::path folder_, path_;
+  test::fresh_folder folder_;
+  fs::path path_ = folder_ / "out.pvs.bake";
 };
 
 TEST_F(checkpoint_test, gives_back_what_was_stored) {

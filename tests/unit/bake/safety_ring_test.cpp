@@ -12,6 +12,7 @@
 #include "cell_bake.h"
 #include "file_bytes.h"
 #include "finish/ring_polygons.h"
+#include "fresh_folder.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "tiny_scene.h"
@@ -105,9 +106,6 @@ TEST_F(ring_on_the_floor, brings_levels_of_detail_with_it_and_grows_around_nothi
 class safety_ring_bake : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("sightcell_ring_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
     tiny_scene tiny;
     tiny.room_with_pillars();
     scene_ = tiny.finished();
@@ -118,7 +116,6 @@ class safety_ring_bake : public testing::Test {
     how_.samples = 6;
     how_.max_pixel_error = 0.05;
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   std::vector<std::byte> baked(safety_ring how, std::uint32_t threads = 1) {
     how_.safety_ring = how;
@@ -136,7 +133,7 @@ class safety_ring_bake : public testing::Test {
     return set;
   }
 
-  fs::path folder_;
+  test::fresh_folder folder_;
   scene::scene scene_;
   settings how_;
   summary last_;

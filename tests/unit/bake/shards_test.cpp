@@ -13,6 +13,7 @@
 #include "checkpoint.h"
 #include "errors/error_id.h"
 #include "file_bytes.h"
+#include "fresh_folder.h"
 #include "shard_files.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
@@ -29,8 +30,6 @@ using test::error_id;
 class shards : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "sightcell-shards-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
     fs::create_directories(folder_ / "scratch");
     test::tiny_scene tiny;
     tiny.closed_box({-13, -3, -13}, {13, 3, 13}, true);
@@ -46,7 +45,6 @@ class shards : public testing::Test {
     how_.samples = 6;
     how_.max_pixel_error = 0.05;
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   fs::path out(const char* name) const { return folder_ / name; }
   std::vector<std::byte> whole(const char* name = "whole.pvs") {
@@ -62,7 +60,7 @@ class shards : public testing::Test {
   }
 
   const tbb::global_control allowed_{tbb::global_control::max_allowed_parallelism, 8};
-  fs::path folder_;
+  test::fresh_folder folder_;
   scene::scene scene_;
   settings how_;
 };

@@ -18,6 +18,7 @@
 #include "checkpoint.h"
 #include "errors/error_id.h"
 #include "file_bytes.h"
+#include "fresh_folder.h"
 #include "phases.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
@@ -43,10 +44,6 @@ using file_cells = std::map<std::array<float, 3>, file_cell>;
 class time_budget_bake : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("sightcell_budget_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     test::tiny_scene tiny;
     tiny.room_with_pillars();
     tiny.closed_box({1.7f, -3, 1.7f}, {4.3f, 2.9f, 4.3f});
@@ -59,7 +56,6 @@ class time_budget_bake : public testing::Test {
     how_.max_pixel_error = 1e-3;
     how_.time_budget = 1e6;  // as good as none: passes end when the bounds are met
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   fs::path output() const { return folder_ / "room.pvs"; }
   fs::path records() const { return folder_ / "room.pvs.bake"; }
@@ -109,7 +105,7 @@ class time_budget_bake : public testing::Test {
     }
   }
 
-  fs::path folder_;
+  test::fresh_folder folder_;
   scene::scene scene_;
   settings how_;
 };
