@@ -34,9 +34,8 @@ class prefix_code {
     return e.length != 0 ? e.symbol : decode_long(bits, length);
   }
 
-  // Symbols that have a code, in order of their codes.
-  [[nodiscard]] std::span<const std::uint8_t> symbols() const noexcept { return std::span(symbols_).first(used_); }
-  // Calls emit(symbol, code, length) for each of them; the code's bits in the order of a file, lowest first.
+  // Calls emit(symbol, code, length) for each symbol that has a code, in order of their codes; a code's bits in the
+  // order of a file, lowest first.
   template <class Emit>
   void for_each(const Emit& emit) const {
     std::uint32_t code = 0;

@@ -1,140 +1,47 @@
 #include "row_chunk_encoder.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <tuple>
-#include <utility>
 
 #include "bit_reader.h"
 #include "bit_sink.h"
 #include "rank_encoder.h"
-#include "sightcell/format/layout.h"
+#include "reference_choice.h"
 
 namespace sightcell::format {
 namespace {
 
-// Numbers of a set per stretch of all numbers. The sum of differences between two of these is a lower bound of the
-// number of members in which the sets differ: cheap enough to look at every pair, good enough to pick the pairs worth
-// coding.
-constexpr std::size_t bucket_count = 256;
-using histogram = std::array<std::uint32_t, bucket_count>;
 constexpr std::size_t candidates_per_cell = 16;
 // Bits of a difference besides its lists, about: reference and two counts.
 constexpr std::uint64_t delta_head_bits = 30;
 constexpr std::uint64_t own_head_bits = 16;
 
-struct edge {
-  std::uint64_t saving = 0;  // bits
-  std::uint32_t cell = 0;
-  std::uint32_t reference = 0;
-};
-
-histogram make_histogram(std::span<const run> set, std::uint32_t limit) {
-  histogram h{};
-  const std::uint64_t width = std::uint64_t{limit} / bucket_count + 1;
-  for (const run& r : set) {
-    const std::uint64_t end = std::uint64_t{r.first} + r.count;
-    for (std::uint64_t place = r.first; place < end;) {
-      const std::uint64_t bucket = place / width;
-      const std::uint64_t stop = std::min(end, (bucket + 1) * width);
-      h[bucket] += static_cast<std::uint32_t>(stop - place);
-      place = stop;
-    }
-  }
-  return h;
-}
-
-std::uint64_t distance(const histogram& a, const histogram& b) {
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < bucket_count; ++i) sum += a[i] > b[i] ? a[i] - b[i] : b[i] - a[i];
-  return sum;
-}
-
-bool equal(std::span<const run> a, std::span<const run> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const run& x, const run& y) { return x.first == y.first && x.count == y.count; });
-}
-
-std::vector<std::uint8_t> first_equal(std::span<const std::vector<run>> sets) {
-  std::vector<std::uint8_t> same(sets.size());
-  for (std::size_t cell = 0; cell < sets.size(); ++cell) {
-    std::size_t first = 0;
-    while (first < cell && !equal(sets[first], sets[cell])) ++first;
-    same[cell] = static_cast<std::uint8_t>(first);
-  }
-  return same;
-}
-
-// The cells that are likely to be the best references of one.
-std::vector<std::uint32_t> candidates_of(std::uint32_t cell, std::span<const histogram> histograms,
-                                         std::span<const std::uint8_t> same) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> near;
-  for (std::uint32_t other = 0; other < histograms.size(); ++other) {
-    if (other != cell && same[other] == other) {
-      near.emplace_back(distance(histograms[cell], histograms[other]), other);
-    }
-  }
-  const std::size_t count = std::min(near.size(), candidates_per_cell);
-  std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
-  std::vector<std::uint32_t> chosen;
-  for (std::size_t i = 0; i < count; ++i) chosen.push_back(near[i].second);
-  return chosen;
-}
-
-// Every difference between like cells that is worth it, largest saving first.
-std::vector<edge> saving_edges(std::span<const std::vector<run>> sets, std::span<const std::uint8_t> same,
-                               const row_encoders& encoders, std::uint32_t limit) {
-  std::vector<histogram> histograms;
-  histograms.reserve(sets.size());
-  for (const auto& set : sets) histograms.push_back(make_histogram(set, limit));
-  std::vector<edge> edges;
+// Every difference between like cells that is worth it.
+std::vector<saving_difference> saving_differences(std::span<const std::vector<run>> sets,
+                                                  std::span<const std::uint32_t> first, const row_encoders& encoders,
+                                                  std::uint32_t limit) {
+  const auto likely = likely_references(sets, first, limit, candidates_per_cell);
+  std::vector<saving_difference> found;
   std::vector<run> removed;
   std::vector<run> added;
   for (std::uint32_t cell = 0; cell < sets.size(); ++cell) {
-    if (same[cell] != cell) continue;
     const std::uint64_t own = own_head_bits + encoders.own.size(sets[cell]);
-    for (const std::uint32_t other : candidates_of(cell, histograms, same)) {
+    for (const std::uint32_t other : likely[cell]) {
       make_rank_difference(sets[other], sets[cell], removed, added);
       const std::uint64_t delta = delta_head_bits + encoders.removed.size(removed) + encoders.added.size(added);
-      if (delta < own - own / 8) edges.push_back({own - delta, cell, other});
+      if (delta < own - own / 8) found.push_back({own - delta, cell, other});
     }
   }
-  std::sort(edges.begin(), edges.end(), [](const edge& a, const edge& b) {
-    return std::tie(b.saving, a.cell, a.reference) < std::tie(a.saving, b.cell, b.reference);
-  });
-  return edges;
+  return found;
 }
 
-// References above each cell.
-std::vector<std::uint32_t> depths_of(std::span<const std::uint8_t> reference) {
-  std::vector<std::uint32_t> depth(reference.size(), 0);
-  for (std::size_t cell = 0; cell < reference.size(); ++cell) {
-    for (std::uint8_t at = reference[cell]; at != chunk_plan::alone; at = reference[at]) ++depth[cell];
-  }
-  return depth;
+// A plan is kept for every chunk of a file, so it is small. no_cell becomes chunk_plan::alone.
+std::vector<std::uint8_t> narrowed(std::span<const std::uint32_t> cells) {
+  std::vector<std::uint8_t> narrow;
+  for (const std::uint32_t cell : cells) narrow.push_back(static_cast<std::uint8_t>(cell));
+  return narrow;
 }
-
-bool stands_on(std::span<const std::uint8_t> reference, std::uint32_t cell, std::uint32_t other) {
-  for (auto at = static_cast<std::uint8_t>(cell); at != chunk_plan::alone; at = reference[at]) {
-    if (at == other) return true;
-  }
-  return false;
-}
-
-// Takes edges greedily while no chain of references gets longer than the format allows or bites its tail.
-std::vector<std::uint8_t> choose_references(std::size_t cells, std::span<const edge> edges) {
-  std::vector<std::uint8_t> reference(cells, chunk_plan::alone);
-  for (const edge& e : edges) {
-    if (reference[e.cell] != chunk_plan::alone || stands_on(reference, e.reference, e.cell)) continue;
-    reference[e.cell] = static_cast<std::uint8_t>(e.reference);
-    const auto depth = depths_of(reference);
-    if (*std::max_element(depth.begin(), depth.end()) > layout::max_reference_depth) {
-      reference[e.cell] = chunk_plan::alone;
-    }
-  }
-  return reference;
-}
+static_assert(static_cast<std::uint8_t>(no_cell) == chunk_plan::alone);
 
 void put_count(std::size_t count, bit_sink& out) {
   const auto value = static_cast<std::uint32_t>(count);
@@ -146,10 +53,8 @@ void put_count(std::size_t count, bit_sink& out) {
 }  // namespace
 
 chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit) {
-  chunk_plan plan;
-  plan.same = first_equal(sets);
-  plan.reference = choose_references(sets.size(), saving_edges(sets, plan.same, encoders, limit));
-  return plan;
+  const std::vector<std::uint32_t> first = first_equal(sets);
+  return {narrowed(first), narrowed(choose_references(sets.size(), saving_differences(sets, first, encoders, limit)))};
 }
 
 void count_chunk(std::span<const std::vector<run>> sets, const chunk_plan& plan, row_counts& counts) {

@@ -6,34 +6,12 @@
 
 #include "random_source.h"
 #include "rank_encoder.h"
+#include "run_lists.h"
 
 namespace {
 
 using namespace sightcell::format;
-using sightcell::test::random_source;
-
-std::vector<run> runs_of(const std::vector<bool>& members) {
-  std::vector<run> runs;
-  for (std::uint32_t i = 0; i < members.size(); ++i) {
-    if (!members[i]) continue;
-    if (!runs.empty() && runs.back().first + runs.back().count == i) {
-      ++runs.back().count;
-    } else {
-      runs.push_back({i, 1});
-    }
-  }
-  return runs;
-}
-
-std::vector<std::uint32_t> borders_of(const std::vector<run>& runs, bool closed) {
-  std::vector<std::uint32_t> borders;
-  for (const run& r : runs) {
-    borders.push_back(r.first);
-    borders.push_back(r.first + r.count);
-  }
-  if (closed) borders.push_back(no_border);
-  return borders;
-}
+using namespace sightcell::test;
 
 struct applied {
   bool good = false;
@@ -43,7 +21,7 @@ struct applied {
 // Into memory of exactly the room that is asked for.
 applied apply(const std::vector<run>& reference, const std::vector<run>& removed, const std::vector<run>& added,
               std::uint32_t limit) {
-  const auto r = borders_of(reference, false), gone = borders_of(removed, true), come = borders_of(added, true);
+  const auto r = borders_of(reference), gone = closed_borders_of(removed), come = closed_borders_of(added);
   applied answer;
   answer.borders.resize(rank_difference_room(r.size(), gone.size() - 1, come.size() - 1));
   std::size_t count = 0;
@@ -102,7 +80,7 @@ TEST(rank_difference, what_was_made_comes_back) {
     make_rank_difference(reference, set, removed, added);
     const applied back = apply(reference, removed, added, limit);
     ASSERT_TRUE(back.good);
-    ASSERT_EQ(back.borders, borders_of(set, false));
+    ASSERT_EQ(back.borders, borders_of(set));
     for (const auto& list : {removed, added}) {
       for (std::size_t i = 1; i < list.size(); ++i) ASSERT_GT(list[i].first, list[i - 1].first + list[i - 1].count);
     }
@@ -117,7 +95,7 @@ TEST(rank_difference, lists_of_any_numbers) {
     const std::uint32_t limit = random() % 50;
     std::vector<bool> members(limit);
     for (std::uint32_t i = 0; i < limit; ++i) members[i] = random() % 2 == 0;
-    const auto reference = borders_of(runs_of(members), false);
+    const auto reference = borders_of(runs_of(members));
     std::vector<std::uint32_t> lists[2];
     for (auto& list : lists) {
       list.resize(2 * (random() % 6));

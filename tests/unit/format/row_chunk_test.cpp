@@ -7,28 +7,16 @@
 
 #include "random_source.h"
 #include "row_chunk_encoder.h"
+#include "run_lists.h"
 #include "sightcell/format/layout.h"
 
 namespace {
 
 using namespace sightcell::format;
-using sightcell::test::random_source;
+using namespace sightcell::test;
 using set_list = std::vector<std::vector<run>>;
 
 constexpr std::uint32_t limit = 2000;
-
-std::vector<run> runs_of(const std::vector<bool>& members) {
-  std::vector<run> runs;
-  for (std::uint32_t i = 0; i < members.size(); ++i) {
-    if (!members[i]) continue;
-    if (!runs.empty() && runs.back().first + runs.back().count == i) {
-      ++runs.back().count;
-    } else {
-      runs.push_back({i, 1});
-    }
-  }
-  return runs;
-}
 
 // Sets like the one before, a few equal, one empty and one full.
 set_list like_sets(std::uint32_t seed, std::size_t count) {
@@ -45,15 +33,6 @@ set_list like_sets(std::uint32_t seed, std::size_t count) {
     if (cell == 6) sets.back() = {{0, limit}};
   }
   return sets;
-}
-
-std::vector<std::uint32_t> borders_of(const std::vector<run>& runs) {
-  std::vector<std::uint32_t> borders;
-  for (const run& r : runs) {
-    borders.push_back(r.first);
-    borders.push_back(r.first + r.count);
-  }
-  return borders;
 }
 
 // A chunk and all that decodes it.

@@ -6,11 +6,12 @@
 
 #include "random_source.h"
 #include "run_encoder.h"
+#include "run_lists.h"
 
 namespace {
 
 using namespace sightcell::format;
-using sightcell::test::random_source;
+using namespace sightcell::test;
 
 // Ascending, disjoint, not touching; scale: how large gaps and lengths may be.
 std::vector<run> random_runs(random_source& random, std::size_t count, std::uint32_t scale) {
@@ -24,15 +25,6 @@ std::vector<run> random_runs(random_source& random, std::size_t count, std::uint
     next = first + length + 1;
   }
   return runs;
-}
-
-std::vector<std::uint32_t> borders_of(const std::vector<run>& runs) {
-  std::vector<std::uint32_t> borders;
-  for (const run& r : runs) {
-    borders.push_back(r.first);
-    borders.push_back(r.first + r.count);
-  }
-  return borders;
 }
 
 struct coder {
