@@ -58,6 +58,7 @@ void make_draws(const scene::scene& s, baked_scene& out) {
     sightcell_draw made{};
     made.first_source = made.first_stored = d.first_source;
     made.polygon_count = d.polygon_count;
+    made.material = d.material;
     out.draws.push_back(made);
   }
 }

@@ -7,8 +7,8 @@ namespace viewer {
 
 namespace scene = sightcell::scene;
 
-draw_groups::draw_groups(const scene::scene& s) {
-  const auto group_of = [&](const scene::draw& d) {
+draw_groups::draw_groups(const scene::scene& s, std::span<const sightcell_draw> draws) {
+  const auto group_of = [&](const sightcell_draw& d) {
     if (d.material >= s.materials.size()) {
       const scene::material none;
       return draw_group{none.alpha, none.double_sided, static_cast<std::uint32_t>(s.materials.size())};
@@ -18,12 +18,12 @@ draw_groups::draw_groups(const scene::scene& s) {
   };
   const auto key = [](const draw_group& g) { return std::tuple(g.alpha, g.double_sided, g.material); };
   const auto before = [&](const draw_group& a, const draw_group& b) { return key(a) < key(b); };
-  for (const scene::draw& d : s.draws) groups_.push_back(group_of(d));
+  for (const sightcell_draw& d : draws) groups_.push_back(group_of(d));
   std::sort(groups_.begin(), groups_.end(), before);
   groups_.erase(
       std::unique(groups_.begin(), groups_.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),
       groups_.end());
-  for (const scene::draw& d : s.draws) {
+  for (const sightcell_draw& d : draws) {
     const auto at = std::lower_bound(groups_.begin(), groups_.end(), group_of(d), before);
     group_of_draw_.push_back(static_cast<std::uint32_t>(at - groups_.begin()));
   }

@@ -22,7 +22,8 @@ struct draw_group {
 
 class draw_groups {
  public:
-  explicit draw_groups(const sightcell::scene::scene& s);
+  // draws: the draw table of the file, which has an order of its own.
+  draw_groups(const sightcell::scene::scene& s, std::span<const sightcell_draw> draws);
   // Opaque groups first, then mask, then blend, which needs all others behind it.
   const std::vector<draw_group>& groups() const { return groups_; }
   std::uint32_t group_of_draw(std::uint32_t draw) const { return group_of_draw_[draw]; }

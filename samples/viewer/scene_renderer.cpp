@@ -253,7 +253,7 @@ void scene_renderer::draw(std::span<const painted_list> lists, bool wireframe) {
   glUseProgram(state_->scene_program.id());
   glBindVertexArray(state_->arrays[0]);
   glVertexAttrib4f(2, 1.0f, 1.0f, 1.0f, 1.0f);  // the tint of scenes without colors
-  glDepthFunc(GL_GREATER);  // reversed depth: larger is nearer
+  glDepthFunc(GL_GREATER);                      // reversed depth: larger is nearer
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glPolygonMode(GL_FRONT_AND_BACK, wireframe ? GL_LINE : GL_FILL);
   state_->draw_pass(lists, false);

@@ -256,9 +256,9 @@ void take_screenshot(session& s, const scene_renderer& renderer, const options& 
 
 void run(const options& chosen) {
   scene::scene s = scene::load_gltf(chosen.scene_file, chosen.scene);
-  const draw_groups groups(s);
   scene::world_geometry world = scene::flatten(s);
   const baked_scene baked = open_baked(s, world, chosen.pvs_file, chosen.cells_file);
+  const draw_groups groups(s, baked.draws);
   const controls start = first_state(chosen, baked);
   const bool flying = chosen.screenshot.empty();
   window w(s.name + " - Sightcell", chosen.width, chosen.height, flying);

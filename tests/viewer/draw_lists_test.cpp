@@ -30,19 +30,26 @@ std::vector<std::uint32_t> polygons_of(std::span<const sightcell_range> ranges) 
   return out;
 }
 
-scene::scene painted(std::initializer_list<std::uint32_t> materials) {
+struct painted {
   scene::scene s;
+  std::vector<sightcell_draw> draws;
+  draw_groups groups() const { return {s, draws}; }
+};
+
+painted painted_with(std::initializer_list<std::uint32_t> materials) {
+  painted out;
+  scene::scene& s = out.s;
   s.materials.resize(4);
   s.materials[0].alpha = scene::alpha_mode::blend;
   s.materials[2].alpha = scene::alpha_mode::mask;
   s.materials[3].double_sided = true;
-  for (const std::uint32_t m : materials) s.draws.emplace_back().material = m;
-  return s;
+  for (const std::uint32_t m : materials) out.draws.emplace_back().material = m;
+  return out;
 }
 
 TEST(draw_groups, blended_surfaces_come_last_and_masked_ones_before_them) {
-  const scene::scene s = painted({0, 1, 2, 3, scene::no_index, 1, 0});
-  const draw_groups g(s);
+  const painted s = painted_with({0, 1, 2, 3, scene::no_index, 1, 0});
+  const draw_groups g = s.groups();
   ASSERT_EQ(g.groups().size(), 5u);
   EXPECT_EQ(g.groups()[3].alpha, scene::alpha_mode::mask);
   EXPECT_EQ(g.groups()[4].alpha, scene::alpha_mode::blend);
@@ -55,8 +62,8 @@ TEST(draw_groups, blended_surfaces_come_last_and_masked_ones_before_them) {
 }
 
 TEST(draw_lists, stretches_cover_the_list_once_and_neighbors_of_one_group_join) {
-  const scene::scene s = painted({1, 1, 1, 0});
-  const draw_groups g(s);
+  const painted s = painted_with({1, 1, 1, 0});
+  const draw_groups g = s.groups();
   const std::vector<sightcell_range> ranges{{0, 0, 1}, {0, 2, 1}, {2, 1, 3}, {3, 0, 2}};
   std::vector<group_stretches> out;
   make_stretches(g, ranges, out);
@@ -69,8 +76,8 @@ TEST(draw_lists, stretches_cover_the_list_once_and_neighbors_of_one_group_join) 
 }
 
 TEST(draw_lists, groups_that_alternate_get_their_own_stretches) {
-  const scene::scene s = painted({1, 0, 2, 1});
-  const draw_groups g(s);
+  const painted s = painted_with({1, 0, 2, 1});
+  const draw_groups g = s.groups();
   const std::vector<sightcell_range> ranges{{0, 1, 2}, {2, 0, 4}, {3, 1, 1}};
   std::vector<group_stretches> out;
   make_stretches(g, ranges, out);
