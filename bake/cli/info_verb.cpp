@@ -42,6 +42,12 @@ std::string section_name(std::uint32_t id) {
       return "certificate";
     case format::layout::section_settings:
       return "settings";
+    case format::layout::section_orders:
+      return "orders";
+    case format::layout::section_codes:
+      return "codes";
+    case format::layout::section_importance:
+      return "importance";
     default:
       return fmt::format("unknown {}", id);
   }

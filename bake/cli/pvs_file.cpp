@@ -58,10 +58,21 @@ pvs_file pvs_file::open(const std::filesystem::path& path) {
 }
 
 format::row_statistics pvs_file::statistics() const {
-  std::vector<format::run> row(reader_.run_bound()), scratch(reader_.run_bound());
   format::row_statistics sums;
-  check(reader_.statistics(row, scratch, sums));
+  check(sets().statistics(sums));
   return sums;
+}
+
+format::set_reader pvs_file::sets() const {
+  format::set_reader sets;
+  check(sets.open(reader_));
+  return sets;
+}
+
+format::box pvs_file::cell_box(std::uint32_t cell) const {
+  format::box b;
+  check(reader_.cell_box(cell, b));
+  return b;
 }
 
 scene::animated_as pvs_file::animated() const {
@@ -88,12 +99,8 @@ int pvs_file::scene() const {
 }
 
 std::vector<std::uint32_t> pvs_file::cell_set(std::uint32_t cell) const {
-  std::vector<format::run> row(reader_.run_bound()), scratch(reader_.run_bound());
-  std::size_t runs = 0;
-  check(reader_.decode_row(cell, row, scratch, runs));
   std::vector<std::uint32_t> set;
-  for (const format::run& r : std::span(row).first(runs))
-    for (std::uint32_t i = 0; i < r.count; ++i) set.push_back(r.first + i);
+  check(sets().source_ids(cell, set));
   return set;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sightcell/format/reader.h"
+#include "sightcell/format/set_reader.h"
 #include "sightcell/scene/animated_as.h"
 
 namespace sightcell::cli {
@@ -25,14 +26,18 @@ class pvs_file {
   std::span<const std::byte> bytes() const { return bytes_; }
   std::uint64_t size() const { return bytes_.size(); }
   format::row_statistics statistics() const;
-  scene::animated_as animated() const;  // what it was baked with
-  std::string_view metric() const;      // of what error its bounds are, as --metric has it
-  int scene() const;                    // the glTF scene that it was baked from; -1: the default one
-  std::vector<std::uint32_t> cell_set(std::uint32_t cell) const;  // ascending stored numbers; version 0: source ids
+  format::set_reader sets() const;                 // views the file
+  format::box cell_box(std::uint32_t cell) const;  // of a cell that there is
+  scene::animated_as animated() const;             // what it was baked with
+  std::string_view metric() const;                 // of what error its bounds are, as --metric has it
+  int scene() const;                               // the glTF scene that it was baked from; -1: the default one
+  std::vector<std::uint32_t> cell_set(std::uint32_t cell) const;  // ascending source ids
+
+  // Throws where something that was asked of the file is not ok.
+  void check(format::status status) const;
 
  private:
   pvs_file(std::filesystem::path path, std::vector<std::byte> bytes);
-  void check(format::status status) const;
 
   std::filesystem::path path_;
   std::vector<std::byte> bytes_;  // heap memory: the reader's views stay valid when the object moves

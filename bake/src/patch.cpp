@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "sightcell/bake/bake.h"
+#include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
+#include "sightcell/format/set_reader.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/json_text.h"
@@ -15,50 +17,26 @@
 namespace sightcell::bake {
 namespace {
 
-// A file's contents without its sets, taken apart.
-struct parts {
-  std::vector<format::draw_record> draws;
-  std::vector<format::box> cells;
-  std::vector<format::certificate_record> certificate;
-};
-
 void require_ok(format::status outcome, const std::string& name) {
   if (outcome != format::status::ok)
     throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
-}
-
-parts take_apart(const format::reader& file, const std::string& name) {
-  parts out;
-  out.draws.resize(file.draw_count());
-  for (std::uint32_t i = 0; i < file.draw_count(); ++i) require_ok(file.draw(i, out.draws[i]), name);
-  out.certificate.resize(file.certificate_count());
-  for (std::uint32_t i = 0; i < file.certificate_count(); ++i)
-    require_ok(file.certificate(i, out.certificate[i]), name);
-  out.cells.resize(file.cell_count());
-  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) require_ok(file.cell_box(cell, out.cells[cell]), name);
-  return out;
 }
 
 // The sets of a file, decoded one at a time, and those of them that were changed.
 class set_list {
  public:
   // Checks the whole file.
-  set_list(const format::reader& file, const std::string& name)
-      : file_(file), row_(file.run_bound()), scratch_(file.run_bound()) {
-    require_ok(file_.check(row_, scratch_), name);
+  set_list(const format::reader& file, const std::string& name) {
+    require_ok(stored_.open(file), name);
+    require_ok(stored_.check(), name);
   }
 
-  // Source ids: in version 0 stored numbers are the same.
+  // Source ids.
   format::status get(std::uint32_t cell, std::vector<std::uint32_t>& set) {
-    if (const auto found = changed_.find(cell); found != changed_.end()) {
-      set = found->second;
-      return format::status::ok;
-    }
-    std::size_t runs = 0;
-    const format::status outcome = file_.decode_row(cell, row_, scratch_, runs);
-    for (const format::run& r : std::span(row_).first(runs))
-      for (std::uint32_t i = 0; i < r.count; ++i) set.push_back(r.first + i);
-    return outcome;
+    const auto found = changed_.find(cell);
+    if (found == changed_.end()) return stored_.source_ids(cell, set);
+    set = found->second;
+    return format::status::ok;
   }
   // To be changed in place.
   std::vector<std::uint32_t>& to_change(std::uint32_t cell, const std::string& name) {
@@ -69,8 +47,7 @@ class set_list {
   }
 
  private:
-  const format::reader& file_;
-  std::vector<format::run> row_, scratch_;
+  format::set_reader stored_;
   std::map<std::uint32_t, std::vector<std::uint32_t>> changed_;
 };
 
@@ -130,7 +107,8 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
   require_ok(format::reader::open(file, opened), name);
   for (const added_polygons& wanted : additions) check_range(wanted, opened, name);
   set_list sets(opened, name);
-  const parts contents = take_apart(opened, name);
+  format::file_parts parts;
+  require_ok(format::take_apart(opened, parts), name);
   patch_result result;
   std::vector<added_polygons> fresh;
   for (const added_polygons& wanted : additions) {
@@ -141,11 +119,9 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
     result.already_there += wanted.count - added;
     fresh.insert(fresh.end(), more.begin(), more.end());
   }
-  const std::string settings = fresh.empty() ? std::string(opened.settings()) : with_added(opened.settings(), fresh);
-  const format::cell_set_source source{
-      contents.cells.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { return sets.get(cell, set); }};
-  const format::file_contents changed{opened.facts(), contents.draws,       contents.cells,
-                                      source,         contents.certificate, settings};
+  if (!fresh.empty()) parts.settings = with_added(opened.settings(), fresh);
+  const format::file_contents changed = parts.contents(
+      {parts.cells.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { return sets.get(cell, set); }});
   std::vector<std::byte> bytes;
   if (format::encode(changed, bytes) != format::status::ok)
     throw error(error_kind::failed, "output.encode", output.string(), "what was added does not fit into the file",

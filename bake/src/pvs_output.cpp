@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <utility>
 
+#include "find_lattice.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/scene/error.h"
+#include "stored_draws.h"
 
 namespace sightcell::bake {
 namespace {
@@ -24,7 +28,7 @@ std::vector<format::draw_record> draw_table(const scene::scene& s) {
                      .group = 0,
                      .first_source = d.first_source,
                      .polygon_count = d.polygon_count,
-                     .first_stored = d.first_source,  // version 0: stored order is source order
+                     .first_stored = d.first_source,  // until the draws are put in order
                      .base_vertex = d.base_vertex,
                      .host_tag = d.host_tag});
   return table;
@@ -45,14 +49,23 @@ void require_ok(format::status outcome, const std::filesystem::path& output, con
       disk ? "free space or choose another folder, then run the same command: it resumes" : "report this scene");
 }
 
-// What the file says of its cells besides their sets.
+// What the file says of its cells besides their sets, in the order in which it has them.
 struct stored_cells {
   std::vector<std::uint32_t> places;  // in the list of all cells
   std::vector<format::box> boxes;
+  std::optional<cells_on_lattice> lattice;
   std::vector<format::certificate_record> certificate;
   double polygons = 0.0;  // of all sets together
   double unseen = 0.0;    // of these, what the safety ring added
 };
+
+template <class Item>
+void permute(std::vector<Item>& items, std::span<const std::uint32_t> order) {
+  std::vector<Item> permuted;
+  permuted.reserve(items.size());
+  for (const std::uint32_t i : order) permuted.push_back(std::move(items[i]));
+  items = std::move(permuted);
+}
 
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
   stored_cells out;
@@ -63,8 +76,7 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
       ++sum.cells_left_out;
       continue;
     }
-    out.certificate.push_back({.cell = static_cast<std::uint32_t>(out.boxes.size()),
-                               .rays = record.rays,
+    out.certificate.push_back({.rays = record.rays,
                                .misses = record.misses,
                                .upper_bound = record.upper_bound,
                                .confidence = record.confidence,
@@ -76,6 +88,13 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;
   }
+  out.lattice = find_lattice(out.boxes, frame.settings);
+  if (out.lattice) {
+    permute(out.places, out.lattice->cells);
+    permute(out.boxes, out.lattice->cells);
+    permute(out.certificate, out.lattice->cells);
+  }
+  for (std::uint32_t i = 0; i < out.certificate.size(); ++i) out.certificate[i].cell = i;
   return out;
 }
 
@@ -107,15 +126,22 @@ void write_pvs(const pvs_frame& frame, const record_source& record_of, const std
                     fmt::format("{} of {} cells have no free point and are left out; an eye there is outside",
                                 sum.cells_left_out, frame.cells.size()));
 
+  const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+    set = record_of(stored.places[cell]).set;
+    return format::status::ok;
+  };
+  const auto cells_written = static_cast<std::uint32_t>(stored.boxes.size());
+  const stored_draws draws = store_draws(frame.draws, cells_written, set_of);
   format::file_contents contents;
   contents.facts = frame.facts;
   contents.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
-  contents.draws = frame.draws;
-  contents.cells = stored.boxes;
-  contents.cell_sets = {stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-                          set = record_of(stored.places[cell]).set;
-                          return format::status::ok;
-                        }};
+  contents.draws = draws.draws;
+  contents.order = draws.order();
+  if (stored.lattice)
+    contents.lattice = format::lattice_cells{stored.lattice->shape, stored.lattice->places};
+  else
+    contents.cells = stored.boxes;
+  contents.cell_sets = {stored.places.size(), set_of};
   contents.certificate = stored.certificate;
   contents.settings = frame.settings;
   std::vector<std::byte> bytes;
@@ -124,9 +150,9 @@ void write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   require_ok(format::encode(contents, bytes), output, "encoding");
   require_ok(format::write_file(output.string().c_str(), bytes), output, "writing");
 
-  const auto cells_written = static_cast<double>(stored.boxes.size());
-  sum.cells = static_cast<std::uint32_t>(stored.boxes.size());
-  sum.visible_percent = 100.0 * stored.polygons / (cells_written * std::max(frame.facts.polygon_count, 1u));
+  sum.cells = cells_written;
+  sum.visible_percent =
+      100.0 * stored.polygons / (static_cast<double>(cells_written) * std::max(frame.facts.polygon_count, 1u));
   sum.unseen_per_cell = stored.unseen / cells_written;
   sum.unseen_percent = 100.0 * stored.unseen / std::max(stored.polygons - stored.unseen, 1.0);
   sum.bytes = bytes.size();

@@ -29,10 +29,10 @@ struct pvs_frame {
 pvs_frame frame_of(const scene::scene& s, const settings& how, std::string settings_text,
                    const std::vector<view_cell>& cells);
 
-// Encodes the stored cells and writes output by rename; fills in the summary. Every cell's record is asked for in
-// ascending order, and that of a stored one a second time, in the same order, on the calling thread; what record_of
-// throws comes through. Cells that were not stored are named in warnings. Throws sightcell::error when nothing can be
-// stored or written.
+// Puts cells and polygons in the file's order, encodes them and writes output by rename; fills in the summary. Every
+// cell's record is asked for in ascending order, then those of stored ones about ten times in the file's order, on the
+// calling thread; what record_of throws comes through. Cells that were not stored are named in warnings. Throws
+// sightcell::error when nothing can be stored or written.
 void write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
                const callbacks& tell, summary& sum);
 

@@ -14,6 +14,7 @@
 #include "host_scene.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
+#include "sightcell/format/set_reader.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/json_text.h"
 #include "source/surface_colors.h"
@@ -55,13 +56,10 @@ seeing_rules rules_of(const format::reader& file) {
 class membership {
  public:
   explicit membership(std::uint32_t polygons) : in_(polygons, 0) {}
-  void assign(std::span<const format::run> runs) {
+  void assign(std::span<const std::uint32_t> set) {
     std::fill(in_.begin(), in_.end(), std::uint8_t{0});
-    size_ = 0;
-    for (const format::run& r : runs) {
-      std::fill_n(in_.begin() + r.first, r.count, std::uint8_t{1});
-      size_ += r.count;
-    }
+    for (const std::uint32_t polygon : set) in_[polygon] = 1;
+    size_ = set.size();
   }
   bool contains(std::uint32_t polygon) const { return in_[polygon] != 0; }
   std::uint64_t size() const { return size_; }
@@ -103,14 +101,15 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
 
   verification result;
   membership set(file.polygon_count());
-  std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
+  format::set_reader sets;
+  require_ok(sets.open(file), name);
+  std::vector<std::uint32_t> seen;
   double visible = 0.0;
   for (std::uint32_t i = 0; i < chosen; ++i) {
     const auto cell = static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen);
     require_ok(file.check_chunk(format::reader::chunk_of(cell)), name);
-    std::size_t runs = 0;
-    require_ok(file.decode_row(cell, row, scratch, runs), name);
-    set.assign(std::span(row).first(runs));
+    require_ok(sets.source_ids(cell, seen), name);
+    set.assign(seen);
     format::box corners;
     require_ok(file.cell_box(cell, corners), name);
     const box grown =

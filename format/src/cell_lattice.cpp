@@ -1,4 +1,4 @@
-#include "cell_lattice.h"
+#include "sightcell/format/cell_lattice.h"
 
 #include <array>
 #include <bit>
@@ -13,12 +13,6 @@ namespace {
 
 constexpr std::uint32_t column_count = 7;
 
-lattice_place place_of(const lattice_chunk& chunk, unsigned bit) noexcept {
-  constexpr auto width = static_cast<unsigned>(lattice_chunk_width);
-  return {chunk.x * lattice_chunk_width + static_cast<std::int32_t>(bit % width), chunk.y,
-          chunk.z * lattice_chunk_width + static_cast<std::int32_t>(bit / width), chunk.level};
-}
-
 // Chunks whose places have numbers.
 bool is_near(std::int32_t chunk) noexcept {
   constexpr std::int32_t most = (1 << 30) / lattice_chunk_width;
@@ -30,6 +24,12 @@ bool comes_before(const lattice_chunk& a, const lattice_chunk& b) noexcept {
 }
 
 }  // namespace
+
+lattice_place place_of(const lattice_chunk& chunk, unsigned bit) noexcept {
+  constexpr auto width = static_cast<unsigned>(lattice_chunk_width);
+  return {chunk.x * lattice_chunk_width + static_cast<std::int32_t>(bit % width), chunk.y,
+          chunk.z * lattice_chunk_width + static_cast<std::int32_t>(bit / width), chunk.level};
+}
 
 box box_of(const lattice_shape& shape, const lattice_place& place) noexcept {
   const double width = std::ldexp(shape.width, -static_cast<int>(place.level));
@@ -73,8 +73,8 @@ bool cell_lattice::chunks_are_good(std::uint32_t cells) const noexcept {
     if (number > 0 && !comes_before(last, c)) return false;
     for (std::uint64_t left = c.mask; left != 0; left &= left - 1) {
       if (!box_is_valid(box_of(shape_, place_of(c, static_cast<unsigned>(std::countr_zero(left)))))) return false;
+      ++next;
     }
-    next += static_cast<std::uint64_t>(std::popcount(c.mask));
     last = c;
   }
   return next == cells;

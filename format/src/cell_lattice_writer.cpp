@@ -26,7 +26,7 @@ auto chunk_key(const lattice_place& p) noexcept {
 
 }  // namespace
 
-bool comes_before(const lattice_place& a, const lattice_place& b) noexcept {
+bool lattice_comes_before(const lattice_place& a, const lattice_place& b) noexcept {
   return std::tuple(chunk_key(a), bit_of(a)) < std::tuple(chunk_key(b), bit_of(b));
 }
 
@@ -40,7 +40,7 @@ bool put_lattice(const lattice_shape& shape, std::span<const lattice_place> plac
   };
   for (std::size_t i = 0; i < places.size(); ++i) {
     const lattice_place& p = places[i];
-    if (!box_is_valid(box_of(shape, p)) || (i > 0 && !comes_before(places[i - 1], p))) return false;
+    if (!box_is_valid(box_of(shape, p)) || (i > 0 && !lattice_comes_before(places[i - 1], p))) return false;
     if (i == 0 || chunk_key(places[i - 1]) != chunk_key(p)) {
       if (i > 0) finish_chunk();
       columns[0].push_back(from_signed(chunk_of(p.x)));

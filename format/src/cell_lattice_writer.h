@@ -4,12 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "cell_lattice.h"
+#include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/writer.h"
 
 namespace sightcell::format {
-
-// The order in which a file has its cells: by level, then chunk by chunk.
-[[nodiscard]] bool comes_before(const lattice_place& a, const lattice_place& b) noexcept;
 
 // Appends the lattice. False, and nothing appended, when the places are not in that order, one is there twice, or a
 // cell's box is none.

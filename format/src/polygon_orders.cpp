@@ -7,26 +7,28 @@
 namespace sightcell::format {
 
 bool polygon_orders::open(std::span<const std::byte> bytes) noexcept {
-  *this = polygon_orders{};
-  polygon_orders made;
+  std::uint32_t count = 0;
   std::uint64_t size = 0;
   packed_columns columns;
-  const checked_reader in(bytes);
-  if (!in.read_u32(0, made.count_) || made.count_ == 0xFFFFFFFFu) return false;
+  if (!checked_reader(bytes).read_u32(0, count) || count == 0xFFFFFFFFu) return false;
   bytes = bytes.subspan(4);
-  if (!packed_columns::size_of(bytes, 2, made.count_ + 1, size)) return false;
-  if (!columns.open(bytes.first(static_cast<std::size_t>(size)), 2, made.count_ + 1)) return false;
-  made.first_polygon_ = packed_column(columns, 0);
-  made.first_byte_ = packed_column(columns, 1);
+  if (!packed_columns::size_of(bytes, 2, count + 1, size)) return false;
+  if (!columns.open(bytes.first(static_cast<std::size_t>(size)), 2, count + 1)) return false;
+  const packed_column first_polygon(columns, 0);
+  const packed_column first_byte(columns, 1);
   bytes = bytes.subspan(static_cast<std::size_t>(size));
-  if (!read_code(bytes, made.steps_)) return false;
-  if (bytes.size() != std::uint64_t{made.first_byte_[made.count_]} + bit_reader::padding) return false;
-  made.permutations_ = bytes;
-  if (made.first_polygon_[0] != 0) return false;
-  for (std::uint32_t number = 0; number < made.count_; ++number) {
-    if (made.first_polygon_[number + 1] < made.first_polygon_[number]) return false;
+  if (!read_code(bytes, steps_)) return false;
+  if (bytes.size() != std::uint64_t{first_byte[count]} + bit_reader::padding || first_polygon[0] != 0) return false;
+  // Orders follow each other, and a polygon takes a bit at least: a small file cannot make a host allocate much.
+  for (std::uint32_t number = 0; number < count; ++number) {
+    if (first_polygon[number + 1] < first_polygon[number] || first_byte[number + 1] < first_byte[number]) return false;
+    const std::uint64_t bits = 8 * (std::uint64_t{first_byte[number + 1]} - first_byte[number]);
+    if (first_polygon[number + 1] - first_polygon[number] > bits) return false;
   }
-  *this = made;
+  permutations_ = bytes;
+  first_polygon_ = first_polygon;
+  first_byte_ = first_byte;
+  count_ = count;
   return true;
 }
 

@@ -5,17 +5,17 @@
 #include <cstdint>
 #include <span>
 
-#include "packed_columns.h"
 #include "prefix_code.h"
+#include "sightcell/format/packed_columns.h"
 
 namespace sightcell::format {
 
 class polygon_orders {
  public:
-  // A section without orders.
-  polygon_orders() noexcept = default;
-  // bytes: the section; viewed. False when its parts do not fit each other or the bytes. O(orders).
-  [[nodiscard]] bool open(std::span<const std::byte> bytes) noexcept;
+  // bytes: the section; viewed. O(orders).
+  explicit polygon_orders(std::span<const std::byte> bytes) noexcept { good_ = open(bytes); }
+  // False when its parts do not fit each other or the bytes; there are no orders then.
+  [[nodiscard]] bool good() const noexcept { return good_; }
 
   [[nodiscard]] std::uint32_t count() const noexcept { return count_; }
   // Of all orders together.
@@ -31,7 +31,13 @@ class polygon_orders {
   // not asked here.
   [[nodiscard]] bool source_of_stored(std::uint32_t number, std::span<std::uint32_t> out) const noexcept;
 
+  // first_polygon() of all, for who keeps no more.
+  [[nodiscard]] const packed_column& first_polygon_column() const noexcept { return first_polygon_; }
+
  private:
+  [[nodiscard]] bool open(std::span<const std::byte> bytes) noexcept;
+
+  bool good_ = false;
   std::uint32_t count_ = 0;
   packed_column first_polygon_, first_byte_;
   std::span<const std::byte> permutations_;

@@ -1,10 +1,12 @@
 #include "sightcell/format/reader.h"
 
-#include <algorithm>
 #include <array>
+#include <bit>
+#include <numeric>
 
 #include "checked_reader.h"
 #include "checksum.h"
+#include "polygon_orders.h"
 #include "record_rules.h"
 #include "sightcell/format/layout.h"
 
@@ -20,6 +22,7 @@ status reader::open(std::span<const std::byte> bytes, reader& out) noexcept {
   if (const status s = file.read_header(); s != status::ok) return s;
   if (const status s = file.read_sections(); s != status::ok) return s;
   if (const status s = file.check_sizes(); s != status::ok) return s;
+  if (const status s = file.open_tables(); s != status::ok) return s;
   if (const status s = file.check_draws(); s != status::ok) return s;
   if (const status s = file.check_cells(); s != status::ok) return s;
   if (const status s = file.check_directory(); s != status::ok) return s;
@@ -37,12 +40,11 @@ status reader::read_header() noexcept {
     if (byte != layout::magic[i]) return status::not_ours;
   }
   if (!in.read_u32(layout::header_version, version_)) return status::truncated;
-  if (version_ != layout::version) return status::version;
+  if (version_ > layout::version || version_ < layout::oldest_version) return status::version;
   if (bytes_.size() < layout::header_size) return status::truncated;
 
   std::uint32_t stored_checksum = 0;
   std::uint64_t total = 0;
-  std::uint64_t reserved = 0;
   std::uint32_t layout_number = 0;
   std::uint32_t flags = 0;
   bool read = in.read_u32(layout::header_checksum, stored_checksum);
@@ -54,7 +56,7 @@ status reader::read_header() noexcept {
          in.read_f32(layout::header_confidence, facts_.confidence) && in.read_u32(layout::header_flags, flags) &&
          in.read_u32(layout::header_cell_count, cell_count_) && in.read_u32(layout::header_draw_count, draw_count_) &&
          in.read_u32(layout::header_run_bound, run_bound_) && in.read_u32(layout::header_range_bound, range_bound_) &&
-         in.read_u64(layout::header_reserved, reserved);
+         in.read_u32(layout::header_list_bound, list_bound_) && in.read_f32(layout::header_slack, facts_.slack);
   for (std::size_t i = 0; i < facts_.scene_fingerprint.size(); ++i) {
     read = in.read_u8(layout::header_fingerprint + i, facts_.scene_fingerprint[i]) && read;
   }
@@ -62,7 +64,8 @@ status reader::read_header() noexcept {
   if (total > bytes_.size()) return status::truncated;
   facts_.layout = static_cast<host_layout>(layout_number);
   facts_.repeatable = (flags & layout::flag_not_repeatable) == 0;
-  if (!facts_are_valid(facts_) || (flags & ~layout::flag_not_repeatable) != 0 || reserved != 0) return status::corrupt;
+  if (!facts_are_valid(facts_) || (flags & ~layout::flag_not_repeatable) != 0) return status::corrupt;
+  if (version_ == 0 && (list_bound_ != 0 || facts_.slack != 0.0f)) return status::corrupt;
   if (facts_.polygon_count > layout::max_polygons || cell_count_ > layout::max_cells ||
       draw_count_ > layout::max_draws || section_count_ > layout::max_sections || facts_.margin > layout::max_margin) {
     return status::limit;
@@ -79,19 +82,22 @@ status reader::read_sections() noexcept {
   if (!checked_reader(bytes_).read_u32(layout::header_table_checksum, stored_checksum)) return status::corrupt;
   if (crc32c(part({layout::header_size, table_size})) != stored_checksum) return status::checksum;
 
-  const std::array<std::uint32_t, 6> ids{layout::section_draws,       layout::section_cells,
-                                         layout::section_rows,        layout::section_row_directory,
-                                         layout::section_certificate, layout::section_settings};
-  const std::array<extent*, 6> places{&draws_, &cells_, &rows_, &directory_, &certificate_, &settings_};
-  std::array<bool, 6> found{};
+  const std::array<std::uint32_t, 8> ids{
+      layout::section_draws,       layout::section_cells,    layout::section_rows,   layout::section_row_directory,
+      layout::section_certificate, layout::section_settings, layout::section_orders, layout::section_codes};
+  const std::array<extent*, 8> places{&draws_,       &cells_,    &rows_,   &directory_,
+                                      &certificate_, &settings_, &orders_, &codes_};
+  std::array<bool, 8> found{};
+  const std::size_t known_ids = version_ == 0 ? 6 : ids.size();
   std::uint64_t next = layout::header_size + table_size;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
     section_record entry;
     if (const status s = section(i, entry); s != status::ok) return s;
     if (entry.offset != next || entry.size > bytes_.size() - next) return status::corrupt;
     next += entry.size;
-    const auto known = static_cast<std::size_t>(std::find(ids.begin(), ids.end(), entry.id) - ids.begin());
-    if (known == ids.size()) {
+    std::size_t known = 0;
+    while (known < known_ids && ids[known] != entry.id) ++known;
+    if (known == known_ids) {
       if (entry.required) return status::version;
       continue;
     }
@@ -104,8 +110,8 @@ status reader::read_sections() noexcept {
       if (const status s = check_section(i); s != status::ok) return s;
     }
   }
-  if (next != bytes_.size() || !(found[0] && found[1] && found[2] && found[3])) return status::corrupt;
-  return status::ok;
+  const bool complete = found[0] && found[1] && found[2] && found[3] && (version_ == 0 || (found[6] && found[7]));
+  return next == bytes_.size() && complete ? status::ok : status::corrupt;
 }
 
 status reader::section(std::uint32_t number, section_record& out) const noexcept {
@@ -136,35 +142,85 @@ status reader::check_section(std::uint32_t number) const noexcept {
 }
 
 status reader::check_sizes() noexcept {
-  if (draws_.size != draw_count_ * layout::draw_record_size || cells_.size != cell_count_ * layout::cell_record_size ||
-      directory_.size != chunk_count() * layout::chunk_record_size + cell_count_ * layout::row_record_size ||
-      certificate_.size != certificate_count_ * layout::certificate_record_size) {
+  const std::uint64_t directory = chunk_count() * layout::chunk_record_size;
+  if (version_ == 0) {
+    if (draws_.size != draw_count_ * layout::v0_draw_record_size ||
+        cells_.size != cell_count_ * layout::cell_record_size ||
+        directory_.size != directory + cell_count_ * layout::v0_row_record_size ||
+        certificate_.size != certificate_count_ * layout::v0_certificate_record_size) {
+      return status::corrupt;
+    }
+  } else if (directory_.size != directory) {
     return status::corrupt;
   }
   if (settings_.size > layout::max_settings_size) return status::limit;
-  // A run takes two bytes of rows at least, and a range is a run or a draw border inside a run: so a small file cannot
-  // ask a host for large buffers.
-  if (run_bound_ > rows_.size / 2 || run_bound_ > facts_.polygon_count) return status::corrupt;
+  // A run takes two codes of a bit at least (two bytes in version 0), and a range is a run or a draw border inside a
+  // run: so a small file cannot ask a host for large buffers.
+  const std::uint64_t most_runs = version_ == 0 ? rows_.size / 2 : 4 * rows_.size;
+  if (run_bound_ > most_runs || run_bound_ > facts_.polygon_count || list_bound_ > most_runs) return status::corrupt;
   if (range_bound_ < run_bound_ || range_bound_ > std::uint64_t{run_bound_} + draw_count_) return status::corrupt;
   if (run_bound_ == 0 && range_bound_ != 0) return status::corrupt;
   return status::ok;
 }
 
-status reader::draw(std::uint32_t number, draw_record& out) const noexcept {
-  if (number >= draw_count_) return status::argument;
-  const checked_reader in(part(draws_));
-  const std::uint64_t at = number * layout::draw_record_size;
-  draw_record d;
-  if (!in.read_u32(at, d.node) || !in.read_u32(at + 4, d.mesh) || !in.read_u32(at + 8, d.primitive) ||
-      !in.read_u32(at + 12, d.instance) || !in.read_u32(at + 16, d.material) || !in.read_u32(at + 20, d.group) ||
-      !in.read_u32(at + 24, d.first_source) || !in.read_u32(at + 28, d.polygon_count) ||
-      !in.read_u32(at + 32, d.first_stored) || !in.read_u32(at + 36, d.base_vertex) ||
-      !in.read_u64(at + 40, d.host_tag)) {
+// The packed tables of version 1.
+status reader::open_tables() noexcept {
+  if (version_ == 0) {
+    order_count_ = draw_count_;
+    return status::ok;
+  }
+  packed_columns table;
+  if (!table.open(part(draws_), layout::draw_columns, draw_count_)) return status::corrupt;
+  for (std::uint32_t i = 0; i < layout::draw_columns; ++i) draw_columns_[i] = packed_column(table, i);
+  if (!table.open(part(certificate_), certificate_count_ == 0 ? 0 : layout::certificate_columns, certificate_count_)) {
     return status::corrupt;
   }
-  // Version 0: instanced, stored order is source order.
-  if (std::uint64_t{d.first_stored} + d.polygon_count > facts_.polygon_count || d.first_source != d.first_stored ||
-      d.group != 0) {
+  for (std::uint32_t i = 0; i < layout::certificate_columns; ++i) certificate_columns_[i] = packed_column(table, i);
+
+  const polygon_orders orders(part(orders_));
+  if (!orders.good()) return status::corrupt;
+  order_count_ = orders.count();
+  order_begin_ = orders.first_polygon_column();
+
+  std::uint32_t kind = 0;
+  if (!checked_reader(part(cells_)).read_u32(0, kind)) return status::corrupt;
+  on_lattice_ = kind == layout::cells_are_on_lattice;
+  const std::span<const std::byte> cells = part(cells_).subspan(4);
+  if (on_lattice_) return lattice_.open(cells, cell_count_) ? status::ok : status::corrupt;
+  const bool boxes = kind == layout::cells_are_boxes && cells.size() == cell_count_ * layout::cell_record_size;
+  return boxes ? status::ok : status::corrupt;
+}
+
+std::uint32_t reader::order_of_draw(std::uint32_t draw) const noexcept {
+  return version_ == 0 ? draw : draw_columns_[6][draw];
+}
+
+std::uint32_t reader::order_begin(std::uint32_t number) const noexcept {
+  if (version_ != 0) return order_begin_[number];
+  draw_record d;
+  return number == draw_count_ ? facts_.polygon_count : v0_draw(number, d) == status::ok ? d.first_stored : 0;
+}
+
+status reader::draw(std::uint32_t number, draw_record& out) const noexcept {
+  if (number >= draw_count_) return status::argument;
+  if (version_ == 0) return v0_draw(number, out);
+  const auto column = [&](std::size_t which) { return draw_columns_[which][number]; };
+  const std::uint32_t order = column(6);
+  if (order >= order_count_) return status::corrupt;
+  const std::uint32_t count = order_begin_[order + 1] - order_begin_[order];
+  const draw_record d{.node = column(0),
+                      .mesh = column(1),
+                      .primitive = column(2),
+                      .instance = column(3),
+                      .material = column(4),
+                      .group = column(5),
+                      .first_source = column(7),
+                      .polygon_count = count,
+                      .first_stored = column(8),
+                      .base_vertex = column(9),
+                      .host_tag = std::uint64_t{column(11)} << 32 | column(10)};
+  if (std::uint64_t{d.first_stored} + count > facts_.polygon_count ||
+      std::uint64_t{d.first_source} + count > facts_.polygon_count || d.group != 0) {
     return status::corrupt;
   }
   out = d;
@@ -182,9 +238,48 @@ status reader::check_draws() const noexcept {
   return next == facts_.polygon_count ? status::ok : status::corrupt;
 }
 
+status reader::orders(std::span<std::uint32_t> out) const noexcept {
+  if (out.size() != order_begin(order_count_)) return status::argument;
+  if (version_ == 0) {
+    for (std::uint32_t number = 0; number < order_count_; ++number) {
+      const std::uint32_t begin = order_begin(number);
+      const std::uint32_t end = order_begin(number + 1);
+      if (begin > end || end > out.size()) return status::corrupt;
+      for (std::uint32_t i = begin; i < end; ++i) out[i] = i - begin;
+    }
+    return status::ok;
+  }
+  const polygon_orders all(part(orders_));
+  if (!all.good() || all.polygons() != out.size() || all.count() != order_count_) return status::corrupt;
+  for (std::uint32_t number = 0; number < order_count_; ++number) {
+    const std::uint32_t begin = all.first_polygon(number);
+    if (begin > out.size() || all.polygon_count(number) > out.size() - begin) return status::corrupt;
+    if (!all.source_of_stored(number, out.subspan(begin, all.polygon_count(number)))) return status::corrupt;
+  }
+  return status::ok;
+}
+
+status reader::source_of_stored(std::span<std::uint32_t> out) const noexcept {
+  if (out.size() != facts_.polygon_count) return status::argument;
+  const polygon_orders all(version_ == 0 ? std::span<const std::byte>{} : part(orders_));
+  for (std::uint32_t number = 0; number < draw_count_; ++number) {
+    draw_record d;
+    if (const status s = draw(number, d); s != status::ok) return s;
+    const std::span<std::uint32_t> polygons = out.subspan(d.first_stored, d.polygon_count);
+    if (version_ == 0) {
+      std::iota(polygons.begin(), polygons.end(), 0u);
+    } else if (!all.source_of_stored(order_of_draw(number), polygons)) {
+      return status::corrupt;
+    }
+    for (std::uint32_t& polygon : polygons) polygon += d.first_source;
+  }
+  return status::ok;
+}
+
 status reader::cell_box(std::uint32_t cell, box& out) const noexcept {
   if (cell >= cell_count_) return status::argument;
-  const checked_reader in(part(cells_));
+  if (on_lattice_) return lattice_.cell_box(cell, out) ? status::ok : status::corrupt;
+  const checked_reader in(part(cells_).subspan(version_ == 0 ? 0 : 4));
   const std::uint64_t at = cell * layout::cell_record_size;
   box b;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -197,9 +292,10 @@ status reader::cell_box(std::uint32_t cell, box& out) const noexcept {
   return status::ok;
 }
 
+// Those on a lattice were all looked at when it was opened.
 status reader::check_cells() const noexcept {
   box b;
-  for (std::uint32_t i = 0; i < cell_count_; ++i) {
+  for (std::uint32_t i = 0; i < cell_count_ && !on_lattice_; ++i) {
     if (const status s = cell_box(i, b); s != status::ok) return s;
   }
   return status::ok;
@@ -212,14 +308,15 @@ std::string_view reader::settings() const noexcept {
 
 status reader::certificate(std::uint32_t number, certificate_record& out) const noexcept {
   if (number >= certificate_count_) return status::argument;
-  const checked_reader in(part(certificate_));
-  const std::uint64_t at = number * layout::certificate_record_size;
-  certificate_record c;
-  c.cell = number;
-  if (!in.read_u64(at, c.rays) || !in.read_u64(at + 8, c.misses) || !in.read_f64(at + 16, c.upper_bound) ||
-      !in.read_f64(at + 24, c.confidence) || !in.read_u64(at + 32, c.seed)) {
-    return status::corrupt;
-  }
+  if (version_ == 0) return v0_certificate(number, out);
+  const auto column = [&](std::size_t which) { return certificate_columns_[which][number]; };
+  const auto wide = [&](std::size_t which) { return std::uint64_t{column(which + 1)} << 32 | column(which); };
+  const certificate_record c{.cell = number,
+                             .rays = wide(0),
+                             .misses = wide(2),
+                             .upper_bound = static_cast<double>(std::bit_cast<float>(column(4))),
+                             .confidence = static_cast<double>(std::bit_cast<float>(column(5))),
+                             .seed = wide(6)};
   if (!certificate_is_valid(c)) return status::corrupt;
   out = c;
   return status::ok;

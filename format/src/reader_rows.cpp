@@ -1,16 +1,35 @@
-// The part of the reader that deals with rows: the row directory, chunks, decoding and the checks over all rows.
+// The part of the reader that deals with rows: the chunk directory, chunks, codes, decoding and the checks over all
+// rows.
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <memory>
+#include <new>
 
 #include "checked_reader.h"
 #include "checksum.h"
-#include "row_decoder.h"
+#include "code_table.h"
+#include "row_chunk.h"
 #include "sightcell/format/draw_ranges.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/reader.h"
 
 namespace sightcell::format {
+namespace {
+
+row_bounds bounds_of(const reader& file, std::uint32_t list_bound) noexcept {
+  return {file.polygon_count(), file.run_bound(), list_bound};
+}
+
+// Numbers in memory that is bytes so far.
+template <class T>
+std::span<T> as_array(std::span<std::byte> bytes) noexcept {
+  const std::size_t count = bytes.size() / sizeof(T);
+  auto* first = reinterpret_cast<T*>(bytes.data());
+  std::uninitialized_default_construct_n(first, count);
+  return {first, count};
+}
+
+}  // namespace
 
 std::uint32_t reader::chunk_count() const noexcept {
   return (cell_count_ + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
@@ -18,6 +37,10 @@ std::uint32_t reader::chunk_count() const noexcept {
 
 std::uint32_t reader::chunk_of(std::uint32_t cell) noexcept {
   return cell / layout::cells_per_chunk;
+}
+
+std::uint32_t reader::rows_of_chunk(std::uint32_t chunk) const noexcept {
+  return std::min(cell_count_ - chunk * layout::cells_per_chunk, layout::cells_per_chunk);
 }
 
 status reader::chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept {
@@ -39,21 +62,6 @@ status reader::check_chunk(std::uint32_t chunk) const noexcept {
   return crc32c(part(where)) == stored ? status::ok : status::checksum;
 }
 
-status reader::row_bytes(std::uint32_t cell, row_place& out) const noexcept {
-  if (cell >= cell_count_) return status::argument;
-  extent chunk;
-  std::uint32_t checksum = 0;
-  if (const status s = chunk_extent(chunk_of(cell), chunk, checksum); s != status::ok) return s;
-  const checked_reader in(part(directory_));
-  const std::uint64_t at = chunk_count() * layout::chunk_record_size + cell * layout::row_record_size;
-  std::uint32_t offset = 0;
-  std::uint32_t size = 0;
-  if (!in.read_u32(at, offset) || !in.read_u32(at + 4, size)) return status::corrupt;
-  if (size == 0 || offset > chunk.size || size > chunk.size - offset) return status::corrupt;
-  out = {part({chunk.offset + offset, size}), offset};
-  return status::ok;
-}
-
 // Chunks lie one behind the other and fill the rows section.
 status reader::check_directory() const noexcept {
   std::uint64_t next = rows_.offset;
@@ -66,75 +74,82 @@ status reader::check_directory() const noexcept {
   }
   if (next != rows_.offset + rows_.size) return status::corrupt;
   row_place place;
-  for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
-    if (const status s = row_bytes(cell, place); s != status::ok) return s;
+  for (std::uint32_t cell = 0; cell < cell_count_ && version_ == 0; ++cell) {
+    if (const status s = v0_row_bytes(cell, place); s != status::ok) return s;
   }
+  return status::ok;
+}
+
+std::size_t reader::codes_size() const noexcept {
+  return version_ == 0 ? 0 : sizeof(row_codes);
+}
+
+status reader::make_codes(std::span<std::byte> memory, const row_codes*& out) const noexcept {
+  out = nullptr;
+  if (version_ == 0) return status::ok;
+  if (memory.size() < sizeof(row_codes)) return status::capacity;
+  auto* codes = new (memory.data()) row_codes;
+  std::span<const std::byte> bytes = part(codes_);
+  for (run_code* kind : {&codes->own, &codes->removed, &codes->added}) {
+    symbol_lengths gap{};
+    symbol_lengths more{};
+    if (!read_code_lengths(bytes, gap) || !read_code_lengths(bytes, more) || !kind->assign(gap, more)) {
+      return status::corrupt;
+    }
+  }
+  if (!bytes.empty()) return status::corrupt;
+  out = codes;
+  return status::ok;
+}
+
+std::size_t reader::scratch_size() const noexcept {
+  if (version_ == 0) return run_bound_ * sizeof(run);
+  return bounds_of(*this, list_bound_).scratch_room() * sizeof(std::uint32_t);
+}
+
+status reader::decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                          std::size_t& count) const noexcept {
+  count = 0;
+  if (cell >= cell_count_ || (version_ != 0 && codes == nullptr)) return status::argument;
+  if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
+  if (version_ == 0) return v0_decode_row(cell, out, as_array<run>(scratch), count);
+  extent where;
+  std::uint32_t checksum = 0;
+  if (const status s = chunk_extent(chunk_of(cell), where, checksum); s != status::ok) return s;
+  row_chunk chunk;
+  if (!chunk.open(part(where), rows_of_chunk(chunk_of(cell)))) return status::corrupt;
+  std::span<const std::uint32_t> borders;
+  std::uint64_t end = 0;
+  const status s = chunk.decode(cell % layout::cells_per_chunk, *codes, bounds_of(*this, list_bound_),
+                                as_array<std::uint32_t>(scratch), borders, end);
+  if (s != status::ok) return s;
+  count = borders.size() / 2;
+  for (std::size_t i = 0; i < count; ++i) out[i] = {borders[2 * i], borders[2 * i + 1] - borders[2 * i]};
   return status::ok;
 }
 
 status reader::row(std::uint32_t cell, row_record& out) const noexcept {
-  row_place place;
-  row_header header;
-  if (const status s = row_bytes(cell, place); s != status::ok) return s;
-  if (!read_row_header(place.bytes, header)) return status::corrupt;
-  const std::uint32_t first_of_chunk = cell - cell % layout::cells_per_chunk;
-  row_record record;
-  record.size = static_cast<std::uint32_t>(place.bytes.size());
-  record.delta = header.delta;
-  if (header.delta) record.reference = first_of_chunk + header.reference;
-  for (std::uint32_t other = first_of_chunk; other < cell && !record.shared; ++other) {
-    row_place earlier;
-    if (const status s = row_bytes(other, earlier); s != status::ok) return s;
-    record.shared = earlier.offset == place.offset;
-  }
-  out = record;
-  return status::ok;
-}
-
-std::uint32_t reader::row_size(std::uint32_t cell) const noexcept {
-  row_place place;
-  return row_bytes(cell, place) == status::ok ? static_cast<std::uint32_t>(place.bytes.size()) : 0;
-}
-
-bool reader::is_delta_row(std::uint32_t cell) const noexcept {
-  row_place place;
-  row_header header;
-  return row_bytes(cell, place) == status::ok && read_row_header(place.bytes, header) && header.delta;
-}
-
-// A row of depth d stands on d references. The root is decoded first, then each difference from one buffer into the
-// other, begun so that the last one lands in out.
-status reader::decode_row(std::uint32_t cell, std::span<run> out, std::span<run> scratch,
-                          std::size_t& count) const noexcept {
-  count = 0;
   if (cell >= cell_count_) return status::argument;
-  if (out.size() < run_bound_ || scratch.size() < run_bound_) return status::capacity;
-  std::array<row_header, layout::max_reference_depth + 1> chain;
-  std::uint32_t depth = 0;
-  for (std::uint32_t at = cell;;) {
-    row_place place;
-    if (const status s = row_bytes(at, place); s != status::ok) return s;
-    if (!read_row_header(place.bytes, chain[depth])) return status::corrupt;
-    if (!chain[depth].delta) break;
-    if (depth == layout::max_reference_depth) return status::corrupt;
-    at = cell - cell % layout::cells_per_chunk + chain[depth].reference;
-    if (at >= cell_count_) return status::corrupt;
-    ++depth;
+  if (version_ == 0) return v0_row(cell, out);
+  extent where;
+  std::uint32_t checksum = 0;
+  if (const status s = chunk_extent(chunk_of(cell), where, checksum); s != status::ok) return s;
+  row_chunk chunk;
+  row_head head;
+  const std::uint32_t place = cell % layout::cells_per_chunk;
+  if (!chunk.open(part(where), rows_of_chunk(chunk_of(cell))) || !chunk.head(place, head)) return status::corrupt;
+  const std::uint64_t begin = chunk.begin_of(place);
+  std::uint64_t end = chunk.end_of_rows();
+  row_record record;
+  record.delta = head.delta;
+  if (head.delta) record.reference = cell - place + head.reference;
+  for (std::uint32_t other = 0; other < chunk.rows(); ++other) {
+    const std::uint64_t there = chunk.begin_of(other);
+    if (there > begin) end = std::min(end, there);
+    if (other < place && there == begin) record.shared = true;
   }
-
-  std::span<run> target = out.first(run_bound_);
-  std::span<run> source = scratch.first(run_bound_);
-  if (depth % 2 != 0) std::swap(target, source);
-  std::size_t decoded = 0;
-  if (const status s = decode_own_row(chain[depth], facts_.polygon_count, target, decoded); s != status::ok) return s;
-  while (depth > 0) {
-    --depth;
-    std::swap(target, source);
-    const std::span<const run> reference = source.first(decoded);
-    const status s = decode_delta_row(chain[depth], facts_.polygon_count, reference, target, decoded);
-    if (s != status::ok) return s;
-  }
-  count = decoded;
+  record.size = static_cast<std::uint32_t>(end - begin);
+  out = record;
   return status::ok;
 }
 
@@ -150,58 +165,74 @@ std::uint64_t reader::count_ranges(std::span<const run> runs) const noexcept {
   return ranges;
 }
 
-// Rows in the order of the first cell that uses them, one behind the other; a shared row is an earlier one, whole.
-status reader::check_chunk_filled(std::uint32_t chunk) const noexcept {
+// Rows in the order of the first cell that uses them, one behind the other; a shared row is an earlier one.
+status reader::check_chunk_filled(std::uint32_t number, const row_codes* codes,
+                                  std::span<std::byte> scratch) const noexcept {
+  if (version_ == 0) return v0_check_chunk_filled(number);
   extent where;
   std::uint32_t checksum = 0;
-  if (const status s = chunk_extent(chunk, where, checksum); s != status::ok) return s;
-  const std::uint32_t begin = chunk * layout::cells_per_chunk;
-  const std::uint32_t end = std::min(cell_count_, begin + layout::cells_per_chunk);
+  if (const status s = chunk_extent(number, where, checksum); s != status::ok) return s;
+  row_chunk chunk;
+  if (!chunk.open(part(where), rows_of_chunk(number))) return status::corrupt;
+  const row_bounds bounds = bounds_of(*this, list_bound_);
   std::uint64_t next = 0;
-  for (std::uint32_t cell = begin; cell < end; ++cell) {
-    row_place place;
-    if (const status s = row_bytes(cell, place); s != status::ok) return s;
-    if (place.offset == next) {
-      next += place.bytes.size();
+  for (std::uint32_t place = 0; place < chunk.rows(); ++place) {
+    const std::uint64_t begin = chunk.begin_of(place);
+    if (begin == next) {
+      std::span<const std::uint32_t> borders;
+      const status s = chunk.decode(place, *codes, bounds, as_array<std::uint32_t>(scratch), borders, next);
+      if (s != status::ok) return s;
       continue;
     }
     bool known = false;
-    for (std::uint32_t other = begin; other < cell && !known; ++other) {
-      row_place earlier;
-      if (const status s = row_bytes(other, earlier); s != status::ok) return s;
-      known = earlier.offset == place.offset && earlier.bytes.size() == place.bytes.size();
-    }
+    for (std::uint32_t other = 0; other < place && !known; ++other) known = chunk.begin_of(other) == begin;
     if (!known) return status::corrupt;
   }
-  return next == where.size ? status::ok : status::corrupt;
+  return next == chunk.end_of_rows() ? status::ok : status::corrupt;
 }
 
-status reader::check(std::span<run> out, std::span<run> scratch) const noexcept {
-  if (out.size() < run_bound_ || scratch.size() < run_bound_) return status::capacity;
+// Every source id once. The numbers are sorted where they lie.
+status reader::check_stored(std::span<std::uint32_t> stored) const noexcept {
+  if (const status s = source_of_stored(stored); s != status::ok) return s;
+  std::sort(stored.begin(), stored.end());
+  for (std::uint32_t i = 0; i < stored.size(); ++i) {
+    if (stored[i] != i) return status::corrupt;
+  }
+  return status::ok;
+}
+
+status reader::check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                     std::span<std::uint32_t> stored) const noexcept {
+  if (out.size() < run_bound_ || scratch.size() < scratch_size() || stored.size() < facts_.polygon_count) {
+    return status::capacity;
+  }
+  if (version_ != 0 && codes == nullptr) return status::argument;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
     if (const status s = check_section(i); s != status::ok) return s;
   }
+  if (const status s = check_stored(stored.first(facts_.polygon_count)); s != status::ok) return s;
   std::size_t most_runs = 0;
   std::uint64_t most_ranges = 0;
   for (std::uint32_t chunk = 0; chunk < chunk_count(); ++chunk) {
     if (const status s = check_chunk(chunk); s != status::ok) return s;
-    if (const status s = check_chunk_filled(chunk); s != status::ok) return s;
+    if (const status s = check_chunk_filled(chunk, codes, scratch); s != status::ok) return s;
   }
   for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
     std::size_t count = 0;
-    if (const status s = decode_row(cell, out, scratch, count); s != status::ok) return s;
+    if (const status s = decode_row(cell, codes, out, scratch, count); s != status::ok) return s;
     most_runs = std::max(most_runs, count);
     most_ranges = std::max(most_ranges, count_ranges(out.first(count)));
   }
   return most_runs == run_bound_ && most_ranges == range_bound_ ? status::ok : status::corrupt;
 }
 
-status reader::statistics(std::span<run> out, std::span<run> scratch, row_statistics& sums) const noexcept {
-  if (out.size() < run_bound_ || scratch.size() < run_bound_) return status::capacity;
+status reader::statistics(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                          row_statistics& sums) const noexcept {
+  if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
   row_statistics total;
   total.cells = cell_count_;
   total.row_bytes = rows_.size;
-  total.directory_bytes = directory_.size;
+  total.directory_bytes = directory_.size + codes_.size;
   for (std::uint32_t chunk = 0; chunk < chunk_count(); ++chunk) {
     if (const status s = check_chunk(chunk); s != status::ok) return s;
   }
@@ -209,7 +240,7 @@ status reader::statistics(std::span<run> out, std::span<run> scratch, row_statis
     row_record record;
     std::size_t count = 0;
     if (const status s = row(cell, record); s != status::ok) return s;
-    if (const status s = decode_row(cell, out, scratch, count); s != status::ok) return s;
+    if (const status s = decode_row(cell, codes, out, scratch, count); s != status::ok) return s;
     total.delta_rows += record.delta ? 1 : 0;
     total.shared_rows += record.shared ? 1 : 0;
     total.runs += count;

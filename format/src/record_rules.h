@@ -27,7 +27,8 @@ namespace sightcell::format {
 
 [[nodiscard]] inline bool facts_are_valid(const file_facts& f) noexcept {
   return f.layout == host_layout::instanced && f.margin >= 0.0f && std::isfinite(f.margin) &&
-         is_share(static_cast<double>(f.max_pixel_error)) && is_share(static_cast<double>(f.confidence));
+         is_share(static_cast<double>(f.max_pixel_error)) && is_share(static_cast<double>(f.confidence)) &&
+         is_share(static_cast<double>(f.slack));
 }
 
 }  // namespace sightcell::format

@@ -1,6 +1,5 @@
 #pragma once
-// Which cells of a chunk are worth trying as references of each other, and which are taken: what all versions of the
-// format's rows have in common.
+// Which cells of a chunk are worth trying as references of each other, and which are taken.
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 // Bytes of one row -> cell set (SPEC.md, "Rows"): its own runs, or what to remove from and add to the set of a
-// reference cell. A set is a span of runs: ascending, disjoint, not touching. row_encoder.h is the way back.
+// reference cell. A set is a span of runs: ascending, disjoint, not touching. Only version 0 has such rows.
 #include <cstddef>
 #include <cstdint>
 #include <span>

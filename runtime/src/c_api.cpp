@@ -36,9 +36,12 @@ sightcell_status check_room(const void* dst, std::size_t capacity, std::uint64_t
   return need > capacity ? SIGHTCELL_ERR_CAPACITY : SIGHTCELL_OK;
 }
 
-// Version 0: stored order is source order.
-void write_numbers(std::uint32_t first, std::uint32_t count, std::uint32_t* dst) noexcept {
-  for (std::uint32_t i = 0; i < count; ++i) dst[i] = first + i;
+// Source ids of a range.
+std::uint32_t* write_sources(const sightcell_db& db, std::uint32_t draw, std::uint32_t first, std::uint32_t count,
+                             std::uint32_t* dst) noexcept {
+  const std::uint32_t first_source = db.first_source(draw);
+  for (const std::uint32_t polygon : db.sources_in(draw, first, count)) *dst++ = first_source + polygon;
+  return dst;
 }
 
 }  // namespace
@@ -138,7 +141,11 @@ sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_
                                     size_t* count) {
   if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   const sightcell_status room = check_room(source_id_of_stored, capacity, db->polygon_count(), count);
-  if (room == SIGHTCELL_OK) write_numbers(0, db->polygon_count(), source_id_of_stored);
+  if (room != SIGHTCELL_OK) return room;
+  const runtime::draw_borders borders = db->draw_borders();
+  for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
+    source_id_of_stored = write_sources(*db, draw, 0, borders[draw + 1] - borders[draw], source_id_of_stored);
+  }
   return room;
 }
 
@@ -166,14 +173,11 @@ sightcell_status sightcell_view_polygons(const sightcell_view* view, uint32_t* s
   if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   const sightcell_status room = check_room(source_ids, capacity, view->polygon_count(), count);
   if (room != SIGHTCELL_OK) return room;
-  if (view->draws_all()) {
-    write_numbers(0, view->polygon_count(), source_ids);
-    return SIGHTCELL_OK;
-  }
-  for (const format::run& r : view->runs()) {
-    write_numbers(r.first, r.count, source_ids);
-    source_ids += r.count;
-  }
+  const format::run all{0, view->polygon_count()};
+  runtime::for_each_range(view->draws_all() ? std::span(&all, 1) : view->runs(), view->db().draw_borders(),
+                          [&](std::uint32_t draw, std::uint32_t first, std::uint32_t n) {
+                            source_ids = write_sources(view->db(), draw, first, n, source_ids);
+                          });
   return SIGHTCELL_OK;
 }
 

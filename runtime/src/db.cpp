@@ -23,7 +23,12 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   give(cells_, file_.cell_count());
   give(nodes_, sightcell::runtime::cell_locator::node_count(file_.cell_count()));
   give(draw_borders_, std::uint64_t{file_.draw_count()} + 1);
+  give(draw_sources_, file_.draw_count());
+  give(orders_, file_.order_begin(file_.order_count()));
   give(chunks_, file_.chunk_count());
+  std::span<std::uint64_t> codes;  // so that they lie at a multiple of 8
+  give(codes, (file_.codes_size() + 7) / 8);
+  codes_memory_ = std::as_writable_bytes(codes);
   return space.used();
 }
 
@@ -38,12 +43,16 @@ bool sightcell_db::fill() noexcept {
   for (std::uint32_t number = 0; number < file_.draw_count(); ++number) {
     format::draw_record draw;
     if (file_.draw(number, draw) != format::status::ok || draw.first_stored != next) return false;
+    const std::uint32_t order_begin = file_.order_begin(file_.order_of_draw(number));
+    if (order_begin > orders_.size() || draw.polygon_count > orders_.size() - order_begin) return false;
+    draw_sources_[number] = {draw.first_source, order_begin};
     draw_borders_[number] = next;
     next += draw.polygon_count;
     if (draw.polygon_count > 0) ++filled_draws_;
   }
   draw_borders_.back() = next;
-  return next == file_.polygon_count();
+  return next == file_.polygon_count() && file_.orders(orders_) == format::status::ok &&
+         file_.make_codes(codes_memory_, codes_) == format::status::ok;
 }
 
 sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sightcell_allocator& mem, void* owned_bytes,
@@ -92,14 +101,29 @@ bool sightcell_db::cell_is_sound(std::uint32_t cell) const noexcept {
 }
 
 sightcell_status sightcell_db::check() const noexcept {
-  const std::uint64_t room = std::max<std::uint64_t>(file_.run_bound(), 1);
-  const std::uint64_t size = 2 * room * sizeof(format::run);
+  const auto carve_check = [this](void* block, std::span<format::run>& runs, std::span<std::byte>& scratch,
+                                  std::span<std::uint32_t>& stored) {
+    carver space(block);
+    auto* first_run = space.take<format::run>(file_.run_bound());
+    auto* first_number = space.take<std::uint32_t>(file_.polygon_count());
+    auto* first_byte = space.take<std::byte>(file_.scratch_size());
+    if (block == nullptr) return space.used();
+    std::uninitialized_value_construct_n(first_run, file_.run_bound());
+    std::uninitialized_value_construct_n(first_number, file_.polygon_count());
+    std::uninitialized_value_construct_n(first_byte, file_.scratch_size());
+    runs = {first_run, file_.run_bound()};
+    stored = {first_number, file_.polygon_count()};
+    scratch = {first_byte, file_.scratch_size()};
+    return space.used();
+  };
+  std::span<format::run> runs;
+  std::span<std::byte> scratch;
+  std::span<std::uint32_t> stored;
+  const std::uint64_t size = std::max<std::uint64_t>(carve_check(nullptr, runs, scratch, stored), 1);
   void* block = sightcell::runtime::allocate(mem_, size);
   if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
-  auto* runs = static_cast<format::run*>(block);
-  std::uninitialized_value_construct_n(runs, static_cast<std::size_t>(2 * room));
-  const std::span<format::run> all(runs, static_cast<std::size_t>(2 * room));
-  const format::status s = file_.check(all.first(all.size() / 2), all.last(all.size() / 2));
+  static_cast<void>(carve_check(block, runs, scratch, stored));
+  const format::status s = file_.check(codes_, runs, scratch, stored);
   sightcell::runtime::release(mem_, block, size);
   return static_cast<sightcell_status>(s);
 }

@@ -14,6 +14,12 @@ namespace sightcell::runtime {
 
 enum class chunk_state : std::uint8_t { unknown, good, damaged };
 
+// Where the polygons of a draw come from.
+struct draw_source {
+  std::uint32_t first_source = 0;
+  std::uint32_t order_begin = 0;  // place of its order among all orders
+};
+
 }  // namespace sightcell::runtime
 
 // In the global namespace since the C API names it.
@@ -37,6 +43,17 @@ struct sightcell_db {
   // The most ranges any answer has, everything included.
   [[nodiscard]] std::uint32_t range_bound() const noexcept;
 
+  // The code tables of the file; null in version 0.
+  [[nodiscard]] const sightcell::format::row_codes* codes() const noexcept { return codes_; }
+  // Which polygons of its draw, as the source has them, are stored from a draw's stored polygon `first` on.
+  [[nodiscard]] std::span<const std::uint32_t> sources_in(std::uint32_t draw, std::uint32_t first,
+                                                          std::uint32_t count) const noexcept {
+    return orders_.subspan(draw_sources_[draw].order_begin + first, count);
+  }
+  [[nodiscard]] std::uint32_t first_source(std::uint32_t draw) const noexcept {
+    return draw_sources_[draw].first_source;
+  }
+
   // Checks the chunk of a cell at its first use and remembers the answer. False when it is damaged.
   [[nodiscard]] bool cell_is_sound(std::uint32_t cell) const noexcept;
 
@@ -53,6 +70,10 @@ struct sightcell_db {
   std::span<sightcell::runtime::located_cell> cells_;
   std::span<sightcell::runtime::locator_node> nodes_;
   std::span<std::uint32_t> draw_borders_;
+  std::span<sightcell::runtime::draw_source> draw_sources_;
+  std::span<std::uint32_t> orders_;  // of all orders, one behind the other; all below the count of their draws
+  std::span<std::byte> codes_memory_;
+  const sightcell::format::row_codes* codes_ = nullptr;
   // Threads may check the same chunk at once and write the same answer: no lock needed.
   std::span<std::atomic<sightcell::runtime::chunk_state>> chunks_;
   std::uint32_t filled_draws_ = 0;

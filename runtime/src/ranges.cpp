@@ -5,13 +5,6 @@
 namespace sightcell::runtime {
 namespace {
 
-template <class Emit>
-void for_each_range(run_span set, draw_borders borders, const Emit& emit) {
-  const auto draws = static_cast<std::uint32_t>(borders.size() - 1);
-  format::for_each_draw_range(
-      set, draws, borders.back(), [borders](std::uint32_t d) { return borders[d]; }, emit);
-}
-
 // Calls emit(run) for every stretch of a that is not in b, ascending.
 template <class Emit>
 void for_each_missing(run_span a, run_span b, const Emit& emit) {

@@ -12,6 +12,14 @@ namespace sightcell::runtime {
 using draw_borders = std::span<const std::uint32_t>;
 using run_span = std::span<const format::run>;
 
+// Calls emit(draw, first, count) for every range of a set.
+template <class Emit>
+void for_each_range(run_span set, draw_borders borders, const Emit& emit) {
+  const auto draws = static_cast<std::uint32_t>(borders.size() - 1);
+  format::for_each_draw_range(
+      set, draws, borders.back(), [borders](std::uint32_t d) { return borders[d]; }, emit);
+}
+
 // Ranges of a set; of a without b.
 [[nodiscard]] std::uint64_t count_ranges(run_span set, draw_borders borders) noexcept;
 [[nodiscard]] std::uint64_t count_difference(run_span a, run_span b, draw_borders borders) noexcept;

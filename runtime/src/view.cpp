@@ -25,8 +25,9 @@ std::uint64_t sightcell_view::carve(void* block) noexcept {
   current_.buffer = take_runs();
   previous_.buffer = take_runs();
   next_.buffer = take_runs();
-  format::run* scratch = take_runs();
-  if (scratch != nullptr) scratch_ = {scratch, room};
+  static_cast<void>(space.take<std::uint32_t>(0));  // scratch lies at a multiple of 4
+  auto* scratch = space.take<std::byte>(db_->file().scratch_size());
+  if (scratch != nullptr) scratch_ = {scratch, db_->file().scratch_size()};
   return space.used();
 }
 
@@ -100,8 +101,8 @@ void sightcell_view::leave(std::uint32_t flags) noexcept {
 
 // False when the row is damaged, or breaks the bounds by which hosts size their buffers.
 bool sightcell_view::decode_next(std::uint32_t cell) noexcept {
-  const std::span<format::run> room(next_.buffer, scratch_.size());
-  if (db_->file().decode_row(cell, room, scratch_, next_.count) != format::status::ok) return false;
+  const std::span<format::run> room(next_.buffer, db_->file().run_bound());
+  if (db_->file().decode_row(cell, db_->codes(), room, scratch_, next_.count) != format::status::ok) return false;
   const std::uint64_t ranges = sightcell::runtime::count_ranges(next_.runs(), db_->draw_borders());
   next_.range_count = static_cast<std::uint32_t>(ranges);
   return ranges <= db_->file().range_bound();

@@ -50,7 +50,7 @@ struct sightcell_view {
   std::uint64_t block_size_ = 0;
   // Three sets take turns, so that the previous one outlives a new cell with the same set.
   polygon_set current_, previous_, next_;
-  std::span<sightcell::format::run> scratch_;
+  std::span<std::byte> scratch_;
   sightcell::format::box bounds_;  // of cell_
   bool shares_box_ = false;        // a smaller cell reaches into it
   std::uint32_t cell_ = sightcell::runtime::no_cell;

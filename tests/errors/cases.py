@@ -204,12 +204,13 @@ def output_is_a_folder(folder):
     return Call(bake(folder), os.path.join(folder, 'out.pvs'))
 
 
+def golden(folder, name, copy):
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), '../golden', name), 'rb') as file:
+        return write(folder, copy, file.read())
+
+
 def patch(add, *more, named='--add'):
-    def prepare(folder):
-        golden = os.path.join(os.path.dirname(os.path.abspath(__file__)), '../golden/v0_tiny.pvs')
-        with open(golden, 'rb') as file:
-            return Call(['patch', write(folder, 'a.pvs', file.read()), '--add', add, *more], named)
-    return prepare
+    return lambda folder: Call(['patch', golden(folder, 'v1_tiny.pvs', 'a.pvs'), '--add', add, *more], named)
 
 
 def too_many_cells(folder):

@@ -1,138 +1,150 @@
 #!/usr/bin/env python3
-"""Decodes a .pvs file of version 0, written from format/SPEC.md alone: proof that the text says enough.
+"""Decodes a .pvs file of version 1 or 0, written from format/SPEC.md alone: proof that the text says enough.
 
 usage: decode_pvs.py FILE.pvs [--expect FILE.txt]
-Prints the contents as text; with --expect compares them with a file instead and fails when they differ.
+Prints the contents as text; with --expect compares them with a file instead and fails when they differ. A file that
+breaks a rule is refused in one line, with the status that SPEC.md says.
 """
+import bisect
+import math
 import struct
 import sys
 
+sys.dont_write_bytecode = True  # nothing is written into the source tree
+import decode_v0  # noqa: E402
+import decode_v1  # noqa: E402
+from pvs_parts import Refused, crc32c, need  # noqa: E402
+
 MAGIC = bytes([0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A])
-DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS = 1, 2, 3, 4, 5, 6
+ROWS, DIRECTORY, CERTIFICATE, SETTINGS = 3, 4, 5, 6
+VERSIONS = {0: decode_v0, 1: decode_v1}
 
 
-def crc32c(data):
-    crc = 0xFFFFFFFF
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = (crc >> 1) ^ (0x82F63B78 if crc & 1 else 0)
-    return crc ^ 0xFFFFFFFF
-
-
-def need(condition, what):
-    if not condition:
-        raise ValueError(what)
-
-
-class Varints:
+class Header:
     def __init__(self, data):
-        self.data, self.at = data, 0
+        need(len(data) >= 8, "no whole header", "truncated" if MAGIC.startswith(data) else "not_ours")
+        need(data[:8] == MAGIC, "not a .pvs file", "not_ours")
+        need(len(data) >= 12, "no whole header", "truncated")
+        self.version = struct.unpack_from("<I", data, 8)[0]
+        need(self.version in VERSIONS, f"version {self.version}", "version")
+        need(len(data) >= 96, "no whole header", "truncated")
+        need(crc32c(data[:92]) == struct.unpack_from("<I", data, 92)[0], "header", "checksum")
+        self.sections, total = struct.unpack_from("<IQ", data, 12)
+        need(len(data) >= total, "bytes are missing", "truncated")
+        need(len(data) <= total, "bytes behind the end")
+        self.fingerprint = data[24:40].hex()
+        (self.polygons, layout, self.margin, self.error, self.confidence, self.flags, self.cells, self.draws,
+         self.run_bound, self.range_bound, self.list_bound, self.slack,
+         self.table_checksum) = struct.unpack_from("<IIfffIIIIIIfI", data, 40)
+        need(layout == 0 and self.flags < 2, "host layout or flags")
+        need(0 <= self.margin < math.inf, "margin")
+        need(0 <= self.error <= 1 and 0 <= self.confidence <= 1 and 0 <= self.slack <= 1, "share")
+        if self.version == 0:
+            need(not any(data[80:88]), "reserved bytes of the header")
+        need(self.sections <= 64 and self.polygons <= 4294967294 and self.cells <= 16777216 and
+             self.draws <= 67108864 and self.margin <= 1000000, "header", "limit")
 
-    def next(self):
-        value, shift = 0, 0
-        while True:
-            need(self.at < len(self.data) and shift < 35, "varint runs out")
-            byte = self.data[self.at]
-            self.at += 1
-            value |= (byte & 0x7F) << shift
-            if byte < 0x80:
-                need(byte != 0 or shift == 0, "varint is not the shortest")
-                need(value < 1 << 32, "varint above 32 bits")
-                return value
-            shift += 7
-
-    def runs(self, count, polygons):
-        numbers, end = set(), -1
-        for _ in range(count):
-            first = end + 1 + self.next()
-            end = first + self.next() + 1
-            need(end <= polygons, "run leaves the scene")
-            numbers.update(range(first, end))
-        return numbers
+    def check_bounds(self, most_runs):
+        need(self.run_bound <= min(self.polygons, most_runs) and self.list_bound <= most_runs, "run or list bound")
+        need(self.run_bound <= self.range_bound <= (self.run_bound + self.draws if self.run_bound else 0), "range bound")
 
 
-def sections_of(data):
-    count = struct.unpack_from("<I", data, 12)[0]
-    need(count <= 64, "too many sections")
-    table = data[96:96 + 32 * count]
-    need(len(table) == 32 * count, "section table is cut")
-    need(crc32c(table) == struct.unpack_from("<I", data, 88)[0], "section table checksum")
-    found, place = {}, 96 + 32 * count
-    for i in range(count):
+def sections_of(data, header, required):
+    table = data[96:96 + 32 * header.sections]
+    need(len(table) == 32 * header.sections, "section table is cut")
+    need(crc32c(table) == header.table_checksum, "section table", "checksum")
+    found, place = {}, 96 + len(table)
+    for i in range(header.sections):
         number, flags, offset, size, checksum, reserved = struct.unpack_from("<IIQQII", table, 32 * i)
         need(offset == place and flags < 2 and reserved == 0, "section record")
         place += size
         need(place <= len(data), "section leaves the file")
-        need(crc32c(data[offset:place]) == checksum, "section checksum")
-        if number in (DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS):
-            need(number not in found and flags == (number < CERTIFICATE), "section flags")
-            found[number] = data[offset:place]
+        if number in required or number in (CERTIFICATE, SETTINGS):
+            need(number not in found, "section is there twice")
+            need(flags == (number in required), "section flags")
         else:
-            need(flags == 0, "required section of another version")
+            need(flags == 0, f"required section {number}", "version")
+        need(crc32c(data[offset:place]) == checksum, f"section {number}", "checksum")
+        found[number] = data[offset:place]
     need(place == len(data), "bytes behind the last section")
-    need(all(number in found for number in (DRAWS, CELLS, ROWS, DIRECTORY)), "section missing")
+    need(all(number in found for number in required), "section missing")
+    need(len(found.get(SETTINGS, b"")) <= 16777216, "settings", "limit")
     return found
 
 
-def decode_cells(rows, directory, cells, polygons):
-    chunks = (cells + 63) // 64
-    need(len(directory) == 16 * chunks + 8 * cells, "directory size")
+class Contents:
+    """What a file holds. Members that only one of the versions sets begin as if there were none."""
 
-    def row(cell):
-        offset, size, checksum = struct.unpack_from("<QII", directory, 16 * (cell // 64))
-        chunk = rows[offset:offset + size]
-        need(len(chunk) == size and crc32c(chunk) == checksum, "chunk checksum")
-        offset, size = struct.unpack_from("<II", directory, 16 * chunks + 8 * cell)
-        need(size > 0 and offset + size <= len(chunk), "row leaves its chunk")
-        return chunk[offset:offset + size]
+    def __init__(self, data):
+        self.header = header = Header(data)
+        version = VERSIONS[header.version]
+        parts = sections_of(data, header, version.REQUIRED)
+        header.check_bounds(version.most_runs(len(parts[ROWS])))
+        self.orders, self.lattice, self.certificate = [], None, []
+        self.settings = parts.get(SETTINGS, b"").decode("utf-8", "backslashreplace")
+        version.decode_tables(header, parts, self)
+        self.check_records()
+        self.sets = list(self.decode_sets(parts, version))
 
-    def decode(cell, depth):
-        data = Varints(row(cell))
-        head = data.next()
-        if head & 1 == 0:
-            answer = data.runs(head >> 1, polygons)
-        else:
-            need(depth < 2, "references too deep")
-            reference, added, removed_size = data.next(), data.next(), data.next()
-            base = decode(cell // 64 * 64 + reference, depth + 1)
-            end = data.at + removed_size
-            removed = data.runs(head >> 1, polygons)
-            need(data.at == end and removed <= base, "removed runs")
-            base -= removed
-            more = data.runs(added, polygons)
-            need(not (more & base), "added runs")
-            answer = base | more
-        need(data.at == len(data.data), "bytes behind the row")
-        return answer
+    def check_records(self):
+        for box in self.boxes:
+            need(all(map(math.isfinite, box)) and all(box[axis] < box[axis + 3] for axis in range(3)), "cell")
+        for rays, misses, bound, sure, _ in self.certificate:
+            need(misses <= rays and 0 <= bound <= 1 and 0 <= sure <= 1, "certificate")
 
-    return [sorted(decode(cell, 0)) for cell in range(cells)]
+    def decode_sets(self, parts, version):
+        """The set of every cell as runs of stored numbers. Checks the bounds over all of them."""
+        cells, directory, rows = self.header.cells, parts[DIRECTORY], parts[ROWS]
+        chunks = (cells + 63) // 64
+        decode_chunk = version.row_decoder(self.header, parts, chunks)
+        place, most_runs, most_ranges = 0, 0, 0
+        first_of_draws = [draw[8] for draw in self.draws if draw[7] > 0]
+        for number in range(chunks):
+            offset, size, checksum = struct.unpack_from("<QII", directory, 16 * number)
+            need(offset == place and offset + size <= len(rows), "chunk of rows")
+            place += size
+            need(crc32c(rows[offset:place]) == checksum, f"chunk {number}", "checksum")
+            for runs in decode_chunk(number, rows[offset:place], min(64, cells - 64 * number)):
+                ranges = sum(bisect.bisect_left(first_of_draws, end) - bisect.bisect_right(first_of_draws, first) + 1
+                             for first, end in runs)
+                most_runs, most_ranges = max(most_runs, len(runs)), max(most_ranges, ranges)
+                yield runs
+        need(place == len(rows), "bytes behind the last chunk")
+        need(most_runs == self.header.run_bound, "run bound")
+        need(most_ranges == self.header.range_bound, "range bound")
+
+    def seen(self, cell):
+        """Ascending source ids."""
+        return sorted(self.source_of_stored[number] for first, end in self.sets[cell] for number in range(first, end))
+
+    def text(self):
+        header = self.header
+        yield f"version {header.version}"
+        yield f"fingerprint {header.fingerprint}"
+        yield f"polygons {header.polygons}"
+        yield f"margin {header.margin:.9g}"
+        yield f"max_pixel_error {header.error:.9g}"
+        yield f"confidence {header.confidence:.9g}"
+        if header.version > 0:
+            yield f"slack {header.slack:.9g}"
+        yield f"repeatable {1 - header.flags}"
+        yield f"settings {self.settings}"
+        for i, draw in enumerate(self.draws):
+            yield f"draw {i}: " + " ".join(map(str, draw))
+        for i, order in enumerate(self.orders):
+            yield f"order {i}:" + "".join(f" {polygon}" for polygon in order)
+        if self.lattice is not None:
+            yield "lattice %.17g %.17g" % self.lattice
+        for i, box in enumerate(self.boxes):
+            box = ["%.9g" % value for value in box]
+            seen = "".join(f" {polygon}" for polygon in self.seen(i))
+            yield f"cell {i}: {' '.join(box[:3])}  {' '.join(box[3:])}  sees{seen}"
+        for i, (rays, misses, bound, sure, seed) in enumerate(self.certificate):
+            yield f"certificate {i}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}"
 
 
 def decode(data):
-    need(data[:8] == MAGIC, "not a .pvs file")
-    version, _, total = struct.unpack_from("<IIQ", data, 8)
-    need(version == 0, "version")
-    need(total == len(data), "size")
-    need(crc32c(data[:92]) == struct.unpack_from("<I", data, 92)[0], "header checksum")
-    polygons, layout, margin, error, confidence, flags, cells, draws = struct.unpack_from("<IIfffIII", data, 40)
-    need(layout == 0 and flags < 2, "header")
-    parts = sections_of(data)
-    lines = ["version 0", "fingerprint " + data[24:40].hex(), f"polygons {polygons}", f"margin {margin:.9g}",
-             f"max_pixel_error {error:.9g}", f"confidence {confidence:.9g}", f"repeatable {1 - flags}",
-             "settings " + parts.get(SETTINGS, b"").decode("utf-8")]
-    need(len(parts[DRAWS]) == 48 * draws and len(parts[CELLS]) == 24 * cells, "table sizes")
-    for i in range(draws):
-        lines.append(f"draw {i}: " + " ".join(map(str, struct.unpack_from("<10IQ", parts[DRAWS], 48 * i))))
-    for i, seen in enumerate(decode_cells(parts[ROWS], parts[DIRECTORY], cells, polygons)):
-        box = ["%.9g" % value for value in struct.unpack_from("<6f", parts[CELLS], 24 * i)]
-        lines.append(f"cell {i}: {' '.join(box[:3])}  {' '.join(box[3:])}  sees" + "".join(f" {p}" for p in seen))
-    if CERTIFICATE in parts:
-        need(len(parts[CERTIFICATE]) == 40 * cells, "certificate size")
-        for i in range(cells):
-            rays, misses, bound, sure, seed = struct.unpack_from("<QQddQ", parts[CERTIFICATE], 40 * i)
-            lines.append(f"certificate {i}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}")
-    return "\n".join(lines) + "\n"
+    return "".join(line + "\n" for line in Contents(data).text())
 
 
 def main(arguments):
@@ -140,7 +152,12 @@ def main(arguments):
         print(__doc__, file=sys.stderr)
         return 2
     with open(arguments[0], "rb") as file:
-        text = decode(file.read())
+        data = file.read()
+    try:
+        text = decode(data)
+    except Refused as refusal:
+        print(f"{arguments[0]}: {refusal}", file=sys.stderr)
+        return 1
     if len(arguments) == 1:
         print(text, end="")
         return 0

@@ -13,14 +13,14 @@ import decode_pvs  # noqa: E402
 
 source, *program = sys.argv[1:]
 with open(source, "rb") as file:
-    before = decode_pvs.decode(file.read()).splitlines()
+    before = list(decode_pvs.Contents(file.read()).text())
 with tempfile.TemporaryDirectory() as folder:
     target = os.path.join(folder, "out.pvs")
     line = next(i for i, text in enumerate(before) if text.startswith("cell 3:"))
     polygon = before[line].split()[-1]
     subprocess.run([*program, source, target, "3", polygon], check=True)
     with open(target, "rb") as file:
-        after = decode_pvs.decode(file.read()).splitlines()
+        after = list(decode_pvs.Contents(file.read()).text())
     before[line] = before[line].rsplit(" ", 1)[0]
     assert after == before, "more than the polygon changed"
     again = subprocess.run([*program, target, target, "3", polygon], stderr=subprocess.DEVNULL)

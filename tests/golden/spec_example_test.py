@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The worked example of SPEC.md is the golden file, byte for byte. usage: spec_example_test.py SPEC.md v0_tiny.pvs"""
+"""The worked example of SPEC.md is the golden file, byte for byte. usage: spec_example_test.py SPEC.md v1_tiny.pvs"""
 import re
 import sys
 

@@ -1,36 +1,67 @@
-// Writes the golden files of this version, and what is in them as text, into a folder. Run by hand when a new version
-// gets files of its own; the files of old versions stay as they are.
+// Writes the golden files of the writer's version, and what is in them as text, into a folder, and damaged ones into
+// golden_errors there. Run by hand when that version's bytes change, which they may not once it is released; the files
+// of older versions stay as they are.
 #include <cstdio>
+#include <filesystem>
+#include <numeric>
 #include <string>
+#include <system_error>
 
+#include "damaged_file.h"
+#include "golden_contents.h"
+#include "sightcell/format/layout.h"
 #include "sightcell/format/writer.h"
-#include "unit/format/sample_contents.h"
 
 namespace {
 
 using sightcell::test::sample_contents;
 
-void dump_cell(const sample_contents& contents, std::size_t cell, std::FILE* out) {
-  const auto& b = contents.cells[cell];
-  std::fprintf(out, "cell %zu: %.9g %.9g %.9g  %.9g %.9g %.9g  sees", cell, b.min[0], b.min[1], b.min[2], b.max[0],
-               b.max[1], b.max[2]);
-  for (const std::uint32_t polygon : contents.sets[cell]) std::fprintf(out, " %u", polygon);
+void dump_numbers(const std::vector<std::uint32_t>& numbers, std::FILE* out) {
+  for (const std::uint32_t number : numbers) std::fprintf(out, " %u", number);
   std::fputc('\n', out);
 }
 
-void dump(const sample_contents& contents, std::FILE* out) {
-  std::fprintf(out, "version 0\nfingerprint ");
+void dump_facts(const sample_contents& contents, std::FILE* out) {
+  std::fprintf(out, "version %u\nfingerprint ", sightcell::format::layout::version);
   for (const unsigned byte : contents.facts.scene_fingerprint) std::fprintf(out, "%02x", byte);
-  std::fprintf(out, "\npolygons %u\nmargin %.9g\nmax_pixel_error %.9g\nconfidence %.9g\nrepeatable %d\nsettings %s\n",
-               contents.facts.polygon_count, contents.facts.margin, contents.facts.max_pixel_error,
-               contents.facts.confidence, contents.facts.repeatable ? 1 : 0, contents.settings.c_str());
+  std::fprintf(out, "\npolygons %u\nmargin %.9g\nmax_pixel_error %.9g\nconfidence %.9g\nslack %.9g\n",
+               contents.facts.polygon_count, static_cast<double>(contents.facts.margin),
+               static_cast<double>(contents.facts.max_pixel_error), static_cast<double>(contents.facts.confidence),
+               static_cast<double>(contents.facts.slack));
+  std::fprintf(out, "repeatable %d\nsettings %s\n", contents.facts.repeatable ? 1 : 0, contents.settings.c_str());
+}
+
+// Without orders, the writer gives each draw one that is the source's.
+void dump_draws(const sample_contents& contents, std::FILE* out) {
+  const bool in_source_order = contents.orders.empty();
   for (std::size_t i = 0; i < contents.draws.size(); ++i) {
     const auto& d = contents.draws[i];
-    std::fprintf(out, "draw %zu: %u %u %u %u %u %u %u %u %u %u %llu\n", i, d.node, d.mesh, d.primitive, d.instance,
+    std::fprintf(out, "draw %zu: %u %u %u %u %u %u %u %u %u %u %llu %zu\n", i, d.node, d.mesh, d.primitive, d.instance,
                  d.material, d.group, d.first_source, d.polygon_count, d.first_stored, d.base_vertex,
-                 static_cast<unsigned long long>(d.host_tag));
+                 static_cast<unsigned long long>(d.host_tag), in_source_order ? i : contents.order_of_draw[i]);
   }
-  for (std::size_t cell = 0; cell < contents.cells.size(); ++cell) dump_cell(contents, cell, out);
+  std::vector<std::vector<std::uint32_t>> orders = contents.orders;
+  for (std::size_t i = 0; i < contents.draws.size() && in_source_order; ++i) {
+    orders.emplace_back(contents.draws[i].polygon_count);
+    std::iota(orders.back().begin(), orders.back().end(), 0u);
+  }
+  for (std::size_t i = 0; i < orders.size(); ++i) {
+    std::fprintf(out, "order %zu:", i);
+    dump_numbers(orders[i], out);
+  }
+}
+
+void dump_cells(const sample_contents& contents, std::FILE* out) {
+  if (contents.lattice) std::fprintf(out, "lattice %.17g %.17g\n", contents.lattice->width, contents.lattice->height);
+  for (std::size_t cell = 0; cell < contents.cells.size(); ++cell) {
+    const auto& b = contents.cells[cell];
+    std::fprintf(out, "cell %zu:", cell);
+    for (const float value : b.min) std::fprintf(out, " %.9g", static_cast<double>(value));
+    std::fputc(' ', out);
+    for (const float value : b.max) std::fprintf(out, " %.9g", static_cast<double>(value));
+    std::fputs("  sees", out);
+    dump_numbers(contents.sets[cell], out);
+  }
   for (const auto& c : contents.certificate) {
     std::fprintf(out, "certificate %u: %llu %llu %.17g %.17g %llu\n", c.cell, static_cast<unsigned long long>(c.rays),
                  static_cast<unsigned long long>(c.misses), c.upper_bound, c.confidence,
@@ -44,8 +75,27 @@ bool write(const sample_contents& contents, const std::string& name) {
   if (sightcell::format::write_file((name + ".pvs").c_str(), bytes) != sightcell::format::status::ok) return false;
   std::FILE* text = std::fopen((name + ".txt").c_str(), "wb");
   if (text == nullptr) return false;
-  dump(contents, text);
+  dump_facts(contents, text);
+  dump_draws(contents, text);
+  dump_cells(contents, text);
   return std::fclose(text) == 0;
+}
+
+// All files anew, so that none stays of which the fault has another name now.
+bool write_damaged(const std::string& folder) {
+  std::error_code failed;
+  std::filesystem::remove_all(folder, failed);
+  if (!std::filesystem::create_directory(folder, failed)) return false;
+  std::FILE* statuses = std::fopen((folder + "/statuses.txt").c_str(), "wb");
+  if (statuses == nullptr) return false;
+  bool written = true;
+  for (const auto& file : sightcell::test::damaged_files()) {
+    const std::string name = file.name + ".pvs";
+    written = written &&
+              sightcell::format::write_file((folder + "/" + name).c_str(), file.bytes) == sightcell::format::status::ok;
+    std::fprintf(statuses, "%s %s\n", name.c_str(), sightcell::test::status_name(file.expected));
+  }
+  return std::fclose(statuses) == 0 && written;
 }
 
 }  // namespace
@@ -56,8 +106,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::string folder = argv[1];
-  const bool written = write(sightcell::test::tiny_contents(), folder + "/v0_tiny") &&
-                       write(sightcell::test::small_contents(), folder + "/v0_small");
+  bool written = true;
+  for (const auto& [name, contents] : sightcell::test::golden_files()) {
+    written = written && write(contents, folder + "/" + name);
+  }
+  written = written && write_damaged(folder + "/golden_errors");
   if (!written) std::fprintf(stderr, "write_golden: cannot write to %s\n", folder.c_str());
   return written ? 0 : 1;
 }

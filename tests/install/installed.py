@@ -8,7 +8,7 @@ import sys
 import unittest
 
 ARGS = None
-GOLDEN_ANSWER = 'cell 0: 4\ncell 1: 1\n'  # tests/golden/v0_tiny.txt: what its two cells see
+GOLDEN_ANSWER = 'cell 0: 4\ncell 1: 1\n'  # tests/golden/v1_tiny.txt: what its two cells see
 
 
 def main():
@@ -29,7 +29,7 @@ def main():
 
 
 def golden():
-    return os.path.join(ARGS.source, 'tests/golden/v0_tiny.pvs')
+    return os.path.join(ARGS.source, 'tests/golden/v1_tiny.pvs')
 
 
 def run(*command, code=0, **more):

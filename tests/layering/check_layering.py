@@ -23,7 +23,8 @@ POSIX = ['unistd.h', 'fcntl.h', 'sys/']
 SYSTEM = POSIX + ['windows.h']
 PLATFORM = SYSTEM + ['io.h']  # of tests
 FORMAT_READ = ['sightcell/format/layout.h', 'sightcell/format/status.h', 'sightcell/format/records.h',
-               'sightcell/format/reader.h', 'sightcell/format/draw_ranges.h']
+               'sightcell/format/reader.h', 'sightcell/format/packed_columns.h', 'sightcell/format/cell_lattice.h',
+               'sightcell/format/draw_ranges.h']
 FORMAT = ['sightcell/format/']
 SCENE = ['sightcell/scene/', 'glm/']
 PICTURE = ['sightcell/picture/']
@@ -55,7 +56,8 @@ ALLOWED = {
     'bake/src/source': SCENE + PICTURE + SHADERS + GL + ['embree3/', 'tbb/', 'fmt/'],
     'bake/src/source/cpu': SCENE + ['tbb/', 'immintrin.h'],
     'bake/cli/console.cpp': ['unistd.h', 'fcntl.h'],
-    'bake/cli': BAKE + SCENE + PICTURE + FORMAT_READ + ['CLI/', 'fmt/', 'nlohmann/', 'unistd.h'],
+    'bake/cli': BAKE + SCENE + PICTURE + FORMAT_READ + ['sightcell/format/set_reader.h', 'CLI/', 'fmt/', 'nlohmann/',
+                                                       'unistd.h'],
     'samples': RUNTIME + SCENE + PICTURE + ['CLI/', 'fmt/', 'nlohmann/', 'stb_image_write.h'] + GL,
     'samples/hello_cull': RUNTIME,  # C, and nothing else: it is what a host writes
     'samples/engine_bake': BAKE + RUNTIME + SCENE + PICTURE,

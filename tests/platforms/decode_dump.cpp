@@ -1,5 +1,6 @@
 #include "decode_dump.h"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <vector>
@@ -49,25 +50,33 @@ void add_draws(const std::vector<sightcell_draw>& draws, std::string& text) {
   }
 }
 
+// What a host keeps beside its views.
+struct stored_polygons {
+  std::vector<sightcell_draw> draws;
+  std::vector<std::uint32_t> order;  // source ids
+  std::vector<std::uint32_t> indices;
+};
+
 // What the view answers now, in all its ways.
-void add_answers(const sightcell_view* view, std::uint32_t cell, const std::vector<sightcell_draw>& draws,
-                 const std::vector<std::uint32_t>& stored_indices, std::string& text) {
-  const auto set = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
+void add_answers(const sightcell_view* view, std::uint32_t cell, const stored_polygons& stored, std::string& text) {
+  auto set = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
     return sightcell_view_polygons(view, dst, room, count);
   });
   const auto ranges = list_of<sightcell_range>(text, [&](sightcell_range* dst, std::size_t room, std::size_t* count) {
     return sightcell_view_ranges(view, dst, room, count);
   });
   const auto indices = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
-    return sightcell_view_indices(view, stored_indices.data(), dst, room, count);
+    return sightcell_view_indices(view, stored.indices.data(), dst, room, count);
   });
-  for (const std::uint32_t polygon : set) add(text, " %" PRIu32, polygon);
+  auto ascending = set;
+  std::sort(ascending.begin(), ascending.end());
+  for (const std::uint32_t polygon : ascending) add(text, " %" PRIu32, polygon);
   add(text, "\nranges %" PRIu32 ":", cell);
   std::vector<std::uint32_t> from_ranges;
   for (const sightcell_range& r : ranges) {
     add(text, " %" PRIu32 " %" PRIu32 " %" PRIu32, r.draw, r.first, r.count);
-    for (std::uint32_t i = 0; i < r.count && r.draw < draws.size(); ++i) {
-      from_ranges.push_back(draws[r.draw].first_stored + r.first + i);
+    for (std::uint32_t i = 0; i < r.count && r.draw < stored.draws.size(); ++i) {
+      from_ranges.push_back(stored.order.at(stored.draws[r.draw].first_stored + r.first + i));
     }
   }
   fnv_hash hash;
@@ -81,19 +90,20 @@ void add_answers(const sightcell_view* view, std::uint32_t cell, const std::vect
 std::string dump(const sightcell_db* db) {
   std::string text;
   add_facts(db, text);
-  const auto draws = list_of<sightcell_draw>(text, [&](sightcell_draw* dst, std::size_t room, std::size_t* count) {
+  stored_polygons stored;
+  stored.draws = list_of<sightcell_draw>(text, [&](sightcell_draw* dst, std::size_t room, std::size_t* count) {
     return sightcell_db_draws(db, dst, room, count);
   });
-  const auto order = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
+  stored.order = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
     return sightcell_db_order(db, dst, room, count);
   });
-  add_draws(draws, text);
+  add_draws(stored.draws, text);
   fnv_hash hash;
-  for (const std::uint32_t source : order) hash.add(source);
+  for (const std::uint32_t source : stored.order) hash.add(source);
   add(text, "order %016" PRIx64 "\n", hash.value());
-  std::vector<std::uint32_t> stored_indices(std::size_t{3} * sightcell_db_polygon_count(db));
-  for (std::size_t i = 0; i < stored_indices.size(); ++i) {
-    stored_indices[i] = static_cast<std::uint32_t>(i) * 2654435761u;
+  stored.indices.resize(std::size_t{3} * sightcell_db_polygon_count(db));
+  for (std::size_t i = 0; i < stored.indices.size(); ++i) {
+    stored.indices[i] = static_cast<std::uint32_t>(i) * 2654435761u;
   }
   sightcell_view* view = nullptr;
   if (sightcell_view_create(db, &view) != SIGHTCELL_OK) return text + "WRONG: no view\n";
@@ -113,7 +123,7 @@ std::string dump(const sightcell_db* db) {
     if (s != SIGHTCELL_OK || frame.cell != cell || (frame.flags & SIGHTCELL_FRAME_DRAW_ALL) != 0) {
       add(text, " from cell %" PRIu32 " flags %" PRIu32 " status %d", frame.cell, frame.flags, static_cast<int>(s));
     }
-    add_answers(view, cell, draws, stored_indices, text);
+    add_answers(view, cell, stored, text);
   }
   sightcell_view_destroy(view);
   return text;

@@ -77,6 +77,7 @@ sample_contents generated_city() {
     const std::uint64_t rays = 1000 + mix(cell) % 100000;
     contents.certificate.push_back({cell, rays, cell % 3, 3.0 / static_cast<double>(rays), 0.95, mix(cell + 7)});
   }
+  put_in_order(contents, 3);
   return contents;
 }
 

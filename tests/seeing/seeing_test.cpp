@@ -7,63 +7,33 @@
 #include <numeric>
 
 #include "sightcell/bake/bake.h"
+#include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/error.h"
 #include "unit/bake/file_bytes.h"
+#include "unit/bake/stored_file.h"
 
 namespace sightcell::test {
 namespace {
 
 using polygon_set = std::vector<std::uint32_t>;
 
-// Everything that a file of one cell holds.
-struct parts {
-  std::vector<format::draw_record> draws;
-  std::vector<format::box> cells;
-  std::vector<polygon_set> sets;
-  std::vector<format::certificate_record> certificate;
-};
-
-parts take_apart(const format::reader& file) {
-  parts out;
-  out.draws.resize(file.draw_count());
-  out.cells.resize(file.cell_count());
-  out.sets.resize(file.cell_count());
-  out.certificate.resize(file.certificate_count());
-  std::vector<format::run> runs(file.run_bound()), scratch(file.run_bound());
-  for (std::uint32_t i = 0; i < file.draw_count(); ++i) EXPECT_EQ(file.draw(i, out.draws[i]), format::status::ok);
-  for (std::uint32_t i = 0; i < file.certificate_count(); ++i)
-    EXPECT_EQ(file.certificate(i, out.certificate[i]), format::status::ok);
-  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
-    std::size_t count = 0;
-    EXPECT_EQ(file.cell_box(cell, out.cells[cell]), format::status::ok);
-    EXPECT_EQ(file.decode_row(cell, runs, scratch, count), format::status::ok);
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::uint32_t k = 0; k < runs[i].count; ++k) out.sets[cell].push_back(runs[i].first + k);
-  }
-  return out;
-}
-
 polygon_set set_of(const std::vector<std::byte>& bytes) {
-  format::reader file;
-  EXPECT_EQ(format::reader::open(bytes, file), format::status::ok);
-  parts all = take_apart(file);
-  EXPECT_EQ(all.sets.size(), 1u);
-  return all.sets.empty() ? polygon_set{} : all.sets[0];
+  test::stored_file file(bytes);
+  EXPECT_EQ(file.reader().cell_count(), 1u);
+  return file.reader().cell_count() == 1 ? file.set(0) : polygon_set{};
 }
 
 // The same file with this set in its only cell.
 std::vector<std::byte> with_set(const std::vector<std::byte>& bytes, const polygon_set& set) {
   format::reader file;
   EXPECT_EQ(format::reader::open(bytes, file), format::status::ok);
-  parts all = take_apart(file);
-  all.sets.assign(1, set);
+  format::file_parts parts;
+  EXPECT_EQ(format::take_apart(file, parts), format::status::ok);
   std::vector<std::byte> out;
-  const format::file_contents changed{file.facts(),    all.draws,      all.cells, format::sets_of(all.sets),
-                                      all.certificate, file.settings()};
-  EXPECT_EQ(format::encode(changed, out), format::status::ok);
+  EXPECT_EQ(format::encode(parts.contents(format::sets_of({&set, 1})), out), format::status::ok);
   return out;
 }
 

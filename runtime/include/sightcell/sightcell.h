@@ -1,26 +1,23 @@
 /* Sightcell runtime: which polygons of a scene can be seen from where the camera is. C11.
  *
- * A .pvs file (made by `sightcell bake`) divides the places a camera can be into view cells and stores for each cell the
- * polygons that can be seen from anywhere in it. Open the file once (sightcell_db), make one sightcell_view per camera,
- * call sightcell_view_move every frame and take what to draw as draw ranges, as an index list or as source ids.
+ * A .pvs file (made by `sightcell bake`) divides the places a camera can be into view cells and stores for each cell
+ * the polygons that can be seen from anywhere in it. Open the file once (sightcell_db), make one sightcell_view per
+ * camera, call sightcell_view_move every frame and take what to draw as draw ranges, as an index list or as source ids.
  *
  * Axes and units: glTF's, right-handed, +Y up, metres, world space of the baked scene.
  * Polygon: one triangle of one draw. Source ids 0 .. polygon_count-1 number the polygons of the glTF scene in the order
- *   nodes depth-first, primitives, instances, triangles. Stored numbers 0 .. polygon_count-1 number them in the order of
- *   the file, draw by draw: draw d owns first_stored .. first_stored + polygon_count - 1.
- * Draw: one (node, primitive, instance) of the glTF, what a host issues as one draw call.
- * Fail open: whenever the runtime cannot know what is seen (outside all cells, a NaN, a damaged file) the view says
- *   SIGHTCELL_FRAME_DRAW_ALL and every output returns everything, so a host that ignores flags draws too much, never
- *   too little.
- * Errors: every function that can fail returns a sightcell_status. A null pointer or a number out of range is
- *   SIGHTCELL_ERR_ARGUMENT; outputs are left alone then, unless a function says otherwise. Nothing is logged.
- * Lists: a function that fills dst takes its capacity in elements and always sets *count to the number of elements there
- *   are. When they do not fit it returns SIGHTCELL_ERR_CAPACITY and writes nothing to dst; with capacity 0 dst may be
- *   NULL: that is how to ask for the size.
- * Memory: opening and sightcell_view_create allocate, through the given allocator only; nothing that runs per frame does.
- * Threads: a sightcell_db may be used by any number of threads at once; a sightcell_view by one at a time. Different
- *   views are independent.
- * Since: everything here is there since API version 1.
+ *   nodes depth-first, primitives, instances, triangles. Stored numbers 0 .. polygon_count-1 number them in the order
+ * of the file, draw by draw: draw d owns first_stored .. first_stored + polygon_count - 1. Draw: one (node, primitive,
+ * instance) of the glTF, what a host issues as one draw call. Fail open: whenever the runtime cannot know what is seen
+ * (outside all cells, a NaN, a damaged file) the view says SIGHTCELL_FRAME_DRAW_ALL and every output returns
+ * everything, so a host that ignores flags draws too much, never too little. Errors: every function that can fail
+ * returns a sightcell_status. A null pointer or a number out of range is SIGHTCELL_ERR_ARGUMENT; outputs are left alone
+ * then, unless a function says otherwise. Nothing is logged. Lists: a function that fills dst takes its capacity in
+ * elements and always sets *count to the number of elements there are. When they do not fit it returns
+ * SIGHTCELL_ERR_CAPACITY and writes nothing to dst; with capacity 0 dst may be NULL: that is how to ask for the size.
+ * Memory: opening and sightcell_view_create allocate, through the given allocator only; nothing that runs per frame
+ * does. Threads: a sightcell_db may be used by any number of threads at once; a sightcell_view by one at a time.
+ * Different views are independent. Since: everything here is there since API version 1.
  */
 #ifndef SIGHTCELL_SIGHTCELL_H
 #define SIGHTCELL_SIGHTCELL_H
@@ -54,18 +51,18 @@ extern "C" {
 
 typedef enum sightcell_status {
   SIGHTCELL_OK = 0,
-  SIGHTCELL_ERR_ARGUMENT = 1,     /* a null pointer, a number out of range, a NaN */
-  SIGHTCELL_ERR_MEMORY = 2,       /* the allocator returned NULL */
-  SIGHTCELL_ERR_CAPACITY = 3,     /* dst is too small; *count says what is needed */
-  SIGHTCELL_ERR_STALE = 4,        /* too old to say what changed: take the full list */
-  SIGHTCELL_ERR_IO = 10,          /* the file cannot be opened or read */
-  SIGHTCELL_ERR_NOT_OURS = 20,    /* not a .pvs file */
-  SIGHTCELL_ERR_VERSION = 21,     /* a .pvs file of another version */
-  SIGHTCELL_ERR_TRUNCATED = 22,   /* fewer bytes than the file says it has */
-  SIGHTCELL_ERR_CHECKSUM = 23,    /* damaged: a checksum differs */
-  SIGHTCELL_ERR_CORRUPT = 24,     /* contradicts itself */
-  SIGHTCELL_ERR_LIMIT = 25,       /* a number above what the format, or this machine, can hold */
-  SIGHTCELL_ERR_OTHER_SCENE = 26  /* belongs to another scene; nothing returns it yet */
+  SIGHTCELL_ERR_ARGUMENT = 1,    /* a null pointer, a number out of range, a NaN */
+  SIGHTCELL_ERR_MEMORY = 2,      /* the allocator returned NULL */
+  SIGHTCELL_ERR_CAPACITY = 3,    /* dst is too small; *count says what is needed */
+  SIGHTCELL_ERR_STALE = 4,       /* too old to say what changed: take the full list */
+  SIGHTCELL_ERR_IO = 10,         /* the file cannot be opened or read */
+  SIGHTCELL_ERR_NOT_OURS = 20,   /* not a .pvs file */
+  SIGHTCELL_ERR_VERSION = 21,    /* a .pvs file of another version */
+  SIGHTCELL_ERR_TRUNCATED = 22,  /* fewer bytes than the file says it has */
+  SIGHTCELL_ERR_CHECKSUM = 23,   /* damaged: a checksum differs */
+  SIGHTCELL_ERR_CORRUPT = 24,    /* contradicts itself */
+  SIGHTCELL_ERR_LIMIT = 25,      /* a number above what the format, or this machine, can hold */
+  SIGHTCELL_ERR_OTHER_SCENE = 26 /* belongs to another scene; nothing returns it yet */
 } sightcell_status;
 
 /* Bits of sightcell_frame.flags. */
@@ -106,14 +103,14 @@ typedef struct sightcell_draw {
 
 /* Facts about a file. */
 typedef struct sightcell_info {
-  uint32_t struct_size;      /* the caller sets it to sizeof(sightcell_info) before the call */
+  uint32_t struct_size; /* the caller sets it to sizeof(sightcell_info) before the call */
   uint32_t format_version;
-  uint32_t layout;           /* 0 instanced, 1 merged */
+  uint32_t layout; /* 0 instanced, 1 merged */
   uint32_t polygon_count, cell_count, draw_count;
-  uint32_t range_bound;      /* the most ranges that sightcell_view_ranges ever returns for this file */
-  float margin;              /* metres by which cells were grown for the bake: how far an old cell is kept */
-  float max_pixel_error;     /* largest proved bound of any cell, 0..1; 1 where a cell has none */
-  float confidence;          /* of that bound, 0..1 */
+  uint32_t range_bound;  /* the most ranges that sightcell_view_ranges ever returns for this file */
+  float margin;          /* metres by which cells were grown for the bake: how far an old cell is kept */
+  float max_pixel_error; /* largest proved bound of any cell, 0..1; 1 where a cell has none */
+  float confidence;      /* of that bound, 0..1 */
   uint8_t scene_fingerprint[16];
 } sightcell_info;
 
@@ -121,9 +118,9 @@ typedef struct sightcell_info {
  * release gets back the block with its size. Called only while opening, closing, checking, creating and destroying, on
  * the calling thread. */
 typedef struct sightcell_allocator {
-  void *(*alloc)(void *user, size_t size, size_t align);
-  void (*release)(void *user, void *block, size_t size);
-  void *user;
+  void* (*alloc)(void* user, size_t size, size_t align);
+  void (*release)(void* user, void* block, size_t size);
+  void* user;
 } sightcell_allocator;
 
 typedef struct sightcell_db sightcell_db;     /* one file; shared by threads */
@@ -132,75 +129,76 @@ typedef struct sightcell_view sightcell_view; /* one camera of one db; one threa
 /* SIGHTCELL_API_VERSION of the library that is really linked. */
 SIGHTCELL_API uint32_t sightcell_version(void);
 /* One English line; static storage, never NULL, any value. */
-SIGHTCELL_API const char *sightcell_status_text(sightcell_status status);
+SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
 
 /* Opens a file that lies in memory. bytes: the whole file, size bytes, any alignment; they are viewed, not copied, and
  * must stay until sightcell_db_close. mem: copied; NULL for malloc and free. *out: the db, NULL on failure.
  * Checks all but the rows, which are checked 64 cells at a time when first used. One allocation of about 60 bytes per
- * cell and 4 per draw. Fails with any status from ARGUMENT, MEMORY and NOT_OURS to LIMIT. */
-SIGHTCELL_API sightcell_status sightcell_db_open(const void *bytes, size_t size, const sightcell_allocator *mem,
-                                                 sightcell_db **out);
+ * cell, 12 per draw, 4 per polygon of a primitive (once for all its instances) and 110,000 for the code tables. Fails
+ * with any status from ARGUMENT, MEMORY and NOT_OURS to LIMIT. */
+SIGHTCELL_API sightcell_status sightcell_db_open(const void* bytes, size_t size, const sightcell_allocator* mem,
+                                                 sightcell_db** out);
 /* The same for a file on disk (path: UTF-8), which is read whole into memory of the allocator. Also fails with IO. */
-SIGHTCELL_API sightcell_status sightcell_db_open_file(const char *path, const sightcell_allocator *mem,
-                                                      sightcell_db **out);
+SIGHTCELL_API sightcell_status sightcell_db_open_file(const char* path, const sightcell_allocator* mem,
+                                                      sightcell_db** out);
 /* Gives all memory back. Destroy the views first. NULL is fine. */
-SIGHTCELL_API void sightcell_db_close(sightcell_db *db);
+SIGHTCELL_API void sightcell_db_close(sightcell_db* db);
 
 /* Polygons of the scene; 0 for NULL. */
-SIGHTCELL_API uint32_t sightcell_db_polygon_count(const sightcell_db *db);
+SIGHTCELL_API uint32_t sightcell_db_polygon_count(const sightcell_db* db);
 /* View cells, numbered 0 .. count-1; 0 for NULL. */
-SIGHTCELL_API uint32_t sightcell_db_cell_count(const sightcell_db *db);
+SIGHTCELL_API uint32_t sightcell_db_cell_count(const sightcell_db* db);
 /* The half-open box of a cell in metres: min <= p < max. ARGUMENT: no such cell. */
-SIGHTCELL_API sightcell_status sightcell_db_cell_box(const sightcell_db *db, uint32_t cell, float min[3], float max[3]);
+SIGHTCELL_API sightcell_status sightcell_db_cell_box(const sightcell_db* db, uint32_t cell, float min[3], float max[3]);
 /* Facts about the file. out->struct_size must be set; ARGUMENT when it is smaller than this struct. A larger one (of a
  * later header) is filled as far as this library knows it, and struct_size says how far. */
-SIGHTCELL_API sightcell_status sightcell_db_info(const sightcell_db *db, sightcell_info *out);
+SIGHTCELL_API sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out);
 /* Reads the whole file and checks everything: for tools. Allocates for the time of the call. OK or the first fault. */
-SIGHTCELL_API sightcell_status sightcell_db_check(const sightcell_db *db);
+SIGHTCELL_API sightcell_status sightcell_db_check(const sightcell_db* db);
 /* The draw table in draw order. capacity and *count in draws. */
-SIGHTCELL_API sightcell_status sightcell_db_draws(const sightcell_db *db, sightcell_draw *dst, size_t capacity,
-                                                  size_t *count);
+SIGHTCELL_API sightcell_status sightcell_db_draws(const sightcell_db* db, sightcell_draw* dst, size_t capacity,
+                                                  size_t* count);
 /* source_id_of_stored[s]: the source id of stored polygon s; permute your index buffers with it once after loading.
  * capacity and *count in polygons. */
-SIGHTCELL_API sightcell_status sightcell_db_order(const sightcell_db *db, uint32_t *source_id_of_stored,
-                                                  size_t capacity, size_t *count);
+SIGHTCELL_API sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_of_stored,
+                                                  size_t capacity, size_t* count);
 
-/* A camera, before its first move: revision 0, sees nothing. Allocates all that it will ever need: 32 bytes per run of
- * the largest cell set. db must outlive it. *out: the view, NULL on failure. MEMORY. */
-SIGHTCELL_API sightcell_status sightcell_view_create(const sightcell_db *db, sightcell_view **out);
+/* A camera, before its first move: revision 0, sees nothing. Allocates all that it will ever need: about 60 bytes per
+ * run of the largest cell set. db must outlive it. *out: the view, NULL on failure. MEMORY. */
+SIGHTCELL_API sightcell_status sightcell_view_create(const sightcell_db* db, sightcell_view** out);
 /* NULL is fine. */
-SIGHTCELL_API void sightcell_view_destroy(sightcell_view *view);
+SIGHTCELL_API void sightcell_view_destroy(sightcell_view* view);
 
-/* The camera is now at eye. All decoding happens here, and only when the cell changes. The cell: the old one while eye is
- * inside its box grown by info.margin and in no cell of smaller volume; else the cell that holds eye, of several that of
- * the smallest volume, then the lowest number; else outside. Both eyes of a headset fit one view when the margin exceeds
- * their distance.
- * Outside all cells: OK, DRAW_ALL | OUTSIDE. Damaged cell: OK, DRAW_ALL | DAMAGED, other cells work. ARGUMENT: eye is
- * NULL or holds a NaN, or frame is NULL; the view then draws all, and frame (if there is one) says so.
- * Allocates nothing. */
-SIGHTCELL_API sightcell_status sightcell_view_move(sightcell_view *view, const float eye[3], sightcell_frame *frame);
+/* The camera is now at eye. All decoding happens here, and only when the cell changes. The cell: the old one while eye
+ * is inside its box grown by info.margin and in no cell of smaller volume; else the cell that holds eye, of several
+ * that of the smallest volume, then the lowest number; else outside. Both eyes of a headset fit one view when the
+ * margin exceeds their distance. Outside all cells: OK, DRAW_ALL | OUTSIDE. Damaged cell: OK, DRAW_ALL | DAMAGED, other
+ * cells work. ARGUMENT: eye is NULL or holds a NaN, or frame is NULL; the view then draws all, and frame (if there is
+ * one) says so. Allocates nothing. */
+SIGHTCELL_API sightcell_status sightcell_view_move(sightcell_view* view, const float eye[3], sightcell_frame* frame);
 
 /* The functions below answer for the last move, change nothing and allocate nothing. */
 
-/* Source ids of the polygons to draw, ascending. capacity and *count in ids; *count is frame.polygon_count. */
-SIGHTCELL_API sightcell_status sightcell_view_polygons(const sightcell_view *view, uint32_t *source_ids,
-                                                       size_t capacity, size_t *count);
+/* Source ids of the polygons to draw, each once, in stored order. capacity and *count in ids; *count is
+ * frame.polygon_count. */
+SIGHTCELL_API sightcell_status sightcell_view_polygons(const sightcell_view* view, uint32_t* source_ids,
+                                                       size_t capacity, size_t* count);
 /* The same as ranges, ascending by draw, then by first; at most info.range_bound. capacity and *count in ranges. */
-SIGHTCELL_API sightcell_status sightcell_view_ranges(const sightcell_view *view, sightcell_range *dst, size_t capacity,
-                                                     size_t *count);
-/* The same as an index list. stored_indices: the host's 3 indices per stored polygon, 3 * polygon_count in all; dst gets
- * those of the polygons to draw, in the order of sightcell_view_ranges: the indices of range i begin behind those of the
- * ranges before it. dst is written from front to back and never read, so it may be mapped GPU memory; it must not overlap
- * stored_indices. capacity and *count in indices. */
-SIGHTCELL_API sightcell_status sightcell_view_indices(const sightcell_view *view, const uint32_t *stored_indices,
-                                                      uint32_t *dst, size_t capacity, size_t *count);
+SIGHTCELL_API sightcell_status sightcell_view_ranges(const sightcell_view* view, sightcell_range* dst, size_t capacity,
+                                                     size_t* count);
+/* The same as an index list. stored_indices: the host's 3 indices per stored polygon, 3 * polygon_count in all; dst
+ * gets those of the polygons to draw, in the order of sightcell_view_ranges: the indices of range i begin behind those
+ * of the ranges before it. dst is written from front to back and never read, so it may be mapped GPU memory; it must
+ * not overlap stored_indices. capacity and *count in indices. */
+SIGHTCELL_API sightcell_status sightcell_view_indices(const sightcell_view* view, const uint32_t* stored_indices,
+                                                      uint32_t* dst, size_t capacity, size_t* count);
 /* What was added and removed since a revision: the current one (nothing) or the one before. STALE for any other, and
- * when one of the two is DRAW_ALL: take the full list then. Either capacity too small: CAPACITY, nothing is written, both
- * counts say what is needed. On STALE both counts are 0. */
-SIGHTCELL_API sightcell_status sightcell_view_changes(const sightcell_view *view, uint32_t since_revision,
-                                                      sightcell_range *added, size_t added_capacity,
-                                                      size_t *added_count, sightcell_range *removed,
-                                                      size_t removed_capacity, size_t *removed_count);
+ * when one of the two is DRAW_ALL: take the full list then. Either capacity too small: CAPACITY, nothing is written,
+ * both counts say what is needed. On STALE both counts are 0. */
+SIGHTCELL_API sightcell_status sightcell_view_changes(const sightcell_view* view, uint32_t since_revision,
+                                                      sightcell_range* added, size_t added_capacity,
+                                                      size_t* added_count, sightcell_range* removed,
+                                                      size_t removed_capacity, size_t* removed_count);
 
 #ifdef __cplusplus
 }

@@ -14,6 +14,7 @@
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/scene/error.h"
+#include "stored_file.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {
@@ -282,20 +283,16 @@ class host_bake : public ::testing::Test {
   }
   // The tags of draws of which anything is in the only cell's set.
   std::vector<std::uint64_t> seen_tags(const std::vector<std::byte>& bytes) {
-    format::reader file;
-    EXPECT_EQ(format::reader::open(bytes, file), format::status::ok);
-    std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
-    std::size_t runs = 0;
-    EXPECT_EQ(file.decode_row(0, row, scratch, runs), format::status::ok);
+    test::stored_file file(bytes);
+    const std::vector<std::uint32_t> set = file.set(0);
     std::vector<std::uint64_t> tags;
-    for (std::uint32_t i = 0; i < file.draw_count(); ++i) {
+    for (std::uint32_t i = 0; i < file.reader().draw_count(); ++i) {
       format::draw_record d;
-      EXPECT_EQ(file.draw(i, d), format::status::ok);
-      if (std::any_of(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(runs), [&](const format::run& r) {
-            return r.first < d.first_source + d.polygon_count && d.first_source < r.first + r.count;
-          }))
-        tags.push_back(d.host_tag);
+      EXPECT_EQ(file.reader().draw(i, d), format::status::ok);
+      const auto found = std::lower_bound(set.begin(), set.end(), d.first_source);
+      if (found != set.end() && *found < d.first_source + d.polygon_count) tags.push_back(d.host_tag);
     }
+    std::sort(tags.begin(), tags.end());
     return tags;
   }
 

@@ -1,12 +1,14 @@
 // Polygons that are added to a file by hand.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "errors/error_id.h"
 #include "file_bytes.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/scene/json_text.h"
@@ -17,18 +19,21 @@ namespace {
 
 using ids = std::vector<std::uint32_t>;
 
-// Three cells side by side on x, a scene of 20 polygons.
+// Three cells side by side on x, a scene of 20 polygons that are stored the other way round.
 std::vector<std::byte> three_cells(const std::string& settings) {
-  const std::vector<format::draw_record> draws{{.polygon_count = 20}};
-  const std::vector<format::box> cells{{{0, 0, 0}, {1, 1, 1}}, {{1, 0, 0}, {2, 1, 1}}, {{2, 0, 0}, {3, 1, 1}}};
+  format::file_parts parts;
+  parts.facts.polygon_count = 20;
+  parts.facts.max_pixel_error = 0.004f;
+  parts.draws = {{.polygon_count = 20}};
+  parts.order_of_draw = {0};
+  parts.orders.resize(1);
+  for (std::uint32_t i = 20; i > 0; --i) parts.orders[0].push_back(i - 1);
+  parts.cells = {{{0, 0, 0}, {1, 1, 1}}, {{1, 0, 0}, {2, 1, 1}}, {{2, 0, 0}, {3, 1, 1}}};
+  parts.certificate = {{0, 1000, 1, 0.004, 0.95, 7}, {1, 2000, 0, 0.001, 0.95, 7}, {2, 3000, 2, 0.002, 0.95, 7}};
+  parts.settings = settings;
   const std::vector<ids> sets{{1, 2, 5}, {1, 2, 5}, {}};
-  const std::vector<format::certificate_record> certificate{
-      {0, 1000, 1, 0.004, 0.95, 7}, {1, 2000, 0, 0.001, 0.95, 7}, {2, 3000, 2, 0.002, 0.95, 7}};
-  format::file_contents contents{{}, draws, cells, format::sets_of(sets), certificate, settings};
-  contents.facts.polygon_count = 20;
-  contents.facts.max_pixel_error = 0.004f;
   std::vector<std::byte> bytes;
-  EXPECT_EQ(format::encode(contents, bytes), format::status::ok);
+  EXPECT_EQ(format::encode(parts.contents(format::sets_of(sets)), bytes), format::status::ok);
   return bytes;
 }
 
@@ -58,6 +63,7 @@ class patch_test : public testing::Test {
     std::size_t count = 0;
     EXPECT_EQ(sightcell_view_polygons(view, set.data(), set.size(), &count), SIGHTCELL_OK);
     set.resize(count);
+    std::sort(set.begin(), set.end());
     sightcell_view_destroy(view);
     sightcell_db_close(db);
     return set;

@@ -15,6 +15,7 @@
 #include "fresh_folder.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
+#include "stored_file.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {
@@ -123,15 +124,6 @@ class safety_ring_bake : public testing::Test {
     last_ = bake(scene_, how_, folder_ / "room.pvs", true, {});
     return test::file_bytes(folder_ / "room.pvs");
   }
-  static polygons set_of(const format::reader& file, std::uint32_t cell) {
-    std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
-    std::size_t runs = 0;
-    EXPECT_EQ(file.decode_row(cell, row, scratch, runs), format::status::ok);
-    polygons set;
-    for (std::size_t i = 0; i < runs; ++i)
-      for (std::uint32_t k = 0; k < row[i].count; ++k) set.push_back(row[i].first + k);
-    return set;
-  }
 
   test::fresh_folder folder_;
   scene::scene scene_;
@@ -147,30 +139,28 @@ TEST_F(safety_ring_bake, adds_the_ring_to_every_set_and_changes_nothing_else) {
   const vertex_neighbors sharing(geometry);
   for (const safety_ring how : {safety_ring::edge, safety_ring::vertex}) {
     const std::vector<std::byte> with = baked(how);
-    format::reader before, after;
-    ASSERT_EQ(format::reader::open(without, before), format::status::ok);
-    ASSERT_EQ(format::reader::open(with, after), format::status::ok);
-    ASSERT_EQ(before.cell_count(), after.cell_count());
+    test::stored_file before(without), after(with);
+    ASSERT_EQ(before.reader().cell_count(), after.reader().cell_count());
     double seen = 0.0, unseen = 0.0;
-    for (std::uint32_t cell = 0; cell < before.cell_count(); ++cell) {
+    for (std::uint32_t cell = 0; cell < before.reader().cell_count(); ++cell) {
       format::box where;
-      ASSERT_EQ(before.cell_box(cell, where), format::status::ok);
+      ASSERT_EQ(before.reader().cell_box(cell, where), format::status::ok);
       const box own{{where.min[0], where.min[1], where.min[2]}, {where.max[0], where.max[1], where.max[2]}};
-      polygons expected = set_of(before, cell);
+      polygons expected = before.set(cell);
       seen += static_cast<double>(expected.size());
       const polygons ring = ring_of(rays, sharing, how, own.grown(how_.margin), expected);
       unseen += static_cast<double>(ring.size());
       expected.insert(expected.end(), ring.begin(), ring.end());
       std::sort(expected.begin(), expected.end());
-      EXPECT_EQ(set_of(after, cell), expected) << cell;
+      EXPECT_EQ(after.set(cell), expected) << cell;
       format::certificate_record of_before, of_after;
-      ASSERT_EQ(before.certificate(cell, of_before), format::status::ok);
-      ASSERT_EQ(after.certificate(cell, of_after), format::status::ok);
+      ASSERT_EQ(before.reader().certificate(cell, of_before), format::status::ok);
+      ASSERT_EQ(after.reader().certificate(cell, of_after), format::status::ok);
       EXPECT_EQ(of_before.rays, of_after.rays);
       EXPECT_EQ(of_before.upper_bound, of_after.upper_bound);
     }
     EXPECT_GT(unseen, 0.0);
-    EXPECT_DOUBLE_EQ(last_.unseen_per_cell, unseen / before.cell_count());
+    EXPECT_DOUBLE_EQ(last_.unseen_per_cell, unseen / before.reader().cell_count());
     EXPECT_DOUBLE_EQ(last_.unseen_percent, 100.0 * unseen / seen);
   }
 }

@@ -18,6 +18,7 @@
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/scene/error.h"
+#include "stored_file.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {
@@ -99,20 +100,9 @@ TEST_F(shards, share_what_they_see_within_a_block_and_over_its_border) {
   // Or the tests above would compare cells that know nothing of each other.
   how_.samples = 6;
   const std::vector<std::byte> together = whole();
-  format::reader file;
-  ASSERT_EQ(format::reader::open(together, file), format::status::ok);
-  const auto sets_of = [](const format::reader& of) {
-    std::vector<std::size_t> sizes;
-    std::vector<format::run> row(of.run_bound()), scratch(of.run_bound());
-    for (std::uint32_t cell = 0; cell < of.cell_count(); ++cell) {
-      std::size_t runs = 0, size = 0;
-      EXPECT_EQ(of.decode_row(cell, row, scratch, runs), format::status::ok);
-      for (std::size_t i = 0; i < runs; ++i) size += row[i].count;
-      sizes.push_back(size);
-    }
-    return sizes;
-  };
-  const std::vector<std::size_t> sizes = sets_of(file);
+  test::stored_file file(together);
+  std::vector<std::size_t> sizes;
+  for (std::uint32_t cell = 0; cell < file.reader().cell_count(); ++cell) sizes.push_back(file.set(cell).size());
   (void)part("p.pvs", 0, 1, 1);
   const fs::path phase_1[] = {shard_file(out("p.pvs"), {0, 1, 1})};
   const shard_files before(phase_1, std::nullopt);
@@ -170,22 +160,19 @@ TEST_F(shards, the_order_of_cells_changes_no_set) {
   how_.cells_grid.reset();
   const auto sets = [&](unsigned seed) {
     how_.cells = boxes(seed);
-    const std::vector<std::byte> bytes = whole();
-    format::reader file;
-    EXPECT_EQ(format::reader::open(bytes, file), format::status::ok);
-    std::vector<format::run> row(file.run_bound()), scratch(file.run_bound());
+    test::stored_file stored(whole());
+    const format::reader& file = stored.reader();
     std::vector<std::vector<std::uint32_t>> by_place;
     for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
       format::box b;
       format::certificate_record proof;
-      std::size_t runs = 0;
       EXPECT_EQ(file.cell_box(cell, b), format::status::ok);
       EXPECT_EQ(file.certificate(cell, proof), format::status::ok);
-      EXPECT_EQ(file.decode_row(cell, row, scratch, runs), format::status::ok);
       std::vector<std::uint32_t> one{static_cast<std::uint32_t>(100.0f * (b.min[0] + 50.0f)),
                                      static_cast<std::uint32_t>(100.0f * (b.min[2] + 50.0f)),
                                      static_cast<std::uint32_t>(proof.rays), static_cast<std::uint32_t>(proof.misses)};
-      for (std::size_t i = 0; i < runs; ++i) one.insert(one.end(), {row[i].first, row[i].count});
+      const std::vector<std::uint32_t> set = stored.set(cell);
+      one.insert(one.end(), set.begin(), set.end());
       by_place.push_back(one);
     }
     std::sort(by_place.begin(), by_place.end());

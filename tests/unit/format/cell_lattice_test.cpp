@@ -1,4 +1,4 @@
-#include "cell_lattice.h"
+#include "sightcell/format/cell_lattice.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "cell_lattice_writer.h"
-#include "packed_columns.h"
 #include "packed_columns_writer.h"
 #include "random_source.h"
+#include "sightcell/format/packed_columns.h"
 
 namespace {
 
@@ -34,9 +34,9 @@ std::vector<lattice_place> random_places(std::uint32_t seed, std::size_t count) 
     };
     places.push_back({any(30), any(3), any(30), random() % 10 == 0 ? 1u : 0u});
   }
-  std::sort(places.begin(), places.end(), comes_before);
+  std::sort(places.begin(), places.end(), lattice_comes_before);
   const auto equal = [](const lattice_place& a, const lattice_place& b) {
-    return !comes_before(a, b) && !comes_before(b, a);
+    return !lattice_comes_before(a, b) && !lattice_comes_before(b, a);
   };
   places.erase(std::unique(places.begin(), places.end(), equal), places.end());
   return places;
@@ -88,7 +88,7 @@ TEST(cell_lattice, chunks_are_eight_by_eight) {
   std::vector<lattice_place> places;
   for (std::int32_t z = -8; z < 8; ++z)
     for (std::int32_t x = -8; x < 8; ++x) places.push_back({x, 0, z, 0});
-  std::sort(places.begin(), places.end(), comes_before);
+  std::sort(places.begin(), places.end(), lattice_comes_before);
   const auto bytes = written(places);
   EXPECT_LT(bytes.size(), 20u + 7 * packed_columns::descriptor_size + 8);  // four full chunks: next to nothing
   cell_lattice lattice;

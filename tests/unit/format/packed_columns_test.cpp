@@ -1,4 +1,4 @@
-#include "packed_columns.h"
+#include "sightcell/format/packed_columns.h"
 
 #include <gtest/gtest.h>
 

@@ -3,16 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <numeric>
 
 #include "checksum.h"
 #include "random_source.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/format/set_reader.h"
 
 namespace sightcell::test {
 namespace layout = format::layout;
 
 format::file_contents sample_contents::view() const {
-  return {facts, draws, cells, format::sets_of(sets), certificate, settings};
+  return file_parts::contents(format::sets_of(sets));
 }
 
 std::vector<std::byte> sample_contents::encode() const {
@@ -42,6 +47,11 @@ void add_draws(sample_contents& contents, std::uint32_t polygons, std::uint32_t 
 }
 
 namespace {
+
+// A file has floats here: what it gives back is what it was given only where that was one.
+double as_stored(double value) {
+  return static_cast<double>(static_cast<float>(value));
+}
 
 format::box grid_box(std::uint32_t number) {
   const auto x = static_cast<float>(number % 8);
@@ -102,9 +112,47 @@ sample_contents random_contents(std::uint32_t seed, const random_options& option
     contents.sets.push_back(numbers_of(cell % 41 == 5   ? std::vector<bool>(polygons, false)
                                        : cell % 41 == 6 ? std::vector<bool>(polygons, true)
                                                         : seen));
-    contents.certificate.push_back({cell, random() % 100000 + 10, cell % 3, 1e-3 * share(random), 0.95, random()});
+    contents.certificate.push_back(
+        {cell, random() % 100000 + 10, cell % 3, as_stored(1e-3 * share(random)), as_stored(0.95), random()});
   }
   return contents;
+}
+
+void put_in_order(sample_contents& contents, std::uint32_t seed) {
+  random_source random(seed);
+  // std::shuffle is another one in each standard library.
+  const auto shuffle = [&random](auto& items) {
+    for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random() % i]);
+  };
+  shuffle(contents.draws);
+  std::map<std::uint32_t, std::uint32_t> order_of_count;
+  contents.order_of_draw.clear();
+  contents.orders.clear();
+  std::uint32_t next = 0;
+  for (format::draw_record& d : contents.draws) {
+    d.first_stored = next;
+    next += d.polygon_count;
+    const auto number = static_cast<std::uint32_t>(contents.orders.size());
+    const auto [found, fresh] = order_of_count.try_emplace(d.polygon_count, number);
+    contents.order_of_draw.push_back(found->second);
+    if (!fresh) continue;
+    std::vector<std::uint32_t>& order = contents.orders.emplace_back(d.polygon_count);
+    std::iota(order.begin(), order.end(), 0u);
+    shuffle(order);
+  }
+}
+
+void put_on_lattice(sample_contents& contents) {
+  contents.lattice = format::lattice_shape{4.0, 2.0};
+  contents.places.clear();
+  const auto cells = static_cast<int>(contents.cells.size());
+  for (int i = 0; i < cells; ++i) {
+    const bool small = i > cells / 2;
+    contents.places.push_back({i % 9 - 4, i / 9 % 2, i / 18 - 2 + (small ? 40 : 0), small ? 1u : 0u});
+  }
+  std::sort(contents.places.begin(), contents.places.end(), format::lattice_comes_before);
+  for (std::size_t i = 0; i < contents.cells.size(); ++i)
+    contents.cells[i] = format::box_of(*contents.lattice, contents.places[i]);
 }
 
 sample_contents tiny_contents() {
@@ -148,7 +196,8 @@ sample_contents small_contents() {
       if (cell == 12 || (cell != 11 && ((common && !lost) || own))) set.push_back(p);
     }
     contents.sets.push_back(cell == 20 ? contents.sets[19] : set);
-    contents.certificate.push_back({cell, 1000 + cell, cell % 2, 0.5 / (1.0 + cell), 0.95, cell * 0x100000001u});
+    contents.certificate.push_back(
+        {cell, 1000 + cell, cell % 2, as_stored(0.5 / (1.0 + cell)), as_stored(0.95), cell * 0x100000001u});
   }
   return contents;
 }
@@ -237,15 +286,25 @@ std::size_t section_offset(const std::vector<std::byte>& file, std::uint32_t id)
 }
 
 std::vector<std::uint32_t> decode_set(const format::reader& file, std::uint32_t cell, format::status& s) {
-  std::vector<format::run> out(file.run_bound());
-  std::vector<format::run> scratch(file.run_bound());
-  std::size_t count = 0;
-  s = file.decode_row(cell, out, scratch, count);
-  std::vector<std::uint32_t> set;
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::uint32_t k = 0; k < out[i].count; ++k) set.push_back(out[i].first + k);
-  }
-  return set;
+  format::set_reader sets;
+  std::vector<std::uint32_t> ids;
+  s = sets.open(file);
+  if (s == format::status::ok) s = sets.source_ids(cell, ids);
+  return ids;
+}
+
+format::status check_all(const format::reader& file) {
+  format::set_reader sets;
+  const format::status s = sets.open(file);
+  return s == format::status::ok ? sets.check() : s;
+}
+
+std::vector<std::byte> golden_file(const std::string& name) {
+  std::ifstream in(std::string(SIGHTCELL_TEST_GOLDEN_FOLDER "/") + name + ".pvs", std::ios::binary);
+  EXPECT_TRUE(in.good()) << name;
+  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace sightcell::test

@@ -4,18 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
 
 namespace sightcell::test {
 
-struct sample_contents {
-  format::file_facts facts;
-  std::vector<format::draw_record> draws;
-  std::vector<format::box> cells;
+struct sample_contents : format::file_parts {
   std::vector<std::vector<std::uint32_t>> sets;
-  std::vector<format::certificate_record> certificate;
-  std::string settings;
 
   // Valid as long as this is.
   [[nodiscard]] format::file_contents view() const;
@@ -40,9 +36,16 @@ sample_contents random_contents(std::uint32_t seed, const random_options& option
 
 // Two cells, one draw, six polygons: the worked example of SPEC.md.
 sample_contents tiny_contents();
+// The draws of some contents in a random order of their own, draws of equal size sharing one, or the other way round.
+void put_in_order(sample_contents& contents, std::uint32_t seed);
+// The cells of some contents, as many as they are, on a lattice: cells of 4 m around the origin, then of half the size.
+void put_on_lattice(sample_contents& contents);
 // Everything the format has in one small file: three draws (one empty), 67 cells in two chunks, own, delta and shared
 // rows, an empty set and a full one, certificate and settings.
 sample_contents small_contents();
+
+// The bytes of a golden file, of which name.pvs lies in tests/golden.
+std::vector<std::byte> golden_file(const std::string& name);
 
 // Makes all checksums of a damaged file fit its bytes again, as far as its directory can be followed: what a clever
 // attacker would do, and the way to test the decoder behind the checksums.
@@ -59,7 +62,9 @@ std::size_t section_place(const std::vector<std::byte>& file, std::uint32_t id);
 // Where the section's bytes begin.
 std::size_t section_offset(const std::vector<std::byte>& file, std::uint32_t id);
 
-// Polygons of a cell as the reader gives them. s: status of decoding.
+// Source ids of a cell, ascending. s: status of decoding.
 std::vector<std::uint32_t> decode_set(const format::reader& file, std::uint32_t cell, format::status& s);
+// What reader::check says.
+format::status check_all(const format::reader& file);
 
 }  // namespace sightcell::test

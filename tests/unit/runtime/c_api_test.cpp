@@ -36,7 +36,7 @@ TEST(c_api, facts) {
   info.struct_size = sizeof(info);
   ASSERT_EQ(sightcell_db_info(file.db(), &info), SIGHTCELL_OK);
   EXPECT_EQ(info.struct_size, 56u);
-  EXPECT_EQ(info.format_version, 0u);
+  EXPECT_EQ(info.format_version, 1u);
   EXPECT_EQ(info.layout, 0u);
   EXPECT_EQ(info.polygon_count, 300u);
   EXPECT_EQ(info.cell_count, 67u);

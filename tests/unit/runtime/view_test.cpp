@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -71,6 +72,31 @@ TEST(view, every_cell_shows_its_set) {
       expect_set(view, contents, contents.sets[cell]);
     }
   }
+}
+
+// Where stored order is not that of the source: polygons are source ids in stored order, and db_order says the same.
+TEST(view, polygons_in_an_order_of_the_file) {
+  sample_contents contents = random_contents(4, {.polygons = 900, .draws = 30, .cells = 100});
+  put_in_order(contents, 7);
+  const loaded_file file(contents);
+  std::vector<std::uint32_t> order(900);
+  std::size_t count = 0;
+  ASSERT_EQ(sightcell_db_order(file.db(), order.data(), order.size(), &count), SIGHTCELL_OK);
+  EXPECT_FALSE(std::is_sorted(order.begin(), order.end()));
+  test_view view(file.db());
+  for (std::uint32_t cell = 0; cell < 100; ++cell) {
+    ASSERT_EQ(go_to(view, contents, cell).cell, cell);
+    std::vector<std::uint32_t> expected;
+    for (const std::uint32_t stored : polygons_of(view.ranges(), contents)) expected.push_back(order[stored]);
+    std::vector<std::uint32_t> seen = view.polygons();
+    EXPECT_EQ(seen, expected);
+    std::sort(seen.begin(), seen.end());
+    EXPECT_EQ(seen, contents.sets[cell]);
+  }
+  // Everything, where no set says what to draw.
+  const sightcell_frame outside = view.move(1000, 1000, 1000);
+  EXPECT_NE(outside.flags & SIGHTCELL_FRAME_DRAW_ALL, 0u);
+  EXPECT_EQ(view.polygons(), order);
 }
 
 TEST(view, frames_keep_their_reserved_words_zero) {

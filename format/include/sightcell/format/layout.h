@@ -1,6 +1,6 @@
 #pragma once
-// The constants of the .pvs file, version 0: magic, section ids, record sizes and limits. SPEC.md says what they mean;
-// nothing here touches bytes.
+// The constants of the .pvs file, versions 1 and 0: magic, section ids, record sizes and limits. SPEC.md says what they
+// mean; nothing here touches bytes.
 #include <array>
 #include <cstdint>
 
@@ -8,16 +8,21 @@ namespace sightcell::format::layout {
 
 // 89 "PVS" CR LF 1A LF: the first byte is no ASCII, and the line ends show a transfer that changed line endings.
 inline constexpr std::array<std::uint8_t, 8> magic{0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A};
-inline constexpr std::uint32_t version = 0;
+inline constexpr std::uint32_t version = 1;         // that the writer writes
+inline constexpr std::uint32_t oldest_version = 0;  // that the reader reads
 
 // Sizes of the fixed records, in bytes.
 inline constexpr std::uint64_t header_size = 96;
 inline constexpr std::uint64_t section_record_size = 32;
-inline constexpr std::uint64_t draw_record_size = 48;
 inline constexpr std::uint64_t cell_record_size = 24;
 inline constexpr std::uint64_t chunk_record_size = 16;
-inline constexpr std::uint64_t row_record_size = 8;
-inline constexpr std::uint64_t certificate_record_size = 40;
+// Columns of the packed tables.
+inline constexpr std::uint32_t draw_columns = 12;
+inline constexpr std::uint32_t certificate_columns = 8;
+// The fixed records that version 0 has besides.
+inline constexpr std::uint64_t v0_draw_record_size = 48;
+inline constexpr std::uint64_t v0_row_record_size = 8;
+inline constexpr std::uint64_t v0_certificate_record_size = 40;
 
 // Offsets inside the header.
 inline constexpr std::uint64_t header_version = 8;
@@ -34,7 +39,8 @@ inline constexpr std::uint64_t header_cell_count = 64;
 inline constexpr std::uint64_t header_draw_count = 68;
 inline constexpr std::uint64_t header_run_bound = 72;
 inline constexpr std::uint64_t header_range_bound = 76;
-inline constexpr std::uint64_t header_reserved = 80;
+inline constexpr std::uint64_t header_list_bound = 80;  // versions before 1: reserved, as the next
+inline constexpr std::uint64_t header_slack = 84;
 inline constexpr std::uint64_t header_table_checksum = 88;
 inline constexpr std::uint64_t header_checksum = 92;
 
@@ -48,8 +54,15 @@ inline constexpr std::uint32_t section_rows = 3;
 inline constexpr std::uint32_t section_row_directory = 4;
 inline constexpr std::uint32_t section_certificate = 5;
 inline constexpr std::uint32_t section_settings = 6;
+inline constexpr std::uint32_t section_orders = 7;      // since version 1
+inline constexpr std::uint32_t section_codes = 8;       // since version 1
+inline constexpr std::uint32_t section_importance = 9;  // since version 1; reserved
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
+
+// The cells section of version 1 begins with one of these.
+inline constexpr std::uint32_t cells_are_boxes = 0;
+inline constexpr std::uint32_t cells_are_on_lattice = 1;
 
 // Limits. A file beyond one of them is refused with status::limit, by the reader and by the writer.
 inline constexpr std::uint32_t max_polygons = 0xFFFFFFFEu;

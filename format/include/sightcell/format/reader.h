@@ -6,20 +6,33 @@
 //
 //   reader file;
 //   if (status s = reader::open(bytes, file); s != status::ok) return s;
-//   std::vector<run> row(file.run_bound()), scratch(file.run_bound());
+//   std::vector<std::byte> memory(file.codes_size()), scratch(file.scratch_size());
+//   const row_codes* codes = nullptr;
+//   if (status s = file.make_codes(memory, codes); s != status::ok) return s;
+//   std::vector<run> row(file.run_bound());
 //   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
 //     std::size_t runs = 0;
-//     status s = file.decode_row(cell, row, scratch, runs);   // row[0 .. runs): what the cell sees
+//     status s = file.decode_row(cell, codes, row, scratch, runs);   // row[0 .. runs): what the cell sees
 //   }
+//
+// format_write has the same in one object: set_reader.h.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
+#include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/layout.h"
+#include "sightcell/format/packed_columns.h"
 #include "sightcell/format/records.h"
 #include "sightcell/format/status.h"
 
 namespace sightcell::format {
+
+// The code tables of a file, which lie in the caller's memory. Made by reader::make_codes, read by any number of
+// threads.
+struct row_codes;
 
 // One entry of the section table, for tools.
 struct section_record {
@@ -46,12 +59,12 @@ struct row_statistics {
   std::uint64_t delta_rows = 0;       // cells whose row is a difference
   std::uint64_t shared_rows = 0;      // cells that use an earlier cell's row
   std::uint64_t row_bytes = 0;        // size of the rows section
-  std::uint64_t directory_bytes = 0;  // size of the row directory
+  std::uint64_t directory_bytes = 0;  // size of the row directory and the code tables
 
   [[nodiscard]] double runs_per_cell() const { return per_cell(static_cast<double>(runs)); }
   [[nodiscard]] double ranges_per_cell() const { return per_cell(static_cast<double>(ranges)); }
   [[nodiscard]] double delta_row_percent() const { return per_cell(100.0 * static_cast<double>(delta_rows)); }
-  // Bits per (cell, visible polygon): rows and directory. 0 when no cell sees anything.
+  // Bits per (cell, visible polygon): rows, directory and code tables. 0 when no cell sees anything.
   [[nodiscard]] double bits_per_visible_polygon() const {
     return polygons == 0 ? 0.0 : 8.0 * static_cast<double>(row_bytes + directory_bytes) / static_cast<double>(polygons);
   }
@@ -77,14 +90,31 @@ class reader {
   [[nodiscard]] std::uint32_t cell_count() const noexcept { return cell_count_; }
   [[nodiscard]] std::uint32_t draw_count() const noexcept { return draw_count_; }
   [[nodiscard]] std::uint64_t total_size() const noexcept { return bytes_.size(); }
-  // The most runs of any row: the room that decode_row needs. At most half the size of the rows section in bytes.
+  // The most runs of any row: the room that decode_row needs. At most four times the size of the rows section in bytes.
   [[nodiscard]] std::uint32_t run_bound() const noexcept { return run_bound_; }
   // The most (draw, first, count) ranges of any cell set.
   [[nodiscard]] std::uint32_t range_bound() const noexcept { return range_bound_; }
 
-  // One record, read and checked anew. argument: number too high; corrupt: the bytes changed since open.
+  // One record, in stored order, read and checked anew. argument: number too high; corrupt: the bytes changed since
+  // open.
   status draw(std::uint32_t number, draw_record& out) const noexcept;
   status cell_box(std::uint32_t cell, box& out) const noexcept;
+
+  // In which order polygons are stored: draws share orders, numbered 0 .. order_count() - 1.
+  [[nodiscard]] std::uint32_t order_count() const noexcept { return order_count_; }
+  // Which order a draw has, and how many polygons all orders before one have together (number may be order_count()).
+  // 0 for numbers that there are not.
+  [[nodiscard]] std::uint32_t order_of_draw(std::uint32_t draw) const noexcept;
+  [[nodiscard]] std::uint32_t order_begin(std::uint32_t number) const noexcept;
+  // All orders, one behind the other: which polygon of its draw, as the source has them, is stored at each place. out:
+  // order_begin(order_count()) numbers, all below the count of their draws when the answer is ok. argument: another
+  // size; corrupt. That no polygon is there twice is left to check().
+  status orders(std::span<std::uint32_t> out) const noexcept;
+  // The source id of every stored polygon. out: polygon_count() numbers. Else as orders().
+  status source_of_stored(std::span<std::uint32_t> out) const noexcept;
+
+  // The cells' lattice, where they lie on one: chunk by chunk for who looks cells up. Null where they do not.
+  [[nodiscard]] const cell_lattice* lattice() const noexcept { return on_lattice_ ? &lattice_ : nullptr; }
 
   // The section table in file order, for tools. argument: number too high; corrupt: the bytes changed since open.
   [[nodiscard]] std::uint32_t section_count() const noexcept { return section_count_; }
@@ -105,32 +135,40 @@ class reader {
 
   // How a cell's row is stored. argument: no such cell; corrupt.
   status row(std::uint32_t cell, row_record& out) const noexcept;
-  // Size of a cell's row in bytes; 0 for a bad number or row.
-  [[nodiscard]] std::uint32_t row_size(std::uint32_t cell) const noexcept;
-  // True when the cell's row is a difference to another cell's; false too for a bad number or row.
-  [[nodiscard]] bool is_delta_row(std::uint32_t cell) const noexcept;
 
-  // The cell set as runs in stored order: ascending, disjoint, not touching, inside polygon_count. out and scratch must
-  // each hold run_bound() runs and not overlap; both are overwritten, out[0 .. count) is the answer. Looks at no
-  // checksum: call check_chunk once before. O(runs of the row and its references).
-  // argument: no such cell; capacity: out or scratch too small; corrupt: the row is no row (count is 0 then).
-  status decode_row(std::uint32_t cell, std::span<run> out, std::span<run> scratch, std::size_t& count) const noexcept;
+  // Bytes that the code tables take (about 110,000; 0 in version 0), and making them there: memory of that size at a
+  // multiple of 8, which must outlive their use. capacity: less memory; corrupt: no codes.
+  [[nodiscard]] std::size_t codes_size() const noexcept;
+  status make_codes(std::span<std::byte> memory, const row_codes*& out) const noexcept;
+  // Bytes of scratch that decode_row needs, at a multiple of 4.
+  [[nodiscard]] std::size_t scratch_size() const noexcept;
+
+  // The cell set as runs in stored order: ascending, disjoint, not touching, inside polygon_count. out must hold
+  // run_bound() runs, scratch scratch_size() bytes; both are overwritten, out[0 .. count) is the answer. codes: of
+  // this file. Looks at no checksum: call check_chunk once before. O(runs of the row and its references).
+  // argument: no such cell, no codes; capacity: out or scratch too small; corrupt: the row is no row (count is 0 then).
+  status decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                    std::size_t& count) const noexcept;
 
   // How many (draw, first, count) ranges runs make. runs: as decode_row gives them.
   [[nodiscard]] std::uint64_t count_ranges(std::span<const run> runs) const noexcept;
 
   // Everything open leaves out: every section's checksum, every chunk and row, that rows fill their chunks without gaps
-  // and keep the bounds. out, scratch: as for decode_row. ok, or the first fault found.
-  status check(std::span<run> out, std::span<run> scratch) const noexcept;
+  // and keep the bounds, that every source id is stored once. out, scratch, codes: as for decode_row; stored: room for
+  // polygon_count() numbers. ok, or the first fault found.
+  status check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+               std::span<std::uint32_t> stored) const noexcept;
 
-  // Decodes every row and sums. Checks chunks first. out, scratch: as for decode_row.
-  status statistics(std::span<run> out, std::span<run> scratch, row_statistics& sums) const noexcept;
+  // Decodes every row and sums. Checks chunks first. out, scratch, codes: as for decode_row.
+  status statistics(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                    row_statistics& sums) const noexcept;
 
  private:
   struct extent {
     std::uint64_t offset = 0;
     std::uint64_t size = 0;
   };
+  // Of version 0.
   struct row_place {
     std::span<const std::byte> bytes;
     std::uint32_t offset = 0;  // inside the chunk
@@ -141,24 +179,42 @@ class reader {
   status read_sections() noexcept;
   status check_section(std::uint32_t number) const noexcept;
   status check_sizes() noexcept;
+  status open_tables() noexcept;
   status check_draws() const noexcept;
   status check_cells() const noexcept;
   status check_directory() const noexcept;
   status check_certificate() const noexcept;
+  status check_stored(std::span<std::uint32_t> stored) const noexcept;
   status chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept;
-  status row_bytes(std::uint32_t cell, row_place& out) const noexcept;
-  status check_chunk_filled(std::uint32_t chunk) const noexcept;
+  [[nodiscard]] std::uint32_t rows_of_chunk(std::uint32_t chunk) const noexcept;
+  status check_chunk_filled(std::uint32_t chunk, const row_codes* codes, std::span<std::byte> scratch) const noexcept;
+
+  // Version 0, in reader_v0.cpp.
+  status v0_draw(std::uint32_t number, draw_record& out) const noexcept;
+  status v0_certificate(std::uint32_t number, certificate_record& out) const noexcept;
+  status v0_row_bytes(std::uint32_t cell, row_place& out) const noexcept;
+  status v0_row(std::uint32_t cell, row_record& out) const noexcept;
+  status v0_decode_row(std::uint32_t cell, std::span<run> out, std::span<run> scratch,
+                       std::size_t& count) const noexcept;
+  status v0_check_chunk_filled(std::uint32_t chunk) const noexcept;
 
   std::span<const std::byte> bytes_;
   file_facts facts_;
   std::uint32_t version_ = 0;
   std::uint32_t cell_count_ = 0;
   std::uint32_t draw_count_ = 0;
+  std::uint32_t order_count_ = 0;
   std::uint32_t section_count_ = 0;
   std::uint32_t certificate_count_ = 0;
   std::uint32_t run_bound_ = 0;
   std::uint32_t range_bound_ = 0;
-  extent draws_, cells_, rows_, directory_, certificate_, settings_;
+  std::uint32_t list_bound_ = 0;
+  extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_;
+  bool on_lattice_ = false;
+  cell_lattice lattice_;
+  std::array<packed_column, layout::draw_columns> draw_columns_;
+  std::array<packed_column, layout::certificate_columns> certificate_columns_;
+  packed_column order_begin_;
 };
 
 }  // namespace sightcell::format

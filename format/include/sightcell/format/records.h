@@ -29,9 +29,9 @@ struct draw_record {
   std::uint64_t host_tag = 0;       // the host's own value, carried through untouched
 };
 
-// What fresh rays proved about one cell: misses of at least so many rays, and a one-sided upper bound of the pixel error
-// that holds with that confidence: Clopper-Pearson's, or a little above where the number of rays is itself a bound.
-// rays = 0: nothing was measured for this cell and upper_bound is 1.
+// What fresh rays proved about one cell: misses of at least so many rays, and a one-sided upper bound of the pixel
+// error that holds with that confidence: Clopper-Pearson's, or a little above where the number of rays is itself a
+// bound. rays = 0: nothing was measured for this cell and upper_bound is 1.
 struct certificate_record {
   std::uint32_t cell = 0;
   std::uint64_t rays = 0;
@@ -47,6 +47,19 @@ struct run {
   std::uint32_t count = 0;
 };
 
+// Where a cell lies on a lattice: cells of level 0 are lattice_shape::width wide and deep and `height` high, those of
+// every further level half as large. The cell at (x, y, z) begins at (x width, y height, z width) / 2^level.
+struct lattice_place {
+  std::int32_t x = 0, y = 0, z = 0;
+  std::uint32_t level = 0;
+};
+
+// Metres, of cells of level 0. Both finite and above 0.
+struct lattice_shape {
+  double width = 0.0;
+  double height = 0.0;
+};
+
 // Facts about the whole file.
 struct file_facts {
   std::uint32_t polygon_count = 0;
@@ -55,6 +68,7 @@ struct file_facts {
   float max_pixel_error = 1.0f;  // largest upper bound of any cell; 1 where a cell has none
   float confidence = 0.95f;
   bool repeatable = true;  // false: the bake was ended by a clock or a signal
+  float slack = 0.0f;      // share of polygons that sets hold besides those that are seen; 0: none
   std::array<std::uint8_t, 16> scene_fingerprint{};
 };
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -18,28 +19,47 @@ struct cell_set_source {
   // How many there are: one per cell.
   std::size_t count = 0;
   // Puts the source ids of a cell, strictly ascending, into set, which comes empty and keeps its storage from cell to
-  // cell. encode asks once for each cell, in ascending order, on the thread that called it. Anything but ok ends
-  // encode, which answers the same; so does an exception, which passes through it where the writer is built with them.
+  // cell. encode asks several times for each cell, each time in ascending order, on the thread that called it, and must
+  // be told the same. Anything but ok ends encode, which answers the same; so does an exception, which passes through
+  // it where the writer is built with them.
   std::function<status(std::uint32_t cell, std::vector<std::uint32_t>& set)> get;
 };
 
 // Sets that lie in memory: what sets views must live as long as the source.
 cell_set_source sets_of(std::span<const std::vector<std::uint32_t>> sets);
 
+// In which order polygons are stored. Draws with the same order are instances of one thing, and have as many polygons.
+struct stored_order {
+  std::span<const std::uint32_t> order_of_draw;  // one per draw, in the order of the draw table
+  std::span<const std::vector<std::uint32_t>>
+      orders;  // [i]: which polygon of the draw, as the source has them, is i-th
+};
+
+// Where cells lie on a lattice, which takes a tenth of the bytes of boxes. Places ascend as lattice_comes_before says.
+struct lattice_cells {
+  lattice_shape shape;
+  std::span<const lattice_place> places;  // one per cell
+};
+
+// The order in which a file has the cells of a lattice: by level, then by chunks of 8 x 8.
+[[nodiscard]] bool lattice_comes_before(const lattice_place& a, const lattice_place& b) noexcept;
+
 // Everything a file holds. Spans are only read, and sets only asked for, during the call.
 struct file_contents {
   file_facts facts;
-  std::span<const draw_record> draws;  // ascending first_source, gapless, summing to polygon_count
-  std::span<const box> cells;          // number of a cell = its index here
+  std::span<const draw_record> draws;  // in stored order: first_stored gapless from 0, every source id once
+  stored_order order;                  // without orders: each draw in the order of the source
+  std::span<const box> cells;          // number of a cell = its index here; none where there is a lattice
+  std::optional<lattice_cells> lattice;
   cell_set_source cell_sets;
   std::span<const certificate_record> certificate;  // empty, or one per cell in cell order
   std::string_view settings;                        // JSON text of the settings that made the file; may be empty
 };
 
 // Encodes contents into out (replaced on ok, else left alone). Same contents, same bytes. Besides the file it takes
-// the sets of 64 cells at a time, 8 bytes per run of each. Allocates; no shared state, any thread.
-// argument: contents contradict themselves (unsorted ids, counts that differ, non-finite boxes); limit: a number is
-// above what the format can hold (layout.h); memory: out of memory.
+// the sets of 64 cells at a time, 8 bytes per run of each, and 4 bytes per polygon. Allocates; no shared state, any
+// thread. argument: contents contradict themselves (unsorted ids, counts that differ, non-finite boxes); limit: a
+// number is above what the format can hold (layout.h); memory: out of memory.
 status encode(const file_contents& contents, std::vector<std::byte>& out);
 
 // Writes bytes beside path under a temporary name, flushes them to the disk, renames over path and flushes the folder:

@@ -1,0 +1,28 @@
+#pragma once
+// The draw table and the orders of a file: from the scene's draws and the sets of all cells.
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "sightcell/format/records.h"
+#include "sightcell/format/writer.h"
+
+namespace sightcell::bake {
+
+struct stored_draws {
+  std::vector<format::draw_record> draws;    // in stored order
+  std::vector<std::uint32_t> order_of_draw;  // which of orders a draw has
+  std::vector<std::vector<std::uint32_t>> orders;
+
+  format::stored_order order() const { return {order_of_draw, orders}; }
+};
+
+// Draws in any order whose source ids are gapless from 0; first_stored is not looked at. Draws of the same mesh and
+// primitive share one order, since they share one index buffer in the host. set_of puts the ascending source ids of a
+// cell into set, which comes empty, and is asked seven times for each cell, ascending; what it throws comes through.
+// The same answer on any number of threads (polygon_order.h).
+stored_draws store_draws(std::span<const format::draw_record> draws, std::uint32_t cell_count,
+                         const std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& set)>& set_of);
+
+}  // namespace sightcell::bake

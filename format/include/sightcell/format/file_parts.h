@@ -1,0 +1,34 @@
+#pragma once
+// A file taken apart, for tools that encode it again: all it holds but its sets, which set_reader.h gives one at a
+// time.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightcell/format/reader.h"
+#include "sightcell/format/records.h"
+#include "sightcell/format/status.h"
+#include "sightcell/format/writer.h"
+
+namespace sightcell::format {
+
+struct file_parts {
+  file_facts facts;
+  std::vector<draw_record> draws;  // in stored order
+  std::vector<std::uint32_t> order_of_draw;
+  std::vector<std::vector<std::uint32_t>> orders;
+  std::vector<box> cells;                // also those on a lattice
+  std::optional<lattice_shape> lattice;  // where cells lie on one
+  std::vector<lattice_place> places;     // one per cell then, else none
+  std::vector<certificate_record> certificate;
+  std::string settings;
+
+  // For encode(), with sets that are asked for by the numbers of these cells. Views the parts.
+  [[nodiscard]] file_contents contents(cell_set_source sets) const;
+};
+
+// Copies everything out of a file; out is replaced. corrupt: a table or an order is damaged. Allocates.
+status take_apart(const reader& file, file_parts& out);
+
+}  // namespace sightcell::format

@@ -1,0 +1,50 @@
+#pragma once
+// The sets of a file, with the memory that decoding them takes: what tools use of a reader. A runtime, which may not
+// allocate, calls the reader itself.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sightcell/format/reader.h"
+#include "sightcell/format/records.h"
+#include "sightcell/format/status.h"
+
+namespace sightcell::format {
+
+class set_reader {
+ public:
+  set_reader() = default;
+  set_reader(const set_reader&) = delete;
+  set_reader& operator=(const set_reader&) = delete;
+  set_reader(set_reader&&) = default;
+  set_reader& operator=(set_reader&&) = default;
+
+  // Makes the code tables of a file and the source id of every stored polygon. The file's bytes must outlive its use.
+  // corrupt: there are none. Allocates 4 bytes per polygon, about 30 per run of the largest set, and the code tables.
+  // Not for two threads at once, from here on.
+  status open(const reader& file);
+
+  [[nodiscard]] const reader& file() const { return file_; }
+
+  // The set of a cell as runs in stored order, valid until the next call. As reader::decode_row.
+  status runs(std::uint32_t cell, std::span<const run>& out);
+  // The same as ascending source ids. out is replaced.
+  status source_ids(std::uint32_t cell, std::vector<std::uint32_t>& out);
+  // The source id of every stored polygon.
+  [[nodiscard]] std::span<const std::uint32_t> source_of_stored() const { return source_of_stored_; }
+
+  // reader::check and reader::statistics.
+  status check();
+  status statistics(row_statistics& sums);
+
+ private:
+  reader file_;
+  std::vector<std::byte> codes_memory_;
+  const row_codes* codes_ = nullptr;
+  std::vector<std::uint32_t> source_of_stored_;
+  std::vector<run> row_;
+  std::vector<std::byte> scratch_;
+};
+
+}  // namespace sightcell::format

@@ -1,0 +1,78 @@
+#include "sightcell/format/file_parts.h"
+
+#include <bit>
+#include <span>
+#include <utility>
+
+#include "sightcell/format/cell_lattice.h"
+
+namespace sightcell::format {
+namespace {
+
+status read_orders(const reader& file, file_parts& out) {
+  std::vector<std::uint32_t> all(file.order_begin(file.order_count()));
+  if (const status s = file.orders(all); s != status::ok) return s;
+  for (std::uint32_t number = 0; number < file.order_count(); ++number) {
+    const std::uint32_t begin = file.order_begin(number);
+    const std::uint32_t end = file.order_begin(number + 1);
+    if (begin > end || end > all.size()) return status::corrupt;
+    out.orders.emplace_back(all.begin() + begin, all.begin() + end);
+  }
+  return status::ok;
+}
+
+std::vector<lattice_place> places_of(const cell_lattice& lattice) {
+  std::vector<lattice_place> places;
+  for (std::uint32_t number = 0; number < lattice.chunk_count(); ++number) {
+    const lattice_chunk chunk = lattice.chunk(number);
+    for (std::uint64_t left = chunk.mask; left != 0; left &= left - 1)
+      places.push_back(place_of(chunk, static_cast<unsigned>(std::countr_zero(left))));
+  }
+  return places;
+}
+
+}  // namespace
+
+file_contents file_parts::contents(cell_set_source sets) const {
+  file_contents all;
+  all.facts = facts;
+  all.draws = draws;
+  all.order = {order_of_draw, orders};
+  if (lattice)
+    all.lattice = lattice_cells{*lattice, places};
+  else
+    all.cells = cells;
+  all.cell_sets = std::move(sets);
+  all.certificate = certificate;
+  all.settings = settings;
+  return all;
+}
+
+status take_apart(const reader& file, file_parts& out) {
+  file_parts parts;
+  parts.facts = file.facts();
+  parts.draws.resize(file.draw_count());
+  for (std::uint32_t i = 0; i < file.draw_count(); ++i) {
+    if (const status s = file.draw(i, parts.draws[i]); s != status::ok) return s;
+    parts.order_of_draw.push_back(file.order_of_draw(i));
+  }
+  if (const status s = read_orders(file, parts); s != status::ok) return s;
+  parts.cells.resize(file.cell_count());
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    if (const status s = file.cell_box(cell, parts.cells[cell]); s != status::ok) return s;
+  }
+  if (file.lattice() != nullptr) {
+    parts.lattice = file.lattice()->shape();
+    parts.places = places_of(*file.lattice());
+    if (parts.places.size() != parts.cells.size()) return status::corrupt;
+  }
+  parts.certificate.resize(file.certificate_count());
+  for (std::uint32_t i = 0; i < file.certificate_count(); ++i) {
+    if (const status s = file.certificate(i, parts.certificate[i]); s != status::ok) return s;
+  }
+  parts.settings = file.settings();
+  out = std::move(parts);
+  return status::ok;
+}
+
+}  // namespace sightcell::format

@@ -1,0 +1,129 @@
+#include "rows_encoder.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "byte_sink.h"
+#include "checksum.h"
+#include "code_table_writer.h"
+#include "row_chunk_encoder.h"
+#include "sightcell/format/draw_ranges.h"
+#include "sightcell/format/layout.h"
+
+namespace sightcell::format {
+namespace {
+
+// Chunks that are planned to learn what differences cost.
+constexpr std::size_t sampled_chunks = 8;
+
+}  // namespace
+
+std::size_t rows_encoder::chunk_count() const {
+  return (contents_.cell_sets.count + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
+}
+
+std::size_t rows_encoder::directory_size() const {
+  return chunk_count() * layout::chunk_record_size;
+}
+
+status rows_encoder::read_set(std::uint32_t cell, std::vector<run>& runs) {
+  ids_.clear();
+  if (const status s = contents_.cell_sets.get(cell, ids_); s != status::ok) return s;
+  if (!ids_.empty() && ids_.back() >= contents_.facts.polygon_count) return status::argument;
+  if (std::adjacent_find(ids_.begin(), ids_.end(), std::greater_equal<>()) != ids_.end()) return status::argument;
+  stored_.runs_of(ids_, runs);
+  return status::ok;
+}
+
+template <class Visit>
+status rows_encoder::for_each_chunk(std::size_t step, const Visit& visit) {
+  for (std::size_t chunk = 0; chunk < chunk_count(); chunk += step) {
+    const std::size_t begin = chunk * layout::cells_per_chunk;
+    sets_.resize(std::min<std::size_t>(contents_.cell_sets.count - begin, layout::cells_per_chunk));
+    for (std::size_t i = 0; i < sets_.size(); ++i) {
+      if (const status s = read_set(static_cast<std::uint32_t>(begin + i), sets_[i]); s != status::ok) return s;
+    }
+    if (const status s = visit(chunk); s != status::ok) return s;
+  }
+  return status::ok;
+}
+
+std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
+  std::uint32_t ranges = 0;
+  for_each_draw_range(
+      runs, static_cast<std::uint32_t>(contents_.draws.size()), contents_.facts.polygon_count,
+      [&](std::uint32_t d) { return contents_.draws[d].first_stored; },
+      [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
+  return ranges;
+}
+
+// Every set as if it stood alone, and the bounds.
+status rows_encoder::count_own(row_counts& counts) {
+  return for_each_chunk(1, [&](std::size_t) {
+    for (const std::vector<run>& set : sets_) {
+      counts.own.add(set);
+      run_bound_ = std::max(run_bound_, static_cast<std::uint32_t>(set.size()));
+      range_bound_ = std::max(range_bound_, count_ranges(set));
+    }
+    return status::ok;
+  });
+}
+
+// Differences are thought to cost as much per run as own rows, until some of them are known.
+status rows_encoder::sample(row_counts& counts) {
+  row_counts guess = counts;
+  guess.removed = guess.added = guess.own;
+  const row_encoders encoders(guess);
+  row_counts sampled;
+  const status s = for_each_chunk(std::max<std::size_t>(1, chunk_count() / sampled_chunks), [&](std::size_t) {
+    count_chunk(sets_, plan_chunk(sets_, encoders, contents_.facts.polygon_count), sampled);
+    return status::ok;
+  });
+  counts.removed = sampled.removed;
+  counts.added = sampled.added;
+  return s;
+}
+
+status rows_encoder::choose(const row_encoders& encoders, row_counts& counts) {
+  return for_each_chunk(1, [&](std::size_t) {
+    plans_.push_back(plan_chunk(sets_, encoders, contents_.facts.polygon_count));
+    count_chunk(sets_, plans_.back(), counts);
+    return status::ok;
+  });
+}
+
+status rows_encoder::plan() {
+  row_counts expected;
+  if (const status s = count_own(expected); s != status::ok) return s;
+  if (const status s = sample(expected); s != status::ok) return s;
+  row_counts counts;
+  if (const status s = choose(row_encoders(expected), counts); s != status::ok) return s;
+  list_bound_ = counts.list_runs;
+  encoders_ = std::make_unique<row_encoders>(counts);
+  return status::ok;
+}
+
+std::vector<std::byte> rows_encoder::codes() const {
+  std::vector<std::byte> bytes;
+  for (const run_encoder* kind : {&encoders_->own, &encoders_->removed, &encoders_->added}) {
+    put_code_lengths(kind->gap_lengths(), bytes);
+    put_code_lengths(kind->more_lengths(), bytes);
+  }
+  return bytes;
+}
+
+status rows_encoder::write(std::vector<std::byte>& file, std::vector<std::byte>& directory) {
+  const std::size_t rows_begin = file.size();
+  byte_sink records(directory);
+  return for_each_chunk(1, [&](std::size_t chunk) {
+    const std::size_t begin = file.size();
+    encode_chunk(sets_, plans_[chunk], *encoders_, file);
+    if (file.size() - begin > layout::max_chunk_size) return status::limit;
+    records.put_u64(begin - rows_begin);
+    records.put_u32(static_cast<std::uint32_t>(file.size() - begin));
+    records.put_u32(crc32c(std::span(file).subspan(begin)));
+    return status::ok;
+  });
+}
+
+}  // namespace sightcell::format

@@ -1,0 +1,220 @@
+// Faults of draws, orders, cells, the chunk directory and the certificate.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <functional>
+#include <limits>
+
+#include "byte_sink.h"
+#include "code_table_writer.h"
+#include "damaged_file.h"
+#include "golden_contents.h"
+#include "packed_columns_writer.h"
+#include "polygon_orders_writer.h"
+#include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/layout.h"
+#include "sightcell/format/reader.h"
+#include "table_encoder.h"
+
+namespace sightcell::test {
+namespace layout = format::layout;
+namespace {
+
+using bytes = std::vector<std::byte>;
+using numbers = std::vector<std::uint32_t>;
+using format::status;
+
+void damage_draws(damaged_list& list) {
+  const sample_contents contents = whole_contents();
+  const bytes whole = contents.encode();
+  const auto add = [&](const char* name, const std::function<void(sample_contents&)>& damage) {
+    sample_contents damaged = contents;
+    damage(damaged);
+    list.push_back(
+        {name, status::corrupt,
+         with_section(whole, layout::section_draws, format::encode_draws(damaged.draws, damaged.order_of_draw))});
+  };
+  add("draw_group_1", [](auto& c) { c.draws[1].group = 1; });
+  add("draw_order_unknown", [](auto& c) { c.order_of_draw[1] = 1; });
+  add("draws_overlap", [](auto& c) { c.draws[1].first_stored = 2; });
+  add("draw_leaves_scene", [](auto& c) { c.draws[1].first_source = 4; });
+  add("sources_twice", [](auto& c) { c.draws[1].first_source = 0; });
+
+  const bytes table = section_of(whole, layout::section_draws);
+  list.push_back({"columns_cut", status::corrupt, with_section(whole, layout::section_draws, longer(table, -1))});
+  list.push_back({"columns_longer", status::corrupt, with_section(whole, layout::section_draws, longer(table, 1))});
+  // As long as two values of 33 bits make it.
+  bytes wide = longer(table, 9);
+  set_u32(wide, 8 * (layout::draw_columns - 1) + 4, 33);
+  list.push_back({"column_of_33_bits", status::corrupt, with_section(whole, layout::section_draws, wide)});
+}
+
+// The orders section from its parts: one symbol of one bit, for number 0.
+bytes orders_of(const numbers& polygons, const numbers& permutation_bytes, const bytes& permutations,
+                const format::symbol_lengths& steps = {1}) {
+  bytes out;
+  format::byte_sink(out).put_u32(static_cast<std::uint32_t>(polygons.size() - 1));
+  format::put_columns(std::vector<numbers>{polygons, permutation_bytes}, out);
+  format::put_code_lengths(steps, out);
+  out.insert(out.end(), permutations.begin(), permutations.end());
+  return longer(std::move(out), 8);
+}
+
+void damage_orders(damaged_list& list) {
+  const bytes whole = whole_contents().encode();
+  const auto add = [&](const char* name, const bytes& section, status expected = status::corrupt) {
+    list.push_back({name, expected, with_section(whole, layout::section_orders, section)});
+  };
+  const auto put = [](const std::vector<numbers>& orders) {
+    bytes out;
+    format::put_orders(orders, out);
+    return out;
+  };
+  const bytes in_order(1);  // eight times the first code
+  add("undamaged_orders", orders_of({0, 3}, {0, 1}, in_order), status::ok);
+  add("order_has_polygon_twice", put({{2, 0, 0}}));
+  add("order_leaves_draw", put({{3, 0, 1}}));
+  add("order_begins_before_draw", orders_of({0, 3}, {0, 1}, in_order, {0, 1}));
+  add("orders_begin_above_0", orders_of({1, 4}, {0, 1}, in_order));
+  add("orders_descend", orders_of({0, 3, 2}, {0, 1, 1}, in_order));
+  add("permutations_descend", orders_of({0, 3, 3}, {0, 2, 1}, in_order));
+  add("more_polygons_than_bits", orders_of({0, 9}, {0, 1}, in_order));
+  add("orders_longer", longer(orders_of({0, 3}, {0, 1}, in_order), 1));
+  add("steps_incomplete", orders_of({0, 3}, {0, 1}, in_order, {2, 2, 2}));
+  add("step_is_no_code", orders_of({0, 3}, {0, 1}, bytes{std::byte{2}}));
+}
+
+void damage_cells(damaged_list& list) {
+  const bytes tiny = tiny_contents().encode();
+  const std::size_t cells = section_offset(tiny, layout::section_cells);
+  const bytes section = section_of(tiny, layout::section_cells);
+  const auto as_bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
+  const auto add = [&](const char* name, std::size_t at, std::uint32_t value) {
+    list.push_back({name, status::corrupt, changed(tiny, cells + at, value)});
+  };
+  add("cells_of_kind_2", 0, 2);
+  add("cell_without_width", 4, as_bits(4.0f));
+  add("cell_begins_nowhere", 4, as_bits(std::numeric_limits<float>::quiet_NaN()));
+  add("cell_without_end", 16, as_bits(std::numeric_limits<float>::infinity()));
+  list.push_back({"cells_longer", status::corrupt, with_section(tiny, layout::section_cells, longer(section, 1))});
+}
+
+void damage_directory(damaged_list& list) {
+  const bytes two_chunks = lattice_contents().encode();
+  const bytes directory = section_of(two_chunks, layout::section_row_directory);
+  const std::size_t second = section_offset(two_chunks, layout::section_row_directory) + layout::chunk_record_size;
+  const auto offset = static_cast<std::uint32_t>(get_u64(two_chunks, second));
+  const std::uint32_t size = get_u32(two_chunks, second + 8);
+  bytes gap = two_chunks;
+  set_u32(gap, second, offset + 1);
+  set_u32(gap, second + 8, size - 1);
+  reseal(gap);
+  list.push_back({"chunk_gap", status::corrupt, std::move(gap)});
+  list.push_back({"chunk_leaves_rows", status::corrupt, changed(two_chunks, second + 8, size + 1)});
+  list.push_back(
+      {"byte_behind_chunks", status::corrupt,
+       with_section(two_chunks, layout::section_rows, longer(section_of(two_chunks, layout::section_rows), 1))});
+  list.push_back({"directory_longer", status::corrupt,
+                  with_section(two_chunks, layout::section_row_directory, longer(directory, 16))});
+}
+
+void damage_certificate(damaged_list& list) {
+  const sample_contents contents = whole_contents();
+  const bytes whole = contents.encode();
+  const auto add = [&](const char* name, const format::certificate_record& second) {
+    const std::vector<format::certificate_record> damaged{contents.certificate[0], second};
+    list.push_back(
+        {name, status::corrupt, with_section(whole, layout::section_certificate, format::encode_certificate(damaged))});
+  };
+  add("misses_above_rays", {1, 1000, 1001, 0.5, 0.5, 2});
+  add("certificate_above_1", {1, 1000, 0, 1.5, 0.5, 2});
+  add("certificate_nan", {1, 1000, 0, std::numeric_limits<double>::quiet_NaN(), 0.5, 2});
+  add("certificate_confidence_negative", {1, 1000, 0, 0.5, -0.5, 2});
+  const bytes section = section_of(whole, layout::section_certificate);
+  list.push_back(
+      {"certificate_longer", status::corrupt, with_section(whole, layout::section_certificate, longer(section, 1))});
+}
+
+using chunk_list = std::vector<format::lattice_chunk>;
+
+bytes lattice_of(const format::lattice_shape& shape, const chunk_list& chunks) {
+  std::vector<numbers> columns(7);
+  for (const format::lattice_chunk& c : chunks) {
+    std::size_t column = 0;
+    for (const std::uint32_t value :
+         {format::from_signed(c.x), format::from_signed(c.y), format::from_signed(c.z), c.level, c.first_cell,
+          static_cast<std::uint32_t>(c.mask), static_cast<std::uint32_t>(c.mask >> 32)}) {
+      columns[column++].push_back(value);
+    }
+  }
+  bytes out;
+  format::byte_sink sink(out);
+  sink.put_u32(layout::cells_are_on_lattice);
+  sink.put_f64(shape.width);
+  sink.put_f64(shape.height);
+  sink.put_u32(static_cast<std::uint32_t>(chunks.size()));
+  format::put_columns(columns, out);
+  return out;
+}
+
+}  // namespace
+
+damaged_list damaged_tables() {
+  damaged_list list;
+  damage_draws(list);
+  damage_orders(list);
+  damage_cells(list);
+  damage_directory(list);
+  damage_certificate(list);
+  return list;
+}
+
+damaged_list damaged_lattices() {
+  const bytes whole = lattice_contents().encode();
+  format::reader file;
+  EXPECT_EQ(format::reader::open(whole, file), status::ok);
+  const format::lattice_shape shape = file.lattice()->shape();
+  chunk_list chunks;
+  for (std::uint32_t i = 0; i < file.lattice()->chunk_count(); ++i) chunks.push_back(file.lattice()->chunk(i));
+  damaged_list list;
+  const auto add = [&](const char* name, const bytes& section) {
+    list.push_back({name, status::corrupt, with_section(whole, layout::section_cells, section)});
+  };
+  add("lattice_width_0", lattice_of({0.0, shape.height}, chunks));
+  add("lattice_height_nan", lattice_of({shape.width, std::numeric_limits<double>::quiet_NaN()}, chunks));
+  add("lattice_width_infinite", lattice_of({std::numeric_limits<double>::infinity(), shape.height}, chunks));
+  add("lattice_beyond_floats", lattice_of({1e300, shape.height}, chunks));
+  add("lattice_below_floats", lattice_of({shape.width, 1e-300}, chunks));
+  add("lattice_longer", longer(lattice_of(shape, chunks), 1));
+  const auto add_changed = [&](const char* name, const std::function<void(chunk_list&)>& damage) {
+    chunk_list damaged = chunks;
+    damage(damaged);
+    add(name, lattice_of(shape, damaged));
+  };
+  add_changed("lattice_not_ascending", [](chunk_list& c) {
+    // As many cells, so that they are numbered as before.
+    std::swap(c[0].z, c[2].z);
+    std::swap(c[0].x, c[2].x);
+  });
+  add_changed("lattice_chunk_twice", [](chunk_list& c) {
+    format::lattice_chunk half = c[0];
+    half.mask &= half.mask - 1;
+    half.first_cell = 1;
+    c[0].mask ^= half.mask;
+    c.insert(c.begin() + 1, half);
+  });
+  add_changed("lattice_chunk_without_cells", [](chunk_list& c) {
+    format::lattice_chunk none = c[0];
+    none.mask = 0;
+    --none.y;
+    c.insert(c.begin(), none);
+  });
+  add_changed("lattice_cell_skipped", [](chunk_list& c) { ++c[1].first_cell; });
+  add_changed("lattice_cells_missing", [](chunk_list& c) { c.pop_back(); });
+  add_changed("lattice_level_32", [](chunk_list& c) { c.back().level = 32; });
+  add_changed("lattice_chunk_far_away", [](chunk_list& c) { c.back().x = 1 << 27; });
+  add_changed("lattice_layer_far_away", [](chunk_list& c) { c.back().y = 1 << 30; });
+  return list;
+}
+
+}  // namespace sightcell::test

@@ -1,0 +1,237 @@
+"""The tables and rows of version 1, written from format/SPEC.md alone."""
+import math
+import struct
+
+from pvs_parts import MASK32, PADDING, Bits, code_table, need, packed_columns, unpack, with_raw_bits
+
+DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, ORDERS, CODES = 1, 2, 3, 4, 5, 7, 8
+REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
+FURTHEST = 1 << 27  # chunk of a lattice, in x and z
+FURTHEST_LAYER = 1 << 30
+
+
+def most_runs(rows_size):
+    return 4 * rows_size
+
+
+def whole_columns(section, columns, rows, what, at=0):
+    values, end = packed_columns(section, at, columns, rows)
+    need(end == len(section), f"bytes behind {what}")
+    return values
+
+
+def decode_orders(section):
+    count = unpack("<I", section, 0, "orders")[0]
+    (polygons, firsts), at = packed_columns(section, 4, 2, count + 1)
+    for column in (polygons, firsts):
+        need(column[0] == 0 and all(a <= b for a, b in zip(column, column[1:])), "orders do not follow each other")
+    code, at = code_table(section, at)
+    need(at + firsts[-1] + PADDING == len(section), "size of the orders")
+    orders = []
+    for i in range(count):
+        end = at + firsts[i + 1]
+        bits = Bits(section, 8 * (at + firsts[i]), 8 * end)
+        order, expected = [], 0
+        for _ in range(polygons[i + 1] - polygons[i]):
+            number = code.number(bits)
+            step = -(number + 1) // 2 if number & 1 else number // 2
+            order.append((expected + step) & MASK32)
+            expected = order[-1] + 1
+        need((bits.at + 7) // 8 == end, "a permutation does not end where the next begins")
+        need(sorted(order) == list(range(len(order))), "an order is no permutation")
+        orders.append(order)
+    return orders
+
+
+def decode_draws(header, section, orders):
+    """The draws as version 0 has them, with the number of the order behind; and the source id of every polygon."""
+    draws, sources = [], []
+    for row in zip(*whole_columns(section, 12, header.draws, "the draw table")):
+        node, mesh, primitive, instance, material, group, order, source, stored, base, tag_low, tag_high = row
+        need(group == 0 and order < len(orders), "draw")
+        need(stored == len(sources), "draws do not follow each other")
+        count = len(orders[order])
+        need(source + count <= header.polygons and stored + count <= header.polygons, "draw leaves the scene")
+        draws.append((node, mesh, primitive, instance, material, group, source, count, stored, base,
+                      tag_high << 32 | tag_low, order))
+        sources.extend(source + polygon for polygon in orders[order])
+    need(sorted(sources) == list(range(header.polygons)), "a source id is not there once")
+    return draws, sources
+
+
+def to_float(value):
+    try:
+        return struct.unpack("<f", struct.pack("<f", value))[0]
+    except OverflowError:
+        return math.inf
+
+
+def chunk_boxes(width, height, chunk):
+    x, y, z, level, mask = chunk
+    width, height = math.ldexp(width, -level), math.ldexp(height, -level)
+    for bit in range(64):
+        if mask >> bit & 1:
+            place = (8 * x + bit % 8, y, 8 * z + bit // 8)
+            yield tuple(to_float((place[axis] + more) * size)
+                        for more in (0, 1) for axis, size in enumerate((width, height, width)))
+
+
+def decode_lattice(header, section):
+    width, height, count = unpack("<ddI", section, 4, "lattice")
+    need(0 < width < math.inf and 0 < height < math.inf, "shape of the lattice")
+    boxes, last = [], ()
+    for x, y, z, level, first, low, high in zip(*whole_columns(section, 7, count, "the lattice", 24)):
+        x, y, z = x - (1 << 31), y - (1 << 31), z - (1 << 31)
+        need(-FURTHEST <= x < FURTHEST and -FURTHEST <= z < FURTHEST, "chunk of the lattice is too far away")
+        need(-FURTHEST_LAYER <= y < FURTHEST_LAYER and level <= 31, "layer or level of the lattice")
+        need(first == len(boxes) and (low or high), "cells of a lattice's chunk")
+        need(last < (level, z, x, y), "chunks of the lattice do not ascend")
+        last = (level, z, x, y)
+        boxes.extend(chunk_boxes(width, height, (x, y, z, level, high << 32 | low)))
+    need(len(boxes) == header.cells, "the lattice does not have all cells")
+    return (width, height), boxes
+
+
+def decode_cells(header, section):
+    kind = unpack("<I", section, 0, "cells")[0]
+    need(kind in (0, 1), "kind of cells")
+    if kind == 1:
+        return decode_lattice(header, section)
+    need(len(section) == 4 + 24 * header.cells, "size of the cells")
+    return None, [struct.unpack_from("<6f", section, 4 + 24 * i) for i in range(header.cells)]
+
+
+def decode_certificate(header, section):
+    def as_float(bits):
+        return struct.unpack("<f", struct.pack("<I", bits))[0]
+
+    return [(rays_high << 32 | rays, misses_high << 32 | misses, as_float(bound), as_float(sure), seed_high << 32 | seed)
+            for rays, rays_high, misses, misses_high, bound, sure, seed, seed_high
+            in zip(*whole_columns(section, 8, header.cells, "the certificate"))]
+
+
+def decode_tables(header, parts, contents):
+    contents.orders = decode_orders(parts[ORDERS])
+    contents.draws, contents.source_of_stored = decode_draws(header, parts[DRAWS], contents.orders)
+    contents.lattice, contents.boxes = decode_cells(header, parts[CELLS])
+    if CERTIFICATE in parts:
+        contents.certificate = decode_certificate(header, parts[CERTIFICATE])
+
+
+class RunCode:
+    def __init__(self, gaps, lengths):
+        self.gaps, self.lengths = gaps, lengths
+
+    def runs(self, bits, count, limit):
+        """So many runs as (first, end), none beyond limit."""
+        runs, end = [], -1
+        for _ in range(count):
+            gap, length = self.gaps.symbol(bits), self.lengths.symbol(bits)
+            first = end + 1 + with_raw_bits(gap, bits)
+            end = first + with_raw_bits(length, bits) + 1
+            need(end <= limit, "run leaves the scene")
+            runs.append((first, end))
+        return runs
+
+
+def count_of(bits):
+    width = bits.take(5)
+    return 1 << (width - 1) | bits.take(width - 1) if width else 0
+
+
+def numbers_at(ranks, runs):
+    """Runs of the numbers that have these ranks among the numbers in runs."""
+    found, at, before = [], 0, 0
+    for rank, end in ranks:
+        while rank < end:
+            need(at < len(runs), "rank beyond the last one")
+            first, size = runs[at][0], runs[at][1] - runs[at][0]
+            if rank >= before + size:
+                before += size
+                at += 1
+                continue
+            stop = min(end, before + size)
+            found.append((first + rank - before, first + stop - before))
+            rank = stop
+    return found
+
+
+def between(runs, limit):
+    """Runs of the numbers below limit that are not in runs."""
+    borders = [0] + [border for run in runs for border in run] + [limit]
+    return [(first, end) for first, end in zip(borders[::2], borders[1::2]) if first < end]
+
+
+def in_odd_number(*lists):
+    """Runs of the numbers that are in one or three of the lists: borders that are there twice cancel out."""
+    borders = set()
+    for runs in lists:
+        for run in runs:
+            borders ^= {run[0]}
+            borders ^= {run[1]}
+    borders = sorted(borders)
+    return list(zip(borders[::2], borders[1::2]))
+
+
+class RowDecoder:
+    def __init__(self, header, codes):
+        self.header = header
+        tables, at = [], 0
+        for _ in range(6):
+            table, at = code_table(codes, at)
+            tables.append(table)
+        need(at == len(codes), "bytes behind the code tables")
+        self.own, self.removed, self.added = (RunCode(*tables[i:i + 2]) for i in (0, 2, 4))
+
+    def decode_chunk(self, chunk, cells):
+        """The sets of its cells, as runs."""
+        table = Bits(chunk, 0, 8 * len(chunk))
+        width = table.take(8)
+        need(width <= 32, "width of the places of rows")
+        begins = [table.take(width) for _ in range(cells)]
+        rows = chunk[(table.at + 7) // 8:]
+        need(len(rows) >= PADDING, "chunk is cut")
+        made, ends = {}, {}
+        sets = [self.decode_row(rows, begins, cell, made, ends, 0)[0] for cell in range(cells)]
+        place = 0
+        for cell, begin in enumerate(begins):
+            if begin == place:
+                place = ends[begin]
+            else:
+                need(begin in begins[:cell], "rows do not follow each other")
+        need(place == len(rows) - PADDING, "bytes behind the last row")
+        return sets
+
+    def decode_row(self, rows, begins, cell, made, ends, followed):
+        """The set, and how many references it stands on. made: rows decoded before, by their begin."""
+        need(followed <= 2, "references too deep")
+        need(cell < len(begins), "reference leaves the chunk")
+        begin = begins[cell]
+        if begin not in made:
+            bits = Bits(rows, 8 * begin, 8 * (len(rows) - PADDING))
+            if bits.take(1) == 0:
+                count = count_of(bits)
+                need(count <= self.header.run_bound, "more runs than the run bound")
+                made[begin] = self.own.runs(bits, count, self.header.polygons), 0
+            else:
+                made[begin] = self.decode_difference(bits, rows, begins, made, ends, followed)
+            ends[begin] = (bits.at + 7) // 8
+        need(followed + made[begin][1] <= 2, "references too deep")
+        return made[begin]
+
+    def decode_difference(self, bits, rows, begins, made, ends, followed):
+        polygons = self.header.polygons
+        reference, removed, added = bits.take(6), count_of(bits), count_of(bits)
+        need(max(removed, added) <= self.header.list_bound, "a list above the list bound")
+        base, depth = self.decode_row(rows, begins, reference, made, ends, followed + 1)
+        gone = numbers_at(self.removed.runs(bits, removed, polygons), base)
+        come = numbers_at(self.added.runs(bits, added, polygons), between(base, polygons))
+        runs = in_odd_number(base, gone, come)
+        need(len(runs) <= self.header.run_bound, "more runs than the run bound")
+        return runs, depth + 1
+
+
+def row_decoder(header, parts, chunks):
+    need(len(parts[DIRECTORY]) == 16 * chunks, "size of the chunk directory")
+    rows = RowDecoder(header, parts[CODES])
+    return lambda number, chunk, cells: rows.decode_chunk(chunk, cells)

@@ -1,0 +1,91 @@
+#include "golden_contents.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "sightcell/format/cell_lattice.h"
+
+namespace sightcell::test {
+namespace {
+
+// Steps of seven around a circle.
+std::vector<std::uint32_t> stepping_order(std::uint32_t polygons) {
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < polygons; ++i) order.push_back(7 * i % polygons);
+  return order;
+}
+
+// What nearly all cells of small_contents() see comes first, so that runs get long; the others come last to first.
+std::vector<std::uint32_t> gathered_order(std::uint32_t polygons) {
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < polygons; ++i) {
+    if (i % 12 < 5) order.push_back(i);
+  }
+  for (std::uint32_t i = polygons; i-- > 0;) {
+    if (i % 12 >= 5) order.push_back(i);
+  }
+  return order;
+}
+
+}  // namespace
+
+sample_contents ordered_contents() {
+  sample_contents contents = small_contents();
+  const format::draw_record first = contents.draws[0];
+  const format::draw_record none = contents.draws[1];
+  format::draw_record instance = contents.draws[2];
+  instance.polygon_count = 90;
+  format::draw_record other_instance = instance;
+  other_instance.instance = 10;
+  other_instance.first_source = 210;
+  other_instance.base_vertex = 500;
+  other_instance.host_tag = 78;
+  contents.draws = {other_instance, first, none, instance};
+  std::uint32_t next = 0;
+  for (format::draw_record& d : contents.draws) {
+    d.first_stored = next;
+    next += d.polygon_count;
+  }
+  contents.orders = {stepping_order(90), gathered_order(120), {}};
+  contents.order_of_draw = {0, 1, 2, 0};
+  return contents;
+}
+
+sample_contents lattice_contents() {
+  sample_contents contents;
+  contents.facts.polygon_count = 40;
+  contents.facts.margin = 0.125f;
+  contents.facts.slack = 0.0625f;
+  for (std::uint8_t i = 0; i < 16; ++i) contents.facts.scene_fingerprint[i] = static_cast<std::uint8_t>(0xF0 - i);
+  contents.draws = {{.node = 1, .polygon_count = 20},
+                    {.node = 2, .first_source = 20, .polygon_count = 20, .first_stored = 20, .base_vertex = 24}};
+  contents.lattice = format::lattice_shape{0.75, 1.5};
+  for (std::int32_t z = -4; z <= 4; ++z) {
+    for (std::int32_t x = -5; x <= 3; ++x) {
+      // One cell is cut into eight.
+      for (std::int32_t part = 0; part < 8 && x == 1 && z == -2; ++part) {
+        contents.places.push_back({2 * x + part % 2, -2 + part / 4, 2 * z + part / 2 % 2, 1});
+      }
+      if (x != 1 || z != -2) contents.places.push_back({x, -1, z, 0});
+    }
+  }
+  std::sort(contents.places.begin(), contents.places.end(), format::lattice_comes_before);
+  for (const format::lattice_place& place : contents.places) {
+    contents.cells.push_back(format::box_of(*contents.lattice, place));
+    std::vector<std::uint32_t> set;
+    for (std::int32_t polygon = 0; polygon < 40; ++polygon) {
+      const std::int32_t far = 4 * (1 - static_cast<std::int32_t>(place.level)) + 3;
+      if (std::abs(polygon - 20 - 3 * place.x) <= far || (polygon + place.z) % 13 == 0) {
+        set.push_back(static_cast<std::uint32_t>(polygon));
+      }
+    }
+    contents.sets.push_back(std::move(set));
+  }
+  return contents;
+}
+
+std::vector<golden_file_contents> golden_files() {
+  return {{"v1_tiny", tiny_contents()}, {"v1_small", ordered_contents()}, {"v1_lattice", lattice_contents()}};
+}
+
+}  // namespace sightcell::test

@@ -1,0 +1,24 @@
+#pragma once
+// What the golden files of the writer's version hold.
+#include <string>
+#include <vector>
+
+#include "unit/format/sample_contents.h"
+
+namespace sightcell::test {
+
+// small_contents() in an order of its own: draws in another order than the source has them, two of them instances that
+// share an order, one empty; polygons permuted forwards and backwards.
+sample_contents ordered_contents();
+// Cells of two sizes on a lattice, in two chunks of rows and six of the lattice, on both sides of the origin.
+sample_contents lattice_contents();
+
+struct golden_file_contents {
+  std::string name;  // of the file without its ending
+  sample_contents contents;
+};
+
+// All of them.
+std::vector<golden_file_contents> golden_files();
+
+}  // namespace sightcell::test
