@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   action chosen;
   add_bake_verb(program, chosen);
   add_info_verb(program, chosen);
+  add_diff_verb(program, chosen);
   add_merge_verb(program, chosen);
   add_patch_verb(program, chosen);
   add_samplers_verb(program, chosen);

@@ -294,6 +294,33 @@ class Bake(InFolder):
         self.assertIn('0 polygons added, 1 were there', self.expect(0, 'patch', broken, '--add', '0:1')[0])
         self.assertEqual(read(broken), read(whole))
 
+    def test_diff_tells_what_was_gained_and_lost(self):
+        if not PROGRAMS.drop:
+            self.skipTest('no sightcell-test-drop-polygon in this build')
+        file, less = self.path('d.pvs'), self.path('d-less.pvs')
+        self.bake(0, file)
+        self.assertEqual(run(file, less, 0, 1, program=PROGRAMS.drop)[0], 0)
+
+        def differences(a, b):
+            return json.loads(self.expect(0, 'diff', a, b, '--json')[0])
+        lost = differences(file, less)
+        self.assertEqual(lost['changed'], [{'cell': 0, 'other_cell': 0, 'gained': 0, 'lost': 1}])
+        self.assertEqual((lost['polygons_gained'], lost['polygons_lost'], lost['cells_changed']), (0, 1, 1))
+        self.assertEqual(lost['polygons_before'] - 1, lost['polygons_after'])
+        gained = differences(less, file)
+        self.assertEqual((gained['polygons_gained'], gained['polygons_lost']), (1, 0))
+        same = differences(file, file)
+        self.assertEqual((same['cells_changed'], same['changed']), (0, []))
+        self.assertIn('cell 0 (0): 0 gained, 1 lost', self.expect(0, 'diff', file, less)[0])
+        # Cells are matched by their boxes: other cells are lost and gained.
+        moved = self.path('d-moved.pvs')
+        self.expect(0, 'bake', self.room, '-o', moved, '--cells-grid', '0,0,0,4,2,4', '--cell-size', '2',
+                    '--samples', '8')
+        other = differences(file, moved)
+        self.assertEqual(other['cells_in_both'] + other['cells_lost'],
+                         json.loads(self.expect(0, 'info', file, '--json')[0])['cells'])
+        self.assertGreater(other['cells_gained'], 0)
+
     def test_a_safety_ring_is_told_of(self):
         self.make_city()
         sizes, file = {}, self.path('ring.pvs')

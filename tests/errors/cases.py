@@ -213,6 +213,10 @@ def patch(add, *more, named='--add'):
     return lambda folder: Call(['patch', golden(folder, 'v1_tiny.pvs', 'a.pvs'), '--add', add, *more], named)
 
 
+def diff_of_two_scenes(folder):
+    return Call(['diff', golden(folder, 'v1_tiny.pvs', 'a.pvs'), golden(folder, 'v1_small.pvs', 'b.pvs')], 'b.pvs')
+
+
 def too_many_cells(folder):
     box = '{"min":[0,0,0],"max":[1,1,1]}'
     return cells(folder, '{"cells":[' + ','.join([box] * 1_000_001) + ']}')
@@ -300,6 +304,7 @@ CASES = [
     ('cli.unreadable', 4, info(lambda f: os.path.join(f, 'missing.pvs'))),
     ('cli.wrong-use', 2, in_folder('fly', named='subcommand')),
     ('cli.wrong-use', 2, in_folder('bake', 'x.glb', '-o', 'x.pvs', '--samples', 'many', named='--samples')),
+    ('diff.other-scene', 4, diff_of_two_scenes),
     ('gl.no-context', 1, lambda f: Call(bake(f, '--source', 'gpu'), 'OpenGL', environment={
         '__EGL_VENDOR_LIBRARY_DIRS': f, '__EGL_VENDOR_LIBRARY_FILENAMES': ''})),
     ('hemicube.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e-5)), 'scene')),
