@@ -32,6 +32,11 @@ namespace sightcell::cli {
 
 namespace {
 
+template <class Kind, std::size_t Count>
+std::string name_of(const std::array<std::string_view, Count>& names, Kind kind) {
+  return std::string(names[static_cast<std::size_t>(kind)]);
+}
+
 struct bake_options {
   std::filesystem::path scene, output, json_file;
   std::filesystem::path cells_file;
@@ -43,6 +48,8 @@ struct bake_options {
   std::uint32_t phase = 1;
   std::string progress = "auto", animated = std::string(scene::animated_as_names.front());
   std::string safety_ring = std::string(bake::safety_ring_names.front());
+  std::string profile = name_of(bake::slack_profile_names, bake::settings().file.profile);
+  std::string order = name_of(bake::polygon_order_names, bake::settings().file.order);
 };
 
 progress_mode mode_of(const std::string& name) {
@@ -173,6 +180,8 @@ int run_bake(bake_options options) {
   how.animated = *scene::animated_as_of(options.animated);
   how.metric = metric_of(options.metric);
   how.safety_ring = *bake::safety_ring_of(options.safety_ring);
+  how.file.profile = *bake::kind_of<bake::slack_profile>(bake::slack_profile_names, options.profile);
+  how.file.order = *bake::kind_of<bake::polygon_order_kind>(bake::polygon_order_names, options.order);
   bake::validate(how);  // before minutes of loading
   std::optional<bake::shard> part;
   if (!options.shard.empty()) {
@@ -278,6 +287,22 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
       ->group("Seeing");
 }
 
+void add_file_options(CLI::App& verb, bake_options& o) {
+  const auto& profiles = bake::slack_profile_names;
+  add(verb, "--profile", o.profile, "NAME",
+      "exact, or balanced or small: polygons that nobody sees, 5 or 10 % of those that are seen at most, are in the "
+      "sets "
+      "of cells where that makes the file smaller and ranges fewer; pictures stay the same")
+      ->check(CLI::IsMember(std::vector<std::string>(profiles.begin(), profiles.end())))
+      ->group("File");
+  const auto& orders = bake::polygon_order_names;
+  add(verb, "--order", o.order, "HOW",
+      "per-mesh: instances share an order of polygons, as they share an index buffer; per-instance: fewer ranges, but "
+      "each draw needs an index buffer of its own")
+      ->check(CLI::IsMember(std::vector<std::string>(orders.begin(), orders.end())))
+      ->group("File");
+}
+
 void add_running_options(CLI::App& verb, bake_options& o) {
   add(verb, "--threads", o.settings.threads, "N", "0: all cores; changes no byte of the file")->group("Running");
   add(verb, "--memory", o.settings.memory, "B",
@@ -320,6 +345,7 @@ void add_bake_verb(CLI::App& program, action& chosen) {
       ->check(CLI::Range(0, INT32_MAX));
   add_cell_options(verb, *options);
   add_sampling_options(verb, *options);
+  add_file_options(verb, *options);
   add_running_options(verb, *options);
   verb.callback([options, &chosen] { chosen = [options] { return run_bake(*options); }; });
 }

@@ -115,8 +115,11 @@ ordered_json file_json(const pvs_file& pvs) {
           {"runs_per_cell", sums.runs_per_cell()},
           {"ranges_per_cell", sums.ranges_per_cell()},
           {"delta_row_percent", sums.delta_row_percent()},
-          // Which of a safety ring's polygons can be seen nobody has asked.
-          {"false_visible_percent", safety_ring_of(settings).empty() ? ordered_json(0.0) : ordered_json(nullptr)},
+          {"shared_row_percent", sums.shared_row_percent()},
+          // Of slack, in percent of what is seen. Which of a safety ring's polygons can be seen nobody has asked.
+          {"false_visible_percent", safety_ring_of(settings).empty()
+                                        ? ordered_json(100.0 * static_cast<double>(facts.slack))
+                                        : ordered_json(nullptr)},
           {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
           {"margin", facts.margin},
           {"metric", pvs.metric()},
@@ -139,6 +142,9 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
              info["ranges_per_cell"].get<double>());
   fmt::print("  size               {:.3f} bits per visible polygon, {:.0f} % of the rows are differences\n",
              info["bits_per_visible_polygon"].get<double>(), info["delta_row_percent"].get<double>());
+  if (info["false_visible_percent"].is_number())
+    fmt::print("  slack              {:.2f} % more polygons than are seen\n",
+               info["false_visible_percent"].get<double>());
   fmt::print("  {:<18} at most {:g} in every cell, confidence {:g}\n", error_name(info["metric"].get<std::string>()),
              info["max_pixel_error"].get<double>(), info["confidence"].get<double>());
   if (const std::string ring = safety_ring_of(info["settings"]); !ring.empty())

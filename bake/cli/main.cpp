@@ -22,6 +22,8 @@ int main(int argc, char** argv) {
   add_diff_verb(program, chosen);
   add_merge_verb(program, chosen);
   add_patch_verb(program, chosen);
+  add_recode_verb(program, chosen);
+  add_migrate_verb(program, chosen);
   add_samplers_verb(program, chosen);
   add_verify_verb(program, chosen);
   try {

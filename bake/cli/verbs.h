@@ -15,7 +15,9 @@ void add_bake_verb(CLI::App& program, action& chosen);
 void add_diff_verb(CLI::App& program, action& chosen);
 void add_info_verb(CLI::App& program, action& chosen);
 void add_merge_verb(CLI::App& program, action& chosen);
+void add_migrate_verb(CLI::App& program, action& chosen);
 void add_patch_verb(CLI::App& program, action& chosen);
+void add_recode_verb(CLI::App& program, action& chosen);
 void add_samplers_verb(CLI::App& program, action& chosen);
 void add_verify_verb(CLI::App& program, action& chosen);
 

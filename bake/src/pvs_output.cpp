@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 #include <utility>
 
-#include "find_lattice.h"
+#include "file_order.h"
+#include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/scene/error.h"
-#include "stored_draws.h"
 
 namespace sightcell::bake {
 namespace {
@@ -49,23 +48,12 @@ void require_ok(format::status outcome, const std::filesystem::path& output, con
       disk ? "free space or choose another folder, then run the same command: it resumes" : "report this scene");
 }
 
-// What the file says of its cells besides their sets, in the order in which it has them.
 struct stored_cells {
+  format::file_parts parts;           // what the file says of its cells besides their sets
   std::vector<std::uint32_t> places;  // in the list of all cells
-  std::vector<format::box> boxes;
-  std::optional<cells_on_lattice> lattice;
-  std::vector<format::certificate_record> certificate;
-  double polygons = 0.0;  // of all sets together
-  double unseen = 0.0;    // of these, what the safety ring added
+  double polygons = 0.0;              // of all sets together
+  double unseen = 0.0;                // of these, what the safety ring added
 };
-
-template <class Item>
-void permute(std::vector<Item>& items, std::span<const std::uint32_t> order) {
-  std::vector<Item> permuted;
-  permuted.reserve(items.size());
-  for (const std::uint32_t i : order) permuted.push_back(std::move(items[i]));
-  items = std::move(permuted);
-}
 
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
   stored_cells out;
@@ -76,26 +64,40 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
       ++sum.cells_left_out;
       continue;
     }
-    out.certificate.push_back({.rays = record.rays,
-                               .misses = record.misses,
-                               .upper_bound = record.upper_bound,
-                               .confidence = record.confidence,
-                               .seed = frame.seed});
-    out.boxes.push_back(frame.cells[i]);
+    out.parts.certificate.push_back({.cell = static_cast<std::uint32_t>(out.places.size()),
+                                     .rays = record.rays,
+                                     .misses = record.misses,
+                                     .upper_bound = record.upper_bound,
+                                     .confidence = record.confidence,
+                                     .seed = frame.seed});
+    out.parts.cells.push_back(frame.cells[i]);
     out.places.push_back(i);
     out.polygons += static_cast<double>(record.set.size());
     out.unseen += static_cast<double>(record.unseen);
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;
   }
-  out.lattice = find_lattice(out.boxes, frame.settings);
-  if (out.lattice) {
-    permute(out.places, out.lattice->cells);
-    permute(out.boxes, out.lattice->cells);
-    permute(out.certificate, out.lattice->cells);
-  }
-  for (std::uint32_t i = 0; i < out.certificate.size(); ++i) out.certificate[i].cell = i;
   return out;
+}
+
+// As the file says it.
+double slack_of(std::span<const std::byte> bytes) {
+  format::reader file;
+  return format::reader::open(bytes, file) == format::status::ok ? static_cast<double>(file.facts().slack) : 0.0;
+}
+
+// Cells and polygons in the order of the file.
+void put_in_order(const pvs_frame& frame, const record_source& record_of, stored_cells& stored) {
+  format::file_parts& parts = stored.parts;
+  if (const std::vector<std::uint32_t> before = order_cells(parts); !before.empty()) {
+    std::vector<std::uint32_t> places;
+    for (const std::uint32_t cell : before) places.push_back(stored.places[cell]);
+    stored.places = std::move(places);
+  }
+  parts.draws = frame.draws;
+  order_polygons_of(
+      parts, file_settings_of(frame.settings).order,
+      [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { set = record_of(stored.places[cell]).set; });
 }
 
 }  // namespace
@@ -117,44 +119,37 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
 
 void write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
                const callbacks& tell, summary& sum) {
-  const stored_cells stored = first_pass(frame, record_of, sum);
-  if (stored.boxes.empty())
+  stored_cells stored = first_pass(frame, record_of, sum);
+  if (stored.places.empty())
     throw error(error_kind::failed, "bake.no-free-cell", frame.scene_name, "no cell has a place where an eye can be",
                 "give boxes with --cells-file or --cells-grid, or a smaller --player-radius");
   if (sum.cells_left_out > 0 && tell.on_message)
     tell.on_message(severity::warning,
                     fmt::format("{} of {} cells have no free point and are left out; an eye there is outside",
                                 sum.cells_left_out, frame.cells.size()));
-
-  const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-    set = record_of(stored.places[cell]).set;
-    return format::status::ok;
-  };
-  const auto cells_written = static_cast<std::uint32_t>(stored.boxes.size());
-  const stored_draws draws = store_draws(frame.draws, cells_written, set_of);
-  format::file_contents contents;
-  contents.facts = frame.facts;
-  contents.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
-  contents.draws = draws.draws;
-  contents.order = draws.order();
-  if (stored.lattice)
-    contents.lattice = format::lattice_cells{stored.lattice->shape, stored.lattice->places};
-  else
-    contents.cells = stored.boxes;
-  contents.cell_sets = {stored.places.size(), set_of};
-  contents.certificate = stored.certificate;
-  contents.settings = frame.settings;
+  stored.parts.facts = frame.facts;
+  stored.parts.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
+  stored.parts.settings = frame.settings;
+  put_in_order(frame, record_of, stored);
+  format::file_contents contents =
+      stored.parts.contents({stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+                               set = record_of(stored.places[cell]).set;
+                               return format::status::ok;
+                             }});
+  contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
   std::vector<std::byte> bytes;
   // What a bake of this output that was killed here had written: it takes room, and nobody else will look for it.
   format::remove_unfinished(output.string().c_str());
   require_ok(format::encode(contents, bytes), output, "encoding");
   require_ok(format::write_file(output.string().c_str(), bytes), output, "writing");
 
+  const auto cells_written = static_cast<std::uint32_t>(stored.places.size());
   sum.cells = cells_written;
   sum.visible_percent =
       100.0 * stored.polygons / (static_cast<double>(cells_written) * std::max(frame.facts.polygon_count, 1u));
   sum.unseen_per_cell = stored.unseen / cells_written;
   sum.unseen_percent = 100.0 * stored.unseen / std::max(stored.polygons - stored.unseen, 1.0);
+  sum.slack = slack_of(bytes);
   sum.bytes = bytes.size();
   if (sum.cells_over_bound > 0) sum.result = outcome::bound_not_met;
 }

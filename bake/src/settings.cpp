@@ -10,6 +10,7 @@
 
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/json_text.h"
 
 namespace sightcell::bake {
 
@@ -142,6 +143,10 @@ void validate(const settings& s) {
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
   if (static_cast<std::size_t>(s.safety_ring) >= safety_ring_names.size())
     refuse("--safety-ring", number(static_cast<int>(s.safety_ring)), "none, edge or vertex");
+  if (static_cast<std::size_t>(s.file.profile) >= slack_profile_names.size())
+    refuse("--profile", number(static_cast<int>(s.file.profile)), "exact, balanced or small");
+  if (static_cast<std::size_t>(s.file.order) >= polygon_order_names.size())
+    refuse("--order", number(static_cast<int>(s.file.order)), "per-mesh or per-instance");
 }
 
 std::string describe(const settings& s) {
@@ -165,9 +170,25 @@ std::string describe(const settings& s) {
     text += fmt::format(R"(,"animated":"{}")", scene::animated_as_names[static_cast<std::size_t>(s.animated)]);
   if (s.safety_ring != safety_ring::none)
     text += fmt::format(R"(,"safety_ring":"{}")", safety_ring_names[static_cast<std::size_t>(s.safety_ring)]);
+  text += fmt::format(R"(,"profile":"{}")", slack_profile_names[static_cast<std::size_t>(s.file.profile)]);
+  if (s.file.order != polygon_order_kind::per_mesh)
+    text += fmt::format(R"(,"order":"{}")", polygon_order_names[static_cast<std::size_t>(s.file.order)]);
   if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
   text += "}";
   return text;
+}
+
+file_settings file_settings_of(std::string_view settings) {
+  file_settings how{.profile = slack_profile::exact};
+  const auto text = scene::parse_json(settings, false);
+  if (!text.is_object()) return how;
+  const auto named = [&](const char* key) {
+    const auto found = text.find(key);
+    return found != text.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  how.profile = kind_of<slack_profile>(slack_profile_names, named("profile")).value_or(how.profile);
+  how.order = kind_of<polygon_order_kind>(polygon_order_names, named("order")).value_or(how.order);
+  return how;
 }
 
 }  // namespace sightcell::bake

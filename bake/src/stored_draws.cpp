@@ -10,6 +10,8 @@
 namespace sightcell::bake {
 namespace {
 
+constexpr std::uint32_t not_named = UINT32_MAX;
+
 // Runs of ascending numbers.
 void append_runs(std::span<const std::uint32_t> set, std::vector<format::run>& runs) {
   for (const std::uint32_t id : set) {
@@ -22,7 +24,7 @@ void append_runs(std::span<const std::uint32_t> set, std::vector<format::run>& r
 
 }  // namespace
 
-stored_draws store_draws(std::span<const format::draw_record> draws, std::uint32_t cell_count,
+stored_draws store_draws(std::span<const format::draw_record> draws, polygon_order_kind kind, std::uint32_t cell_count,
                          const std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& set)>& set_of) {
   std::vector<format::draw_record> source(draws.begin(), draws.end());
   // Draws without polygons begin where the next one does.
@@ -32,7 +34,8 @@ stored_draws store_draws(std::span<const format::draw_record> draws, std::uint32
   std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, std::uint32_t> numbers;
   std::vector<ordered_draw> ordered;
   for (const format::draw_record& d : source) {
-    const std::tuple key(d.mesh, d.primitive, d.polygon_count);
+    const bool alone = kind == polygon_order_kind::per_instance;
+    const std::tuple key(alone ? static_cast<std::uint32_t>(ordered.size()) : d.mesh, d.primitive, d.polygon_count);
     const std::uint32_t unit = numbers.try_emplace(key, static_cast<std::uint32_t>(numbers.size())).first->second;
     ordered.push_back({.unit = unit, .first = d.first_source, .count = d.polygon_count});
   }
@@ -49,13 +52,18 @@ stored_draws store_draws(std::span<const format::draw_record> draws, std::uint32
   polygon_order order = order_polygons(in, {});
 
   stored_draws out;
-  out.orders = std::move(order.units);
+  std::vector<std::uint32_t> order_of_unit(order.units.size(), not_named);
   std::uint32_t next = 0;
   for (const std::uint32_t number : order.draws) {
     format::draw_record& d = out.draws.emplace_back(source[number]);
     d.first_stored = next;
     next += d.polygon_count;
-    out.order_of_draw.push_back(ordered[number].unit);
+    const std::uint32_t unit = ordered[number].unit;
+    if (order_of_unit[unit] == not_named) {
+      order_of_unit[unit] = static_cast<std::uint32_t>(out.orders.size());
+      out.orders.push_back(std::move(order.units[unit]));
+    }
+    out.order_of_draw.push_back(order_of_unit[unit]);
   }
   return out;
 }

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "sightcell/bake/file_settings.h"
 #include "sightcell/format/records.h"
-#include "sightcell/format/writer.h"
 
 namespace sightcell::bake {
 
@@ -14,15 +14,13 @@ struct stored_draws {
   std::vector<format::draw_record> draws;    // in stored order
   std::vector<std::uint32_t> order_of_draw;  // which of orders a draw has
   std::vector<std::vector<std::uint32_t>> orders;
-
-  format::stored_order order() const { return {order_of_draw, orders}; }
 };
 
 // Draws in any order whose source ids are gapless from 0; first_stored is not looked at. Draws of the same mesh and
-// primitive share one order, since they share one index buffer in the host. set_of puts the ascending source ids of a
-// cell into set, which comes empty, and is asked seven times for each cell, ascending; what it throws comes through.
-// The same answer on any number of threads (polygon_order.h).
-stored_draws store_draws(std::span<const format::draw_record> draws, std::uint32_t cell_count,
+// primitive share one order, since they share one index buffer in the host, unless kind says otherwise. set_of puts the
+// ascending source ids of a cell into set, which comes empty, and is asked seven times for each cell, ascending; what
+// it throws comes through. The same answer on any number of threads (polygon_order.h).
+stored_draws store_draws(std::span<const format::draw_record> draws, polygon_order_kind kind, std::uint32_t cell_count,
                          const std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& set)>& set_of);
 
 }  // namespace sightcell::bake

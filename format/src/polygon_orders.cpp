@@ -6,11 +6,11 @@
 
 namespace sightcell::format {
 
-bool polygon_orders::open(std::span<const std::byte> bytes) noexcept {
+bool polygon_orders::open(std::span<const std::byte> bytes, std::uint32_t most) noexcept {
   std::uint32_t count = 0;
   std::uint64_t size = 0;
   packed_columns columns;
-  if (!checked_reader(bytes).read_u32(0, count) || count == 0xFFFFFFFFu) return false;
+  if (!checked_reader(bytes).read_u32(0, count) || count > most) return false;
   bytes = bytes.subspan(4);
   if (!packed_columns::size_of(bytes, 2, count + 1, size)) return false;
   if (!columns.open(bytes.first(static_cast<std::size_t>(size)), 2, count + 1)) return false;
@@ -18,7 +18,10 @@ bool polygon_orders::open(std::span<const std::byte> bytes) noexcept {
   const packed_column first_byte(columns, 1);
   bytes = bytes.subspan(static_cast<std::size_t>(size));
   if (!read_code(bytes, steps_)) return false;
-  if (bytes.size() != std::uint64_t{first_byte[count]} + bit_reader::padding || first_polygon[0] != 0) return false;
+  if (bytes.size() != std::uint64_t{first_byte[count]} + bit_reader::padding || first_polygon[0] != 0 ||
+      first_byte[0] != 0) {
+    return false;
+  }
   // Orders follow each other, and a polygon takes a bit at least: a small file cannot make a host allocate much.
   for (std::uint32_t number = 0; number < count; ++number) {
     if (first_polygon[number + 1] < first_polygon[number] || first_byte[number + 1] < first_byte[number]) return false;
@@ -47,7 +50,7 @@ bool polygon_orders::source_of_stored(std::uint32_t number, std::span<std::uint3
     if (polygon >= out.size() || in.beyond_end()) return false;
     expected = polygon + 1;
   }
-  return true;
+  return (in.place() + 7) / 8 == first_byte_[number + 1];
 }
 
 }  // namespace sightcell::format

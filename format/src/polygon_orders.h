@@ -12,9 +12,10 @@ namespace sightcell::format {
 
 class polygon_orders {
  public:
-  // bytes: the section; viewed. O(orders).
-  explicit polygon_orders(std::span<const std::byte> bytes) noexcept { good_ = open(bytes); }
-  // False when its parts do not fit each other or the bytes; there are no orders then.
+  // bytes: the section; viewed. most: how many orders there can be, as there are draws; more could be promised by few
+  // bytes. O(orders).
+  polygon_orders(std::span<const std::byte> bytes, std::uint32_t most) noexcept { good_ = open(bytes, most); }
+  // False when there are more, or its parts do not fit each other or the bytes; there are no orders then.
   [[nodiscard]] bool good() const noexcept { return good_; }
 
   [[nodiscard]] std::uint32_t count() const noexcept { return count_; }
@@ -27,15 +28,15 @@ class polygon_orders {
   }
 
   // out[i]: which of its draw's polygons, in the order of the source, is stored as the i-th. out:
-  // polygon_count(number). False when the bits are none, or say a polygon that there is not. That none is said twice is
-  // not asked here.
+  // polygon_count(number). False when the bits are none, say a polygon that there is not, or are not all that there
+  // are. That none is said twice is not asked here.
   [[nodiscard]] bool source_of_stored(std::uint32_t number, std::span<std::uint32_t> out) const noexcept;
 
   // first_polygon() of all, for who keeps no more.
   [[nodiscard]] const packed_column& first_polygon_column() const noexcept { return first_polygon_; }
 
  private:
-  [[nodiscard]] bool open(std::span<const std::byte> bytes) noexcept;
+  [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t most) noexcept;
 
   bool good_ = false;
   std::uint32_t count_ = 0;

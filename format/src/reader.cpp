@@ -170,14 +170,17 @@ status reader::open_tables() noexcept {
     return status::ok;
   }
   packed_columns table;
-  if (!table.open(part(draws_), layout::draw_columns, draw_count_)) return status::corrupt;
+  // Draws with polygons differ, so each takes a bit: else few bytes could promise millions.
+  if (draw_count_ > 8 * draws_.size || !table.open(part(draws_), layout::draw_columns, draw_count_)) {
+    return status::corrupt;
+  }
   for (std::uint32_t i = 0; i < layout::draw_columns; ++i) draw_columns_[i] = packed_column(table, i);
   if (!table.open(part(certificate_), certificate_count_ == 0 ? 0 : layout::certificate_columns, certificate_count_)) {
     return status::corrupt;
   }
   for (std::uint32_t i = 0; i < layout::certificate_columns; ++i) certificate_columns_[i] = packed_column(table, i);
 
-  const polygon_orders orders(part(orders_));
+  const polygon_orders orders(part(orders_), draw_count_);
   if (!orders.good()) return status::corrupt;
   order_count_ = orders.count();
   order_begin_ = orders.first_polygon_column();
@@ -227,15 +230,19 @@ status reader::draw(std::uint32_t number, draw_record& out) const noexcept {
   return status::ok;
 }
 
+// Orders are numbered as draws first name them: so each belongs to a draw, and is read with it.
 status reader::check_draws() const noexcept {
   std::uint32_t next = 0;
+  std::uint32_t orders = 0;
   for (std::uint32_t i = 0; i < draw_count_; ++i) {
     draw_record d;
     if (const status s = draw(i, d); s != status::ok) return s;
     if (d.first_stored != next) return status::corrupt;
     next += d.polygon_count;  // draw() keeps this inside polygon_count
+    if (order_of_draw(i) > orders) return status::corrupt;
+    if (order_of_draw(i) == orders) ++orders;
   }
-  return next == facts_.polygon_count ? status::ok : status::corrupt;
+  return next == facts_.polygon_count && orders == order_count_ ? status::ok : status::corrupt;
 }
 
 status reader::orders(std::span<std::uint32_t> out) const noexcept {
@@ -249,7 +256,7 @@ status reader::orders(std::span<std::uint32_t> out) const noexcept {
     }
     return status::ok;
   }
-  const polygon_orders all(part(orders_));
+  const polygon_orders all(part(orders_), draw_count_);
   if (!all.good() || all.polygons() != out.size() || all.count() != order_count_) return status::corrupt;
   for (std::uint32_t number = 0; number < order_count_; ++number) {
     const std::uint32_t begin = all.first_polygon(number);
@@ -261,7 +268,7 @@ status reader::orders(std::span<std::uint32_t> out) const noexcept {
 
 status reader::source_of_stored(std::span<std::uint32_t> out) const noexcept {
   if (out.size() != facts_.polygon_count) return status::argument;
-  const polygon_orders all(version_ == 0 ? std::span<const std::byte>{} : part(orders_));
+  const polygon_orders all(version_ == 0 ? std::span<const std::byte>{} : part(orders_), draw_count_);
   for (std::uint32_t number = 0; number < draw_count_; ++number) {
     draw_record d;
     if (const status s = draw(number, d); s != status::ok) return s;

@@ -19,17 +19,18 @@ constexpr std::uint64_t own_head_bits = 16;
 // Every difference between like cells that is worth it.
 std::vector<saving_difference> saving_differences(std::span<const std::vector<run>> sets,
                                                   std::span<const std::uint32_t> first, const row_encoders& encoders,
-                                                  std::uint32_t limit) {
+                                                  std::uint32_t limit, least_saving least) {
   const auto likely = likely_references(sets, first, limit, candidates_per_cell);
   std::vector<saving_difference> found;
   std::vector<run> removed;
   std::vector<run> added;
   for (std::uint32_t cell = 0; cell < sets.size(); ++cell) {
     const std::uint64_t own = own_head_bits + encoders.own.size(sets[cell]);
+    const std::uint64_t most = least == least_saving::anything ? own : own - own / 8;
     for (const std::uint32_t other : likely[cell]) {
       make_rank_difference(sets[other], sets[cell], removed, added);
       const std::uint64_t delta = delta_head_bits + encoders.removed.size(removed) + encoders.added.size(added);
-      if (delta < own - own / 8) found.push_back({own - delta, cell, other});
+      if (delta < most) found.push_back({own - delta, cell, other});
     }
   }
   return found;
@@ -52,9 +53,11 @@ void put_count(std::size_t count, bit_sink& out) {
 
 }  // namespace
 
-chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit) {
+chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit,
+                      least_saving least) {
   const std::vector<std::uint32_t> first = first_equal(sets);
-  return {narrowed(first), narrowed(choose_references(sets.size(), saving_differences(sets, first, encoders, limit)))};
+  return {narrowed(first),
+          narrowed(choose_references(sets.size(), saving_differences(sets, first, encoders, limit, least)))};
 }
 
 void count_chunk(std::span<const std::vector<run>> sets, const chunk_plan& plan, row_counts& counts) {

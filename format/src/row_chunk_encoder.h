@@ -30,9 +30,14 @@ struct chunk_plan {
   std::vector<std::uint8_t> reference;  // the cell that the row is the difference to, or alone
 };
 
-// sets: of 1 .. 64 cells; encoders: what lists will cost, or nearly. A difference is taken where it saves at least an
-// eighth of the row: less is not worth decoding two. Same sets and encoders, same plan. Allocates; any thread.
-chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit);
+// Which differences are taken: those that save at least an eighth of the row, as less is not worth decoding two; or all
+// that save anything.
+enum class least_saving { an_eighth, anything };
+
+// sets: of 1 .. 64 cells; encoders: what lists will cost, or nearly. Same sets and encoders, same plan. Allocates; any
+// thread.
+chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit,
+                      least_saving least = least_saving::an_eighth);
 
 // Adds the symbols of the chunk's rows.
 void count_chunk(std::span<const std::vector<run>> sets, const chunk_plan& plan, row_counts& counts);

@@ -1,6 +1,7 @@
 #include "rows_encoder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "byte_sink.h"
@@ -13,13 +14,25 @@
 namespace sightcell::format {
 namespace {
 
-// Chunks that are planned to learn what differences cost.
+// Chunks that are planned to learn what differences cost, about.
 constexpr std::size_t sampled_chunks = 8;
+// Adding slack takes longer than planning, and what it leaves is much the same everywhere.
+constexpr std::size_t sampled_slack_chunks = 3;
 
 }  // namespace
 
+rows_encoder::rows_encoder(const file_contents& contents, stored_sets& stored)
+    : contents_(contents),
+      stored_(stored),
+      slack_share_(static_cast<std::uint64_t>(std::llround(contents.slack * double{slack_share_unit}))) {}
+
 std::size_t rows_encoder::chunk_count() const {
   return (contents_.cell_sets.count + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
+}
+
+// Between chunks that are looked at to learn what lists cost: about so many.
+std::size_t rows_encoder::sample_step(std::size_t samples) const {
+  return std::max<std::size_t>(1, chunk_count() / samples);
 }
 
 std::size_t rows_encoder::directory_size() const {
@@ -57,14 +70,20 @@ std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
   return ranges;
 }
 
-// Every set as if it stood alone, and the bounds.
+// Slack makes differences cheaper than they are now, so that those which hardly save anything yet will do.
+void rows_encoder::widen_sets(std::size_t chunk, slack_sums& sums) {
+  if (!exact_encoders_) return;
+  chunk_plan& plan = exact_plans_[chunk];
+  if (plan.same.empty()) {
+    plan = plan_chunk(sets_, *exact_encoders_, contents_.facts.polygon_count, least_saving::anything);
+  }
+  add_slack(sets_, plan, contents_.draws, prices_, slack_share_, sums);
+}
+
+// Every set as if it stood alone.
 status rows_encoder::count_own(row_counts& counts) {
   return for_each_chunk(1, [&](std::size_t) {
-    for (const std::vector<run>& set : sets_) {
-      counts.own.add(set);
-      run_bound_ = std::max(run_bound_, static_cast<std::uint32_t>(set.size()));
-      range_bound_ = std::max(range_bound_, count_ranges(set));
-    }
+    for (const std::vector<run>& set : sets_) counts.own.add(set);
     return status::ok;
   });
 }
@@ -75,7 +94,7 @@ status rows_encoder::sample(row_counts& counts) {
   guess.removed = guess.added = guess.own;
   const row_encoders encoders(guess);
   row_counts sampled;
-  const status s = for_each_chunk(std::max<std::size_t>(1, chunk_count() / sampled_chunks), [&](std::size_t) {
+  const status s = for_each_chunk(sample_step(sampled_chunks), [&](std::size_t) {
     count_chunk(sets_, plan_chunk(sets_, encoders, contents_.facts.polygon_count), sampled);
     return status::ok;
   });
@@ -84,8 +103,32 @@ status rows_encoder::sample(row_counts& counts) {
   return s;
 }
 
+// counts: of sets as they are; then of those with slack, as far as they are looked at.
+status rows_encoder::sample_slack(row_counts& counts) {
+  exact_encoders_ = std::make_unique<row_encoders>(counts);
+  prices_ = slack_prices_of(counts, *exact_encoders_);
+  exact_plans_.resize(chunk_count());
+  row_counts own;
+  row_counts sampled;
+  const status s = for_each_chunk(sample_step(sampled_slack_chunks), [&](std::size_t chunk) {
+    slack_sums unused;
+    widen_sets(chunk, unused);
+    for (const std::vector<run>& set : sets_) own.own.add(set);
+    count_chunk(sets_, plan_chunk(sets_, *exact_encoders_, contents_.facts.polygon_count), sampled);
+    return status::ok;
+  });
+  counts = sampled;
+  counts.own = own.own;
+  return s;
+}
+
 status rows_encoder::choose(const row_encoders& encoders, row_counts& counts) {
-  return for_each_chunk(1, [&](std::size_t) {
+  return for_each_chunk(1, [&](std::size_t chunk) {
+    widen_sets(chunk, sums_);
+    for (const std::vector<run>& set : sets_) {
+      run_bound_ = std::max(run_bound_, static_cast<std::uint32_t>(set.size()));
+      range_bound_ = std::max(range_bound_, count_ranges(set));
+    }
     plans_.push_back(plan_chunk(sets_, encoders, contents_.facts.polygon_count));
     count_chunk(sets_, plans_.back(), counts);
     return status::ok;
@@ -96,6 +139,9 @@ status rows_encoder::plan() {
   row_counts expected;
   if (const status s = count_own(expected); s != status::ok) return s;
   if (const status s = sample(expected); s != status::ok) return s;
+  if (slack_share_ > 0) {
+    if (const status s = sample_slack(expected); s != status::ok) return s;
+  }
   row_counts counts;
   if (const status s = choose(row_encoders(expected), counts); s != status::ok) return s;
   list_bound_ = counts.list_runs;
@@ -117,6 +163,8 @@ status rows_encoder::write(std::vector<std::byte>& file, std::vector<std::byte>&
   byte_sink records(directory);
   return for_each_chunk(1, [&](std::size_t chunk) {
     const std::size_t begin = file.size();
+    slack_sums unused;
+    widen_sets(chunk, unused);
     encode_chunk(sets_, plans_[chunk], *encoders_, file);
     if (file.size() - begin > layout::max_chunk_size) return status::limit;
     records.put_u64(begin - rows_begin);

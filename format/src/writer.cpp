@@ -1,6 +1,7 @@
 #include "sightcell/format/writer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 #include <numeric>
 #include <stdexcept>
@@ -61,12 +62,16 @@ status check_order(const file_contents& contents) {
   const stored_order& order = contents.order;
   if (order.orders.empty() && order.order_of_draw.empty()) return status::ok;
   if (order.order_of_draw.size() != contents.draws.size()) return status::argument;
+  std::uint32_t named = 0;  // orders so far: they are numbered as draws first name them
   for (std::size_t d = 0; d < contents.draws.size(); ++d) {
     const std::uint32_t number = order.order_of_draw[d];
-    if (number >= order.orders.size() || order.orders[number].size() != contents.draws[d].polygon_count) {
+    if (number > named || number >= order.orders.size() ||
+        order.orders[number].size() != contents.draws[d].polygon_count) {
       return status::argument;
     }
+    if (number == named) ++named;
   }
+  if (named != order.orders.size()) return status::argument;
   const bool good = std::all_of(order.orders.begin(), order.orders.end(),
                                 [](const auto& one) { return is_permutation_of_places(one); });
   return good ? status::ok : status::argument;
@@ -94,6 +99,7 @@ status check_contents(const file_contents& contents) {
     return status::limit;
   }
   if (!facts_are_valid(contents.facts)) return status::argument;
+  if (!is_share(contents.slack)) return status::argument;
   if (contents.facts.margin > layout::max_margin) return status::limit;
   if (const status s = check_draws(contents); s != status::ok) return s;
   if (const status s = check_order(contents); s != status::ok) return s;
@@ -170,7 +176,16 @@ std::vector<std::byte> encode_table(std::span<const section_bytes> front, std::s
   return bytes;
 }
 
-void put_header(const file_contents& contents, const rows_encoder& rows, std::size_t section_count,
+// Of what the sets hold with the polygons that were added now, as a share of what is seen; never rounded down.
+float slack_of(const file_contents& contents, const slack_sums& sums) {
+  if (sums.added == 0) return contents.facts.slack;
+  const double before = 1.0 + static_cast<double>(contents.facts.slack);
+  const double slack = before * (static_cast<double>(sums.added) / static_cast<double>(sums.seen)) + (before - 1.0);
+  const auto nearest = static_cast<float>(slack);
+  return static_cast<double>(nearest) < slack ? std::nextafter(nearest, 2.0f) : nearest;
+}
+
+void put_header(const file_contents& contents, float slack, const rows_encoder& rows, std::size_t section_count,
                 std::uint64_t total_size, std::uint32_t table_checksum, std::vector<std::byte>& file) {
   byte_sink out(file);
   for (const std::uint8_t byte : layout::magic) out.put_u8(byte);
@@ -189,7 +204,7 @@ void put_header(const file_contents& contents, const rows_encoder& rows, std::si
   out.put_u32(rows.run_bound());
   out.put_u32(rows.range_bound());
   out.put_u32(rows.list_bound());
-  out.put_f32(contents.facts.slack);
+  out.put_f32(slack);
   out.put_u32(table_checksum);
   out.put_u32(crc32c(file));
 }
@@ -201,6 +216,8 @@ status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   stored_sets stored(contents.draws, order.get().order_of_draw, order.get().orders);
   rows_encoder rows(contents, stored);
   if (const status s = rows.plan(); s != status::ok) return s;
+  const float slack = slack_of(contents, rows.sums());
+  if (slack > 1.0f) return status::limit;
   std::vector<section_bytes> sections;
   if (!front_sections(contents, order.get(), rows, sections)) return status::argument;
   std::size_t rows_begin = layout::header_size + (sections.size() + 1) * layout::section_record_size;
@@ -213,7 +230,7 @@ status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   }
   const std::vector<std::byte> table = encode_table(sections, std::span(file).subspan(rows_begin));
   std::vector<std::byte> front;
-  put_header(contents, rows, sections.size() + 1, file.size(), crc32c(table), front);
+  put_header(contents, slack, rows, sections.size() + 1, file.size(), crc32c(table), front);
   byte_sink sink(front);
   sink.put_bytes(table);
   for (const section_bytes& s : sections) sink.put_bytes(s.bytes);

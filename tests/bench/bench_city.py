@@ -164,7 +164,7 @@ class Bench:
 
         def measure():
             pvs = os.path.join(self.cache, key + ".pvs")
-            output, cpu, wall, memory = run([self.program("sightcell"), "bake", scene, "-o", pvs, "--cells-file", cells,
+            output, cpu, wall, memory = run([self.program("sightcell"), "bake", scene, "-o", pvs, "--profile", "exact", "--cells-file", cells,
                                              "--json", "--progress", "none"] + words)
             summary = json.loads(output)
             library = os.path.join(self.bin, "..", "lib", "libsightcell.so")

@@ -63,7 +63,7 @@ class Workshop:
         place = self.place("sightcell", scene, settings + ([self.hash_of(cells)] if cells else []))
         output, summary = os.path.join(place, "out.pvs"), os.path.join(place, "summary.json")
         if not os.path.exists(summary):
-            command = [os.path.join(self.folder, "sightcell"), "bake", scene, "-o", output, "--json", "--progress",
+            command = [os.path.join(self.folder, "sightcell"), "bake", scene, "-o", output, "--profile", "exact", "--json", "--progress",
                        "none", *settings, *(["--cells-file", cells] if cells else [])]
             text, usage = run(command)
             keep(summary, {**json.loads(text), "cpu": usage.ru_utime + usage.ru_stime, "memory": usage.ru_maxrss * 1024})

@@ -14,6 +14,7 @@ build/cache) as the only shard of a bake, by scene, options and bake_version; `s
 whenever the code that writes files has changed: the sets stay frozen, and a new format costs seconds.
 Results are kept by program and file; --again measures anew.
 
+  rows        bytes of rows, chunk directory and code tables
   sets        bytes of a file without its sections SIDE below: with header, directory, code tables and order
   b/vp        bits per (cell, visible polygon), as `sightcell info` has it
   atom        polygons that the same cells see
@@ -42,8 +43,12 @@ CELLS = {"czest3ctf": 0, "oacmpctf3": 600, "accident": 1000, "denhaag_01": 1000,
          "vienna800k": 2000, "town145k": 0, plan.TOWN: 8}
 TOWNS = {"town145k": 145_000, plan.TOWN: 20_000}
 OPTIONS = ["--max-pixel-error", "1e-4", "--source", "cpu"]
+# Sections of a file.
 SIDE = {"settings", "certificate", "draws", "cells"}
-WRITERS = ["format/include", "format/src", "bake/src/pvs_output.cpp", "bake/src/pvs_output.h", "bake/src/merge.cpp"]
+ROWS = {"rows", "row directory", "codes"}
+WRITERS = ["format/include", "format/src", "bake/src/order", *("bake/src/" + name for name in (
+    "pvs_output.cpp", "merge.cpp", "file_order.cpp", "find_lattice.cpp", "stored_draws.cpp"))]
+PROFILES = ("balanced", "small")
 PEERS = {"roaring": "CRoaring", "roaring_zstd": "CRoaring + zstd", "varint": "varint runs",
          "varint_zstd_dictionary": "varint + zstd + dictionary", "varint_zstd_whole": "varint, whole-file zstd",
          "roaring_zstd_whole": "CRoaring, whole-file zstd"}
@@ -114,7 +119,8 @@ class Bench:
             shard, done = f"{stem}.pvs.shard-0-of-1.phase-{phase}", f"{stem}.phase-{phase}.done"
             if not os.path.exists(done):
                 say(f"{name}: phase {phase} of its bake; when it is stopped, the next run goes on with it")
-                self.run("sightcell", "bake", scene, "-o", stem + ".pvs", *options, "--shard", "0/1", "--phase", phase)
+                self.run("sightcell", "bake", scene, "-o", stem + ".pvs", *options, "--profile", "exact", "--shard", "0/1",
+                         "--phase", phase)
                 with open(done, "w", encoding="utf-8"):
                     pass
             found += [shard] if os.path.exists(shard) else []
@@ -149,7 +155,23 @@ class Bench:
         info.pop("certificate", None)
         check(name, result["facts"], info)
         side = sum(s["size"] for s in info["sections"] if s["name"] in SIDE)
-        return {"name": name, **result, "info": info, "sets_bytes": result["facts"]["file_bytes"] - side}
+        return {"name": name, **result, "info": info, "sets_bytes": result["facts"]["file_bytes"] - side,
+                "row_bytes": row_bytes(info), "profiles": {p: self.recoded(path, p) for p in PROFILES}}
+
+    def recoded(self, path, profile):
+        """What sightcell info says of the file in another profile."""
+        if self.options.quick:
+            return None
+        out = f"{path[:-len('.pvs')]}-{profile}.pvs"
+        if not os.path.exists(out):
+            self.run("sightcell", "recode", path, "--profile", profile, "-o", out)
+        info = json.loads(self.run("sightcell", "info", out, "--json"))
+        info.pop("certificate", None)
+        return info
+
+
+def row_bytes(info):
+    return sum(s["size"] for s in info["sections"] if s["name"] in ROWS)
 
 
 def check(name, facts, info):
@@ -205,12 +227,28 @@ def bytes_tables(results):
         without, counted = peer_bytes(r, False), peer_bytes(r, True)
         return [size / own for size in (*(without[k] for k in kinds), counted["varint_zstd_dictionary"], without["whole"])]
 
-    for what, own in (("sets", lambda r: r["sets_bytes"]), ("file", lambda r: r["facts"]["file_bytes"])):
+    for what, own in (("rows", lambda r: r["row_bytes"]), ("sets", lambda r: r["sets_bytes"]), ("file", lambda r: r["facts"]["file_bytes"])):
         found = [ratios(r, own(r)) for r in results]
         rows = [[r["name"], *(f"{v:.2f}" for v in values)] for r, values in zip(results, found)]
         rows.append(["**median**", *(f"{statistics.median(column):.2f}" for column in zip(*found))])
         table(f"Bytes of peers through ours: {what}",
               ["", *(PEERS[k] for k in kinds), "the same, dictionary counted", "best whole-file zstd"], rows)
+
+
+def profiles_table(results):
+    for profile in PROFILES:
+        found = []
+        for r in results:
+            exact, other = r["info"], r["profiles"][profile]
+            found.append([row_bytes(other) / row_bytes(exact), other["bytes"] / exact["bytes"],
+                          other["runs_per_cell"] / exact["runs_per_cell"],
+                          other["ranges_per_cell"] / exact["ranges_per_cell"], other["false_visible_percent"]])
+        rows = [[r["name"], f"{row_bytes(r['profiles'][profile]):,}", f"{r['profiles'][profile]['bytes']:,}",
+                 f"{r['profiles'][profile]['ranges_per_cell']:,.0f}", *(f"{v:.3f}" for v in values)]
+                for r, values in zip(results, found)]
+        rows.append(["**median**", "", "", "", *(f"{statistics.median(column):.3f}" for column in zip(*found))])
+        table(f"Profile {profile}, through exact", ["", "row bytes", "file bytes", "ranges per cell", "rows", "file", "runs",
+                                                    "ranges", "false visible %"], rows)
 
 
 def times_tables(results):
@@ -263,6 +301,8 @@ def main():
         fail("no scene is there")
     facts_table(results)
     bytes_tables(results)
+    if not options.quick:
+        profiles_table(results)
     times_tables(results)
     if options.json:
         with open(options.json, "w", encoding="utf-8") as stream:

@@ -36,7 +36,7 @@ def make_city(folder, generator):
 
 def measure(sightcell, scene, folder, cell_limit, rays):
     output = os.path.join(folder, "out.pvs")
-    baked, bake_cpu = run([sightcell, "bake", scene, "-o", output, "--cell-limit", str(cell_limit), "--fresh", "--json",
+    baked, bake_cpu = run([sightcell, "bake", scene, "-o", output, "--profile", "exact", "--cell-limit", str(cell_limit), "--fresh", "--json",
                            "--progress", "none"])
     info, _ = run([sightcell, "info", output, "--json"])
     proof, verify_cpu = run([sightcell, "verify", scene, output, "--rays", str(rays), "--json", "--picture", folder])

@@ -18,7 +18,7 @@ from program import (PROGRAMS, QUICK_BAKE, TIMEOUT, InFolder, Stopped, main, rea
 class Usage(InFolder):
     def test_help_names_every_verb(self):
         out, err = self.expect(0, '--help')
-        for verb in ('bake', 'info', 'patch', 'verify'):
+        for verb in ('bake', 'diff', 'info', 'migrate', 'patch', 'recode', 'verify'):
             self.assertIn(verb, out)
             self.assertIn('--json', self.expect(0, verb, '--help')[0])
         self.assertEqual(err, '')
@@ -28,7 +28,7 @@ class Usage(InFolder):
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
                        '--player-radius', '--sampler', '--samples', '--time-budget', '--max-pixel-error', '--metric',
                        '--view-resolution', '--view-fov', '--view-pitch', '--view-least', '--source', '--resolution',
-                       '--all-double-sided', '--animated', '--safety-ring', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
+                       '--all-double-sided', '--animated', '--safety-ring', '--profile', '--order', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
     def test_version(self):
@@ -47,6 +47,9 @@ class Usage(InFolder):
                           ['bake', scene, '-o', file, '--metric', 'view', '--view-pitch', '0'],
                           ['verify', scene, file, '--metric', 'taste'],
                           ['bake', scene, '-o', file, '--safety-ring', 'face'],
+                          ['bake', scene, '-o', file, '--profile', 'tiny'],
+                          ['bake', scene, '-o', file, '--order', 'free'],
+                          ['recode', file, '--profile', 'tiny'],
                           ['bake', scene, '-o', file, '--progress', 'loud']):
             out, err = self.expect(2, *arguments)
             self.assertEqual(out, '', arguments)
@@ -54,7 +57,7 @@ class Usage(InFolder):
 
     def test_options_of_later_versions_are_unknown(self):
         for option in ('--misses=x', '--layout=merged',
-                       '--profile=small', '--importance', '--report=x', '--since=x'):
+                       '--importance', '--report=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
 
@@ -321,12 +324,44 @@ class Bake(InFolder):
                          json.loads(self.expect(0, 'info', file, '--json')[0])['cells'])
         self.assertGreater(other['cells_gained'], 0)
 
+    def test_profiles_are_recoded_and_told_of(self):
+        self.make_city()
+        files = {name: self.path(f'profile-{name}.pvs') for name in ('exact', 'balanced', 'small')}
+        for name in ('exact', 'balanced'):
+            self.expect(0, 'bake', self.city, '-o', files[name], '--cell-limit', '6', '--profile', name)
+        recoded = self.path('profile-recoded.pvs')
+        out, _ = self.expect(0, 'recode', files['exact'], '--profile', 'balanced', '-o', recoded, '--json')
+        self.assertEqual(read(recoded), read(files['balanced']), 'baked or recoded: the same file')
+        self.expect(0, 'recode', files['exact'], '--profile', 'small', '-o', files['small'])
+        infos = {name: json.loads(self.expect(0, 'info', file, '--json')[0]) for name, file in files.items()}
+        slack = [infos[name]['false_visible_percent'] for name in files]
+        self.assertEqual(slack[0], 0)
+        self.assertTrue(0 < slack[1] <= 5.0 < slack[2] <= 10.0, slack)
+        self.assertEqual(json.loads(out)['false_visible_percent'], slack[1])
+        for key in ('bytes', 'ranges_per_cell'):
+            values = [infos[name][key] for name in files]
+            self.assertEqual(values, sorted(values, reverse=True), key)
+        self.assertEqual([infos[name]['settings']['profile'] for name in files], list(files))
+        for name in ('balanced', 'small'):
+            change = json.loads(self.expect(0, 'diff', files['exact'], files[name], '--json')[0])
+            self.assertEqual((change['polygons_lost'], change['cells_gained'], change['cells_lost']), (0, 0, 0))
+            self.assertAlmostEqual(100 * change['polygons_gained'] / change['polygons_before'],
+                                   infos[name]['false_visible_percent'], places=3)
+            self.expect(0, 'verify', self.city, files[name], '--rays', '20000')
+        self.assert_one_error_line(self.expect(2, 'recode', recoded, '--profile', 'exact')[1], 'recode.has-slack')
+        # In place, and not at all.
+        self.expect(0, 'recode', recoded, '--order', 'per-instance')
+        self.assertNotEqual(read(recoded), read(files['balanced']))
+        before = read(recoded)
+        self.assertIn('format version 1 -> 1', self.expect(0, 'migrate', recoded)[0])
+        self.assertEqual(read(recoded), before)
+
     def test_a_safety_ring_is_told_of(self):
         self.make_city()
         sizes, file = {}, self.path('ring.pvs')
         for ring in ('none', 'edge', 'vertex'):
             out, err = self.expect(0, 'bake', self.city, '-o', file, '--cell-limit', '4', *QUICK_BAKE, '--safety-ring',
-                                   ring, '--json')
+                                   ring, '--profile', 'exact', '--json')
             summary = json.loads(out)
             info = json.loads(self.expect(0, 'info', file, '--json')[0])
             self.assertEqual(info['settings'].get('safety_ring', 'none'), ring)

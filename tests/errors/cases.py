@@ -213,6 +213,10 @@ def patch(add, *more, named='--add'):
     return lambda folder: Call(['patch', golden(folder, 'v1_tiny.pvs', 'a.pvs'), '--add', add, *more], named)
 
 
+def recoded(*more, named):
+    return lambda folder: Call(['recode', golden(folder, 'v1_lattice.pvs', 'a.pvs'), *more], named)
+
+
 def diff_of_two_scenes(folder):
     return Call(['diff', golden(folder, 'v1_tiny.pvs', 'a.pvs'), golden(folder, 'v1_small.pvs', 'b.pvs')], 'b.pvs')
 
@@ -319,6 +323,8 @@ CASES = [
     ('patch.not-written', 1, patch('0:1', '-o', 'no/b.pvs', named='no/b.pvs')),
     ('pvs.broken', 4, chunk_damaged),
     ('pvs.other-scene', 4, other_scene),
+    ('recode.has-slack', 2, recoded('--profile', 'exact', named='a.pvs')),
+    ('recode.not-written', 1, recoded('-o', 'no/b.pvs', named='no/b.pvs')),
     ('pvs.refused', 4, info(lambda f: write(f, 'text.pvs', 'hello'))),
     ('scene.accessor-bounds', 4, info_of(set_in('accessors', 0, 'count', value=9))),
     ('scene.accessor-type', 4, info_of(set_in('accessors', 0, 'type', value='VEC2'))),

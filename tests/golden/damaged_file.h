@@ -13,6 +13,7 @@ struct damaged_file {
   std::string name;  // of the fault, and of the file without its ending
   format::status expected = format::status::corrupt;
   std::vector<std::byte> bytes;
+  bool later = false;  // opening does not find it: checking the whole file does
 };
 using damaged_list = std::vector<damaged_file>;
 

@@ -45,6 +45,8 @@ void damage_values(const bytes& tiny, damaged_list& list) {
            fault{"draws_miss_last_polygon", layout::header_polygon_count, 7, status::corrupt},
            fault{"host_layout_1", layout::header_layout, 1, status::corrupt},
            fault{"margin_nan", layout::header_margin, bits_of(nan), status::corrupt},
+           fault{"margin_infinite", layout::header_margin, bits_of(std::numeric_limits<float>::infinity()),
+                 status::corrupt},
            fault{"margin_negative", layout::header_margin, bits_of(-0.25f), status::corrupt},
            fault{"margin_above_limit", layout::header_margin, bits_of(2.0e6f), status::limit},
            fault{"error_above_1", layout::header_max_pixel_error, bits_of(1.5f), status::corrupt},
@@ -93,7 +95,9 @@ damaged_list damaged_headers() {
     list.push_back({name, expected, tiny});
     return list.back().bytes;
   };
-  add("magic_of_another_file", status::not_ours)[1] = std::byte{'p'};
+  bytes& other = add("magic_of_another_file", status::not_ours);
+  other[1] = std::byte{'p'};
+  reseal(other);
   add("cut_inside_header", status::truncated).resize(60);
   add("cut_by_a_byte", status::truncated).pop_back();
   add("longer_by_a_byte", status::corrupt).push_back(std::byte{0});
@@ -167,7 +171,8 @@ damaged_list damaged_section_tables() {
   list.push_back({"section_9_required", status::version, with_record(whole, settings, layout::section_importance, 1)});
   list.push_back({"section_10_skipped", status::ok, with_record(whole, settings, unknown_section, 0)});
   list.push_back({"section_10_required", status::version, with_record(whole, settings, unknown_section, 1)});
-  list.push_back({"certificate_twice", status::corrupt, with_record(whole, settings, layout::section_certificate, 0)});
+  // Any bytes are settings.
+  list.push_back({"settings_twice", status::corrupt, with_record(whole, layout::section_certificate, settings, 0)});
   list.push_back({"draw_table_twice", status::corrupt, with_record(whole, settings, layout::section_draws, 1)});
   list.push_back({"settings_required", status::corrupt, with_record(whole, settings, settings, 1)});
   list.push_back({"draw_table_not_required", status::corrupt,

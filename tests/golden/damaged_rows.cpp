@@ -27,6 +27,13 @@ bytes codes_of(const symbol_lengths& first, const symbol_lengths& others) {
   return out;
 }
 
+// A table that no row uses.
+bytes with_unused_code(const bytes& tiny, const symbol_lengths& lengths) {
+  bytes codes = longer(section_of(tiny, layout::section_codes), -1);
+  format::put_code_lengths(lengths, codes);
+  return with_section(tiny, layout::section_codes, codes);
+}
+
 void put_count(std::uint32_t count, format::bit_sink& out) {
   const auto width = static_cast<unsigned>(std::bit_width(count));
   out.put(width, 5);
@@ -146,7 +153,7 @@ void damage_row(damaged_list& list) {
   add_row("references_in_a_circle", 3, difference(4, {}, {{0, 1}}), list);
   add_row("references_3_deep", 4, difference(2, {}, {{0, 1}}), list);
   add_row("reference_leaves_chunk", 4, difference(5, {}, {{0, 1}}), list);
-  add_row("removed_rank_beyond_last", 1, difference(0, {{4, 1}}, {}), list);
+  add_row("removed_rank_beyond_last", 4, difference(3, {{1, 1}}, {}), list);
   add_row("added_rank_beyond_last", 4, difference(3, {}, {{7, 1}}), list);
   bytes cut = hand_made_rows().rows[4];
   cut.pop_back();
@@ -163,6 +170,13 @@ void damage_row(damaged_list& list) {
   add("gap_between_rows", [](hand_made& made) {
     made.rows[4].insert(made.rows[4].begin(), std::byte{0});
     made.begins[4] += 1;
+  });
+  add("row_begins_inside_another", [](hand_made& made) {
+    // The second byte of that row is zero, which is a row of no polygons.
+    made.rows[3] = own_row({{4, 1}});
+    made.follow_each_other();
+    made.rows.pop_back();
+    made.begins[4] = made.begins[3] + 1;
   });
   add("rows_in_another_order", [](hand_made& made) {
     std::swap(made.rows[0], made.rows[1]);
@@ -187,11 +201,12 @@ damaged_list damaged_code_tables() {
   const auto add = [&](const char* name, const bytes& codes) {
     list.push_back({name, status::corrupt, file_of(codes, made.chunk(), made)});
   };
-  // The first row's bits are none by a code of one symbol; the others leave no doubt before a row is read.
   add("row_is_no_code", codes_of({0, 1}, three_bits));
-  add("codes_over_subscribed", codes_of({3, 3, 3, 3, 3, 3, 3, 3, 3}, three_bits));
-  add("codes_incomplete", codes_of({3, 3, 3, 3, 3, 3, 3}, three_bits));
-  add("code_of_two_bits_alone", codes_of({2}, three_bits));
+  const bytes tiny = tiny_contents().encode();
+  list.push_back({"undamaged_unused_code", status::ok, with_unused_code(tiny, {0, 2, 2, 1})});
+  list.push_back({"codes_over_subscribed", status::corrupt, with_unused_code(tiny, {0, 2, 2, 1, 15})});
+  list.push_back({"codes_incomplete", status::corrupt, with_unused_code(tiny, {0, 2, 2, 2})});
+  list.push_back({"code_of_two_bits_alone", status::corrupt, with_unused_code(tiny, {0, 2})});
   const bytes codes = codes_of(three_bits, three_bits);
   add("codes_cut", longer(codes, -1));
   add("codes_longer", longer(codes, 1));
@@ -200,6 +215,7 @@ damaged_list damaged_code_tables() {
   many[0] = std::byte{65};
   many.insert(many.begin() + 5, 29, std::byte{0});
   add("codes_of_65_symbols", many);
+  for (damaged_file& file : list) file.later = file.expected != status::ok;
   return list;
 }
 
@@ -207,6 +223,7 @@ damaged_list damaged_rows() {
   damaged_list list;
   list.push_back({"undamaged_rows", status::ok, file_of(hand_made_rows())});
   damage_row(list);
+  for (damaged_file& file : list) file.later = file.expected != status::ok;
   return list;
 }
 

@@ -78,7 +78,7 @@ void damage_orders(damaged_list& list) {
   add("orders_begin_above_0", orders_of({1, 4}, {0, 1}, in_order));
   add("orders_descend", orders_of({0, 3, 2}, {0, 1, 1}, in_order));
   add("permutations_descend", orders_of({0, 3, 3}, {0, 2, 1}, in_order));
-  add("more_polygons_than_bits", orders_of({0, 9}, {0, 1}, in_order));
+  add("more_polygons_than_bits", orders_of({0, 3, 12}, {0, 1, 2}, bytes(2)));  // in an order that no draw has
   add("orders_longer", longer(orders_of({0, 3}, {0, 1}, in_order), 1));
   add("steps_incomplete", orders_of({0, 3}, {0, 1}, in_order, {2, 2, 2}));
   add("step_is_no_code", orders_of({0, 3}, {0, 1}, bytes{std::byte{2}}));
@@ -157,6 +157,23 @@ bytes lattice_of(const format::lattice_shape& shape, const chunk_list& chunks) {
   return out;
 }
 
+// Of a lattice without cells: where there are some, their boxes are none either.
+void damage_shapes(damaged_list& list) {
+  sample_contents contents = tiny_contents();
+  contents.cells.clear();
+  contents.sets.clear();
+  contents.lattice = format::lattice_shape{4.0, 2.0};
+  const bytes file = contents.encode();
+  list.push_back({"undamaged_no_cells", status::ok, file});
+  const auto add = [&](const char* name, const format::lattice_shape& shape) {
+    list.push_back({name, status::corrupt, with_section(file, layout::section_cells, lattice_of(shape, {}))});
+  };
+  add("lattice_width_0", {0.0, 2.0});
+  add("lattice_height_negative", {4.0, -2.0});
+  add("lattice_height_nan", {4.0, std::numeric_limits<double>::quiet_NaN()});
+  add("lattice_width_infinite", {std::numeric_limits<double>::infinity(), 2.0});
+}
+
 }  // namespace
 
 damaged_list damaged_tables() {
@@ -180,9 +197,7 @@ damaged_list damaged_lattices() {
   const auto add = [&](const char* name, const bytes& section) {
     list.push_back({name, status::corrupt, with_section(whole, layout::section_cells, section)});
   };
-  add("lattice_width_0", lattice_of({0.0, shape.height}, chunks));
-  add("lattice_height_nan", lattice_of({shape.width, std::numeric_limits<double>::quiet_NaN()}, chunks));
-  add("lattice_width_infinite", lattice_of({std::numeric_limits<double>::infinity(), shape.height}, chunks));
+  damage_shapes(list);
   add("lattice_beyond_floats", lattice_of({1e300, shape.height}, chunks));
   add("lattice_below_floats", lattice_of({shape.width, 1e-300}, chunks));
   add("lattice_longer", longer(lattice_of(shape, chunks), 1));

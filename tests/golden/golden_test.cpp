@@ -92,6 +92,9 @@ TEST(golden_errors, files_are_those_listed_and_made) {
     ASSERT_TRUE(found != listed.end()) << file.name;
     EXPECT_EQ(found->second, status_name(file.expected)) << file.name;
     EXPECT_TRUE(golden_file("golden_errors/" + file.name) == file.bytes) << file.name;
+    // What a host allocates by must be right from there on.
+    reader opened;
+    EXPECT_EQ(reader::open(file.bytes, opened), file.later ? status::ok : file.expected) << file.name;
   }
 }
 

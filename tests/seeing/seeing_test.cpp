@@ -62,6 +62,7 @@ bake::settings trial::usual() {
   bake::settings how;
   how.resolution = 64;
   how.max_pixel_error = 1e-4;
+  how.file.profile = bake::slack_profile::exact;
   return how;
 }
 

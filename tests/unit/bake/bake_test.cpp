@@ -53,6 +53,7 @@ class bake_library : public testing::Test {
     how.cells_grid = {-2.0f, 0.0f, -2.0f, 2.0f, 1.0f, 2.0f};
     how.cell_size = 2.0f;
     how.resolution = 64;
+    how.file.profile = slack_profile::exact;
     return how;
   }
 

@@ -110,6 +110,7 @@ class safety_ring_bake : public testing::Test {
     tiny_scene tiny;
     tiny.room_with_pillars();
     scene_ = tiny.finished();
+    how_.file.profile = slack_profile::exact;
     how_.cells_grid = {-4.0f, 0.0f, -4.0f, 4.0f, 1.0f, 4.0f};
     how_.cell_size = 2.0f;
     how_.source = "cpu";

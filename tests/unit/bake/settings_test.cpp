@@ -146,7 +146,7 @@ TEST(settings, ends_of_the_ranges_are_inside) {
 TEST(settings, description_is_one_line_of_json_in_fixed_order) {
   EXPECT_EQ(describe({}), R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,)"
                           R"("sampler":"guided","samples":24,"resolution":512,"max_pixel_error":0.001,"seed":1,)"
-                          R"("all_double_sided":false,"smallest_gap":0.002})");
+                          R"("all_double_sided":false,"smallest_gap":0.002,"profile":"balanced"})");
 }
 
 TEST(settings, a_metric_other_than_pixel_stands_in_the_description) {
@@ -155,10 +155,10 @@ TEST(settings, a_metric_other_than_pixel_stands_in_the_description) {
   s.metric.view_fov = 90.0;
   EXPECT_EQ(describe(s), before) << "of view alone";
   s.metric.kind = metric_kind::color;
-  EXPECT_NE(describe(s).find(R"(,"metric":"color"})"), std::string::npos) << describe(s);
+  EXPECT_NE(describe(s).find(R"(,"metric":"color",)"), std::string::npos) << describe(s);
   s.metric = {.kind = metric_kind::view, .view_width = 640, .view_pitch = {-20.0, 12.5}};
   EXPECT_NE(describe(s).find(R"(,"metric":"view","view_resolution":[640,1080],"view_fov":60,"view_pitch":[-20,12.5],)"
-                             R"("view_least":0.25})"),
+                             R"("view_least":0.25,)"),
             std::string::npos)
       << describe(s);
 }
@@ -178,6 +178,14 @@ TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_b
   b = a;
   b.safety_ring = safety_ring::edge;
   EXPECT_NE(describe(b).find(R"("safety_ring":"edge")"), std::string::npos);
+  b = a;
+  b.file = {slack_profile::small, polygon_order_kind::per_instance};
+  EXPECT_NE(describe(b).find(R"("profile":"small","order":"per-instance")"), std::string::npos);
+  EXPECT_EQ(file_settings_of(describe(b)).profile, slack_profile::small);
+  EXPECT_EQ(file_settings_of(describe(b)).order, polygon_order_kind::per_instance);
+  EXPECT_EQ(file_settings_of(describe(a)).profile, slack_profile::balanced);
+  EXPECT_EQ(file_settings_of("{}").profile, slack_profile::exact) << "from before there was slack";
+  EXPECT_EQ(file_settings_of("no JSON").order, polygon_order_kind::per_mesh);
   b = a;
   b.time_budget = 90.0;
   EXPECT_NE(describe(b).find(R"("time_budget":90)"), std::string::npos);

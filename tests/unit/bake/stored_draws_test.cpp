@@ -40,8 +40,9 @@ std::vector<numbers> some_sets(std::uint32_t polygons, std::uint32_t seed) {
   return sets;
 }
 
-stored_draws stored(const std::vector<format::draw_record>& draws, const std::vector<numbers>& sets) {
-  return store_draws(draws, static_cast<std::uint32_t>(sets.size()), [&](std::uint32_t cell, numbers& set) {
+stored_draws stored(const std::vector<format::draw_record>& draws, const std::vector<numbers>& sets,
+                    polygon_order_kind kind = polygon_order_kind::per_mesh) {
+  return store_draws(draws, kind, static_cast<std::uint32_t>(sets.size()), [&](std::uint32_t cell, numbers& set) {
     EXPECT_TRUE(set.empty());
     set = sets[cell];
   });
@@ -111,6 +112,16 @@ TEST(stored_draws, the_order_in_which_draws_come_does_not_matter) {
   EXPECT_EQ(once.orders, again.orders);
   EXPECT_EQ(once.order_of_draw, again.order_of_draw);
   for (std::size_t i = 0; i < draws.size(); ++i) EXPECT_EQ(once.draws[i].node, again.draws[i].node);
+}
+
+TEST(stored_draws, an_order_for_each_instance) {
+  const stored_draws out = stored(some_draws(), some_sets(194, 4), polygon_order_kind::per_instance);
+  EXPECT_EQ(out.orders.size(), 11u);
+  std::vector<bool> used(11);
+  for (const std::uint32_t order : out.order_of_draw) {
+    EXPECT_FALSE(used.at(order));
+    used[order] = true;
+  }
 }
 
 TEST(stored_draws, no_draws_and_no_cells) {

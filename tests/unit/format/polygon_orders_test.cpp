@@ -51,7 +51,7 @@ std::vector<std::byte> written(const order_list& orders) {
 TEST(polygon_orders, orders_come_back) {
   const auto orders = some_orders(1);
   const auto bytes = written(orders);
-  const polygon_orders read(bytes);
+  const polygon_orders read(bytes, 100);
   ASSERT_TRUE(read.good());
   ASSERT_EQ(read.count(), orders.size());
   std::uint32_t polygons = 0;
@@ -68,11 +68,11 @@ TEST(polygon_orders, orders_come_back) {
 
 TEST(polygon_orders, no_orders_at_all) {
   const auto bytes = written({});
-  const polygon_orders read(bytes);
+  const polygon_orders read(bytes, 100);
   ASSERT_TRUE(read.good());
   EXPECT_EQ(read.count(), 0u);
   EXPECT_EQ(read.polygons(), 0u);
-  EXPECT_FALSE(polygon_orders(std::span<const std::byte>()).good());
+  EXPECT_FALSE(polygon_orders({}, 100).good());
 }
 
 TEST(polygon_orders, the_order_of_the_source_takes_a_bit_a_polygon) {
@@ -83,7 +83,7 @@ TEST(polygon_orders, the_order_of_the_source_takes_a_bit_a_polygon) {
 
 TEST(polygon_orders, spans_of_another_size) {
   const auto bytes = written(some_orders(2));
-  const polygon_orders read(bytes);
+  const polygon_orders read(bytes, 100);
   ASSERT_TRUE(read.good());
   std::vector<std::uint32_t> few(read.polygon_count(2) - 1), many(read.polygon_count(2) + 1);
   EXPECT_FALSE(read.source_of_stored(2, few));
@@ -91,15 +91,35 @@ TEST(polygon_orders, spans_of_another_size) {
   EXPECT_FALSE(read.source_of_stored(read.count(), {}));
 }
 
+TEST(polygon_orders, no_more_than_there_can_be) {
+  const auto bytes = written(some_orders(5));
+  EXPECT_TRUE(polygon_orders(bytes, 7).good());
+  EXPECT_FALSE(polygon_orders(bytes, 6).good());
+}
+
+TEST(polygon_orders, all_of_their_bytes_are_used) {
+  std::vector<std::byte> bytes;
+  byte_sink(bytes).put_u32(1);
+  put_columns(std::vector<std::vector<std::uint32_t>>{{0, 8}, {0, 2}}, bytes);
+  symbol_counts counts{};
+  counts[0] = 1;
+  put_code_lengths(best_lengths(counts), bytes);
+  bytes.insert(bytes.end(), 2 + bit_reader::padding, std::byte{0});
+  const polygon_orders read(bytes, 1);
+  ASSERT_TRUE(read.good());
+  std::vector<std::uint32_t> order(8);
+  EXPECT_FALSE(read.source_of_stored(0, order)) << "eight bits are one byte, not two";
+}
+
 TEST(polygon_orders, cut_at_every_length) {
   const auto bytes = written(some_orders(3));
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
-    EXPECT_FALSE(polygon_orders(cut).good()) << size;
+    EXPECT_FALSE(polygon_orders(cut, 100).good()) << size;
   }
   auto longer = bytes;
   longer.push_back(std::byte{0});
-  EXPECT_FALSE(polygon_orders(longer).good());
+  EXPECT_FALSE(polygon_orders(longer, 100).good());
 }
 
 // A host makes room for orders before it reads them: few bytes must not name many polygons.
@@ -112,7 +132,7 @@ TEST(polygon_orders, polygons_without_bits_are_refused) {
     counts[0] = 1;
     put_code_lengths(best_lengths(counts), bytes);
     bytes.insert(bytes.end(), 100 + bit_reader::padding, std::byte{0});
-    return polygon_orders(bytes).good();
+    return polygon_orders(bytes, 100).good();
   };
   EXPECT_TRUE(named(800, 100));
   EXPECT_FALSE(named(801, 100));
@@ -128,7 +148,7 @@ TEST(polygon_orders, changed_bytes_make_orders_or_errors) {
   for (int round = 0; round < 10000; ++round) {
     auto changed = bytes;
     changed[random() % changed.size()] = static_cast<std::byte>(random());
-    const polygon_orders read(changed);
+    const polygon_orders read(changed, 100);
     if (!read.good()) {
       ++refused;
       continue;

@@ -67,6 +67,7 @@ struct summary {
   // What the safety ring added, seen by nothing: polygons in the mean over the cells, and all of them in percent of
   // what the sets would hold without it. Of a whole bake or a merge, not of a shard.
   double unseen_per_cell = 0.0, unseen_percent = 0.0;
+  double slack = 0.0;  // share of polygons that the file's sets hold besides, by its profile
   double max_upper_bound = 1.0;
   double cpu_seconds = 0.0;  // of the process, this run
   std::uint64_t bytes = 0;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightcell/bake/file_settings.h"
 #include "sightcell/bake/safety_ring.h"
 #include "sightcell/scene/animated_as.h"
 
@@ -81,9 +82,9 @@ struct settings {
   // --time-budget, of guided: seconds on the clock for the whole bake, spent where the bound is largest, down to
   // max_pixel_error; 0: none. What is found then depends on the machine.
   double time_budget = 0.0;
-  double max_pixel_error = 1e-3;   // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
-  metric_settings metric = {};     // of what error that is the bound; a host's scene has no colors for color
-  std::uint64_t seed = 1;          // --seed
+  double max_pixel_error = 1e-3;  // --max-pixel-error, 0 or 1e-7..0.5; 0: no rays, the sampler alone
+  metric_settings metric = {};    // of what error that is the bound; a host's scene has no colors for color
+  std::uint64_t seed = 1;         // --seed
 
   // --- seeing
   bool all_double_sided = false;  // --all-double-sided
@@ -92,6 +93,8 @@ struct settings {
   scene::animated_as animated = scene::animated_as::always;
   // --safety-ring none|edge|vertex: what shares an edge or a vertex with a polygon of a finished set joins it unseen.
   bake::safety_ring safety_ring = bake::safety_ring::none;
+
+  file_settings file;  // --profile, --order
 
   // --- running; none of these changes a byte of the file
   std::uint32_t threads = 0;  // --threads, 0: all

@@ -64,6 +64,7 @@ struct row_statistics {
   [[nodiscard]] double runs_per_cell() const { return per_cell(static_cast<double>(runs)); }
   [[nodiscard]] double ranges_per_cell() const { return per_cell(static_cast<double>(ranges)); }
   [[nodiscard]] double delta_row_percent() const { return per_cell(100.0 * static_cast<double>(delta_rows)); }
+  [[nodiscard]] double shared_row_percent() const { return per_cell(100.0 * static_cast<double>(shared_rows)); }
   // Bits per (cell, visible polygon): rows, directory and code tables. 0 when no cell sees anything.
   [[nodiscard]] double bits_per_visible_polygon() const {
     return polygons == 0 ? 0.0 : 8.0 * static_cast<double>(row_bytes + directory_bytes) / static_cast<double>(polygons);

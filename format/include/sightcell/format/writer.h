@@ -30,7 +30,8 @@ cell_set_source sets_of(std::span<const std::vector<std::uint32_t>> sets);
 
 // In which order polygons are stored. Draws with the same order are instances of one thing, and have as many polygons.
 struct stored_order {
-  std::span<const std::uint32_t> order_of_draw;  // one per draw, in the order of the draw table
+  // One per draw, in the order of the draw table: 0, then as before or the next number.
+  std::span<const std::uint32_t> order_of_draw;
   std::span<const std::vector<std::uint32_t>>
       orders;  // [i]: which polygon of the draw, as the source has them, is i-th
 };
@@ -54,12 +55,17 @@ struct file_contents {
   cell_set_source cell_sets;
   std::span<const certificate_record> certificate;  // empty, or one per cell in cell order
   std::string_view settings;                        // JSON text of the settings that made the file; may be empty
+  // Of each set, the share of polygons that encode may add to it, 0 .. 1, in millionths; 0: sets stay as they are. They
+  // are chosen to make the file smaller and (draw, first, count) ranges fewer, and no set loses one. facts.slack is
+  // what the sets hold too much already; the file says what they hold together.
+  double slack = 0.0;
 };
 
 // Encodes contents into out (replaced on ok, else left alone). Same contents, same bytes. Besides the file it takes
-// the sets of 64 cells at a time, 8 bytes per run of each, and 4 bytes per polygon. Allocates; no shared state, any
-// thread. argument: contents contradict themselves (unsorted ids, counts that differ, non-finite boxes); limit: a
-// number is above what the format can hold (layout.h); memory: out of memory.
+// the sets of 64 cells at a time, 8 bytes per run of each, and 4 bytes per polygon; with slack about 60 bytes per
+// border of these 64 sets, those of several counted once. Allocates; no shared state, any thread. argument: contents
+// contradict themselves (unsorted ids, counts that differ, non-finite boxes); limit: a number is above what the format
+// can hold (layout.h); memory: out of memory.
 status encode(const file_contents& contents, std::vector<std::byte>& out);
 
 // Writes bytes beside path under a temporary name, flushes them to the disk, renames over path and flushes the folder:
