@@ -4,7 +4,7 @@
 usage: bench_format.py --bin FOLDER [--scene NAME ...] [--file NAME=PATH ...] [--repeat N] [--again] [--quick]
                        [--json OUT.json]
 
---bin: the folder with sightcell, sightcell-city and bench_format. Eight corpora: what the default sampler finds at an error
+--bin: the folder with sightcell, sightcell-city, bench_format and bench_format_parts. Eight corpora: what the default sampler finds at an error
 of 1e-4 in six real scenes under SIGHTCELL_DATA (said so where one is missing), in the city's preset vienna800k (seed 2) and
 in a town of 145,000 polygons whose cells are more than 10,000; small-town when it is named. Prints Markdown tables.
 --file takes a file that is there already for a corpus of that name, or of any other name.
@@ -156,7 +156,17 @@ class Bench:
         check(name, result["facts"], info)
         side = sum(s["size"] for s in info["sections"] if s["name"] in SIDE)
         return {"name": name, **result, "info": info, "sets_bytes": result["facts"]["file_bytes"] - side,
-                "row_bytes": row_bytes(info), "profiles": {p: self.recoded(path, p) for p in PROFILES}}
+                "row_bytes": row_bytes(info), "parts": self.parts(path),
+                "profiles": {p: self.recoded(path, p) for p in PROFILES}}
+
+    def parts(self, path):
+        """Rows with and without each part of the format."""
+        kept = path[:-len(".pvs")] + ".parts.json"
+        if not os.path.exists(kept):
+            self.run("bench_format_parts", path, "--json", kept + ".part")
+            os.replace(kept + ".part", kept)
+        with open(kept, encoding="utf-8") as stream:
+            return json.load(stream)
 
     def recoded(self, path, profile):
         """What sightcell info says of the file in another profile."""
@@ -235,6 +245,19 @@ def bytes_tables(results):
               ["", *(PEERS[k] for k in kinds), "the same, dictionary counted", "best whole-file zstd"], rows)
 
 
+def parts_table(results):
+    kinds = [("source_order", "own"), ("source_order", "differences"), ("stored_order", "own"),
+             ("stored_order", "differences"), ("stored_order", "slack"), ("source_order", "slack")]
+    found = [[r["parts"][order][rows] / r["parts"]["stored_order"]["differences"] for order, rows in kinds]
+             for r in results]
+    rows = [[r["name"], f"{r['parts']['stored_order']['differences']:,}", *(f"{v:.2f}" for v in values)]
+            for r, values in zip(results, found)]
+    rows.append(["**median**", "", *(f"{statistics.median(column):.2f}" for column in zip(*found))])
+    table("Bytes of rows without parts of the format, through those with order and differences",
+          ["", "with both", "source order, no differences", "source order", "no differences", "both", "and slack of 5 %",
+           "source order, slack of 5 %"], rows)
+
+
 def profiles_table(results):
     for profile in PROFILES:
         found = []
@@ -301,6 +324,7 @@ def main():
         fail("no scene is there")
     facts_table(results)
     bytes_tables(results)
+    parts_table(results)
     if not options.quick:
         profiles_table(results)
     times_tables(results)

@@ -91,7 +91,14 @@ class BenchFormat(unittest.TestCase):
                 self.assertTrue(all(value > 0 for value in call.values()))
 
     def test_tables_name_the_corpus(self):
-        self.assertEqual(self.told.stdout.count("\n| small-town |"), 7)
+        self.assertEqual(self.told.stdout.count("\n| small-town |"), 8)
+
+    def test_each_part_of_the_format_pays(self):
+        stored, source = (self.result["parts"][order] for order in ("stored_order", "source_order"))
+        self.assertEqual(stored["differences"], self.result["row_bytes"])
+        self.assertLess(stored["own"], source["own"])
+        self.assertLessEqual(stored["differences"], stored["own"] + 64)
+        self.assertLess(stored["slack"], stored["differences"])
 
     def test_frozen_sets_make_the_file_of_a_bake(self):
         scene, = (f for f in self.kept if f.endswith(".glb"))
