@@ -1,11 +1,13 @@
 #include "sightcell/format/reader.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <numeric>
 
 #include "checked_reader.h"
 #include "checksum.h"
+#include "draw_table_rules.h"
 #include "polygon_orders.h"
 #include "record_rules.h"
 #include "sightcell/format/layout.h"
@@ -65,7 +67,8 @@ status reader::read_header() noexcept {
   facts_.layout = static_cast<host_layout>(layout_number);
   facts_.repeatable = (flags & layout::flag_not_repeatable) == 0;
   if (!facts_are_valid(facts_) || (flags & ~layout::flag_not_repeatable) != 0) return status::corrupt;
-  if (version_ == 0 && (list_bound_ != 0 || facts_.slack != 0.0f)) return status::corrupt;
+  const bool later = list_bound_ != 0 || facts_.slack != 0.0f || facts_.layout != host_layout::instanced;
+  if (version_ == 0 && later) return status::corrupt;
   if (facts_.polygon_count > layout::max_polygons || cell_count_ > layout::max_cells ||
       draw_count_ > layout::max_draws || section_count_ > layout::max_sections || facts_.margin > layout::max_margin) {
     return status::limit;
@@ -204,13 +207,18 @@ std::uint32_t reader::order_begin(std::uint32_t number) const noexcept {
   return number == draw_count_ ? facts_.polygon_count : v0_draw(number, d) == status::ok ? d.first_stored : 0;
 }
 
+std::uint32_t reader::order_size(std::uint32_t number) const noexcept {
+  return order_begin(number + 1) - order_begin(number);
+}
+
 status reader::draw(std::uint32_t number, draw_record& out) const noexcept {
   if (number >= draw_count_) return status::argument;
   if (version_ == 0) return v0_draw(number, out);
   const auto column = [&](std::size_t which) { return draw_columns_[which][number]; };
   const std::uint32_t order = column(6);
-  if (order >= order_count_) return status::corrupt;
-  const std::uint32_t count = order_begin_[order + 1] - order_begin_[order];
+  const std::uint32_t first = column(8);
+  const std::uint32_t end = number + 1 < draw_count_ ? draw_columns_[8][number + 1] : facts_.polygon_count;
+  if (order >= order_count_ || first > end || end > facts_.polygon_count) return status::corrupt;
   const draw_record d{.node = column(0),
                       .mesh = column(1),
                       .primitive = column(2),
@@ -218,31 +226,60 @@ status reader::draw(std::uint32_t number, draw_record& out) const noexcept {
                       .material = column(4),
                       .group = column(5),
                       .first_source = column(7),
-                      .polygon_count = count,
-                      .first_stored = column(8),
+                      .polygon_count = end - first,
+                      .first_stored = first,
                       .base_vertex = column(9),
-                      .host_tag = std::uint64_t{column(11)} << 32 | column(10)};
-  if (std::uint64_t{d.first_stored} + count > facts_.polygon_count ||
-      std::uint64_t{d.first_source} + count > facts_.polygon_count || d.group != 0) {
+                      .host_tag = std::uint64_t{column(11)} << 32 | column(10),
+                      .flags = column(12)};
+  if (std::uint64_t{d.first_source} + d.polygon_count > facts_.polygon_count ||
+      !draw_is_valid(d, facts_.layout, order, order_size(order))) {
     return status::corrupt;
   }
   out = d;
   return status::ok;
 }
 
-// Orders are numbered as draws first name them: so each belongs to a draw, and is read with it.
-status reader::check_draws() const noexcept {
-  std::uint32_t next = 0;
-  std::uint32_t orders = 0;
+status reader::check_draws() noexcept {
+  draw_table_rules rules(facts_.layout, facts_.polygon_count);
   for (std::uint32_t i = 0; i < draw_count_; ++i) {
     draw_record d;
     if (const status s = draw(i, d); s != status::ok) return s;
-    if (d.first_stored != next) return status::corrupt;
-    next += d.polygon_count;  // draw() keeps this inside polygon_count
-    if (order_of_draw(i) > orders) return status::corrupt;
-    if (order_of_draw(i) == orders) ++orders;
+    const std::uint32_t order = order_of_draw(i);
+    if (!rules.take(d, order, order_size(order))) return status::corrupt;
   }
-  return next == facts_.polygon_count && orders == order_count_ ? status::ok : status::corrupt;
+  range_units_ = facts_.layout == host_layout::instanced ? draw_count_ : order_count_;
+  return rules.complete(order_count_) ? status::ok : status::corrupt;
+}
+
+namespace {
+
+// The first row below end of which a column, that does not descend, has at least a value; else end.
+std::uint32_t first_at_least(const packed_column& column, std::uint32_t begin, std::uint32_t end,
+                             std::uint32_t value) noexcept {
+  while (begin < end) {
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    if (column[middle] < value) {
+      begin = middle + 1;
+    } else {
+      end = middle;
+    }
+  }
+  return begin;
+}
+
+}  // namespace
+
+std::uint32_t reader::first_draw_of(std::uint32_t range_unit) const noexcept {
+  const bool merged = facts_.layout == host_layout::merged;
+  return merged ? first_at_least(draw_columns_[5], 0, draw_count_, range_unit) : range_unit;
+}
+
+std::uint32_t reader::range_unit_begin(std::uint32_t number) const noexcept {
+  if (number >= range_units_) return facts_.polygon_count;
+  draw_record d;
+  if (version_ == 0) return v0_draw(number, d) == status::ok ? d.first_stored : facts_.polygon_count;
+  const std::uint32_t draw = first_draw_of(number);
+  return draw < draw_count_ ? draw_columns_[8][draw] : facts_.polygon_count;
 }
 
 status reader::orders(std::span<std::uint32_t> out) const noexcept {
@@ -268,17 +305,46 @@ status reader::orders(std::span<std::uint32_t> out) const noexcept {
 
 status reader::source_of_stored(std::span<std::uint32_t> out) const noexcept {
   if (out.size() != facts_.polygon_count) return status::argument;
-  const polygon_orders all(version_ == 0 ? std::span<const std::byte>{} : part(orders_), draw_count_);
-  for (std::uint32_t number = 0; number < draw_count_; ++number) {
-    draw_record d;
-    if (const status s = draw(number, d); s != status::ok) return s;
-    const std::span<std::uint32_t> polygons = out.subspan(d.first_stored, d.polygon_count);
-    if (version_ == 0) {
-      std::iota(polygons.begin(), polygons.end(), 0u);
-    } else if (!all.source_of_stored(order_of_draw(number), polygons)) {
-      return status::corrupt;
+  if (version_ == 0) {  // stored order is source order
+    std::iota(out.begin(), out.end(), 0u);
+    return status::ok;
+  }
+  const polygon_orders all(part(orders_), draw_count_);
+  const bool merged = facts_.layout == host_layout::merged;
+  for (std::uint32_t unit = 0; unit < range_units_; ++unit) {
+    const std::uint32_t begin = range_unit_begin(unit);
+    const std::uint32_t end = range_unit_begin(unit + 1);
+    if (begin > end || end > out.size()) return status::corrupt;
+    const std::span<std::uint32_t> polygons = out.subspan(begin, end - begin);
+    if (!all.source_of_stored(merged ? unit : order_of_draw(unit), polygons)) return status::corrupt;
+    if (const status s = make_sources(unit, polygons); s != status::ok) return s;
+  }
+  return status::ok;
+}
+
+// polygons: of a draw or draw group, by their places in it; become source ids. Those that follow each other mostly lie
+// in the same draw.
+status reader::make_sources(std::uint32_t range_unit, std::span<std::uint32_t> polygons) const noexcept {
+  const packed_column& firsts = draw_columns_[8];
+  const std::uint32_t begin_draw = first_draw_of(range_unit);
+  const std::uint32_t end_draw = std::min(first_draw_of(range_unit + 1), draw_count_);
+  const std::uint32_t begin = firsts[begin_draw];
+  std::uint32_t first = 1;  // of the draw found last: none yet
+  std::uint32_t end = 0;
+  std::uint32_t first_source = 0;
+  for (std::uint32_t& polygon : polygons) {
+    const std::uint32_t place = begin + polygon;
+    if (place < first || place >= end) {
+      const std::uint32_t behind = first_at_least(firsts, begin_draw, end_draw, place + 1);
+      if (behind == begin_draw) return status::corrupt;
+      first = firsts[behind - 1];
+      end = behind < draw_count_ ? firsts[behind] : facts_.polygon_count;
+      first_source = draw_columns_[7][behind - 1];
+      if (place < first || place >= end || std::uint64_t{first_source} + (end - first) > facts_.polygon_count) {
+        return status::corrupt;
+      }
     }
-    for (std::uint32_t& polygon : polygons) polygon += d.first_source;
+    polygon = first_source + (place - first);
   }
   return status::ok;
 }

@@ -156,12 +156,9 @@ status reader::row(std::uint32_t cell, row_record& out) const noexcept {
 std::uint64_t reader::count_ranges(std::span<const run> runs) const noexcept {
   std::uint64_t ranges = 0;
   // Bytes that changed since open make a wrong count, nothing worse.
-  const auto first_of = [&](std::uint32_t number) {
-    draw_record d;
-    return draw(number, d) == status::ok ? d.first_stored : facts_.polygon_count;
-  };
-  for_each_draw_range(runs, draw_count_, facts_.polygon_count, first_of,
-                      [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
+  for_each_draw_range(
+      runs, range_units_, facts_.polygon_count, [&](std::uint32_t unit) { return range_unit_begin(unit); },
+      [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
   return ranges;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 // One place for the rules that single values of a file must keep, used by the writer before it writes and by the reader
-// after it read.
+// after it read. Those of draws together: draw_table_rules.h.
 #include <cmath>
 
 #include "sightcell/format/layout.h"
@@ -25,8 +25,16 @@ namespace sightcell::format {
   return c.misses <= c.rays && is_share(c.upper_bound) && is_share(c.confidence);
 }
 
+// order: the number of the draw's order, which has so many polygons.
+[[nodiscard]] inline bool draw_is_valid(const draw_record& d, host_layout layout, std::uint32_t order,
+                                        std::uint32_t order_polygons) noexcept {
+  if ((d.flags & ~draw_moves) != 0) return false;
+  if (layout == host_layout::instanced) return d.group == 0 && d.polygon_count == order_polygons;
+  return d.group == order && d.polygon_count <= order_polygons;
+}
+
 [[nodiscard]] inline bool facts_are_valid(const file_facts& f) noexcept {
-  return f.layout == host_layout::instanced && f.margin >= 0.0f && std::isfinite(f.margin) &&
+  return f.layout <= host_layout::merged && f.margin >= 0.0f && std::isfinite(f.margin) &&
          is_share(static_cast<double>(f.max_pixel_error)) && is_share(static_cast<double>(f.confidence)) &&
          is_share(static_cast<double>(f.slack));
 }

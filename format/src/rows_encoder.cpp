@@ -24,6 +24,7 @@ constexpr std::size_t sampled_slack_chunks = 3;
 rows_encoder::rows_encoder(const file_contents& contents, stored_sets& stored)
     : contents_(contents),
       stored_(stored),
+      borders_(range_borders(contents.draws, contents.facts.layout)),
       slack_share_(static_cast<std::uint64_t>(std::llround(contents.slack * double{slack_share_unit}))) {}
 
 std::size_t rows_encoder::chunk_count() const {
@@ -64,8 +65,8 @@ status rows_encoder::for_each_chunk(std::size_t step, const Visit& visit) {
 std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
   std::uint32_t ranges = 0;
   for_each_draw_range(
-      runs, static_cast<std::uint32_t>(contents_.draws.size()), contents_.facts.polygon_count,
-      [&](std::uint32_t d) { return contents_.draws[d].first_stored; },
+      runs, static_cast<std::uint32_t>(borders_.size() - 1), borders_.back(),
+      [&](std::uint32_t unit) { return borders_[unit]; },
       [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
   return ranges;
 }
@@ -77,7 +78,7 @@ void rows_encoder::widen_sets(std::size_t chunk, slack_sums& sums) {
   if (plan.same.empty()) {
     plan = plan_chunk(sets_, *exact_encoders_, contents_.facts.polygon_count, least_saving::anything);
   }
-  add_slack(sets_, plan, contents_.draws, prices_, slack_share_, sums);
+  add_slack(sets_, plan, borders_, prices_, slack_share_, sums);
 }
 
 // Every set as if it stood alone.

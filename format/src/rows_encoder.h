@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "range_borders.h"
 #include "row_chunk_encoder.h"
 #include "sightcell/format/status.h"
 #include "sightcell/format/writer.h"
@@ -50,6 +51,7 @@ class rows_encoder {
 
   const file_contents& contents_;
   stored_sets& stored_;
+  std::vector<std::uint32_t> borders_;  // of what ranges count in
   std::vector<chunk_plan> plans_;
   std::unique_ptr<row_encoders> encoders_;
   std::uint64_t slack_share_ = 0;                 // in slack_share_units

@@ -14,7 +14,7 @@ struct stretch {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
   std::uint64_t drawn = 0;
-  std::uint32_t borders = 0;  // draws that begin behind its first polygon
+  std::uint32_t borders = 0;  // draws, or draw groups, that begin behind its first polygon
   bool begins_draw = false;
 };
 
@@ -42,12 +42,12 @@ std::vector<stretch> stretches_of(std::span<const std::vector<run>> sets) {
   return all;
 }
 
-void find_draws(std::span<const draw_record> draws, std::vector<stretch>& all) {
-  auto draw = draws.begin();
+void find_draws(std::span<const std::uint32_t> borders, std::vector<stretch>& all) {
+  std::size_t draw = 0;
   for (stretch& s : all) {
-    for (; draw != draws.end() && draw->first_stored < s.end; ++draw) {
-      if (draw->polygon_count == 0) continue;
-      if (draw->first_stored == s.begin) {
+    for (; draw + 1 < borders.size() && borders[draw] < s.end; ++draw) {
+      if (borders[draw] == borders[draw + 1]) continue;  // without polygons
+      if (borders[draw] == s.begin) {
         s.begins_draw = true;
       } else {
         ++s.borders;
@@ -64,10 +64,10 @@ std::uint64_t polygons_of(std::span<const run> set) {
 
 class chunk_slack {
  public:
-  chunk_slack(std::span<std::vector<run>> sets, const chunk_plan& plan, std::span<const draw_record> draws,
+  chunk_slack(std::span<std::vector<run>> sets, const chunk_plan& plan, std::span<const std::uint32_t> borders,
               const slack_prices& prices, std::uint64_t share)
       : sets_(sets), plan_(plan), share_(share), path_(prices), all_(stretches_of(sets)) {
-    find_draws(draws, all_);
+    find_draws(borders, all_);
     for (std::size_t cell = 0; cell < sets.size(); ++cell) {
       if (plan.same[cell] == cell && !is_alone(cell)) heirs_[plan.reference[cell]] |= std::uint64_t{1} << cell;
     }
@@ -165,11 +165,11 @@ slack_prices slack_prices_of(const row_counts& counts, const row_encoders& encod
           price_of(counts.added, encoders.added), range_price};
 }
 
-void add_slack(std::span<std::vector<run>> sets, const chunk_plan& plan, std::span<const draw_record> draws,
+void add_slack(std::span<std::vector<run>> sets, const chunk_plan& plan, std::span<const std::uint32_t> borders,
                const slack_prices& prices, std::uint64_t share, slack_sums& sums) {
   std::uint64_t seen = 0;
   for (const auto& set : sets) seen += polygons_of(set);
-  chunk_slack chunk(sets, plan, draws, prices, share);
+  chunk_slack chunk(sets, plan, borders, prices, share);
   for (unsigned depth = 0; depth <= layout::max_reference_depth; ++depth) {
     for (std::size_t cell = 0; cell < sets.size(); ++cell) {
       if (plan.same[cell] == cell && chunk.depth(cell) == depth) chunk.widen(cell);

@@ -24,9 +24,9 @@ struct slack_sums {
 slack_prices slack_prices_of(const row_counts& counts, const row_encoders& encoders);
 
 // Adds polygons to the sets of one chunk, to each at most share of its own. plan: of the sets as they are; equal sets
-// stay equal. draws: in stored order. Same arguments, same sets. Adds to sums. Allocates about 60 bytes per border of
-// the chunk's sets, borders of several sets counted once; any thread.
-void add_slack(std::span<std::vector<run>> sets, const chunk_plan& plan, std::span<const draw_record> draws,
+// stay equal. borders: of what ranges count in (range_borders.h). Same arguments, same sets. Adds to sums. Allocates
+// about 60 bytes per border of the chunk's sets, borders of several sets counted once; any thread.
+void add_slack(std::span<std::vector<run>> sets, const chunk_plan& plan, std::span<const std::uint32_t> borders,
                const slack_prices& prices, std::uint64_t share, slack_sums& sums);
 
 }  // namespace sightcell::format

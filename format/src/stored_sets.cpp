@@ -1,19 +1,40 @@
 #include "stored_sets.h"
 
+#include <algorithm>
 #include <bit>
 
+#include "range_borders.h"
+
 namespace sightcell::format {
+namespace {
+
+// Calls use(source id) for the polygons of some draws in an order of all of them. Polygons that follow each other there
+// mostly lie in the same draw.
+template <class Use>
+void for_each_source(std::span<const draw_record> draws, std::span<const std::uint32_t> order, const Use& use) {
+  auto draw = draws.begin();
+  for (const std::uint32_t place : order) {
+    const std::uint32_t stored = draws.front().first_stored + place;
+    if (stored < draw->first_stored || stored - draw->first_stored >= draw->polygon_count) {
+      const auto begins_behind = [](std::uint32_t at, const draw_record& d) { return at < d.first_stored; };
+      draw = std::upper_bound(draws.begin(), draws.end(), stored, begins_behind) - 1;
+    }
+    use(draw->first_source + (stored - draw->first_stored));
+  }
+}
+
+}  // namespace
 
 stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw,
-                         std::span<const std::vector<std::uint32_t>> orders) {
+                         std::span<const std::vector<std::uint32_t>> orders, host_layout layout) {
   const std::uint32_t polygons = draws.empty() ? 0 : draws.back().first_stored + draws.back().polygon_count;
   stored_of_source_.resize(polygons);
   members_.resize(polygons / 64 + 1);
-  for (std::size_t d = 0; d < draws.size(); ++d) {
-    const std::vector<std::uint32_t>& order = orders[order_of_draw[d]];
-    for (std::uint32_t i = 0; i < draws[d].polygon_count; ++i) {
-      stored_of_source_[draws[d].first_source + order[i]] = draws[d].first_stored + i;
-    }
+  std::uint32_t stored = 0;
+  for (std::size_t begin = 0, end = 0; begin < draws.size(); begin = end) {
+    for (end = begin + 1; end < draws.size() && !begins_range_unit(draws, end, layout);) ++end;
+    for_each_source(draws.subspan(begin, end - begin), orders[order_of_draw[begin]],
+                    [&](std::uint32_t source) { stored_of_source_[source] = stored++; });
   }
 }
 

@@ -11,10 +11,10 @@ namespace sightcell::format {
 class stored_sets {
  public:
   // draws: in stored order, gapless by first_stored, and their source ids are all below the number of polygons, each
-  // once. order_of_draw: as many; which of the orders a draw has. orders: source_of_stored permutations, each as long
-  // as the draws that have it. Nothing of them is kept.
+  // once. order_of_draw: as many; which of the orders a draw has. orders: permutations, each as long as the draws that
+  // have it, or as the draws of its draw group together. Nothing of them is kept.
   stored_sets(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw,
-              std::span<const std::vector<std::uint32_t>> orders);
+              std::span<const std::vector<std::uint32_t>> orders, host_layout layout = host_layout::instanced);
 
   // Stored polygons of a set of source ids, each once, in any order. runs is replaced. Not for two threads at once.
   void runs_of(std::span<const std::uint32_t> source_ids, std::vector<run>& runs);

@@ -37,7 +37,7 @@ std::vector<std::byte> encode_draws(std::span<const draw_record> draws, std::spa
     std::size_t column = 0;
     for (const std::uint32_t value :
          {d.node, d.mesh, d.primitive, d.instance, d.material, d.group, order_of_draw[i], d.first_source,
-          d.first_stored, d.base_vertex, low(d.host_tag), high(d.host_tag)}) {
+          d.first_stored, d.base_vertex, low(d.host_tag), high(d.host_tag), d.flags}) {
       columns[column++].push_back(value);
     }
   }

@@ -9,7 +9,9 @@
 
 #include "byte_sink.h"
 #include "checksum.h"
+#include "draw_table_rules.h"
 #include "polygon_orders_writer.h"
+#include "range_borders.h"
 #include "record_rules.h"
 #include "rows_encoder.h"
 #include "sightcell/format/layout.h"
@@ -25,28 +27,23 @@ struct section_bytes {
   std::vector<std::byte> bytes;
 };
 
-// Stored one behind the other, and every source id once.
-status check_draws(const file_contents& contents) {
+// That they have every source id once. Else they are looked at when their orders are known.
+status check_sources(const file_contents& contents) {
   struct stretch {
     std::uint64_t begin = 0;
     std::uint64_t count = 0;
   };
   std::vector<stretch> sources;
-  std::uint64_t next = 0;
   for (const draw_record& d : contents.draws) {
-    if (d.first_stored != next || d.group != 0) return status::argument;
-    next += d.polygon_count;
-    if (next > contents.facts.polygon_count) return status::argument;
     if (d.polygon_count > 0) sources.push_back({d.first_source, d.polygon_count});
   }
-  if (next != contents.facts.polygon_count) return status::argument;
   std::sort(sources.begin(), sources.end(), [](const stretch& a, const stretch& b) { return a.begin < b.begin; });
-  next = 0;
+  std::uint64_t next = 0;
   for (const stretch& s : sources) {
     if (s.begin != next) return status::argument;
     next += s.count;
   }
-  return status::ok;
+  return next == contents.facts.polygon_count ? status::ok : status::argument;
 }
 
 bool is_permutation_of_places(std::span<const std::uint32_t> order) {
@@ -58,20 +55,18 @@ bool is_permutation_of_places(std::span<const std::uint32_t> order) {
   return true;
 }
 
-status check_order(const file_contents& contents) {
-  const stored_order& order = contents.order;
-  if (order.orders.empty() && order.order_of_draw.empty()) return status::ok;
+// The draw table and its orders.
+status check_draws(const file_contents& contents, const stored_order& order) {
   if (order.order_of_draw.size() != contents.draws.size()) return status::argument;
-  std::uint32_t named = 0;  // orders so far: they are numbered as draws first name them
+  draw_table_rules rules(contents.facts.layout, contents.facts.polygon_count);
   for (std::size_t d = 0; d < contents.draws.size(); ++d) {
     const std::uint32_t number = order.order_of_draw[d];
-    if (number > named || number >= order.orders.size() ||
-        order.orders[number].size() != contents.draws[d].polygon_count) {
+    if (number >= order.orders.size() || order.orders[number].size() > contents.facts.polygon_count ||
+        !rules.take(contents.draws[d], number, static_cast<std::uint32_t>(order.orders[number].size()))) {
       return status::argument;
     }
-    if (number == named) ++named;
   }
-  if (named != order.orders.size()) return status::argument;
+  if (!rules.complete(static_cast<std::uint32_t>(order.orders.size()))) return status::argument;
   const bool good = std::all_of(order.orders.begin(), order.orders.end(),
                                 [](const auto& one) { return is_permutation_of_places(one); });
   return good ? status::ok : status::argument;
@@ -101,8 +96,7 @@ status check_contents(const file_contents& contents) {
   if (!facts_are_valid(contents.facts)) return status::argument;
   if (!is_share(contents.slack)) return status::argument;
   if (contents.facts.margin > layout::max_margin) return status::limit;
-  if (const status s = check_draws(contents); s != status::ok) return s;
-  if (const status s = check_order(contents); s != status::ok) return s;
+  if (const status s = check_sources(contents); s != status::ok) return s;
   if (const status s = check_cells(contents); s != status::ok) return s;
   if (!contents.certificate.empty() && contents.certificate.size() != cell_count(contents)) return status::argument;
   for (std::size_t i = 0; i < contents.certificate.size(); ++i) {
@@ -112,15 +106,18 @@ status check_contents(const file_contents& contents) {
   return status::ok;
 }
 
-// The order of each draw, made up where none was given.
+// The orders, those of the source where none were given. Draws were found to have as many polygons as there are.
 class complete_order {
  public:
   explicit complete_order(const file_contents& contents) : given_(contents.order) {
     if (!given_.orders.empty() || !given_.order_of_draw.empty()) return;
-    for (const draw_record& d : contents.draws) {
-      of_draw_.push_back(static_cast<std::uint32_t>(orders_.size()));
-      orders_.emplace_back(d.polygon_count);
-      std::iota(orders_.back().begin(), orders_.back().end(), 0u);
+    for (std::size_t d = 0; d < contents.draws.size(); ++d) {
+      if (begins_range_unit(contents.draws, d, contents.facts.layout)) orders_.emplace_back();
+      of_draw_.push_back(static_cast<std::uint32_t>(orders_.size() - 1));
+      std::vector<std::uint32_t>& order = orders_.back();
+      const std::size_t size = order.size();
+      order.resize(size + contents.draws[d].polygon_count);
+      std::iota(order.begin() + static_cast<std::ptrdiff_t>(size), order.end(), static_cast<std::uint32_t>(size));
     }
     given_ = {of_draw_, orders_};
   }
@@ -213,7 +210,8 @@ void put_header(const file_contents& contents, float slack, const rows_encoder& 
 status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   if (const status s = check_contents(contents); s != status::ok) return s;
   const complete_order order(contents);
-  stored_sets stored(contents.draws, order.get().order_of_draw, order.get().orders);
+  if (const status s = check_draws(contents, order.get()); s != status::ok) return s;
+  stored_sets stored(contents.draws, order.get().order_of_draw, order.get().orders, contents.facts.layout);
   rows_encoder rows(contents, stored);
   if (const status s = rows.plan(); s != status::ok) return s;
   const float slack = slack_of(contents, rows.sums());

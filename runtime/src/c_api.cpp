@@ -126,13 +126,17 @@ sightcell_status sightcell_db_draws(const sightcell_db* db, sightcell_draw* dst,
   if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   const sightcell_status room = check_room(dst, capacity, db->file().draw_count(), count);
   if (room != SIGHTCELL_OK) return room;
+  const bool merged = db->file().facts().layout == format::host_layout::merged;
+  const runtime::range_borders borders = db->range_borders();
   for (std::uint32_t number = 0; number < db->file().draw_count(); ++number) {
     format::draw_record d;
     if (const format::status s = db->file().draw(number, d); s != format::status::ok) {
       return static_cast<sightcell_status>(s);
     }
-    dst[number] = {d.node,         d.mesh,          d.primitive,    d.instance,    d.material, d.group,
-                   d.first_source, d.polygon_count, d.first_stored, d.base_vertex, d.host_tag};
+    const std::size_t unit = merged ? d.group : number;  // read anew: the bytes may have changed
+    if (unit >= borders.size()) return SIGHTCELL_ERR_CORRUPT;
+    dst[number] = {d.node,         d.mesh,          d.primitive,   d.instance,    d.material, d.group,
+                   d.first_source, d.polygon_count, borders[unit], d.base_vertex, d.host_tag};
   }
   return SIGHTCELL_OK;
 }
@@ -142,7 +146,7 @@ sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_
   if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   const sightcell_status room = check_room(source_id_of_stored, capacity, db->polygon_count(), count);
   if (room != SIGHTCELL_OK) return room;
-  const runtime::draw_borders borders = db->draw_borders();
+  const runtime::range_borders borders = db->range_borders();
   for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
     source_id_of_stored = write_sources(*db, draw, 0, borders[draw + 1] - borders[draw], source_id_of_stored);
   }
@@ -174,7 +178,7 @@ sightcell_status sightcell_view_polygons(const sightcell_view* view, uint32_t* s
   const sightcell_status room = check_room(source_ids, capacity, view->polygon_count(), count);
   if (room != SIGHTCELL_OK) return room;
   const format::run all{0, view->polygon_count()};
-  runtime::for_each_range(view->draws_all() ? std::span(&all, 1) : view->runs(), view->db().draw_borders(),
+  runtime::for_each_range(view->draws_all() ? std::span(&all, 1) : view->runs(), view->db().range_borders(),
                           [&](std::uint32_t draw, std::uint32_t first, std::uint32_t n) {
                             source_ids = write_sources(view->db(), draw, first, n, source_ids);
                           });
@@ -187,9 +191,9 @@ sightcell_status sightcell_view_ranges(const sightcell_view* view, sightcell_ran
   const sightcell_status room = check_room(dst, capacity, view->range_count(), count);
   if (room != SIGHTCELL_OK) return room;
   if (view->draws_all()) {
-    runtime::write_all_ranges(view->db().draw_borders(), dst);
+    runtime::write_all_ranges(view->db().range_borders(), dst);
   } else {
-    runtime::write_ranges(view->runs(), view->db().draw_borders(), dst);
+    runtime::write_ranges(view->runs(), view->db().range_borders(), dst);
   }
   return SIGHTCELL_OK;
 }
@@ -217,7 +221,7 @@ sightcell_status sightcell_view_changes(const sightcell_view* view, uint32_t sin
   if (since_revision == view->revision()) return SIGHTCELL_OK;
   std::span<const format::run> before;
   if (since_revision != view->revision() - 1 || !view->previous_runs(before)) return SIGHTCELL_ERR_STALE;
-  const runtime::draw_borders borders = view->db().draw_borders();
+  const runtime::range_borders borders = view->db().range_borders();
   const sightcell_status room_added =
       check_room(added, added_capacity, runtime::count_difference(view->runs(), before, borders), added_count);
   const sightcell_status room_removed =

@@ -11,6 +11,10 @@ using sightcell::runtime::located_cell;
 using sightcell::runtime::locator_node;
 namespace format = sightcell::format;
 
+bool sightcell_db::is_merged() const noexcept {
+  return file_.facts().layout == format::host_layout::merged;
+}
+
 std::uint64_t sightcell_db::carve(void* block) noexcept {
   carver space(block);
   space.take<sightcell_db>(1);
@@ -22,9 +26,9 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   };
   give(cells_, file_.cell_count());
   give(nodes_, sightcell::runtime::cell_locator::node_count(file_.cell_count()));
-  give(draw_borders_, std::uint64_t{file_.draw_count()} + 1);
-  give(draw_sources_, file_.draw_count());
-  give(orders_, file_.order_begin(file_.order_count()));
+  give(range_borders_, std::uint64_t{file_.range_unit_count()} + 1);
+  give(range_sources_, file_.range_unit_count());
+  give(orders_, is_merged() ? file_.polygon_count() : file_.order_begin(file_.order_count()));
   give(chunks_, file_.chunk_count());
   std::span<std::uint64_t> codes;  // so that they lie at a multiple of 8
   give(codes, (file_.codes_size() + 7) / 8);
@@ -39,20 +43,30 @@ bool sightcell_db::fill() noexcept {
     cells_[cell].cell = cell;
   }
   locator_.build(cells_, nodes_);
+  return fill_ranges() && file_.make_codes(codes_memory_, codes_) == format::status::ok;
+}
+
+bool sightcell_db::fill_ranges() noexcept {
   std::uint32_t next = 0;
-  for (std::uint32_t number = 0; number < file_.draw_count(); ++number) {
-    format::draw_record draw;
-    if (file_.draw(number, draw) != format::status::ok || draw.first_stored != next) return false;
-    const std::uint32_t order_begin = file_.order_begin(file_.order_of_draw(number));
-    if (order_begin > orders_.size() || draw.polygon_count > orders_.size() - order_begin) return false;
-    draw_sources_[number] = {draw.first_source, order_begin};
-    draw_borders_[number] = next;
-    next += draw.polygon_count;
-    if (draw.polygon_count > 0) ++filled_draws_;
+  for (std::uint32_t number = 0; number < range_sources_.size(); ++number) {
+    range_borders_[number] = next;
+    if (file_.range_unit_begin(number) != next) return false;
+    const std::uint32_t end = file_.range_unit_begin(number + 1);
+    if (end < next || end > file_.polygon_count()) return false;
+    range_sources_[number] = {0, next};
+    if (!is_merged()) {
+      format::draw_record draw;
+      const std::uint32_t order_begin = file_.order_begin(file_.order_of_draw(number));
+      if (file_.draw(number, draw) != format::status::ok || draw.polygon_count != end - next) return false;
+      if (order_begin > orders_.size() || draw.polygon_count > orders_.size() - order_begin) return false;
+      range_sources_[number] = {draw.first_source, order_begin};
+    }
+    if (end > next) ++whole_ranges_;
+    next = end;
   }
-  draw_borders_.back() = next;
-  return next == file_.polygon_count() && file_.orders(orders_) == format::status::ok &&
-         file_.make_codes(codes_memory_, codes_) == format::status::ok;
+  range_borders_.back() = next;
+  const format::status read = is_merged() ? file_.source_of_stored(orders_) : file_.orders(orders_);
+  return next == file_.polygon_count() && read == format::status::ok;
 }
 
 sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sightcell_allocator& mem, void* owned_bytes,
@@ -86,7 +100,7 @@ void sightcell_db::close(sightcell_db* db) noexcept {
 }
 
 std::uint32_t sightcell_db::range_bound() const noexcept {
-  return std::max(file_.range_bound(), filled_draws_);
+  return std::max(file_.range_bound(), whole_ranges_);
 }
 
 bool sightcell_db::cell_is_sound(std::uint32_t cell) const noexcept {

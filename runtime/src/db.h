@@ -1,5 +1,5 @@
 #pragma once
-// One open file and what is derived from it at open: the cell locator, the borders of the draws, and which chunks of
+// One open file and what is derived from it at open: the cell locator, the borders of ranges, and which chunks of
 // rows have been checked. Shared by threads; only the chunk states change after open.
 #include <atomic>
 #include <cstddef>
@@ -14,8 +14,8 @@ namespace sightcell::runtime {
 
 enum class chunk_state : std::uint8_t { unknown, good, damaged };
 
-// Where the polygons of a draw come from.
-struct draw_source {
+// Where the polygons of a draw, or draw group of a merged file, come from.
+struct range_source {
   std::uint32_t first_source = 0;
   std::uint32_t order_begin = 0;  // place of its order among all orders
 };
@@ -35,23 +35,24 @@ struct sightcell_db {
   [[nodiscard]] const sightcell::runtime::cell_locator& locator() const noexcept { return locator_; }
   [[nodiscard]] std::uint32_t polygon_count() const noexcept { return file_.polygon_count(); }
 
-  // Stored number of each draw's first polygon, ascending, then polygon_count: one more than there are draws. A checked
-  // copy: the file's bytes may change.
-  [[nodiscard]] std::span<const std::uint32_t> draw_borders() const noexcept { return draw_borders_; }
-  // Draws that have polygons: the ranges of everything.
-  [[nodiscard]] std::uint32_t filled_draw_count() const noexcept { return filled_draws_; }
+  // Stored number of the first polygon of each draw, or draw group of a merged file, ascending, then polygon_count. A
+  // checked copy: the file's bytes may change.
+  [[nodiscard]] std::span<const std::uint32_t> range_borders() const noexcept { return range_borders_; }
+  // Draws, or draw groups, that have polygons: the ranges of everything.
+  [[nodiscard]] std::uint32_t whole_range_count() const noexcept { return whole_ranges_; }
   // The most ranges any answer has, everything included.
   [[nodiscard]] std::uint32_t range_bound() const noexcept;
 
   // The code tables of the file; null in version 0.
   [[nodiscard]] const sightcell::format::row_codes* codes() const noexcept { return codes_; }
-  // Which polygons of its draw, as the source has them, are stored from a draw's stored polygon `first` on.
+  // The polygons of a range, as numbers that first_source of its draw, or draw group, is to be added to.
   [[nodiscard]] std::span<const std::uint32_t> sources_in(std::uint32_t draw, std::uint32_t first,
                                                           std::uint32_t count) const noexcept {
-    return orders_.subspan(draw_sources_[draw].order_begin + first, count);
+    return orders_.subspan(range_sources_[draw].order_begin + first, count);
   }
+  // 0 for draw groups, whose polygons do not follow each other in the source.
   [[nodiscard]] std::uint32_t first_source(std::uint32_t draw) const noexcept {
-    return draw_sources_[draw].first_source;
+    return range_sources_[draw].first_source;
   }
 
   // Checks the chunk of a cell at its first use and remembers the answer. False when it is damaged.
@@ -62,21 +63,24 @@ struct sightcell_db {
  private:
   sightcell_db() = default;
   [[nodiscard]] std::uint64_t carve(void* block) noexcept;
+  [[nodiscard]] bool is_merged() const noexcept;
   [[nodiscard]] bool fill() noexcept;
+  [[nodiscard]] bool fill_ranges() noexcept;
 
   sightcell::format::reader file_;
   sightcell_allocator mem_{};
   sightcell::runtime::cell_locator locator_;
   std::span<sightcell::runtime::located_cell> cells_;
   std::span<sightcell::runtime::locator_node> nodes_;
-  std::span<std::uint32_t> draw_borders_;
-  std::span<sightcell::runtime::draw_source> draw_sources_;
-  std::span<std::uint32_t> orders_;  // of all orders, one behind the other; all below the count of their draws
+  std::span<std::uint32_t> range_borders_;
+  std::span<sightcell::runtime::range_source> range_sources_;
+  // All orders, one behind the other, which instances share; of a merged file, where nothing does, source ids.
+  std::span<std::uint32_t> orders_;
   std::span<std::byte> codes_memory_;
   const sightcell::format::row_codes* codes_ = nullptr;
   // Threads may check the same chunk at once and write the same answer: no lock needed.
   std::span<std::atomic<sightcell::runtime::chunk_state>> chunks_;
-  std::uint32_t filled_draws_ = 0;
+  std::uint32_t whole_ranges_ = 0;
   std::uint64_t block_size_ = 0;
   void* owned_bytes_ = nullptr;
   std::uint64_t owned_size_ = 0;

@@ -23,7 +23,7 @@ void for_each_missing(run_span a, run_span b, const Emit& emit) {
 
 // One run at a time; the search for its draw costs a little more than in write_ranges, which changes can bear.
 template <class Emit>
-void for_each_difference_range(run_span a, run_span b, draw_borders borders, const Emit& emit) {
+void for_each_difference_range(run_span a, run_span b, range_borders borders, const Emit& emit) {
   std::size_t draw = 0;
   for_each_missing(a, b, [&](const format::run& r) {
     draw = static_cast<std::size_t>(
@@ -42,27 +42,27 @@ auto writer_to(sightcell_range*& dst) {
 
 }  // namespace
 
-std::uint64_t count_ranges(run_span set, draw_borders borders) noexcept {
+std::uint64_t count_ranges(run_span set, range_borders borders) noexcept {
   std::uint64_t ranges = 0;
   for_each_range(set, borders, [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
   return ranges;
 }
 
-std::uint64_t count_difference(run_span a, run_span b, draw_borders borders) noexcept {
+std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept {
   std::uint64_t ranges = 0;
   for_each_difference_range(a, b, borders, [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
   return ranges;
 }
 
-void write_ranges(run_span set, draw_borders borders, sightcell_range* dst) noexcept {
+void write_ranges(run_span set, range_borders borders, sightcell_range* dst) noexcept {
   for_each_range(set, borders, writer_to(dst));
 }
 
-void write_difference(run_span a, run_span b, draw_borders borders, sightcell_range* dst) noexcept {
+void write_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept {
   for_each_difference_range(a, b, borders, writer_to(dst));
 }
 
-void write_all_ranges(draw_borders borders, sightcell_range* dst) noexcept {
+void write_all_ranges(range_borders borders, sightcell_range* dst) noexcept {
   for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
     const std::uint32_t count = borders[draw + 1] - borders[draw];
     if (count > 0) *dst++ = {draw, 0, count};

@@ -8,26 +8,27 @@
 
 namespace sightcell::runtime {
 
-// borders: stored number of each draw's first polygon, then the polygon count; ascending.
-using draw_borders = std::span<const std::uint32_t>;
+// Stored number of the first polygon of each draw, or draw group of a merged file, then the polygon count; ascending.
+// The functions below say draw for both.
+using range_borders = std::span<const std::uint32_t>;
 using run_span = std::span<const format::run>;
 
 // Calls emit(draw, first, count) for every range of a set.
 template <class Emit>
-void for_each_range(run_span set, draw_borders borders, const Emit& emit) {
+void for_each_range(run_span set, range_borders borders, const Emit& emit) {
   const auto draws = static_cast<std::uint32_t>(borders.size() - 1);
   format::for_each_draw_range(
       set, draws, borders.back(), [borders](std::uint32_t d) { return borders[d]; }, emit);
 }
 
 // Ranges of a set; of a without b.
-[[nodiscard]] std::uint64_t count_ranges(run_span set, draw_borders borders) noexcept;
-[[nodiscard]] std::uint64_t count_difference(run_span a, run_span b, draw_borders borders) noexcept;
+[[nodiscard]] std::uint64_t count_ranges(run_span set, range_borders borders) noexcept;
+[[nodiscard]] std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept;
 
 // Write as many ranges as the functions above count.
-void write_ranges(run_span set, draw_borders borders, sightcell_range* dst) noexcept;
-void write_difference(run_span a, run_span b, draw_borders borders, sightcell_range* dst) noexcept;
+void write_ranges(run_span set, range_borders borders, sightcell_range* dst) noexcept;
+void write_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept;
 // Every draw that has polygons, whole.
-void write_all_ranges(draw_borders borders, sightcell_range* dst) noexcept;
+void write_all_ranges(range_borders borders, sightcell_range* dst) noexcept;
 
 }  // namespace sightcell::runtime

@@ -103,7 +103,7 @@ void sightcell_view::leave(std::uint32_t flags) noexcept {
 bool sightcell_view::decode_next(std::uint32_t cell) noexcept {
   const std::span<format::run> room(next_.buffer, db_->file().run_bound());
   if (db_->file().decode_row(cell, db_->codes(), room, scratch_, next_.count) != format::status::ok) return false;
-  const std::uint64_t ranges = sightcell::runtime::count_ranges(next_.runs(), db_->draw_borders());
+  const std::uint64_t ranges = sightcell::runtime::count_ranges(next_.runs(), db_->range_borders());
   next_.range_count = static_cast<std::uint32_t>(ranges);
   return ranges <= db_->file().range_bound();
 }
@@ -112,7 +112,7 @@ bool sightcell_view::decode_next(std::uint32_t cell) noexcept {
 void sightcell_view::show_next() noexcept {
   if (next_.everything) {
     next_.count = 0;
-    next_.range_count = db_->filled_draw_count();
+    next_.range_count = db_->whole_range_count();
   }
   const auto same_run = [](const format::run& a, const format::run& b) {
     return a.first == b.first && a.count == b.count;

@@ -21,6 +21,7 @@ using damaged_list = std::vector<damaged_file>;
 damaged_list damaged_headers();
 damaged_list damaged_section_tables();
 damaged_list damaged_tables();
+damaged_list damaged_groups();
 damaged_list damaged_lattices();
 damaged_list damaged_code_tables();
 damaged_list damaged_rows();

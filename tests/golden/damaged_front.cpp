@@ -43,7 +43,7 @@ void damage_values(const bytes& tiny, damaged_list& list) {
            fault{"section_table_leaves_file", layout::header_section_count, 64, status::corrupt},
            fault{"polygons_above_limit", layout::header_polygon_count, 0xFFFFFFFFu, status::limit},
            fault{"draws_miss_last_polygon", layout::header_polygon_count, 7, status::corrupt},
-           fault{"host_layout_1", layout::header_layout, 1, status::corrupt},
+           fault{"host_layout_2", layout::header_layout, 2, status::corrupt},
            fault{"margin_nan", layout::header_margin, bits_of(nan), status::corrupt},
            fault{"margin_infinite", layout::header_margin, bits_of(std::numeric_limits<float>::infinity()),
                  status::corrupt},

@@ -36,11 +36,12 @@ class Header:
         (self.polygons, layout, self.margin, self.error, self.confidence, self.flags, self.cells, self.draws,
          self.run_bound, self.range_bound, self.list_bound, self.slack,
          self.table_checksum) = struct.unpack_from("<IIfffIIIIIIfI", data, 40)
-        need(layout == 0 and self.flags < 2, "host layout or flags")
+        self.merged = layout == 1
+        need(layout < 2 and self.flags < 2, "host layout or flags")
         need(0 <= self.margin < math.inf, "margin")
         need(0 <= self.error <= 1 and 0 <= self.confidence <= 1 and 0 <= self.slack <= 1, "share")
         if self.version == 0:
-            need(not any(data[80:88]), "reserved bytes of the header")
+            need(not self.merged and not any(data[80:88]), "layout or reserved bytes of the header")
         need(self.sections <= 64 and self.polygons <= 4294967294 and self.cells <= 16777216 and
              self.draws <= 67108864 and self.margin <= 1000000, "header", "limit")
 
@@ -98,14 +99,14 @@ class Contents:
         chunks = (cells + 63) // 64
         decode_chunk = version.row_decoder(self.header, parts, chunks)
         place, most_runs, most_ranges = 0, 0, 0
-        first_of_draws = [draw[8] for draw in self.draws if draw[7] > 0]
+        borders = sorted(set(self.borders))
         for number in range(chunks):
             offset, size, checksum = struct.unpack_from("<QII", directory, 16 * number)
             need(offset == place and offset + size <= len(rows), "chunk of rows")
             place += size
             need(crc32c(rows[offset:place]) == checksum, f"chunk {number}", "checksum")
             for runs in decode_chunk(number, rows[offset:place], min(64, cells - 64 * number)):
-                ranges = sum(bisect.bisect_left(first_of_draws, end) - bisect.bisect_right(first_of_draws, first) + 1
+                ranges = sum(bisect.bisect_left(borders, end) - bisect.bisect_right(borders, first) + 1
                              for first, end in runs)
                 most_runs, most_ranges = max(most_runs, len(runs)), max(most_ranges, ranges)
                 yield runs
@@ -127,6 +128,8 @@ class Contents:
         yield f"confidence {header.confidence:.9g}"
         if header.version > 0:
             yield f"slack {header.slack:.9g}"
+        if header.merged:
+            yield "layout merged"
         yield f"repeatable {1 - header.flags}"
         yield f"settings {self.settings}"
         for i, draw in enumerate(self.draws):

@@ -107,6 +107,7 @@ def draws_of(header, section):
 
 def decode_tables(header, parts, contents):
     contents.draws = draws_of(header, parts[DRAWS])
+    contents.borders = [draw[8] for draw in contents.draws]
     contents.source_of_stored = range(header.polygons)
     need(len(parts[CELLS]) == 24 * header.cells, "size of the cells")
     contents.boxes = [struct.unpack_from("<6f", parts[CELLS], 24 * i) for i in range(header.cells)]

@@ -44,19 +44,51 @@ def decode_orders(section):
 
 
 def decode_draws(header, section, orders):
-    """The draws as version 0 has them, with the number of the order behind; and the source id of every polygon."""
-    draws, sources = [], []
-    for row in zip(*whole_columns(section, 12, header.draws, "the draw table")):
-        node, mesh, primitive, instance, material, group, order, source, stored, base, tag_low, tag_high = row
-        need(group == 0 and order < len(orders), "draw")
-        need(stored == len(sources), "draws do not follow each other")
-        count = len(orders[order])
-        need(source + count <= header.polygons and stored + count <= header.polygons, "draw leaves the scene")
-        draws.append((node, mesh, primitive, instance, material, group, source, count, stored, base,
-                      tag_high << 32 | tag_low, order))
-        sources.extend(source + polygon for polygon in orders[order])
+    """The draws as version 0 has them, with flags and the number of the order behind; the source id of every polygon; and
+    where ranges begin."""
+    need(header.draws <= 8 * len(section), "more draws than bits")
+    columns = whole_columns(section, 13, header.draws, "the draw table")
+    firsts = columns[8] + [header.polygons]
+    need(firsts[0] == 0 and all(a <= b for a, b in zip(firsts, firsts[1:])), "draws do not follow each other")
+    draws, named = [], 0
+    for row, end in zip(zip(*columns), firsts[1:]):
+        node, mesh, primitive, instance, material, group, order, source, stored, base, tag_low, tag_high, flags = row
+        need(order <= named and flags < 2, "draw")
+        named = max(named, order + 1)
+        need(source + end - stored <= header.polygons, "draw leaves the scene")
+        draws.append((node, mesh, primitive, instance, material, group, source, end - stored, stored, base,
+                      tag_high << 32 | tag_low, flags, order))
+    need(named == len(orders), "orders that no draw names")
+    sources, borders = [], []
+    for unit in draw_groups(draws) if header.merged else single_draws(draws):
+        unpermuted = [source + i for draw in unit for source in [draw[6]] for i in range(draw[7])]
+        order = orders[unit[0][-1]]
+        need(len(order) == len(unpermuted), "an order has not as many polygons as its draws")
+        borders.append(len(sources))
+        sources.extend(unpermuted[polygon] for polygon in order)
     need(sorted(sources) == list(range(header.polygons)), "a source id is not there once")
-    return draws, sources
+    return draws, sources, borders
+
+
+def single_draws(draws):
+    need(all(draw[5] == 0 for draw in draws), "draw group")
+    return [[draw] for draw in draws]
+
+
+def draw_groups(draws):
+    groups = []
+    for draw in draws:
+        group, source, order = draw[5], draw[6], draw[-1]
+        need(order == group, "order of a draw group")
+        if group == len(groups):
+            groups.append([draw])
+            continue
+        need(group == len(groups) - 1, "draw groups do not ascend")
+        before = groups[-1][-1]
+        need(draw[4] == before[4] and not draw[11] and not before[11], "draws of a group")
+        need(source >= before[6] + before[7], "draws of a group are not in the order of the source")
+        groups[-1].append(draw)
+    return groups
 
 
 def to_float(value):
@@ -112,7 +144,7 @@ def decode_certificate(header, section):
 
 def decode_tables(header, parts, contents):
     contents.orders = decode_orders(parts[ORDERS])
-    contents.draws, contents.source_of_stored = decode_draws(header, parts[DRAWS], contents.orders)
+    contents.draws, contents.source_of_stored, contents.borders = decode_draws(header, parts[DRAWS], contents.orders)
     contents.lattice, contents.boxes = decode_cells(header, parts[CELLS])
     if CERTIFICATE in parts:
         contents.certificate = decode_certificate(header, parts[CERTIFICATE])

@@ -84,8 +84,45 @@ sample_contents lattice_contents() {
   return contents;
 }
 
+sample_contents merged_contents() {
+  sample_contents contents = small_contents();
+  contents.facts.layout = format::host_layout::merged;
+  // Group 0: two draws and an empty one between them; 1: one that moves; 2: two draws.
+  contents.draws = {
+      {.node = 6, .mesh = 1, .material = 1, .first_source = 50, .polygon_count = 70, .base_vertex = 90},
+      {.node = 7, .mesh = 2, .material = 1, .first_source = 120, .base_vertex = 200},
+      {.node = 9,
+       .mesh = 4,
+       .material = 1,
+       .first_source = 260,
+       .polygon_count = 40,
+       .base_vertex = 420,
+       .host_tag = 7},
+      {.node = 8, .mesh = 3, .material = 1, .first_source = 200, .polygon_count = 60, .base_vertex = 333, .flags = 1},
+      {.node = 5, .mesh = 0, .material = 0xFFFFFFFFu, .polygon_count = 50},
+      {.node = 5,
+       .mesh = 0,
+       .primitive = 2,
+       .material = 0xFFFFFFFFu,
+       .first_source = 120,
+       .polygon_count = 80,
+       .base_vertex = 200}};
+  contents.order_of_draw = {0, 0, 0, 1, 2, 2};
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < contents.draws.size(); ++i) {
+    contents.draws[i].group = contents.order_of_draw[i];
+    contents.draws[i].first_stored = next;
+    next += contents.draws[i].polygon_count;
+  }
+  contents.orders = {gathered_order(110), stepping_order(60), stepping_order(130)};
+  return contents;
+}
+
 std::vector<golden_file_contents> golden_files() {
-  return {{"v1_tiny", tiny_contents()}, {"v1_small", ordered_contents()}, {"v1_lattice", lattice_contents()}};
+  return {{"v1_tiny", tiny_contents()},
+          {"v1_small", ordered_contents()},
+          {"v1_lattice", lattice_contents()},
+          {"v1_merged", merged_contents()}};
 }
 
 }  // namespace sightcell::test

@@ -13,6 +13,9 @@ sample_contents ordered_contents();
 // Cells of two sizes on a lattice, in two chunks of rows and six of the lattice, on both sides of the origin.
 sample_contents lattice_contents();
 
+// small_contents() in the merged layout: a group of two draws and an empty one, one of two, and a draw that moves.
+sample_contents merged_contents();
+
 struct golden_file_contents {
   std::string name;  // of the file without its ending
   sample_contents contents;

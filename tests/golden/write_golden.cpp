@@ -28,6 +28,7 @@ void dump_facts(const sample_contents& contents, std::FILE* out) {
                contents.facts.polygon_count, static_cast<double>(contents.facts.margin),
                static_cast<double>(contents.facts.max_pixel_error), static_cast<double>(contents.facts.confidence),
                static_cast<double>(contents.facts.slack));
+  if (contents.facts.layout == sightcell::format::host_layout::merged) std::fputs("layout merged\n", out);
   std::fprintf(out, "repeatable %d\nsettings %s\n", contents.facts.repeatable ? 1 : 0, contents.settings.c_str());
 }
 
@@ -36,9 +37,9 @@ void dump_draws(const sample_contents& contents, std::FILE* out) {
   const bool in_source_order = contents.orders.empty();
   for (std::size_t i = 0; i < contents.draws.size(); ++i) {
     const auto& d = contents.draws[i];
-    std::fprintf(out, "draw %zu: %u %u %u %u %u %u %u %u %u %u %llu %zu\n", i, d.node, d.mesh, d.primitive, d.instance,
-                 d.material, d.group, d.first_source, d.polygon_count, d.first_stored, d.base_vertex,
-                 static_cast<unsigned long long>(d.host_tag), in_source_order ? i : contents.order_of_draw[i]);
+    std::fprintf(out, "draw %zu: %u %u %u %u %u %u %u %u %u %u %llu %u %zu\n", i, d.node, d.mesh, d.primitive,
+                 d.instance, d.material, d.group, d.first_source, d.polygon_count, d.first_stored, d.base_vertex,
+                 static_cast<unsigned long long>(d.host_tag), d.flags, in_source_order ? i : contents.order_of_draw[i]);
   }
   std::vector<std::vector<std::uint32_t>> orders = contents.orders;
   for (std::size_t i = 0; i < contents.draws.size() && in_source_order; ++i) {

@@ -25,7 +25,7 @@ std::vector<Element> list_of(std::string& text, const Fill& fill) {
   return list;
 }
 
-void add_facts(const sightcell_db* db, std::string& text) {
+sightcell_info add_facts(const sightcell_db* db, std::string& text) {
   sightcell_info info{};
   info.struct_size = sizeof(info);
   if (sightcell_db_info(db, &info) != SIGHTCELL_OK) text += "WRONG: no info\n";
@@ -36,6 +36,7 @@ void add_facts(const sightcell_db* db, std::string& text) {
       static_cast<double>(info.confidence));
   add(text, "layout %" PRIu32 " cells %" PRIu32 " draws %" PRIu32 " range_bound %" PRIu32 "\n", info.layout,
       info.cell_count, info.draw_count, info.range_bound);
+  return info;
 }
 
 void add_draws(const std::vector<sightcell_draw>& draws, std::string& text) {
@@ -52,8 +53,8 @@ void add_draws(const std::vector<sightcell_draw>& draws, std::string& text) {
 
 // What a host keeps beside its views.
 struct stored_polygons {
-  std::vector<sightcell_draw> draws;
-  std::vector<std::uint32_t> order;  // source ids
+  std::vector<std::uint32_t> begins;  // of what ranges count in
+  std::vector<std::uint32_t> order;   // source ids
   std::vector<std::uint32_t> indices;
 };
 
@@ -75,8 +76,8 @@ void add_answers(const sightcell_view* view, std::uint32_t cell, const stored_po
   std::vector<std::uint32_t> from_ranges;
   for (const sightcell_range& r : ranges) {
     add(text, " %" PRIu32 " %" PRIu32 " %" PRIu32, r.draw, r.first, r.count);
-    for (std::uint32_t i = 0; i < r.count && r.draw < stored.draws.size(); ++i) {
-      from_ranges.push_back(stored.order.at(stored.draws[r.draw].first_stored + r.first + i));
+    for (std::uint32_t i = 0; i < r.count && r.draw < stored.begins.size(); ++i) {
+      from_ranges.push_back(stored.order.at(stored.begins[r.draw] + r.first + i));
     }
   }
   fnv_hash hash;
@@ -89,15 +90,18 @@ void add_answers(const sightcell_view* view, std::uint32_t cell, const stored_po
 
 std::string dump(const sightcell_db* db) {
   std::string text;
-  add_facts(db, text);
+  const sightcell_info info = add_facts(db, text);
   stored_polygons stored;
-  stored.draws = list_of<sightcell_draw>(text, [&](sightcell_draw* dst, std::size_t room, std::size_t* count) {
+  const auto draws = list_of<sightcell_draw>(text, [&](sightcell_draw* dst, std::size_t room, std::size_t* count) {
     return sightcell_db_draws(db, dst, room, count);
   });
   stored.order = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
     return sightcell_db_order(db, dst, room, count);
   });
-  add_draws(stored.draws, text);
+  for (const sightcell_draw& d : draws) {
+    if (info.layout == 0 || d.group == stored.begins.size()) stored.begins.push_back(d.first_stored);
+  }
+  add_draws(draws, text);
   fnv_hash hash;
   for (const std::uint32_t source : stored.order) hash.add(source);
   add(text, "order %016" PRIx64 "\n", hash.value());

@@ -7,8 +7,11 @@
  * Axes and units: glTF's, right-handed, +Y up, metres, world space of the baked scene.
  * Polygon: one triangle of one draw. Source ids 0 .. polygon_count-1 number the polygons of the glTF scene in the order
  *   nodes depth-first, primitives, instances, triangles. Stored numbers 0 .. polygon_count-1 number them in the order
- * of the file, draw by draw: draw d owns first_stored .. first_stored + polygon_count - 1. Draw: one (node, primitive,
- * instance) of the glTF, what a host issues as one draw call. Fail open: whenever the runtime cannot know what is seen
+ * of the file. Draw: one (node, primitive, instance) of the glTF. Host layout: in an instanced file a host issues
+ * draws; stored numbers go draw by draw, and draw d owns first_stored .. first_stored + polygon_count - 1. For a merged
+ * file (bake --layout merged) a host has flattened its scene into world space, so that all draws of one material are
+ * one list of polygons, a draw group, which it issues instead; stored numbers go group by group, and those of a group's
+ * draws are mixed. A draw that moves is a group of its own. Fail open: whenever the runtime cannot know what is seen
  * (outside all cells, a NaN, a damaged file) the view says SIGHTCELL_FRAME_DRAW_ALL and every output returns
  * everything, so a host that ignores flags draws too much, never too little. Errors: every function that can fail
  * returns a sightcell_status. A null pointer or a number out of range is SIGHTCELL_ERR_ARGUMENT; outputs are left alone
@@ -84,7 +87,9 @@ typedef struct sightcell_frame {
 } sightcell_frame;
 
 /* count polygons of one draw in stored order; first counts from the draw's first polygon. In a primitive's permuted
- * index buffer that is indices 3*first .. 3*(first+count)-1. */
+ * index buffer that is indices 3*first .. 3*(first+count)-1. In a merged file draw is a draw group, and in the index
+ * buffer of the whole scene, with f the first_stored of any of its draws, that is 3*(f+first) .. 3*(f+first+count)-1.
+ */
 typedef struct sightcell_range {
   uint32_t draw, first, count;
 } sightcell_range;
@@ -93,12 +98,12 @@ typedef struct sightcell_range {
 typedef struct sightcell_draw {
   uint32_t node, mesh, primitive, instance; /* glTF indices; instance of EXT_mesh_gpu_instancing, else 0 */
   uint32_t material;                        /* glTF index, 0xFFFFFFFF for the default material */
-  uint32_t group;                           /* draw group of a merged file, else 0 */
-  uint32_t first_source;                    /* source id of its first polygon */
-  uint32_t polygon_count;                   /* may be 0 */
-  uint32_t first_stored;                    /* stored number of its first polygon */
-  uint32_t base_vertex;                     /* vertices of all draws before this one */
-  uint64_t host_tag;                        /* the host's own value, carried through */
+  uint32_t group;         /* draw group of a merged file, of one material, ascending from 0 with no gap; else 0 */
+  uint32_t first_source;  /* source id of its first polygon */
+  uint32_t polygon_count; /* may be 0 */
+  uint32_t first_stored;  /* stored number of its, or of its draw group's, first polygon */
+  uint32_t base_vertex;   /* vertices of all draws before this one in the source */
+  uint64_t host_tag;      /* the host's own value, carried through */
 } sightcell_draw;
 
 /* Facts about a file. */
@@ -134,8 +139,8 @@ SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
 /* Opens a file that lies in memory. bytes: the whole file, size bytes, any alignment; they are viewed, not copied, and
  * must stay until sightcell_db_close. mem: copied; NULL for malloc and free. *out: the db, NULL on failure.
  * Checks all but the rows, which are checked 64 cells at a time when first used. One allocation of about 60 bytes per
- * cell, 12 per draw, 4 per polygon of a primitive (once for all its instances) and 110,000 for the code tables. Fails
- * with any status from ARGUMENT, MEMORY and NOT_OURS to LIMIT. */
+ * cell, 12 per draw or draw group, 4 per polygon of a primitive (once for all its instances; of a merged file, 4 per
+ * polygon) and 110,000 for the code tables. Fails with any status from ARGUMENT, MEMORY and NOT_OURS to LIMIT. */
 SIGHTCELL_API sightcell_status sightcell_db_open(const void* bytes, size_t size, const sightcell_allocator* mem,
                                                  sightcell_db** out);
 /* The same for a file on disk (path: UTF-8), which is read whole into memory of the allocator. Also fails with IO. */
@@ -158,7 +163,8 @@ SIGHTCELL_API sightcell_status sightcell_db_check(const sightcell_db* db);
 /* The draw table in draw order. capacity and *count in draws. */
 SIGHTCELL_API sightcell_status sightcell_db_draws(const sightcell_db* db, sightcell_draw* dst, size_t capacity,
                                                   size_t* count);
-/* source_id_of_stored[s]: the source id of stored polygon s; permute your index buffers with it once after loading.
+/* source_id_of_stored[s]: the source id of stored polygon s; permute your index buffers with it once after loading. In
+ * a merged file, the indices of polygon s are base_vertex of the draw that has the source id, plus its own.
  * capacity and *count in polygons. */
 SIGHTCELL_API sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_of_stored,
                                                   size_t capacity, size_t* count);
@@ -186,7 +192,8 @@ SIGHTCELL_API sightcell_status sightcell_view_polygons(const sightcell_view* vie
 /* The same as ranges, ascending by draw, then by first; at most info.range_bound. capacity and *count in ranges. */
 SIGHTCELL_API sightcell_status sightcell_view_ranges(const sightcell_view* view, sightcell_range* dst, size_t capacity,
                                                      size_t* count);
-/* The same as an index list. stored_indices: the host's 3 indices per stored polygon, 3 * polygon_count in all; dst
+/* The same as an index list. stored_indices: the host's 3 indices per stored polygon, 3 * polygon_count in all (of its
+ * own mesh each, or, in a merged file, base_vertex of its draw added); dst
  * gets those of the polygons to draw, in the order of sightcell_view_ranges: the indices of range i begin behind those
  * of the ranges before it. dst is written from front to back and never read, so it may be mapped GPU memory; it must
  * not overlap stored_indices. capacity and *count in indices. */

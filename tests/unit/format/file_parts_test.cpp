@@ -31,6 +31,8 @@ TEST(file_parts, make_the_same_file_again) {
   expect_same_file(contents);
   put_on_lattice(contents);
   expect_same_file(contents);
+  put_in_groups(contents, 7);
+  expect_same_file(contents);
 }
 
 TEST(file_parts, of_version_0_are_those_it_was_written_from) {

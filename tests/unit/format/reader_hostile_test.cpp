@@ -60,11 +60,14 @@ status use_everything(const reader& file) {
   if (file.orders(orders) == status::ok) {
     for (std::uint32_t i = 0; i < file.draw_count() && file.draw(i, d) == status::ok; ++i) {
       const std::uint32_t begin = file.order_begin(file.order_of_draw(i));
-      for (std::uint32_t k = begin; k < begin + d.polygon_count && k < orders.size(); ++k)
-        EXPECT_LT(orders[k], std::max(d.polygon_count, 1u));
+      const std::uint32_t end = file.order_begin(file.order_of_draw(i) + 1);
+      for (std::uint32_t k = begin; k < end && k < orders.size(); ++k) EXPECT_LT(orders[k], end - begin);
     }
   }
-  static_cast<void>(file.source_of_stored(stored));
+  if (file.source_of_stored(stored) == status::ok) {
+    for (const std::uint32_t source : stored) EXPECT_LT(source, file.polygon_count());
+  }
+  for (std::uint32_t i = 0; i <= file.range_unit_count(); ++i) static_cast<void>(file.range_unit_begin(i));
   for (std::uint32_t i = 0; file.lattice() != nullptr && i < file.lattice()->chunk_count(); ++i)
     static_cast<void>(file.lattice()->chunk(i));
   std::size_t text = 0;
@@ -104,12 +107,15 @@ status open_only(const std::vector<std::byte>& bytes) {
   return reader::open(bytes, file);
 }
 
-// One file of each version and of each kind of cells, with all that they can hold.
+// One file of each version, of each kind of cells and of each host layout, with all that they can hold.
 std::vector<std::vector<std::byte>> all_kinds() {
   sample_contents on_lattice = small_contents();
   put_in_order(on_lattice, 8);
   put_on_lattice(on_lattice);
-  return {small_contents().encode(), on_lattice.encode(), golden_file("v0_small")};
+  sample_contents merged = small_contents();
+  add_draws(merged, 300, 9);
+  put_in_groups(merged, 3);
+  return {small_contents().encode(), on_lattice.encode(), merged.encode(), golden_file("v0_small")};
 }
 
 TEST(reader_hostile, cut_at_every_length) {

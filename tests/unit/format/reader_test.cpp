@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "sample_contents.h"
 #include "sightcell/format/layout.h"
 
@@ -62,7 +64,7 @@ void expect_given_back(const sample_contents& contents) {
     EXPECT_TRUE(r.node == w.node && r.mesh == w.mesh && r.primitive == w.primitive && r.instance == w.instance &&
                 r.material == w.material && r.group == w.group && r.first_source == w.first_source &&
                 r.polygon_count == w.polygon_count && r.first_stored == w.first_stored &&
-                r.base_vertex == w.base_vertex && r.host_tag == w.host_tag)
+                r.base_vertex == w.base_vertex && r.host_tag == w.host_tag && r.flags == w.flags)
         << d;
   }
   ASSERT_EQ(file.certificate_count(), file.cell_count());
@@ -119,6 +121,56 @@ TEST(reader, gives_back_orders_and_cells_on_a_lattice) {
                 contents.draws[d].first_source + contents.orders[contents.order_of_draw[d]][i]);
     }
   }
+}
+
+// 300 polygons in draws of all sizes, two of them empty.
+sample_contents grouped_contents() {
+  sample_contents contents = small_contents();
+  add_draws(contents, 300, 12);
+  put_in_groups(contents, 4);
+  return contents;
+}
+
+TEST(reader, gives_back_draw_groups) {
+  const sample_contents contents = grouped_contents();
+  expect_given_back(contents);
+  const auto bytes = contents.encode();
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  EXPECT_EQ(file.facts().layout, host_layout::merged);
+  ASSERT_EQ(file.order_count(), contents.orders.size());
+  ASSERT_EQ(file.range_unit_count(), contents.orders.size());
+  std::vector<std::uint32_t> sources(300);
+  ASSERT_EQ(file.source_of_stored(sources), status::ok);
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t group = 0; group < contents.orders.size(); ++group) {
+    EXPECT_EQ(file.range_unit_begin(group), expected.size());
+    std::vector<std::uint32_t> unpermuted;
+    for (const draw_record& d : contents.draws) {
+      for (std::uint32_t i = 0; d.group == group && i < d.polygon_count; ++i) unpermuted.push_back(d.first_source + i);
+    }
+    for (const std::uint32_t place : contents.orders[group]) expected.push_back(unpermuted[place]);
+  }
+  EXPECT_EQ(file.range_unit_begin(file.range_unit_count()), 300u);
+  EXPECT_EQ(sources, expected);
+}
+
+TEST(reader, ranges_of_a_merged_file_count_groups) {
+  sample_contents contents;
+  add_draws(contents, 100, 10);
+  for (draw_record& d : contents.draws) d.material = 0;
+  contents.facts.layout = host_layout::merged;
+  contents.cells = {{{0, 0, 0}, {1, 1, 1}}};
+  contents.sets.emplace_back(100);
+  std::iota(contents.sets[0].begin(), contents.sets[0].end(), 0u);
+  const auto bytes = contents.encode();
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  EXPECT_EQ(file.range_unit_count(), 1u);
+  EXPECT_EQ(file.range_bound(), 1u);
+  EXPECT_EQ(check_all(file), status::ok);
+  const run all{0, 100};
+  EXPECT_EQ(file.count_ranges(std::span(&all, 1)), 1u);
 }
 
 TEST(reader, boxes_are_no_lattice) {

@@ -118,13 +118,19 @@ sample_contents random_contents(std::uint32_t seed, const random_options& option
   return contents;
 }
 
+namespace {
+
+// std::shuffle is another one in each standard library.
+template <class Items>
+void shuffle(random_source& random, Items& items) {
+  for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random() % i]);
+}
+
+}  // namespace
+
 void put_in_order(sample_contents& contents, std::uint32_t seed) {
   random_source random(seed);
-  // std::shuffle is another one in each standard library.
-  const auto shuffle = [&random](auto& items) {
-    for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random() % i]);
-  };
-  shuffle(contents.draws);
+  shuffle(random, contents.draws);
   std::map<std::uint32_t, std::uint32_t> order_of_count;
   contents.order_of_draw.clear();
   contents.orders.clear();
@@ -138,7 +144,41 @@ void put_in_order(sample_contents& contents, std::uint32_t seed) {
     if (!fresh) continue;
     std::vector<std::uint32_t>& order = contents.orders.emplace_back(d.polygon_count);
     std::iota(order.begin(), order.end(), 0u);
-    shuffle(order);
+    shuffle(random, order);
+  }
+}
+
+void put_in_groups(sample_contents& contents, std::uint32_t seed) {
+  random_source random(seed);
+  const auto place = [](const format::draw_record& d) { return std::pair(d.first_source, d.polygon_count > 0); };
+  std::sort(contents.draws.begin(), contents.draws.end(),
+            [&](const format::draw_record& a, const format::draw_record& b) { return place(a) < place(b); });
+  std::vector<std::vector<format::draw_record>> groups(3);
+  for (std::size_t i = 0; i < contents.draws.size(); ++i) {
+    format::draw_record d = contents.draws[i];
+    d.material = i % 3 == 2 ? 0xFFFFFFFFu : static_cast<std::uint32_t>(i % 3);
+    d.flags = i % 7 == 5 ? format::draw_moves : 0;
+    (d.flags != 0 ? groups.emplace_back() : groups[i % 3]).push_back(d);
+  }
+  std::erase_if(groups, [](const auto& group) { return group.empty(); });
+  shuffle(random, groups);
+  contents.facts.layout = format::host_layout::merged;
+  contents.draws.clear();
+  contents.order_of_draw.clear();
+  contents.orders.clear();
+  std::uint32_t next = 0;
+  for (std::uint32_t group = 0; group < groups.size(); ++group) {
+    const std::uint32_t begin = next;
+    for (format::draw_record& d : groups[group]) {
+      d.group = group;
+      d.first_stored = next;
+      next += d.polygon_count;
+      contents.draws.push_back(d);
+      contents.order_of_draw.push_back(group);
+    }
+    std::vector<std::uint32_t>& order = contents.orders.emplace_back(next - begin);
+    std::iota(order.begin(), order.end(), 0u);
+    shuffle(random, order);
   }
 }
 

@@ -38,6 +38,8 @@ sample_contents random_contents(std::uint32_t seed, const random_options& option
 sample_contents tiny_contents();
 // The draws of some contents in a random order of their own, draws of equal size sharing one, or the other way round.
 void put_in_order(sample_contents& contents, std::uint32_t seed);
+// The draws of some contents in the merged layout: groups of a few materials, some draws that move, random orders.
+void put_in_groups(sample_contents& contents, std::uint32_t seed);
 // The cells of some contents, as many as they are, on a lattice: cells of 4 m around the origin, then of half the size.
 void put_on_lattice(sample_contents& contents);
 // Everything the format has in one small file: three draws (one empty), 67 cells in two chunks, own, delta and shared

@@ -10,9 +10,7 @@ namespace {
 using namespace sightcell::format;
 using namespace sightcell::test;
 
-TEST(set_reader, gives_runs_in_stored_order_and_ids_of_the_source) {
-  sample_contents contents = random_contents(31, {.polygons = 700, .cells = 90});
-  put_in_order(contents, 5);
+void expect_runs_and_ids(const sample_contents& contents) {
   const auto bytes = contents.encode();
   reader file;
   ASSERT_EQ(reader::open(bytes, file), status::ok);
@@ -39,6 +37,14 @@ TEST(set_reader, gives_runs_in_stored_order_and_ids_of_the_source) {
   row_statistics sums;
   EXPECT_EQ(sets.statistics(sums), status::ok);
   EXPECT_EQ(sums.cells, 90u);
+}
+
+TEST(set_reader, gives_runs_in_stored_order_and_ids_of_the_source) {
+  sample_contents contents = random_contents(31, {.polygons = 700, .cells = 90});
+  put_in_order(contents, 5);
+  expect_runs_and_ids(contents);
+  put_in_groups(contents, 6);
+  expect_runs_and_ids(contents);
 }
 
 TEST(set_reader, says_what_the_reader_says) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "random_source.h"
+#include "range_borders.h"
 #include "run_lists.h"
 #include "sightcell/format/draw_ranges.h"
 #include "sightcell/format/reader.h"
@@ -32,6 +33,10 @@ std::vector<draw_record> some_draws() {
   }
   EXPECT_EQ(next, limit);
   return draws;
+}
+
+std::vector<std::uint32_t> some_borders() {
+  return range_borders(some_draws(), host_layout::instanced);
 }
 
 // Sets like the one before, with holes; a few equal, some empty, one full.
@@ -285,7 +290,7 @@ widened_chunk widen(std::uint32_t seed, std::size_t count, std::uint64_t share) 
   const row_encoders encoders(counts);
   const chunk_plan plan = plan_chunk(w.sets, encoders, limit, least_saving::anything);
   w.bits_before = bits_of(w.sets, encoders);
-  add_slack(w.sets, plan, some_draws(), slack_prices_of(counts, encoders), share, w.sums);
+  add_slack(w.sets, plan, some_borders(), slack_prices_of(counts, encoders), share, w.sums);
   w.bits_after = bits_of(w.sets, encoders);
   return w;
 }
@@ -343,7 +348,7 @@ TEST(slack, references_gain_what_their_heirs_see) {
     plan.reference.push_back(cell == 0 ? chunk_plan::alone : 0);
   }
   slack_sums sums;
-  add_slack(sets, plan, some_draws(), flat, 10000, sums);  // one polygon for each cell
+  add_slack(sets, plan, some_borders(), flat, 10000, sums);  // one polygon for each cell
   EXPECT_EQ(borders_of(sets[0]), (std::vector<std::uint32_t>{100, 200, 500, 501, 1000, 1040}));
   EXPECT_EQ(sums.added, 1u);
 }
@@ -353,7 +358,7 @@ TEST(slack, heirs_know_what_their_reference_gained) {
   const chunk_plan plan{{0, 1}, {1, chunk_plan::alone}};
   set_list sets{{{100, 20}, {121, 20}, {900, 30}}, {{100, 20}, {121, 20}}};
   slack_sums sums;
-  add_slack(sets, plan, some_draws(), flat, 50000, sums);
+  add_slack(sets, plan, some_borders(), flat, 50000, sums);
   EXPECT_EQ(borders_of(sets[1]), (std::vector<std::uint32_t>{100, 141}));
   EXPECT_EQ(borders_of(sets[0]), (std::vector<std::uint32_t>{100, 141, 900, 930}));
 }
@@ -395,7 +400,7 @@ TEST(slack, knows_where_draws_begin) {
                 {{42, 54}, {100, 99}, {298, 104}, {600, 16}}};
   const chunk_plan plan{{0, 1}, {chunk_plan::alone, chunk_plan::alone}};
   slack_sums sums;
-  add_slack(sets, plan, draws, ranges_only, slack_share_unit, sums);
+  add_slack(sets, plan, range_borders(draws, host_layout::instanced), ranges_only, slack_share_unit, sums);
   const std::vector<std::uint32_t> expected{10, 94, 104, 198, 202, 296, 300, 398, 400, 410, 500, 600, 604, 620};
   EXPECT_EQ(borders_of(sets[0]), expected);
 }
@@ -523,6 +528,33 @@ TEST_F(slack_file, header_says_what_was_added) {
   again.slack = 0.0;
   sets_in(encoded(again), both);
   EXPECT_EQ(both, 0.1f) << "nothing was added";
+}
+
+// As one draw group there are no borders between draws: the same polygons are added for fewer ranges.
+TEST_F(slack_file, of_a_draw_group_knows_no_draws) {
+  const auto ranges_at = [&](const std::vector<std::byte>& bytes) {
+    reader file;
+    EXPECT_EQ(reader::open(bytes, file), status::ok);
+    set_reader sets;
+    row_statistics sums;
+    EXPECT_EQ(sets.open(file), status::ok);
+    EXPECT_EQ(sets.check(), status::ok);
+    EXPECT_EQ(sets.statistics(sums), status::ok);
+    return sums.ranges;
+  };
+  const std::uint64_t of_draws = ranges_at(encoded(contents(0.05)));
+  file_contents merged = contents(0.05);
+  merged.facts.layout = host_layout::merged;
+  order_of_draw_.assign(draws_.size(), 0);
+  orders_ = {{}};
+  for (const draw_record& d : draws_) {
+    for (std::uint32_t i = d.polygon_count; i-- > 0;) orders_[0].push_back(d.first_stored + i);
+  }
+  merged.order = {order_of_draw_, orders_};
+  const auto bytes = encoded(merged);
+  float slack = 0.0f;
+  expect_supersets(sets_in(bytes, slack), exact_, 50000);
+  EXPECT_LT(ranges_at(bytes), of_draws);
 }
 
 TEST_F(slack_file, same_contents_same_bytes) {

@@ -95,6 +95,29 @@ TEST(stored_sets, sets_become_runs_of_stored_polygons) {
   }
 }
 
+// One draw group: its draws in the order of the source, its polygons in any.
+TEST(stored_sets, draws_of_a_group_are_permuted_together) {
+  const std::vector<draw_record> draws{{.group = 0, .first_source = 3, .polygon_count = 2},
+                                       {.group = 0, .first_source = 5, .polygon_count = 0, .first_stored = 2},
+                                       {.group = 0, .first_source = 7, .polygon_count = 3, .first_stored = 2},
+                                       {.group = 1, .first_source = 0, .polygon_count = 3, .first_stored = 5},
+                                       {.group = 1, .first_source = 5, .polygon_count = 2, .first_stored = 8}};
+  const std::vector<std::uint32_t> order_of_draw{0, 0, 0, 1, 1};
+  const std::vector<std::vector<std::uint32_t>> orders{{4, 0, 2, 1, 3}, {3, 4, 0, 2, 1}};
+  // Stored: 9 3 7 4 8, then 5 6 0 2 1.
+  stored_sets stored(draws, order_of_draw, orders, host_layout::merged);
+  const auto runs_of = [&](const std::vector<std::uint32_t>& set) {
+    std::vector<run> runs;
+    stored.runs_of(set, runs);
+    std::vector<std::uint32_t> numbers;
+    for (const run& r : runs) numbers.insert(numbers.end(), {r.first, r.count});
+    return numbers;
+  };
+  EXPECT_EQ(runs_of({0, 5, 6}), (std::vector<std::uint32_t>{5, 3}));
+  EXPECT_EQ(runs_of({1, 3, 7, 9}), (std::vector<std::uint32_t>{0, 3, 9, 1}));
+  EXPECT_EQ(runs_of({4, 5, 8}), (std::vector<std::uint32_t>{3, 3}));
+}
+
 TEST(stored_sets, no_polygons_at_all) {
   stored_sets stored({}, {}, {});
   std::vector<run> runs{{1, 1}};

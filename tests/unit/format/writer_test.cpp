@@ -52,6 +52,8 @@ TEST(writer, random_sets_come_back) {
         put_in_order(contents, seed);
         put_on_lattice(contents);
         expect_round_trip(contents);
+        put_in_groups(contents, seed);
+        expect_round_trip(contents);
       }
     }
   }
@@ -148,7 +150,8 @@ TEST(writer, contents_that_contradict_themselves) {
   refused([](sample_contents& c) { c.facts.margin = -0.1f; });
   refused([](sample_contents& c) { c.facts.max_pixel_error = 1.1f; });
   refused([](sample_contents& c) { c.facts.confidence = std::nanf(""); });
-  refused([](sample_contents& c) { c.facts.layout = host_layout::merged; });
+  refused([](sample_contents& c) { c.draws[0].flags = 2; });
+  refused([](sample_contents& c) { c.facts.layout = static_cast<host_layout>(2); });
   refused([](sample_contents& c) { c.facts.margin = 2.0e6f; }, status::limit);
   refused([](sample_contents& c) { c.facts.polygon_count = 0xFFFFFFFFu; }, status::limit);
   refused([](sample_contents& c) { c.settings.assign(layout::max_settings_size + 1, ' '); }, status::limit);
@@ -171,6 +174,51 @@ TEST(writer, orders_that_are_none) {
   refused([](sample_contents& c) { c.order_of_draw.pop_back(); });
   refused([](sample_contents& c) { c.order_of_draw[0] = 99; });
   refused([](sample_contents& c) { c.orders.clear(); });
+}
+
+TEST(writer, draw_groups_that_are_none) {
+  const auto refused = [](auto change) {
+    sample_contents contents = small_contents();
+    add_draws(contents, 300, 12);
+    put_in_groups(contents, 2);
+    change(contents);
+    EXPECT_EQ(outcome(contents), status::argument);
+  };
+  // Of the draws of a group, one and the next.
+  const auto joined = [](const sample_contents& c) {
+    std::size_t d = 0;
+    while (c.draws[d].group != c.draws[d + 1].group || c.draws[d].polygon_count * c.draws[d + 1].polygon_count == 0)
+      ++d;
+    return d;
+  };
+  refused([](sample_contents& c) { c.facts.layout = host_layout::instanced; });
+  refused([](sample_contents& c) { ++c.draws.back().group; });
+  refused([](sample_contents& c) { c.order_of_draw[0] = 1; });
+  refused([](sample_contents& c) { c.orders.emplace_back(); });
+  refused([](sample_contents& c) { c.orders[0].push_back(static_cast<std::uint32_t>(c.orders[0].size())); });
+  refused([&](sample_contents& c) { ++c.draws[joined(c)].material; });
+  refused([&](sample_contents& c) { c.draws[joined(c)].flags = draw_moves; });
+  refused([&](sample_contents& c) { c.draws[joined(c) + 1].flags = draw_moves; });
+  refused([&](sample_contents& c) {
+    draw_record& first = c.draws[joined(c)];
+    draw_record& second = c.draws[joined(c) + 1];
+    const std::uint32_t begin = first.first_stored;
+    std::swap(first, second);
+    first.first_stored = begin;
+    second.first_stored = begin + first.polygon_count;
+  });
+}
+
+// Without orders, a group has its polygons as the source does.
+TEST(writer, draw_groups_without_orders) {
+  sample_contents contents = small_contents();
+  add_draws(contents, 300, 12);
+  put_in_groups(contents, 2);
+  sample_contents in_source_order = contents;
+  in_source_order.orders.clear();
+  in_source_order.order_of_draw.clear();
+  for (auto& order : contents.orders) std::sort(order.begin(), order.end());
+  EXPECT_EQ(in_source_order.encode(), contents.encode());
 }
 
 TEST(writer, lattices_that_are_none) {

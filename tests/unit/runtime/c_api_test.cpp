@@ -80,6 +80,28 @@ TEST(c_api, draws_and_order) {
   EXPECT_EQ(order, all_polygons(300));
 }
 
+// From any draw of a group a host finds where the group is stored.
+TEST(c_api, draws_of_a_merged_file) {
+  sample_contents contents = random_contents(2, {.polygons = 500, .draws = 20, .cells = 3});
+  put_in_groups(contents, 1);
+  const loaded_file file(contents);
+  sightcell_info info{};
+  info.struct_size = sizeof(info);
+  ASSERT_EQ(sightcell_db_info(file.db(), &info), SIGHTCELL_OK);
+  EXPECT_EQ(info.layout, 1u);
+  ASSERT_EQ(info.draw_count, 20u);
+  std::vector<sightcell_draw> draws(20);
+  std::size_t count = 0;
+  ASSERT_EQ(sightcell_db_draws(file.db(), draws.data(), draws.size(), &count), SIGHTCELL_OK);
+  std::uint32_t begin = 0;
+  for (std::size_t i = 0; i < 20; ++i) {
+    if (i > 0 && draws[i].group != draws[i - 1].group) begin = contents.draws[i].first_stored;
+    EXPECT_EQ(draws[i].group, contents.draws[i].group);
+    EXPECT_EQ(draws[i].first_stored, begin);
+    EXPECT_EQ(draws[i].polygon_count, contents.draws[i].polygon_count);
+  }
+}
+
 TEST(c_api, info_of_callers_with_other_headers) {
   const loaded_file file(tiny_contents());
   struct later_info {

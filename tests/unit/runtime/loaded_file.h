@@ -72,15 +72,21 @@ class test_view {
   sightcell_view* view_ = nullptr;
 };
 
-// The polygons that ranges stand for, in the order of the ranges.
+// The polygons that ranges stand for, as stored numbers, in the order of the ranges.
 inline std::vector<std::uint32_t> polygons_of(std::span<const sightcell_range> ranges,
                                               const sample_contents& contents) {
+  const bool merged = contents.facts.layout == format::host_layout::merged;
+  std::vector<std::uint32_t> begins;  // of draws, or draw groups
+  for (const format::draw_record& d : contents.draws) {
+    if (!merged || d.group == begins.size()) begins.push_back(d.first_stored);
+  }
+  begins.push_back(contents.facts.polygon_count);
   std::vector<std::uint32_t> polygons;
   for (const sightcell_range& r : ranges) {
-    EXPECT_LT(r.draw, contents.draws.size());
+    EXPECT_LT(r.draw + 1, begins.size());
     EXPECT_GE(r.count, 1u);
-    EXPECT_LE(r.first + r.count, contents.draws[r.draw].polygon_count);
-    for (std::uint32_t i = 0; i < r.count; ++i) polygons.push_back(contents.draws[r.draw].first_stored + r.first + i);
+    EXPECT_LE(r.first + r.count, begins[r.draw + 1] - begins[r.draw]);
+    for (std::uint32_t i = 0; i < r.count; ++i) polygons.push_back(begins[r.draw] + r.first + i);
   }
   return polygons;
 }

@@ -74,11 +74,10 @@ TEST(view, every_cell_shows_its_set) {
   }
 }
 
-// Where stored order is not that of the source: polygons are source ids in stored order, and db_order says the same.
-TEST(view, polygons_in_an_order_of_the_file) {
-  sample_contents contents = random_contents(4, {.polygons = 900, .draws = 30, .cells = 100});
-  put_in_order(contents, 7);
+// Polygons are source ids in stored order, and db_order says the same.
+void expect_sets_in_stored_order(const sample_contents& contents) {
   const loaded_file file(contents);
+  EXPECT_EQ(sightcell_db_check(file.db()), SIGHTCELL_OK);
   std::vector<std::uint32_t> order(900);
   std::size_t count = 0;
   ASSERT_EQ(sightcell_db_order(file.db(), order.data(), order.size(), &count), SIGHTCELL_OK);
@@ -97,6 +96,38 @@ TEST(view, polygons_in_an_order_of_the_file) {
   const sightcell_frame outside = view.move(1000, 1000, 1000);
   EXPECT_NE(outside.flags & SIGHTCELL_FRAME_DRAW_ALL, 0u);
   EXPECT_EQ(view.polygons(), order);
+  EXPECT_EQ(polygons_of(view.ranges(), contents), all_polygons(900));
+}
+
+TEST(view, polygons_in_an_order_of_the_file) {
+  sample_contents contents = random_contents(4, {.polygons = 900, .draws = 30, .cells = 100});
+  put_in_order(contents, 7);
+  expect_sets_in_stored_order(contents);
+  put_in_groups(contents, 8);
+  expect_sets_in_stored_order(contents);
+}
+
+// Of sets that are whole draw groups, one range for each: draws do not count.
+TEST(view, ranges_of_a_merged_file_are_of_draw_groups) {
+  sample_contents contents = random_contents(4, {.polygons = 900, .draws = 30, .cells = 2});
+  put_in_groups(contents, 8);
+  contents.sets = {{}, all_polygons(900)};
+  for (const auto& d : contents.draws) {
+    for (std::uint32_t i = 0; d.group == 1 && i < d.polygon_count; ++i) contents.sets[0].push_back(d.first_source + i);
+  }
+  const loaded_file file(contents);
+  test_view view(file.db());
+  go_to(view, contents, 0);
+  ASSERT_EQ(view.ranges().size(), 1u);
+  EXPECT_EQ(view.ranges()[0].draw, 1u);
+  EXPECT_EQ(view.ranges()[0].first, 0u);
+  EXPECT_EQ(view.ranges()[0].count, contents.orders[1].size());
+  std::size_t filled = 0;
+  for (const auto& order : contents.orders) filled += order.empty() ? 0 : 1;
+  go_to(view, contents, 1);
+  EXPECT_EQ(view.ranges().size(), filled);
+  view.move(1000, 1000, 1000);
+  EXPECT_EQ(view.ranges().size(), filled);
 }
 
 TEST(view, frames_keep_their_reserved_words_zero) {
@@ -198,9 +229,19 @@ TEST(view, too_little_room_writes_nothing_and_says_the_need) {
   }
 }
 
+// Source ids of stored polygons, ascending.
+std::vector<std::uint32_t> sources_of(const sightcell_db* db, std::vector<std::uint32_t> stored) {
+  std::vector<std::uint32_t> order(sightcell_db_polygon_count(db));
+  std::size_t count = 0;
+  EXPECT_EQ(sightcell_db_order(db, order.data(), order.size(), &count), SIGHTCELL_OK);
+  for (std::uint32_t& polygon : stored) polygon = order.at(polygon);
+  std::sort(stored.begin(), stored.end());
+  return stored;
+}
+
 // Applies changes to a set and compares.
-void expect_changes(const test_view& view, const sample_contents& contents, std::uint32_t since,
-                    std::vector<std::uint32_t> before, const std::vector<std::uint32_t>& after) {
+void expect_changes(const loaded_file& file, const test_view& view, const sample_contents& contents,
+                    std::uint32_t since, std::vector<std::uint32_t> before, const std::vector<std::uint32_t>& after) {
   std::size_t added = 0;
   std::size_t removed = 0;
   static_cast<void>(sightcell_view_changes(view.get(), since, nullptr, 0, &added, nullptr, 0, &removed));
@@ -215,8 +256,8 @@ void expect_changes(const test_view& view, const sample_contents& contents, std:
   }
   ASSERT_EQ(sightcell_view_changes(view.get(), since, plus.data(), added, &added, minus.data(), removed, &removed),
             SIGHTCELL_OK);
-  const auto gone = polygons_of(std::span(minus).first(removed), contents);
-  const auto come = polygons_of(std::span(plus).first(added), contents);
+  const auto gone = sources_of(file.db(), polygons_of(std::span(minus).first(removed), contents));
+  const auto come = sources_of(file.db(), polygons_of(std::span(plus).first(added), contents));
   std::vector<std::uint32_t> expected_gone;
   std::vector<std::uint32_t> expected_come;
   std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(expected_gone));
@@ -225,8 +266,7 @@ void expect_changes(const test_view& view, const sample_contents& contents, std:
   EXPECT_EQ(come, expected_come);
 }
 
-TEST(view, changes_lead_from_one_set_to_the_next) {
-  const sample_contents contents = random_contents(21, {.polygons = 900, .draws = 30, .cells = 150});
+void expect_changes_everywhere(const sample_contents& contents) {
   const loaded_file file(contents);
   test_view view(file.db());
   std::vector<std::uint32_t> before;
@@ -234,11 +274,18 @@ TEST(view, changes_lead_from_one_set_to_the_next) {
   for (std::uint32_t i = 0; i < 150; ++i) {
     const std::uint32_t cell = i * 37 % 150;
     const sightcell_frame frame = go_to(view, contents, cell);
-    expect_changes(view, contents, frame.revision, contents.sets[cell], contents.sets[cell]);
-    if (frame.revision != revision) expect_changes(view, contents, revision, before, contents.sets[cell]);
+    expect_changes(file, view, contents, frame.revision, contents.sets[cell], contents.sets[cell]);
+    if (frame.revision != revision) expect_changes(file, view, contents, revision, before, contents.sets[cell]);
     revision = frame.revision;
     before = contents.sets[cell];
   }
+}
+
+TEST(view, changes_lead_from_one_set_to_the_next) {
+  sample_contents contents = random_contents(21, {.polygons = 900, .draws = 30, .cells = 150});
+  expect_changes_everywhere(contents);
+  put_in_groups(contents, 5);
+  expect_changes_everywhere(contents);
 }
 
 // A cell with the same set changes the cell, not what changed before.
@@ -249,7 +296,7 @@ TEST(view, changes_outlive_a_cell_with_the_same_set) {
   go_to(view, contents, 3);
   go_to(view, contents, 19);
   go_to(view, contents, 20);
-  expect_changes(view, contents, 1, contents.sets[3], contents.sets[20]);
+  expect_changes(file, view, contents, 1, contents.sets[3], contents.sets[20]);
 }
 
 TEST(view, changes_are_stale_for_other_revisions_and_across_everything) {

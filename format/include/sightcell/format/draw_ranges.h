@@ -1,6 +1,6 @@
 #pragma once
-// Cuts runs of stored polygons at draw borders: what a host issues. Used by the writer (range bound), the reader
-// (statistics) and the runtime (draw ranges), so that all three count the same.
+// Cuts runs of stored polygons at the borders of what a host issues: draws, or draw groups of the merged layout. Used
+// by the writer (range bound), the reader (statistics) and the runtime (draw ranges), so that all three count the same.
 #include <algorithm>
 #include <cstdint>
 #include <span>
@@ -9,10 +9,11 @@
 
 namespace sightcell::format {
 
-// Calls emit(draw, first, count) for every piece of runs (ascending, disjoint) that lies in one draw; first counts from
-// the draw's first stored polygon. first_of(d) gives that polygon for d < draw_count and must not descend; draws
-// without polygons get no piece. polygon_count is the end of the last draw. Allocates nothing; any thread. O(runs +
-// draws met * log draws). Ends and stays inside draw_count even when first_of answers nonsense.
+// A draw may be a draw group here. Calls emit(draw, first, count) for every piece of runs (ascending, disjoint) that
+// lies in one draw; first counts from the draw's first stored polygon. first_of(d) gives that polygon for d <
+// draw_count and must not descend; draws without polygons get no piece. polygon_count is the end of the last draw.
+// Allocates nothing; any thread. O(runs + draws met * log draws). Ends and stays inside draw_count even when first_of
+// answers nonsense.
 template <class FirstOf, class Emit>
 void for_each_draw_range(std::span<const run> runs, std::uint32_t draw_count, std::uint32_t polygon_count,
                          const FirstOf& first_of, const Emit& emit) {

@@ -17,7 +17,7 @@ inline constexpr std::uint64_t section_record_size = 32;
 inline constexpr std::uint64_t cell_record_size = 24;
 inline constexpr std::uint64_t chunk_record_size = 16;
 // Columns of the packed tables.
-inline constexpr std::uint32_t draw_columns = 12;
+inline constexpr std::uint32_t draw_columns = 13;
 inline constexpr std::uint32_t certificate_columns = 8;
 // The fixed records that version 0 has besides.
 inline constexpr std::uint64_t v0_draw_record_size = 48;

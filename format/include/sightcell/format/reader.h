@@ -101,17 +101,24 @@ class reader {
   status draw(std::uint32_t number, draw_record& out) const noexcept;
   status cell_box(std::uint32_t cell, box& out) const noexcept;
 
-  // In which order polygons are stored: draws share orders, numbered 0 .. order_count() - 1.
+  // What ranges count in, in stored order: draws, or draw groups of the merged layout.
+  [[nodiscard]] std::uint32_t range_unit_count() const noexcept { return range_units_; }
+  // Stored number of the first polygon of one, read anew; number may be range_unit_count().
+  [[nodiscard]] std::uint32_t range_unit_begin(std::uint32_t number) const noexcept;
+
+  // In which order polygons are stored: draws share orders, numbered 0 .. order_count() - 1. A draw group has the order
+  // of its number.
   [[nodiscard]] std::uint32_t order_count() const noexcept { return order_count_; }
   // Which order a draw has, and how many polygons all orders before one have together (number may be order_count()).
   // 0 for numbers that there are not.
   [[nodiscard]] std::uint32_t order_of_draw(std::uint32_t draw) const noexcept;
   [[nodiscard]] std::uint32_t order_begin(std::uint32_t number) const noexcept;
-  // All orders, one behind the other: which polygon of its draw, as the source has them, is stored at each place. out:
-  // order_begin(order_count()) numbers, all below the count of their draws when the answer is ok. argument: another
-  // size; corrupt. That no polygon is there twice is left to check().
+  // All orders, one behind the other: which polygon of its draw, or draw group, as the source has them, is stored at
+  // each place. out: order_begin(order_count()) numbers, all below the count of their order when the answer is ok.
+  // argument: another size; corrupt. That no polygon is there twice is left to check().
   status orders(std::span<std::uint32_t> out) const noexcept;
-  // The source id of every stored polygon. out: polygon_count() numbers. Else as orders().
+  // The source id of every stored polygon. out: polygon_count() numbers, all below that when the answer is ok. Else as
+  // orders().
   status source_of_stored(std::span<std::uint32_t> out) const noexcept;
 
   // The cells' lattice, where they lie on one: chunk by chunk for who looks cells up. Null where they do not.
@@ -181,7 +188,10 @@ class reader {
   status check_section(std::uint32_t number) const noexcept;
   status check_sizes() noexcept;
   status open_tables() noexcept;
-  status check_draws() const noexcept;
+  status check_draws() noexcept;
+  [[nodiscard]] std::uint32_t order_size(std::uint32_t number) const noexcept;
+  [[nodiscard]] std::uint32_t first_draw_of(std::uint32_t range_unit) const noexcept;
+  status make_sources(std::uint32_t range_unit, std::span<std::uint32_t> polygons) const noexcept;
   status check_cells() const noexcept;
   status check_directory() const noexcept;
   status check_certificate() const noexcept;
@@ -204,6 +214,7 @@ class reader {
   std::uint32_t version_ = 0;
   std::uint32_t cell_count_ = 0;
   std::uint32_t draw_count_ = 0;
+  std::uint32_t range_units_ = 0;
   std::uint32_t order_count_ = 0;
   std::uint32_t section_count_ = 0;
   std::uint32_t certificate_count_ = 0;

@@ -12,7 +12,12 @@ struct box {
   std::array<float, 3> max{};
 };
 
+// How the host keeps its polygons. instanced: draw by draw; instances of one primitive share an index buffer, and so
+// the order of their polygons. merged: flattened into world space, one list of polygons for each draw group.
 enum class host_layout : std::uint32_t { instanced = 0, merged = 1 };
+
+// draw_record::flags. The host moves or transforms the draw itself: a merged file keeps it in a draw group of its own.
+inline constexpr std::uint32_t draw_moves = 1;
 
 // One entry of the draw table: what a host issues as one draw, (node, primitive, instance) of the glTF.
 struct draw_record {
@@ -21,12 +26,15 @@ struct draw_record {
   std::uint32_t primitive = 0;      // index of the primitive inside its mesh
   std::uint32_t instance = 0;       // index inside EXT_mesh_gpu_instancing, else 0
   std::uint32_t material = 0;       // glTF material index, 0xFFFFFFFF for the default material
-  std::uint32_t group = 0;          // draw group of the merged layout, else 0
+  std::uint32_t group = 0;          // draw group of the merged layout, ascending from 0 without gaps; else 0
   std::uint32_t first_source = 0;   // source id of the draw's first polygon
   std::uint32_t polygon_count = 0;  // polygons of the draw
-  std::uint32_t first_stored = 0;   // stored number of the draw's first polygon
-  std::uint32_t base_vertex = 0;    // vertices of all draws before this one: base(draw) of the flattening
-  std::uint64_t host_tag = 0;       // the host's own value, carried through untouched
+  // Polygons of all draws before this one in stored order. instanced: so this is the stored number of its first one. Of
+  // a draw group only all polygons together are stored from that of its first draw on, in an order of their own.
+  std::uint32_t first_stored = 0;
+  std::uint32_t base_vertex = 0;  // vertices of all draws before this one: base(draw) of the flattening
+  std::uint64_t host_tag = 0;     // the host's own value, carried through untouched
+  std::uint32_t flags = 0;        // draw_moves
 };
 
 // What fresh rays proved about one cell: misses of at least so many rays, and a one-sided upper bound of the pixel

@@ -28,12 +28,14 @@ struct cell_set_source {
 // Sets that lie in memory: what sets views must live as long as the source.
 cell_set_source sets_of(std::span<const std::vector<std::uint32_t>> sets);
 
-// In which order polygons are stored. Draws with the same order are instances of one thing, and have as many polygons.
+// In which order polygons are stored. Instanced: draws with the same order are instances of one thing, and have as many
+// polygons. Merged: every draw group has one of its own, of the same number, and the source has the polygons of a group
+// as those of its draws, one draw behind the other.
 struct stored_order {
   // One per draw, in the order of the draw table: 0, then as before or the next number.
   std::span<const std::uint32_t> order_of_draw;
-  std::span<const std::vector<std::uint32_t>>
-      orders;  // [i]: which polygon of the draw, as the source has them, is i-th
+  // [i]: which polygon of the draw, or the draw group, as the source has them, is i-th.
+  std::span<const std::vector<std::uint32_t>> orders;
 };
 
 // Where cells lie on a lattice, which takes a tenth of the bytes of boxes. Places ascend as lattice_comes_before says.
@@ -48,9 +50,11 @@ struct lattice_cells {
 // Everything a file holds. Spans are only read, and sets only asked for, during the call.
 struct file_contents {
   file_facts facts;
-  std::span<const draw_record> draws;  // in stored order: first_stored gapless from 0, every source id once
-  stored_order order;                  // without orders: each draw in the order of the source
-  std::span<const box> cells;          // number of a cell = its index here; none where there is a lattice
+  // In stored order: first_stored gapless from 0, every source id once. Merged: group by group; those of a group in the
+  // order of the source, with the same material, none that moves beside another.
+  std::span<const draw_record> draws;
+  stored_order order;          // without orders: each draw, or draw group, in the order of the source
+  std::span<const box> cells;  // number of a cell = its index here; none where there is a lattice
   std::optional<lattice_cells> lattice;
   cell_set_source cell_sets;
   std::span<const certificate_record> certificate;  // empty, or one per cell in cell order
