@@ -50,6 +50,7 @@ struct bake_options {
   std::string safety_ring = std::string(bake::safety_ring_names.front());
   std::string profile = name_of(bake::slack_profile_names, bake::settings().file.profile);
   std::string order = name_of(bake::polygon_order_names, bake::settings().file.order);
+  std::string layout = name_of(bake::host_layout_names, bake::settings().file.layout);
 };
 
 progress_mode mode_of(const std::string& name) {
@@ -182,6 +183,7 @@ int run_bake(bake_options options) {
   how.safety_ring = *bake::safety_ring_of(options.safety_ring);
   how.file.profile = *bake::kind_of<bake::slack_profile>(bake::slack_profile_names, options.profile);
   how.file.order = *bake::kind_of<bake::polygon_order_kind>(bake::polygon_order_names, options.order);
+  how.file.layout = *bake::kind_of<bake::host_layout>(bake::host_layout_names, options.layout);
   bake::validate(how);  // before minutes of loading
   std::optional<bake::shard> part;
   if (!options.shard.empty()) {
@@ -300,6 +302,12 @@ void add_file_options(CLI::App& verb, bake_options& o) {
       "per-mesh: instances share an order of polygons, as they share an index buffer; per-instance: fewer ranges, but "
       "each draw needs an index buffer of its own")
       ->check(CLI::IsMember(std::vector<std::string>(orders.begin(), orders.end())))
+      ->group("File");
+  const auto& layouts = bake::host_layout_names;
+  add(verb, "--layout", o.layout, "HOW",
+      "of the host's polygons: instanced (draw by draw) or merged (in world space, static draws of one material as one "
+      "list)")
+      ->check(CLI::IsMember(std::vector<std::string>(layouts.begin(), layouts.end())))
       ->group("File");
 }
 

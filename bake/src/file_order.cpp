@@ -32,7 +32,8 @@ std::vector<std::uint32_t> order_cells(format::file_parts& parts) {
 }
 
 void order_polygons_of(format::file_parts& parts, polygon_order_kind kind, const set_source& set_of) {
-  stored_draws stored = store_draws(parts.draws, kind, static_cast<std::uint32_t>(parts.cells.size()), set_of);
+  const auto cells = static_cast<std::uint32_t>(parts.cells.size());
+  stored_draws stored = store_draws(parts.draws, parts.facts.layout, kind, cells, set_of);
   parts.draws = std::move(stored.draws);
   parts.order_of_draw = std::move(stored.order_of_draw);
   parts.orders = std::move(stored.orders);

@@ -159,6 +159,7 @@ class importer {
         d.to_world[column][row] = from.to_world[static_cast<std::size_t>(4 * column + row)];
     }
     d.tags = tags_of(from);
+    d.moves = from.dynamic || from.animated;
     out_.node_names.emplace_back(from.name);
   }
 

@@ -4,18 +4,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "file_order.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/scene/error.h"
+#include "stored_draws.h"
 
 namespace sightcell::bake {
 namespace {
 
-std::vector<format::draw_record> draw_table(const scene::scene& s) {
+// Draws may be merged where the host draws them with one state and always shows them together: of one material, and not
+// one by itself because of a group that it shows when it likes, or a level of detail. What moves is alone.
+class group_numbers {
+ public:
+  // The draws of a scene one after the other.
+  std::uint32_t next(const scene::draw& d) {
+    ++draws_;
+    const std::tuple key(d.material, d.tags.group, d.lod_object, d.lod_level, d.moves ? draws_ : 0);
+    return numbers_.try_emplace(key, static_cast<std::uint32_t>(numbers_.size())).first->second;
+  }
+
+ private:
+  using number = std::uint32_t;
+  number draws_ = 0;
+  std::map<std::tuple<number, number, number, number, number>, number> numbers_;
+};
+
+std::vector<format::draw_record> draw_table(const scene::scene& s, format::host_layout layout) {
+  const bool merged = layout == format::host_layout::merged;
+  group_numbers groups;
   std::vector<format::draw_record> table;
   table.reserve(s.draws.size());
   for (const scene::draw& d : s.draws)
@@ -24,13 +46,14 @@ std::vector<format::draw_record> draw_table(const scene::scene& s) {
                      .primitive = d.primitive,
                      .instance = d.instance,
                      .material = d.material,
-                     .group = 0,
+                     .group = merged ? groups.next(d) : 0,
                      .first_source = d.first_source,
                      .polygon_count = d.polygon_count,
                      .first_stored = d.first_source,  // until the draws are put in order
                      .base_vertex = d.base_vertex,
-                     .host_tag = d.host_tag});
-  return table;
+                     .host_tag = d.host_tag,
+                     .flags = d.moves ? format::draw_moves : 0});
+  return merged ? in_groups(table) : table;
 }
 
 // A bound may only be rounded upwards.
@@ -107,11 +130,12 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
   pvs_frame frame;
   frame.scene_name = s.name;
   frame.facts.polygon_count = s.polygon_count;
+  frame.facts.layout = static_cast<format::host_layout>(how.file.layout);
   frame.facts.margin = how.margin;
   frame.facts.scene_fingerprint = s.fingerprint;
   frame.facts.repeatable = how.time_budget == 0.0 && how.seconds_per_cell == 0.0;
   frame.seed = how.seed;
-  frame.draws = draw_table(s);
+  frame.draws = draw_table(s, frame.facts.layout);
   for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
   frame.settings = std::move(settings_text);
   return frame;

@@ -58,6 +58,10 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   require_ok(format::take_apart(opened, parts), name);
   const double slack = how.profile ? slack_left(parts.facts, *how.profile, name) : 0.0;
 
+  if (parts.facts.layout == format::host_layout::merged && how.order == polygon_order_kind::per_instance)
+    throw error(error_kind::wrong_use, "recode.merged", name, "is of the merged layout, where instances share nothing",
+                "leave out --order per-instance");
+
   const bool old = opened.format_version() != format::layout::version;
   file_settings now = file_settings_of(parts.settings);
   now.profile = how.profile.value_or(now.profile);

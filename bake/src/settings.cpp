@@ -147,6 +147,11 @@ void validate(const settings& s) {
     refuse("--profile", number(static_cast<int>(s.file.profile)), "exact, balanced or small");
   if (static_cast<std::size_t>(s.file.order) >= polygon_order_names.size())
     refuse("--order", number(static_cast<int>(s.file.order)), "per-mesh or per-instance");
+  if (static_cast<std::size_t>(s.file.layout) >= host_layout_names.size())
+    refuse("--layout", number(static_cast<int>(s.file.layout)), "instanced or merged");
+  if (s.file.layout == host_layout::merged && s.file.order != polygon_order_kind::per_mesh)
+    refuse("--order", "per-instance",
+           "per-mesh with --layout merged, where polygons of all draws of a material share an order");
 }
 
 std::string describe(const settings& s) {
@@ -173,6 +178,8 @@ std::string describe(const settings& s) {
   text += fmt::format(R"(,"profile":"{}")", slack_profile_names[static_cast<std::size_t>(s.file.profile)]);
   if (s.file.order != polygon_order_kind::per_mesh)
     text += fmt::format(R"(,"order":"{}")", polygon_order_names[static_cast<std::size_t>(s.file.order)]);
+  if (s.file.layout != host_layout::instanced)
+    text += fmt::format(R"(,"layout":"{}")", host_layout_names[static_cast<std::size_t>(s.file.layout)]);
   if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
   text += "}";
   return text;
@@ -188,6 +195,7 @@ file_settings file_settings_of(std::string_view settings) {
   };
   how.profile = kind_of<slack_profile>(slack_profile_names, named("profile")).value_or(how.profile);
   how.order = kind_of<polygon_order_kind>(polygon_order_names, named("order")).value_or(how.order);
+  how.layout = kind_of<host_layout>(host_layout_names, named("layout")).value_or(how.layout);
   return how;
 }
 

@@ -28,7 +28,7 @@ class Usage(InFolder):
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
                        '--player-radius', '--sampler', '--samples', '--time-budget', '--max-pixel-error', '--metric',
                        '--view-resolution', '--view-fov', '--view-pitch', '--view-least', '--source', '--resolution',
-                       '--all-double-sided', '--animated', '--safety-ring', '--profile', '--order', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
+                       '--all-double-sided', '--animated', '--safety-ring', '--profile', '--order', '--layout', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
     def test_version(self):
@@ -50,14 +50,14 @@ class Usage(InFolder):
                           ['bake', scene, '-o', file, '--profile', 'tiny'],
                           ['bake', scene, '-o', file, '--order', 'free'],
                           ['recode', file, '--profile', 'tiny'],
+                          ['bake', scene, '-o', file, '--layout', 'shuffled'],
                           ['bake', scene, '-o', file, '--progress', 'loud']):
             out, err = self.expect(2, *arguments)
             self.assertEqual(out, '', arguments)
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--misses=x', '--layout=merged',
-                       '--importance', '--report=x', '--since=x'):
+        for option in ('--misses=x', '--importance', '--report=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
 
@@ -181,6 +181,23 @@ class Bake(InFolder):
         self.assertEqual((result['misses'], result['pixel_error'], result['worst_view']), (0, 0.0, None))
         self.assertEqual((result['rays'], result['cells'], result['confidence']), (20000, 1, 0.95))
         self.assertAlmostEqual(result['upper_bound'], 1.0 - 0.05 ** (1.0 / 20000), places=9)
+
+    def test_a_merged_file_says_so_and_holds_the_same(self):
+        """The room twice, of one material: one draw group, but where one of them moves."""
+        two, instanced, merged = self.path('twice.glb'), self.path('instanced.pvs'), self.path('merged.pvs')
+        moves = [{'channels': [{'sampler': 0, 'target': {'node': 1, 'path': 'scale'}}], 'samplers': []}]
+        for animations, groups in (([], 1), (moves, 2)):
+            write_room(two, scenes=[[0, 1]], animations=animations)
+            bake = ['bake', two, '--cells-file', self.cells, *QUICK_BAKE, '--fresh', '--profile', 'exact']
+            self.expect(0, *bake, '-o', instanced)
+            self.expect(0, *bake, '-o', merged, '--layout', 'merged')
+            info = json.loads(self.expect(0, 'info', merged, '--json')[0])
+            self.assertEqual((info['layout'], info['settings']['layout'], info['polygons']), ('merged', 'merged', 24))
+            self.assertEqual(info['ranges_per_cell'], groups)
+            self.assertRegex(self.expect(0, 'info', merged)[0], r'layout +merged,')
+            difference = json.loads(self.expect(0, 'diff', instanced, merged, '--json')[0])
+            self.assertEqual((difference['polygons_gained'], difference['polygons_lost']), (0, 0))
+            self.expect(0, 'verify', two, merged, '--rays', '20000')
 
     def test_verify_loads_the_scene_of_the_bake(self):
         """A file of two scenes: the room, and the room twice."""

@@ -213,8 +213,8 @@ def patch(add, *more, named='--add'):
     return lambda folder: Call(['patch', golden(folder, 'v1_tiny.pvs', 'a.pvs'), '--add', add, *more], named)
 
 
-def recoded(*more, named):
-    return lambda folder: Call(['recode', golden(folder, 'v1_lattice.pvs', 'a.pvs'), *more], named)
+def recoded(*more, named, file='v1_lattice.pvs'):
+    return lambda folder: Call(['recode', golden(folder, file, 'a.pvs'), *more], named)
 
 
 def diff_of_two_scenes(folder):
@@ -324,6 +324,7 @@ CASES = [
     ('pvs.broken', 4, chunk_damaged),
     ('pvs.other-scene', 4, other_scene),
     ('recode.has-slack', 2, recoded('--profile', 'exact', named='a.pvs')),
+    ('recode.merged', 2, recoded('--order', 'per-instance', named='a.pvs', file='v1_merged.pvs')),
     ('recode.not-written', 1, recoded('-o', 'no/b.pvs', named='no/b.pvs')),
     ('pvs.refused', 4, info(lambda f: write(f, 'text.pvs', 'hello'))),
     ('scene.accessor-bounds', 4, info_of(set_in('accessors', 0, 'count', value=9))),

@@ -160,6 +160,7 @@ class importer {
   };
 
   void add_node(std::size_t node, const from_above& here);
+  bool moves(std::size_t node, const from_above& here) const;
   draw_tags tags_of_node(std::size_t node, const from_above& here);
   void warn_of_movement();
   void check_draws(std::size_t more) const;
@@ -425,9 +426,13 @@ std::vector<glm::dmat4> importer::instance_transforms(const tinygltf::Node& node
   return out;
 }
 
+bool importer::moves(std::size_t node, const from_above& here) const {
+  return here.moves || nodes_.nodes[node].morphs || model_.nodes[node].skin >= 0;
+}
+
 // Only groups that have draws become the scene's.
 draw_tags importer::tags_of_node(std::size_t node, const from_above& here) {
-  draw_tags tags = tags_of(here.marks, here.moves || nodes_.nodes[node].morphs || model_.nodes[node].skin >= 0);
+  draw_tags tags = tags_of(here.marks, moves(node, here));
   if (tags.group == no_index) return tags;
   std::uint32_t& number = group_numbers_[tags.group];
   if (number == no_index) {
@@ -474,6 +479,7 @@ void importer::add_node(std::size_t node, const from_above& here) {
       d.geometry = *geometry;
       d.to_world = posed.skin >= 0 ? instances[i] : here.to_world * instances[i];
       d.tags = tags;
+      d.moves = tags.dynamic || (moves(node, here) && !here.marks.is_static.value_or(false));
       d.lod_object = here.lod.object;
       d.lod_level = here.lod.level;
       out_.draws.push_back(d);

@@ -74,6 +74,31 @@ class patch_test : public testing::Test {
   format::reader reader_;
 };
 
+TEST_F(patch_test, a_merged_file_stays_one) {
+  format::reader file;
+  const std::vector<std::byte> bytes = three_cells("{}");
+  ASSERT_EQ(format::reader::open(bytes, file), format::status::ok);
+  format::file_parts parts;
+  ASSERT_EQ(format::take_apart(file, parts), format::status::ok);
+  parts.facts.layout = format::host_layout::merged;
+  parts.draws = {{.material = 1, .polygon_count = 8},
+                 {.material = 1, .first_source = 12, .polygon_count = 8, .first_stored = 8},
+                 {.group = 1, .first_source = 8, .polygon_count = 4, .first_stored = 16}};
+  parts.order_of_draw = {0, 0, 1};
+  parts.orders = {{9, 15, 0, 1, 8, 2, 3, 10, 11, 4, 5, 12, 6, 13, 7, 14}, {3, 1, 0, 2}};
+  const std::vector<ids> sets{{1, 2, 5}, {1, 2, 5}, {}};
+  std::vector<std::byte> merged;
+  ASSERT_EQ(format::encode(parts.contents(format::sets_of(sets)), merged), format::status::ok);
+  (void)patched(merged, {{0, 11, 2}, {2, 19, 1}});
+  EXPECT_EQ(set_of(0), (ids{1, 2, 5, 11, 12}));
+  EXPECT_EQ(set_of(1), (ids{1, 2, 5}));
+  EXPECT_EQ(set_of(2), (ids{19}));
+  format::file_parts now;
+  ASSERT_EQ(format::take_apart(reader_, now), format::status::ok);
+  EXPECT_EQ(now.facts.layout, format::host_layout::merged);
+  EXPECT_EQ(now.orders, parts.orders);
+}
+
 TEST_F(patch_test, polygons_join_the_sets_of_their_cells_alone) {
   const patch_result result = patched(three_cells("{}"), {{0, 0, 4}, {2, 19, 1}, {0, 9, 1}});
   EXPECT_EQ(result.added, 4u);

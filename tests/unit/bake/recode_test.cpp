@@ -109,6 +109,30 @@ TEST_F(recode_test, an_order_changes_no_set) {
   }
 }
 
+TEST_F(recode_test, a_merged_file_stays_one) {
+  sample_contents contents = some_contents();
+  test::put_in_groups(contents, 9);
+  const auto before = contents.encode();
+  for (const bool ordered : {false, true}) {
+    recode_settings how;
+    if (ordered)
+      how.order = polygon_order_kind::per_mesh;
+    else
+      how.profile = slack_profile::small;
+    (void)recoded(before, how);
+    EXPECT_LT(bytes_.size(), before.size());
+    test::stored_file file(bytes_);
+    EXPECT_EQ(file.reader().facts().layout, format::host_layout::merged);
+    EXPECT_EQ(file.reader().range_unit_count(), contents.orders.size());
+    for (std::uint32_t cell = 0; cell < 150; ++cell) {
+      EXPECT_TRUE(is_superset(file.set(cell), contents.sets[cell])) << cell;
+      EXPECT_TRUE(!ordered || file.set(cell).size() == contents.sets[cell].size()) << cell;
+    }
+  }
+  const recode_settings per_instance{{}, polygon_order_kind::per_instance};
+  EXPECT_EQ(test::error_id([&] { (void)recode(before, "in.pvs", per_instance, path_); }), "recode.merged");
+}
+
 TEST_F(recode_test, version_0_becomes_this_version) {
   const auto old = test::golden_file("v0_small");
   const sample_contents contents = test::small_contents();

@@ -69,6 +69,8 @@ TEST(settings, errors_name_the_option) {
   expect("--view-least", [](settings& s) { s.metric.view_least = -0.1; });
   expect("--animated", [](settings& s) { s.animated = static_cast<scene::animated_as>(3); });
   expect("--safety-ring", [](settings& s) { s.safety_ring = static_cast<safety_ring>(3); });
+  expect("--layout", [](settings& s) { s.file.layout = static_cast<host_layout>(2); });
+  expect("--order", [](settings& s) { s.file = {{}, polygon_order_kind::per_instance, host_layout::merged}; });
   expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, 0, 1}}; });
   expect("--cells-grid", [](settings& s) { s.cells_grid = {{0, 0, 0, 1, NAN, 1}}; });
   expect("--cells-grid", [](settings& s) {
@@ -186,6 +188,12 @@ TEST(settings, description_tells_settings_apart_and_leaves_out_what_changes_no_b
   EXPECT_EQ(file_settings_of(describe(a)).profile, slack_profile::balanced);
   EXPECT_EQ(file_settings_of("{}").profile, slack_profile::exact) << "from before there was slack";
   EXPECT_EQ(file_settings_of("no JSON").order, polygon_order_kind::per_mesh);
+  EXPECT_EQ(file_settings_of(describe(a)).layout, host_layout::instanced);
+  EXPECT_EQ(describe(a).find("layout"), std::string::npos);
+  b = a;
+  b.file.layout = host_layout::merged;
+  EXPECT_NE(describe(b).find(R"("layout":"merged")"), std::string::npos);
+  EXPECT_EQ(file_settings_of(describe(b)).layout, host_layout::merged);
   b = a;
   b.time_budget = 90.0;
   EXPECT_NE(describe(b).find(R"("time_budget":90)"), std::string::npos);

@@ -83,6 +83,33 @@ TEST_F(shards, any_number_of_them_gives_the_bytes_of_one_bake) {
   EXPECT_TRUE(fs::is_empty(folder_ / "scratch"));
 }
 
+TEST_F(shards, of_the_merged_layout_give_the_bytes_of_one_bake) {
+  for (scene::draw& d : scene_.draws) d.material = scene_.draws[1].material;
+  how_.file.profile = slack_profile::exact;  // what slack adds depends on the layout
+  test::stored_file instanced(whole("instanced.pvs"));
+  for (std::size_t i = 0; i < scene_.draws.size(); ++i) scene_.draws[i].moves = i % 9 == 4;
+  how_.file.layout = host_layout::merged;
+  const std::vector<std::byte> one = whole();
+  for (const std::uint32_t phase : {1u, 2u})
+    for (const std::uint32_t i : {0u, 1u}) (void)part("m.pvs", i, 2, phase);
+  EXPECT_EQ(merged("m.pvs"), one);
+  test::stored_file file(one);
+  EXPECT_EQ(file.reader().facts().layout, format::host_layout::merged);
+  for (std::uint32_t cell = 0; cell < file.reader().cell_count(); ++cell)
+    EXPECT_EQ(file.set(cell), instanced.set(cell)) << cell;
+  std::uint32_t moving = 0;
+  for (std::uint32_t i = 0; i < file.reader().draw_count(); ++i) {
+    format::draw_record d;
+    ASSERT_EQ(file.reader().draw(i, d), format::status::ok);
+    const auto is_this = [&](const scene::draw& from) { return from.first_source == d.first_source; };
+    const auto from = std::find_if(scene_.draws.begin(), scene_.draws.end(), is_this);
+    ASSERT_NE(from, scene_.draws.end());
+    EXPECT_EQ(d.flags, from->moves ? format::draw_moves : 0u);
+    moving += d.flags;
+  }
+  EXPECT_EQ(file.reader().range_unit_count(), moving + (moving < scene_.draws.size() ? 1 : 0));
+}
+
 TEST_F(shards, are_merged_with_their_safety_rings) {
   // The ring is added where the scene is, not by merge, which has none; nor by phase 1, or phase 2 would spread it.
   how_.safety_ring = safety_ring::vertex;

@@ -7,6 +7,8 @@
 #include <random>
 #include <tuple>
 
+#include "sightcell/format/writer.h"
+
 namespace sightcell::bake {
 namespace {
 
@@ -41,11 +43,43 @@ std::vector<numbers> some_sets(std::uint32_t polygons, std::uint32_t seed) {
 }
 
 stored_draws stored(const std::vector<format::draw_record>& draws, const std::vector<numbers>& sets,
+                    format::host_layout layout = format::host_layout::instanced,
                     polygon_order_kind kind = polygon_order_kind::per_mesh) {
-  return store_draws(draws, kind, static_cast<std::uint32_t>(sets.size()), [&](std::uint32_t cell, numbers& set) {
-    EXPECT_TRUE(set.empty());
-    set = sets[cell];
-  });
+  return store_draws(draws, layout, kind, static_cast<std::uint32_t>(sets.size()),
+                     [&](std::uint32_t cell, numbers& set) {
+                       EXPECT_TRUE(set.empty());
+                       set = sets[cell];
+                     });
+}
+
+// Where each polygon is stored.
+numbers stored_of_source(const stored_draws& out, format::host_layout layout) {
+  numbers stored_of(194);
+  for (std::size_t begin = 0, end = 0; begin < out.draws.size(); begin = end) {
+    numbers sources;
+    do {
+      for (std::uint32_t k = 0; k < out.draws[end].polygon_count; ++k)
+        sources.push_back(out.draws[end].first_source + k);
+      ++end;
+    } while (layout == format::host_layout::merged && end < out.draws.size() &&
+             out.draws[end].group == out.draws[begin].group);
+    const numbers& order = out.orders[out.order_of_draw[begin]];
+    EXPECT_EQ(order.size(), sources.size());
+    for (std::uint32_t k = 0; k < order.size(); ++k) stored_of[sources[order[k]]] = out.draws[begin].first_stored + k;
+  }
+  return stored_of;
+}
+
+// Of all sets together.
+std::size_t runs_of(const std::vector<numbers>& sets, const numbers& stored_of) {
+  std::size_t runs = 0;
+  for (const numbers& set : sets) {
+    numbers there;
+    for (const std::uint32_t p : set) there.push_back(stored_of[p]);
+    std::sort(there.begin(), there.end());
+    for (std::size_t i = 0; i < there.size(); ++i) runs += i == 0 || there[i - 1] + 1 != there[i] ? 1 : 0;
+  }
+  return runs;
 }
 
 TEST(stored_draws, every_draw_once_and_one_order_for_instances) {
@@ -82,25 +116,58 @@ TEST(stored_draws, every_draw_once_and_one_order_for_instances) {
 TEST(stored_draws, sets_are_fewer_runs) {
   const auto draws = some_draws();
   const auto sets = some_sets(194, 2);
-  const stored_draws out = stored(draws, sets);
-  numbers stored_of(194);
-  for (std::size_t i = 0; i < out.draws.size(); ++i)
-    for (std::uint32_t k = 0; k < out.draws[i].polygon_count; ++k)
-      stored_of[out.draws[i].first_source + out.orders[out.order_of_draw[i]][k]] = out.draws[i].first_stored + k;
-  const auto runs = [](numbers set) {
-    std::sort(set.begin(), set.end());
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < set.size(); ++i) count += i == 0 || set[i - 1] + 1 != set[i] ? 1 : 0;
-    return count;
-  };
-  std::size_t before = 0, after = 0;
-  for (const numbers& set : sets) {
-    before += runs(set);
-    numbers there;
-    for (const std::uint32_t p : set) there.push_back(stored_of[p]);
-    after += runs(there);
+  constexpr auto layout = format::host_layout::instanced;
+  numbers as_source(194);
+  std::iota(as_source.begin(), as_source.end(), 0u);
+  EXPECT_LT(2 * runs_of(sets, stored_of_source(stored(draws, sets), layout)), runs_of(sets, as_source));
+}
+
+// Three groups, one of them of a draw alone.
+std::vector<format::draw_record> grouped_draws() {
+  auto draws = some_draws();
+  for (format::draw_record& d : draws) d.group = d.node == 4 ? 70 : 7 + d.node % 2;
+  return draws;
+}
+
+TEST(stored_draws, draws_of_a_group_lie_together) {
+  constexpr auto merged = format::host_layout::merged;
+  const auto draws = grouped_draws();
+  const auto sets = some_sets(194, 4);
+  const stored_draws out = stored(draws, sets, merged);
+  ASSERT_EQ(out.draws.size(), draws.size());
+  EXPECT_EQ(out.orders.size(), 3u);
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < out.draws.size(); ++i) {
+    const format::draw_record& d = out.draws[i];
+    EXPECT_EQ(d.first_stored, next);
+    next += d.polygon_count;
+    EXPECT_EQ(out.order_of_draw[i], d.group);
+    const std::uint32_t before = i == 0 ? 0 : out.draws[i - 1].group;
+    EXPECT_TRUE(d.group == before || d.group == before + 1);
+    EXPECT_EQ(i > 0 && d.group == before, i > 0 && draws.at(d.node).group == draws.at(out.draws[i - 1].node).group);
+    EXPECT_TRUE(i == 0 || d.group != before || d.first_source >= out.draws[i - 1].first_source);
   }
-  EXPECT_LT(2 * after, before);
+  numbers all = stored_of_source(out, merged);
+  EXPECT_LE(runs_of(sets, all), runs_of(sets, stored_of_source(stored(draws, sets), format::host_layout::instanced)));
+  std::sort(all.begin(), all.end());
+  for (std::uint32_t i = 0; i < 194; ++i) EXPECT_EQ(all[i], i);
+  const stored_draws again = stored(out.draws, sets, merged);
+  EXPECT_EQ(again.orders, out.orders);
+  EXPECT_EQ(again.order_of_draw, out.order_of_draw);
+}
+
+TEST(stored_draws, a_table_in_groups_is_a_valid_one) {
+  const auto table = in_groups(grouped_draws());
+  format::file_contents contents;
+  contents.facts.polygon_count = 194;
+  contents.facts.layout = format::host_layout::merged;
+  contents.draws = table;
+  contents.cell_sets = format::sets_of({});
+  std::vector<std::byte> bytes;
+  EXPECT_EQ(format::encode(contents, bytes), format::status::ok);
+  EXPECT_EQ(table.front().group, 0u);
+  EXPECT_EQ(table.back().group, 2u);
+  EXPECT_EQ(table.back().node, 4u);
 }
 
 // A file's table has another order than the scene's; what comes out is the same.
@@ -115,7 +182,8 @@ TEST(stored_draws, the_order_in_which_draws_come_does_not_matter) {
 }
 
 TEST(stored_draws, an_order_for_each_instance) {
-  const stored_draws out = stored(some_draws(), some_sets(194, 4), polygon_order_kind::per_instance);
+  const stored_draws out =
+      stored(some_draws(), some_sets(194, 4), format::host_layout::instanced, polygon_order_kind::per_instance);
   EXPECT_EQ(out.orders.size(), 11u);
   std::vector<bool> used(11);
   for (const std::uint32_t order : out.order_of_draw) {

@@ -200,6 +200,22 @@ TEST(movement, marks_in_force_take_it_away) {
   EXPECT_EQ(tags_with({{"static", false}, {"occluder", true}, {"group", ""}}), (draw_tags{.animated = true}));
 }
 
+// Marks say what is seen; that the host moves it all the same matters to who merges draws.
+TEST(movement, of_marked_draws_is_known) {
+  const auto moves_with = [](const json& marks) {
+    gltf_sketch g = chain();
+    g.json["nodes"][0]["extras"] = marked(marks);
+    animate(g, {{"node", 1}, {"path", "translation"}});
+    std::vector<bool> moves;
+    for (const draw& d : load(g).draws) moves.push_back(d.moves);
+    return moves;
+  };
+  for (const json& marks : {json::object(), json{{"group", "fan"}}, json{{"always", true}}})
+    EXPECT_EQ(moves_with(marks), (std::vector<bool>{false, true, true, false})) << marks;
+  EXPECT_EQ(moves_with({{"static", true}}), std::vector<bool>(4, false));
+  EXPECT_EQ(moves_with({{"dynamic", true}})[2], true);
+}
+
 TEST(movement, is_one_warning_with_numbers) {
   gltf_sketch g = chain();
   g.json["nodes"][2]["mesh"] = g.add_mesh(g.add_row_of_triangles(5));

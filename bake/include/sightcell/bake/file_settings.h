@@ -25,9 +25,17 @@ enum class polygon_order_kind : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 2> polygon_order_names = {"per-mesh", "per-instance"};
 
+// --layout: how the host keeps its polygons, which recode cannot change.
+enum class host_layout : std::uint8_t {
+  instanced,  // draw by draw
+  merged,     // in world space, the static draws of one material as one list, whose polygons are ordered together
+};
+inline constexpr std::array<std::string_view, 2> host_layout_names = {"instanced", "merged"};
+
 struct file_settings {
   slack_profile profile = slack_profile::balanced;
   polygon_order_kind order = polygon_order_kind::per_mesh;
+  host_layout layout = host_layout::instanced;
 };
 
 // The place of a name in one of the lists above; nothing where it is not there.

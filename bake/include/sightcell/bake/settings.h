@@ -94,7 +94,7 @@ struct settings {
   // --safety-ring none|edge|vertex: what shares an edge or a vertex with a polygon of a finished set joins it unseen.
   bake::safety_ring safety_ring = bake::safety_ring::none;
 
-  file_settings file;  // --profile, --order
+  file_settings file;  // --profile, --order, --layout
 
   // --- running; none of these changes a byte of the file
   std::uint32_t threads = 0;  // --threads, 0: all

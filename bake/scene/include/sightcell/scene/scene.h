@@ -75,6 +75,8 @@ struct draw {
   std::uint64_t host_tag = 0;
   glm::dmat4 to_world{1.0};
   draw_tags tags;
+  bool moves =
+      false;  // the host transforms it: marked dynamic, or moved by an animation or a skin and not marked static
   // Levels of detail: draws of one object share its number. Level 0 is seen and hides; the others hide nothing and are
   // in a set when any polygon of level 0 is.
   std::uint32_t lod_object = no_index, lod_level = 0;
