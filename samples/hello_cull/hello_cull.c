@@ -9,7 +9,7 @@ static int fail(const char *what, sightcell_status status) {
 }
 
 /* One frame: move, then take the draw ranges. A host would now draw, for every range, 3 * count indices of the draw's
- * index buffer from 3 * first on. */
+ * index buffer from 3 * first on; of a merged file, of the scene's index buffer from where the draw group begins. */
 static sightcell_status show(sightcell_view *view, uint32_t all, const float eye[3], sightcell_range *ranges,
                              size_t capacity) {
   sightcell_frame frame;

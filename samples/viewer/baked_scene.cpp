@@ -45,6 +45,8 @@ void open_file(const scene::scene& s, const std::string& path, baked_scene& out)
   out.range_bound = info->range_bound;
   out.draws.resize(info->draw_count);
   require(opened->draws(out.draws).status, path);
+  constexpr std::uint32_t merged = 1;
+  if (info->layout == merged) out.draws = joined_groups(out.draws);
   for (std::uint32_t i = 0; i < opened->cell_count(); ++i) {
     const auto box = opened->cell_box(i);
     require(box.status(), path);
@@ -146,6 +148,18 @@ std::uint32_t cell_after(std::span<const cell> cells, std::uint32_t visited, std
   const std::int64_t from = still_there || here >= cells.size() ? visited : here;
   const auto count = static_cast<std::int64_t>(cells.size());
   return static_cast<std::uint32_t>(((from + steps) % count + count) % count);
+}
+
+std::vector<sightcell_draw> joined_groups(std::span<const sightcell_draw> draws) {
+  std::vector<sightcell_draw> out;
+  for (const sightcell_draw& d : draws) {
+    if (d.group == out.size()) {
+      out.push_back(d);
+    } else {
+      out.back().polygon_count += d.polygon_count;
+    }
+  }
+  return out;
 }
 
 std::vector<sightcell_range> all_ranges(std::span<const sightcell_draw> draws) {

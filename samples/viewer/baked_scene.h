@@ -24,7 +24,7 @@ struct baked_scene {
   std::vector<cell> cells;
   float margin = 0.0f;  // metres by which cells were grown for the bake
   std::size_t range_bound = 0;
-  std::vector<sightcell_draw> draws;          // of the file, or made from the scene
+  std::vector<sightcell_draw> draws;          // what ranges count in: of the file, or made from the scene
   std::vector<std::uint32_t> stored_indices;  // into the flattened vertices, three per polygon in stored order
   std::uint32_t polygon_count = 0;
   glm::vec3 min{0.0f}, max{0.0f};
@@ -39,6 +39,9 @@ baked_scene open_baked(const sightcell::scene::scene& s, sightcell::scene::world
 // (a smaller cell may lie over its middle: going on from `here` could go in circles), else from here. There are cells.
 std::uint32_t cell_after(std::span<const cell> cells, std::uint32_t visited, std::uint32_t here, const glm::vec3& eye,
                          int steps);
+
+// The draw table of a merged file as its ranges count: each draw group as one draw, that is like its first one.
+std::vector<sightcell_draw> joined_groups(std::span<const sightcell_draw> draws);
 
 // A whole scene as ranges.
 std::vector<sightcell_range> all_ranges(std::span<const sightcell_draw> draws);

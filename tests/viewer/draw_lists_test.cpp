@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numeric>
 
 #include "baked_scene.h"
@@ -102,6 +103,22 @@ TEST(draw_lists, complement_is_all_the_rest) {
   expect_split({{3, 1, 1}});
   EXPECT_TRUE(complement(four, all_ranges(four)).empty());
   EXPECT_EQ(polygons_in(complement(four, {})), 9u);
+}
+
+TEST(draw_lists, draws_of_a_merged_file_are_joined_by_group) {
+  std::vector<sightcell_draw> draws{draw_of(0, 3), draw_of(0, 4), draw_of(7, 2), draw_of(9, 0), draw_of(9, 5)};
+  for (std::size_t i = 0; i < draws.size(); ++i) {
+    draws[i].group = std::array{0u, 0u, 1u, 2u, 2u}.at(i);
+    draws[i].material = 10 + draws[i].group;
+  }
+  const auto joined = joined_groups(draws);
+  ASSERT_EQ(joined.size(), 3u);
+  for (std::uint32_t group = 0; group < 3; ++group) {
+    EXPECT_EQ(joined[group].polygon_count, (std::array{7u, 2u, 5u}.at(group)));
+    EXPECT_EQ(joined[group].first_stored, (std::array{0u, 7u, 9u}.at(group)));
+    EXPECT_EQ(joined[group].material, 10 + group);
+  }
+  EXPECT_TRUE(joined_groups({}).empty());
 }
 
 TEST(draw_lists, gathered_indices_follow_the_stored_numbers) {

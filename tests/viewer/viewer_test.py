@@ -142,6 +142,19 @@ class Pictures(UnderX):
                 self.assertLessEqual(red(tinted), SAME, aim)
                 self.assertLessEqual(differing(full, tinted), SAME, aim)
 
+    def test_a_merged_file_draws_the_same(self):
+        instanced, merged = self.path('instanced.pvs'), self.path('merged.pvs')
+        for output, layout in ((instanced, 'instanced'), (merged, 'merged')):
+            self.bake(self.city, output, self.city_cells, '--cell-limit', 3, '--profile', 'exact', '--layout', layout)
+        for cell in range(3):
+            for mode in ('pvs', 'tint'):
+                aim = ['--cell', cell, '--look=40,-5', '--mode', mode]
+                expected, said = self.view(self.city, instanced, *aim)
+                picture, also_said = self.view(self.city, merged, *aim)
+                self.assertEqual(also_said['polygons_drawn'], said['polygons_drawn'])
+                self.assertLessEqual(also_said['ranges'], said['ranges'])
+                self.assertLessEqual(differing(picture, expected), SAME, aim)
+
     def test_frozen_from_above_most_is_missing(self):
         aim = ['--eye=0,160,120', '--look=0,-50']
         full, said = self.view(self.city, self.city_pvs, *aim)
