@@ -66,15 +66,15 @@ void expect_pinned(std::uint64_t hash, std::uint64_t pinned) {
 }
 
 TEST(pinned, pillars_in_a_room) {
-  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0x6b88a891016a1970);
+  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0xd9ab45fabc5f2e45);
 }
 
 TEST(pinned, glass_and_decals) {
-  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0xdbca6896105d99c8);
+  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0x379d5b29d715d8d2);
 }
 
 TEST(pinned, a_slit) {
-  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0xf4a463481cac22fd);
+  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0xdeb4a104b46cd61d);
 }
 
 }  // namespace

@@ -174,6 +174,11 @@ TEST(writer, orders_that_are_none) {
   refused([](sample_contents& c) { c.order_of_draw.pop_back(); });
   refused([](sample_contents& c) { c.order_of_draw[0] = 99; });
   refused([](sample_contents& c) { c.orders.clear(); });
+  refused([](sample_contents& c) { c.orders.emplace_back(7); });  // that no draw has
+  refused([](sample_contents& c) {                                // numbered in another turn than draws name them
+    std::swap(c.orders[0], c.orders[1]);
+    for (std::uint32_t& number : c.order_of_draw) number = number < 2 ? 1 - number : number;
+  });
 }
 
 TEST(writer, draw_groups_that_are_none) {
