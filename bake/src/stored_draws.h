@@ -21,10 +21,10 @@ struct stored_draws {
 std::vector<format::draw_record> in_groups(std::span<const format::draw_record> draws);
 
 // Draws in any order whose source ids are gapless from 0; first_stored is not looked at. Instanced: draws of the same
-// mesh and primitive share one order, since they share one index buffer in the host, unless kind says otherwise. Merged:
-// draws of the same group are ordered together, whatever kind says; groups get other numbers. set_of puts the ascending
-// source ids of a cell into set, which comes empty, and is asked seven times for each cell, ascending; what it throws
-// comes through. The same answer on any number of threads (polygon_order.h).
+// mesh and primitive share one order, since they share one index buffer in the host, unless kind says otherwise.
+// Merged: draws of the same group are ordered together, whatever kind says; groups get other numbers. set_of puts the
+// ascending source ids of a cell into set, which comes empty, and is asked seven times for each cell, ascending; what
+// it throws comes through. The same answer on any number of threads (polygon_order.h).
 stored_draws store_draws(std::span<const format::draw_record> draws, format::host_layout layout,
                          polygon_order_kind kind, std::uint32_t cell_count,
                          const std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& set)>& set_of);
