@@ -1,5 +1,5 @@
 #pragma once
-// Sets as the difference to a reference set, in its rank space (SPEC.md, "Differences"): what is removed is counted
+// Sets as the difference to a reference set, in its rank space (SPEC.md, "Rows"): what is removed is counted
 // among the members of the reference alone, what is added among the numbers that are no members. Both lists are shorter
 // that way than they are among all numbers, and their gaps smaller. rank_encoder.h is the way back.
 //

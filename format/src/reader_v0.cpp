@@ -1,4 +1,4 @@
-// What the reader does otherwise in files of version 0, which SPEC.md describes in its history: fixed records, rows of
+// What the reader does otherwise in files of version 0 (SPEC.md, "Version 0"): fixed records, rows of
 // varints, stored order is source order.
 #include <array>
 #include <utility>

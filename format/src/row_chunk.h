@@ -1,5 +1,5 @@
 #pragma once
-// The rows of up to 64 cells, which are decoded without any others (SPEC.md, "Chunks" and "Rows"): where each row
+// The rows of up to 64 cells, which are decoded without any others (SPEC.md, "Rows"): where each row
 // begins, and what it says: its own runs, or the difference to the set of a reference cell of the same chunk.
 // row_chunk_encoder.h is the way back.
 #include <cstddef>

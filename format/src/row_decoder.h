@@ -1,5 +1,5 @@
 #pragma once
-// Bytes of one row -> cell set (SPEC.md, "Rows"): its own runs, or what to remove from and add to the set of a
+// Bytes of one row -> cell set (SPEC.md, "Version 0"): its own runs, or what to remove from and add to the set of a
 // reference cell. A set is a span of runs: ascending, disjoint, not touching. Only version 0 has such rows.
 #include <cstddef>
 #include <cstdint>

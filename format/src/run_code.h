@@ -1,5 +1,5 @@
 #pragma once
-// Lists of runs <- bits (SPEC.md, "Coded runs"): for each run the code of its gap, the code of its length - 1, then the
+// Lists of runs <- bits (SPEC.md, "Rows"): for each run the code of its gap, the code of its length - 1, then the
 // raw bits of both. One look into a table gives both symbols of almost every run. run_encoder.h is the way back.
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// Lists of runs -> bits (SPEC.md, "Coded runs"). run_code.h is the way back. Runs are ascending, disjoint and do not
+// Lists of runs -> bits (SPEC.md, "Rows"). run_code.h is the way back. Runs are ascending, disjoint and do not
 // touch.
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// View cells on a lattice (SPEC.md, "Cells on a lattice"): chunks of 8 x 8 places of one layer, each with a bit for
+// View cells on a lattice (SPEC.md, "Cells"): chunks of 8 x 8 places of one layer, each with a bit for
 // every place that is a cell. cell_lattice_writer.h is the way back.
 #include <cstddef>
 #include <cstdint>
