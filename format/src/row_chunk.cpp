@@ -1,5 +1,6 @@
 #include "row_chunk.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -9,12 +10,13 @@ namespace sightcell::format {
 namespace {
 
 // A list of differences, closed for apply_rank_difference. Empty when it is none, or longer than the room, which is
-// that of the longest and a number.
+// that of the longest and its padding.
 std::span<const std::uint32_t> decode_list(const run_code& code, bit_reader& in, std::uint32_t count,
                                            std::uint32_t limit, std::span<std::uint32_t> room) noexcept {
-  if (!code.decode(in, count, limit, room)) return {};
-  room[2 * std::size_t{count}] = no_border;
-  return room.first(2 * std::size_t{count} + 1);
+  if (!code.decode(in, count, limit, room.first(room.size() - list_padding))) return {};
+  const auto borders = 2 * std::size_t{count};
+  std::fill_n(room.begin() + static_cast<std::ptrdiff_t>(borders), list_padding, no_border);
+  return room.first(borders + list_padding);
 }
 
 }  // namespace

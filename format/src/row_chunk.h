@@ -13,7 +13,7 @@
 
 namespace sightcell::format {
 
-// The codes of the three kinds of lists; about 110 KiB.
+// The codes of the three kinds of lists; about 62 KiB.
 struct row_codes {
   run_code own, removed, added;
 };
@@ -28,7 +28,7 @@ struct row_bounds {
   [[nodiscard]] constexpr std::size_t set_room() const noexcept {
     return rank_difference_room(2 * std::size_t{runs}, 2 * std::size_t{list_runs}, 2 * std::size_t{list_runs});
   }
-  [[nodiscard]] constexpr std::size_t list_room() const noexcept { return 2 * std::size_t{list_runs} + 1; }
+  [[nodiscard]] constexpr std::size_t list_room() const noexcept { return 2 * std::size_t{list_runs} + list_padding; }
   // Numbers of scratch that decoding needs.
   [[nodiscard]] constexpr std::size_t scratch_room() const noexcept { return 2 * set_room() + 2 * list_room(); }
 };

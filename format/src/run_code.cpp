@@ -17,18 +17,13 @@ bool run_code::assign(std::span<const std::uint8_t> gap_lengths, std::span<const
 }
 
 void run_code::fill_table() noexcept {
-  table_.fill(entry{});
+  table_.fill(entry());
   gap_.for_each([&](std::uint32_t gap, std::uint32_t gap_code, unsigned gap_length) {
     more_.for_each([&](std::uint32_t more, std::uint32_t more_code, unsigned more_length) {
       const unsigned code_bits = gap_length + more_length;
       const unsigned bits = code_bits + raw_bits_of(gap) + raw_bits_of(more);
       if (code_bits > table_bits || bits > bit_reader::peek_bits) return;
-      const entry e{static_cast<std::uint8_t>(bits),
-                    static_cast<std::uint8_t>(code_bits),
-                    static_cast<std::uint8_t>(raw_bits_of(gap)),
-                    static_cast<std::uint8_t>(raw_bits_of(more)),
-                    static_cast<std::uint8_t>(head_of(gap)),
-                    static_cast<std::uint8_t>(head_of(more))};
+      const entry e(bits, code_bits, gap, more);
       for (std::size_t at = gap_code | more_code << gap_length; at < table_.size(); at += std::size_t{1} << code_bits) {
         table_[at] = e;
       }
@@ -53,9 +48,9 @@ bool run_code::decode_long(bit_buffer& held, std::uint32_t& gap, std::uint32_t& 
   return true;
 }
 
-// A list's bits are held in a word that is filled up for every three runs: what limits the speed is the way from one
-// look into the table to the next, and filling is the longest part of it. Three runs have more bits than the word holds
-// about once in a hundred times; then it is filled once more.
+// A list's bits are held in a word that is filled up for every two runs: what limits the speed is the way from one look
+// into the table to the next, and filling is the longest part of it. Two runs seldom have more bits than the word holds;
+// then it is filled once more.
 bool run_code::decode(bit_reader& in, std::uint32_t count, std::uint32_t limit,
                       std::span<std::uint32_t> out) const noexcept {
   if (count > out.size() / 2) return false;
@@ -67,16 +62,16 @@ bool run_code::decode(bit_reader& in, std::uint32_t count, std::uint32_t limit,
     entry e = table_[low_bits(bits, table_bits)];
     std::uint32_t gap = 0;
     std::uint32_t more = 0;
-    if (e.bits > held.left()) [[unlikely]] {
+    if (e.bits() > held.left()) [[unlikely]] {
       held.fill();
       bits = held.bits();
       e = table_[low_bits(bits, table_bits)];
     }
-    if (e.bits != 0) [[likely]] {
-      held.skip(e.bits);
-      bits >>= e.code_bits;
-      gap = (std::uint32_t{e.gap_head} << e.gap_bits) | low_bits(bits, e.gap_bits);
-      more = (std::uint32_t{e.more_head} << e.more_bits) | low_bits(bits >> e.gap_bits, e.more_bits);
+    if (e.bits() != 0) [[likely]] {
+      held.skip(e.bits());
+      bits >>= e.code_bits();
+      gap = (e.gap_head() << e.gap_bits()) | low_bits(bits, e.gap_bits());
+      more = (e.more_head() << e.more_bits()) | low_bits(bits >> e.gap_bits(), e.more_bits());
     } else {
       held.fill();
       if (!decode_long(held, gap, more)) return false;
@@ -88,9 +83,9 @@ bool run_code::decode(bit_reader& in, std::uint32_t count, std::uint32_t limit,
     ++i;
     return next <= std::uint64_t{limit} + 1;
   };
-  while (count - i >= 3) {
+  while (count - i >= 2) {
     held.fill();
-    if (!one() || !one() || !one()) return false;
+    if (!one() || !one()) return false;
   }
   while (i < count) {
     held.fill();

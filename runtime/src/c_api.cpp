@@ -193,7 +193,7 @@ sightcell_status sightcell_view_ranges(const sightcell_view* view, sightcell_ran
   if (view->draws_all()) {
     runtime::write_all_ranges(view->db().range_borders(), dst);
   } else {
-    runtime::write_ranges(view->runs(), view->db().range_borders(), dst);
+    std::copy_n(view->ranges().data(), view->ranges().size(), dst);
   }
   return SIGHTCELL_OK;
 }

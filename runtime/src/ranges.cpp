@@ -42,20 +42,19 @@ auto writer_to(sightcell_range*& dst) {
 
 }  // namespace
 
-std::uint64_t count_ranges(run_span set, range_borders borders) noexcept {
-  std::uint64_t ranges = 0;
-  for_each_range(set, borders, [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
-  return ranges;
-}
-
 std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept {
   std::uint64_t ranges = 0;
   for_each_difference_range(a, b, borders, [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
   return ranges;
 }
 
-void write_ranges(run_span set, range_borders borders, sightcell_range* dst) noexcept {
-  for_each_range(set, borders, writer_to(dst));
+std::size_t write_ranges(run_span set, range_borders borders, std::span<sightcell_range> dst) noexcept {
+  std::size_t ranges = 0;
+  for_each_range(set, borders, [&](std::uint32_t draw, std::uint32_t first, std::uint32_t count) {
+    if (ranges < dst.size()) dst[ranges] = {draw, first, count};
+    ++ranges;
+  });
+  return ranges;
 }
 
 void write_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept {

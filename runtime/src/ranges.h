@@ -21,12 +21,12 @@ void for_each_range(run_span set, range_borders borders, const Emit& emit) {
       set, draws, borders.back(), [borders](std::uint32_t d) { return borders[d]; }, emit);
 }
 
-// Ranges of a set; of a without b.
-[[nodiscard]] std::uint64_t count_ranges(run_span set, range_borders borders) noexcept;
-[[nodiscard]] std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept;
+// The ranges of a set, as many as dst has room for. Returns how many there are.
+[[nodiscard]] std::size_t write_ranges(run_span set, range_borders borders, std::span<sightcell_range> dst) noexcept;
 
-// Write as many ranges as the functions above count.
-void write_ranges(run_span set, range_borders borders, sightcell_range* dst) noexcept;
+// Ranges of a without b.
+[[nodiscard]] std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept;
+// Writes as many.
 void write_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept;
 // Every draw that has polygons, whole.
 void write_all_ranges(range_borders borders, sightcell_range* dst) noexcept;

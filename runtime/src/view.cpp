@@ -25,6 +25,13 @@ std::uint64_t sightcell_view::carve(void* block) noexcept {
   current_.buffer = take_runs();
   previous_.buffer = take_runs();
   next_.buffer = take_runs();
+  const auto take_ranges = [&] {
+    auto* ranges = space.take<sightcell_range>(db_->file().range_bound());
+    if (ranges != nullptr) std::uninitialized_value_construct_n(ranges, db_->file().range_bound());
+    return ranges;
+  };
+  ranges_ = take_ranges();
+  next_ranges_ = take_ranges();
   static_cast<void>(space.take<std::uint32_t>(0));  // scratch lies at a multiple of 4
   auto* scratch = space.take<std::byte>(db_->file().scratch_size());
   if (scratch != nullptr) scratch_ = {scratch, db_->file().scratch_size()};
@@ -103,9 +110,10 @@ void sightcell_view::leave(std::uint32_t flags) noexcept {
 bool sightcell_view::decode_next(std::uint32_t cell) noexcept {
   const std::span<format::run> room(next_.buffer, db_->file().run_bound());
   if (db_->file().decode_row(cell, db_->codes(), room, scratch_, next_.count) != format::status::ok) return false;
-  const std::uint64_t ranges = sightcell::runtime::count_ranges(next_.runs(), db_->range_borders());
+  const std::span<sightcell_range> range_room(next_ranges_, db_->file().range_bound());
+  const std::size_t ranges = sightcell::runtime::write_ranges(next_.runs(), db_->range_borders(), range_room);
   next_.range_count = static_cast<std::uint32_t>(ranges);
-  return ranges <= db_->file().range_bound();
+  return ranges <= range_room.size();
 }
 
 // Makes next_ the current set, unless it is the same.
@@ -125,6 +133,7 @@ void sightcell_view::show_next() noexcept {
   }
   std::swap(previous_, current_);
   std::swap(current_, next_);
+  std::swap(ranges_, next_ranges_);
   moved_ = true;
   ++revision_;
   polygon_count_ = current_.everything ? db_->polygon_count() : 0;

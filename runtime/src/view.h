@@ -21,6 +21,10 @@ struct sightcell_view {
   // The set as runs of stored polygons, ascending.
   [[nodiscard]] std::span<const sightcell::format::run> runs() const noexcept { return current_.runs(); }
   [[nodiscard]] std::uint32_t polygon_count() const noexcept { return polygon_count_; }
+  // The set as ranges of draws; under DRAW_ALL there are range_count() and none is here.
+  [[nodiscard]] std::span<const sightcell_range> ranges() const noexcept {
+    return {ranges_, draws_all() ? 0 : range_count()};
+  }
   [[nodiscard]] std::uint32_t range_count() const noexcept { return current_.range_count; }
   [[nodiscard]] std::uint32_t revision() const noexcept { return revision_; }
   // The set of revision() - 1; false when there is none, or when it or the current one is everything.
@@ -50,6 +54,9 @@ struct sightcell_view {
   std::uint64_t block_size_ = 0;
   // Three sets take turns, so that the previous one outlives a new cell with the same set.
   polygon_set current_, previous_, next_;
+  // Of current_ and next_, in room for db's range bound: hosts that ask for ranges get them as they are here.
+  sightcell_range* ranges_ = nullptr;
+  sightcell_range* next_ranges_ = nullptr;
   std::span<std::byte> scratch_;
   sightcell::format::box bounds_;  // of cell_
   bool shares_box_ = false;        // a smaller cell reaches into it

@@ -169,7 +169,7 @@ SIGHTCELL_API sightcell_status sightcell_db_draws(const sightcell_db* db, sightc
 SIGHTCELL_API sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_of_stored,
                                                   size_t capacity, size_t* count);
 
-/* A camera, before its first move: revision 0, sees nothing. Allocates all that it will ever need: about 60 bytes per
+/* A camera, before its first move: revision 0, sees nothing. Allocates all that it will ever need: about 90 bytes per
  * run of the largest cell set. db must outlive it. *out: the view, NULL on failure. MEMORY. */
 SIGHTCELL_API sightcell_status sightcell_view_create(const sightcell_db* db, sightcell_view** out);
 /* NULL is fine. */

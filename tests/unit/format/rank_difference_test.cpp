@@ -23,7 +23,7 @@ applied apply(const std::vector<run>& reference, const std::vector<run>& removed
               std::uint32_t limit) {
   const auto r = borders_of(reference), gone = closed_borders_of(removed), come = closed_borders_of(added);
   applied answer;
-  answer.borders.resize(rank_difference_room(r.size(), gone.size() - 1, come.size() - 1));
+  answer.borders.resize(rank_difference_room(r.size(), gone.size() - list_padding, come.size() - list_padding));
   std::size_t count = 0;
   answer.good = apply_rank_difference(r, gone, come, limit, answer.borders, count);
   answer.borders.resize(count);
@@ -56,13 +56,13 @@ TEST(rank_difference, ranks_beyond_the_last_are_refused) {
 }
 
 TEST(rank_difference, lists_without_an_end_or_room) {
-  const std::vector<std::uint32_t> none, closed{no_border}, open{1, 2};
+  const std::vector<std::uint32_t> none, closed(list_padding, no_border), open{1, 2, no_border, no_border};
   std::vector<std::uint32_t> out(20);
   std::size_t count = 0;
   EXPECT_FALSE(apply_rank_difference(none, none, closed, 5, out, count));
   EXPECT_FALSE(apply_rank_difference(none, closed, open, 5, out, count));
-  EXPECT_FALSE(apply_rank_difference(none, closed, closed, 5, std::span(out).first(1), count));
-  EXPECT_TRUE(apply_rank_difference(none, closed, closed, 5, std::span(out).first(2), count));
+  EXPECT_FALSE(apply_rank_difference(none, closed, closed, 5, std::span(out).first(3), count));
+  EXPECT_TRUE(apply_rank_difference(none, closed, closed, 5, std::span(out).first(4), count));
 }
 
 TEST(rank_difference, what_was_made_comes_back) {
@@ -101,9 +101,10 @@ TEST(rank_difference, lists_of_any_numbers) {
       list.resize(2 * (random() % 6));
       for (std::uint32_t& v : list)
         v = random() % 8 != 0 ? random() % 40 : random() | (random() % 2 == 0 ? 0xFFFFFFF0 : 0);
-      list.push_back(no_border);
+      list.insert(list.end(), list_padding, no_border);
     }
-    std::vector<std::uint32_t> out(rank_difference_room(reference.size(), lists[0].size() - 1, lists[1].size() - 1));
+    std::vector<std::uint32_t> out(
+        rank_difference_room(reference.size(), lists[0].size() - list_padding, lists[1].size() - list_padding));
     std::size_t count = 0;
     const bool good = apply_rank_difference(reference, lists[0], lists[1], limit, out, count);
     ASSERT_TRUE(count % 2 == 0 && (good || count == 0));

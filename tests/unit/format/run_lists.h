@@ -35,7 +35,7 @@ inline std::vector<std::uint32_t> borders_of(const std::vector<format::run>& run
 // The same as apply_rank_difference wants a list.
 inline std::vector<std::uint32_t> closed_borders_of(const std::vector<format::run>& runs) {
   std::vector<std::uint32_t> borders = borders_of(runs);
-  borders.push_back(format::no_border);
+  borders.insert(borders.end(), format::list_padding, format::no_border);
   return borders;
 }
 
