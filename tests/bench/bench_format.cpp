@@ -2,6 +2,7 @@
 // long decoding takes, beside CRoaring, varint runs and zstd, each at its best settings and checked to give the same
 // ids. One JSON object, on standard output where no file is named. bench_format.py makes tables of it.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,10 @@ namespace {
 using namespace sightcell::bench;
 using nlohmann::ordered_json;
 
+std::ptrdiff_t rows_of_depth(const corpus& of, int depth) {
+  return std::count(of.depth.begin(), of.depth.end(), depth);
+}
+
 ordered_json facts_of(const corpus& of) {
   const double cells = std::max<double>(of.info.cell_count, 1.0);
   const double visible = static_cast<double>(of.visible);
@@ -31,6 +36,7 @@ ordered_json facts_of(const corpus& of) {
           {"ranges_per_cell", static_cast<double>(of.range_count) / cells},
           {"polygons_seen", of.polygons_seen},
           {"atoms", of.atoms},
+          {"rows_of_depth", {rows_of_depth(of, 0), rows_of_depth(of, 1), rows_of_depth(of, 2)}},
           {"file_bytes", of.file_bytes},
           {"format_version", of.info.format_version}};
 }
@@ -59,7 +65,8 @@ ordered_json times_of(const std::vector<call_times>& calls) {
     made[one.name] = {{"ns_per_cell", one.ns_per_cell},
                       {"ns_per_run", one.ns_per_run},
                       {"ns_per_polygon", one.ns_per_polygon},
-                      {"worst_cell_ns", one.worst_cell_ns}};
+                      {"worst_cell_ns", one.worst_cell_ns},
+                      {"ns_per_run_of_depth", one.ns_per_run_of_depth}};
   return made;
 }
 

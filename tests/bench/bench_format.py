@@ -4,7 +4,7 @@
 usage: bench_format.py --bin FOLDER [--scene NAME ...] [--file NAME=PATH ...] [--repeat N] [--again] [--quick]
                        [--json OUT.json]
 
---bin: the folder with sightcell, sightcell-city, bench_format and bench_format_parts. Eight corpora: what the default sampler finds at an error
+--bin: the folder with sightcell, sightcell-city, bench_format, bench_format_parts and bench_vertex_cache. Eight corpora: what the default sampler finds at an error
 of 1e-4 in six real scenes under SIGHTCELL_DATA (said so where one is missing), in the city's preset vienna800k (seed 2) and
 in a town of 145,000 polygons whose cells are more than 10,000; small-town when it is named. Prints Markdown tables.
 --file takes a file that is there already for a corpus of that name, or of any other name.
@@ -18,8 +18,10 @@ Results are kept by program and file; --again measures anew.
   sets        bytes of a file without its sections SIDE below: with header, directory, code tables and order
   b/vp        bits per (cell, visible polygon), as `sightcell info` has it
   atom        polygons that the same cells see
-  move        sightcell_view_move into a cell; ranges, polygons, indices: those calls after it; cold: move after 64 MiB were
-              written between two moves, which a last-level cache may be large enough to hold besides
+  to ranges, to index list  sightcell_view_move into a cell and the call that delivers, nothing else between two cells
+  move        sightcell_view_move; ranges, polygons, indices: those calls after it, all of them in each cell; cold: move
+              after 64 MiB were written between two moves, which a last-level cache may be large enough to hold besides
+  own         rows that are no difference; depth 1, 2: differences to one, or to a difference
   Rows of peers have no offsets; a file's have. Times are of single calls by the steady clock, medians per cell, means over
   cells, in shuffled order.
 """
@@ -156,7 +158,7 @@ class Bench:
         check(name, result["facts"], info)
         side = sum(s["size"] for s in info["sections"] if s["name"] in SIDE)
         return {"name": name, **result, "info": info, "sets_bytes": result["facts"]["file_bytes"] - side,
-                "row_bytes": row_bytes(info), "parts": self.parts(path),
+                "row_bytes": row_bytes(info), "parts": self.parts(path), "vertex_cache": self.vertex_cache(name, path),
                 "profiles": {p: self.recoded(path, p) for p in PROFILES}}
 
     def parts(self, path):
@@ -164,6 +166,19 @@ class Bench:
         kept = path[:-len(".pvs")] + ".parts.json"
         if not os.path.exists(kept):
             self.run("bench_format_parts", path, "--json", kept + ".part")
+            os.replace(kept + ".part", kept)
+        with open(kept, encoding="utf-8") as stream:
+            return json.load(stream)
+
+    def vertex_cache(self, name, path):
+        """What the stored order costs a GPU; None where the scene is not known."""
+        scene = self.scene(name) if name in CELLS else None
+        if not scene:
+            return None
+        words = ["--quick"] if self.options.quick else []
+        kept = os.path.join(self.cache, digest(hash_of(self.program("bench_vertex_cache")), hash_of(path), *words) + ".json")
+        if not os.path.exists(kept):
+            self.run("bench_vertex_cache", scene, path, *words, "--json", kept + ".part")
             os.replace(kept + ".part", kept)
         with open(kept, encoding="utf-8") as stream:
             return json.load(stream)
@@ -275,24 +290,49 @@ def profiles_table(results):
 
 
 def times_tables(results):
-    ours = ["move", "ranges", "polygons", "indices", "memcpy_of_indices"]
+    own = ["to_ranges", "to_indices", "memcpy_of_indices", "move", "ranges", "polygons", "indices"]
     others = ["roaring", "roaring_zstd", "varint", "varint_zstd_dictionary"]
-    headings = ["move", "move, cold", "move, file order", "ranges", "polygons", "indices", "memcpy of the same",
-                "indices / memcpy", "CRoaring to ids", "CRoaring + zstd to ids", "varint to runs",
+    headings = ["to ranges", "to index list", "memcpy of the same", "move alone", "move, cold", "move, file order", "ranges",
+                "polygons", "indices", "CRoaring to ids", "CRoaring + zstd to ids", "varint to runs",
                 "varint + zstd + dictionary to runs"]
 
     def row(r, unit, digits):
         times = r["times"]
-        own, other = ([times["shuffled"][n][unit] for n in names] for names in (ours, others))
-        values = [own[0], times["cold"]["calls"]["move"][unit], times["file_order"]["move"][unit], *own[1:]]
-        texts = [f"{v:,.{digits}f}" for v in values]
-        return [r["name"], *texts, f"{own[3] / max(own[4], 1e-9):.2f}", *(f"{v:,.{digits}f}" for v in other)]
+        mine, other = ([times["shuffled"][n][unit] for n in names] for names in (own, others))
+        values = [*mine[:4], times["cold"]["calls"]["move"][unit], times["file_order"]["move"][unit], *mine[4:], *other]
+        return [r["name"], *(f"{v:,.{digits}f}" for v in values)]
 
     table("Decoding, ns per cell", ["", *headings], [row(r, "ns_per_cell", 0) for r in results])
     table("Decoding, ns per run: ours by range delivered, peers by run in source order", ["", *headings],
           [row(r, "ns_per_run", 1) for r in results])
     clock = statistics.median(r["times"]["clock_ns"] for r in results)
     print(f"\nThe clock's own {clock:.0f} ns are in each time per cell.")
+
+
+def depths_table(results):
+    """To ranges by what a row stands on, and to the index list beside memcpy."""
+    def row(r):
+        times, rows = r["times"]["shuffled"], r["facts"]["rows_of_depth"]
+        by_depth = times["to_ranges"]["ns_per_run_of_depth"]
+        listed = times["to_indices"]["ns_per_cell"] / max(times["memcpy_of_indices"]["ns_per_cell"], 1e-9)
+        alone = times["indices"]["ns_per_cell"] / max(times["memcpy_of_indices"]["ns_per_cell"], 1e-9)
+        return [r["name"], " / ".join(f"{n:,}" for n in rows), *(f"{ns:.1f}" for ns in by_depth),
+                *(f"{ns / max(by_depth[0], 1e-9):.2f}" for ns in by_depth[1:]), f"{listed:.2f}", f"{alone:.2f}"]
+
+    table("To ranges by depth of the row, ns per range; to the index list through memcpy of the same bytes",
+          ["", "rows of depth 0 / 1 / 2", "own", "depth 1", "depth 2", "1 / own", "2 / own", "lookup to index list / memcpy",
+           "indices alone / memcpy"], [row(r) for r in results])
+
+
+def vertex_table(results):
+    found = [r for r in results if r["vertex_cache"]]
+    if found:
+        table(f"Vertices transformed per polygon of a cell's list, draw by draw (first in, first out, "
+              f"{found[0]['vertex_cache']['cache']} vertices)",
+              ["", "cells", "stored order", "source order", "by meshoptimizer", "stored / meshoptimizer", "its worst cell"],
+              [[r["name"], str(v["cells"]), *(f"{v[k]:.3f}" for k in (
+                  "acmr_stored", "acmr_source", "acmr_optimized", "stored_by_optimized", "worst_cell_stored_by_optimized"))]
+               for r in found for v in [r["vertex_cache"]]])
 
 
 def ready_file(text):
@@ -328,6 +368,8 @@ def main():
     if not options.quick:
         profiles_table(results)
     times_tables(results)
+    depths_table(results)
+    vertex_table(results)
     if options.json:
         with open(options.json, "w", encoding="utf-8") as stream:
             json.dump(results, stream, indent=1)

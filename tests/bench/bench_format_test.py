@@ -15,8 +15,8 @@ import unittest
 BIN = sys.argv.pop(1)
 HERE = os.path.dirname(os.path.abspath(__file__))
 PEERS = ["roaring", "roaring_zstd", "varint", "varint_zstd_dictionary", "varint_zstd_whole", "roaring_zstd_whole"]
-CALLS = ["move", "ranges", "polygons", "indices", "memcpy_of_indices", "roaring", "roaring_zstd", "varint",
-         "varint_zstd_dictionary"]
+CALLS = ["to_ranges", "to_indices", "memcpy_of_indices", "move", "ranges", "polygons", "indices", "roaring",
+         "roaring_zstd", "varint", "varint_zstd_dictionary"]
 
 
 class BenchFormat(unittest.TestCase):
@@ -87,11 +87,24 @@ class BenchFormat(unittest.TestCase):
         self.assertEqual(list(times["cold"]["calls"]), ["move"])
         for calls in (times["shuffled"], times["file_order"], times["cold"]["calls"]):
             for call in calls.values():
-                self.assertEqual(set(call), {"ns_per_cell", "ns_per_run", "ns_per_polygon", "worst_cell_ns"})
+                self.assertEqual(set(call), {"ns_per_cell", "ns_per_run", "ns_per_polygon", "worst_cell_ns",
+                                             "ns_per_run_of_depth"})
+                by_depth = call.pop("ns_per_run_of_depth")
                 self.assertTrue(all(value > 0 for value in call.values()))
+                if calls is not times["cold"]["calls"]:  # which enters a few cells alone
+                    self.assertEqual([ns > 0 for ns in by_depth], [n > 0 for n in self.result["facts"]["rows_of_depth"]])
+        self.assertEqual(sum(self.result["facts"]["rows_of_depth"]), self.result["facts"]["cells"])
+
+    def test_vertices_are_counted(self):
+        counted = self.result["vertex_cache"]
+        self.assertEqual(counted["cells"], 2)
+        for order in ("stored", "source", "optimized"):
+            self.assertTrue(0.5 <= counted[f"acmr_{order}"] <= 3.0, order)
+        self.assertGreaterEqual(counted["stored_by_optimized"], 1.0)
+        self.assertLessEqual(counted["stored_by_optimized"], counted["worst_cell_stored_by_optimized"])
 
     def test_tables_name_the_corpus(self):
-        self.assertEqual(self.told.stdout.count("\n| small-town |"), 8)
+        self.assertEqual(self.told.stdout.count("\n| small-town |"), 10)
 
     def test_each_part_of_the_format_pays(self):
         stored, source = (self.result["parts"][order] for order in ("stored_order", "source_order"))
@@ -116,7 +129,7 @@ class BenchFormat(unittest.TestCase):
 
     def test_a_file_that_is_there_is_taken(self):
         self.bench("--file", f"mine={self.file}")
-        self.assertEqual({**self.read(), "name": "small-town"}, self.result)
+        self.assertEqual({**self.read(), "name": "small-town"}, {**self.result, "vertex_cache": None})
 
     def test_what_is_no_pvs_is_said(self):
         done = self.run_program(os.path.join(BIN, "bench_format"), os.path.join(HERE, "bench_format.py"))

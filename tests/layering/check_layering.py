@@ -63,7 +63,7 @@ ALLOWED = {
     'samples/engine_bake': BAKE + RUNTIME + SCENE + PICTURE,
     'samples/viewer': RUNTIME + SCENE + PICTURE + GL +
                       ['GLFW/', 'imgui', 'backends/imgui_impl_opengl3.h', 'CLI/', 'fmt/', 'nlohmann/'],
-    'tests/bench/format_peers': RUNTIME + ['roaring/', 'zstd.h', 'zdict.h'],
+    'tests/bench/format_peers': RUNTIME + FORMAT_READ + ['roaring/', 'zstd.h', 'zdict.h'],
     # Tests may look at everything, inside the rooms too.
     'tests': BAKE + SCENE + PICTURE + FORMAT + RUNTIME + SHADERS + GL + PLATFORM +
              ['draco/', 'meshoptimizer.h', 'gtest/', 'gmock/', 'benchmark/', 'embree3/', 'tbb/', 'fmt/', 'nlohmann/', 'xxhash.h', 'sqlite3.h',

@@ -1,10 +1,14 @@
 #include "bench/format_peers/corpus.h"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <unordered_set>
+
+#include "sightcell/format/reader.h"
 
 namespace sightcell::bench {
 namespace {
@@ -71,6 +75,23 @@ class cell_reader {
   std::size_t range_count_ = 0;
 };
 
+std::vector<std::uint8_t> depths_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  format::reader file;
+  if (format::reader::open(std::as_bytes(std::span(text)), file) != format::status::ok)
+    throw std::runtime_error(path.string() + ": cannot be read");
+  const auto record_of = [&](std::uint32_t cell) {
+    format::row_record record;
+    if (file.row(cell, record) != format::status::ok) throw std::runtime_error(path.string() + ": has a damaged row");
+    return record;
+  };
+  std::vector<std::uint8_t> depths(file.cell_count(), 0);
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell)
+    for (format::row_record at = record_of(cell); at.delta; at = record_of(at.reference)) ++depths[cell];
+  return depths;
+}
+
 }  // namespace
 
 void require(sightcell_status status, const char* what) {
@@ -97,6 +118,7 @@ corpus read_corpus(const std::filesystem::path& file) {
   made.info.struct_size = sizeof made.info;
   require(sightcell_db_info(db, &made.info), "sightcell_db_info");
   made.file_bytes = std::filesystem::file_size(file);
+  made.depth = depths_of(file);
   for (std::uint32_t cell = 0; cell < made.info.cell_count; ++cell) made.middles.push_back(middle_of(db, cell));
 
   cell_reader reader(made);

@@ -1,5 +1,6 @@
 #pragma once
-// The cell sets of a .pvs file, read through the C ABI alone: whatever version the file has.
+// The cell sets of a .pvs file, read through the C ABI: whatever version the file has. How its rows are coded is the
+// only thing that the format's reader says.
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -33,7 +34,8 @@ struct corpus {
   std::vector<std::array<float, 3>> middles;  // of the cells
   std::vector<std::vector<id_run>> runs;      // of the cells, in source order, as long as can be
   std::vector<std::uint32_t> ranges;          // of the cells, as delivered
-  std::uint64_t most_polygons = 0;            // in a cell
+  std::vector<std::uint8_t> depth;  // of the cells' rows: how many others each is the difference to, one after another
+  std::uint64_t most_polygons = 0;  // in a cell
 
   std::uint64_t visible = 0;  // polygons of all cells
   std::uint64_t run_count = 0, range_count = 0;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstring>
 #include <functional>
+#include <iterator>
 #include <numeric>
 #include <random>
 #include <stdexcept>
@@ -34,18 +35,24 @@ class call_record {
     call_times times;
     times.name = name_;
     double total = 0.0, cells = 0.0, runs = 0.0, polygons = 0.0;
+    std::array<double, 3> ns_of_depth{}, runs_of_depth{};
     for (std::size_t cell = 0; cell < of_cell_.size(); ++cell) {
       if (of_cell_[cell].empty()) continue;
       const double ns = median(of_cell_[cell]);
       total += ns;
       cells += 1.0;
-      runs += ours ? of.ranges[cell] : static_cast<double>(of.runs[cell].size());
+      const double cell_runs = ours ? of.ranges[cell] : static_cast<double>(of.runs[cell].size());
+      runs += cell_runs;
+      ns_of_depth.at(of.depth[cell]) += ns;
+      runs_of_depth.at(of.depth[cell]) += cell_runs;
       for (const id_run& run : of.runs[cell]) polygons += run.count;
       times.worst_cell_ns = std::max(times.worst_cell_ns, ns);
     }
     times.ns_per_cell = total / std::max(cells, 1.0);
     times.ns_per_run = total / std::max(runs, 1.0);
     times.ns_per_polygon = total / std::max(polygons, 1.0);
+    for (std::size_t depth = 0; depth < ns_of_depth.size(); ++depth)
+      times.ns_per_run_of_depth[depth] = ns_of_depth[depth] / std::max(runs_of_depth[depth], 1.0);
     return times;
   }
 
@@ -141,41 +148,72 @@ class peer_calls {
   std::string room_;
 };
 
-// The passes of one order of the cells.
-std::vector<call_times> measure_order(const corpus& of, const peer_rows& peers, const std::vector<std::uint32_t>& order,
-                                      unsigned repeat) {
-  ours own(of);
-  peer_calls others(of, peers);
-  const std::vector<timed_call> own_calls = {{"ranges", [&](std::uint32_t) { own.ranges(); }},
-                                             {"polygons", [&](std::uint32_t) { own.polygons(); }},
-                                             {"indices", [&](std::uint32_t) { own.indices(); }},
-                                             {"memcpy_of_indices", [&](std::uint32_t) { own.plain_copy(); }}};
-  const std::vector<timed_call> other_calls = others.all();
-  call_record moves("move", of.runs.size());
-  std::vector<call_record> own_records, other_records;
-  for (const timed_call& one : own_calls) own_records.emplace_back(one.name, of.runs.size());
-  for (const timed_call& one : other_calls) other_records.emplace_back(one.name, of.runs.size());
-  const auto time = [](const timed_call& one, std::uint32_t cell, call_record& record) {
-    const auto start = clock::now();
-    one.call(cell);
-    record.add(cell, ns_since(start));
-  };
+// Calls that follow one another in every cell of every pass, the first of which moves the view there.
+std::vector<call_times> measure_calls(const corpus& of, ours& own, const std::vector<timed_call>& calls,
+                                      const std::vector<std::uint32_t>& order, unsigned repeat) {
+  std::vector<call_record> records;
+  for (const timed_call& one : calls) records.emplace_back(one.name, of.runs.size());
   for (unsigned pass = 0; pass < repeat; ++pass) {
     own.move(order.back());
     for (const std::uint32_t cell : order) {
       own.note_first(of.runs[cell].empty() ? 0 : of.runs[cell].front().first);
-      const auto start = clock::now();
-      const bool moved = own.move(cell);
-      moves.add(cell, ns_since(start));
-      if (!moved) throw std::runtime_error("cell " + std::to_string(cell) + ": was not entered");
-      for (std::size_t i = 0; i < own_calls.size(); ++i) time(own_calls[i], cell, own_records[i]);
+      for (std::size_t i = 0; i < calls.size(); ++i) {
+        const auto start = clock::now();
+        calls[i].call(cell);
+        records[i].add(cell, ns_since(start));
+      }
     }
-    for (std::size_t i = 0; i < other_calls.size(); ++i)
-      for (const std::uint32_t cell : order) time(other_calls[i], cell, other_records[i]);
   }
-  std::vector<call_times> times{moves.sum_up(of, true)};
-  for (call_record& record : own_records) times.push_back(record.sum_up(of, true));
-  for (call_record& record : other_records) times.push_back(record.sum_up(of, false));
+  std::vector<call_times> times;
+  for (call_record& record : records) times.push_back(record.sum_up(of, true));
+  return times;
+}
+
+std::vector<call_times> measure_peers(const corpus& of, const peer_rows& peers, const std::vector<std::uint32_t>& order,
+                                      unsigned repeat) {
+  peer_calls others(of, peers);
+  std::vector<call_times> times;
+  for (const timed_call& one : others.all()) {
+    call_record record(one.name, of.runs.size());
+    for (unsigned pass = 0; pass < repeat; ++pass) {
+      for (const std::uint32_t cell : order) {
+        const auto start = clock::now();
+        one.call(cell);
+        record.add(cell, ns_since(start));
+      }
+    }
+    times.push_back(record.sum_up(of, false));
+  }
+  return times;
+}
+
+// The passes of one order of the cells: into the next cell to its ranges, and nothing else between; into the next cell
+// to its index list, and a plain copy of as many bytes; then every call alone.
+std::vector<call_times> measure_order(const corpus& of, const peer_rows& peers, const std::vector<std::uint32_t>& order,
+                                      unsigned repeat) {
+  ours own(of);
+  const auto enter = [&](std::uint32_t cell) {
+    if (!own.move(cell)) throw std::runtime_error("cell " + std::to_string(cell) + ": was not entered");
+  };
+  const timed_call to_ranges = {"to_ranges", [&](std::uint32_t cell) {
+                                  enter(cell);
+                                  own.ranges();
+                                }};
+  const timed_call to_indices = {"to_indices", [&](std::uint32_t cell) {
+                                   enter(cell);
+                                   own.indices();
+                                 }};
+  const timed_call copy = {"memcpy_of_indices", [&](std::uint32_t) { own.plain_copy(); }};
+  const std::vector<timed_call> alone = {{"move", enter},
+                                         {"ranges", [&](std::uint32_t) { own.ranges(); }},
+                                         {"polygons", [&](std::uint32_t) { own.polygons(); }},
+                                         {"indices", [&](std::uint32_t) { own.indices(); }}};
+  std::vector<call_times> times;
+  const auto add = [&](std::vector<call_times> more) { std::ranges::move(more, std::back_inserter(times)); };
+  add(measure_calls(of, own, {to_ranges}, order, repeat));
+  add(measure_calls(of, own, {to_indices, copy}, order, repeat));
+  add(measure_calls(of, own, alone, order, repeat));
+  add(measure_peers(of, peers, order, repeat));
   return times;
 }
 

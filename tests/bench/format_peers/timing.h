@@ -1,5 +1,6 @@
 #pragma once
 // What decoding cell sets costs: the runtime beside its peers, in the same run.
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ struct call_times {
   double ns_per_run = 0.0;   // ranges as delivered where it is the runtime's, else runs in source order
   double ns_per_polygon = 0.0;
   double worst_cell_ns = 0.0;
+  std::array<double, 3> ns_per_run_of_depth{};  // the same, of the cells whose rows have that depth; 0 without any
 };
 
 struct all_times {
