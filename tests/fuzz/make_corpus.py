@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes the seeds of the corpora: small scenes of our own, one per feature of the import, and two small .pvs files.
+"""Writes the seeds of the corpora: small scenes of our own, one per feature of the import, and small .pvs files.
 
 usage: make_corpus.py [FOLDER]      FOLDER: default tests/fuzz/corpus
 
@@ -325,6 +325,9 @@ def main():
     golden = os.path.join(HERE, "..", "golden")
     for name in ("v0_small.pvs", "v0_tiny.pvs", "v1_small.pvs", "v1_tiny.pvs", "v1_lattice.pvs", "v1_merged.pvs"):
         shutil.copyfile(os.path.join(golden, name), os.path.join(folder, "pvs", "seed_" + name))
+    # What those do not have: two references behind each other, a lattice without cells, draws that share an order.
+    for name in ("undamaged_rows.pvs", "undamaged_no_cells.pvs", "undamaged_whole.pvs"):
+        shutil.copyfile(os.path.join(golden, "golden_errors", name), os.path.join(folder, "pvs", "seed_" + name))
 
 
 if __name__ == "__main__":
