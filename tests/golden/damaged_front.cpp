@@ -99,6 +99,8 @@ damaged_list damaged_headers() {
   other[1] = std::byte{'p'};
   reseal(other);
   add("cut_inside_header", status::truncated).resize(60);
+  add("cut_inside_magic", status::truncated).resize(5);
+  add("cut_inside_version", status::truncated).resize(10);
   add("cut_by_a_byte", status::truncated).pop_back();
   add("longer_by_a_byte", status::corrupt).push_back(std::byte{0});
   add("header_checksum", status::checksum)[layout::header_fingerprint] ^= std::byte{1};
@@ -187,6 +189,11 @@ damaged_list damaged_section_tables() {
   set_u64(longer_section, size_of_rows, get_u64(whole, size_of_rows) + 1);
   reseal(longer_section);
   list.push_back({"section_leaves_file", status::corrupt, std::move(longer_section)});
+
+  bytes far_section = whole;
+  set_u64(far_section, section_place(whole, layout::section_rows) + 8, std::uint64_t{1} << 40);
+  reseal(far_section);
+  list.push_back({"section_begins_behind_file", status::corrupt, std::move(far_section)});
 
   bytes longer_file = longer(whole, 1);
   set_u64(longer_file, layout::header_total_size, longer_file.size());

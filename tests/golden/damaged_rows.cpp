@@ -193,6 +193,26 @@ void damage_row(damaged_list& list) {
   list.push_back({"chunk_cut", status::corrupt, file_of(codes, cut_chunk, made)});
 }
 
+// Where they end, and tables that the others do not meet.
+void damage_further_codes(damaged_list& list) {
+  const hand_made made = hand_made_rows();
+  const auto add = [&](const char* name, const bytes& codes) {
+    list.push_back({name, status::corrupt, file_of(codes, made.chunk(), made)});
+  };
+  bytes codes = codes_of(three_bits, three_bits);
+  codes.resize(codes.size() / tables * (tables - 1));
+  add("codes_of_5_tables", codes);
+  add("gap_codes_incomplete", codes_of({0, 2, 2, 2}, three_bits));
+  // The only length of own rows is coded as 0, and the first one's bits begin with 1.
+  bytes lengths;
+  for (std::size_t i = 0; i < tables; ++i) format::put_code_lengths(i == 1 ? symbol_lengths{1} : three_bits, lengths);
+  hand_made long_run = hand_made_rows();
+  long_run.rows[0] = own_row({{0, 5}});
+  long_run.follow_each_other();
+  list.push_back({"row_length_is_no_code", status::corrupt, file_of(lengths, long_run.chunk(), long_run)});
+  list.push_back({"chunk_without_padding", status::corrupt, file_of(codes_of(three_bits, three_bits), bytes(7), made)});
+}
+
 }  // namespace
 
 damaged_list damaged_code_tables() {
@@ -215,6 +235,7 @@ damaged_list damaged_code_tables() {
   many[0] = std::byte{65};
   many.insert(many.begin() + 5, 29, std::byte{0});
   add("codes_of_65_symbols", many);
+  damage_further_codes(list);
   for (damaged_file& file : list) file.later = file.expected != status::ok;
   return list;
 }

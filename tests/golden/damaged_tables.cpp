@@ -84,6 +84,94 @@ void damage_orders(damaged_list& list) {
   add("step_is_no_code", orders_of({0, 3}, {0, 1}, bytes{std::byte{2}}));
 }
 
+// Orders that do not belong to the draws, and permutations that do not fill their bytes. Two draws with an order each.
+void damage_order_counts(damaged_list& list) {
+  sample_contents contents = whole_contents();
+  contents.orders = {{2, 0, 1}, {0, 2, 1}};
+  contents.order_of_draw = {0, 1};
+  const bytes whole = contents.encode();
+  const auto add = [&](const char* name, const numbers& order_of_draw, const bytes& orders, bool later = false) {
+    const bytes draws = format::encode_draws(contents.draws, order_of_draw);
+    list.push_back({name, status::corrupt,
+                    with_section(with_section(whole, layout::section_draws, draws), layout::section_orders, orders),
+                    later});
+  };
+  const auto put = [](const std::vector<numbers>& orders) {
+    bytes out;
+    format::put_orders(orders, out);
+    return out;
+  };
+  list.push_back({"undamaged_two_orders", status::ok, whole});
+  add("order_of_no_draw", {0, 0}, put(contents.orders));
+  add("more_orders_than_draws", {0, 1}, put({{2, 0, 1}, {0, 2, 1}, {}}));
+  // Three numbers of a bit, in two bytes; the same before another order.
+  add("permutation_leaves_byte", {0, 0}, orders_of({0, 3}, {0, 2}, bytes(2)), true);
+  add("permutation_leaves_byte_to_next", {0, 1}, orders_of({0, 3, 6}, {0, 2, 3}, bytes(3)), true);
+  // Three numbers of three bits, in a byte.
+  const format::symbol_lengths three_bits{3, 3, 3, 3, 3, 3, 3, 3};
+  add("permutation_cut", {0, 0}, orders_of({0, 3}, {0, 1}, bytes(1), three_bits), true);
+  add("permutation_goes_on_in_next", {0, 1}, orders_of({0, 3, 6}, {0, 1, 3}, bytes(3), three_bits), true);
+  add("permutations_begin_above_0", {0, 0}, orders_of({0, 3}, {1, 2}, bytes(2)));
+}
+
+// The last draw makes them as many as there are, whatever the first one names.
+void damage_order_turn(damaged_list& list) {
+  sample_contents contents = whole_contents();
+  contents.draws.push_back(contents.draws.back());
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    contents.draws[i].polygon_count = 2;
+    contents.draws[i].first_source = contents.draws[i].first_stored = 2 * i;
+  }
+  contents.orders = {{1, 0}, {0, 1}};
+  contents.order_of_draw = {0, 1, 0};
+  const bytes whole = contents.encode();
+  list.push_back({"undamaged_three_draws", status::ok, whole});
+  list.push_back({"orders_in_another_turn", status::corrupt,
+                  with_section(whole, layout::section_draws, format::encode_draws(contents.draws, numbers{1, 0, 1}))});
+}
+
+// Tables that end too early, one part after the other, or promise more than they have.
+void damage_table_sizes(damaged_list& list) {
+  const bytes whole = whole_contents().encode();
+  const auto add_cut = [&](const char* name, std::uint32_t section, std::size_t size) {
+    bytes cut = section_of(whole, section);
+    EXPECT_GT(cut.size(), size);
+    cut.resize(size);
+    list.push_back({name, status::corrupt, with_section(whole, section, cut)});
+  };
+  add_cut("columns_cut_in_descriptors", layout::section_draws, 50);
+  add_cut("orders_cut_in_count", layout::section_orders, 3);
+  add_cut("orders_cut_in_columns", layout::section_orders, 4 + 12);
+  add_cut("cells_cut_in_kind", layout::section_cells, 3);
+  add_cut("cells_cut", layout::section_cells, 4 + 24);
+
+  // Two columns of two rows; then no code.
+  bytes orders;
+  format::byte_sink(orders).put_u32(1);
+  format::put_columns(std::vector<numbers>{{0, 3}, {0, 1}}, orders);
+  list.push_back({"orders_without_steps", status::corrupt, with_section(whole, layout::section_orders, orders)});
+
+  // Draws without polygons that are all alike take no bit.
+  sample_contents alike;
+  alike.draws.assign(8 * 8 * layout::draw_columns, {});
+  alike.order_of_draw.assign(alike.draws.size(), 0);
+  alike.orders = {{}};
+  list.push_back({"undamaged_draws_alike", status::ok, alike.encode()});
+  list.push_back(
+      {"more_draws_than_bits", status::corrupt,
+       changed(list.back().bytes, layout::header_draw_count, static_cast<std::uint32_t>(alike.draws.size() + 1))});
+
+  sample_contents contents = whole_contents();
+  contents.draws[1].first_stored = 100;
+  list.push_back(
+      {"draw_stored_behind_scene", status::corrupt,
+       with_section(whole, layout::section_draws, format::encode_draws(contents.draws, contents.order_of_draw))});
+
+  const bytes two_chunks = lattice_contents().encode();
+  const std::size_t second = section_offset(two_chunks, layout::section_row_directory) + layout::chunk_record_size;
+  list.push_back({"chunk_begins_behind_rows", status::corrupt, changed(two_chunks, second + 4, 1)});
+}
+
 void damage_cells(damaged_list& list) {
   const bytes tiny = tiny_contents().encode();
   const std::size_t cells = section_offset(tiny, layout::section_cells);
@@ -174,12 +262,32 @@ void damage_shapes(damaged_list& list) {
   add("lattice_width_infinite", {std::numeric_limits<double>::infinity(), 2.0});
 }
 
+// Behind the last place that a number is kept for, where two floats are 128 places apart: a cell still has a box where
+// they meet.
+void damage_far_places(damaged_list& list) {
+  const bytes tiny = tiny_contents().encode();
+  const format::lattice_shape shape{1.0, 1.0};
+  const format::lattice_chunk at_origin{.first_cell = 1, .mask = 1};
+  const auto add = [&](const char* name, const format::lattice_chunk& far_chunk, status expected) {
+    list.push_back(
+        {name, expected, with_section(tiny, layout::section_cells, lattice_of(shape, {far_chunk, at_origin}))});
+  };
+  constexpr std::uint64_t last_row = std::uint64_t{1} << 56;
+  add("undamaged_lattice_far_behind", {.z = -(1 << 27) + 4, .mask = 1}, status::ok);
+  add("lattice_chunk_far_behind", {.z = -(1 << 27) - 9, .mask = last_row}, status::corrupt);
+  add("undamaged_lattice_far_below", {.y = -(1 << 30) + 32, .mask = 1}, status::ok);
+  add("lattice_layer_far_below", {.y = -(1 << 30) - 65, .mask = 1}, status::corrupt);
+}
+
 }  // namespace
 
 damaged_list damaged_tables() {
   damaged_list list;
   damage_draws(list);
   damage_orders(list);
+  damage_order_counts(list);
+  damage_order_turn(list);
+  damage_table_sizes(list);
   damage_cells(list);
   damage_directory(list);
   damage_certificate(list);
@@ -198,6 +306,7 @@ damaged_list damaged_lattices() {
     list.push_back({name, status::corrupt, with_section(whole, layout::section_cells, section)});
   };
   damage_shapes(list);
+  damage_far_places(list);
   add("lattice_beyond_floats", lattice_of({1e300, shape.height}, chunks));
   add("lattice_below_floats", lattice_of({shape.width, 1e-300}, chunks));
   add("lattice_longer", longer(lattice_of(shape, chunks), 1));
@@ -229,6 +338,17 @@ damaged_list damaged_lattices() {
   add_changed("lattice_level_32", [](chunk_list& c) { c.back().level = 32; });
   add_changed("lattice_chunk_far_away", [](chunk_list& c) { c.back().x = 1 << 27; });
   add_changed("lattice_layer_far_away", [](chunk_list& c) { c.back().y = 1 << 30; });
+  // Each a cell further, so that only their number is too large.
+  add_changed("lattice_more_chunks_than_cells", [&](chunk_list& c) {
+    c.assign(file.cell_count() + 1, {.mask = 1});
+    for (std::uint32_t i = 0; i < c.size(); ++i) {
+      c[i].z = static_cast<std::int32_t>(i);
+      c[i].first_cell = i;
+    }
+  });
+  bytes cut = lattice_of(shape, chunks);
+  cut.resize(4 + 17);
+  add("lattice_cut_in_count", cut);
   return list;
 }
 
