@@ -1,0 +1,414 @@
+// What is written comes back, of contents of every kind: from the reader, from the tools' classes and from the runtime.
+// SIGHTCELL_TEST_ROUNDS: how many contents are tried (300); SIGHTCELL_TEST_SEED: the seed of the first one (1).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <span>
+
+#include "any_contents.h"
+#include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/file_parts.h"
+#include "sightcell/format/reader.h"
+#include "sightcell/format/set_reader.h"
+#include "sightcell/format/writer.h"
+#include "unit/runtime/loaded_file.h"
+
+namespace {
+
+using namespace sightcell::format;
+using namespace sightcell::test;
+using numbers = std::vector<std::uint32_t>;
+
+constexpr std::uint32_t usual_rounds = 300;
+
+std::uint32_t number_in_environment(const char* name, std::uint32_t otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
+}
+
+// How often each kind was met, so that none is left out unseen.
+struct kinds_met {
+  std::uint32_t merged = 0, on_lattice = 0, shared_orders = 0, source_orders = 0, moving = 0, no_polygons = 0;
+  std::uint32_t own = 0, first_differences = 0, second_differences = 0, shared_rows = 0;
+  std::uint32_t empty_sets = 0, full_sets = 0, sets_of_one = 0, widened_sets = 0, chunks = 0, overlapping = 0;
+};
+
+void expect_facts(const any_contents& in, const reader& file) {
+  const file_facts& facts = file.facts();
+  EXPECT_EQ(facts.polygon_count, in.facts.polygon_count);
+  EXPECT_EQ(facts.layout, in.facts.layout);
+  EXPECT_EQ(facts.margin, in.facts.margin);
+  EXPECT_EQ(facts.max_pixel_error, in.facts.max_pixel_error);
+  EXPECT_EQ(facts.confidence, in.facts.confidence);
+  EXPECT_EQ(facts.repeatable, in.facts.repeatable);
+  EXPECT_EQ(facts.scene_fingerprint, in.facts.scene_fingerprint);
+  EXPECT_EQ(file.settings(), in.settings);
+  ASSERT_EQ(file.certificate_count(), in.certificate.size());
+  for (std::uint32_t i = 0; i < file.certificate_count(); ++i) {
+    certificate_record c;
+    ASSERT_EQ(file.certificate(i, c), status::ok);
+    const certificate_record& given = in.certificate[i];
+    EXPECT_TRUE(c.cell == given.cell && c.rays == given.rays && c.misses == given.misses && c.seed == given.seed) << i;
+    EXPECT_TRUE(c.upper_bound == given.upper_bound && c.confidence == given.confidence) << i;
+  }
+}
+
+bool same_draw(const draw_record& a, const draw_record& b) {
+  return a.node == b.node && a.mesh == b.mesh && a.primitive == b.primitive && a.instance == b.instance &&
+         a.material == b.material && a.group == b.group && a.first_source == b.first_source &&
+         a.polygon_count == b.polygon_count && a.first_stored == b.first_stored && a.base_vertex == b.base_vertex &&
+         a.host_tag == b.host_tag && a.flags == b.flags;
+}
+
+void expect_draws_and_orders(const any_contents& in, const reader& file) {
+  ASSERT_EQ(file.draw_count(), in.draws.size());
+  for (std::uint32_t i = 0; i < file.draw_count(); ++i) {
+    draw_record d;
+    ASSERT_EQ(file.draw(i, d), status::ok);
+    EXPECT_TRUE(same_draw(d, in.draws[i])) << i;
+    EXPECT_EQ(file.order_of_draw(i), in.order_of_draw[i]) << i;
+  }
+  numbers all(file.order_begin(file.order_count()));
+  ASSERT_EQ(file.orders(all), status::ok);
+  ASSERT_EQ(file.order_count(), in.orders.size());
+  numbers expected;
+  for (std::uint32_t number = 0; number < in.orders.size(); ++number) {
+    EXPECT_EQ(file.order_begin(number), expected.size());
+    expected.insert(expected.end(), in.orders[number].begin(), in.orders[number].end());
+  }
+  EXPECT_EQ(all, expected);
+  numbers sources(file.polygon_count());
+  ASSERT_EQ(file.source_of_stored(sources), status::ok);
+  EXPECT_EQ(sources, in.source_of_stored);
+  ASSERT_EQ(file.range_unit_count() + 1, in.unit_begins.size());
+  for (std::uint32_t unit = 0; unit < in.unit_begins.size(); ++unit) {
+    EXPECT_EQ(file.range_unit_begin(unit), in.unit_begins[unit]);
+  }
+}
+
+void expect_cells(const any_contents& in, const reader& file) {
+  ASSERT_EQ(file.cell_count(), in.sets.size());
+  ASSERT_EQ(file.lattice() != nullptr, in.lattice.has_value());
+  if (in.lattice) {
+    EXPECT_EQ(file.lattice()->shape().width, in.lattice->width);
+    EXPECT_EQ(file.lattice()->shape().height, in.lattice->height);
+  }
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    box b;
+    ASSERT_EQ(file.cell_box(cell, b), status::ok);
+    EXPECT_TRUE(b.min == in.cells[cell].min && b.max == in.cells[cell].max) << cell;
+  }
+}
+
+// The set of a cell by the reader alone, in memory that held other things.
+numbers stored_set(const reader& file, std::uint32_t cell, std::uint64_t& runs, std::uint64_t& ranges) {
+  std::vector<std::uint64_t> code_memory(file.codes_size() / 8 + 1);
+  std::vector<std::uint32_t> scratch(file.scratch_size() / 4 + 1, 0xAAAAAAAAu);
+  std::vector<run> row(file.run_bound(), run{7, 7});
+  const row_codes* codes = nullptr;
+  EXPECT_EQ(file.make_codes(std::as_writable_bytes(std::span(code_memory)), codes), status::ok);
+  std::size_t count = 0;
+  EXPECT_EQ(file.decode_row(cell, codes, row, std::as_writable_bytes(std::span(scratch)), count), status::ok);
+  numbers polygons;
+  std::uint64_t next = 0;
+  for (const run& r : std::span(row).first(count)) {
+    EXPECT_TRUE(r.count > 0 && r.first >= next) << "runs ascend and do not touch";
+    next = std::uint64_t{r.first} + r.count + 1;
+    for (std::uint32_t i = 0; i < r.count; ++i) polygons.push_back(r.first + i);
+  }
+  runs = count;
+  ranges = file.count_ranges(std::span(row).first(count));
+  return polygons;
+}
+
+// Stretches of stored polygons inside one draw or draw group, counted one by one.
+std::uint64_t ranges_of(const any_contents& in, const numbers& stored) {
+  std::uint64_t ranges = 0;
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    const bool follows = i > 0 && stored[i] == stored[i - 1] + 1;
+    const bool begins = std::binary_search(in.unit_begins.begin(), in.unit_begins.end(), stored[i]);
+    ranges += follows && !begins ? 0 : 1;
+  }
+  return ranges;
+}
+
+struct read_sets {
+  std::vector<numbers> stored;  // ascending
+  std::vector<numbers> ids;     // ascending
+};
+
+// All sets, which all classes must say alike.
+read_sets expect_sets_agree(const any_contents& in, const reader& file) {
+  read_sets out;
+  set_reader sets;
+  EXPECT_EQ(sets.open(file), status::ok);
+  EXPECT_EQ(sets.check(), status::ok);
+  std::uint64_t most_runs = 0;
+  std::uint64_t most_ranges = 0;
+  row_statistics expected;
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    std::uint64_t ranges = 0;
+    std::span<const run> runs;
+    EXPECT_EQ(sets.source_ids(cell, out.ids.emplace_back()), status::ok);
+    EXPECT_EQ(sets.runs(cell, runs), status::ok);
+    numbers& stored = out.stored.emplace_back();
+    for (const run& r : runs) {
+      for (std::uint32_t i = 0; i < r.count; ++i) stored.push_back(r.first + i);
+    }
+    if (cell % 16 == 0) {
+      std::uint64_t count = 0;
+      EXPECT_EQ(stored_set(file, cell, count, ranges), stored) << cell;
+      EXPECT_EQ(count, runs.size());
+      EXPECT_EQ(ranges, ranges_of(in, stored));
+    }
+    numbers ids;
+    for (const std::uint32_t polygon : stored) ids.push_back(in.source_of_stored.at(polygon));
+    std::sort(ids.begin(), ids.end());
+    EXPECT_EQ(out.ids.back(), ids) << cell;
+    most_runs = std::max<std::uint64_t>(most_runs, runs.size());
+    most_ranges = std::max(most_ranges, ranges_of(in, stored));
+    expected.runs += runs.size();
+    expected.ranges += ranges_of(in, stored);
+    expected.polygons += stored.size();
+  }
+  EXPECT_EQ(file.run_bound(), most_runs);
+  EXPECT_EQ(file.range_bound(), most_ranges);
+  row_statistics sums;
+  EXPECT_EQ(sets.statistics(sums), status::ok);
+  EXPECT_TRUE(sums.runs == expected.runs && sums.ranges == expected.ranges && sums.polygons == expected.polygons);
+  return out;
+}
+
+// Exact, or each a superset within its budget; and the header says how much was added to all together.
+void expect_sets(const any_contents& in, const reader& file, const read_sets& out, kinds_met& met) {
+  const double share = in.slack_to_add;
+  std::uint64_t seen = 0;
+  std::uint64_t held = 0;
+  for (std::size_t cell = 0; cell < in.sets.size(); ++cell) {
+    const numbers& exact = in.sets[cell];
+    const numbers& read = out.ids[cell];
+    seen += exact.size();
+    held += read.size();
+    met.widened_sets += read.size() > exact.size() ? 1 : 0;
+    if (share == 0.0) {
+      EXPECT_EQ(read, exact) << cell;
+      continue;
+    }
+    EXPECT_TRUE(std::includes(read.begin(), read.end(), exact.begin(), exact.end())) << cell;
+    EXPECT_LE(static_cast<double>(read.size() - exact.size()), share * static_cast<double>(exact.size()) + 1e-9)
+        << cell;
+  }
+  const double added = seen == 0 ? 0.0 : static_cast<double>(held - seen) / static_cast<double>(seen);
+  const double together = (1.0 + static_cast<double>(in.facts.slack)) * (1.0 + added) - 1.0;
+  EXPECT_NEAR(static_cast<double>(file.facts().slack), together, 1e-7);
+  EXPECT_GE(static_cast<double>(file.facts().slack), together - 1e-12) << "what is said is not too little";
+}
+
+// Sets that are asked for give the same bytes, however often that is done and whatever memory they come in.
+void expect_asking_makes_no_difference(const any_contents& in, const std::vector<std::byte>& bytes) {
+  std::uint32_t passes = 0;
+  std::uint32_t expected = 0;  // the lowest cell that may be asked for next
+  std::vector<bool> asked(in.sets.size(), false);
+  file_contents all = in.contents_to_write();
+  all.cell_sets.get = [&](std::uint32_t cell, numbers& set) {
+    EXPECT_TRUE(set.empty());
+    if (cell < expected) ++passes;
+    expected = cell + 1;
+    asked[cell] = true;
+    set.reserve(in.sets[cell].size() + passes);
+    for (const std::uint32_t id : in.sets[cell]) set.push_back(id);
+    return status::ok;
+  };
+  std::vector<std::byte> again;
+  EXPECT_EQ(encode(all, again), status::ok);
+  EXPECT_TRUE(again == bytes);
+  EXPECT_EQ(std::count(asked.begin(), asked.end(), false), 0);
+}
+
+// What tools take out of a file makes it again; with slack only where none is added a second time.
+void expect_parts_make_the_file(const any_contents& in, const reader& file, const read_sets& sets,
+                                const std::vector<std::byte>& bytes) {
+  file_parts parts;
+  ASSERT_EQ(take_apart(file, parts), status::ok);
+  std::vector<std::byte> again;
+  ASSERT_EQ(encode(parts.contents(sets_of(sets.ids)), again), status::ok);
+  if (in.slack_to_add == 0.0) {
+    EXPECT_TRUE(again == bytes);
+    return;
+  }
+  reader second;
+  ASSERT_EQ(reader::open(again, second), status::ok);
+  EXPECT_EQ(second.facts().slack, file.facts().slack);
+  EXPECT_EQ(expect_sets_agree(in, second).ids, sets.ids);
+}
+
+// ---- The runtime.
+
+void expect_info(const any_contents& in, const reader& file, const sightcell_db* db) {
+  sightcell_info info{};
+  info.struct_size = sizeof(info);
+  ASSERT_EQ(sightcell_db_info(db, &info), SIGHTCELL_OK);
+  EXPECT_EQ(info.layout, static_cast<std::uint32_t>(in.facts.layout));
+  EXPECT_EQ(info.polygon_count, in.facts.polygon_count);
+  EXPECT_EQ(info.cell_count, in.cells.size());
+  EXPECT_EQ(info.draw_count, in.draws.size());
+  const std::uint64_t of_everything = ranges_of(in, all_polygons(in.facts.polygon_count));
+  EXPECT_EQ(info.range_bound, std::max<std::uint64_t>(file.range_bound(), of_everything));
+  EXPECT_EQ(info.margin, in.facts.margin);
+  EXPECT_EQ(std::memcmp(info.scene_fingerprint, in.facts.scene_fingerprint.data(), 16), 0);
+  EXPECT_EQ(sightcell_db_check(db), SIGHTCELL_OK);
+  std::size_t count = 0;
+  std::vector<sightcell_draw> draws(in.draws.size());
+  ASSERT_EQ(sightcell_db_draws(db, draws.data(), draws.size(), &count), SIGHTCELL_OK);
+  ASSERT_EQ(count, in.draws.size());
+  const bool merged = in.facts.layout == host_layout::merged;
+  for (std::size_t i = 0; i < count; ++i) {
+    draw_record expected = in.draws[i];
+    if (merged) expected.first_stored = in.unit_begins[expected.group];
+    const sightcell_draw& d = draws[i];
+    EXPECT_TRUE(same_draw({d.node, d.mesh, d.primitive, d.instance, d.material, d.group, d.first_source,
+                           d.polygon_count, d.first_stored, d.base_vertex, d.host_tag, expected.flags},
+                          expected))
+        << i;
+  }
+  numbers order(in.facts.polygon_count);
+  ASSERT_EQ(sightcell_db_order(db, order.data(), order.size(), &count), SIGHTCELL_OK);
+  EXPECT_EQ(order, in.source_of_stored);
+}
+
+double volume_of(const box& b) {
+  double volume = 1.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    volume *= static_cast<double>(b.max[axis]) - static_cast<double>(b.min[axis]);
+  }
+  return volume;
+}
+
+// By trying all: the smallest, then the lowest number.
+std::uint32_t cell_at(const any_contents& in, const std::array<float, 3>& eye) {
+  std::uint32_t found = SIGHTCELL_NO_CELL;
+  for (std::uint32_t cell = 0; cell < in.cells.size(); ++cell) {
+    const box& b = in.cells[cell];
+    bool holds = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) holds = holds && b.min[axis] <= eye[axis] && eye[axis] < b.max[axis];
+    if (holds && (found == SIGHTCELL_NO_CELL || volume_of(b) < volume_of(in.cells[found]))) found = cell;
+  }
+  return found;
+}
+
+// Ids in stored order, ranges and indices all say these stored polygons.
+void expect_outputs(const any_contents& in, const test_view& view, const numbers& stored) {
+  numbers ids;
+  numbers indices;
+  for (const std::uint32_t polygon : stored) {
+    ids.push_back(in.source_of_stored[polygon]);
+    for (std::uint32_t corner = 0; corner < 3; ++corner) indices.push_back(7 * (3 * polygon + corner) + 1);
+  }
+  EXPECT_EQ(view.polygons(), ids);
+  const auto ranges = view.ranges();
+  EXPECT_EQ(ranges.size(), ranges_of(in, stored));
+  EXPECT_EQ(polygons_of(ranges, in), stored);
+  numbers host(std::size_t{3} * in.facts.polygon_count);
+  for (std::size_t i = 0; i < host.size(); ++i) host[i] = static_cast<std::uint32_t>(7 * i + 1);
+  EXPECT_EQ(view.indices(host), indices);
+}
+
+// From the middle of cells: those that other cells cover there are not met. Each by a view of its own, as the margin
+// may keep an old cell for ever.
+void expect_runtime(const any_contents& in, const reader& file, const read_sets& sets,
+                    const std::vector<std::byte>& bytes, kinds_met& met) {
+  const loaded_file loaded(bytes);
+  ASSERT_NE(loaded.db(), nullptr);
+  expect_info(in, file, loaded.db());
+  for (std::uint32_t cell = 0; cell < in.cells.size(); cell += 1 + static_cast<std::uint32_t>(in.cells.size()) / 24) {
+    std::array<float, 3> eye{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      eye[axis] = in.cells[cell].min[axis] + (in.cells[cell].max[axis] - in.cells[cell].min[axis]) / 2;
+    }
+    const std::uint32_t found = cell_at(in, eye);
+    met.overlapping += found != cell ? 1 : 0;
+    test_view view(loaded.db());
+    const sightcell_frame frame = view.move(eye[0], eye[1], eye[2]);
+    ASSERT_EQ(frame.cell, found) << cell;
+    EXPECT_EQ(frame.flags, SIGHTCELL_FRAME_CHANGED);
+    EXPECT_EQ(frame.polygon_count, sets.stored[found].size());
+    expect_outputs(in, view, sets.stored[found]);
+  }
+  test_view outside(loaded.db());
+  EXPECT_NE(outside.move(3.0e9f, 0, 0).flags & SIGHTCELL_FRAME_DRAW_ALL, 0u);
+  expect_outputs(in, outside, all_polygons(in.facts.polygon_count));
+}
+
+// ---- All of it.
+
+void count_kinds(const any_contents& in, const reader& file, kinds_met& met) {
+  met.merged += in.facts.layout == host_layout::merged ? 1 : 0;
+  met.on_lattice += in.lattice ? 1 : 0;
+  met.shared_orders += in.facts.layout == host_layout::instanced && in.orders.size() < in.draws.size() ? 1 : 0;
+  met.source_orders += in.orders_left_out ? 1 : 0;
+  met.no_polygons += in.facts.polygon_count == 0 ? 1 : 0;
+  met.chunks = std::max(met.chunks, file.chunk_count());
+  for (const draw_record& d : in.draws) met.moving += d.flags != 0 ? 1 : 0;
+  for (const numbers& set : in.sets) {
+    met.empty_sets += set.empty() ? 1 : 0;
+    met.sets_of_one += set.size() == 1 ? 1 : 0;
+    met.full_sets += set.size() == in.facts.polygon_count ? 1 : 0;
+  }
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    row_record row;
+    row_record reference;
+    ASSERT_EQ(file.row(cell, row), status::ok);
+    if (row.delta) {
+      ASSERT_EQ(file.row(row.reference, reference), status::ok);
+    }
+    met.own += row.delta ? 0 : 1;
+    met.first_differences += row.delta && !reference.delta ? 1 : 0;
+    met.second_differences += row.delta && reference.delta ? 1 : 0;
+    met.shared_rows += row.shared ? 1 : 0;
+  }
+}
+
+void expect_round_trip(std::uint32_t seed, kinds_met& met) {
+  const any_contents in = make_any_contents(seed);
+  const std::vector<std::byte> bytes = in.write();
+  EXPECT_TRUE(bytes == in.write()) << "same contents, same bytes";
+  EXPECT_TRUE(bytes == make_any_contents(seed).write()) << "whatever memory they lie in";
+  expect_asking_makes_no_difference(in, bytes);
+  reader file;
+  ASSERT_EQ(reader::open(bytes, file), status::ok);
+  expect_facts(in, file);
+  expect_draws_and_orders(in, file);
+  expect_cells(in, file);
+  if (testing::Test::HasFailure()) return;
+  const read_sets sets = expect_sets_agree(in, file);
+  expect_sets(in, file, sets, met);
+  expect_parts_make_the_file(in, file, sets, bytes);
+  expect_runtime(in, file, sets, bytes, met);
+  count_kinds(in, file, met);
+}
+
+TEST(round_trip, contents_of_any_kind_come_back) {
+  const std::uint32_t first = number_in_environment("SIGHTCELL_TEST_SEED", 1);
+  const std::uint32_t rounds = number_in_environment("SIGHTCELL_TEST_ROUNDS", usual_rounds);
+  const std::uint32_t step = std::max(1u, number_in_environment("SIGHTCELL_TEST_STEP", 1));
+  kinds_met met;
+  for (std::uint32_t round = 0; round < rounds; round += step) {
+    SCOPED_TRACE("SIGHTCELL_TEST_SEED=" + std::to_string(first + round) + " SIGHTCELL_TEST_ROUNDS=1");
+    expect_round_trip(first + round, met);
+    ASSERT_FALSE(HasFailure());
+  }
+  if (rounds < usual_rounds || step > 1) return;
+  for (const std::uint32_t count :
+       {met.merged, met.on_lattice, met.shared_orders, met.source_orders, met.moving, met.no_polygons, met.own,
+        met.first_differences, met.second_differences, met.shared_rows, met.empty_sets, met.full_sets, met.sets_of_one,
+        met.widened_sets, met.overlapping}) {
+    EXPECT_GT(count, 5u);
+  }
+  EXPECT_GT(met.chunks, 3u) << "with slack, not all are looked at first";
+}
+
+}  // namespace
