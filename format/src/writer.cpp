@@ -218,6 +218,8 @@ status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   if (slack > 1.0f) return status::limit;
   std::vector<section_bytes> sections;
   if (!front_sections(contents, order.get(), rows, sections)) return status::argument;
+  // Readers want a bit for each draw, which only draws that are alike in everything may not take.
+  if (contents.draws.size() > 8 * sections.front().bytes.size()) return status::limit;
   std::size_t rows_begin = layout::header_size + (sections.size() + 1) * layout::section_record_size;
   for (const section_bytes& s : sections) rows_begin += s.bytes.size();
   std::vector<std::byte> file(rows_begin);
