@@ -235,8 +235,8 @@ TEST(refusals, chunks_of_as_many_rows_as_there_cannot_be) {
 
 TEST(refusals, lists_that_are_not_closed) {
   const std::array<std::uint32_t, 2> reference{1, 5};
-  const std::array<std::uint32_t, 3> closed{0, 1, no_border};
-  const std::array<std::uint32_t, 3> open{0, 1, 2};
+  const std::array<std::uint32_t, 5> closed{0, 1, no_border, no_border, no_border};
+  const std::array<std::uint32_t, 5> open{0, 1, 2, no_border, no_border};
   std::array<std::uint32_t, 32> out{};
   std::size_t count = 0;
   EXPECT_TRUE(apply_rank_difference(reference, closed, closed, 10, out, count));
