@@ -41,13 +41,13 @@ std::vector<package> pairs_of(const std::vector<package>& level) {
 
 }  // namespace
 
-symbol_lengths best_lengths(const symbol_counts& counts) {
+symbol_lengths best_lengths(const symbol_counts& counts, unsigned most_bits) {
   symbol_lengths lengths{};
   const std::vector<package> leaves = leaves_of(counts);
   if (leaves.size() == 1) lengths[leaves.front().symbols.front()] = 1;
   if (leaves.size() < 2) return lengths;
   std::vector<package> level = leaves;
-  for (unsigned bits = 1; bits < longest_code; ++bits) {
+  for (unsigned bits = 1; bits < most_bits; ++bits) {
     const std::vector<package> pairs = pairs_of(level);
     std::vector<package> merged;
     merged.reserve(leaves.size() + pairs.size());

@@ -85,12 +85,13 @@ status reader::read_sections() noexcept {
   if (!checked_reader(bytes_).read_u32(layout::header_table_checksum, stored_checksum)) return status::corrupt;
   if (crc32c(part({layout::header_size, table_size})) != stored_checksum) return status::checksum;
 
-  const std::array<std::uint32_t, 8> ids{
-      layout::section_draws,       layout::section_cells,    layout::section_rows,   layout::section_row_directory,
-      layout::section_certificate, layout::section_settings, layout::section_orders, layout::section_codes};
-  const std::array<extent*, 8> places{&draws_,       &cells_,    &rows_,   &directory_,
-                                      &certificate_, &settings_, &orders_, &codes_};
-  std::array<bool, 8> found{};
+  const std::array<std::uint32_t, 9> ids{
+      layout::section_draws,         layout::section_cells,       layout::section_rows,
+      layout::section_row_directory, layout::section_certificate, layout::section_settings,
+      layout::section_orders,        layout::section_codes,       layout::section_importance};
+  const std::array<extent*, 9> places{&draws_,    &cells_,  &rows_,  &directory_, &certificate_,
+                                      &settings_, &orders_, &codes_, &importance_};
+  std::array<bool, 9> found{};
   const std::size_t known_ids = version_ == 0 ? 6 : ids.size();
   std::uint64_t next = layout::header_size + table_size;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
@@ -100,20 +101,23 @@ status reader::read_sections() noexcept {
     next += entry.size;
     std::size_t known = 0;
     while (known < known_ids && ids[known] != entry.id) ++known;
-    if (known == known_ids) {
+    const bool bulk = entry.id == layout::section_importance;
+    if (known == known_ids || bulk) {
+      // As readers said before there was an importance: it is never required.
       if (entry.required) return status::version;
-      continue;
+      if (known == known_ids) continue;
     }
-    const bool must = entry.id != layout::section_certificate && entry.id != layout::section_settings;
+    const bool must = !bulk && entry.id != layout::section_certificate && entry.id != layout::section_settings;
     if (found[known] || entry.required != must) return status::corrupt;
     found[known] = true;
     *places[known] = {entry.offset, entry.size};
     if (entry.id == layout::section_certificate) certificate_count_ = cell_count_;
-    if (entry.id != layout::section_rows) {
+    if (entry.id != layout::section_rows && !bulk) {
       if (const status s = check_section(i); s != status::ok) return s;
     }
   }
   const bool complete = found[0] && found[1] && found[2] && found[3] && (version_ == 0 || (found[6] && found[7]));
+  has_importance_ = found[8];
   return next == bytes_.size() && complete ? status::ok : status::corrupt;
 }
 

@@ -10,6 +10,7 @@
 #include "code_table.h"
 #include "row_chunk.h"
 #include "sightcell/format/draw_ranges.h"
+#include "sightcell/format/importance_classes.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/reader.h"
 
@@ -220,7 +221,32 @@ status reader::check(const row_codes* codes, std::span<run> out, std::span<std::
     most_runs = std::max(most_runs, count);
     most_ranges = std::max(most_ranges, count_ranges(out.first(count)));
   }
-  return most_runs == run_bound_ && most_ranges == range_bound_ ? status::ok : status::corrupt;
+  if (most_runs != run_bound_ || most_ranges != range_bound_) return status::corrupt;
+  return check_importance(codes, out, scratch, as_array<std::uint8_t>(std::as_writable_bytes(stored)));
+}
+
+status reader::importance(importance_classes& out) const noexcept {
+  return has_importance_ ? importance_classes::open(part(importance_), cell_count_, out) : status::argument;
+}
+
+// classes: room for one of each polygon of the scene.
+status reader::check_importance(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                                std::span<std::uint8_t> classes) const noexcept {
+  if (!has_importance_) return status::ok;
+  importance_classes all;
+  if (const status s = importance(all); s != status::ok) return s;
+  for (std::uint32_t chunk = 0; chunk < chunk_count(); ++chunk) {
+    if (const status s = all.check_chunk(chunk); s != status::ok) return s;
+  }
+  for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
+    std::size_t count = 0;
+    if (const status s = decode_row(cell, codes, out, scratch, count); s != status::ok) return s;
+    std::uint64_t polygons = 0;
+    for (const run& r : out.first(count)) polygons += r.count;
+    if (polygons > classes.size()) return status::corrupt;
+    if (const status s = all.decode(cell, classes.first(static_cast<std::size_t>(polygons))); s != status::ok) return s;
+  }
+  return status::ok;
 }
 
 status reader::statistics(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,

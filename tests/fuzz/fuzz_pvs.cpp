@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "checksum.h"
+#include "sightcell/format/importance_classes.h"
+#include "sightcell/format/reader.h"
 #include "sightcell/sightcell.h"
 
 namespace {
@@ -38,6 +40,21 @@ std::uint32_t sum_of(const std::vector<std::uint8_t>& bytes, std::uint64_t at, s
   return sightcell::format::crc32c(std::as_bytes(std::span(bytes)).subspan(at, size));
 }
 
+// Inside the importance section: its chunks, then what is before them.
+void make_importance_right(std::vector<std::uint8_t>& bytes, std::uint64_t at, std::uint64_t size, std::size_t chunks) {
+  if (at > bytes.size() || size > bytes.size() - at || chunks > size / 16 || 4 + 16 * chunks > size) return;
+  const std::uint64_t end = at + size;
+  std::uint64_t first = at + 4 + 16 * chunks;
+  for (int table = 0; table < 16 && first < end; ++table) first += 1 + (bytes[first] + 1) / 2;
+  if (first > end) return;
+  for (std::size_t k = 0; k < chunks; ++k) {
+    const std::uint64_t record = at + 4 + 16 * k, offset = number_at(bytes, record, 8);
+    if (offset > end - first) continue;
+    put_u32(bytes, record + 12, sum_of(bytes, first + offset, number_at(bytes, record + 8, 4)));
+  }
+  put_u32(bytes, at, sum_of(bytes, at + 4, first - at - 4));
+}
+
 // Numbers and places: format/SPEC.md. Total size, chunks, sections, section table, header, in this order.
 void make_sums_right(std::vector<std::uint8_t>& bytes) {
   if (bytes.size() < 96) return;
@@ -56,6 +73,7 @@ void make_sums_right(std::vector<std::uint8_t>& bytes) {
       if (chunk > bytes.size() || bytes.size() - chunk < 16) break;
       put_u32(bytes, chunk + 12, sum_of(bytes, rows + number_at(bytes, chunk, 8), number_at(bytes, chunk + 8, 4)));
     }
+    if (number_at(bytes, record, 4) == 9) make_importance_right(bytes, at, size, chunks);
     put_u32(bytes, record + 24, sum_of(bytes, at, size));
   }
   put_u32(bytes, 88, sum_of(bytes, 96, 32 * sections));
@@ -83,7 +101,21 @@ void check_outputs(const sightcell_view* view, const sightcell_frame& frame, std
                          removed.size(), &removed_count);
 }
 
-void walk(const sightcell_db* db, sightcell_view* view, const sightcell_info& info, bool sound) {
+// sound: the whole file was checked, so each cell has the classes that it is asked for.
+void query_importance(std::span<const std::byte> bytes, std::uint32_t cell, std::uint32_t polygons, bool sound) {
+  using namespace sightcell::format;
+  reader file;
+  importance_classes importance;
+  if (reader::open(bytes, file) != status::ok || file.importance(importance) != status::ok) return;
+  std::vector<std::uint8_t> classes(polygons);
+  const status s = importance.decode(cell, classes);
+  require(!sound || s == status::ok, "a sound file has a class for each polygon");
+  for (const std::uint8_t one : classes)
+    require(s != status::ok || one < importance_class_count, "classes are 0 .. 15");
+}
+
+void walk(std::span<const std::byte> file, const sightcell_db* db, sightcell_view* view, const sightcell_info& info,
+          bool sound) {
   for (std::uint32_t cell = 0; cell < std::min(info.cell_count, cell_limit); ++cell) {
     float low[3], high[3], eye[3];
     if (sightcell_db_cell_box(db, cell, low, high) != SIGHTCELL_OK) continue;
@@ -91,6 +123,8 @@ void walk(const sightcell_db* db, sightcell_view* view, const sightcell_info& in
     sightcell_frame frame;
     if (sightcell_view_move(view, eye, &frame) != SIGHTCELL_OK) continue;
     check_outputs(view, frame, info.polygon_count, info.range_bound, sound);
+    if (frame.cell < info.cell_count && (frame.flags & SIGHTCELL_FRAME_DRAW_ALL) == 0)
+      query_importance(file, frame.cell, frame.polygon_count, sound);
   }
 }
 
@@ -111,7 +145,8 @@ void run(const std::uint8_t* data, std::size_t size) {
     std::vector<std::uint32_t> order(info.polygon_count);
     sightcell_db_order(db, order.data(), order.size(), &count);
     sightcell_view* view = nullptr;
-    if (sightcell_view_create(db, &view) == SIGHTCELL_OK) walk(db, view, info, sound);
+    if (sightcell_view_create(db, &view) == SIGHTCELL_OK)
+      walk(std::as_bytes(std::span(data, size)), db, view, info, sound);
     sightcell_view_destroy(view);
   }
   sightcell_db_close(db);

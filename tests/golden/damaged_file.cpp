@@ -41,7 +41,7 @@ bool is_found_later(std::string_view name) {
 damaged_list damaged_files() {
   damaged_list all;
   for (auto* part : {damaged_headers, damaged_section_tables, damaged_tables, damaged_groups, damaged_lattices,
-                     damaged_code_tables, damaged_rows}) {
+                     damaged_code_tables, damaged_rows, damaged_importance}) {
     damaged_list some = part();
     all.insert(all.end(), std::move_iterator(some.begin()), std::move_iterator(some.end()));
   }

@@ -25,6 +25,7 @@ damaged_list damaged_groups();
 damaged_list damaged_lattices();
 damaged_list damaged_code_tables();
 damaged_list damaged_rows();
+damaged_list damaged_importance();
 // All of them.
 damaged_list damaged_files();
 

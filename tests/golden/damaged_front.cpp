@@ -169,7 +169,6 @@ damaged_list damaged_section_tables() {
         {"section_" + std::to_string(id) + "_missing", status::corrupt, with_record(whole, id, unknown_section, 0)});
   }
   constexpr std::uint32_t settings = layout::section_settings;
-  list.push_back({"section_9_skipped", status::ok, with_record(whole, settings, layout::section_importance, 0)});
   list.push_back({"section_9_required", status::version, with_record(whole, settings, layout::section_importance, 1)});
   list.push_back({"section_10_skipped", status::ok, with_record(whole, settings, unknown_section, 0)});
   list.push_back({"section_10_required", status::version, with_record(whole, settings, unknown_section, 1)});

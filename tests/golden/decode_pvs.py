@@ -16,7 +16,7 @@ import decode_v1  # noqa: E402
 from pvs_parts import Refused, crc32c, need  # noqa: E402
 
 MAGIC = bytes([0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A])
-ROWS, DIRECTORY, CERTIFICATE, SETTINGS = 3, 4, 5, 6
+ROWS, DIRECTORY, SETTINGS, IMPORTANCE = 3, 4, 6, 9
 VERSIONS = {0: decode_v0, 1: decode_v1}
 
 
@@ -50,7 +50,7 @@ class Header:
         need(self.run_bound <= self.range_bound <= (self.run_bound + self.draws if self.run_bound else 0), "range bound")
 
 
-def sections_of(data, header, required):
+def sections_of(data, header, required, optional):
     table = data[96:96 + 32 * header.sections]
     need(len(table) == 32 * header.sections, "section table is cut")
     need(crc32c(table) == header.table_checksum, "section table", "checksum")
@@ -60,7 +60,8 @@ def sections_of(data, header, required):
         need(offset == place and flags < 2 and reserved == 0, "section record")
         place += size
         need(place <= len(data), "section leaves the file")
-        if number in required or number in (CERTIFICATE, SETTINGS):
+        need(number != IMPORTANCE or flags == 0, "an importance that is required", "version")
+        if number in required or number in optional:
             need(number not in found, "section is there twice")
             need(flags == (number in required), "section flags")
         else:
@@ -79,13 +80,17 @@ class Contents:
     def __init__(self, data):
         self.header = header = Header(data)
         version = VERSIONS[header.version]
-        parts = sections_of(data, header, version.REQUIRED)
+        parts = sections_of(data, header, version.REQUIRED, version.OPTIONAL)
         header.check_bounds(version.most_runs(len(parts[ROWS])))
         self.orders, self.lattice, self.certificate = [], None, []
         self.settings = parts.get(SETTINGS, b"").decode("utf-8", "backslashreplace")
         version.decode_tables(header, parts, self)
         self.check_records()
         self.sets = list(self.decode_sets(parts, version))
+        self.importance = []
+        if IMPORTANCE in version.OPTIONAL and IMPORTANCE in parts:
+            sizes = [sum(end - first for first, end in runs) for runs in self.sets]
+            self.importance = version.decode_importance(parts[IMPORTANCE], sizes)
 
     def check_records(self):
         for box in self.boxes:
@@ -118,6 +123,12 @@ class Contents:
         """Ascending source ids."""
         return sorted(self.source_of_stored[number] for first, end in self.sets[cell] for number in range(first, end))
 
+    def classes(self, cell):
+        """By ascending source ids."""
+        stored = [number for first, end in self.sets[cell] for number in range(first, end)]
+        pairs = sorted(zip((self.source_of_stored[number] for number in stored), self.importance[cell]))
+        return [one for _, one in pairs]
+
     def text(self):
         header = self.header
         yield f"version {header.version}"
@@ -144,6 +155,8 @@ class Contents:
             yield f"cell {i}: {' '.join(box[:3])}  {' '.join(box[3:])}  sees{seen}"
         for i, (rays, misses, bound, sure, seed) in enumerate(self.certificate):
             yield f"certificate {i}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}"
+        for i in range(len(self.importance)):
+            yield f"importance {i}:" + "".join(f" {one}" for one in self.classes(i))
 
 
 def decode(data):

@@ -2,10 +2,12 @@
 import math
 import struct
 
-from pvs_parts import MASK32, PADDING, Bits, code_table, need, packed_columns, unpack, with_raw_bits
+from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
-DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, ORDERS, CODES = 1, 2, 3, 4, 5, 7, 8
+DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE)
+CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
 FURTHEST_LAYER = 1 << 30
 
@@ -267,3 +269,42 @@ def row_decoder(header, parts, chunks):
     need(len(parts[DIRECTORY]) == 16 * chunks, "size of the chunk directory")
     rows = RowDecoder(header, parts[CODES])
     return lambda number, chunk, cells: rows.decode_chunk(chunk, cells)
+
+
+def decode_importance(section, sizes):
+    """Of each cell the classes of its polygons in stored order. sizes: how many these are."""
+    chunks = (len(sizes) + 63) // 64
+    at = 4 + 16 * chunks
+    need(at <= len(section), "the directory of the importance is cut")
+    codes = []
+    for _ in range(CLASSES):
+        code, at = code_table(section, at, CLASSES, 8)
+        codes.append(code)
+    need(crc32c(section[4:at]) == unpack("<I", section, 0, "importance")[0], "front of the importance", "checksum")
+    place, classes = 0, []
+    for number in range(chunks):
+        offset, size, checksum = struct.unpack_from("<QII", section, 4 + 16 * number)
+        need(offset == place and at + offset + size <= len(section), "chunk of classes")
+        place += size
+        chunk = section[at + offset:at + place]
+        need(crc32c(chunk) == checksum, f"chunk {number} of classes", "checksum")
+        classes.extend(decode_classes(chunk, sizes[64 * number:64 * number + 64], codes))
+    need(at + place == len(section), "bytes behind the last chunk of classes")
+    return classes
+
+
+def decode_classes(chunk, sizes, codes):
+    width = unpack("<B", chunk, 0, "chunk of classes")[0]
+    begin = 1 + (width * len(sizes) + 7) // 8
+    need(width <= 32 and begin + PADDING <= len(chunk), "places of classes")
+    table = Bits(chunk, 8, 8 * begin)
+    begins = [table.take(width) for _ in sizes] + [len(chunk) - PADDING - begin]
+    need(begins[0] == 0 and all(a <= b for a, b in zip(begins, begins[1:])), "classes do not follow each other")
+    for cell, size in enumerate(sizes):
+        end = begin + begins[cell + 1]
+        bits, before, classes = Bits(chunk, 8 * (begin + begins[cell]), 8 * end), CLASSES - 1, []
+        for _ in range(size):
+            before = codes[before].symbol(bits)
+            classes.append(before)
+        need((bits.at + 7) // 8 == end, "classes of a cell do not end where those of the next begin")
+        yield classes

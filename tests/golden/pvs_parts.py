@@ -114,11 +114,13 @@ def with_raw_bits(symbol, bits):
     return (2 + symbol % 2) << count | bits.take(count)
 
 
-def code_table(data, at):
-    """The code, and where its table ends."""
+def code_table(data, at, symbols=64, longest=LONGEST_CODE):
+    """The code, and where its table ends. Only so many symbols have codes, of so many bits at most."""
     count = unpack("<B", data, at, "code table")[0]
     need(count <= 64, "a code table of more than 64 symbols")
     end = at + 1 + (count + 1) // 2
     need(end <= len(data), "code table is cut")
     bits = Bits(data, 8 * (at + 1), 8 * end)
-    return PrefixCode([bits.take(4) for _ in range(count)]), end
+    lengths = [bits.take(4) for _ in range(count)]
+    need(not any(lengths[symbols:]) and max(lengths, default=0) <= longest, "a code that its table may not have")
+    return PrefixCode(lengths), end

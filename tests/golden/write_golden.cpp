@@ -9,6 +9,7 @@
 
 #include "damaged_file.h"
 #include "golden_contents.h"
+#include "golden_importance.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/writer.h"
 
@@ -70,15 +71,26 @@ void dump_cells(const sample_contents& contents, std::FILE* out) {
   }
 }
 
-bool write(const sample_contents& contents, const std::string& name) {
-  std::vector<std::byte> bytes;
-  if (sightcell::format::encode(contents.view(), bytes) != sightcell::format::status::ok) return false;
+// By ascending source id, as sets are.
+void dump_importance(const sample_contents& contents, std::FILE* out) {
+  for (std::size_t cell = 0; cell < contents.sets.size(); ++cell) {
+    std::vector<std::uint32_t> classes;
+    for (const std::uint32_t polygon : contents.sets[cell])
+      classes.push_back(sightcell::test::sample_class(static_cast<std::uint32_t>(cell), polygon));
+    std::fprintf(out, "importance %zu:", cell);
+    dump_numbers(classes, out);
+  }
+}
+
+bool write(const sample_contents& contents, const std::vector<std::byte>& bytes, bool importance,
+           const std::string& name) {
   if (sightcell::format::write_file((name + ".pvs").c_str(), bytes) != sightcell::format::status::ok) return false;
   std::FILE* text = std::fopen((name + ".txt").c_str(), "wb");
   if (text == nullptr) return false;
   dump_facts(contents, text);
   dump_draws(contents, text);
   dump_cells(contents, text);
+  if (importance) dump_importance(contents, text);
   return std::fclose(text) == 0;
 }
 
@@ -109,8 +121,10 @@ int main(int argc, char** argv) {
   const std::string folder = argv[1];
   bool written = true;
   for (const auto& [name, contents] : sightcell::test::golden_files()) {
-    written = written && write(contents, folder + "/" + name);
+    written = written && write(contents, contents.encode(), false, folder + "/" + name);
   }
+  written = written && write(sightcell::test::ordered_contents(), sightcell::test::importance_golden_bytes(), true,
+                             folder + "/v1_importance");
   written = written && write_damaged(folder + "/golden_errors");
   if (!written) std::fprintf(stderr, "write_golden: cannot write to %s\n", folder.c_str());
   return written ? 0 : 1;

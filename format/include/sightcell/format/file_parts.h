@@ -1,6 +1,6 @@
 #pragma once
 // A file taken apart, for tools that encode it again: all it holds but its sets, which set_reader.h gives one at a
-// time.
+// time, and their importance.
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -56,7 +56,7 @@ inline constexpr std::uint32_t section_certificate = 5;
 inline constexpr std::uint32_t section_settings = 6;
 inline constexpr std::uint32_t section_orders = 7;      // since version 1
 inline constexpr std::uint32_t section_codes = 8;       // since version 1
-inline constexpr std::uint32_t section_importance = 9;  // since version 1; reserved
+inline constexpr std::uint32_t section_importance = 9;  // since version 1; optional
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
 

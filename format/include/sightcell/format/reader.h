@@ -33,6 +33,7 @@ namespace sightcell::format {
 // The code tables of a file, which lie in the caller's memory. Made by reader::make_codes, read by any number of
 // threads.
 struct row_codes;
+class importance_classes;  // importance_classes.h
 
 // One entry of the section table, for tools.
 struct section_record {
@@ -161,9 +162,15 @@ class reader {
   // How many (draw, first, count) ranges runs make. runs: as decode_row gives them.
   [[nodiscard]] std::uint64_t count_ranges(std::span<const run> runs) const noexcept;
 
+  // Is there an importance section, for the order of polygons inside a cell?
+  [[nodiscard]] bool has_importance() const noexcept { return has_importance_; }
+  // Opens it: open() leaves all of it out, as a file is as good without. argument: there is none; else as
+  // importance_classes::open.
+  status importance(importance_classes& out) const noexcept;
+
   // Everything open leaves out: every section's checksum, every chunk and row, that rows fill their chunks without gaps
-  // and keep the bounds, that every source id is stored once. out, scratch, codes: as for decode_row; stored: room for
-  // polygon_count() numbers. ok, or the first fault found.
+  // and keep the bounds, importance, that every source id is stored once. out, scratch, codes: as for decode_row;
+  // stored: room for polygon_count() numbers. ok, or the first fault found.
   status check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                std::span<std::uint32_t> stored) const noexcept;
 
@@ -196,6 +203,8 @@ class reader {
   status check_directory() const noexcept;
   status check_certificate() const noexcept;
   status check_stored(std::span<std::uint32_t> stored) const noexcept;
+  status check_importance(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                          std::span<std::uint8_t> classes) const noexcept;
   status chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept;
   [[nodiscard]] std::uint32_t rows_of_chunk(std::uint32_t chunk) const noexcept;
   status check_chunk_filled(std::uint32_t chunk, const row_codes* codes, std::span<std::byte> scratch) const noexcept;
@@ -221,7 +230,8 @@ class reader {
   std::uint32_t run_bound_ = 0;
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
-  extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_;
+  extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_, importance_;
+  bool has_importance_ = false;
   bool on_lattice_ = false;
   cell_lattice lattice_;
   std::array<packed_column, layout::draw_columns> draw_columns_;

@@ -1,0 +1,122 @@
+#include "sightcell/format/importance_classes.h"
+
+#include <algorithm>
+
+#include "bit_reader.h"
+#include "checked_reader.h"
+#include "checksum.h"
+#include "code_table.h"
+#include "sightcell/format/layout.h"
+
+namespace sightcell::format {
+namespace {
+
+constexpr std::size_t checksum_size = 4;  // what the section begins with
+
+std::uint32_t chunk_count_of(std::uint32_t cells) noexcept {
+  return (cells + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
+}
+
+}  // namespace
+
+// One table per class of the polygon before. Short codes alone, so that one look into a small table decodes each.
+bool importance_classes::read_codes(std::span<const std::byte>& bytes) noexcept {
+  for (code_entries& entries : codes_) {
+    symbol_lengths lengths{};
+    prefix_code code;
+    if (!read_code_lengths(bytes, lengths)) return false;
+    for (std::uint32_t symbol = 0; symbol < symbol_count; ++symbol) {
+      if (lengths[symbol] > (symbol < importance_class_count ? longest_code : 0)) return false;
+    }
+    if (!code.assign(lengths)) return false;
+    code.for_each([&](std::uint32_t symbol, std::uint32_t bits, unsigned length) {
+      for (std::size_t at = bits; at < entries.size(); at += std::size_t{1} << length) {
+        entries[at] = static_cast<std::uint8_t>(length << 4 | symbol);
+      }
+    });
+  }
+  return true;
+}
+
+status importance_classes::open(std::span<const std::byte> bytes, std::uint32_t cells,
+                                importance_classes& out) noexcept {
+  const std::size_t directory = chunk_count_of(cells) * std::size_t{layout::chunk_record_size};
+  if (bytes.size() < checksum_size || directory > bytes.size() - checksum_size) return status::corrupt;
+  importance_classes made;
+  made.cells_ = cells;
+  made.directory_ = bytes.subspan(checksum_size, directory);
+  made.chunks_ = bytes.subspan(checksum_size + directory);
+  if (!made.read_codes(made.chunks_)) return status::corrupt;
+  std::uint32_t stored = 0;
+  const std::size_t front = bytes.size() - made.chunks_.size();
+  if (!checked_reader(bytes).read_u32(0, stored)) return status::corrupt;
+  if (crc32c(bytes.first(front).subspan(checksum_size)) != stored) return status::checksum;
+  // Chunks lie one behind the other and fill the section.
+  std::uint64_t next = 0;
+  for (std::uint32_t chunk = 0; chunk < chunk_count_of(cells); ++chunk) {
+    std::span<const std::byte> where;
+    std::uint32_t unused = 0;
+    std::uint64_t offset = 0;
+    if (!made.chunk_of(chunk, where, unused)) return status::corrupt;
+    if (!checked_reader(made.directory_).read_u64(chunk * layout::chunk_record_size, offset)) return status::corrupt;
+    if (offset != next) return status::corrupt;
+    next += where.size();
+  }
+  if (next != made.chunks_.size()) return status::corrupt;
+  out = made;
+  return status::ok;
+}
+
+bool importance_classes::chunk_of(std::uint32_t chunk, std::span<const std::byte>& out,
+                                  std::uint32_t& checksum) const noexcept {
+  const checked_reader in(directory_);
+  const std::uint64_t at = chunk * layout::chunk_record_size;
+  std::uint64_t offset = 0;
+  std::uint32_t size = 0;
+  if (!in.read_u64(at, offset) || !in.read_u32(at + 8, size) || !in.read_u32(at + 12, checksum)) return false;
+  if (offset > chunks_.size() || size > chunks_.size() - offset) return false;
+  out = chunks_.subspan(static_cast<std::size_t>(offset), size);
+  return true;
+}
+
+status importance_classes::check_chunk(std::uint32_t chunk) const noexcept {
+  if (chunk >= chunk_count_of(cells_)) return status::argument;
+  std::span<const std::byte> bytes;
+  std::uint32_t stored = 0;
+  if (!chunk_of(chunk, bytes, stored)) return status::corrupt;
+  return crc32c(bytes) == stored ? status::ok : status::checksum;
+}
+
+// That a cell's classes begin where those before end is for those before: each ends where the next one begins.
+status importance_classes::decode(std::uint32_t cell, std::span<std::uint8_t> out) const noexcept {
+  if (cell >= cells_) return status::argument;
+  const std::uint32_t chunk = cell / layout::cells_per_chunk;
+  const std::uint32_t place = cell % layout::cells_per_chunk;
+  const std::uint32_t cells = std::min(cells_ - chunk * layout::cells_per_chunk, layout::cells_per_chunk);
+  std::span<const std::byte> bytes;
+  std::uint32_t unused = 0;
+  if (!chunk_of(chunk, bytes, unused) || bytes.size() < bit_reader::padding) return status::corrupt;
+  bit_reader table(bytes);
+  const std::uint32_t width = table.take(8);
+  const std::uint64_t table_size = 1 + (std::uint64_t{width} * cells + 7) / 8;
+  if (width > 32 || table_size > bytes.size() - bit_reader::padding) return status::corrupt;
+  const std::span<const std::byte> classes = bytes.subspan(static_cast<std::size_t>(table_size));
+  table.seek(8 + std::uint64_t{place} * width);
+  const std::uint64_t begin = table.take(width);
+  const std::uint64_t end = place + 1 < cells ? table.take(width) : classes.size() - bit_reader::padding;
+  if (begin > end || end > classes.size() - bit_reader::padding || (place == 0 && begin != 0)) return status::corrupt;
+  if (out.size() > 8 * (end - begin)) return status::corrupt;  // a class takes a bit at least
+
+  bit_reader in(classes);
+  in.seek(8 * begin);
+  std::uint8_t before = least_important;
+  for (std::uint8_t& one : out) {
+    const std::uint8_t entry = codes_[before][static_cast<std::size_t>(in.peek() & (codes_[before].size() - 1))];
+    if (entry == 0) return status::corrupt;
+    in.skip(entry >> 4);
+    one = before = entry & 0xFu;
+  }
+  return (in.place() + 7) / 8 == end ? status::ok : status::corrupt;
+}
+
+}  // namespace sightcell::format

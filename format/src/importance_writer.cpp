@@ -1,0 +1,235 @@
+#include "sightcell/format/importance_writer.h"
+
+#include <array>
+#include <bit>
+#include <new>
+#include <optional>
+#include <stdexcept>
+
+#include "bit_reader.h"
+#include "bit_sink.h"
+#include "byte_sink.h"
+#include "checksum.h"
+#include "code_lengths.h"
+#include "code_table_writer.h"
+#include "prefix_code.h"
+#include "sightcell/format/layout.h"
+#include "sightcell/format/reader.h"
+#include "sightcell/format/set_reader.h"
+
+namespace sightcell::format {
+namespace {
+
+using class_codes = std::array<std::uint32_t, importance_class_count>;
+
+// Codes of the classes, by the class before.
+struct class_coder {
+  std::array<symbol_counts, importance_class_count> counts{};
+  std::array<symbol_lengths, importance_class_count> lengths{};
+  std::array<class_codes, importance_class_count> codes{};
+
+  void count(std::span<const std::uint8_t> classes) {
+    std::uint8_t before = least_important;
+    for (const std::uint8_t one : classes) {
+      ++counts[before][one];
+      before = one;
+    }
+  }
+
+  // All that will be encoded must have been counted.
+  void make_codes() {
+    for (std::size_t before = 0; before < importance_class_count; ++before) {
+      lengths[before] = best_lengths(counts[before], importance_classes::longest_code);
+      prefix_code code;
+      if (!code.assign(lengths[before])) continue;
+      code.for_each([&](std::uint32_t symbol, std::uint32_t bits, unsigned) { codes[before][symbol] = bits; });
+    }
+  }
+
+  void encode(std::span<const std::uint8_t> classes, std::vector<std::byte>& out) const {
+    bit_sink bits(out);
+    std::uint8_t before = least_important;
+    for (const std::uint8_t one : classes) {
+      bits.put(codes[before][one], lengths[before][one]);
+      before = one;
+    }
+    bits.align();
+  }
+};
+
+// Asks for the classes of every cell and looks whether they are as many as the set has polygons.
+class checked_classes {
+ public:
+  explicit checked_classes(const importance_source& source) : source_(source) {}
+
+  status count_polygons(set_reader& sets) {
+    polygons_.resize(sets.file().cell_count());
+    for (std::uint32_t cell = 0; cell < polygons_.size(); ++cell) {
+      std::span<const run> runs;
+      if (const status s = sets.runs(cell, runs); s != status::ok) return s;
+      for (const run& r : runs) polygons_[cell] += r.count;
+    }
+    return status::ok;
+  }
+
+  [[nodiscard]] std::uint32_t cells() const { return static_cast<std::uint32_t>(polygons_.size()); }
+
+  status get(std::uint32_t cell) {
+    classes_.clear();
+    if (const status s = source_.get(cell, classes_); s != status::ok) return s;
+    if (classes_.size() != polygons_[cell]) return status::argument;
+    for (const std::uint8_t one : classes_) {
+      if (one >= importance_class_count) return status::argument;
+    }
+    return status::ok;
+  }
+  [[nodiscard]] std::span<const std::uint8_t> classes() const { return classes_; }
+
+ private:
+  const importance_source& source_;
+  std::vector<std::uint32_t> polygons_;
+  std::vector<std::uint8_t> classes_;
+};
+
+// Where the classes of each cell begin in as few bits as hold them, then the classes.
+void put_chunk(std::span<const std::uint32_t> begins, std::span<const std::byte> classes, std::vector<std::byte>& out) {
+  const auto width = static_cast<unsigned>(std::bit_width(begins.back()));
+  bit_sink bits(out);
+  bits.put(width, 8);
+  for (const std::uint32_t begin : begins) bits.put(begin, width);
+  bits.align();
+  out.insert(out.end(), classes.begin(), classes.end());
+  out.insert(out.end(), bit_reader::padding, std::byte{0});
+}
+
+status encode_chunks(checked_classes& classes, const class_coder& coder, std::vector<std::byte>& directory,
+                     std::vector<std::byte>& chunks) {
+  byte_sink records(directory);
+  std::vector<std::byte> chunk;
+  std::vector<std::uint32_t> begins;
+  for (std::uint32_t first = 0; first < classes.cells(); first += layout::cells_per_chunk) {
+    chunk.clear();
+    begins.clear();
+    for (std::uint32_t cell = first; cell < classes.cells() && cell - first < layout::cells_per_chunk; ++cell) {
+      begins.push_back(static_cast<std::uint32_t>(chunk.size()));
+      if (const status s = classes.get(cell); s != status::ok) return s;
+      coder.encode(classes.classes(), chunk);
+      if (chunk.size() > layout::max_chunk_size / 2) return status::limit;
+    }
+    const std::size_t begin = chunks.size();
+    put_chunk(begins, chunk, chunks);
+    records.put_u64(begin);
+    records.put_u32(static_cast<std::uint32_t>(chunks.size() - begin));
+    records.put_u32(crc32c(std::span(chunks).subspan(begin)));
+  }
+  return status::ok;
+}
+
+status encode_section(const reader& file, const importance_source& source, std::vector<std::byte>& section) {
+  set_reader sets;
+  if (const status s = sets.open(file); s != status::ok) return s;
+  checked_classes classes(source);
+  if (const status s = classes.count_polygons(sets); s != status::ok) return s;
+  class_coder coder;
+  for (std::uint32_t cell = 0; cell < classes.cells(); ++cell) {
+    if (const status s = classes.get(cell); s != status::ok) return s;
+    coder.count(classes.classes());
+  }
+  coder.make_codes();
+  std::vector<std::byte> front;
+  std::vector<std::byte> chunks;
+  if (const status s = encode_chunks(classes, coder, front, chunks); s != status::ok) return s;
+  for (const symbol_lengths& lengths : coder.lengths) put_code_lengths(lengths, front);
+  byte_sink out(section);
+  out.put_u32(crc32c(front));
+  out.put_bytes(front);
+  out.put_bytes(chunks);
+  return status::ok;
+}
+
+// The file's sections but for the importance, then `last` as that.
+status with_last_section(const reader& file, std::span<const std::byte> bytes,
+                         std::optional<std::span<const std::byte>> last, std::vector<std::byte>& out) {
+  struct part {
+    std::uint32_t id = 0;
+    std::uint32_t flags = 0;
+    std::span<const std::byte> bytes;
+  };
+  std::vector<part> parts;
+  std::uint64_t total = layout::header_size;
+  for (std::uint32_t i = 0; i < file.section_count(); ++i) {
+    section_record s;
+    if (const status outcome = file.section(i, s); outcome != status::ok) return outcome;
+    if (s.id == layout::section_importance) continue;
+    parts.push_back({s.id, s.required ? layout::section_required : 0,
+                     bytes.subspan(static_cast<std::size_t>(s.offset), static_cast<std::size_t>(s.size))});
+  }
+  if (last) parts.push_back({layout::section_importance, 0, *last});
+  if (parts.size() > layout::max_sections) return status::limit;
+  for (const part& p : parts) total += layout::section_record_size + p.bytes.size();
+
+  std::vector<std::byte> table;
+  byte_sink records(table);
+  std::uint64_t offset = layout::header_size + parts.size() * layout::section_record_size;
+  for (const part& p : parts) {
+    records.put_u32(p.id);
+    records.put_u32(p.flags);
+    records.put_u64(offset);
+    records.put_u64(p.bytes.size());
+    records.put_u32(crc32c(p.bytes));
+    records.put_u32(0);
+    offset += p.bytes.size();
+  }
+  std::vector<std::byte> made;
+  made.reserve(static_cast<std::size_t>(total));
+  byte_sink sink(made);
+  const auto kept = [&](std::uint64_t from, std::uint64_t to) {
+    sink.put_bytes(bytes.subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from)));
+  };
+  kept(0, layout::header_section_count);
+  sink.put_u32(static_cast<std::uint32_t>(parts.size()));
+  sink.put_u64(total);
+  kept(layout::header_fingerprint, layout::header_table_checksum);
+  sink.put_u32(crc32c(table));
+  sink.put_u32(crc32c(made));
+  sink.put_bytes(table);
+  for (const part& p : parts) sink.put_bytes(p.bytes);
+  out = std::move(made);
+  return status::ok;
+}
+
+status put_section(std::span<const std::byte> bytes, const importance_source* source, std::vector<std::byte>& out) {
+  reader file;
+  if (const status s = reader::open(bytes, file); s != status::ok) return s;
+  if (source == nullptr) return with_last_section(file, bytes, std::nullopt, out);
+  if (file.format_version() != layout::version) return status::version;
+  std::vector<std::byte> section;
+  if (const status s = encode_section(file, *source, section); s != status::ok) return s;
+  return with_last_section(file, bytes, std::span<const std::byte>(section), out);
+}
+
+status put_or_say(std::span<const std::byte> bytes, const importance_source* source, std::vector<std::byte>& out) {
+#if defined(__cpp_exceptions)
+  try {
+    return put_section(bytes, source, out);
+  } catch (const std::bad_alloc&) {
+    return status::memory;
+  } catch (const std::length_error&) {  // what a vector says above its largest size
+    return status::memory;
+  }
+#else
+  return put_section(bytes, source, out);
+#endif
+}
+
+}  // namespace
+
+status put_importance(std::span<const std::byte> file, const importance_source& classes, std::vector<std::byte>& out) {
+  return put_or_say(file, &classes, out);
+}
+
+status remove_importance(std::span<const std::byte> file, std::vector<std::byte>& out) {
+  return put_or_say(file, nullptr, out);
+}
+
+}  // namespace sightcell::format
