@@ -309,6 +309,10 @@ void add_file_options(CLI::App& verb, bake_options& o) {
       "list)")
       ->check(CLI::IsMember(std::vector<std::string>(layouts.begin(), layouts.end())))
       ->group("File");
+  verb.add_flag("--importance", o.settings.file.importance,
+                "put in the file how much of what is seen from its cell each polygon covers, for hosts that load the "
+                "largest first")
+      ->group("File");
 }
 
 void add_running_options(CLI::App& verb, bake_options& o) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -82,6 +83,18 @@ ordered_json certificate_json(const format::reader& file) {
   return list;
 }
 
+// What the order of polygons inside cells takes; null where there is none.
+ordered_json importance_json(const format::reader& file, std::uint64_t visible_polygons) {
+  for (std::uint32_t i = 0; i < file.section_count(); ++i) {
+    format::section_record section;
+    if (file.section(i, section) != format::status::ok || section.id != format::layout::section_importance) continue;
+    const double bits =
+        8.0 * static_cast<double>(section.size) / static_cast<double>(std::max<std::uint64_t>(visible_polygons, 1));
+    return {{"bytes", section.size}, {"bits_per_visible_polygon", bits}};
+  }
+  return nullptr;
+}
+
 // The settings text is somebody's JSON: shown as such when it is, as text when it is not.
 ordered_json settings_json(std::string_view text) {
   if (text.empty()) return nullptr;
@@ -120,6 +133,7 @@ ordered_json file_json(const pvs_file& pvs) {
           {"false_visible_percent", safety_ring_of(settings).empty()
                                         ? ordered_json(100.0 * static_cast<double>(facts.slack))
                                         : ordered_json(nullptr)},
+          {"importance", importance_json(file, sums.polygons)},
           {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
           {"margin", facts.margin},
           {"metric", pvs.metric()},
@@ -145,6 +159,9 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
   if (info["false_visible_percent"].is_number())
     fmt::print("  slack              {:.2f} % more polygons than are seen\n",
                info["false_visible_percent"].get<double>());
+  if (info["importance"].is_object())
+    fmt::print("  importance         {:.3f} bits per visible polygon\n",
+               info["importance"]["bits_per_visible_polygon"].get<double>());
   fmt::print("  {:<18} at most {:g} in every cell, confidence {:g}\n", error_name(info["metric"].get<std::string>()),
              info["max_pixel_error"].get<double>(), info["confidence"].get<double>());
   if (const std::string ring = safety_ring_of(info["settings"]); !ring.empty())

@@ -36,19 +36,24 @@ bool progress_line::due(bool last) {
 
 void progress_line::update(const bake::progress& now) {
   const bool all = now.cells_done == now.cells_total;
-  if (!due(all && now.seconds_left == 0.0)) return;
+  if (!due(now.importance > 0.0 ? now.importance == 1.0 : all && now.seconds_left == 0.0)) return;
   if (mode_ == progress_mode::json) {
     const nlohmann::ordered_json line = {{"cells", now.cells_done},
                                          {"cells_total", now.cells_total},
                                          {"cells_checked", now.cells_checked},
                                          {"target", now.target},
                                          {"prepared", now.prepared},
+                                         {"importance", now.importance},
                                          {"seconds", now.seconds},
                                          {"seconds_left", now.seconds_left},
                                          {"pixel_error", now.pixel_error},
                                          {"worst_upper_bound", now.worst_bound},
                                          {"visible_set_percent", now.visible_percent}};
     say_line(line.dump());
+    return;
+  }
+  if (now.importance > 0.0) {
+    show(fmt::format("importance of polygons: {:.0f} %", 100.0 * now.importance));
     return;
   }
   std::string text = fmt::format("{} of {} cells", grouped(now.cells_done), grouped(now.cells_total));

@@ -11,9 +11,13 @@
 
 #include "exit_codes.h"
 #include "number_text.h"
+#include "progress_line.h"
 #include "pvs_file.h"
 #include "sightcell/bake/recode.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/scene/error.h"
+#include "sightcell/scene/scene.h"
+#include "stop_signals.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
@@ -22,6 +26,7 @@ namespace {
 
 struct recode_options {
   std::filesystem::path file, output;
+  std::filesystem::path scene;  // of --importance
   std::string profile, order;
   bool json = false;
 };
@@ -42,6 +47,33 @@ void report(const std::filesystem::path& output, const bake::recode_result& resu
              format::layout::version, 100.0 * result.slack);
 }
 
+// Measuring takes a while.
+int run_with_scene(const recode_options& options, const pvs_file& file, bake::recode_settings how,
+                   const std::filesystem::path& output) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.scene, output, ignored))
+    throw error(error_kind::wrong_use, "cli.output-is-input", output.string(), "is the scene itself",
+                "choose another name");
+  progress_line line(progress_mode::automatic);
+  const scene::scene s = scene::load_gltf(options.scene, file.scene());
+  for (const std::string& warning : s.warnings) line.message("warning: " + warning);
+  const stop_signals signals;
+  how.importance_in = &s;
+  how.on_progress = [&](std::uint32_t done, std::uint32_t total) {
+    line.update(bake::progress{.cells_done = total,
+                               .cells_total = total,
+                               .importance = static_cast<double>(done) / static_cast<double>(total)});
+    return !signals.asked();
+  };
+  const bake::recode_result result = bake::recode(file.bytes(), options.file.string(), how, output);
+  if (result.cancelled) {
+    line.message("stopped: nothing was written");
+    return exit_cancelled;
+  }
+  report(output, result, options.json);
+  return exit_done;
+}
+
 int run_recode(const recode_options& options) {
   const pvs_file file = pvs_file::open(options.file);
   const std::filesystem::path& output = options.output.empty() ? options.file : options.output;
@@ -50,6 +82,7 @@ int run_recode(const recode_options& options) {
     how.profile = bake::kind_of<bake::slack_profile>(bake::slack_profile_names, options.profile);
   if (!options.order.empty())
     how.order = bake::kind_of<bake::polygon_order_kind>(bake::polygon_order_names, options.order);
+  if (!options.scene.empty()) return run_with_scene(options, file, how, output);
   report(output, bake::recode(file.bytes(), options.file.string(), how, output), options.json);
   return exit_done;
 }
@@ -86,6 +119,10 @@ void add_recode_verb(CLI::App& program, action& chosen) {
   verb.add_option("--order", options->order, "order polygons anew; without: as they are")
       ->type_name("per-mesh|per-instance")
       ->check(CLI::IsMember(std::vector<std::string>(orders.begin(), orders.end())));
+  verb.add_option("--importance", options->scene,
+                  "the scene that the file was baked from: put in the file how much of what is seen from its cell each "
+                  "polygon covers; without: what it knows of that stays")
+      ->type_name("SCENE");
   verb.callback([options, &chosen] { chosen = [options] { return run_recode(*options); }; });
 }
 

@@ -10,6 +10,7 @@
 #include "disk.h"
 #include "disk_space.h"
 #include "host_scene.h"
+#include "importance_section.h"
 #include "ledger.h"
 #include "phases.h"
 #include "process_time.h"
@@ -69,13 +70,20 @@ void bake_all(const workshop& shop, const stage_plan& plan, tbb::task_arena& are
     return;
   }
   const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells);
+  bool written = false;
   keeping(file, [&] {
     arena.execute([&] {
-      write_pvs(
-          frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, tell, sum);
+      written = write_pvs(
+          frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, tell, sum,
+          importance_of(shop.how, *shop.rays, output, tell));
     });
   });
-  file.remove();
+  if (written) {
+    file.remove();
+    return;
+  }
+  sum.result = outcome::cancelled;
+  file.copy();
 }
 
 }  // namespace

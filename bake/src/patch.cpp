@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "importance_section.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
@@ -126,6 +127,7 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
   if (format::encode(changed, bytes) != format::status::ok)
     throw error(error_kind::failed, "output.encode", output.string(), "what was added does not fit into the file",
                 "bake again with these polygons in the cells file");
+  carry_importance(opened, bytes, output.string());
   if (format::write_file(output.string().c_str(), bytes) != format::status::ok)
     throw error(error_kind::failed, "patch.not-written", output.string(), "cannot be written",
                 "free space or choose another -o; the file is what it was");

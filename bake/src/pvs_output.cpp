@@ -141,8 +141,8 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
   return frame;
 }
 
-void write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
-               const callbacks& tell, summary& sum) {
+bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
+               const callbacks& tell, summary& sum, const file_completion& complete) {
   stored_cells stored = first_pass(frame, record_of, sum);
   if (stored.places.empty())
     throw error(error_kind::failed, "bake.no-free-cell", frame.scene_name, "no cell has a place where an eye can be",
@@ -165,6 +165,7 @@ void write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   // What a bake of this output that was killed here had written: it takes room, and nobody else will look for it.
   format::remove_unfinished(output.string().c_str());
   require_ok(format::encode(contents, bytes), output, "encoding");
+  if (complete && !complete(bytes)) return false;
   require_ok(format::write_file(output.string().c_str(), bytes), output, "writing");
 
   const auto cells_written = static_cast<std::uint32_t>(stored.places.size());
@@ -176,6 +177,7 @@ void write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   sum.slack = slack_of(bytes);
   sum.bytes = bytes.size();
   if (sum.cells_over_bound > 0) sum.result = outcome::bound_not_met;
+  return true;
 }
 
 }  // namespace sightcell::bake

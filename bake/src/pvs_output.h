@@ -1,5 +1,6 @@
 #pragma once
 // From finished cells to the .pvs file.
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -16,6 +17,9 @@ namespace sightcell::bake {
 // A cell's record, by its place in the list of cells. Only one set at a time lies in memory uncompressed.
 using record_source = std::function<cell_record(std::uint32_t)>;
 
+// Adds to an encoded file what needs all of it; false: the user has had enough.
+using file_completion = std::function<bool(std::vector<std::byte>& file)>;
+
 // All that a file says besides what was found.
 struct pvs_frame {
   std::string scene_name;    // for messages
@@ -31,9 +35,10 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
 
 // Puts cells and polygons in the file's order, encodes them and writes output by rename; fills in the summary. Every
 // cell's record is asked for in ascending order, then those of stored ones about ten times in the file's order, on the
-// calling thread; what record_of throws comes through. Cells that were not stored are named in warnings. Throws
-// sightcell::error when nothing can be stored or written.
-void write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
-               const callbacks& tell, summary& sum);
+// calling thread; what record_of throws comes through. Cells that were not stored are named in warnings. complete: is
+// asked when all else of the file is known. False when it was: nothing is written then. Throws sightcell::error when
+// nothing can be stored or written.
+bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
+               const callbacks& tell, summary& sum, const file_completion& complete = {});
 
 }  // namespace sightcell::bake

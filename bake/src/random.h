@@ -27,9 +27,10 @@ enum class purpose : std::uint64_t {
   retest_all = 9,          // phase 2: what cells of all blocks around see
   dilation_of_finds = 10,  // phase 2
   jitter = 11,
-  guided = 13,     // rays of gvs and gvs++
-  agvs = 14,       // rays for all cells
-  agvs_place = 15  // of a cell on such a ray
+  guided = 13,      // rays of gvs and gvs++
+  agvs = 14,        // rays for all cells
+  agvs_place = 15,  // of a cell on such a ray
+  importance = 16
 };
 
 class random_stream {

@@ -40,6 +40,13 @@ void refuse_time_budget(const settings& how) {
                 "leave out --shard, or --time-budget");
 }
 
+// It is measured when all sets are known, and who joins shards has no scene.
+void refuse_importance(const settings& how) {
+  if (how.file.importance)
+    throw error(error_kind::wrong_use, "shard.importance", "--importance", "is for a bake on one machine",
+                "leave it out, and add it to the merged file: sightcell recode FILE --importance SCENE");
+}
+
 std::vector<std::uint32_t> blocks_of(const shard& part, const cell_blocks& all) {
   std::vector<std::uint32_t> own;
   for (std::uint32_t block = part.index; block < all.count(); block += part.count) own.push_back(block);
@@ -152,6 +159,7 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
                    bool fresh, const callbacks& tell) {
   validate(how);
   refuse_time_budget(how);
+  refuse_importance(how);
   validate(part);
   const double began = process_cpu_seconds();
   summary sum;

@@ -8,6 +8,7 @@
 
 #include "cell_bake.h"
 #include "cell_lanes.h"
+#include "importance_section.h"
 #include "phases.h"
 #include "pvs_output.h"
 #include "sightcell/scene/error.h"
@@ -47,7 +48,8 @@ class timed_bake {
   std::vector<cell_record> neighbors_of_now(std::uint32_t cell, const cell_record& own) const;
   bool take_turns(const std::vector<std::uint32_t>& cells, const take_step& take);
   void write_if_due();
-  void write(const callbacks& tell, summary& sum);
+  file_completion last_completion() const;
+  void write(const callbacks& tell, summary& sum, const file_completion& complete = {});
 
   const timed_work& work_;
   const cell_baker baker_;
@@ -134,7 +136,7 @@ void timed_bake::write_if_due() {
   write({}, unread);
 }
 
-void timed_bake::write(const callbacks& tell, summary& sum) {
+void timed_bake::write(const callbacks& tell, summary& sum, const file_completion& complete) {
   const double began = work_.clock.spent();
   const std::vector<std::uint32_t> cells = book_.known();
   pvs_frame frame = frame_;
@@ -146,10 +148,24 @@ void timed_bake::write(const callbacks& tell, summary& sum) {
         return baker_.finished(work_.shop.list.cells[cells[i]],
                                required(work_.file.records(), cells[i], cell_stage::bounded));
       },
-      work_.output, tell, sum);
+      work_.output, tell, sum, complete);
   const double took = work_.clock.spent() - began;
   work_.clock.keep_back(writing_grows * took);
   next_file_ = work_.clock.spent() + std::max(pause_, work_to_writing * took);
+}
+
+// Files on the way do without importance, as measuring it may take as long as a turn; so does one that the user has no
+// time for, since what was found is worth more.
+file_completion timed_bake::last_completion() const {
+  if (!how().file.importance) return {};
+  return [this](std::vector<std::byte>& file) {
+    const file_completion measure = importance_of(how(), *work_.shop.rays, work_.output, work_.tell);
+    if ((book_.stopped() || !measure(file)) && work_.tell.on_message)
+      work_.tell.on_message(severity::warning,
+                            "the file has no importance, which was not waited for; sightcell recode FILE --importance "
+                            "SCENE adds it");
+    return true;
+  };
 }
 
 void timed_bake::end(summary& sum) {
@@ -160,7 +176,7 @@ void timed_bake::end(summary& sum) {
     throw error(error_kind::failed, "bake.time-budget", frame_.scene_name,
                 fmt::format("no cell has come to a bound in {:g} s", how().time_budget),
                 "give a larger --time-budget: the bake goes on with what was found");
-  if (!nothing) write(book_.stopped() ? callbacks() : work_.tell, sum);
+  if (!nothing) write(book_.stopped() ? callbacks() : work_.tell, sum, last_completion());
   if (book_.stopped()) {
     sum.result = outcome::cancelled;
     work_.file.copy();

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -16,8 +15,8 @@
 #include "sightcell/format/reader.h"
 #include "sightcell/format/set_reader.h"
 #include "sightcell/scene/error.h"
-#include "sightcell/scene/json_text.h"
 #include "source/surface_colors.h"
+#include "stored_rules.h"
 
 namespace sightcell::bake {
 namespace {
@@ -27,29 +26,6 @@ constexpr std::size_t reported_polygons = 100;
 void require_ok(format::status outcome, const std::string& name) {
   if (outcome != format::status::ok)
     throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
-}
-
-// What the bake was told and the check has to know too.
-struct seeing_rules {
-  fresh_rules fresh{.player_radius = settings{}.player_radius,
-                    .smallest_gap = 0.0f};  // files from before rule 3 have no smallest gap
-  bool all_double_sided = false;
-  scene::animated_as animated = scene::animated_as::always;
-};
-
-seeing_rules rules_of(const format::reader& file) {
-  seeing_rules rules;
-  const auto text = scene::parse_json(file.settings(), false);
-  if (!text.is_object()) return rules;
-  if (const auto radius = text.find("player_radius"); radius != text.end() && radius->is_number())
-    rules.fresh.player_radius = std::clamp(radius->get<float>(), 0.001f, 1.0f);
-  if (const auto gap = text.find("smallest_gap"); gap != text.end() && gap->is_number())
-    rules.fresh.smallest_gap = std::clamp(gap->get<float>(), 0.0f, 0.1f);
-  if (const auto both = text.find("all_double_sided"); both != text.end() && both->is_boolean())
-    rules.all_double_sided = both->get<bool>();
-  if (const auto animated = text.find("animated"); animated != text.end() && animated->is_string())
-    rules.animated = scene::animated_as_of(animated->get<std::string>()).value_or(rules.animated);
-  return rules;
 }
 
 // One bit per polygon: asked from many threads.
@@ -87,14 +63,15 @@ void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<miss
 verification verify_cells(const scene::scene& s, const format::reader& file, const std::string& name,
                           const verify_settings& how,
                           const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
-  seeing_rules rules = rules_of(file);
+  // What the bake was told and the check has to know too.
+  const stored_rules rules = stored_rules_of(file.settings());
   scene::world_geometry geometry = scene::flatten(s, rules.animated);
   apply_stored_overrides(file.settings(), geometry);
   const ray_scene rays(geometry, rules.all_double_sided);
   std::optional<surface_colors> colors;
   if (how.metric.kind == metric_kind::color) colors.emplace(s, geometry);
   const error_metric metric(how.metric, rays, colors ? &*colors : nullptr);
-  rules.fresh.metric = &metric;
+  const fresh_rules fresh{.player_radius = rules.player_radius, .smallest_gap = rules.smallest_gap, .metric = &metric};
   const std::uint32_t stored = file.cell_count();
   const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
   const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
@@ -115,7 +92,7 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
     const box grown =
         box{{corners.min[0], corners.min[1], corners.min[2]}, {corners.max[0], corners.max[1], corners.max[2]}}.grown(
             file.facts().margin);
-    const fresh_batch batch = cast_fresh_rays(rays, grown, rules.fresh, rays_each, {how.seed, cell, purpose::verify, 0},
+    const fresh_batch batch = cast_fresh_rays(rays, grown, fresh, rays_each, {how.seed, cell, purpose::verify, 0},
                                               [&](std::uint32_t polygon) { return set.contains(polygon); });
     cell_verification one{.cell = cell, .rays = batch.rays, .misses = batch.misses};
     one.error = batch.rays > 0 ? static_cast<double>(batch.misses) / static_cast<double>(batch.rays) : 0.0;

@@ -373,6 +373,26 @@ class Bake(InFolder):
         self.assertIn('format version 1 -> 1', self.expect(0, 'migrate', recoded)[0])
         self.assertEqual(read(recoded), before)
 
+    def test_importance_is_baked_or_added_to_a_file(self):
+        self.make_city()
+        plain, whole, added = (self.path(f'importance-{name}.pvs') for name in ('plain', 'whole', 'added'))
+        self.expect(0, 'bake', self.city, '-o', plain, '--cell-limit', '6')
+        _, log = self.expect(0, 'bake', self.city, '-o', whole, '--cell-limit', '6', '--importance')
+        self.assertIn('importance of polygons: 100 %', log)
+        out, _ = self.expect(0, 'recode', plain, '--importance', self.city, '-o', added, '--json')
+        self.assertEqual(read(added), read(whole), 'baked or recoded: the same file')
+        self.assertEqual(json.loads(out)['bytes'], len(read(added)))
+        infos = [json.loads(self.expect(0, 'info', file, '--json')[0]) for file in (plain, whole)]
+        self.assertIsNone(infos[0]['importance'])
+        section = [s for s in infos[1]['sections'] if s['name'] == 'importance']
+        self.assertEqual([s['size'] for s in section], [infos[1]['importance']['bytes']])
+        self.assertTrue(0 < infos[1]['importance']['bits_per_visible_polygon'] < 4, infos[1]['importance'])
+        self.assertIn('importance  ', self.expect(0, 'info', whole)[0])
+        self.expect(0, 'verify', self.city, whole, '--rays', '20000')
+        # What a file knows stays.
+        self.expect(0, 'patch', whole, '--add', '0:0-99')
+        self.assertIsNotNone(json.loads(self.expect(0, 'info', whole, '--json')[0])['importance'])
+
     def test_a_safety_ring_is_told_of(self):
         self.make_city()
         sizes, file = {}, self.path('ring.pvs')

@@ -348,6 +348,7 @@ CASES = [
     ('scene.truncated', 4, info(lambda f: write(f, 'short.glb', glb((b'JSON', b'{}  '), length=999)))),
     ('scene.version', 4, info(lambda f: write(f, 'old.glb', glb((b'JSON', b'{}  '), version=1)))),
     ('shard.bad-option', 2, lambda f: Call(bake(f, '--shard', 'three'), '--shard')),
+    ('shard.importance', 2, lambda f: Call(bake(f, '--shard', '0/2', '--importance'), '--importance')),
     ('shard.no-array', 2, lambda f: Call(bake(f, '--shard', 'array'), '--shard array')),
     ('shard.none', 4, in_folder('merge', 'none.pvs', named='none.pvs')),
     ('shard.out-of-range', 2, lambda f: Call(bake(f, '--shard', '3/3'), '--shard')),

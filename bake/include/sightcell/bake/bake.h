@@ -33,6 +33,7 @@ struct progress {
   // Of these: what neighboring cells see was tried too; nothing is left to do. Of a time budget: max_pixel_error is
   // met.
   std::uint32_t cells_checked = 0;
+  double importance = 0.0;        // of what is measured for file_settings::importance in the end; before that 0
   double target = 0.0;            // of a time budget: the bound that all cells are being brought to; else 0
   double prepared = 1.0;          // below 1 before the first cell: of what the sampler does for all of them together
   double seconds = 0.0;           // wall clock since the bake began
@@ -159,7 +160,9 @@ struct patch_result {
 };
 
 // Adds polygons to cell sets and writes the file to output by rename: the bytes may come from the same file. Bounds and
-// certificate stay, because adding only lowers the error. What was new is written into the settings text as "added":
+// certificate stay, because adding only lowers the error; where the
+// file has an importance of polygons, what was added is least important. What was new is written into the settings text
+// as "added":
 // [[cell, first, count], ...]. file, name: as for verify. Throws sightcell::error when the file is broken, a number is
 // out of range or the output cannot be written; then nothing was changed.
 patch_result patch(std::span<const std::byte> file, const std::string& name, std::span<const added_polygons> additions,

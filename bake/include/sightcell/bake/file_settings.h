@@ -36,6 +36,9 @@ struct file_settings {
   slack_profile profile = slack_profile::balanced;
   polygon_order_kind order = polygon_order_kind::per_mesh;
   host_layout layout = host_layout::instanced;
+  // --importance: of each polygon of a cell how much of what is seen it covers. The settings text does not say it, as
+  // it changes nothing else of the file: recode adds it to any file.
+  bool importance = false;
 };
 
 // The place of a name in one of the lists above; nothing where it is not there.
