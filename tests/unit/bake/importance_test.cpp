@@ -84,7 +84,7 @@ TEST(importance_class, is_of_factors_of_four) {
 
 TEST_F(importance_test, what_is_near_and_large_comes_first) {
   tiny_scene tiny;
-  const std::uint32_t far = tiny.triangle({40, 20, 0.1f}, {40, 20, -0.1f}, {40, 20.2f, -0.1f});
+  const std::uint32_t far = tiny.triangle({40, 20, -0.1f}, {40, 20, 0.1f}, {40, 20.2f, -0.1f});
   const std::uint32_t near = tiny.wall_x(-1, 1, 2);
   const std::uint32_t medium = tiny.wall_x(8, -1, 2);
   measure(tiny.finished(), {far, near, near + 1, medium, medium + 1});
