@@ -57,7 +57,7 @@ class Usage(InFolder):
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--misses=x', '--importance', '--report=x', '--since=x'):
+        for option in ('--misses=x', '--report=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
 
