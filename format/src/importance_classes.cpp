@@ -19,23 +19,29 @@ std::uint32_t chunk_count_of(std::uint32_t cells) noexcept {
 
 }  // namespace
 
-// One table per class of the polygon before. Short codes alone, so that one look into a small table decodes each.
+// Short codes alone, so that one look into a small table decodes each.
+bool importance_classes::read_code(std::span<const std::byte>& bytes, std::uint32_t symbols,
+                                   code_entries& entries) noexcept {
+  symbol_lengths lengths{};
+  prefix_code code;
+  if (!read_code_lengths(bytes, lengths)) return false;
+  for (std::uint32_t symbol = 0; symbol < symbol_count; ++symbol) {
+    if (lengths[symbol] > (symbol < symbols ? longest_code : 0)) return false;
+  }
+  if (!code.assign(lengths)) return false;
+  code.for_each([&](std::uint32_t symbol, std::uint32_t bits, unsigned length) {
+    for (std::size_t at = bits; at < entries.size(); at += std::size_t{1} << length) {
+      entries[at] = static_cast<std::uint16_t>(length << 8 | symbol);
+    }
+  });
+  return true;
+}
+
 bool importance_classes::read_codes(std::span<const std::byte>& bytes) noexcept {
   for (code_entries& entries : codes_) {
-    symbol_lengths lengths{};
-    prefix_code code;
-    if (!read_code_lengths(bytes, lengths)) return false;
-    for (std::uint32_t symbol = 0; symbol < symbol_count; ++symbol) {
-      if (lengths[symbol] > (symbol < importance_class_count ? longest_code : 0)) return false;
-    }
-    if (!code.assign(lengths)) return false;
-    code.for_each([&](std::uint32_t symbol, std::uint32_t bits, unsigned length) {
-      for (std::size_t at = bits; at < entries.size(); at += std::size_t{1} << length) {
-        entries[at] = static_cast<std::uint8_t>(length << 4 | symbol);
-      }
-    });
+    if (!read_code(bytes, importance_class_count, entries)) return false;
   }
-  return true;
+  return read_code(bytes, symbol_count, runs_);
 }
 
 status importance_classes::open(std::span<const std::byte> bytes, std::uint32_t cells,
@@ -105,16 +111,29 @@ status importance_classes::decode(std::uint32_t cell, std::span<std::uint8_t> ou
   const std::uint64_t begin = table.take(width);
   const std::uint64_t end = place + 1 < cells ? table.take(width) : classes.size() - bit_reader::padding;
   if (begin > end || end > classes.size() - bit_reader::padding || (place == 0 && begin != 0)) return status::corrupt;
-  if (out.size() > 8 * (end - begin)) return status::corrupt;  // a class takes a bit at least
 
   bit_reader in(classes);
   in.seek(8 * begin);
-  std::uint8_t before = least_important;
-  for (std::uint8_t& one : out) {
-    const std::uint8_t entry = codes_[before][static_cast<std::size_t>(in.peek() & (codes_[before].size() - 1))];
-    if (entry == 0) return status::corrupt;
-    in.skip(entry >> 4);
-    one = before = entry & 0xFu;
+  const auto symbol_by = [&in](const code_entries& code, std::uint32_t& symbol) noexcept {
+    const std::uint16_t entry = code[static_cast<std::size_t>(in.peek() & (code.size() - 1))];
+    in.skip(entry >> 8);
+    symbol = entry & 0xFFu;
+    return entry != 0;
+  };
+  std::uint32_t before = least_important;
+  for (std::size_t i = 0; i < out.size();) {
+    std::uint32_t one = 0;
+    std::uint64_t count = 1;
+    if (!symbol_by(codes_[before], one)) return status::corrupt;
+    if (one == least_important) {
+      std::uint32_t symbol = 0;
+      if ((before == one && i > 0) || !symbol_by(runs_, symbol)) return status::corrupt;
+      count += base_of(symbol) + in.take(raw_bits_of(symbol));
+    }
+    if (count > out.size() - i) return status::corrupt;
+    std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(i), count, static_cast<std::uint8_t>(one));
+    i += static_cast<std::size_t>(count);
+    before = one;
   }
   return (in.place() + 7) / 8 == end ? status::ok : status::corrupt;
 }

@@ -20,39 +20,58 @@
 namespace sightcell::format {
 namespace {
 
-using class_codes = std::array<std::uint32_t, importance_class_count>;
+// One code.
+struct symbol_coder {
+  symbol_counts counts{};
+  symbol_lengths lengths{};
+  std::array<std::uint32_t, symbol_count> codes{};
 
-// Codes of the classes, by the class before.
+  void make_codes() {
+    lengths = best_lengths(counts, importance_classes::longest_code);
+    prefix_code code;
+    if (!code.assign(lengths)) return;
+    code.for_each([&](std::uint32_t symbol, std::uint32_t bits, unsigned) { codes[symbol] = bits; });
+  }
+  void put(const number_symbol& n, bit_sink& bits) const {
+    bits.put(codes[n.symbol], lengths[n.symbol]);
+    bits.put(n.raw, n.raw_bits);
+  }
+};
+
+// Codes of the classes, by the class before, and of how many more polygons of the last one follow: half of all
+// polygons are of that, in long runs of which each would take a bit.
 struct class_coder {
-  std::array<symbol_counts, importance_class_count> counts{};
-  std::array<symbol_lengths, importance_class_count> lengths{};
-  std::array<class_codes, importance_class_count> codes{};
+  std::array<symbol_coder, importance_class_count> by_class;
+  symbol_coder runs;
+
+  // Calls use(code, number) for all that is encoded.
+  template <class Coder, class Use>
+  static void for_each_number(Coder& coder, std::span<const std::uint8_t> classes, const Use& use) {
+    std::uint8_t before = least_important;
+    for (std::size_t i = 0; i < classes.size();) {
+      const std::uint8_t one = classes[i++];
+      use(coder.by_class[before], number_symbol{one, 0, 0});
+      before = one;
+      if (one != least_important) continue;
+      const std::size_t first = i;
+      while (i < classes.size() && classes[i] == least_important) ++i;
+      use(coder.runs, symbol_of(static_cast<std::uint32_t>(i - first)));
+    }
+  }
 
   void count(std::span<const std::uint8_t> classes) {
-    std::uint8_t before = least_important;
-    for (const std::uint8_t one : classes) {
-      ++counts[before][one];
-      before = one;
-    }
+    for_each_number(*this, classes, [](symbol_coder& code, const number_symbol& n) { ++code.counts[n.symbol]; });
   }
 
   // All that will be encoded must have been counted.
   void make_codes() {
-    for (std::size_t before = 0; before < importance_class_count; ++before) {
-      lengths[before] = best_lengths(counts[before], importance_classes::longest_code);
-      prefix_code code;
-      if (!code.assign(lengths[before])) continue;
-      code.for_each([&](std::uint32_t symbol, std::uint32_t bits, unsigned) { codes[before][symbol] = bits; });
-    }
+    for (symbol_coder& code : by_class) code.make_codes();
+    runs.make_codes();
   }
 
   void encode(std::span<const std::uint8_t> classes, std::vector<std::byte>& out) const {
     bit_sink bits(out);
-    std::uint8_t before = least_important;
-    for (const std::uint8_t one : classes) {
-      bits.put(codes[before][one], lengths[before][one]);
-      before = one;
-    }
+    for_each_number(*this, classes, [&](const symbol_coder& code, const number_symbol& n) { code.put(n, bits); });
     bits.align();
   }
 };
@@ -139,7 +158,8 @@ status encode_section(const reader& file, const importance_source& source, std::
   std::vector<std::byte> front;
   std::vector<std::byte> chunks;
   if (const status s = encode_chunks(classes, coder, front, chunks); s != status::ok) return s;
-  for (const symbol_lengths& lengths : coder.lengths) put_code_lengths(lengths, front);
+  for (const symbol_coder& code : coder.by_class) put_code_lengths(code.lengths, front);
+  put_code_lengths(coder.runs.lengths, front);
   byte_sink out(section);
   out.put_u32(crc32c(front));
   out.put_bytes(front);

@@ -45,7 +45,7 @@ void make_importance_right(std::vector<std::uint8_t>& bytes, std::uint64_t at, s
   if (at > bytes.size() || size > bytes.size() - at || chunks > size / 16 || 4 + 16 * chunks > size) return;
   const std::uint64_t end = at + size;
   std::uint64_t first = at + 4 + 16 * chunks;
-  for (int table = 0; table < 16 && first < end; ++table) first += 1 + (bytes[first] + 1) / 2;
+  for (int table = 0; table < 17 && first < end; ++table) first += 1 + (bytes[first] + 1) / 2;
   if (first > end) return;
   for (std::size_t k = 0; k < chunks; ++k) {
     const std::uint64_t record = at + 4 + 16 * k, offset = number_at(bytes, record, 8);

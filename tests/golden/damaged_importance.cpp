@@ -22,17 +22,19 @@ bytes from(std::initializer_list<int> values) {
 }
 
 // The section of whole_contents(), whose cells see four polygons and one, from its parts. Codes are of two bits behind
-// class 15 and of one behind class 0: the classes are 15, 0, 0, 1 and 1.
+// class 15 and of one behind class 0, and runs are of 0, 6 or 7 more: the classes are 15, 0, 0, 1 and 1.
 struct importance_parts {
   std::uint64_t offset = 0;
   int more_size = 0, more_sum = 0, more_front_sum = 0;
   std::array<format::symbol_lengths, 16> codes{};
-  bytes chunk = from({1, 0b10, 0b100011, 0b10, 0, 0, 0, 0, 0, 0, 0, 0});
+  format::symbol_lengths runs{};
+  bytes chunk = from({1, 0b10, 0b1000011, 0b10, 0, 0, 0, 0, 0, 0, 0, 0});
   bytes behind;
 
   importance_parts() {
     codes[15][0] = codes[15][1] = codes[15][2] = codes[15][15] = 2;
     codes[0][0] = codes[0][1] = 1;
+    runs[0] = runs[5] = 1;
   }
 
   [[nodiscard]] bytes section() const {
@@ -42,6 +44,7 @@ struct importance_parts {
     sink.put_u32(static_cast<std::uint32_t>(static_cast<int>(chunk.size()) + more_size));
     sink.put_u32(format::crc32c(chunk) + static_cast<std::uint32_t>(more_sum));
     for (const format::symbol_lengths& lengths : codes) format::put_code_lengths(lengths, front);
+    format::put_code_lengths(runs, front);
     bytes out;
     format::byte_sink all(out);
     all.put_u32(format::crc32c(front) + static_cast<std::uint32_t>(more_front_sum));
@@ -100,17 +103,22 @@ damaged_list damaged_importance() {
   });
   add("importance_code_of_class_16", status::corrupt, [](auto& p) { p.codes[3][16] = 1; });
   add("importance_codes_incomplete", status::corrupt, [](auto& p) { p.codes[3][0] = p.codes[3][1] = 2; });
+  add("importance_runs_incomplete", status::corrupt, [](auto& p) { p.runs[0] = p.runs[5] = 2; });
+  add("importance_run_leaves_cell", status::corrupt, [](auto& p) { p.chunk[2] = std::byte{0b0111}; });
+  add("importance_run_behind_run", status::corrupt, [](auto& p) {
+    p.chunk = from({2, 0b1000, 0b11011, 0, 0b10, 0, 0, 0, 0, 0, 0, 0, 0});
+  });
   add("importance_begins_of_33_bits", status::corrupt,
-      [](auto& p) { p.chunk = from({33, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0b100011, 0b10, 0, 0, 0, 0, 0, 0, 0, 0}); });
+      [](auto& p) { p.chunk = from({33, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0b1000011, 0b10, 0, 0, 0, 0, 0, 0, 0, 0}); });
   add("importance_begins_above_0", status::corrupt, [](auto& p) { p.chunk[1] = std::byte{0b11}; });
   add("importance_begins_behind_chunk", status::corrupt, [](auto& p) {
-    p.chunk = from({2, 0b1100, 0b100011, 0b10, 0, 0, 0, 0, 0, 0, 0, 0});
+    p.chunk = from({2, 0b1100, 0b1000011, 0b10, 0, 0, 0, 0, 0, 0, 0, 0});
   });
   add("importance_chunk_cut", status::corrupt, [](auto& p) { p.chunk.resize(9); });
   // Behind class 1 no class has a code.
   add("importance_is_no_code", status::corrupt, [](auto& p) { p.chunk[2] = std::byte{0b10}; });
   add("importance_byte_left", status::corrupt, [](auto& p) {
-    p.chunk = from({2, 0b1000, 0b100011, 0, 0b10, 0, 0, 0, 0, 0, 0, 0, 0});
+    p.chunk = from({2, 0b1000, 0b1000011, 0, 0b10, 0, 0, 0, 0, 0, 0, 0, 0});
   });
   add("importance_of_a_cell_missing", status::corrupt, [](auto& p) { p.chunk[1] = std::byte{0}; });
   // Any bytes are settings, and none an importance.

@@ -280,6 +280,7 @@ def decode_importance(section, sizes):
     for _ in range(CLASSES):
         code, at = code_table(section, at, CLASSES, 8)
         codes.append(code)
+    runs, at = code_table(section, at, 64, 8)
     need(crc32c(section[4:at]) == unpack("<I", section, 0, "importance")[0], "front of the importance", "checksum")
     place, classes = 0, []
     for number in range(chunks):
@@ -288,12 +289,12 @@ def decode_importance(section, sizes):
         place += size
         chunk = section[at + offset:at + place]
         need(crc32c(chunk) == checksum, f"chunk {number} of classes", "checksum")
-        classes.extend(decode_classes(chunk, sizes[64 * number:64 * number + 64], codes))
+        classes.extend(decode_classes(chunk, sizes[64 * number:64 * number + 64], codes, runs))
     need(at + place == len(section), "bytes behind the last chunk of classes")
     return classes
 
 
-def decode_classes(chunk, sizes, codes):
+def decode_classes(chunk, sizes, codes, runs):
     width = unpack("<B", chunk, 0, "chunk of classes")[0]
     begin = 1 + (width * len(sizes) + 7) // 8
     need(width <= 32 and begin + PADDING <= len(chunk), "places of classes")
@@ -303,8 +304,13 @@ def decode_classes(chunk, sizes, codes):
     for cell, size in enumerate(sizes):
         end = begin + begins[cell + 1]
         bits, before, classes = Bits(chunk, 8 * (begin + begins[cell]), 8 * end), CLASSES - 1, []
-        for _ in range(size):
-            before = codes[before].symbol(bits)
-            classes.append(before)
+        while len(classes) < size:
+            one, count = codes[before].symbol(bits), 1
+            if one == CLASSES - 1:
+                need(before != one or not classes, "a run of the last class behind another")
+                count += runs.number(bits)
+            classes.extend([one] * min(count, size + 1))
+            before = one
+        need(len(classes) == size, "a run of the last class leaves the set")
         need((bits.at + 7) // 8 == end, "classes of a cell do not end where those of the next begin")
         yield classes

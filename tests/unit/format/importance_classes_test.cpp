@@ -74,13 +74,16 @@ TEST(importance_classes, change_nothing_else_of_a_file) {
   EXPECT_EQ(opened(without).importance(none), status::argument);
 }
 
-// A bit for each polygon at most where all are alike, and a few bytes for each cell.
+// A bit for each polygon at most where all are alike, none of the last class, and a few bytes for each cell.
 TEST(importance_classes, are_small_where_they_follow_from_those_before) {
   const sample_contents contents = some_contents();
   std::size_t polygons = 0;
   for (const auto& set : contents.sets) polygons += set.size();
   const bytes alike = with_importance(contents.encode(), [](std::uint32_t, std::uint32_t) { return std::uint8_t{3}; });
   EXPECT_LE(section_size(alike), polygons / 8 + 4 * contents.sets.size() + 100);
+  const bytes unknown =
+      with_importance(contents.encode(), [](std::uint32_t, std::uint32_t) { return least_important; });
+  EXPECT_LE(section_size(unknown), 6 * contents.sets.size() + 100);
 }
 
 // Counts of which the best codes would be longer than the decoder takes.

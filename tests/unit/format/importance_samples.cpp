@@ -99,7 +99,7 @@ void reseal_importance(std::vector<std::byte>& file) {
     if (chunks > size || 4 + 16 * chunks > size) continue;
     std::span<const std::byte> rest = std::span<const std::byte>(file).subspan(at, size).subspan(4 + 16 * chunks);
     format::symbol_lengths unused{};
-    for (int table = 0; table < 16; ++table) {
+    for (int table = 0; table < 17; ++table) {
       if (!format::read_code_lengths(rest, unused)) break;
     }
     const std::size_t first = at + size - rest.size();

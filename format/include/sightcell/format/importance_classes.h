@@ -19,11 +19,11 @@ namespace sightcell::format {
 inline constexpr std::uint32_t importance_class_count = 16;
 inline constexpr std::uint8_t least_important = importance_class_count - 1;
 
-// A view of one section, of about 4 KiB; valid as long as the bytes are. Bytes are taken as hostile. No exceptions, no
+// A view of one section, of about 9 KiB; valid as long as the bytes are. Bytes are taken as hostile. No exceptions, no
 // allocation; const functions may run on any number of threads at once.
 class importance_classes {
  public:
-  // Bits of the longest code of a class.
+  // Bits of the longest code.
   static constexpr unsigned longest_code = 8;
 
   // Of a file without cells.
@@ -45,13 +45,16 @@ class importance_classes {
   [[nodiscard]] bool chunk_of(std::uint32_t chunk, std::span<const std::byte>& out,
                               std::uint32_t& checksum) const noexcept;
 
-  // [class before][the next bits]: the class, and above it in four bits how many bits its code has; 0: no code.
-  using code_entries = std::array<std::uint8_t, std::size_t{1} << longest_code>;
+  // By the next bits: the symbol, and above it in a byte how many bits its code has; 0: no code.
+  using code_entries = std::array<std::uint16_t, std::size_t{1} << longest_code>;
+  [[nodiscard]] static bool read_code(std::span<const std::byte>& bytes, std::uint32_t symbols,
+                                      code_entries& entries) noexcept;
 
   std::span<const std::byte> directory_;
   std::span<const std::byte> chunks_;
   std::uint32_t cells_ = 0;
-  std::array<code_entries, importance_class_count> codes_{};
+  std::array<code_entries, importance_class_count> codes_{};  // by the class before
+  code_entries runs_{};                                       // how many more of the last class follow
 };
 
 }  // namespace sightcell::format
