@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 #include <limits>
 #include <map>
 #include <string>
 
 #include "opposite_pairs.h"
 #include "sightcell/scene/scene.h"
+#include "world_point.h"
 
 namespace sightcell::scene {
 namespace {
@@ -154,12 +154,8 @@ class flattener {
 
   void append_draw(const draw& d) {
     const geometry& g = scene_.geometries[d.geometry];
-    const glm::dmat4& m = d.to_world;
-    for (const glm::vec3& local : g.positions) {
-      const glm::dvec3 p(local);
-      out_.positions.emplace_back(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]);
-    }
-    const bool mirrored = glm::determinant(glm::dmat3(m)) < 0.0;
+    for (const glm::vec3& local : g.positions) out_.positions.push_back(world_point(d.to_world, local));
+    const bool mirrored = is_mirrored(d.to_world);
     polygon_kind kind = kind_of(d);
     material_presence there;
     if (d.material != no_index) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <string_view>
 
 #include "accessor.h"
@@ -245,42 +244,51 @@ void accessor_table::require(const json_object& user, std::uint32_t index, const
   use_accessor(index);
 }
 
-void accessor_table::add_zero_view(std::uint32_t accessor) {
-  json& reduced = reduced_accessors_[accessor];
-  if (reduced.contains("bufferView")) return;
-  const std::size_t bytes =
-      std::max<std::size_t>(1, count(accessor) * component_size(reduced.at("componentType").get<int>()));
-  reduced["bufferView"] = reduced_views_.size();
-  reduced_views_.push_back({{"buffer", bytes_.size()}, {"byteLength", bytes}});
-  bytes_.emplace_back(bytes);
+// user: the part of a reduced accessor that names a view in use.
+std::span<const std::uint8_t> accessor_table::used_bytes(const json& user) const {
+  const json& v = reduced_views_[user.at("bufferView").get<std::size_t>()];
+  const std::span<const std::uint8_t> all(bytes_[v.at("buffer").get<std::size_t>()]);
+  return all.subspan(v.at("byteOffset").get<std::size_t>(), v.at("byteLength").get<std::size_t>())
+      .subspan(user.at("byteOffset").get<std::size_t>());
 }
 
-void accessor_table::write(json& reduced) {
+accessor_view accessor_table::elements(std::uint32_t index) const {
+  const json& reduced = reduced_accessors_[index];
+  accessor_view out;
+  out.count = reduced.at("count").get<std::size_t>();
+  out.width = width_of(reduced.at("type").get<std::string>());
+  out.component_type = reduced.at("componentType").get<int>();
+  out.normalized = reduced.at("normalized").get<bool>();
+  out.stride = out.width * component_size(out.component_type);
+  if (reduced.contains("bufferView")) {
+    const json& v = reduced_views_[reduced.at("bufferView").get<std::size_t>()];
+    if (v.contains("byteStride")) out.stride = v.at("byteStride").get<std::size_t>();
+    out.bytes = used_bytes(reduced);
+  }
+  const auto sparse = reduced.find("sparse");
+  if (sparse != reduced.end() && sparse->at("count") > 0) {
+    out.sparse_count = sparse->at("count").get<std::size_t>();
+    out.sparse_index_type = sparse->at("indices").at("componentType").get<int>();
+    out.sparse_indices = used_bytes(sparse->at("indices"));
+    out.sparse_values = used_bytes(sparse->at("values"));
+  }
+  return out;
+}
+
+std::vector<accessor_view> accessor_table::all_elements() const {
+  std::vector<accessor_view> out(reduced_accessors_.size());
+  for (std::uint32_t i = 0; i < out.size(); ++i)
+    if (!reduced_accessors_[i].is_null()) out[i] = elements(i);
+  return out;
+}
+
+// tinygltf refuses indices whose accessor has no buffer view, which glTF allows: so all have one.
+void accessor_table::write_stubs(json& reduced) const {
+  const json stub = {{"type", "SCALAR"}, {"componentType", 5126}, {"count", 0}, {"bufferView", 0}};
   reduced["accessors"] = json::array();
-  for (json& accessor : reduced_accessors_) {
-    if (accessor.is_null()) accessor = {{"type", "SCALAR"}, {"componentType", 5126}, {"count", 0}};
-    reduced["accessors"].push_back(std::move(accessor));
-  }
-  reduced["bufferViews"] = json::array();
-  for (json& reduced_view : reduced_views_) {
-    if (reduced_view.is_null()) reduced_view = {{"buffer", 0}, {"byteLength", 1}};
-    reduced["bufferViews"].push_back(std::move(reduced_view));
-  }
-  reduced["buffers"] = json::array();
-  for (std::size_t i = 0; i < bytes_.size(); ++i) {
-    if (bytes_[i].empty()) bytes_[i].resize(1);
-    reduced["buffers"].push_back({{"byteLength", bytes_[i].size()}, {"uri", buffer_uri(i)}});
-  }
-}
-
-std::string buffer_uri(std::size_t buffer) {
-  return std::to_string(buffer);
-}
-
-std::size_t buffer_of_uri(const std::string& uri) {
-  std::size_t number = SIZE_MAX;
-  const auto [end, problem] = std::from_chars(uri.data(), uri.data() + uri.size(), number);
-  return problem == std::errc() && end == uri.data() + uri.size() ? number : SIZE_MAX;
+  for (std::size_t i = 0; i < reduced_accessors_.size(); ++i) reduced["accessors"].push_back(stub);
+  reduced["bufferViews"] = json::array({{{"buffer", 0}, {"byteLength", 1}}});
+  reduced["buffers"] = json::array({{{"byteLength", 1}, {"uri", "data:application/octet-stream;base64,AA=="}}});
 }
 
 }  // namespace sightcell::scene

@@ -1,6 +1,6 @@
 #pragma once
-// Accessors, buffer views and buffers of a glTF file: checked against the bytes that are there, decoded where they are
-// compressed, and written down for tinygltf. What nothing uses is not looked at.
+// Accessors, buffer views and buffers of a glTF file: checked against the bytes that are there, and decoded where they
+// are compressed. What nothing uses is not looked at.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "accessor.h"
 #include "gltf_file.h"
 #include "json_object.h"
 
@@ -48,10 +49,6 @@ class accessor_table {
   // be told before a stream is decoded. Refused when they are.
   void count_compressed(const json_object& user, std::uint64_t bytes);
 
-  // tinygltf refuses indices without a buffer view, which glTF allows: they are all zero. Those that have
-  // one keep it.
-  void add_zero_view(std::uint32_t accessor);
-
   // Numbers of our own as one more accessor, with floats or std::uint32_t in it.
   template <typename T>
   std::uint32_t add(const std::vector<T>& values, const char* type, std::uint64_t width) {
@@ -60,8 +57,14 @@ class accessor_table {
     return add_bytes(std::move(bytes), type, std::is_same_v<T, float> ? 5126 : 5125, values.size() / width);
   }
 
-  // Into the reduced document. Their numbers stay what they are, so what nothing uses is replaced by a stub.
-  void write(nlohmann::json& reduced);
+  // The elements of one in use, where they lie in the buffers.
+  accessor_view elements(std::uint32_t index) const;
+  // By number; what nothing uses is empty.
+  std::vector<accessor_view> all_elements() const;
+  // Into the reduced document, with their numbers, but without what they hold: tinygltf needs only know that they are
+  // there.
+  void write_stubs(nlohmann::json& reduced) const;
+  // What elements() point into.
   std::vector<std::vector<std::uint8_t>> take_buffers() { return std::move(bytes_); }
 
  private:
@@ -72,6 +75,7 @@ class accessor_table {
   void use_accessor(std::uint32_t index);
   void use_sparse(const json_object& accessor, std::uint64_t count, std::uint64_t element_size,
                   nlohmann::json& reduced);
+  std::span<const std::uint8_t> used_bytes(const nlohmann::json& user) const;
   void use_bytes(const json_object& user, std::uint32_t view_index, std::uint64_t offset, std::uint64_t need);
 
   const gltf_source& source_;
@@ -82,8 +86,5 @@ class accessor_table {
   std::uint64_t zero_filled_ = 0, compressed_bytes_ = 0;           // so far
   std::vector<std::vector<std::uint8_t>> bytes_;  // by buffer, ours behind the file's; empty until used
 };
-
-std::string buffer_uri(std::size_t buffer);
-std::size_t buffer_of_uri(const std::string& uri);  // SIZE_MAX: none
 
 }  // namespace sightcell::scene

@@ -257,7 +257,6 @@ json document_reader::reduced_primitive(const json_object& primitive, const mesh
   const auto indices = primitive.index("indices", "accessors", table_.size());
   if (indices) {
     table_.require(primitive, *indices, "indices", {"SCALAR"}, {5121, 5123, 5125});
-    table_.add_zero_view(*indices);
     reduced["indices"] = *indices;
   }
   return reduced;
@@ -428,7 +427,8 @@ gltf_document document_reader::read() {
   const auto default_scene = root_.index("scene", "scenes", scenes_.size());
   if (default_scene) reduced["scene"] = *default_scene;
 
-  table_.write(reduced);
+  table_.write_stubs(reduced);
+  out_.accessors = table_.all_elements();
   out_.buffers = table_.take_buffers();
   out_.json = reduced.dump();
   return std::move(out_);

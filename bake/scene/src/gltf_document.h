@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "accessor.h"
 #include "gltf_file.h"
 #include "gltf_materials.h"
 #include "gltf_nodes.h"
@@ -15,8 +16,9 @@
 namespace sightcell::scene {
 
 struct gltf_document {
-  std::string json;                                // for tinygltf; its buffers are named buffer_uri(0), ...
-  std::vector<std::vector<std::uint8_t>> buffers;  // exactly byteLength long
+  std::string json;                                // for tinygltf; its accessors are stubs
+  std::vector<accessor_view> accessors;            // what they hold, by number
+  std::vector<std::vector<std::uint8_t>> buffers;  // what they point into
   std::vector<material> materials;
   std::vector<texture_coordinates> coordinates;  // by material; TEXCOORD_0 of json is already the set that they name
   std::vector<image> images;

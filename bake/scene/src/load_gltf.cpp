@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "accessor.h"
-#include "gltf_accessors.h"
 #include "gltf_document.h"
+#include "import_scene.h"
 #include "json_object.h"
 #include "lod_levels.h"
 #include "pose.h"
@@ -22,7 +22,7 @@
 #include "sightcell/scene/scene.h"
 #include "triangle_modes.h"
 
-// Files and images are read elsewhere, under checks; tinygltf sees only memory.
+// Files, buffers and images are read elsewhere, under checks; tinygltf sees only text.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_FS
 #define TINYGLTF_NO_STB_IMAGE
@@ -44,30 +44,8 @@ constexpr std::size_t draw_limit = std::size_t{1} << 23;  // a small file can as
 // A few bytes of vertices may be named by very many primitives; each geometry has its own copy.
 constexpr std::size_t vertex_limit = std::size_t{1} << 27;
 
-// The checked buffers behind tinygltf's file interface; a buffer is handed over, not copied.
-tinygltf::FsCallbacks buffer_callbacks(gltf_document& document) {
-  tinygltf::FsCallbacks callbacks{};
-  callbacks.FileExists = [](const std::string&, void*) { return true; };
-  callbacks.ExpandFilePath = [](const std::string& path, void*) { return path; };
-  callbacks.ReadWholeFile = [](std::vector<unsigned char>* out, std::string*, const std::string& path, void* user) {
-    // Files may have very many buffers, so the name is the number; no search.
-    auto& buffers = static_cast<gltf_document*>(user)->buffers;
-    const std::size_t number = buffer_of_uri(path);
-    if (number >= buffers.size()) return false;
-    *out = std::move(buffers[number]);
-    return true;
-  };
-  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
-    return false;
-  };
-  callbacks.user_data = &document;
-  return callbacks;
-}
-
-// An empty base folder makes tinygltf ask for a buffer by its bare name.
 tinygltf::Model parse(gltf_document& document, const std::string& name) {
   tinygltf::TinyGLTF reader;
-  reader.SetFsCallbacks(buffer_callbacks(document));
   tinygltf::Model model;
   std::string problem;
   std::string warning;
@@ -78,33 +56,6 @@ tinygltf::Model parse(gltf_document& document, const std::string& name) {
   }
   document.json = std::string();
   return model;
-}
-
-accessor_view view_of(const tinygltf::Model& model, int index) {
-  const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(index)];
-  const auto bytes_at = [&model](int view_index, std::size_t offset) {
-    const tinygltf::BufferView& v = model.bufferViews[static_cast<std::size_t>(view_index)];
-    const std::vector<unsigned char>& data = model.buffers[static_cast<std::size_t>(v.buffer)].data;
-    return std::span<const std::uint8_t>(data).subspan(v.byteOffset, v.byteLength).subspan(offset);
-  };
-  accessor_view out;
-  out.count = a.count;
-  out.width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
-  out.component_type = a.componentType;
-  out.normalized = a.normalized;
-  out.stride = out.width * component_size(a.componentType);
-  if (a.bufferView >= 0) {
-    const std::size_t declared = model.bufferViews[static_cast<std::size_t>(a.bufferView)].byteStride;
-    if (declared != 0) out.stride = declared;
-    out.bytes = bytes_at(a.bufferView, a.byteOffset);
-  }
-  if (a.sparse.isSparse && a.sparse.count > 0) {
-    out.sparse_count = static_cast<std::size_t>(a.sparse.count);
-    out.sparse_index_type = a.sparse.indices.componentType;
-    out.sparse_indices = bytes_at(a.sparse.indices.bufferView, static_cast<std::size_t>(a.sparse.indices.byteOffset));
-    out.sparse_values = bytes_at(a.sparse.values.bufferView, static_cast<std::size_t>(a.sparse.values.byteOffset));
-  }
-  return out;
 }
 
 glm::dmat4 from_trs(const double* t, const double* q, const double* s) {
@@ -133,8 +84,16 @@ glm::dmat4 local_transform(const tinygltf::Node& node) {
 
 class importer {
  public:
-  importer(const tinygltf::Model& model, const gltf_document& document, const std::string& file, scene& out)
-      : model_(model), coordinates_(document.coordinates), nodes_(document.nodes), file_(file), out_(out) {
+  // poses: null where nobody asks for them.
+  importer(const tinygltf::Model& model, const gltf_document& document, const std::string& file, scene& out,
+           pose_list* poses)
+      : model_(model),
+        accessors_(document.accessors),
+        coordinates_(document.coordinates),
+        nodes_(document.nodes),
+        file_(file),
+        out_(out),
+        poses_(poses) {
     group_numbers_.resize(nodes_.groups.size(), no_index);
   }
 
@@ -167,7 +126,8 @@ class importer {
   std::vector<glm::dmat4> instance_transforms(const tinygltf::Node& node) const;
   std::optional<std::uint32_t> geometry_of(std::size_t mesh, std::size_t primitive, const pose& posed);
   pose pose_of(const tinygltf::Node& node, const tinygltf::Primitive& primitive, const from_above& here) const;
-  void take_pose(geometry& g, const tinygltf::Primitive& primitive, const std::string& where, const pose& posed);
+  void take_pose(geometry& g, const tinygltf::Primitive& primitive, const std::string& where, const pose& posed,
+                 rest_pose* rest);
   const std::vector<glm::dmat4>& joint_matrices(int skin);
   const glm::dmat4& world_of(int node);
   void count_vertices(int positions);
@@ -180,11 +140,13 @@ class importer {
   std::vector<glm::u8vec4> read_colors(int accessor) const;
 
   const tinygltf::Model& model_;
+  const std::vector<accessor_view>& accessors_;
   const std::vector<texture_coordinates>& coordinates_;  // by material
   const node_list& nodes_;
   std::vector<std::uint32_t> group_numbers_;  // in the scene, by number in nodes_; no_index: not used yet
   const std::string& file_;                   // for messages
   scene& out_;
+  pose_list* poses_;
   // Primitives that differ in material only share their geometry: (positions, texture coordinates, their transform,
   // colors, indices, mode), and what the pose changes: mesh, primitive, pose.
   std::map<std::tuple<int, int, int, int, int, int>, std::uint32_t> geometries_;
@@ -199,7 +161,7 @@ class importer {
 template <typename T>
 std::vector<T> importer::numbers(int accessor) const {
   std::vector<T> out;
-  if (!read_numbers(view_of(model_, accessor), out)) {
+  if (!read_numbers(accessors_[static_cast<std::size_t>(accessor)], out)) {
     refuse(file_, "scene.index-out-of-range",
            "accessors[" + std::to_string(accessor) + "] has a sparse index beyond its count", "export the file again");
   }
@@ -226,7 +188,7 @@ geometry importer::read_geometry(const tinygltf::Primitive& primitive, const std
   if (color != primitive.attributes.end()) out.colors = read_colors(color->second);
   std::vector<std::uint32_t> corners;
   if (primitive.indices >= 0) {
-    if (!read_indices(view_of(model_, primitive.indices), corners)) {
+    if (!read_indices(accessors_[static_cast<std::size_t>(primitive.indices)], corners)) {
       refuse(file_, "scene.index-out-of-range", where + " has a sparse index beyond its count",
              "export the file again");
     }
@@ -258,8 +220,7 @@ int importer::coordinates_of(int material) const {
 
 std::vector<glm::u8vec4> importer::read_colors(int accessor) const {
   const std::vector<float> values = numbers<float>(accessor);
-  const auto width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(
-      static_cast<std::uint32_t>(model_.accessors[static_cast<std::size_t>(accessor)].type)));
+  const std::size_t width = accessors_[static_cast<std::size_t>(accessor)].width;
   const auto byte = [](float v) {
     return static_cast<std::uint8_t>(std::lround((v > 0.0f ? std::min(v, 1.0f) : 0.0f) * 255.0f));
   };
@@ -284,8 +245,8 @@ importer::pose importer::pose_of(const tinygltf::Node& node, const tinygltf::Pri
   return out;
 }
 
-void importer::take_pose(geometry& g, const tinygltf::Primitive& primitive, const std::string& where,
-                         const pose& posed) {
+void importer::take_pose(geometry& g, const tinygltf::Primitive& primitive, const std::string& where, const pose& posed,
+                         rest_pose* rest) {
   // Many nodes may pose one mesh, and many targets may be one accessor: that costs a file next to nothing.
   posed_vertices_ += g.positions.size() * (2 + posed.weights.size());
   if (posed_vertices_ > posed_vertex_limit) {
@@ -306,7 +267,7 @@ void importer::take_pose(geometry& g, const tinygltf::Primitive& primitive, cons
       sets.push_back({numbers<float>(found->second), numbers<float>(primitive.attributes.at(weights))});
     }
     const std::vector<glm::dmat4>& matrices = joint_matrices(posed.skin);
-    if (const auto missing = bend(positions, sets, matrices)) {
+    if (const auto missing = bend(positions, sets, matrices, rest == nullptr ? nullptr : &rest->frames)) {
       refuse(file_, "scene.index-out-of-range",
              where + " hangs vertex " + std::to_string(*missing) + " on a joint that is none of the " +
                  std::to_string(matrices.size()) + " of skins[" + std::to_string(posed.skin) + "]",
@@ -359,7 +320,7 @@ const glm::dmat4& importer::world_of(int node) {
 }
 
 void importer::count_vertices(int positions) {
-  vertices_ += model_.accessors[static_cast<std::size_t>(positions)].count;
+  vertices_ += accessors_[static_cast<std::size_t>(positions)].count;
   if (vertices_ > vertex_limit) {
     refuse(file_, "scene.too-large",
            "the primitives of the scene have more than " + std::to_string(vertex_limit) + " vertices",
@@ -378,7 +339,9 @@ std::optional<std::uint32_t> importer::geometry_of(std::size_t mesh, std::size_t
     if (!added) return entry->second;
     count_vertices(position->second);
     geometry g = read_geometry(source, where);
-    take_pose(g, source, where, posed);
+    rest_pose* const rest = poses_ == nullptr ? nullptr : &(*poses_)[entry->second];
+    if (rest != nullptr) rest->weights = posed.weights;
+    take_pose(g, source, where, posed, rest);
     out_.geometries.push_back(std::move(g));
     return entry->second;
   }
@@ -409,7 +372,7 @@ std::vector<glm::dmat4> importer::instance_transforms(const tinygltf::Node& node
   const tinygltf::Value& attributes = found->second.Get("attributes");
   // Before anything is read: instances that are all zero are in no file.
   for (const std::string& key : attributes.Keys()) {
-    check_draws(model_.accessors[static_cast<std::size_t>(attributes.Get(key).GetNumberAsInt())].count);
+    check_draws(accessors_[static_cast<std::size_t>(attributes.Get(key).GetNumberAsInt())].count);
   }
   std::vector<double> translations, rotations, scales;
   if (attributes.Has("TRANSLATION")) translations = numbers<double>(attributes.Get("TRANSLATION").GetNumberAsInt());
@@ -547,34 +510,34 @@ std::vector<int> roots_of(const tinygltf::Model& model, int scene_index, const s
   return roots;
 }
 
-scene import_scene(gltf_document document, const std::string& file, std::string name, int scene_index) {
+}  // namespace
+
+scene import_gltf(gltf_file file, const gltf_source& source, std::string name, int scene_index, pose_list* poses) {
+  gltf_document document = read_gltf_document(std::move(file), source);
   scene out;
   out.name = std::move(name);
-  const tinygltf::Model model = parse(document, file);
+  const tinygltf::Model model = parse(document, source.name);
   out.materials = std::move(document.materials);
   out.images = std::move(document.images);
   out.extensions = std::move(document.extensions);
   out.warnings = std::move(document.warnings);
   for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
-  importer(model, document, file, out).walk(roots_of(model, scene_index, file));
+  importer(model, document, source.name, out, poses).walk(roots_of(model, scene_index, source.name));
   if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
   finish(out);
   return out;
 }
 
-[[noreturn]] void refuse_for_memory(const std::string& file) {
+void refuse_for_memory(const std::string& file) {
   throw error(error_kind::failed, "scene.out-of-memory", file, "there is not enough memory to load it",
               "close other programs or take a larger machine");
 }
-
-}  // namespace
 
 scene load_gltf(const std::filesystem::path& path, int scene_index) {
   const gltf_source source = source_of(path);
   try {
     gltf_file file = split_gltf(read_scene_bytes(path), source.name);  // the bytes go: they are not held twice
-    return import_scene(read_gltf_document(std::move(file), source), source.name,
-                        printable(path.filename().string(), 1000), scene_index);
+    return import_gltf(std::move(file), source, printable(path.filename().string(), 1000), scene_index);
   } catch (const std::bad_alloc&) {
     refuse_for_memory(source.name);
   }
@@ -586,8 +549,7 @@ scene load_gltf(std::span<const std::byte> bytes, const std::string& name, const
   if (!folder.empty()) source.folder = folder;
   try {
     const std::span octets(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-    return import_scene(read_gltf_document(split_gltf(octets, source.name), source), source.name, source.name,
-                        scene_index);
+    return import_gltf(split_gltf(octets, source.name), source, source.name, scene_index);
   } catch (const std::bad_alloc&) {
     refuse_for_memory(source.name);
   }

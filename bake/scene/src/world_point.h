@@ -1,0 +1,20 @@
+#pragma once
+// How points come into world space: in double precision, rounded once. All who flatten do it so, bit for bit.
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec3.hpp>
+
+namespace sightcell::scene {
+
+inline glm::vec3 world_point(const glm::dmat4& to_world, const glm::vec3& local) {
+  const glm::dvec3 p(local);
+  return glm::vec3(to_world[0] * p.x + to_world[1] * p.y + to_world[2] * p.z + to_world[3]);
+}
+
+// Its polygons then have two corners swapped, so that front faces stay counter-clockwise.
+inline bool is_mirrored(const glm::dmat4& to_world) {
+  return glm::determinant(glm::dmat3(to_world)) < 0.0;
+}
+
+}  // namespace sightcell::scene
