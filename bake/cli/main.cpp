@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   add_info_verb(program, chosen);
   add_diff_verb(program, chosen);
   add_merge_verb(program, chosen);
+  add_pack_verb(program, chosen);
   add_patch_verb(program, chosen);
   add_recode_verb(program, chosen);
   add_migrate_verb(program, chosen);

@@ -16,6 +16,7 @@ void add_diff_verb(CLI::App& program, action& chosen);
 void add_info_verb(CLI::App& program, action& chosen);
 void add_merge_verb(CLI::App& program, action& chosen);
 void add_migrate_verb(CLI::App& program, action& chosen);
+void add_pack_verb(CLI::App& program, action& chosen);
 void add_patch_verb(CLI::App& program, action& chosen);
 void add_recode_verb(CLI::App& program, action& chosen);
 void add_samplers_verb(CLI::App& program, action& chosen);

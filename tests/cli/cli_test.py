@@ -18,7 +18,7 @@ from program import (PROGRAMS, QUICK_BAKE, TIMEOUT, InFolder, Stopped, main, rea
 class Usage(InFolder):
     def test_help_names_every_verb(self):
         out, err = self.expect(0, '--help')
-        for verb in ('bake', 'diff', 'info', 'migrate', 'patch', 'recode', 'verify'):
+        for verb in ('bake', 'diff', 'info', 'migrate', 'pack', 'patch', 'recode', 'verify'):
             self.assertIn(verb, out)
             self.assertIn('--json', self.expect(0, verb, '--help')[0])
         self.assertEqual(err, '')
@@ -198,6 +198,26 @@ class Bake(InFolder):
             difference = json.loads(self.expect(0, 'diff', instanced, merged, '--json')[0])
             self.assertEqual((difference['polygons_gained'], difference['polygons_lost']), (0, 0))
             self.expect(0, 'verify', two, merged, '--rays', '20000')
+
+    def test_pack_writes_the_mesh_of_a_merged_file(self):
+        two, file, mesh = self.path('twice.glb'), self.path('merged.pvs'), self.path('packed.glb')
+        write_room(two, scenes=[[0], [0, 1]])
+        bake = ['bake', two, '-o', file, '--scene', '1', '--cells-file', self.cells, *QUICK_BAKE, '--fresh']
+        self.expect(0, *bake, '--layout', 'merged')
+        told = json.loads(self.expect(0, 'pack', two, file, '-o', mesh, '--json')[0])
+        self.assertEqual(told, {'output': mesh, 'polygons': 24, 'vertices': 16, 'groups': 1, 'moving': 0,
+                                'bytes': os.path.getsize(mesh)})
+        info = json.loads(self.expect(0, 'info', mesh, '--json')[0])
+        self.assertEqual((info['polygons'], info['draws']), (24, 1))
+        before = read(mesh)
+        self.assertRegex(self.expect(0, 'pack', two, file, '-o', mesh)[0], '24 polygons, 16 vertices, 1 draw groups')
+        self.assertEqual(read(mesh), before)
+        for output in (two, file):
+            self.assert_one_error_line(self.expect(2, 'pack', two, file, '-o', output)[1], 'cli.output-is-input')
+        write_room(two, height=5, scenes=[[0], [0, 1]])
+        self.assert_one_error_line(self.expect(4, 'pack', two, file, '-o', mesh)[1], 'pvs.other-scene')
+        self.assertEqual(read(mesh), before)
+        self.assertEqual([name for name in os.listdir(self.folder) if 'packed' in name], ['packed.glb'])
 
     def test_verify_loads_the_scene_of_the_bake(self):
         """A file of two scenes: the room, and the room twice."""

@@ -28,6 +28,7 @@ UNIT_TESTS = {
     'host.bad-array': 'tests/unit/bake/host_scene_test.cpp',
     'host.no-colors': 'tests/unit/bake/host_scene_test.cpp',
     'output.encode': 'tests/unit/bake/verify_test.cpp',
+    'pack.too-large': 'tests/unit/scene/pack_test.cpp',
     'picture.camera': 'tests/unit/picture/picture_test.cpp',
     'picture.empty': 'tests/unit/picture/write_png_test.cpp',
     'picture.no-such-polygon': 'tests/unit/picture/picture_test.cpp',
@@ -213,6 +214,16 @@ def patch(add, *more, named='--add'):
     return lambda folder: Call(['patch', golden(folder, 'v1_tiny.pvs', 'a.pvs'), '--add', add, *more], named)
 
 
+def packed(*more, named, layout='merged', scene_of=room):
+    """`pack` of a bake of the room."""
+    def prepare(folder, program):
+        import subprocess
+        file = os.path.join(folder, 'out.pvs')
+        subprocess.run([program, *bake(folder, '--layout', layout)], check=True, capture_output=True, timeout=120)
+        return Call(['pack', scene_of(folder), file, '-o', *more], named)
+    return prepare
+
+
 def recoded(*more, named, file='v1_lattice.pvs'):
     return lambda folder: Call(['recode', golden(folder, file, 'a.pvs'), *more], named)
 
@@ -314,6 +325,8 @@ CASES = [
     ('hemicube.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e-5)), 'scene')),
     ('hemicube.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e30)), 'scene')),
     ('output.io', 1, output_is_a_folder),
+    ('pack.instanced', 2, packed('p.glb', layout='instanced', named='out.pvs')),
+    ('pack.not-written', 1, packed('no/p.glb', named='no/p.glb')),
     ('patch.bad-add', 2, patch('7')),
     ('patch.bad-add', 2, patch('0:7-')),
     ('patch.bad-add', 2, patch('0:7-6')),
@@ -323,6 +336,7 @@ CASES = [
     ('patch.not-written', 1, patch('0:1', '-o', 'no/b.pvs', named='no/b.pvs')),
     ('pvs.broken', 4, chunk_damaged),
     ('pvs.other-scene', 4, other_scene),
+    ('pvs.other-scene', 4, packed('p.glb', named='out.pvs', scene_of=lambda f: scene(f, 'other.gltf', scale=3.0))),
     ('recode.has-slack', 2, recoded('--profile', 'exact', named='a.pvs')),
     ('recode.merged', 2, recoded('--order', 'per-instance', named='a.pvs', file='v1_merged.pvs')),
     ('recode.not-written', 1, recoded('-o', 'no/b.pvs', named='no/b.pvs')),

@@ -6,8 +6,11 @@
 #include <glm/geometric.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "packed_file.h"
 #include "sightcell/scene/error.h"
+#include "sightcell/scene/pack.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {
@@ -80,6 +83,21 @@ TEST_F(real_scenes, compressed_ones_are_the_scenes_they_were_made_from) {
       return sum;
     };
     EXPECT_NEAR(area(wa) / area(wb), 1.0, 1e-3) << compressed;
+  }
+}
+
+// In the order of a merged file: all corners where flatten() has them, bit for bit.
+TEST_F(real_scenes, packed_ones_have_their_polygons_in_stored_order) {
+  for (const char* file : {"city/denhaag_01.glb", "levels/czest3ctf.glb", "meshopt/czest3ctf.meshopt.glb",
+                           "features/denhaag_01.quantized.glb", "draco/LittlestTokyo.glb", "foliage/temple.glb",
+                           "instancing/temple.instanced.glb"}) {
+    SCOPED_TRACE(file);
+    gltf_packer packer(data_folder() / file);
+    const packed_order order = some_order(packer.content());
+    std::vector<std::string> warnings;
+    const packed_file packed(packer.pack(order, warnings));
+    EXPECT_TRUE(warnings.empty());
+    expect_flattened(packer.content(), order, packed);
   }
 }
 

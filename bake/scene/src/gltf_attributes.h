@@ -1,0 +1,47 @@
+#pragma once
+// What a file says of vertices beside where they are, straight from the checked JSON. The import takes of it only what
+// decides what is seen.
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "draco_decode.h"
+#include "gltf_accessors.h"
+#include "json_object.h"
+
+namespace sightcell::scene {
+
+using attribute_values = std::map<std::string, std::vector<float>>;  // by name
+using attribute_widths = std::map<std::string, std::uint32_t>;       // numbers per vertex, by name
+
+class gltf_attributes {
+ public:
+  // Both must outlive it.
+  gltf_attributes(const json_object& root, accessor_table& table);
+
+  // Of NORMAL, TANGENT, TEXCOORD_n and COLOR_n those that a primitive has. Others say nothing of how it looks at rest.
+  attribute_widths widths(std::uint32_t mesh, std::uint32_t primitive) const;
+  // The same with their values, width numbers for each of so many vertices; normalized integers as floats, what is not
+  // finite as 0. Throws sightcell::error (bad_input), also for another number of vertices.
+  attribute_values read(std::uint32_t mesh, std::uint32_t primitive, std::size_t vertex_count);
+  // What a morph target adds to NORMAL or TANGENT: three numbers per vertex; empty: nothing.
+  std::vector<float> displacements(std::uint32_t mesh, std::uint32_t primitive, std::size_t target, const char* name,
+                                   std::size_t vertex_count);
+
+ private:
+  const json_object& primitive_of(std::uint32_t mesh, std::uint32_t primitive) const;
+  std::vector<float> numbers(const json_object& user, std::uint32_t accessor, const std::string& what, const char* type,
+                             std::size_t vertex_count);
+  const attribute_values& decoded(const json_object& draco, const attribute_widths& widths);
+
+  accessor_table& table_;
+  std::vector<json_object> meshes_;
+  mutable std::pair<std::uint32_t, std::vector<json_object>> primitives_{UINT32_MAX, {}};  // of the mesh asked for last
+  std::map<std::string, attribute_values>
+      decoded_;  // by Draco's view and attributes, as text: primitives share streams
+};
+
+}  // namespace sightcell::scene

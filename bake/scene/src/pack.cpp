@@ -1,0 +1,146 @@
+#include "sightcell/scene/pack.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "carried_materials.h"
+#include "gltf_accessors.h"
+#include "gltf_attributes.h"
+#include "gltf_file.h"
+#include "import_scene.h"
+#include "json_object.h"
+#include "packed_document.h"
+#include "packed_vertices.h"
+#include "sightcell/scene/json_text.h"
+#include "world_point.h"
+
+namespace sightcell::scene {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "glTF is little-endian, and arrays go out as they lie in memory");
+
+using corner_list = std::array<std::uint32_t, 3>;
+
+corner_list corners_of(const scene& s, std::uint32_t source_id, const std::vector<bool>& moves) {
+  const std::uint32_t number = draw_of(s, source_id);
+  const draw& d = s.draws[number];
+  const std::uint32_t* const local = &s.geometries[d.geometry].indices[3 * std::size_t{source_id - d.first_source}];
+  const bool swapped = !moves[number] && is_mirrored(d.to_world);
+  return {d.base_vertex + local[0], d.base_vertex + local[swapped ? 2 : 1], d.base_vertex + local[swapped ? 1 : 2]};
+}
+
+// A polygon with a corner that is nowhere is counted and never seen, so it must not be drawn from where that corner
+// stands now.
+void write_indices(const scene& s, const packed_order& order, const std::vector<bool>& moves,
+                   const std::vector<std::uint32_t>& broken, std::span<std::byte> into) {
+  for (std::size_t i = 0; i < order.source_of_stored.size(); ++i) {
+    corner_list corners = corners_of(s, order.source_of_stored[i], moves);
+    const bool nowhere = !broken.empty() && std::any_of(corners.begin(), corners.end(), [&](std::uint32_t vertex) {
+      return std::binary_search(broken.begin(), broken.end(), vertex);
+    });
+    if (nowhere) corners[1] = corners[2] = corners[0];
+    std::memcpy(&into[12 * i], corners.data(), 12);
+  }
+}
+
+void append_u32(std::vector<std::byte>& out, std::uint64_t value) {
+  for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::byte>(value >> shift & 0xFFu));
+}
+
+void append_text(std::vector<std::byte>& out, const std::string& text) {
+  const auto* const bytes = reinterpret_cast<const std::byte*>(text.data());
+  out.insert(out.end(), bytes, bytes + text.size());
+}
+
+}  // namespace
+
+struct gltf_packer::state {
+  gltf_source source;
+  nlohmann::json document;
+  std::optional<json_object> root;
+  std::optional<accessor_table> table;
+  std::optional<gltf_attributes> attributes;
+  scene content;
+  pose_list poses;
+
+  state(const std::filesystem::path& path, int scene_index) : source(source_of(path)) {
+    try {
+      gltf_file file = split_gltf(read_scene_bytes(path), source.name);
+      content = import_gltf(file, source, printable(path.filename().string(), 1000), scene_index, &poses);
+      document = parse_json(file.json);
+      root.emplace(document, "", source.name);
+      table.emplace(*root, source, std::move(file.binary));
+      attributes.emplace(*root, *table);
+    } catch (const std::bad_alloc&) {
+      refuse_for_memory(source.name);
+    }
+  }
+
+  // bytes: of the whole file, as far as is known.
+  void check_size(std::uint64_t bytes) const {
+    if (bytes > std::numeric_limits<std::uint32_t>::max())
+      refuse(source.name, "pack.too-large",
+             "would be a .glb of " + std::to_string(bytes) + " bytes, and lengths in one have 32 bits",
+             "pack it in parts");
+  }
+};
+
+gltf_packer::gltf_packer(const std::filesystem::path& path, int scene_index)
+    : state_(std::make_unique<state>(path, scene_index)) {}
+
+gltf_packer::~gltf_packer() = default;
+
+const scene& gltf_packer::content() const {
+  return state_->content;
+}
+
+std::vector<std::byte> gltf_packer::pack(const packed_order& order, std::vector<std::string>& warnings) {
+  const scene& s = state_->content;
+  std::vector<bool> moves(s.draws.size(), false);
+  for (const packed_group& group : order.groups)
+    for (const std::uint32_t number : group.draws) moves[number] = group.moves;
+  const carried_materials materials =
+      carry_materials(state_->document, *state_->root, state_->source, *state_->table, warnings);
+  packed_vertices vertices(s, state_->poses, moves, *state_->attributes);
+  const packed_places places = places_of(s, vertices, materials);
+  state_->check_size(places.bytes);
+  vertices.find_bounds();
+  std::string json = packed_document(s, order, vertices, materials, places)
+                         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  constexpr std::uint64_t headers = 12 + 8 + 8;
+  const std::uint64_t size = headers + json.size() + places.bytes;
+  state_->check_size(size);
+
+  std::vector<std::byte> out;
+  out.reserve(size);
+  append_text(out, "glTF");
+  append_u32(out, 2);
+  append_u32(out, size);
+  append_u32(out, json.size());
+  append_text(out, "JSON");
+  append_text(out, json);
+  append_u32(out, places.bytes);
+  append_text(out, std::string("BIN\0", 4));
+  const std::size_t begin = out.size();
+  out.resize(size);
+  const std::span<std::byte> buffer = std::span(out).subspan(begin);
+  vertices.write(buffer);
+  write_indices(s, order, moves, vertices.broken(), buffer.subspan(places.indices));
+  for (std::size_t i = 0; i < materials.images.size(); ++i) {
+    const std::vector<std::uint8_t>& bytes = materials.images[i].second;
+    if (!bytes.empty()) std::memcpy(&buffer[places.images[i]], bytes.data(), bytes.size());
+  }
+  return out;
+}
+
+}  // namespace sightcell::scene

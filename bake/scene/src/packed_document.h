@@ -1,0 +1,26 @@
+#pragma once
+// The JSON of a packed file.
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "carried_materials.h"
+#include "packed_vertices.h"
+#include "sightcell/scene/pack.h"
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::scene {
+
+// Where a packed file's one buffer has what: vertices from 0 on, then indices, then images.
+struct packed_places {
+  std::uint64_t indices = 0;
+  std::vector<std::uint64_t> images;  // as carried_materials has them
+  std::uint64_t bytes = 0;
+};
+
+packed_places places_of(const scene& s, const packed_vertices& vertices, const carried_materials& materials);
+
+nlohmann::json packed_document(const scene& s, const packed_order& order, const packed_vertices& vertices,
+                               const carried_materials& materials, const packed_places& places);
+
+}  // namespace sightcell::scene
