@@ -101,6 +101,30 @@ TEST_F(real_scenes, packed_ones_have_their_polygons_in_stored_order) {
   }
 }
 
+TEST_F(real_scenes, every_malformed_file_that_loads_is_packed_or_ends_in_one_line) {
+  std::size_t refused = 0, packed = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(data_folder() / "malformed")) {
+    const std::string extension = entry.path().extension().string();
+    if (extension != ".glb" && extension != ".gltf") continue;
+    SCOPED_TRACE(entry.path());
+    try {
+      gltf_packer packer(entry.path());
+      const packed_order order = some_order(packer.content());
+      std::vector<std::string> warnings;
+      const packed_file file(packer.pack(order, warnings));
+      if (!order.groups.empty()) expect_flattened(packer.content(), order, file);
+      ++packed;
+    } catch (const error& e) {
+      const std::string line = e.what();
+      EXPECT_EQ(e.kind(), error_kind::bad_input) << line;
+      EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+      ++refused;
+    }
+  }
+  EXPECT_EQ(refused + packed, 83u);
+  EXPECT_GT(packed, 20u);
+}
+
 TEST_F(real_scenes, every_malformed_file_ends_in_one_line_or_a_scene) {
   std::size_t refused = 0, loaded = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(data_folder() / "malformed")) {
