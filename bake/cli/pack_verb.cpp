@@ -33,6 +33,7 @@ void refuse_overwriting(const pack_options& options) {
 
 int run_pack(const pack_options& options) {
   refuse_overwriting(options);
+  outlive_failed_writes();
   const pvs_file file = pvs_file::open(options.file);
   const bake::pack_result result =
       bake::pack(options.scene, file.scene(), file.bytes(), options.file.string(), options.output);

@@ -205,13 +205,13 @@ TEST(pack, draws_that_move_stay_nodes_in_their_own_space) {
   const float h = std::sqrt(0.5f);
   const json &wheel = p.file.json["nodes"][0], &still = p.file.json["nodes"][1], &door = p.file.json["nodes"][2];
   EXPECT_EQ(wheel["name"], "wheel");
-  EXPECT_EQ(wheel["matrix"][13], 4.0);
-  EXPECT_EQ(wheel["matrix"][14], 3.0);
-  EXPECT_EQ(wheel["extras"]["source"]["node"], 2);
+  EXPECT_EQ(wheel.at("matrix").at(13), 4.0);
+  EXPECT_EQ(wheel.at("matrix").at(14), 3.0);
+  EXPECT_EQ(wheel.at("extras").at("source").at("node"), 2);
   EXPECT_EQ(p.file.indices(0), (std::vector<std::uint32_t>{6, 7, 8}));
   expect_near(p.file.attribute(0, "POSITION"), 18, {1, 0, 0, 0, 1, 0});
   EXPECT_FALSE(still.contains("matrix"));
-  EXPECT_EQ(door["extras"]["sightcell"], marked["sightcell"]);
+  EXPECT_EQ(door.at("extras").at("sightcell"), marked["sightcell"]);
   EXPECT_EQ(p.file.indices(2), (std::vector<std::uint32_t>{0, 1, 2})) << "its matrix mirrors it";
   expect_near(p.file.attribute(2, "NORMAL"), 0, {h, h, 0});
   expect_near(p.file.attribute(2, "TANGENT"), 0, {-h, h, 0, 1});
