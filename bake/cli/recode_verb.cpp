@@ -26,8 +26,8 @@ namespace {
 
 struct recode_options {
   std::filesystem::path file, output;
-  std::filesystem::path scene;  // of --importance
-  std::string profile, order;
+  std::filesystem::path importance, scene;  // the scene that options name, for one thing or the other
+  std::string profile, order, layout;
   bool json = false;
 };
 
@@ -47,18 +47,20 @@ void report(const std::filesystem::path& output, const bake::recode_result& resu
              format::layout::version, 100.0 * result.slack);
 }
 
-// Measuring takes a while.
+// Measuring importance takes a while.
 int run_with_scene(const recode_options& options, const pvs_file& file, bake::recode_settings how,
                    const std::filesystem::path& output) {
   std::error_code ignored;
-  if (std::filesystem::equivalent(options.scene, output, ignored))
+  const std::filesystem::path& path = options.importance.empty() ? options.scene : options.importance;
+  if (std::filesystem::equivalent(path, output, ignored))
     throw error(error_kind::wrong_use, "cli.output-is-input", output.string(), "is the scene itself",
                 "choose another name");
   progress_line line(progress_mode::automatic);
-  const scene::scene s = scene::load_gltf(options.scene, file.scene());
+  const scene::scene s = scene::load_gltf(path, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const stop_signals signals;
-  how.importance_in = &s;
+  how.layout_from = &s;
+  if (!options.importance.empty()) how.importance_in = &s;
   how.on_progress = [&](std::uint32_t done, std::uint32_t total) {
     line.update(bake::progress{.cells_done = total,
                                .cells_total = total,
@@ -82,7 +84,8 @@ int run_recode(const recode_options& options) {
     how.profile = bake::kind_of<bake::slack_profile>(bake::slack_profile_names, options.profile);
   if (!options.order.empty())
     how.order = bake::kind_of<bake::polygon_order_kind>(bake::polygon_order_names, options.order);
-  if (!options.scene.empty()) return run_with_scene(options, file, how, output);
+  if (!options.layout.empty()) how.layout = bake::kind_of<bake::host_layout>(bake::host_layout_names, options.layout);
+  if (!options.scene.empty() || !options.importance.empty()) return run_with_scene(options, file, how, output);
   report(output, bake::recode(file.bytes(), options.file.string(), how, output), options.json);
   return exit_done;
 }
@@ -109,7 +112,8 @@ void add_common(CLI::App& verb, recode_options& o) {
 
 void add_recode_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<recode_options>();
-  CLI::App& verb = *program.add_subcommand("recode", "write a .pvs file in another profile or order, without a bake");
+  CLI::App& verb =
+      *program.add_subcommand("recode", "write a .pvs file in another profile, order or layout, without a bake");
   add_common(verb, *options);
   const auto& profiles = bake::slack_profile_names;
   verb.add_option("--profile", options->profile, "slack of the sets: balanced 5 %, small 10 %; without: as it is")
@@ -119,10 +123,18 @@ void add_recode_verb(CLI::App& program, action& chosen) {
   verb.add_option("--order", options->order, "order polygons anew; without: as they are")
       ->type_name("per-mesh|per-instance")
       ->check(CLI::IsMember(std::vector<std::string>(orders.begin(), orders.end())));
-  verb.add_option("--importance", options->scene,
+  const auto& layouts = bake::host_layout_names;
+  verb.add_option("--layout", options->layout,
+                  "how the host keeps its polygons; merged needs --scene; without: as it is")
+      ->type_name("instanced|merged")
+      ->check(CLI::IsMember(std::vector<std::string>(layouts.begin(), layouts.end())));
+  CLI::Option* scene =
+      verb.add_option("--scene", options->scene, "the scene that the file was baked from")->type_name("SCENE");
+  verb.add_option("--importance", options->importance,
                   "the scene that the file was baked from: put in the file how much of what is seen from its cell each "
-                  "polygon covers; without: what it knows of that stays")
-      ->type_name("SCENE");
+                  "polygon covers; without: what it knows of that stays. Stands for --scene too")
+      ->type_name("SCENE")
+      ->excludes(scene);
   verb.callback([options, &chosen] { chosen = [options] { return run_recode(*options); }; });
 }
 

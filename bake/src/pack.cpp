@@ -65,7 +65,7 @@ pack_result pack(const std::filesystem::path& scene_path, int scene_index, std::
   if (opened.facts().layout != format::host_layout::merged)
     throw error(error_kind::wrong_use, "pack.instanced", name,
                 "is of the instanced layout, whose host keeps the scene's own meshes",
-                "bake it with --layout merged for a host of one mesh");
+                "for a host of one mesh: sightcell recode FILE --layout merged --scene SCENE");
   scene::gltf_packer packer(scene_path, scene_index);
   const scene::scene& s = packer.content();
   const scene::packed_order order = order_of(opened, s, name);

@@ -4,9 +4,12 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 #include <vector>
 
+#include "draw_table.h"
 #include "file_order.h"
 #include "importance_section.h"
 #include "rays/ray_scene.h"
@@ -41,38 +44,84 @@ double slack_left(const format::file_facts& facts, slack_profile profile, const 
   return std::max((1.0 + most) / (1.0 + has) - 1.0, 0.0);
 }
 
-// The settings text of the file with other names in it. A text that is no JSON object stays what it is.
+// The settings text of the file with other names in it, where a bake has them. A text that is no JSON object stays what
+// it is.
 std::string with_names(const std::string& settings, const file_settings& how) {
-  auto text = scene::parse_ordered_json(settings, false);
+  const auto text = scene::parse_ordered_json(settings, false);
   if (!text.is_object()) return settings;
-  text["profile"] = slack_profile_names[static_cast<std::size_t>(how.profile)];
-  if (how.order != polygon_order_kind::per_mesh || text.contains("order"))
-    text["order"] = polygon_order_names[static_cast<std::size_t>(how.order)];
-  return text.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  auto made = nlohmann::ordered_json::object();
+  const auto put_names = [&] {
+    made["profile"] = slack_profile_names[static_cast<std::size_t>(how.profile)];
+    if (how.order != polygon_order_kind::per_mesh)
+      made["order"] = polygon_order_names[static_cast<std::size_t>(how.order)];
+    if (how.layout != host_layout::instanced) made["layout"] = host_layout_names[static_cast<std::size_t>(how.layout)];
+  };
+  for (const auto& [key, value] : text.items()) {
+    if (key == "profile")
+      put_names();
+    else if (key != "order" && key != "layout")
+      made[key] = value;
+  }
+  if (!made.contains("profile")) put_names();
+  return made.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-// The file's bytes in this version, with the profile and the order that are asked for.
+void require_same_scene(const format::reader& opened, const std::string& name, const scene::scene* s) {
+  if (s == nullptr ||
+      (opened.polygon_count() == s->polygon_count && opened.facts().scene_fingerprint == s->fingerprint))
+    return;
+  throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s->name,
+              "give the scene it was baked from, or bake again");
+}
+
+// Draws of the other layout, not in order yet. What a host put into the table stays.
+void change_layout(format::file_parts& parts, const std::string& name, format::host_layout layout,
+                   const scene::scene* s) {
+  if (layout == format::host_layout::merged && s == nullptr)
+    throw error(error_kind::wrong_use, "recode.no-scene", name, "does not say which draws its host shows together",
+                "name the scene it was baked from: --scene SCENE");
+  const auto place_of = [](const format::draw_record& d) {
+    return std::tuple(d.first_source, d.node, d.mesh, d.primitive, d.instance);
+  };
+  std::map<decltype(place_of({})), format::draw_record> found;
+  if (s != nullptr)
+    for (const format::draw_record& d : draw_table(*s, layout)) found.emplace(place_of(d), d);
+  for (format::draw_record& d : parts.draws) {
+    d.group = 0;
+    if (const auto same = found.find(place_of(d)); same != found.end()) {
+      d.group = same->second.group;
+      d.flags = same->second.flags;  // which version 0 did not have
+    }
+  }
+  parts.facts.layout = layout;
+}
+
+// The file's bytes in this version, with what is asked for.
 std::vector<std::byte> encoded(const format::reader& opened, format::set_reader& sets, const std::string& name,
                                const recode_settings& how, const std::filesystem::path& output) {
   format::file_parts parts;
   require_ok(format::take_apart(opened, parts), name);
   const double slack = how.profile ? slack_left(parts.facts, *how.profile, name) : 0.0;
 
-  if (parts.facts.layout == format::host_layout::merged && how.order == polygon_order_kind::per_instance)
+  const auto layout = how.layout ? static_cast<format::host_layout>(*how.layout) : parts.facts.layout;
+  const bool other_layout = layout != parts.facts.layout;
+  if (layout == format::host_layout::merged && how.order == polygon_order_kind::per_instance)
     throw error(error_kind::wrong_use, "recode.merged", name, "is of the merged layout, where instances share nothing",
                 "leave out --order per-instance");
+  if (other_layout) change_layout(parts, name, layout, how.layout_from);
 
   const bool old = opened.format_version() != format::layout::version;
   file_settings now = file_settings_of(parts.settings);
   now.profile = how.profile.value_or(now.profile);
-  now.order = how.order.value_or(now.order);
+  now.order = layout == format::host_layout::merged ? polygon_order_kind::per_mesh : how.order.value_or(now.order);
+  now.layout = static_cast<host_layout>(layout);
   parts.settings = with_names(parts.settings, now);
   // Of each cell its number in the file that is read.
   std::vector<std::uint32_t> before = old ? order_cells(parts) : std::vector<std::uint32_t>();
   const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
     return sets.source_ids(before.empty() ? cell : before[cell], set);
   };
-  if (old || how.order)
+  if (old || how.order || other_layout)
     order_polygons_of(parts, now.order, [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
       require_ok(set_of(cell, set), name);
     });
@@ -110,14 +159,13 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   format::set_reader sets;
   require_ok(format::reader::open(file, opened), name);
   const scene::scene* s = how.importance_in;
-  if (s != nullptr &&
-      (opened.polygon_count() != s->polygon_count || opened.facts().scene_fingerprint != s->fingerprint))
-    throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s->name,
-                "give the scene it was baked from, or bake again");
+  require_same_scene(opened, name, s);
+  require_same_scene(opened, name, how.layout_from);
   require_ok(sets.open(opened), name);
   require_ok(sets.check(), name);
   // With importance alone all else stays, also what encoding sets with their slack anew would do otherwise.
-  const bool stays = s != nullptr && !how.profile && !how.order && opened.format_version() == format::layout::version;
+  const bool stays =
+      s != nullptr && !how.profile && !how.order && !how.layout && opened.format_version() == format::layout::version;
   std::vector<std::byte> bytes =
       stays ? std::vector<std::byte>(file.begin(), file.end()) : encoded(opened, sets, name, how, output);
   format::reader made;

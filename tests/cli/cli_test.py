@@ -198,6 +198,10 @@ class Bake(InFolder):
             difference = json.loads(self.expect(0, 'diff', instanced, merged, '--json')[0])
             self.assertEqual((difference['polygons_gained'], difference['polygons_lost']), (0, 0))
             self.expect(0, 'verify', two, merged, '--rays', '20000')
+            # recode writes what a bake in the other layout does.
+            for source, layout, made in ((instanced, 'merged', merged), (merged, 'instanced', instanced)):
+                self.expect(0, 'recode', source, '--layout', layout, '--scene', two, '-o', self.path('other.pvs'))
+                self.assertEqual(read(self.path('other.pvs')), read(made))
 
     def test_pack_writes_the_mesh_of_a_merged_file(self):
         two, file, mesh = self.path('twice.glb'), self.path('merged.pvs'), self.path('packed.glb')

@@ -339,6 +339,7 @@ CASES = [
     ('pvs.other-scene', 4, packed('p.glb', named='out.pvs', scene_of=lambda f: scene(f, 'other.gltf', scale=3.0))),
     ('recode.has-slack', 2, recoded('--profile', 'exact', named='a.pvs')),
     ('recode.merged', 2, recoded('--order', 'per-instance', named='a.pvs', file='v1_merged.pvs')),
+    ('recode.no-scene', 2, recoded('--layout', 'merged', named='a.pvs')),
     ('recode.not-written', 1, recoded('-o', 'no/b.pvs', named='no/b.pvs')),
     ('pvs.refused', 4, info(lambda f: write(f, 'text.pvs', 'hello'))),
     ('scene.accessor-bounds', 4, info_of(set_in('accessors', 0, 'count', value=9))),

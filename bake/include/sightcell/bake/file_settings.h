@@ -25,7 +25,7 @@ enum class polygon_order_kind : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 2> polygon_order_names = {"per-mesh", "per-instance"};
 
-// --layout: how the host keeps its polygons, which recode cannot change.
+// --layout: how the host keeps its polygons.
 enum class host_layout : std::uint8_t {
   instanced,  // draw by draw
   merged,     // in world space, the static draws of one material as one list, whose polygons are ordered together

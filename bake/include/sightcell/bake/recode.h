@@ -1,5 +1,5 @@
 #pragma once
-// A .pvs file written anew without a bake: in this version of the format, in another profile or order.
+// A .pvs file written anew without a bake: in this version of the format, in another profile, order or layout.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -22,6 +22,10 @@ struct recode_settings {
   // slack than it has.
   std::optional<slack_profile> profile;
   std::optional<polygon_order_kind> order;  // polygons and draws are ordered anew, by the sets that the file holds
+  // Polygons and draws are ordered anew, as for another order. To merged it takes layout_from, the scene that the file
+  // was baked from: a file does not say which draws its host shows when it likes. Outlives the call.
+  std::optional<host_layout> layout = {};
+  const scene::scene* layout_from = nullptr;
   // The scene that the file was baked from, to measure in it how much of what is seen from its cell each polygon covers
   // (file_settings::importance), as a bake would have done; null: what the file knows of it stays. Outlives the call.
   const scene::scene* importance_in = nullptr;
@@ -41,9 +45,9 @@ struct recode_result {
 // stay what they are, also those of a file of an older version, whose polygons and lattice cells are put in order.
 // Bounds and certificate stay, rounded to the safe side; so does the importance of polygons, but
 // what slack adds is least important. With importance_in alone a file of this version stays what it is besides. The
-// settings text names the new profile and order. file, name:
-// as for verify. Throws sightcell::error when the file is broken, cannot have the profile, is of
-// another scene than importance_in, or cannot be written; then nothing was changed. Runs on all cores.
+// settings text names the new profile, order and layout. file, name: as for verify. Throws sightcell::error when the
+// file is broken, cannot have the profile or the layout, is of another scene than importance_in or layout_from, or
+// cannot be written; then nothing was changed. Runs on all cores.
 recode_result recode(std::span<const std::byte> file, const std::string& name, const recode_settings& how,
                      const std::filesystem::path& output);
 
