@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "commands.h"
 #include "db.h"
 #include "file_input.h"
 #include "index_list.h"
@@ -16,7 +17,7 @@ namespace format = sightcell::format;
 namespace runtime = sightcell::runtime;
 
 static_assert(sizeof(sightcell_frame) == 64 && sizeof(sightcell_range) == 12 && sizeof(sightcell_draw) == 48);
-static_assert(sizeof(sightcell_info) == 56);
+static_assert(sizeof(sightcell_info) == 56 && sizeof(sightcell_command) == 20);
 static_assert(static_cast<int>(format::status::limit) == SIGHTCELL_ERR_LIMIT &&
               static_cast<int>(format::status::other_scene) == SIGHTCELL_ERR_OTHER_SCENE &&
               static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE);
@@ -206,6 +207,17 @@ sightcell_status sightcell_view_indices(const sightcell_view* view, const uint32
   if (stored_indices == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   const format::run all{0, view->polygon_count()};
   runtime::copy_indices(view->draws_all() ? std::span(&all, 1) : view->runs(), stored_indices, dst);
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_commands(const sightcell_view* view, uint32_t min_gap, void* dst, size_t stride,
+                                         size_t capacity, size_t* count) {
+  if (view == nullptr || stride < sizeof(sightcell_command)) return SIGHTCELL_ERR_ARGUMENT;
+  // Indices are numbered in 32 bits.
+  if (view->db().polygon_count() > std::numeric_limits<std::uint32_t>::max() / 3) return SIGHTCELL_ERR_LIMIT;
+  const sightcell_status room = check_room(dst, capacity, runtime::count_commands(*view, min_gap), count);
+  if (room != SIGHTCELL_OK) return room;
+  runtime::write_commands(*view, min_gap, static_cast<std::byte*>(dst), stride);
   return SIGHTCELL_OK;
 }
 

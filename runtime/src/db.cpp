@@ -53,13 +53,13 @@ bool sightcell_db::fill_ranges() noexcept {
     if (file_.range_unit_begin(number) != next) return false;
     const std::uint32_t end = file_.range_unit_begin(number + 1);
     if (end < next || end > file_.polygon_count()) return false;
-    range_sources_[number] = {0, next};
+    range_sources_[number] = {0, next, 0};
     if (!is_merged()) {
       format::draw_record draw;
       const std::uint32_t order_begin = file_.order_begin(file_.order_of_draw(number));
       if (file_.draw(number, draw) != format::status::ok || draw.polygon_count != end - next) return false;
       if (order_begin > orders_.size() || draw.polygon_count > orders_.size() - order_begin) return false;
-      range_sources_[number] = {draw.first_source, order_begin};
+      range_sources_[number] = {draw.first_source, order_begin, draw.base_vertex};
     }
     if (end > next) ++whole_ranges_;
     next = end;

@@ -18,6 +18,7 @@ enum class chunk_state : std::uint8_t { unknown, good, damaged };
 struct range_source {
   std::uint32_t first_source = 0;
   std::uint32_t order_begin = 0;  // place of its order among all orders
+  std::uint32_t base_vertex = 0;  // vertices of all draws before it; 0 for draw groups
 };
 
 }  // namespace sightcell::runtime
@@ -55,6 +56,11 @@ struct sightcell_db {
     return range_sources_[draw].first_source;
   }
 
+  [[nodiscard]] std::uint32_t base_vertex(std::uint32_t draw) const noexcept {
+    return range_sources_[draw].base_vertex;
+  }
+  [[nodiscard]] bool is_merged() const noexcept;
+
   // Checks the chunk of a cell at its first use and remembers the answer. False when it is damaged.
   [[nodiscard]] bool cell_is_sound(std::uint32_t cell) const noexcept;
 
@@ -63,7 +69,6 @@ struct sightcell_db {
  private:
   sightcell_db() = default;
   [[nodiscard]] std::uint64_t carve(void* block) noexcept;
-  [[nodiscard]] bool is_merged() const noexcept;
   [[nodiscard]] bool fill() noexcept;
   [[nodiscard]] bool fill_ranges() noexcept;
 

@@ -94,6 +94,11 @@ typedef struct sightcell_range {
   uint32_t draw, first, count;
 } sightcell_range;
 
+/* One indirect draw, in the layout of GL's DrawElementsIndirectCommand and Vulkan's VkDrawIndexedIndirectCommand. */
+typedef struct sightcell_command {
+  uint32_t index_count, instance_count, first_index, base_vertex, first_instance;
+} sightcell_command;
+
 /* One draw of the baked scene: where it comes from in the glTF and which polygons are its own. */
 typedef struct sightcell_draw {
   uint32_t node, mesh, primitive, instance; /* glTF indices; instance of EXT_mesh_gpu_instancing, else 0 */
@@ -199,6 +204,15 @@ SIGHTCELL_API sightcell_status sightcell_view_ranges(const sightcell_view* view,
  * not overlap stored_indices. capacity and *count in indices. */
 SIGHTCELL_API sightcell_status sightcell_view_indices(const sightcell_view* view, const uint32_t* stored_indices,
                                                       uint32_t* dst, size_t capacity, size_t* count);
+/* The same as indirect draws of sightcell_command, one every `stride` bytes from dst on: 3 * polygons indices of one
+ * instance; first_index 3 * range.first, so that the index buffer of its primitive begins at 0, or, in a merged file, the
+ * place in the one buffer of the scene; base_vertex of the draw, in a merged file 0; first_instance the draw, or draw
+ * group. min_gap: where fewer than so many polygons of a draw lie between two of its ranges they are drawn as well, and
+ * both are one command; 0 and 1 draw nothing else. Ascending as ranges are; at most as many. dst is written from front
+ * to back and never read, 20 bytes of each stride alone, and may have any alignment. stride below 20: ARGUMENT.
+ * capacity and *count in commands. LIMIT: more than 1,431,655,765 polygons, whose indices 32 bits cannot number. */
+SIGHTCELL_API sightcell_status sightcell_view_commands(const sightcell_view* view, uint32_t min_gap, void* dst,
+                                                       size_t stride, size_t capacity, size_t* count);
 /* What was added and removed since a revision: the current one (nothing) or the one before. STALE for any other, and
  * when one of the two is DRAW_ALL: take the full list then. Either capacity too small: CAPACITY, nothing is written,
  * both counts say what is needed. On STALE both counts are 0. */

@@ -152,6 +152,13 @@ class view {
     out.status = sightcell_view_indices(handle_, stored_indices.data(), dst.data(), dst.size(), &out.count);
     return out;
   }
+  // One behind the other. min_gap: as sightcell_view_commands has it.
+  list_result commands(std::uint32_t min_gap, std::span<sightcell_command> dst) const noexcept {
+    list_result out;
+    out.status =
+        sightcell_view_commands(handle_, min_gap, dst.data(), sizeof(sightcell_command), dst.size(), &out.count);
+    return out;
+  }
   changes_result changes(std::uint32_t since_revision, std::span<sightcell_range> added,
                          std::span<sightcell_range> removed) const noexcept {
     changes_result out;

@@ -44,6 +44,7 @@ TEST(allocation, none_over_10000_moves) {
     std::vector<std::uint32_t> indices(9000);
     std::vector<sightcell_range> ranges(6000);
     std::vector<sightcell_range> more(6000);
+    std::vector<sightcell_command> commands(6000);
     random_source random(52);
     std::size_t count = 0;
     std::size_t other = 0;
@@ -60,6 +61,8 @@ TEST(allocation, none_over_10000_moves) {
       failures += sightcell_view_ranges(view.get(), ranges.data(), ranges.size(), &count) != SIGHTCELL_OK;
       failures +=
           sightcell_view_indices(view.get(), stored.data(), indices.data(), indices.size(), &count) != SIGHTCELL_OK;
+      failures += sightcell_view_commands(view.get(), 4, commands.data(), sizeof(sightcell_command), commands.size(),
+                                          &count) != SIGHTCELL_OK;
       const sightcell_status s = sightcell_view_changes(view.get(), frame.revision - 1, ranges.data(), ranges.size(),
                                                         &count, more.data(), more.size(), &other);
       failures += s != SIGHTCELL_OK && s != SIGHTCELL_ERR_STALE;

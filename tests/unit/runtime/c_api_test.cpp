@@ -158,6 +158,7 @@ TEST(c_api, nulls_are_arguments) {
   EXPECT_EQ(sightcell_view_polygons(view.get(), &number, 1, nullptr), argument);
   EXPECT_EQ(sightcell_view_ranges(nullptr, nullptr, 0, &count), argument);
   EXPECT_EQ(sightcell_view_indices(nullptr, nullptr, nullptr, 0, &count), argument);
+  EXPECT_EQ(sightcell_view_commands(nullptr, 0, nullptr, sizeof(sightcell_command), 0, &count), argument);
   EXPECT_EQ(sightcell_view_changes(nullptr, 0, nullptr, 0, &count, nullptr, 0, &count), argument);
   EXPECT_EQ(sightcell_view_changes(view.get(), 0, nullptr, 0, nullptr, nullptr, 0, &count), argument);
   EXPECT_EQ(sightcell_view_changes(view.get(), 0, nullptr, 1, &count, nullptr, 0, &count), argument);
