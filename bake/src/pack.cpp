@@ -82,8 +82,10 @@ pack_result pack(const std::filesystem::path& scene_path, int scene_index, std::
   if (format::write_file(path.c_str(), bytes) != format::status::ok)
     throw error(error_kind::failed, "pack.not-written", path, "cannot be written", "free space or choose another -o");
   result.polygons = s.polygon_count;
-  const scene::draw& last = s.draws.back();
-  result.vertices = last.base_vertex + static_cast<std::uint32_t>(s.geometries[last.geometry].positions.size());
+  if (!s.draws.empty()) {
+    const scene::draw& last = s.draws.back();
+    result.vertices = last.base_vertex + static_cast<std::uint32_t>(s.geometries[last.geometry].positions.size());
+  }
   result.groups = static_cast<std::uint32_t>(order.groups.size());
   result.moving = static_cast<std::uint32_t>(
       std::count_if(order.groups.begin(), order.groups.end(), [](const auto& group) { return group.moves; }));
