@@ -13,24 +13,68 @@
 #include "sightcell/format/layout.h"
 
 namespace sightcell::format {
+namespace {
 
+// Sections that are checked piece by piece when they are used, and may be kept elsewhere until then.
+constexpr bool is_bulk(std::uint32_t section) noexcept {
+  return section == layout::section_rows || section == layout::section_importance;
+}
+
+}  // namespace
+
+// Nothing for what lies behind the front, where that is all there is.
 std::span<const std::byte> reader::part(extent where) const noexcept {
+  if (where.offset > bytes_.size() || where.size > bytes_.size() - where.offset) return {};
   return bytes_.subspan(static_cast<std::size_t>(where.offset), static_cast<std::size_t>(where.size));
 }
 
 status reader::open(std::span<const std::byte> bytes, reader& out) noexcept {
   reader file;
   file.bytes_ = bytes;
-  if (const status s = file.read_header(); s != status::ok) return s;
-  if (const status s = file.read_sections(); s != status::ok) return s;
-  if (const status s = file.check_sizes(); s != status::ok) return s;
-  if (const status s = file.open_tables(); s != status::ok) return s;
-  if (const status s = file.check_draws(); s != status::ok) return s;
-  if (const status s = file.check_cells(); s != status::ok) return s;
-  if (const status s = file.check_directory(); s != status::ok) return s;
-  if (const status s = file.check_certificate(); s != status::ok) return s;
+  file.total_size_ = bytes.size();
+  if (const status s = file.open_all(); s != status::ok) return s;
   out = file;
   return status::ok;
+}
+
+status reader::open_front(std::span<const std::byte> front, std::uint64_t total_size, reader& out) noexcept {
+  reader file;
+  file.bytes_ = front;
+  file.total_size_ = total_size;
+  if (const status s = file.open_all(); s != status::ok) return s;
+  if (file.version_ == 0) return status::version;
+  out = file;
+  return status::ok;
+}
+
+status reader::front_size(std::span<const std::byte> begin, std::uint64_t total_size, std::uint64_t& out) noexcept {
+  reader file;
+  file.bytes_ = begin;
+  file.total_size_ = total_size;
+  if (const status s = file.read_header(); s != status::ok) return s;
+  if (file.version_ == 0) return status::version;
+  const std::uint64_t table_end = layout::header_size + file.section_count_ * layout::section_record_size;
+  if (table_end > begin.size()) return status::corrupt;
+  std::uint64_t end = table_end;
+  for (std::uint32_t i = 0; i < file.section_count_; ++i) {
+    section_record entry;
+    if (const status s = file.section(i, entry); s != status::ok) return s;
+    if (is_bulk(entry.id)) continue;
+    end = std::max(end, entry.offset + entry.size);
+  }
+  out = end;
+  return status::ok;
+}
+
+status reader::open_all() noexcept {
+  if (const status s = read_header(); s != status::ok) return s;
+  if (const status s = read_sections(); s != status::ok) return s;
+  if (const status s = check_sizes(); s != status::ok) return s;
+  if (const status s = open_tables(); s != status::ok) return s;
+  if (const status s = check_draws(); s != status::ok) return s;
+  if (const status s = check_cells(); s != status::ok) return s;
+  if (const status s = check_directory(); s != status::ok) return s;
+  return check_certificate();
 }
 
 // Magic and version come before the checksum, since a later version may place it elsewhere.
@@ -62,8 +106,8 @@ status reader::read_header() noexcept {
   for (std::size_t i = 0; i < facts_.scene_fingerprint.size(); ++i) {
     read = in.read_u8(layout::header_fingerprint + i, facts_.scene_fingerprint[i]) && read;
   }
-  if (!read || total < bytes_.size()) return status::corrupt;
-  if (total > bytes_.size()) return status::truncated;
+  if (!read || total < total_size_) return status::corrupt;
+  if (total > total_size_) return status::truncated;
   facts_.layout = static_cast<host_layout>(layout_number);
   facts_.repeatable = (flags & layout::flag_not_repeatable) == 0;
   if (!facts_are_valid(facts_) || (flags & ~layout::flag_not_repeatable) != 0) return status::corrupt;
@@ -97,28 +141,28 @@ status reader::read_sections() noexcept {
   for (std::uint32_t i = 0; i < section_count_; ++i) {
     section_record entry;
     if (const status s = section(i, entry); s != status::ok) return s;
-    if (entry.offset != next || entry.size > bytes_.size() - next) return status::corrupt;
+    if (entry.offset != next || entry.size > total_size_ - next) return status::corrupt;
     next += entry.size;
     std::size_t known = 0;
     while (known < known_ids && ids[known] != entry.id) ++known;
-    const bool bulk = entry.id == layout::section_importance;
-    if (known == known_ids || bulk) {
+    const bool importance = entry.id == layout::section_importance;
+    if (known == known_ids || importance) {
       // As readers said before there was an importance: it is never required.
       if (entry.required) return status::version;
       if (known == known_ids) continue;
     }
-    const bool must = !bulk && entry.id != layout::section_certificate && entry.id != layout::section_settings;
+    const bool must = !importance && entry.id != layout::section_certificate && entry.id != layout::section_settings;
     if (found[known] || entry.required != must) return status::corrupt;
     found[known] = true;
     *places[known] = {entry.offset, entry.size};
     if (entry.id == layout::section_certificate) certificate_count_ = cell_count_;
-    if (entry.id != layout::section_rows && !bulk) {
+    if (!is_bulk(entry.id)) {
       if (const status s = check_section(i); s != status::ok) return s;
     }
   }
   const bool complete = found[0] && found[1] && found[2] && found[3] && (version_ == 0 || (found[6] && found[7]));
   has_importance_ = found[8];
-  return next == bytes_.size() && complete ? status::ok : status::corrupt;
+  return next == total_size_ && complete ? status::ok : status::corrupt;
 }
 
 status reader::section(std::uint32_t number, section_record& out) const noexcept {
@@ -133,7 +177,7 @@ status reader::section(std::uint32_t number, section_record& out) const noexcept
     return status::corrupt;
   }
   if ((flags & ~layout::section_required) != 0 || reserved != 0) return status::corrupt;
-  if (entry.offset > bytes_.size() || entry.size > bytes_.size() - entry.offset) return status::corrupt;
+  if (entry.offset > total_size_ || entry.size > total_size_ - entry.offset) return status::corrupt;
   entry.required = (flags & layout::section_required) != 0;
   out = entry;
   return status::ok;

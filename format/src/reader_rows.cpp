@@ -63,6 +63,22 @@ status reader::check_chunk(std::uint32_t chunk) const noexcept {
   return crc32c(part(where)) == stored ? status::ok : status::checksum;
 }
 
+status reader::chunk_place(std::uint32_t chunk, std::uint64_t& offset, std::uint32_t& size) const noexcept {
+  extent where;
+  std::uint32_t checksum = 0;
+  if (const status s = chunk_extent(chunk, where, checksum); s != status::ok) return s;
+  offset = where.offset;
+  size = static_cast<std::uint32_t>(where.size);
+  return status::ok;
+}
+
+status reader::check_chunk(std::uint32_t chunk, std::span<const std::byte> bytes) const noexcept {
+  extent where;
+  std::uint32_t stored = 0;
+  if (const status s = chunk_extent(chunk, where, stored); s != status::ok) return s;
+  return bytes.size() == where.size && crc32c(bytes) == stored ? status::ok : status::checksum;
+}
+
 // Chunks lie one behind the other and fill the rows section.
 status reader::check_directory() const noexcept {
   std::uint64_t next = rows_.offset;
@@ -117,12 +133,21 @@ status reader::decode_row(std::uint32_t cell, const row_codes* codes, std::span<
   extent where;
   std::uint32_t checksum = 0;
   if (const status s = chunk_extent(chunk_of(cell), where, checksum); s != status::ok) return s;
-  row_chunk chunk;
-  if (!chunk.open(part(where), rows_of_chunk(chunk_of(cell)))) return status::corrupt;
+  return decode_row(cell, part(where), codes, out, scratch, count);
+}
+
+status reader::decode_row(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes,
+                          std::span<run> out, std::span<std::byte> scratch, std::size_t& count) const noexcept {
+  count = 0;
+  if (version_ == 0) return status::version;
+  if (cell >= cell_count_ || codes == nullptr) return status::argument;
+  if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
+  row_chunk rows;
+  if (!rows.open(chunk, rows_of_chunk(chunk_of(cell)))) return status::corrupt;
   std::span<const std::uint32_t> borders;
   std::uint64_t end = 0;
-  const status s = chunk.decode(cell % layout::cells_per_chunk, *codes, bounds_of(*this, list_bound_),
-                                as_array<std::uint32_t>(scratch), borders, end);
+  const status s = rows.decode(cell % layout::cells_per_chunk, *codes, bounds_of(*this, list_bound_),
+                               as_array<std::uint32_t>(scratch), borders, end);
   if (s != status::ok) return s;
   count = borders.size() / 2;
   for (std::size_t i = 0; i < count; ++i) out[i] = {borders[2 * i], borders[2 * i + 1] - borders[2 * i]};

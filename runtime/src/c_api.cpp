@@ -1,4 +1,5 @@
 // The C functions: checks arguments, then hands over. Statuses of format have the numbers of the C API.
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -9,6 +10,8 @@
 #include "file_input.h"
 #include "index_list.h"
 #include "memory.h"
+#include "object_bits.h"
+#include "prefetch.h"
 #include "ranges.h"
 #include "sightcell/sightcell.h"
 #include "view.h"
@@ -74,6 +77,34 @@ sightcell_status sightcell_db_open_file(const char* path, const sightcell_alloca
   const sightcell_status s = sightcell_db::open(bytes, allocator, file.bytes, out);
   if (s != SIGHTCELL_OK) runtime::release(allocator, file.bytes, file.size);
   return s;
+}
+
+sightcell_status sightcell_db_open_source(const sightcell_source* source, const sightcell_allocator* mem,
+                                          uint64_t resident_bytes, sightcell_db** out) {
+  if (out == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  *out = nullptr;
+  sightcell_allocator allocator;
+  if (source == nullptr || source->request == nullptr || !take_allocator(mem, allocator)) return SIGHTCELL_ERR_ARGUMENT;
+  return sightcell_db::open_source(*source, allocator, resident_bytes, out);
+}
+
+sightcell_status sightcell_db_deliver(sightcell_db* db, uint32_t ticket, const void* bytes, uint32_t size) {
+  return db == nullptr ? SIGHTCELL_ERR_ARGUMENT : db->deliver(ticket, bytes, size);
+}
+
+sightcell_status sightcell_db_prefetch(sightcell_db* db, const float eye[3], const float velocity[3], float seconds) {
+  if (db == nullptr || eye == nullptr || velocity == nullptr || !(seconds >= 0.0f) || !std::isfinite(seconds)) {
+    return SIGHTCELL_ERR_ARGUMENT;
+  }
+  runtime::point place{};
+  runtime::point speed{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(eye[axis]) || !std::isfinite(velocity[axis])) return SIGHTCELL_ERR_ARGUMENT;
+    place[axis] = static_cast<double>(eye[axis]);
+    speed[axis] = static_cast<double>(velocity[axis]);
+  }
+  if (db->is_paged()) runtime::prefetch(*db, place, speed, static_cast<double>(seconds));
+  return SIGHTCELL_OK;
 }
 
 void sightcell_db_close(sightcell_db* db) {
@@ -173,6 +204,23 @@ sightcell_status sightcell_view_move(sightcell_view* view, const float eye[3], s
   return SIGHTCELL_ERR_ARGUMENT;
 }
 
+sightcell_status sightcell_view_move_box(sightcell_view* view, const float min[3], const float max[3],
+                                         sightcell_frame* frame) {
+  if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  sightcell_frame unread;
+  if (frame != nullptr) return view->move_box(min, max, *frame);
+  static_cast<void>(view->move(nullptr, unread));
+  return SIGHTCELL_ERR_ARGUMENT;
+}
+
+sightcell_status sightcell_view_policy(sightcell_view* view, uint32_t outside, float max_distance) {
+  return view == nullptr ? SIGHTCELL_ERR_ARGUMENT : view->set_policy(outside, max_distance);
+}
+
+sightcell_status sightcell_view_origin(sightcell_view* view, const double origin[3]) {
+  return view == nullptr ? SIGHTCELL_ERR_ARGUMENT : view->set_origin(origin);
+}
+
 sightcell_status sightcell_view_polygons(const sightcell_view* view, uint32_t* source_ids, size_t capacity,
                                          size_t* count) {
   if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
@@ -218,6 +266,13 @@ sightcell_status sightcell_view_commands(const sightcell_view* view, uint32_t mi
   const sightcell_status room = check_room(dst, capacity, runtime::count_commands(*view, min_gap), count);
   if (room != SIGHTCELL_OK) return room;
   runtime::write_commands(*view, min_gap, static_cast<std::byte*>(dst), stride);
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bits_by_draw, size_t words) {
+  if (view == nullptr || (bits_by_draw == nullptr && words > 0)) return SIGHTCELL_ERR_ARGUMENT;
+  if (words < (std::size_t{view->db().file().draw_count()} + 63) / 64) return SIGHTCELL_ERR_CAPACITY;
+  runtime::write_object_bits(*view, {bits_by_draw, words});
   return SIGHTCELL_OK;
 }
 

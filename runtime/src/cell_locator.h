@@ -1,58 +1,62 @@
 #pragma once
-// Eye position -> view cell. Boxes may overlap: the smallest volume wins, then the lowest number. A static tree of
-// boxes, built once; nothing here allocates.
+// Place -> view cell, whichever way a file has its cells: the smallest volume wins, then the lowest number.
+#include <bit>
 #include <cstdint>
-#include <limits>
 #include <span>
 
-#include "sightcell/format/records.h"
+#include "box_tree.h"
+#include "lattice_index.h"
+#include "nearest_cell.h"
+#include "sightcell/format/reader.h"
 
 namespace sightcell::runtime {
 
-inline constexpr std::uint32_t no_cell = 0xFFFFFFFFu;
-inline constexpr double any_volume = std::numeric_limits<double>::infinity();
-
-// min <= eye < max. False for NaN.
-[[nodiscard]] bool box_holds(const format::box& b, const float eye[3]) noexcept;
-// The same for the box grown by margin metres on every side, without rounding.
-[[nodiscard]] bool grown_box_holds(const format::box& b, float margin, const float eye[3]) noexcept;
-// Cubic metres. Above 0 for a valid box.
-[[nodiscard]] double box_volume(const format::box& b) noexcept;
-
-struct located_cell {
-  format::box bounds;
-  std::uint32_t cell = 0;
-};
-
-// One node of the tree: a leaf with count cells from first on, or (count 0) two nodes, the next one and number first.
-struct locator_node {
-  format::box bounds;
-  double smallest_volume = 0.0;
-  std::uint32_t first = 0;
-  std::uint32_t count = 0;
+// What the locator lives in; belongs to whoever builds it, and must outlive it.
+struct locator_memory {
+  std::span<lattice_slot> slots;  // lattice_index::slot_count(); none without a lattice
+  std::span<located_cell> cells;  // one per cell; none with a lattice
+  std::span<tree_node> nodes;     // box_tree::node_count(); none with a lattice
 };
 
 class cell_locator {
  public:
-  // Nodes that build needs for so many cells.
-  [[nodiscard]] static std::uint32_t node_count(std::uint32_t cells) noexcept;
+  // False when the file's bytes changed since it was opened, or somebody chose its cells so that they cannot be looked
+  // up quickly.
+  [[nodiscard]] bool build(const format::reader& file, const locator_memory& memory) noexcept;
 
-  // cells: every box finite, in any order; it is reordered. nodes: node_count(cells.size()) of them. Both stay the
-  // caller's and must outlive the locator. O(n log n).
-  void build(std::span<located_cell> cells, std::span<locator_node> nodes) noexcept;
+  // As box_tree has them.
+  [[nodiscard]] std::uint32_t find(const point& place, double volume_limit, format::box& out) const noexcept {
+    return on_lattice_ ? lattice_.find(place, volume_limit, out) : tree_.find(place, volume_limit, out);
+  }
+  [[nodiscard]] bool has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept {
+    return on_lattice_ ? lattice_.has_smaller_inside(bounds, volume_limit)
+                       : tree_.has_smaller_inside(bounds, volume_limit);
+  }
+  [[nodiscard]] std::size_t touching(const wide_box& closed, std::span<located_cell> dst) const noexcept {
+    return on_lattice_ ? lattice_.touching(closed, dst) : tree_.touching(closed, dst);
+  }
+  void nearest(nearest_search& search) const noexcept {
+    if (on_lattice_) {
+      lattice_.nearest(search);
+    } else {
+      tree_.nearest(search);
+    }
+  }
 
-  // Among the cells that hold eye and are smaller than volume_limit: the smallest, then the lowest number. no_cell when
-  // there is none. O(log n) where few boxes overlap; one comparison when no cell at all is smaller than volume_limit.
-  // out is set only when a cell is found.
-  [[nodiscard]] std::uint32_t find(const float eye[3], double volume_limit, format::box& out) const noexcept;
-
-  // True when some cell smaller than volume_limit has a point in common with bounds. Where it is false, a place inside
-  // bounds needs no search for a smaller cell.
-  [[nodiscard]] bool has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept;
+  // Calls emit(box, first cell, cells) for groups of cells that follow each other and all lie in the box.
+  template <class Emit>
+  void for_each_group(const Emit& emit) const noexcept {
+    for (const lattice_slot& slot : lattice_.slots()) {
+      if (slot.mask == 0) continue;
+      emit(lattice_.bounds_of(slot), slot.first_cell(), static_cast<std::uint32_t>(std::popcount(slot.mask)));
+    }
+    for (const located_cell& c : tree_.cells()) emit(widened(c.bounds), c.cell, 1u);
+  }
 
  private:
-  std::span<const located_cell> cells_;
-  std::span<const locator_node> nodes_;
+  lattice_index lattice_;
+  box_tree tree_;
+  bool on_lattice_ = false;
 };
 
 }  // namespace sightcell::runtime

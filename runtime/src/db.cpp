@@ -1,20 +1,25 @@
 #include "db.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 #include <new>
 
+using sightcell::runtime::box_tree;
+using sightcell::runtime::cached_chunk;
 using sightcell::runtime::carver;
+using sightcell::runtime::chunk_presence;
 using sightcell::runtime::chunk_state;
-using sightcell::runtime::located_cell;
-using sightcell::runtime::locator_node;
+using sightcell::runtime::lattice_index;
+using sightcell::runtime::row_outcome;
 namespace format = sightcell::format;
 
 bool sightcell_db::is_merged() const noexcept {
   return file_.facts().layout == format::host_layout::merged;
 }
 
+// room_ comes with its size.
 std::uint64_t sightcell_db::carve(void* block) noexcept {
   carver space(block);
   space.take<sightcell_db>(1);
@@ -24,26 +29,31 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
     std::uninitialized_value_construct_n(place, static_cast<std::size_t>(count));
     target = {place, static_cast<std::size_t>(count)};
   };
-  give(cells_, file_.cell_count());
-  give(nodes_, sightcell::runtime::cell_locator::node_count(file_.cell_count()));
+  const format::cell_lattice* lattice = file_.lattice();
+  const std::uint32_t boxes = lattice == nullptr ? file_.cell_count() : 0;
+  give(cells_.slots, lattice == nullptr ? 0 : lattice_index::slot_count(lattice->chunk_count()));
+  give(cells_.cells, boxes);
+  give(cells_.nodes, box_tree::node_count(boxes));
   give(range_borders_, std::uint64_t{file_.range_unit_count()} + 1);
   give(range_sources_, file_.range_unit_count());
   give(orders_, is_merged() ? file_.polygon_count() : file_.order_begin(file_.order_count()));
-  give(chunks_, file_.chunk_count());
+  give(group_draws_, is_merged() ? std::uint64_t{file_.range_unit_count()} + 1 : 0);
+  give(draw_sources_, is_merged() ? file_.draw_count() : 0);
+  give(chunks_, is_paged() ? 0 : file_.chunk_count());
+  give(cached_, is_paged() ? file_.chunk_count() : 0);
+  give(cached_order_, is_paged() ? file_.chunk_count() : 0);
   std::span<std::uint64_t> codes;  // so that they lie at a multiple of 8
   give(codes, (file_.codes_size() + 7) / 8);
   codes_memory_ = std::as_writable_bytes(codes);
+  give(room_, room_.size());
   return space.used();
 }
 
 // Copies what every frame needs, checking each value again: the bytes may have changed since they were opened.
-bool sightcell_db::fill() noexcept {
-  for (std::uint32_t cell = 0; cell < file_.cell_count(); ++cell) {
-    if (file_.cell_box(cell, cells_[cell].bounds) != format::status::ok) return false;
-    cells_[cell].cell = cell;
-  }
-  locator_.build(cells_, nodes_);
-  return fill_ranges() && file_.make_codes(codes_memory_, codes_) == format::status::ok;
+sightcell_status sightcell_db::fill() noexcept {
+  if (!locator_.build(file_, cells_)) return SIGHTCELL_ERR_CORRUPT;
+  if (!fill_ranges() || !fill_draws_of_groups()) return SIGHTCELL_ERR_CORRUPT;
+  return static_cast<sightcell_status>(file_.make_codes(codes_memory_, codes_));
 }
 
 bool sightcell_db::fill_ranges() noexcept {
@@ -69,6 +79,32 @@ bool sightcell_db::fill_ranges() noexcept {
   return next == file_.polygon_count() && read == format::status::ok;
 }
 
+bool sightcell_db::fill_draws_of_groups() noexcept {
+  if (!is_merged()) return true;
+  std::uint32_t group = 0;  // the next one to begin
+  for (std::uint32_t number = 0; number < draw_sources_.size(); ++number) {
+    format::draw_record draw;
+    if (file_.draw(number, draw) != format::status::ok || draw.group >= range_sources_.size()) return false;
+    if (draw.group == group) group_draws_[group++] = number;
+    if (draw.group + 1 != group) return false;
+    draw_sources_[number] = draw.first_source;
+  }
+  group_draws_.back() = static_cast<std::uint32_t>(draw_sources_.size());
+  return group == range_sources_.size();
+}
+
+// Polygons that follow each other mostly belong to the same draw. A draw without polygons begins where the next one
+// does, and is passed over.
+void sightcell_db::find_draw(std::uint32_t group, std::uint32_t source, std::uint32_t& near) const noexcept {
+  const std::uint32_t begin = group_draws_[group];
+  const std::uint32_t end = group_draws_[group + 1];
+  const auto begins_late = [&](std::uint32_t draw) { return draw == end || draw_sources_[draw] > source; };
+  if (near >= begin && near < end && draw_sources_[near] <= source && begins_late(near + 1)) return;
+  const auto* first = draw_sources_.data();
+  near = static_cast<std::uint32_t>(std::upper_bound(first + begin, first + end, source) - first);
+  near -= near > begin ? 1 : 0;
+}
+
 sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sightcell_allocator& mem, void* owned_bytes,
                                     sightcell_db** out) noexcept {
   sightcell_db plan;
@@ -77,13 +113,14 @@ sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sigh
   const std::uint64_t size = plan.carve(nullptr);
   void* block = sightcell::runtime::allocate(mem, size);
   if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
-  auto* db = new (block) sightcell_db(plan);
+  auto* db = new (block) sightcell_db;
+  db->file_ = plan.file_;
   db->mem_ = mem;
   db->block_size_ = size;
   static_cast<void>(db->carve(block));
-  if (!db->fill()) {
+  if (const sightcell_status s = db->fill(); s != SIGHTCELL_OK) {
     close(db);
-    return SIGHTCELL_ERR_CORRUPT;
+    return s;
   }
   // Only now: a failed open leaves the bytes to the caller.
   db->owned_bytes_ = owned_bytes;
@@ -92,10 +129,88 @@ sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sigh
   return SIGHTCELL_OK;
 }
 
+sightcell_status sightcell_db::open_source(const sightcell_source& source, const sightcell_allocator& mem,
+                                           std::uint64_t resident_bytes, sightcell_db** out) noexcept {
+  void* block = sightcell::runtime::allocate(mem, sizeof(sightcell_db));
+  if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
+  auto* db = new (block) sightcell_db;
+  db->mem_ = mem;
+  db->block_size_ = sizeof(sightcell_db);
+  db->source_ = source;
+  *out = db;
+  const sightcell_status s = db->open_pages(resident_bytes);
+  if (s == SIGHTCELL_OK) return s;
+  *out = nullptr;
+  close(db);
+  return s;
+}
+
+sightcell_status sightcell_db::open_pages(std::uint64_t resident_bytes) noexcept {
+  std::array<std::byte, format::reader::most_header_bytes> begin{};
+  const std::size_t known = static_cast<std::size_t>(std::min<std::uint64_t>(begin.size(), source_.size));
+  if (const sightcell_status s = fetch({begin.data(), known}); s != SIGHTCELL_OK) return s;
+  std::uint64_t front = 0;
+  const format::status sized = format::reader::front_size({begin.data(), known}, source_.size, front);
+  if (sized != format::status::ok) return static_cast<sightcell_status>(sized);
+  if (front > std::numeric_limits<std::uint32_t>::max()) return SIGHTCELL_ERR_LIMIT;  // one request
+
+  owned_bytes_ = sightcell::runtime::allocate(mem_, front);
+  if (owned_bytes_ == nullptr) return SIGHTCELL_ERR_MEMORY;
+  owned_size_ = front;
+  const std::span bytes(static_cast<std::byte*>(owned_bytes_), static_cast<std::size_t>(front));
+  if (const sightcell_status s = fetch(bytes); s != SIGHTCELL_OK) return s;
+  const format::status opened = format::reader::open_front(bytes, source_.size, file_);
+  if (opened != format::status::ok) return static_cast<sightcell_status>(opened);
+
+  std::uint64_t all = 0;
+  std::uint64_t largest = 0;
+  for (std::uint32_t chunk = 0; chunk < file_.chunk_count(); ++chunk) {
+    std::uint64_t offset = 0;
+    std::uint32_t size = 0;
+    if (file_.chunk_place(chunk, offset, size) != format::status::ok) return SIGHTCELL_ERR_CORRUPT;
+    all += size;
+    largest = std::max<std::uint64_t>(largest, size);
+  }
+  if (resident_bytes < largest) return SIGHTCELL_ERR_CAPACITY;
+  const std::uint64_t room = std::min(resident_bytes, all);
+  if (room > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_MEMORY;
+  room_ = {static_cast<std::byte*>(nullptr), static_cast<std::size_t>(room)};
+  tables_size_ = carve(nullptr);
+  tables_ = sightcell::runtime::allocate(mem_, tables_size_);
+  if (tables_ == nullptr) return SIGHTCELL_ERR_MEMORY;
+  static_cast<void>(carve(tables_));
+  if (const sightcell_status s = fill(); s != SIGHTCELL_OK) return s;
+  return cache_.open(file_, source_, cached_, cached_order_, room_) ? SIGHTCELL_OK : SIGHTCELL_ERR_CORRUPT;
+}
+
+// The first bytes of the file, which are there when the host's request returns.
+sightcell_status sightcell_db::fetch(std::span<std::byte> target) noexcept {
+  opening_ = {target, opening_.ticket + 1, true};
+  const auto size = static_cast<std::uint32_t>(target.size());
+  const sightcell_status s = source_.request(source_.user, 0, size, opening_.ticket);
+  const bool missing = opening_.waits;
+  opening_.waits = false;
+  if (s != SIGHTCELL_OK) return s;
+  return missing ? SIGHTCELL_ERR_IO : SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db::deliver(std::uint32_t ticket, const void* bytes, std::uint32_t size) noexcept {
+  if (!is_paged()) return SIGHTCELL_ERR_ARGUMENT;
+  if (cache_.is_open()) return cache_.deliver(ticket, bytes, size);
+  if (!opening_.waits || ticket != opening_.ticket) return SIGHTCELL_ERR_STALE;
+  if (bytes == nullptr) return SIGHTCELL_OK;
+  if (size < opening_.target.size()) return SIGHTCELL_ERR_TRUNCATED;
+  if (size > opening_.target.size()) return SIGHTCELL_ERR_CORRUPT;
+  std::copy_n(static_cast<const std::byte*>(bytes), size, opening_.target.data());
+  opening_.waits = false;
+  return SIGHTCELL_OK;
+}
+
 void sightcell_db::close(sightcell_db* db) noexcept {
   if (db == nullptr) return;
   const sightcell_allocator mem = db->mem_;
   sightcell::runtime::release(mem, db->owned_bytes_, db->owned_size_);
+  sightcell::runtime::release(mem, db->tables_, db->tables_size_);
   sightcell::runtime::release(mem, db, db->block_size_);
 }
 
@@ -114,7 +229,29 @@ bool sightcell_db::cell_is_sound(std::uint32_t cell) const noexcept {
   return known == chunk_state::good;
 }
 
+row_outcome sightcell_db::decode(std::uint32_t cell, std::span<format::run> out, std::span<std::byte> scratch,
+                                 std::size_t& count) const noexcept {
+  if (!is_paged()) {
+    if (!cell_is_sound(cell)) return row_outcome::damaged;
+    const format::status s = file_.decode_row(cell, codes_, out, scratch, count);
+    return s == format::status::ok ? row_outcome::good : row_outcome::damaged;
+  }
+  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  std::span<const std::byte> bytes;
+  chunk_presence presence = cache_.pin(chunk, bytes);
+  if (presence == chunk_presence::absent) {
+    cache_.request(chunk);
+    presence = cache_.pin(chunk, bytes);  // a host that reads at once has brought it
+  }
+  if (presence == chunk_presence::damaged) return row_outcome::damaged;
+  if (presence != chunk_presence::resident) return row_outcome::pending;
+  const format::status s = file_.decode_row(cell, bytes, codes_, out, scratch, count);
+  cache_.release(chunk);
+  return s == format::status::ok ? row_outcome::good : row_outcome::damaged;
+}
+
 sightcell_status sightcell_db::check() const noexcept {
+  if (is_paged()) return SIGHTCELL_ERR_IO;
   const auto carve_check = [this](void* block, std::span<format::run>& runs, std::span<std::byte>& scratch,
                                   std::span<std::uint32_t>& stored) {
     carver space(block);

@@ -1,18 +1,23 @@
 #pragma once
 // One open file and what is derived from it at open: the cell locator, the borders of ranges, and which chunks of
-// rows have been checked. Shared by threads; only the chunk states change after open.
+// rows have been checked or are in memory. Shared by threads; only the states of chunks change after open.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "cell_locator.h"
+#include "chunk_cache.h"
 #include "memory.h"
 #include "sightcell/format/reader.h"
 
 namespace sightcell::runtime {
 
+// Of a file that lies in memory.
 enum class chunk_state : std::uint8_t { unknown, good, damaged };
+
+// What became of decoding a row.
+enum class row_outcome : std::uint8_t { good, damaged, pending };
 
 // Where the polygons of a draw, or draw group of a merged file, come from.
 struct range_source {
@@ -29,6 +34,9 @@ struct sightcell_db {
   // bytes: viewed. owned_bytes: a block of mem that holds them and goes with the db, or null.
   static sightcell_status open(std::span<const std::byte> bytes, const sightcell_allocator& mem, void* owned_bytes,
                                sightcell_db** out) noexcept;
+  // out is set at once, for deliver, and null again on failure.
+  static sightcell_status open_source(const sightcell_source& source, const sightcell_allocator& mem,
+                                      std::uint64_t resident_bytes, sightcell_db** out) noexcept;
   static void close(sightcell_db* db) noexcept;
 
   [[nodiscard]] const sightcell::format::reader& file() const noexcept { return file_; }
@@ -60,33 +68,64 @@ struct sightcell_db {
     return range_sources_[draw].base_vertex;
   }
   [[nodiscard]] bool is_merged() const noexcept;
+  // Of a merged file: the draw that a polygon of a draw group belongs to. near: where to look first, and the answer.
+  void find_draw(std::uint32_t group, std::uint32_t source, std::uint32_t& near) const noexcept;
 
-  // Checks the chunk of a cell at its first use and remembers the answer. False when it is damaged.
-  [[nodiscard]] bool cell_is_sound(std::uint32_t cell) const noexcept;
+  // The set of a cell. Checks its chunk at the first use and remembers the answer; asks for it where it is not in
+  // memory. out, scratch, count: as reader::decode_row has them. Damaged: or not what a row may be.
+  [[nodiscard]] sightcell::runtime::row_outcome decode(std::uint32_t cell, std::span<sightcell::format::run> out,
+                                                       std::span<std::byte> scratch, std::size_t& count) const noexcept;
+
+  [[nodiscard]] bool is_paged() const noexcept { return source_.request != nullptr; }
+  // Only where paged.
+  [[nodiscard]] sightcell::runtime::chunk_cache& cache() const noexcept { return cache_; }
+  sightcell_status deliver(std::uint32_t ticket, const void* bytes, std::uint32_t size) noexcept;
 
   [[nodiscard]] sightcell_status check() const noexcept;
 
  private:
+  // Bytes that open_source waits for.
+  struct opening_request {
+    std::span<std::byte> target;
+    std::uint32_t ticket = 0;
+    bool waits = false;
+  };
+
   sightcell_db() = default;
   [[nodiscard]] std::uint64_t carve(void* block) noexcept;
-  [[nodiscard]] bool fill() noexcept;
+  [[nodiscard]] sightcell_status fill() noexcept;
   [[nodiscard]] bool fill_ranges() noexcept;
+  [[nodiscard]] bool fill_draws_of_groups() noexcept;
+  [[nodiscard]] bool cell_is_sound(std::uint32_t cell) const noexcept;
+  [[nodiscard]] sightcell_status open_pages(std::uint64_t resident_bytes) noexcept;
+  [[nodiscard]] sightcell_status fetch(std::span<std::byte> target) noexcept;
 
   sightcell::format::reader file_;
   sightcell_allocator mem_{};
   sightcell::runtime::cell_locator locator_;
-  std::span<sightcell::runtime::located_cell> cells_;
-  std::span<sightcell::runtime::locator_node> nodes_;
+  sightcell::runtime::locator_memory cells_;
   std::span<std::uint32_t> range_borders_;
   std::span<sightcell::runtime::range_source> range_sources_;
   // All orders, one behind the other, which instances share; of a merged file, where nothing does, source ids.
   std::span<std::uint32_t> orders_;
+  // Of a merged file: first draw of each group, then the draw count; source id of each draw's first polygon.
+  std::span<std::uint32_t> group_draws_, draw_sources_;
   std::span<std::byte> codes_memory_;
   const sightcell::format::row_codes* codes_ = nullptr;
-  // Threads may check the same chunk at once and write the same answer: no lock needed.
+  // Threads may check the same chunk at once and write the same answer: no lock needed. Of a file that lies in memory.
   std::span<std::atomic<sightcell::runtime::chunk_state>> chunks_;
   std::uint32_t whole_ranges_ = 0;
+  // Of a file that is read piece by piece.
+  sightcell_source source_{};
+  opening_request opening_;
+  mutable sightcell::runtime::chunk_cache cache_;
+  std::span<sightcell::runtime::cached_chunk> cached_;
+  std::span<std::uint32_t> cached_order_;
+  std::span<std::byte> room_;
+  // What goes with the db: itself with its tables, or, of a file that is read piece by piece, the tables apart.
   std::uint64_t block_size_ = 0;
+  void* tables_ = nullptr;
+  std::uint64_t tables_size_ = 0;
   void* owned_bytes_ = nullptr;
   std::uint64_t owned_size_ = 0;
 };

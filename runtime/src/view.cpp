@@ -7,31 +7,29 @@
 #include <new>
 #include <utility>
 
+#include "box_cover.h"
 #include "ranges.h"
+#include "set_union.h"
 
-using sightcell::runtime::any_volume;
-using sightcell::runtime::no_cell;
+using namespace sightcell::runtime;
 namespace format = sightcell::format;
 
 std::uint64_t sightcell_view::carve(void* block) noexcept {
-  sightcell::runtime::carver space(block);
-  const std::size_t room = db_->file().run_bound();
+  carver space(block);
   space.take<sightcell_view>(1);
-  const auto take_runs = [&] {
-    auto* runs = space.take<format::run>(room);
-    if (runs != nullptr) std::uninitialized_value_construct_n(runs, room);
-    return runs;
+  const auto take = [&]<class T>(std::uint64_t count, T*& first) {
+    first = space.take<T>(count);
+    if (first != nullptr) std::uninitialized_value_construct_n(first, static_cast<std::size_t>(count));
   };
-  current_.buffer = take_runs();
-  previous_.buffer = take_runs();
-  next_.buffer = take_runs();
-  const auto take_ranges = [&] {
-    auto* ranges = space.take<sightcell_range>(db_->file().range_bound());
-    if (ranges != nullptr) std::uninitialized_value_construct_n(ranges, db_->file().range_bound());
-    return ranges;
-  };
-  ranges_ = take_ranges();
-  next_ranges_ = take_ranges();
+  // A row has at most run_bound() runs, and several rows together no more than there are ranges.
+  const std::size_t room = db_->range_bound();
+  for (polygon_set* set : {&current_, &previous_, &next_, &joined_, &other_}) {
+    format::run* runs = nullptr;
+    take(room, runs);
+    set->buffer = {runs, runs == nullptr ? 0 : room};
+  }
+  take(room, ranges_);
+  take(room, next_ranges_);
   static_cast<void>(space.take<std::uint32_t>(0));  // scratch lies at a multiple of 4
   auto* scratch = space.take<std::byte>(db_->file().scratch_size());
   if (scratch != nullptr) scratch_ = {scratch, db_->file().scratch_size()};
@@ -42,7 +40,7 @@ sightcell_status sightcell_view::create(const sightcell_db& db, sightcell_view**
   sightcell_view plan;
   plan.db_ = &db;
   const std::uint64_t size = plan.carve(nullptr);
-  void* block = sightcell::runtime::allocate(db.allocator(), size);
+  void* block = allocate(db.allocator(), size);
   if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
   auto* view = new (block) sightcell_view(plan);
   view->block_size_ = size;
@@ -53,71 +51,201 @@ sightcell_status sightcell_view::create(const sightcell_db& db, sightcell_view**
 
 void sightcell_view::destroy(sightcell_view* view) noexcept {
   if (view == nullptr) return;
-  sightcell::runtime::release(view->db_->allocator(), view, view->block_size_);
+  release(view->db_->allocator(), view, view->block_size_);
 }
 
-// The old cell first: most frames end with the first line. In the rest of its grown box, and where smaller cells reach
-// into it, a smaller one is looked for.
-std::uint32_t sightcell_view::locate(const float eye[3], format::box& bounds) const noexcept {
-  if (cell_ != no_cell && !shares_box_ && sightcell::runtime::box_holds(bounds_, eye)) return cell_;
-  const auto& locator = db_->locator();
-  if (cell_ != no_cell && sightcell::runtime::grown_box_holds(bounds_, db_->file().facts().margin, eye)) {
-    const std::uint32_t smaller = locator.find(eye, sightcell::runtime::box_volume(bounds_), bounds);
-    return smaller == no_cell ? cell_ : smaller;
-  }
-  return locator.find(eye, any_volume, bounds);
+sightcell_status sightcell_view::set_policy(std::uint32_t outside, float max_distance) noexcept {
+  if (outside > SIGHTCELL_OUTSIDE_LAST || !(max_distance >= 0.0f)) return SIGHTCELL_ERR_ARGUMENT;
+  outside_ = outside;
+  max_distance_ = static_cast<double>(max_distance);
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view::set_origin(const double origin[3]) noexcept {
+  if (origin == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const point place{origin[0], origin[1], origin[2]};
+  if (!std::isfinite(place[0]) || !std::isfinite(place[1]) || !std::isfinite(place[2])) return SIGHTCELL_ERR_ARGUMENT;
+  origin_ = place;
+  return SIGHTCELL_OK;
+}
+
+bool sightcell_view::world_place(const float* eye, point& out) const noexcept {
+  if (eye == nullptr) return false;
+  for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = origin_[axis] + static_cast<double>(eye[axis]);
+  return !std::isnan(out[0]) && !std::isnan(out[1]) && !std::isnan(out[2]);
 }
 
 sightcell_status sightcell_view::move(const float* eye, sightcell_frame& frame) noexcept {
   const std::uint32_t before = revision_;
-  constexpr float nowhere = std::numeric_limits<float>::quiet_NaN();
-  const float place[3] = {eye == nullptr ? nowhere : eye[0], eye == nullptr ? nowhere : eye[1],
-                          eye == nullptr ? nowhere : eye[2]};
-  if (std::isnan(place[0]) || std::isnan(place[1]) || std::isnan(place[2])) {
-    leave(SIGHTCELL_FRAME_DRAW_ALL);
+  point place;
+  if (!world_place(eye, place)) {
+    stand_in({});
+    show_all(SIGHTCELL_FRAME_DRAW_ALL);
     report(before, frame);
     return SIGHTCELL_ERR_ARGUMENT;
   }
-  format::box bounds;
-  const std::uint32_t cell = locate(place, bounds);
-  if (cell == no_cell) {
-    leave(SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE);
-  } else if (cell != cell_) {
-    enter(cell, bounds);
-  }
+  if (!settled_ || !holds(inside_, place)) go_to(place);  // most frames do not
   report(before, frame);
   return SIGHTCELL_OK;
 }
 
-void sightcell_view::enter(std::uint32_t cell, const format::box& bounds) noexcept {
-  cell_ = cell;
-  bounds_ = bounds;
-  shares_box_ = db_->locator().has_smaller_inside(bounds, sightcell::runtime::box_volume(bounds));
-  const bool sound = db_->cell_is_sound(cell) && decode_next(cell);
-  flags_ = sound ? 0u : SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
-  next_.everything = !sound;
-  show_next();
+sightcell_status sightcell_view::move_box(const float* min, const float* max, sightcell_frame& frame) noexcept {
+  const std::uint32_t before = revision_;
+  wide_box closed;
+  if (!world_place(min, closed.min) || !world_place(max, closed.max) || min[0] > max[0] || min[1] > max[1] ||
+      min[2] > max[2]) {
+    stand_in({});
+    show_all(SIGHTCELL_FRAME_DRAW_ALL);
+    report(before, frame);
+    return SIGHTCELL_ERR_ARGUMENT;
+  }
+  go_into(closed);
+  report(before, frame);
+  return SIGHTCELL_OK;
 }
 
-void sightcell_view::leave(std::uint32_t flags) noexcept {
-  cell_ = no_cell;
-  flags_ = flags;
+// In the grown box of the old cell, and where smaller cells reach into it, a smaller one is looked for.
+sightcell_view::placed_cell sightcell_view::locate(const point& place) const noexcept {
+  const cell_locator& locator = db_->locator();
+  placed_cell found;
+  if (at_.cell == no_cell || !holds(kept_, place)) {
+    found.cell = locator.find(place, any_volume, found.bounds);
+    return found;
+  }
+  if (!shares_box_ && holds(inside_, place)) return at_;
+  found.cell = locator.find(place, volume_of(at_.bounds), found.bounds);
+  return found.cell == no_cell ? at_ : found;
+}
+
+void sightcell_view::stand_in(const placed_cell& where) noexcept {
+  if (where.cell != no_cell && where.cell != at_.cell) {
+    inside_ = widened(where.bounds);
+    kept_ = widened(where.bounds, db_->file().facts().margin);
+    shares_box_ = db_->locator().has_smaller_inside(where.bounds, volume_of(where.bounds));
+  }
+  at_ = where;
+  settled_ = false;
+}
+
+void sightcell_view::go_to(const point& place) noexcept {
+  stand_in(locate(place));
+  if (at_.cell == no_cell) return go_outside(place);
+  show_cell(at_, 0);
+  last_ = at_;
+  settled_ = !shares_box_ && data_flags_ == 0;
+}
+
+void sightcell_view::go_outside(const point& place) noexcept {
+  const placed_cell& stand_in_for = outside_ == SIGHTCELL_OUTSIDE_LAST      ? last_
+                                    : outside_ == SIGHTCELL_OUTSIDE_NEAREST ? nearest_to(place)
+                                                                            : at_;
+  const bool near = stand_in_for.cell != no_cell &&
+                    squared_distance(widened(stand_in_for.bounds), place) <= max_distance_ * max_distance_;
+  if (!near) return show_all(SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE);
+  show_cell(stand_in_for, SIGHTCELL_FRAME_OUTSIDE);
+}
+
+const sightcell_view::placed_cell& sightcell_view::nearest_to(const point& place) noexcept {
+  const wide_box known{nearest_.place, nearest_.place};
+  if (squared_distance(known, place) <= nearest_.slack * nearest_.slack && nearest_.slack >= 0.0) return nearest_.found;
+  nearest_search search(place);
+  db_->locator().nearest(search);
+  nearest_ = {{search.cell(), search.bounds()}, place, search.slack()};
+  return nearest_.found;
+}
+
+void sightcell_view::go_into(const wide_box& closed) noexcept {
+  point center;
+  for (std::size_t axis = 0; axis < 3; ++axis) center[axis] = 0.5 * closed.min[axis] + 0.5 * closed.max[axis];
+  if (closed.min == closed.max) return go_to(closed.min);
+  stand_in(locate(center));
+  // Both ends of the box, so that it is inside of a half-open one.
+  if (at_.cell != no_cell && holds(kept_, closed.min) && holds(kept_, closed.max)) {
+    show_cell(at_, 0);
+    last_ = at_;
+    return;
+  }
+  std::array<located_cell, most_cells> cells;
+  const std::size_t count = db_->locator().touching(closed, cells);
+  if (count == 0) return go_outside(center);
+  if (count > cells.size()) return show_all(SIGHTCELL_FRAME_DRAW_ALL);
+  const std::span<located_cell> touched(cells.data(), count);
+  const bool covered = cells_cover(closed, touched, db_->file().facts().margin);
+  if (!covered && outside_ == SIGHTCELL_OUTSIDE_ALL) {
+    return show_all(SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE);
+  }
+  show_cells(touched, covered ? 0u : std::uint32_t{SIGHTCELL_FRAME_OUTSIDE});
+}
+
+// The set of a cell, unless it is shown already. What is on its way is asked for again.
+void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags) noexcept {
+  place_flags_ = flags;
+  if (moved_ && shown_.cell == what.cell && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0) return;
+  const std::uint32_t data_flags = decode(what.cell, next_);
+  next_.everything = data_flags != 0;
+  shown_ = what;
+  shown_cell_count_ = 0;
+  show_next(data_flags, db_->file().range_bound());
+}
+
+// The sets of several cells together, in the order of their numbers whatever order they were found in.
+void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t flags) noexcept {
+  place_flags_ = flags;
+  std::sort(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
+  const bool same = shown_cell_count_ == cells.size() &&
+                    std::equal(cells.begin(), cells.end(), shown_cells_.begin(),
+                               [](const located_cell& c, std::uint32_t shown) { return c.cell == shown; });
+  if (same && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0) return;
+  std::uint32_t data_flags = 0;
+  next_.count = 0;
+  for (const located_cell& c : cells) {
+    data_flags |= decode(c.cell, other_);  // all of them, so that all are asked for
+    if (data_flags != 0) continue;
+    if (!write_union(next_.runs(), other_.runs(), db_->range_borders(), db_->range_bound(), joined_.buffer,
+                     joined_.count)) {
+      data_flags = SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
+    }
+    std::swap(next_, joined_);
+  }
+  next_.everything = data_flags != 0;
+  shown_ = {};
+  shown_cell_count_ = cells.size();
+  std::transform(cells.begin(), cells.end(), shown_cells_.begin(), [](const located_cell& c) { return c.cell; });
+  show_next(data_flags, db_->range_bound());
+}
+
+void sightcell_view::show_all(std::uint32_t flags) noexcept {
+  place_flags_ = flags;
+  shown_ = {};
+  shown_cell_count_ = 0;
   next_.everything = true;
-  show_next();
+  show_next(0, 0);
 }
 
-// False when the row is damaged, or breaks the bounds by which hosts size their buffers.
-bool sightcell_view::decode_next(std::uint32_t cell) noexcept {
-  const std::span<format::run> room(next_.buffer, db_->file().run_bound());
-  if (db_->file().decode_row(cell, db_->codes(), room, scratch_, next_.count) != format::status::ok) return false;
-  const std::span<sightcell_range> range_room(next_ranges_, db_->file().range_bound());
-  const std::size_t ranges = sightcell::runtime::write_ranges(next_.runs(), db_->range_borders(), range_room);
-  next_.range_count = static_cast<std::uint32_t>(ranges);
-  return ranges <= range_room.size();
+// 0, or the flags that say why there is no set.
+std::uint32_t sightcell_view::decode(std::uint32_t cell, polygon_set& out) noexcept {
+  switch (db_->decode(cell, out.buffer, scratch_, out.count)) {
+    case row_outcome::good:
+      return 0;
+    case row_outcome::pending:
+      return SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_PENDING;
+    case row_outcome::damaged:
+      break;
+  }
+  return SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
 }
 
 // Makes next_ the current set, unless it is the same.
-void sightcell_view::show_next() noexcept {
+void sightcell_view::show_next(std::uint32_t data_flags, std::uint32_t most_ranges) noexcept {
+  data_flags_ = data_flags;
+  if (!next_.everything) {
+    const std::size_t ranges = write_ranges(next_.runs(), db_->range_borders(), {next_ranges_, most_ranges});
+    next_.range_count = static_cast<std::uint32_t>(ranges);
+    if (ranges > most_ranges) {  // no row that the file could have
+      data_flags_ = SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
+      next_.everything = true;
+    }
+  }
   if (next_.everything) {
     next_.count = 0;
     next_.range_count = db_->whole_range_count();
@@ -142,8 +270,8 @@ void sightcell_view::show_next() noexcept {
 
 void sightcell_view::report(std::uint32_t revision_before, sightcell_frame& frame) const noexcept {
   frame = sightcell_frame{};
-  frame.cell = cell_;
-  frame.flags = flags_;
+  frame.cell = at_.cell;
+  frame.flags = place_flags_ | data_flags_;
   if (revision_ != revision_before) frame.flags |= SIGHTCELL_FRAME_CHANGED;
   frame.polygon_count = polygon_count_;
   frame.revision = revision_;

@@ -1,5 +1,6 @@
 #pragma once
-// One camera: the set it sees, as runs, and the one before. move is the only thing that changes it.
+// One camera: the set it sees, as runs, and the one before. move and move_box are the only things that change it.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,8 +13,11 @@ struct sightcell_view {
   static sightcell_status create(const sightcell_db& db, sightcell_view** out) noexcept;
   static void destroy(sightcell_view* view) noexcept;
 
-  // eye may be null: that is a wrong argument like a NaN.
+  // eye, min and max may be null: that is a wrong argument like a NaN.
   sightcell_status move(const float* eye, sightcell_frame& frame) noexcept;
+  sightcell_status move_box(const float* min, const float* max, sightcell_frame& frame) noexcept;
+  sightcell_status set_policy(std::uint32_t outside, float max_distance) noexcept;
+  sightcell_status set_origin(const double origin[3]) noexcept;
 
   [[nodiscard]] const sightcell_db& db() const noexcept { return *db_; }
   // True under DRAW_ALL; runs() is empty then.
@@ -31,38 +35,71 @@ struct sightcell_view {
   [[nodiscard]] bool previous_runs(std::span<const sightcell::format::run>& out) const noexcept;
 
  private:
-  // A set of polygons: runs in a buffer of db's run bound, or everything.
+  // A set of polygons: runs in a buffer, or everything.
   struct polygon_set {
-    sightcell::format::run* buffer = nullptr;
+    std::span<sightcell::format::run> buffer;
     std::size_t count = 0;
     std::uint32_t range_count = 0;
     bool everything = false;
 
-    [[nodiscard]] std::span<const sightcell::format::run> runs() const noexcept { return {buffer, count}; }
+    [[nodiscard]] std::span<const sightcell::format::run> runs() const noexcept { return buffer.first(count); }
   };
+  // A cell and its box.
+  struct placed_cell {
+    std::uint32_t cell = sightcell::runtime::no_cell;
+    sightcell::format::box bounds;
+  };
+  // The answer of a search for the nearest cell, which holds until the eye is `slack` metres away from there.
+  struct nearest_answer {
+    placed_cell found;
+    sightcell::runtime::point place{};
+    double slack = -1.0;
+  };
+  static constexpr std::size_t most_cells = 64;  // that one box is looked up in
 
   sightcell_view() = default;
   [[nodiscard]] std::uint64_t carve(void* block) noexcept;
-  [[nodiscard]] std::uint32_t locate(const float eye[3], sightcell::format::box& bounds) const noexcept;
-  void enter(std::uint32_t cell, const sightcell::format::box& bounds) noexcept;
-  void leave(std::uint32_t flags) noexcept;
-  [[nodiscard]] bool decode_next(std::uint32_t cell) noexcept;
-  void show_next() noexcept;
+  [[nodiscard]] bool world_place(const float* eye, sightcell::runtime::point& out) const noexcept;
+  [[nodiscard]] placed_cell locate(const sightcell::runtime::point& place) const noexcept;
+  void stand_in(const placed_cell& where) noexcept;
+  void go_to(const sightcell::runtime::point& place) noexcept;
+  void go_into(const sightcell::runtime::wide_box& closed) noexcept;
+  void go_outside(const sightcell::runtime::point& place) noexcept;
+  [[nodiscard]] const placed_cell& nearest_to(const sightcell::runtime::point& place) noexcept;
+  void show_cell(const placed_cell& what, std::uint32_t flags) noexcept;
+  void show_cells(std::span<sightcell::runtime::located_cell> cells, std::uint32_t flags) noexcept;
+  void show_all(std::uint32_t flags) noexcept;
+  [[nodiscard]] std::uint32_t decode(std::uint32_t cell, polygon_set& out) noexcept;
+  void show_next(std::uint32_t data_flags, std::uint32_t most_ranges) noexcept;
   void report(std::uint32_t revision_before, sightcell_frame& frame) const noexcept;
 
   const sightcell_db* db_ = nullptr;
   std::uint64_t block_size_ = 0;
-  // Three sets take turns, so that the previous one outlives a new cell with the same set.
-  polygon_set current_, previous_, next_;
+  // Where the eye is: the box of cell_ with which move is done at once, and the grown one in which it is kept. With
+  // settled_ the set of cell_ is shown, and no smaller cell reaches into its box.
+  sightcell::runtime::wide_box inside_, kept_;
+  bool settled_ = false;
+  bool shares_box_ = false;
+  placed_cell at_;
+  // What is shown: the set of one cell, or of several, or (both empty) everything.
+  placed_cell shown_;
+  std::array<std::uint32_t, most_cells> shown_cells_{};
+  std::size_t shown_cell_count_ = 0;
+  std::uint32_t place_flags_ = 0;  // OUTSIDE, and DRAW_ALL where that is not because of the data
+  std::uint32_t data_flags_ = 0;   // DRAW_ALL with PENDING or DAMAGED
+  // Five sets take turns: the previous one outlives a new cell with the same set, and a union needs two besides.
+  polygon_set current_, previous_, next_, joined_, other_;
   // Of current_ and next_, in room for db's range bound: hosts that ask for ranges get them as they are here.
   sightcell_range* ranges_ = nullptr;
   sightcell_range* next_ranges_ = nullptr;
   std::span<std::byte> scratch_;
-  sightcell::format::box bounds_;  // of cell_
-  bool shares_box_ = false;        // a smaller cell reaches into it
-  std::uint32_t cell_ = sightcell::runtime::no_cell;
-  std::uint32_t flags_ = 0;  // all but CHANGED
   std::uint32_t polygon_count_ = 0;
   std::uint32_t revision_ = 0;
   bool moved_ = false;  // the first move always counts as a change
+  // How the host set it up.
+  sightcell::runtime::point origin_{};
+  std::uint32_t outside_ = SIGHTCELL_OUTSIDE_ALL;
+  double max_distance_ = 0.0;
+  placed_cell last_;  // the last cell that was shown from inside
+  nearest_answer nearest_;
 };

@@ -68,12 +68,19 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_OTHER_SCENE = 26 /* belongs to another scene; nothing returns it yet */
 } sightcell_status;
 
+/* What a view shows outside all cells. */
+enum {
+  SIGHTCELL_OUTSIDE_ALL = 0,     /* everything */
+  SIGHTCELL_OUTSIDE_NEAREST = 1, /* the set of the nearest cell */
+  SIGHTCELL_OUTSIDE_LAST = 2     /* the set of the cell that was left */
+};
+
 /* Bits of sightcell_frame.flags. */
 enum {
   SIGHTCELL_FRAME_CHANGED = 1u,  /* what is to be drawn differs from the move before; always set by the first move */
   SIGHTCELL_FRAME_DRAW_ALL = 2u, /* nothing is known: every output returns everything */
   SIGHTCELL_FRAME_OUTSIDE = 4u,  /* the eye is in no cell */
-  SIGHTCELL_FRAME_PENDING = 8u,  /* the cell is still on its way from disk; only with paging */
+  SIGHTCELL_FRAME_PENDING = 8u,  /* the cell is still on its way; comes with DRAW_ALL; only after open_source */
   SIGHTCELL_FRAME_DAMAGED = 16u  /* the cell's data is damaged; comes with DRAW_ALL */
 };
 
@@ -133,6 +140,16 @@ typedef struct sightcell_allocator {
   void* user;
 } sightcell_allocator;
 
+/* Where the bytes of a file come from that is read piece by piece. request asks for size bytes from offset on; they
+ * come by sightcell_db_deliver with the same ticket, from any thread, before request returns or later. Anything but OK:
+ * they will not come. Called by sightcell_db_open_source, sightcell_view_move, sightcell_view_move_box and
+ * sightcell_db_prefetch on their thread. */
+typedef struct sightcell_source {
+  void* user;
+  uint64_t size; /* of the whole file, bytes */
+  sightcell_status (*request)(void* user, uint64_t offset, uint32_t size, uint32_t ticket);
+} sightcell_source;
+
 typedef struct sightcell_db sightcell_db;     /* one file; shared by threads */
 typedef struct sightcell_view sightcell_view; /* one camera of one db; one thread at a time */
 
@@ -144,13 +161,36 @@ SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
 /* Opens a file that lies in memory. bytes: the whole file, size bytes, any alignment; they are viewed, not copied, and
  * must stay until sightcell_db_close. mem: copied; NULL for malloc and free. *out: the db, NULL on failure.
  * Checks all but the rows, which are checked 64 cells at a time when first used. One allocation of about 60 bytes per
- * cell, 12 per draw or draw group, 4 per polygon of a primitive (once for all its instances; of a merged file, 4 per
- * polygon) and 110,000 for the code tables. Fails with any status from ARGUMENT, MEMORY and NOT_OURS to LIMIT. */
+ * cell (48 per 8 x 8 places where cells lie on a lattice, so 0.75 per cell at best), 12 per draw or draw group, 4 per
+ * polygon of a primitive (once for all its instances; of a merged file, 4 per polygon) and 110,000 for the code tables.
+ * Fails with any status from ARGUMENT, MEMORY and NOT_OURS to LIMIT. */
 SIGHTCELL_API sightcell_status sightcell_db_open(const void* bytes, size_t size, const sightcell_allocator* mem,
                                                  sightcell_db** out);
 /* The same for a file on disk (path: UTF-8), which is read whole into memory of the allocator. Also fails with IO. */
 SIGHTCELL_API sightcell_status sightcell_db_open_file(const char* path, const sightcell_allocator* mem,
                                                       sightcell_db** out);
+/* The same for a file of which only what open needs stays in memory, and of the rows resident_bytes at most: chunks of
+ * 64 cells, of which those used longest ago go first. source: copied. *out is set before the first request, so that the
+ * host can deliver; requests of open are answered before they return. Allocates the front of the file (all but rows),
+ * resident_bytes or all rows, whichever is less, and tables as sightcell_db_open, with 36 bytes per 64 cells more. Also
+ * fails with IO (nothing was delivered), with CAPACITY when a chunk is larger than resident_bytes, with VERSION for
+ * files of version 0, LIMIT when the front is 4 GiB or more, and with what request returned. */
+SIGHTCELL_API sightcell_status sightcell_db_open_source(const sightcell_source* source, const sightcell_allocator* mem,
+                                                        uint64_t resident_bytes, sightcell_db** out);
+/* Brings what was asked for: bytes is read during the call alone. Any thread. NULL: it could not be read, and will be
+ * asked for again when it is needed. OK; STALE: nobody waits for the ticket (delivered twice, or given up for later
+ * requests); TRUNCATED, CORRUPT: too few or too many bytes, which will be asked for again; CHECKSUM: damaged, so that
+ * its cells are DAMAGED from now on; CAPACITY: all that is in memory was wanted later than this; ARGUMENT. Allocates
+ * nothing. O(chunks in memory). */
+SIGHTCELL_API sightcell_status sightcell_db_deliver(sightcell_db* db, uint32_t ticket, const void* bytes,
+                                                    uint32_t size);
+/* Asks for chunks that a camera may need which is at eye (metres, world space) and moves by velocity (metres per
+ * second) for so many seconds, those it may reach first coming first, up to resident_bytes in all and 32 requests a
+ * call. It may turn: half of the way it has gone counts on either side. Any thread, every frame or now and then.
+ * Allocates nothing. O(chunks). OK and nothing to do for a file that lies in memory. ARGUMENT: numbers that are not
+ * finite, seconds below 0. */
+SIGHTCELL_API sightcell_status sightcell_db_prefetch(sightcell_db* db, const float eye[3], const float velocity[3],
+                                                     float seconds);
 /* Gives all memory back. Destroy the views first. NULL is fine. */
 SIGHTCELL_API void sightcell_db_close(sightcell_db* db);
 
@@ -163,7 +203,8 @@ SIGHTCELL_API sightcell_status sightcell_db_cell_box(const sightcell_db* db, uin
 /* Facts about the file. out->struct_size must be set; ARGUMENT when it is smaller than this struct. A larger one (of a
  * later header) is filled as far as this library knows it, and struct_size says how far. */
 SIGHTCELL_API sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out);
-/* Reads the whole file and checks everything: for tools. Allocates for the time of the call. OK or the first fault. */
+/* Reads the whole file and checks everything: for tools. Allocates for the time of the call. OK or the first fault. IO
+ * after open_source: the file is not there. */
 SIGHTCELL_API sightcell_status sightcell_db_check(const sightcell_db* db);
 /* The draw table in draw order. capacity and *count in draws. */
 SIGHTCELL_API sightcell_status sightcell_db_draws(const sightcell_db* db, sightcell_draw* dst, size_t capacity,
@@ -174,8 +215,8 @@ SIGHTCELL_API sightcell_status sightcell_db_draws(const sightcell_db* db, sightc
 SIGHTCELL_API sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_of_stored,
                                                   size_t capacity, size_t* count);
 
-/* A camera, before its first move: revision 0, sees nothing. Allocates all that it will ever need: about 90 bytes per
- * run of the largest cell set. db must outlive it. *out: the view, NULL on failure. MEMORY. */
+/* A camera, before its first move: revision 0, sees nothing. Allocates all that it will ever need: about 110 bytes per
+ * range of the largest cell set. db must outlive it. *out: the view, NULL on failure. MEMORY. */
 SIGHTCELL_API sightcell_status sightcell_view_create(const sightcell_db* db, sightcell_view** out);
 /* NULL is fine. */
 SIGHTCELL_API void sightcell_view_destroy(sightcell_view* view);
@@ -187,6 +228,24 @@ SIGHTCELL_API void sightcell_view_destroy(sightcell_view* view);
  * cells work. ARGUMENT: eye is NULL or holds a NaN, or frame is NULL; the view then draws all, and frame (if there is
  * one) says so. Allocates nothing. */
 SIGHTCELL_API sightcell_status sightcell_view_move(sightcell_view* view, const float eye[3], sightcell_frame* frame);
+
+/* The camera is somewhere in a box, both ends included: two eyes, a server's guess, a frame ahead. The cell of its
+ * center where that cell's grown box holds all of it. Else what any of the cells sees that the box touches; where that
+ * makes more than info.range_bound ranges, the smallest gaps between them are drawn as well. frame->cell is that of the
+ * center. OUTSIDE when part of the box is in no grown box, with DRAW_ALL by SIGHTCELL_OUTSIDE_ALL; DRAW_ALL when
+ * it touches more than 64 cells. Costs what moving into each of the cells costs. Otherwise as sightcell_view_move, also
+ * ARGUMENT when min is above max. */
+SIGHTCELL_API sightcell_status sightcell_view_move_box(sightcell_view* view, const float min[3], const float max[3],
+                                                       sightcell_frame* frame);
+/* What later moves show outside all cells: SIGHTCELL_OUTSIDE_*. NEAREST: the set of the nearest cell; LAST: that of the
+ * cell that was shown last; both up to max_distance metres away from its box (>= 0, may be infinite), and everything
+ * beyond. frame.cell stays SIGHTCELL_NO_CELL, and OUTSIDE is set. NEAREST looks at all cells, in O(chunks of 8 x 8) for
+ * those on a lattice, but only when the eye has moved so far that another may be nearer. ARGUMENT: no such policy, a
+ * distance below 0 or NaN. */
+SIGHTCELL_API sightcell_status sightcell_view_policy(sightcell_view* view, uint32_t outside, float max_distance);
+/* Where the view's eyes and boxes count from, in metres of world space, for hosts that keep the numbers near the camera
+ * small: later moves and box queries mean origin + eye, in doubles. (0, 0, 0) at first. ARGUMENT: not finite. */
+SIGHTCELL_API sightcell_status sightcell_view_origin(sightcell_view* view, const double origin[3]);
 
 /* The functions below answer for the last move, change nothing and allocate nothing. */
 
@@ -205,14 +264,19 @@ SIGHTCELL_API sightcell_status sightcell_view_ranges(const sightcell_view* view,
 SIGHTCELL_API sightcell_status sightcell_view_indices(const sightcell_view* view, const uint32_t* stored_indices,
                                                       uint32_t* dst, size_t capacity, size_t* count);
 /* The same as indirect draws of sightcell_command, one every `stride` bytes from dst on: 3 * polygons indices of one
- * instance; first_index 3 * range.first, so that the index buffer of its primitive begins at 0, or, in a merged file, the
- * place in the one buffer of the scene; base_vertex of the draw, in a merged file 0; first_instance the draw, or draw
- * group. min_gap: where fewer than so many polygons of a draw lie between two of its ranges they are drawn as well, and
- * both are one command; 0 and 1 draw nothing else. Ascending as ranges are; at most as many. dst is written from front
- * to back and never read, 20 bytes of each stride alone, and may have any alignment. stride below 20: ARGUMENT.
- * capacity and *count in commands. LIMIT: more than 1,431,655,765 polygons, whose indices 32 bits cannot number. */
+ * instance; first_index 3 * range.first, so that the index buffer of its primitive begins at 0, or, in a merged file,
+ * the place in the one buffer of the scene; base_vertex of the draw, in a merged file 0; first_instance the draw, or
+ * draw group. min_gap: where fewer than so many polygons of a draw lie between two of its ranges they are drawn as
+ * well, and both are one command; 0 and 1 draw nothing else. Ascending as ranges are; at most as many. dst is written
+ * from front to back and never read, 20 bytes of each stride alone, and may have any alignment. stride below 20:
+ * ARGUMENT. capacity and *count in commands. LIMIT: more than 1,431,655,765 polygons, whose indices 32 bits cannot
+ * number. */
 SIGHTCELL_API sightcell_status sightcell_view_commands(const sightcell_view* view, uint32_t min_gap, void* dst,
                                                        size_t stride, size_t capacity, size_t* count);
+/* The same as one bit per draw, the lowest bit of the first word for draw 0: has it a polygon to draw? Bits behind the
+ * last draw are 0. words: at least (info.draw_count + 63) / 64, all of which are written; CAPACITY below. Of a merged
+ * file, where polygons of draws are mixed, this takes time for every polygon. */
+SIGHTCELL_API sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bits_by_draw, size_t words);
 /* What was added and removed since a revision: the current one (nothing) or the one before. STALE for any other, and
  * when one of the two is DRAW_ALL: take the full list then. Either capacity too small: CAPACITY, nothing is written,
  * both counts say what is needed. On STALE both counts are 0. */

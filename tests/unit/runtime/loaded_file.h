@@ -24,6 +24,12 @@ class loaded_file {
   loaded_file& operator=(const loaded_file&) = delete;
 
   [[nodiscard]] const sightcell_db* db() const { return db_; }
+  [[nodiscard]] sightcell_info info() const {
+    sightcell_info info{};
+    info.struct_size = sizeof info;
+    EXPECT_EQ(sightcell_db_info(db_, &info), SIGHTCELL_OK);
+    return info;
+  }
 
  private:
   std::vector<std::byte> bytes_;

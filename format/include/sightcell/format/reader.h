@@ -86,12 +86,21 @@ class reader {
   // above layout.h.
   static status open(std::span<const std::byte> bytes, reader& out) noexcept;
 
+  // For who keeps rows elsewhere. front_size: how many bytes from the start of a file hold all that open looks at;
+  // begin: its first bytes, min(total_size, most_header_bytes) of them. open_front: open with these alone, of which no
+  // more is to be asked than facts, tables, chunk_place, and rows whose chunk the caller brings. A file of version 0
+  // has no such front: version. total_size: of the whole file, bytes.
+  static constexpr std::size_t most_header_bytes =
+      layout::header_size + std::size_t{layout::max_sections} * layout::section_record_size;
+  static status front_size(std::span<const std::byte> begin, std::uint64_t total_size, std::uint64_t& out) noexcept;
+  static status open_front(std::span<const std::byte> front, std::uint64_t total_size, reader& out) noexcept;
+
   [[nodiscard]] const file_facts& facts() const noexcept { return facts_; }
   [[nodiscard]] std::uint32_t format_version() const noexcept { return version_; }
   [[nodiscard]] std::uint32_t polygon_count() const noexcept { return facts_.polygon_count; }
   [[nodiscard]] std::uint32_t cell_count() const noexcept { return cell_count_; }
   [[nodiscard]] std::uint32_t draw_count() const noexcept { return draw_count_; }
-  [[nodiscard]] std::uint64_t total_size() const noexcept { return bytes_.size(); }
+  [[nodiscard]] std::uint64_t total_size() const noexcept { return total_size_; }
   // The most runs of any row: the room that decode_row needs. At most four times the size of the rows section in bytes.
   [[nodiscard]] std::uint32_t run_bound() const noexcept { return run_bound_; }
   // The most (draw, first, count) ranges of any cell set.
@@ -141,6 +150,9 @@ class reader {
   [[nodiscard]] static std::uint32_t chunk_of(std::uint32_t cell) noexcept;
   // ok, or checksum when the chunk's bytes are damaged; argument: no such chunk. Reads the whole chunk: remember it.
   status check_chunk(std::uint32_t chunk) const noexcept;
+  // Where a chunk lies in the file, and whether these bytes are its own: for who keeps it elsewhere.
+  status chunk_place(std::uint32_t chunk, std::uint64_t& offset, std::uint32_t& size) const noexcept;
+  status check_chunk(std::uint32_t chunk, std::span<const std::byte> bytes) const noexcept;
 
   // How a cell's row is stored. argument: no such cell; corrupt.
   status row(std::uint32_t cell, row_record& out) const noexcept;
@@ -158,6 +170,9 @@ class reader {
   // argument: no such cell, no codes; capacity: out or scratch too small; corrupt: the row is no row (count is 0 then).
   status decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                     std::size_t& count) const noexcept;
+  // The same with the cell's chunk from elsewhere; not for version 0 (version).
+  status decode_row(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes, std::span<run> out,
+                    std::span<std::byte> scratch, std::size_t& count) const noexcept;
 
   // How many (draw, first, count) ranges runs make. runs: as decode_row gives them.
   [[nodiscard]] std::uint64_t count_ranges(std::span<const run> runs) const noexcept;
@@ -190,6 +205,7 @@ class reader {
   };
 
   [[nodiscard]] std::span<const std::byte> part(extent where) const noexcept;
+  status open_all() noexcept;
   status read_header() noexcept;
   status read_sections() noexcept;
   status check_section(std::uint32_t number) const noexcept;
@@ -218,7 +234,8 @@ class reader {
                        std::size_t& count) const noexcept;
   status v0_check_chunk_filled(std::uint32_t chunk) const noexcept;
 
-  std::span<const std::byte> bytes_;
+  std::span<const std::byte> bytes_;  // all of the file, or its front
+  std::uint64_t total_size_ = 0;
   file_facts facts_;
   std::uint32_t version_ = 0;
   std::uint32_t cell_count_ = 0;

@@ -1,0 +1,78 @@
+#pragma once
+// Boxes of view cells in double precision, where every float of a file and every border of a grown box is exact
+// enough: a camera's place is a sum of its view's origin and the eye, and so is no float.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "sightcell/format/records.h"
+
+namespace sightcell::runtime {
+
+inline constexpr std::uint32_t no_cell = 0xFFFFFFFFu;
+inline constexpr double any_volume = std::numeric_limits<double>::infinity();
+
+using point = std::array<double, 3>;  // metres, world space
+
+// Half-open for places: min <= p < max.
+struct wide_box {
+  point min{}, max{};
+};
+
+[[nodiscard]] constexpr wide_box widened(const format::box& b, float margin = 0.0f) noexcept {
+  wide_box w;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    w.min[axis] = static_cast<double>(b.min[axis]) - static_cast<double>(margin);
+    w.max[axis] = static_cast<double>(b.max[axis]) + static_cast<double>(margin);
+  }
+  return w;
+}
+
+// False for NaN.
+[[nodiscard]] constexpr bool holds(const wide_box& b, const point& p) noexcept {
+  return p[0] >= b.min[0] && p[0] < b.max[0] && p[1] >= b.min[1] && p[1] < b.max[1] && p[2] >= b.min[2] &&
+         p[2] < b.max[2];
+}
+[[nodiscard]] constexpr bool holds(const format::box& b, const point& p) noexcept {
+  return holds(widened(b), p);
+}
+
+// Cubic metres. Above 0 for a valid box.
+[[nodiscard]] constexpr double volume_of(const format::box& b) noexcept {
+  double volume = 1.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    volume *= static_cast<double>(b.max[axis]) - static_cast<double>(b.min[axis]);
+  }
+  return volume;
+}
+
+// Half-open boxes that only touch have no point in common.
+[[nodiscard]] constexpr bool boxes_meet(const wide_box& a, const wide_box& b) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(a.min[axis] < b.max[axis] && b.min[axis] < a.max[axis])) return false;
+  }
+  return true;
+}
+
+// Does a closed box, maybe a single place, have a point in common with a half-open one?
+[[nodiscard]] constexpr bool touches(const wide_box& closed, const wide_box& half_open) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(closed.min[axis] < half_open.max[axis] && half_open.min[axis] <= closed.max[axis])) return false;
+  }
+  return true;
+}
+
+// Square metres: squared distance from a place to a box, 0 inside.
+[[nodiscard]] constexpr double squared_distance(const wide_box& b, const point& p) noexcept {
+  double sum = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double below = b.min[axis] - p[axis];
+    const double above = p[axis] - b.max[axis];
+    const double away = below > 0.0 ? below : above > 0.0 ? above : 0.0;
+    sum += away * away;
+  }
+  return sum;
+}
+
+}  // namespace sightcell::runtime

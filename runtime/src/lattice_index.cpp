@@ -1,0 +1,237 @@
+#include "lattice_index.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace sightcell::runtime {
+namespace {
+
+constexpr std::int32_t chunk_width = format::lattice_chunk_width;
+constexpr double most_places = 1 << 30;  // in either direction from the origin
+
+// Where borders are rounded by a 16th of a cell at most, the volumes of two levels never change places.
+constexpr std::int32_t nearby_places = 1 << 20;
+
+// At half load a table of places that nobody chose against it has clusters of a few dozen slots at most: that one
+// reaches this length has a chance below 10^-40.
+constexpr std::uint32_t longest_probe = 1024;
+
+float border(std::int32_t place, double width) noexcept {
+  return static_cast<float>(place * width);
+}
+
+// The place on one axis whose box, with borders rounded to float, holds a coordinate. False: beyond all places.
+bool place_on_axis(double coordinate, double width, double per_width, std::int32_t& out) noexcept {
+  const double estimate = std::floor(coordinate * per_width);
+  if (!(estimate >= -most_places && estimate < most_places)) return false;
+  auto place = static_cast<std::int32_t>(estimate);
+  // Borders differ from the exact ones by half a step of floats, which is below 64 widths for any place that is
+  // numbered: these loops end soon, and mostly at once.
+  while (coordinate < static_cast<double>(border(place, width))) --place;
+  while (coordinate >= static_cast<double>(border(place + 1, width))) ++place;
+  out = place;
+  return true;
+}
+
+// Of a place that is in no chunk the caller finds out.
+unsigned bit_of(std::int32_t x, std::int32_t z) noexcept {
+  return static_cast<unsigned>((z & (chunk_width - 1)) * chunk_width + (x & (chunk_width - 1)));
+}
+
+// Rounds down, as shifts of negative numbers do.
+std::int32_t chunk_of(std::int32_t place) noexcept {
+  return place >> std::countr_zero(static_cast<unsigned>(chunk_width));
+}
+
+// Chunks of one axis, both ends included.
+struct place_range {
+  std::int32_t first = 0, last = -1;
+  [[nodiscard]] std::uint64_t count() const noexcept {
+    return last < first ? 0 : static_cast<std::uint64_t>(std::int64_t{last} - first) + 1;
+  }
+};
+
+// Those that may have cells with a border between two coordinates, rounded borders included; a few more do no harm.
+// per_chunk: places of a chunk on this axis.
+place_range chunks_between(double low, double high, double per_width, std::int32_t per_chunk) noexcept {
+  constexpr double rounding = 1.0 / (1 << 23);  // twice what a border is moved by, relatively
+  constexpr double more = 1e-6;                 // of a place: what products are rounded by
+  const double most = most_places / per_chunk;
+  const auto chunk = [&](double places) {
+    return static_cast<std::int32_t>(std::clamp(std::floor(places / per_chunk), -most, most - 1.0));
+  };
+  return {chunk((low - std::abs(low) * rounding) * per_width - more),
+          chunk((high + std::abs(high) * rounding) * per_width + more)};
+}
+
+}  // namespace
+
+std::uint64_t lattice_index::slot_of(std::int32_t x, std::int32_t y, std::int32_t z,
+                                     std::uint32_t level) const noexcept {
+  // Two rounds of multiply and fold: neighbors, which are asked for together, fall far apart, and so do all others.
+  std::uint64_t h =
+      (std::uint64_t{static_cast<std::uint32_t>(x)} << 32 | static_cast<std::uint32_t>(z)) * 0x9E3779B97F4A7C15u;
+  h ^= h >> 32;
+  h = (h ^ (std::uint64_t{level} << 32 | static_cast<std::uint32_t>(y))) * 0xD6E8FEB86659FD93u;
+  return (h >> 32) * slots_.size() >> 32;
+}
+
+const lattice_slot* lattice_index::chunk_at(std::int32_t x, std::int32_t y, std::int32_t z,
+                                            std::uint32_t level) const noexcept {
+  std::uint64_t at = slot_of(x, y, z, level);
+  for (;;) {
+    const lattice_slot& slot = slots_[static_cast<std::size_t>(at)];
+    if (slot.mask == 0) return nullptr;  // half of all slots are empty, so there is an end
+    if (slot.x == x && slot.z == z && slot.y == y && slot.level() == level) return &slot;
+    if (++at == slots_.size()) at = 0;
+  }
+}
+
+bool lattice_index::insert(const lattice_slot& chunk) noexcept {
+  std::uint64_t at = slot_of(chunk.x, chunk.y, chunk.z, chunk.level());
+  for (std::uint32_t probe = 0; probe < longest_probe; ++probe) {
+    lattice_slot& slot = slots_[static_cast<std::size_t>(at)];
+    if (slot.mask == 0) {
+      slot = chunk;
+      return true;
+    }
+    if (++at == slots_.size()) at = 0;
+  }
+  return false;
+}
+
+bool lattice_index::build(const format::cell_lattice& lattice, std::uint32_t cells,
+                          std::span<lattice_slot> slots) noexcept {
+  shape_ = lattice.shape();
+  slots_ = slots;
+  std::uint32_t used_levels = 0;
+  std::uint64_t next = 0;
+  for (std::uint32_t number = 0; number < lattice.chunk_count(); ++number) {
+    const format::lattice_chunk c = lattice.chunk(number);
+    if (c.level > format::max_lattice_level || c.first_cell != next || c.mask == 0) return false;
+    next += static_cast<std::uint64_t>(std::popcount(c.mask));
+    if (next > cells || !insert({c.mask, c.x, c.y, c.z, c.level << 24 | c.first_cell})) return false;
+    used_levels |= std::uint32_t{1} << c.level;
+    for (const std::int32_t place : {c.x * chunk_width, c.y, c.z * chunk_width}) {
+      finer_is_smaller_ = finer_is_smaller_ && place >= -nearby_places && place < nearby_places;
+    }
+  }
+  for (std::uint32_t level = format::max_lattice_level + 1; level-- > 0;) {
+    if ((used_levels >> level & 1) == 0) continue;
+    const double width = std::ldexp(shape_.width, -static_cast<int>(level));
+    const double height = std::ldexp(shape_.height, -static_cast<int>(level));
+    levels_[level_count_++] = {level, width, height, 1.0 / width, 1.0 / height};
+  }
+  return next == cells;
+}
+
+std::uint32_t lattice_index::find(const point& place, double volume_limit, format::box& out) const noexcept {
+  std::uint32_t best = no_cell;
+  double best_volume = volume_limit;
+  for (const level_shape& level : levels()) {
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    std::int32_t z = 0;
+    if (!place_on_axis(place[0], level.width, level.per_width, x) ||
+        !place_on_axis(place[2], level.width, level.per_width, z) ||
+        !place_on_axis(place[1], level.height, level.per_height, y)) {
+      continue;
+    }
+    const lattice_slot* chunk = chunk_at(chunk_of(x), y, chunk_of(z), level.level);
+    const unsigned bit = bit_of(x, z);
+    if (chunk == nullptr || (chunk->mask >> bit & 1) == 0) continue;
+    const std::uint64_t before = chunk->mask & ((std::uint64_t{1} << bit) - 1);
+    const std::uint32_t cell = chunk->first_cell() + static_cast<std::uint32_t>(std::popcount(before));
+    const format::box bounds{{border(x, level.width), border(y, level.height), border(z, level.width)},
+                             {border(x + 1, level.width), border(y + 1, level.height), border(z + 1, level.width)}};
+    const double volume = volume_of(bounds);
+    if (!(volume < best_volume || (best != no_cell && volume == best_volume && cell < best))) continue;
+    best = cell;
+    best_volume = volume;
+    out = bounds;
+    if (finer_is_smaller_) break;
+  }
+  return best;
+}
+
+// Counts on from found, and ends when there is no more room in dst.
+template <class Test>
+std::size_t lattice_index::touching_level(const level_shape& level, const wide_box& within, const Test& test,
+                                          std::span<located_cell> dst, std::size_t found) const noexcept {
+  const auto take = [&](const lattice_slot& chunk) {
+    for (std::uint64_t left = chunk.mask; left != 0 && found <= dst.size(); left &= left - 1) {
+      const auto bit = static_cast<unsigned>(std::countr_zero(left));
+      const format::box bounds = box_of(chunk, bit);
+      if (!test(widened(bounds))) continue;
+      const auto before = static_cast<std::uint32_t>(std::popcount(chunk.mask & ((std::uint64_t{1} << bit) - 1)));
+      if (found < dst.size()) dst[found] = {bounds, chunk.first_cell() + before};
+      ++found;
+    }
+  };
+  const place_range x = chunks_between(within.min[0], within.max[0], level.per_width, chunk_width);
+  const place_range y = chunks_between(within.min[1], within.max[1], level.per_height, 1);
+  const place_range z = chunks_between(within.min[2], within.max[2], level.per_width, chunk_width);
+  // More chunks than there are: those that there are instead.
+  if (x.count() * y.count() > slots_.size() || x.count() * y.count() * z.count() > slots_.size()) {
+    for (const lattice_slot& slot : slots_) {
+      if (slot.mask != 0 && slot.level() == level.level) take(slot);
+    }
+    return found;
+  }
+  for (std::int32_t cz = z.first; cz <= z.last; ++cz) {
+    for (std::int32_t cx = x.first; cx <= x.last; ++cx) {
+      for (std::int32_t cy = y.first; cy <= y.last && found <= dst.size(); ++cy) {
+        const lattice_slot* chunk = chunk_at(cx, cy, cz, level.level);
+        if (chunk != nullptr) take(*chunk);
+      }
+    }
+  }
+  return found;
+}
+
+bool lattice_index::has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept {
+  if (!finer_is_smaller_) return level_count_ > 1;
+  const wide_box inside = widened(bounds);
+  for (const level_shape& level : levels()) {
+    // Between two levels lies a factor of 8, of which rounding takes or adds a third at most.
+    if (level.width * level.width * level.height > 0.5 * volume_limit) continue;
+    if (inside.max[0] - inside.min[0] > chunk_width * level.width) return true;  // not worth a search
+    const auto reaches_in = [&](const wide_box& cell) { return boxes_meet(cell, inside); };
+    if (touching_level(level, inside, reaches_in, {}, 0) > 0) return true;
+  }
+  return false;
+}
+
+std::size_t lattice_index::touching(const wide_box& closed, std::span<located_cell> dst) const noexcept {
+  std::size_t found = 0;
+  for (const level_shape& level : levels()) {
+    found = touching_level(
+        level, closed, [&](const wide_box& cell) { return touches(closed, cell); }, dst, found);
+    if (found > dst.size()) break;
+  }
+  return found;
+}
+
+void lattice_index::nearest(nearest_search& search) const noexcept {
+  for (const lattice_slot& slot : slots_) {
+    if (slot.mask == 0 || search.out_of_reach(bounds_of(slot))) continue;
+    std::uint32_t cell = slot.first_cell();
+    for (std::uint64_t left = slot.mask; left != 0; left &= left - 1) {
+      search.take(box_of(slot, static_cast<unsigned>(std::countr_zero(left))), cell++);
+    }
+  }
+}
+
+wide_box lattice_index::bounds_of(const lattice_slot& chunk) const noexcept {
+  wide_box all = widened(box_of(chunk, 0));
+  all.max = widened(box_of(chunk, chunk_width * chunk_width - 1)).max;
+  return all;
+}
+
+format::box lattice_index::box_of(const lattice_slot& chunk, unsigned bit) const noexcept {
+  const format::lattice_chunk as_stored{chunk.x, chunk.y, chunk.z, chunk.level(), 0, chunk.mask};
+  return format::box_of(shape_, format::place_of(as_stored, bit));
+}
+
+}  // namespace sightcell::runtime

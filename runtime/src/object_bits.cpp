@@ -1,0 +1,36 @@
+#include "object_bits.h"
+
+#include <algorithm>
+
+namespace sightcell::runtime {
+namespace {
+
+void set_bit(std::span<std::uint64_t> words, std::uint32_t draw) noexcept {
+  words[draw / 64] |= std::uint64_t{1} << draw % 64;
+}
+
+// Polygons of a group's draws are mixed, so each is asked for its draw.
+void write_bits_of_groups(const sightcell_view& view, std::span<std::uint64_t> words) noexcept {
+  std::uint32_t draw = 0;
+  for (const sightcell_range& r : view.ranges()) {
+    for (const std::uint32_t source : view.db().sources_in(r.draw, r.first, r.count)) {
+      view.db().find_draw(r.draw, source, draw);
+      set_bit(words, draw);
+    }
+  }
+}
+
+}  // namespace
+
+void write_object_bits(const sightcell_view& view, std::span<std::uint64_t> words) noexcept {
+  std::fill(words.begin(), words.end(), 0);
+  if (view.draws_all()) {
+    for (std::uint32_t draw = 0; draw < view.db().file().draw_count(); ++draw) set_bit(words, draw);
+  } else if (view.db().is_merged()) {
+    write_bits_of_groups(view, words);
+  } else {
+    for (const sightcell_range& r : view.ranges()) set_bit(words, r.draw);
+  }
+}
+
+}  // namespace sightcell::runtime

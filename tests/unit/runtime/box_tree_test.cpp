@@ -1,0 +1,116 @@
+#include "box_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "built_tree.h"
+#include "unit/format/random_source.h"
+
+namespace {
+
+using namespace sightcell::runtime;
+using sightcell::format::box;
+using sightcell::test::built_tree;
+using sightcell::test::random_source;
+using sightcell::test::slow_find;
+
+std::vector<box> random_boxes(random_source& random, std::uint32_t count) {
+  std::vector<box> boxes;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    box b;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      b.min[axis] = static_cast<float>(random() % 24) * 0.5f - 6.0f;
+      b.max[axis] = b.min[axis] + static_cast<float>(1 + random() % 9) * 0.5f;
+    }
+    boxes.push_back(b);
+  }
+  return boxes;
+}
+
+TEST(box_tree, agrees_with_trying_every_box) {
+  random_source random(41);
+  for (const std::uint32_t count : {0u, 1u, 2u, 4u, 5u, 9u, 100u, 1000u}) {
+    const auto boxes = random_boxes(random, count);
+    const built_tree built(boxes);
+    for (int round = 0; round < 3000; ++round) {
+      // Multiples of a quarter lie on borders as often as inside.
+      point eye;
+      for (double& e : eye) e = (random() % 80) * 0.25 - 8.0;
+      const double limit = round % 3 == 0 ? static_cast<double>(random() % 40) / 8.0 : any_volume;
+      box found{{9, 9, 9}, {9, 9, 9}};
+      const std::uint32_t cell = built.tree.find(eye, limit, found);
+      ASSERT_EQ(cell, slow_find(boxes, eye, limit));
+      ASSERT_EQ(found.min, cell == no_cell ? (std::array<float, 3>{9, 9, 9}) : boxes[cell].min);
+    }
+  }
+}
+
+TEST(box_tree, smaller_cells_inside_a_box) {
+  random_source random(42);
+  for (const std::uint32_t count : {0u, 1u, 10u, 300u}) {
+    const auto boxes = random_boxes(random, count);
+    const built_tree built(boxes);
+    for (const box& place : random_boxes(random, 1000)) {
+      const double limit = static_cast<double>(random() % 200) / 16.0;
+      bool expected = false;
+      for (const box& b : boxes) {
+        bool meet = volume_of(b) < limit;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          meet = meet && std::max(b.min[axis], place.min[axis]) < std::min(b.max[axis], place.max[axis]);
+        }
+        expected = expected || meet;
+      }
+      ASSERT_EQ(built.tree.has_smaller_inside(place, limit), expected);
+    }
+  }
+}
+
+TEST(box_tree, many_equal_boxes) {
+  const std::vector<box> boxes(5000, {{0, 0, 0}, {1, 1, 1}});
+  const built_tree built(boxes);
+  const point eye{0.5, 0.0, 0.999};
+  box found;
+  EXPECT_EQ(built.tree.find(eye, any_volume, found), 0u);
+  EXPECT_EQ(built.tree.find(eye, 1.0, found), no_cell);
+}
+
+TEST(box_tree, boxes_are_half_open) {
+  const box b{{0, 0, 0}, {1, 1, 1}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const wide_box grown = widened(b, 0.25f);
+    point eye{0.5, 0.5, 0.5};
+    eye[axis] = 0.0;
+    EXPECT_TRUE(holds(b, eye));
+    eye[axis] = std::nextafter(1.0, 0.0);
+    EXPECT_TRUE(holds(b, eye));
+    eye[axis] = 1.0;
+    EXPECT_FALSE(holds(b, eye));
+    EXPECT_TRUE(holds(grown, eye));
+    eye[axis] = 1.25;
+    EXPECT_FALSE(holds(grown, eye));
+    eye[axis] = -0.25;
+    EXPECT_TRUE(holds(grown, eye));
+    eye[axis] = std::nextafter(-0.25, -1.0);
+    EXPECT_FALSE(holds(grown, eye));
+    eye[axis] = std::nan("");
+    EXPECT_FALSE(holds(b, eye));
+    EXPECT_FALSE(holds(grown, eye));
+  }
+}
+
+TEST(box_tree, huge_and_tiny_boxes) {
+  const float huge = std::numeric_limits<float>::max();
+  const float tiny = std::numeric_limits<float>::denorm_min();
+  const std::vector<box> boxes{{{-huge, -huge, -huge}, {huge, huge, huge}}, {{0, 0, 0}, {tiny, tiny, tiny}}};
+  const built_tree built(boxes);
+  const point origin{0, 0, 0};
+  const point away{1, 2, 3};
+  box found;
+  EXPECT_EQ(built.tree.find(origin, any_volume, found), 1u);
+  EXPECT_EQ(built.tree.find(away, any_volume, found), 0u);
+}
+
+}  // namespace
