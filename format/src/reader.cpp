@@ -52,7 +52,6 @@ status reader::front_size(std::span<const std::byte> begin, std::uint64_t total_
   file.bytes_ = begin;
   file.total_size_ = total_size;
   if (const status s = file.read_header(); s != status::ok) return s;
-  if (file.version_ == 0) return status::version;
   const std::uint64_t table_end = layout::header_size + file.section_count_ * layout::section_record_size;
   if (table_end > begin.size()) return status::corrupt;
   std::uint64_t end = table_end;

@@ -2,13 +2,49 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 namespace sightcell::runtime {
 namespace {
 
+// As many cells are compared one by one.
 constexpr std::uint32_t leaf_size = 4;
-// Splits halve the number of cells, and there are at most 2^24 of them: 64 is far more than a path can hold.
+// A node leaves three of its children for later, and there are at most 2^24 cells: 64 is far more than a path can hold.
 constexpr std::size_t stack_size = 64;
+constexpr std::uint32_t first_bits = 24;
+constexpr std::uint32_t first_mask = (std::uint32_t{1} << first_bits) - 1;
+
+// Cells begin .. end - 1, in the order of the tree.
+struct cell_range {
+  std::uint32_t begin = 0, end = 0;
+  [[nodiscard]] std::uint32_t size() const noexcept { return end - begin; }
+};
+
+// What a node's cells are parted into: halves, and these again, where they are more than a leaf.
+class node_parts {
+ public:
+  template <class Split>
+  node_parts(cell_range all, const Split& split) noexcept {
+    parts_[0] = all;
+    for (int round = 0; round < 2; ++round) {
+      for (std::size_t i = 0, now = count_; i < now; ++i) {
+        cell_range& part = parts_[i];
+        if (part.size() <= leaf_size) continue;
+        const std::uint32_t middle = part.begin + part.size() / 2;
+        split(part, middle);
+        parts_[count_++] = {middle, part.end};
+        part.end = middle;
+      }
+    }
+  }
+  [[nodiscard]] std::span<const cell_range> list() const noexcept { return {parts_.data(), count_}; }
+
+ private:
+  std::array<cell_range, 4> parts_;
+  std::size_t count_ = 1;
+};
 
 format::box bounds_of(std::span<const located_cell> cells) noexcept {
   format::box all = cells.front().bounds;
@@ -44,59 +80,108 @@ std::size_t split_axis(std::span<const located_cell> cells) noexcept {
   return best;
 }
 
-struct pending_node {
-  std::uint32_t begin = 0;
-  std::uint32_t end = 0;
-  std::uint32_t parent = no_cell;  // whose second child this is; no_cell for a first child and the root
+void split_cells(std::span<located_cell> cells, std::uint32_t first_part) noexcept {
+  const std::size_t axis = split_axis(cells);
+  std::nth_element(cells.begin(), cells.begin() + first_part, cells.end(), [axis](const auto& a, const auto& b) {
+    const double left = twice_center(a, axis);
+    const double right = twice_center(b, axis);
+    return left < right || (left == right && a.cell < b.cell);
+  });
+}
+
+// No float above the volume.
+float volume_below(double volume) noexcept {
+  const float near = static_cast<float>(std::min(volume, static_cast<double>(std::numeric_limits<float>::max())));
+  return static_cast<double>(near) > volume ? std::nextafter(near, 0.0f) : near;
+}
+
+bool is_leaf(std::uint32_t child) noexcept {
+  return child > first_mask;
+}
+
+wide_box child_bounds(const tree_node& node, std::size_t i) noexcept {
+  wide_box b;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    b.min[axis] = static_cast<double>(node.min[axis][i]);
+    b.max[axis] = static_cast<double>(node.max[axis][i]);
+  }
+  return b;
+}
+
+std::span<const located_cell> cells_of(std::span<const located_cell> all, std::uint32_t child) noexcept {
+  return all.subspan(child & first_mask, child >> first_bits);
+}
+
+// All parts of a number of cells are of two sizes, one apart, so few numbers are ever counted.
+struct counted_nodes {
+  struct entry {
+    std::uint32_t cells = 0, nodes = 0;
+  };
+  std::array<entry, 64> known{};
+  std::size_t count = 0;
+
+  std::uint32_t of(std::uint32_t cells) noexcept {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (known[i].cells == cells) return known[i].nodes;
+    }
+    std::uint32_t nodes = 1;
+    const node_parts parts({0, cells}, [](const cell_range&, std::uint32_t) {});
+    for (const cell_range& part : parts.list()) nodes += part.size() > leaf_size ? of(part.size()) : 0;
+    if (count < known.size()) known[count++] = {cells, nodes};
+    return nodes;
+  }
 };
 
 }  // namespace
 
 std::uint32_t box_tree::node_count(std::uint32_t cells) noexcept {
-  if (cells == 0) return 0;
-  if (cells <= leaf_size) return 1;
-  const std::uint32_t half = cells / 2;
-  // Both halves have the same tree unless the number is odd, which keeps this from visiting every node.
-  const std::uint32_t first = node_count(half);
-  return 1 + first + (cells % 2 == 0 ? first : node_count(cells - half));
+  return cells == 0 ? 0 : counted_nodes{}.of(cells);
 }
 
 void box_tree::build(std::span<located_cell> cells, std::span<tree_node> nodes) noexcept {
   cells_ = cells;
   nodes_ = nodes;
   if (cells.empty()) return;
-  std::array<pending_node, stack_size> stack;
+  struct task {
+    cell_range range;
+    std::uint32_t node = 0;
+  };
+  std::array<task, stack_size> stack;
   std::size_t depth = 0;
-  std::uint32_t used = 0;
-  stack[depth++] = {0, static_cast<std::uint32_t>(cells.size()), no_cell};
+  std::uint32_t used = 1;
+  stack[depth++] = {{0, static_cast<std::uint32_t>(cells.size())}, 0};
+  constexpr float infinite = std::numeric_limits<float>::infinity();
   while (depth > 0) {
-    const pending_node task = stack[--depth];
-    const std::span<located_cell> own = cells.subspan(task.begin, task.end - task.begin);
-    const std::uint32_t number = used++;
-    if (task.parent != no_cell) nodes[task.parent].first = number;
-    tree_node node;
-    node.bounds = bounds_of(own);
-    node.smallest_volume = any_volume;
-    for (const located_cell& c : own) node.smallest_volume = std::min(node.smallest_volume, volume_of(c.bounds));
-    if (own.size() <= leaf_size) {
-      node.first = task.begin;
-      node.count = static_cast<std::uint32_t>(own.size());
-    } else {
-      const std::size_t axis = split_axis(own);
-      const std::uint32_t half = static_cast<std::uint32_t>(own.size() / 2);
-      std::nth_element(own.begin(), own.begin() + half, own.end(), [axis](const auto& a, const auto& b) {
-        const double left = twice_center(a, axis);
-        const double right = twice_center(b, axis);
-        return left < right || (left == right && a.cell < b.cell);
-      });
-      stack[depth++] = {task.begin + half, task.end, number};
-      stack[depth++] = {task.begin, task.begin + half, no_cell};
+    const task now = stack[--depth];
+    const node_parts parts(now.range, [&](const cell_range& part, std::uint32_t middle) {
+      split_cells(cells.subspan(part.begin, part.size()), middle - part.begin);
+    });
+    tree_node& node = nodes[now.node];
+    for (std::size_t i = 0; i < node.child.size(); ++i) {
+      const bool there = i < parts.list().size();
+      const std::span<const located_cell> own =
+          there ? cells_.subspan(parts.list()[i].begin, parts.list()[i].size()) : std::span<const located_cell>();
+      const format::box bounds =
+          there ? bounds_of(own) : format::box{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        node.min[axis][i] = bounds.min[axis];
+        node.max[axis][i] = bounds.max[axis];
+      }
+      double smallest = any_volume;
+      for (const located_cell& c : own) smallest = std::min(smallest, volume_of(c.bounds));
+      node.smallest_volume[i] = volume_below(smallest);
+      if (!there) continue;
+      if (own.size() <= leaf_size) {
+        node.child[i] = static_cast<std::uint32_t>(own.size()) << first_bits | parts.list()[i].begin;
+      } else {
+        node.child[i] = used;
+        stack[depth++] = {parts.list()[i], used++};
+      }
     }
-    nodes[number] = node;
   }
 }
 
-// Calls visit(cells) for every leaf below nodes that enters(node) lets through, until it says no.
+// Calls visit(cells) for every leaf that enters(node, child) lets through on the way, until it says no.
 template <class Enters, class Visit>
 void box_tree::walk(const Enters& enters, const Visit& visit) const noexcept {
   if (nodes_.empty()) return;
@@ -104,25 +189,32 @@ void box_tree::walk(const Enters& enters, const Visit& visit) const noexcept {
   std::size_t depth = 0;
   stack[depth++] = 0;
   while (depth > 0) {
-    const std::uint32_t number = stack[--depth];
-    const tree_node& node = nodes_[number];
-    if (!enters(node)) continue;
-    if (node.count == 0) {
-      stack[depth++] = node.first;
-      stack[depth++] = number + 1;
-    } else if (!visit(cells_.subspan(node.first, node.count))) {
-      return;
+    const tree_node& node = nodes_[stack[--depth]];
+    const std::array<bool, 4> entered = enters(node);
+    for (std::size_t i = 0; i < entered.size(); ++i) {
+      if (!entered[i]) continue;
+      if (!is_leaf(node.child[i])) {
+        stack[depth++] = node.child[i];
+      } else if (!visit(cells_of(cells_, node.child[i]))) {
+        return;
+      }
     }
   }
 }
 
-std::uint32_t box_tree::find(const point& place, double volume_limit, format::box& out) const noexcept {
+std::uint32_t box_tree::find(const rounded_point& place, double volume_limit, format::box& out) const noexcept {
   std::uint32_t best = no_cell;
   double best_volume = volume_limit;
   const auto enters = [&](const tree_node& node) {
-    const bool too_large =
-        node.smallest_volume > best_volume || (best == no_cell && node.smallest_volume >= volume_limit);
-    return !too_large && holds(node.bounds, place);
+    std::array<bool, 4> entered;
+    for (std::size_t i = 0; i < entered.size(); ++i) {
+      // Without branches, so that all four are compared at once. Equal volumes may yet be of a lower number.
+      entered[i] = (static_cast<int>(place[0] >= node.min[0][i]) & static_cast<int>(place[0] < node.max[0][i]) &
+                    static_cast<int>(place[1] >= node.min[1][i]) & static_cast<int>(place[1] < node.max[1][i]) &
+                    static_cast<int>(place[2] >= node.min[2][i]) & static_cast<int>(place[2] < node.max[2][i]) &
+                    static_cast<int>(static_cast<double>(node.smallest_volume[i]) <= best_volume)) != 0;
+    }
+    return entered;
   };
   walk(enters, [&](std::span<const located_cell> cells) {
     for (const located_cell& c : cells) {
@@ -142,7 +234,12 @@ std::uint32_t box_tree::find(const point& place, double volume_limit, format::bo
 bool box_tree::has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept {
   const wide_box inside = widened(bounds);
   const auto enters = [&](const tree_node& node) {
-    return node.smallest_volume < volume_limit && boxes_meet(widened(node.bounds), inside);
+    std::array<bool, 4> entered;
+    for (std::size_t i = 0; i < entered.size(); ++i) {
+      entered[i] =
+          static_cast<double>(node.smallest_volume[i]) < volume_limit && boxes_meet(child_bounds(node, i), inside);
+    }
+    return entered;
   };
   bool found = false;
   walk(enters, [&](std::span<const located_cell> cells) {
@@ -156,7 +253,11 @@ bool box_tree::has_smaller_inside(const format::box& bounds, double volume_limit
 
 std::size_t box_tree::touching(const wide_box& closed, std::span<located_cell> dst) const noexcept {
   std::size_t found = 0;
-  const auto enters = [&](const tree_node& node) { return touches(closed, widened(node.bounds)); };
+  const auto enters = [&](const tree_node& node) {
+    std::array<bool, 4> entered;
+    for (std::size_t i = 0; i < entered.size(); ++i) entered[i] = touches(closed, child_bounds(node, i));
+    return entered;
+  };
   walk(enters, [&](std::span<const located_cell> cells) {
     for (const located_cell& c : cells) {
       if (!touches(closed, widened(c.bounds))) continue;
@@ -168,24 +269,31 @@ std::size_t box_tree::touching(const wide_box& closed, std::span<located_cell> d
   return found;
 }
 
-// The nearer child first, so that the farther one is mostly out of reach.
+// The nearest child first, so that the others are mostly out of reach.
 void box_tree::nearest(nearest_search& search) const noexcept {
   if (nodes_.empty()) return;
-  std::array<std::uint32_t, stack_size> stack;
+  struct near_child {
+    double squared = 0.0;
+    std::uint32_t child = 0;
+  };
+  std::array<near_child, stack_size> stack;
   std::size_t depth = 0;
-  stack[depth++] = 0;
+  stack[depth++] = {0.0, 0};
   while (depth > 0) {
-    const std::uint32_t number = stack[--depth];
-    const tree_node& node = nodes_[number];
-    if (search.out_of_reach(widened(node.bounds))) continue;
-    if (node.count == 0) {
-      const bool second_first =
-          search.distance_to(nodes_[node.first].bounds) < search.distance_to(nodes_[number + 1].bounds);
-      stack[depth++] = second_first ? number + 1 : node.first;
-      stack[depth++] = second_first ? node.first : number + 1;
+    const near_child now = stack[--depth];
+    if (search.out_of_reach(now.squared)) continue;
+    if (is_leaf(now.child)) {
+      for (const located_cell& c : cells_of(cells_, now.child)) search.take(c.bounds, c.cell);
       continue;
     }
-    for (const located_cell& c : cells_.subspan(node.first, node.count)) search.take(c.bounds, c.cell);
+    const tree_node& node = nodes_[now.child];
+    const std::size_t begin = depth;
+    for (std::size_t i = 0; i < node.child.size(); ++i) {
+      if (node.min[0][i] > node.max[0][i]) continue;
+      stack[depth++] = {search.distance_to(child_bounds(node, i)), node.child[i]};
+    }
+    std::sort(stack.begin() + static_cast<std::ptrdiff_t>(begin), stack.begin() + static_cast<std::ptrdiff_t>(depth),
+              [](const near_child& a, const near_child& b) { return a.squared > b.squared; });
   }
 }
 

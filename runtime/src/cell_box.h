@@ -2,6 +2,7 @@
 // Boxes of view cells in double precision, where every float of a file and every border of a grown box is exact
 // enough: a camera's place is a sum of its view's origin and the eye, and so is no float.
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -29,13 +30,27 @@ struct wide_box {
   return w;
 }
 
+// The largest floats that are not above a place: it is in a box of floats exactly where they are, since both ends of a
+// half-open box are floats. NaN stays NaN.
+using rounded_point = std::array<float, 3>;
+[[nodiscard]] inline rounded_point rounded_down(const point& p) noexcept {
+  rounded_point r;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    r[axis] = static_cast<float>(p[axis]);
+    if (static_cast<double>(r[axis]) > p[axis])
+      r[axis] = std::nextafter(r[axis], -std::numeric_limits<float>::infinity());
+  }
+  return r;
+}
+
+[[nodiscard]] constexpr bool holds(const format::box& b, const rounded_point& p) noexcept {
+  return p[0] >= b.min[0] && p[0] < b.max[0] && p[1] >= b.min[1] && p[1] < b.max[1] && p[2] >= b.min[2] &&
+         p[2] < b.max[2];
+}
 // False for NaN.
 [[nodiscard]] constexpr bool holds(const wide_box& b, const point& p) noexcept {
   return p[0] >= b.min[0] && p[0] < b.max[0] && p[1] >= b.min[1] && p[1] < b.max[1] && p[2] >= b.min[2] &&
          p[2] < b.max[2];
-}
-[[nodiscard]] constexpr bool holds(const format::box& b, const point& p) noexcept {
-  return holds(widened(b), p);
 }
 
 // Cubic metres. Above 0 for a valid box.

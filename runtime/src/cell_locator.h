@@ -25,7 +25,7 @@ class cell_locator {
   [[nodiscard]] bool build(const format::reader& file, const locator_memory& memory) noexcept;
 
   // As box_tree has them.
-  [[nodiscard]] std::uint32_t find(const point& place, double volume_limit, format::box& out) const noexcept {
+  [[nodiscard]] std::uint32_t find(const rounded_point& place, double volume_limit, format::box& out) const noexcept {
     return on_lattice_ ? lattice_.find(place, volume_limit, out) : tree_.find(place, volume_limit, out);
   }
   [[nodiscard]] bool has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept {

@@ -21,17 +21,41 @@ float border(std::int32_t place, double width) noexcept {
   return static_cast<float>(place * width);
 }
 
-// The place on one axis whose box, with borders rounded to float, holds a coordinate. False: beyond all places.
-bool place_on_axis(double coordinate, double width, double per_width, std::int32_t& out) noexcept {
-  const double estimate = std::floor(coordinate * per_width);
+// A place on one axis and the ends of its cell.
+struct axis_place {
+  std::int32_t place = 0;
+  float low = 0.0f, high = 0.0f;
+};
+
+// The place whose cell, with ends rounded to float, holds a coordinate. False: beyond all places, or NaN.
+bool place_on_axis(float coordinate, double width, double per_width, axis_place& out) noexcept {
+  const double estimate = static_cast<double>(coordinate) * per_width;
   if (!(estimate >= -most_places && estimate < most_places)) return false;
   auto place = static_cast<std::int32_t>(estimate);
+  place -=
+      static_cast<std::int32_t>(place > estimate);  // rounds down; without a branch, since signs are anyone's guess
+  float low = border(place, width);
+  float high = border(place + 1, width);
   // Borders differ from the exact ones by half a step of floats, which is below 64 widths for any place that is
   // numbered: these loops end soon, and mostly at once.
-  while (coordinate < static_cast<double>(border(place, width))) --place;
-  while (coordinate >= static_cast<double>(border(place + 1, width))) ++place;
-  out = place;
+  while (coordinate < low) {
+    high = low;
+    low = border(--place, width);
+  }
+  while (coordinate >= high) {
+    low = high;
+    high = border(++place + 1, width);
+  }
+  out = {place, low, high};
   return true;
+}
+
+// Where a processor may lack an instruction for it, std::popcount is a call.
+std::uint32_t count_bits(std::uint64_t v) noexcept {
+  v -= v >> 1 & 0x5555555555555555u;
+  v = (v & 0x3333333333333333u) + (v >> 2 & 0x3333333333333333u);
+  v = (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0Fu;
+  return static_cast<std::uint32_t>(v * 0x0101010101010101u >> 56);
 }
 
 // Of a place that is in no chunk the caller finds out.
@@ -126,29 +150,30 @@ bool lattice_index::build(const format::cell_lattice& lattice, std::uint32_t cel
   return next == cells;
 }
 
-std::uint32_t lattice_index::find(const point& place, double volume_limit, format::box& out) const noexcept {
+std::uint32_t lattice_index::find(const rounded_point& place, double volume_limit, format::box& out) const noexcept {
   std::uint32_t best = no_cell;
   double best_volume = volume_limit;
   for (const level_shape& level : levels()) {
-    std::int32_t x = 0;
-    std::int32_t y = 0;
-    std::int32_t z = 0;
+    axis_place x;
+    axis_place y;
+    axis_place z;
     if (!place_on_axis(place[0], level.width, level.per_width, x) ||
         !place_on_axis(place[2], level.width, level.per_width, z) ||
         !place_on_axis(place[1], level.height, level.per_height, y)) {
       continue;
     }
-    const lattice_slot* chunk = chunk_at(chunk_of(x), y, chunk_of(z), level.level);
-    const unsigned bit = bit_of(x, z);
-    if (chunk == nullptr || (chunk->mask >> bit & 1) == 0) continue;
-    const std::uint64_t before = chunk->mask & ((std::uint64_t{1} << bit) - 1);
-    const std::uint32_t cell = chunk->first_cell() + static_cast<std::uint32_t>(std::popcount(before));
-    const format::box bounds{{border(x, level.width), border(y, level.height), border(z, level.width)},
-                             {border(x + 1, level.width), border(y + 1, level.height), border(z + 1, level.width)}};
-    const double volume = volume_of(bounds);
-    if (!(volume < best_volume || (best != no_cell && volume == best_volume && cell < best))) continue;
+    const lattice_slot* chunk = chunk_at(chunk_of(x.place), y.place, chunk_of(z.place), level.level);
+    if (chunk == nullptr) continue;
+    const unsigned bit = bit_of(x.place, z.place);
+    if ((chunk->mask >> bit & 1) == 0) continue;
+    const std::uint32_t cell = chunk->first_cell() + count_bits(chunk->mask & ((std::uint64_t{1} << bit) - 1));
+    const format::box bounds{{x.low, y.low, z.low}, {x.high, y.high, z.high}};
+    if (volume_limit != any_volume || !finer_is_smaller_) {
+      const double volume = volume_of(bounds);
+      if (!(volume < best_volume || (best != no_cell && volume == best_volume && cell < best))) continue;
+      best_volume = volume;
+    }
     best = cell;
-    best_volume = volume;
     out = bounds;
     if (finer_is_smaller_) break;
   }
@@ -215,7 +240,7 @@ std::size_t lattice_index::touching(const wide_box& closed, std::span<located_ce
 
 void lattice_index::nearest(nearest_search& search) const noexcept {
   for (const lattice_slot& slot : slots_) {
-    if (slot.mask == 0 || search.out_of_reach(bounds_of(slot))) continue;
+    if (slot.mask == 0 || search.out_of_reach(search.distance_to(bounds_of(slot)))) continue;
     std::uint32_t cell = slot.first_cell();
     for (std::uint64_t left = slot.mask; left != 0; left &= left - 1) {
       search.take(box_of(slot, static_cast<unsigned>(std::countr_zero(left))), cell++);

@@ -35,7 +35,7 @@ class lattice_index {
                            std::span<lattice_slot> slots) noexcept;
 
   // As box_tree has them. find takes one probe for each level that has cells.
-  [[nodiscard]] std::uint32_t find(const point& place, double volume_limit, format::box& out) const noexcept;
+  [[nodiscard]] std::uint32_t find(const rounded_point& place, double volume_limit, format::box& out) const noexcept;
   // May say true where levels are far apart, or far from the origin, and nothing is inside.
   [[nodiscard]] bool has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept;
   [[nodiscard]] std::size_t touching(const wide_box& closed, std::span<located_cell> dst) const noexcept;

@@ -24,9 +24,9 @@ class nearest_search {
     }
   }
   // Square metres.
-  [[nodiscard]] double distance_to(const format::box& b) const noexcept { return squared_distance(widened(b), place_); }
-  // Nothing inside of the box can change the answer.
-  [[nodiscard]] bool out_of_reach(const wide_box& b) const noexcept { return squared_distance(b, place_) > second_; }
+  [[nodiscard]] double distance_to(const wide_box& b) const noexcept { return squared_distance(b, place_); }
+  // Nothing as far away as that can change the answer.
+  [[nodiscard]] bool out_of_reach(double squared) const noexcept { return squared > second_; }
 
   // no_cell when none was shown.
   [[nodiscard]] std::uint32_t cell() const noexcept { return cell_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace sightcell::runtime {
 namespace {
@@ -37,8 +38,8 @@ bool write_closed(run_span a, run_span b, range_borders borders, std::uint32_t m
                        r.first - (out[runs - 1].first + out[runs - 1].count) < min_gap;
     std::uint32_t borders_passed = 0;
     while (draw_end < end) {
-      draw_end = borders[++draw];
-      borders_passed += draw_end > r.first && draw_end < end && borders[draw + 1] > draw_end ? 1 : 0;
+      const std::uint32_t border = std::exchange(draw_end, borders[++draw]);
+      borders_passed += border > r.first && draw_end > border ? 1 : 0;  // not those of draws without polygons
     }
     if (close) {
       out[runs - 1].count = end - out[runs - 1].first;

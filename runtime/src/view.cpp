@@ -109,11 +109,11 @@ sightcell_view::placed_cell sightcell_view::locate(const point& place) const noe
   const cell_locator& locator = db_->locator();
   placed_cell found;
   if (at_.cell == no_cell || !holds(kept_, place)) {
-    found.cell = locator.find(place, any_volume, found.bounds);
+    found.cell = locator.find(rounded_down(place), any_volume, found.bounds);
     return found;
   }
   if (!shares_box_ && holds(inside_, place)) return at_;
-  found.cell = locator.find(place, volume_of(at_.bounds), found.bounds);
+  found.cell = locator.find(rounded_down(place), volume_of(at_.bounds), found.bounds);
   return found.cell == no_cell ? at_ : found;
 }
 

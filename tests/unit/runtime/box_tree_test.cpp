@@ -41,7 +41,7 @@ TEST(box_tree, agrees_with_trying_every_box) {
       for (double& e : eye) e = (random() % 80) * 0.25 - 8.0;
       const double limit = round % 3 == 0 ? static_cast<double>(random() % 40) / 8.0 : any_volume;
       box found{{9, 9, 9}, {9, 9, 9}};
-      const std::uint32_t cell = built.tree.find(eye, limit, found);
+      const std::uint32_t cell = built.tree.find(rounded_down(eye), limit, found);
       ASSERT_EQ(cell, slow_find(boxes, eye, limit));
       ASSERT_EQ(found.min, cell == no_cell ? (std::array<float, 3>{9, 9, 9}) : boxes[cell].min);
     }
@@ -73,8 +73,8 @@ TEST(box_tree, many_equal_boxes) {
   const built_tree built(boxes);
   const point eye{0.5, 0.0, 0.999};
   box found;
-  EXPECT_EQ(built.tree.find(eye, any_volume, found), 0u);
-  EXPECT_EQ(built.tree.find(eye, 1.0, found), no_cell);
+  EXPECT_EQ(built.tree.find(rounded_down(eye), any_volume, found), 0u);
+  EXPECT_EQ(built.tree.find(rounded_down(eye), 1.0, found), no_cell);
 }
 
 TEST(box_tree, boxes_are_half_open) {
@@ -83,11 +83,11 @@ TEST(box_tree, boxes_are_half_open) {
     const wide_box grown = widened(b, 0.25f);
     point eye{0.5, 0.5, 0.5};
     eye[axis] = 0.0;
-    EXPECT_TRUE(holds(b, eye));
+    EXPECT_TRUE(holds(b, rounded_down(eye)));
     eye[axis] = std::nextafter(1.0, 0.0);
-    EXPECT_TRUE(holds(b, eye));
+    EXPECT_TRUE(holds(b, rounded_down(eye)));
     eye[axis] = 1.0;
-    EXPECT_FALSE(holds(b, eye));
+    EXPECT_FALSE(holds(b, rounded_down(eye)));
     EXPECT_TRUE(holds(grown, eye));
     eye[axis] = 1.25;
     EXPECT_FALSE(holds(grown, eye));
@@ -96,7 +96,7 @@ TEST(box_tree, boxes_are_half_open) {
     eye[axis] = std::nextafter(-0.25, -1.0);
     EXPECT_FALSE(holds(grown, eye));
     eye[axis] = std::nan("");
-    EXPECT_FALSE(holds(b, eye));
+    EXPECT_FALSE(holds(b, rounded_down(eye)));
     EXPECT_FALSE(holds(grown, eye));
   }
 }
@@ -109,8 +109,8 @@ TEST(box_tree, huge_and_tiny_boxes) {
   const point origin{0, 0, 0};
   const point away{1, 2, 3};
   box found;
-  EXPECT_EQ(built.tree.find(origin, any_volume, found), 1u);
-  EXPECT_EQ(built.tree.find(away, any_volume, found), 0u);
+  EXPECT_EQ(built.tree.find(rounded_down(origin), any_volume, found), 1u);
+  EXPECT_EQ(built.tree.find(rounded_down(away), any_volume, found), 0u);
 }
 
 }  // namespace

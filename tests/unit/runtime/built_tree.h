@@ -23,7 +23,7 @@ inline std::uint32_t slow_find(const std::vector<format::box>& boxes, const runt
   std::uint32_t best = runtime::no_cell;
   double volume = limit;
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    if (runtime::holds(boxes[i], eye) && runtime::volume_of(boxes[i]) < volume) {
+    if (runtime::holds(runtime::widened(boxes[i]), eye) && runtime::volume_of(boxes[i]) < volume) {
       best = i;
       volume = runtime::volume_of(boxes[i]);
     }

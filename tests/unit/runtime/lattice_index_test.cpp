@@ -109,7 +109,7 @@ TEST(lattice_index, agrees_with_trying_every_box) {
       const point eye = place_near(random, built.boxes);
       const double limit = round % 3 == 0 ? volume_of(built.boxes[random() % built.boxes.size()]) : any_volume;
       box found{{9, 9, 9}, {9, 9, 9}};
-      const std::uint32_t cell = built.index.find(eye, limit, found);
+      const std::uint32_t cell = built.index.find(rounded_down(eye), limit, found);
       ASSERT_EQ(cell, slow_find(built.boxes, eye, limit)) << eye[0] << " " << eye[1] << " " << eye[2];
       ASSERT_EQ(found.max, cell == no_cell ? (std::array<float, 3>{9, 9, 9}) : built.boxes[cell].max);
       found_cells += cell == no_cell ? 0 : 1;
@@ -212,9 +212,22 @@ TEST(lattice_index, places_far_away_and_numbers_that_are_none) {
                            static_cast<double>(std::nanf(""))}) {
     for (const double up : {1.0, 10.0, far}) {
       const point eye{far, up, 1.0};
-      EXPECT_EQ(built.index.find(eye, any_volume, found), slow_find(built.boxes, eye, any_volume)) << far;
+      EXPECT_EQ(built.index.find(rounded_down(eye), any_volume, found), slow_find(built.boxes, eye, any_volume)) << far;
     }
   }
+}
+
+// So far away that borders are rounded by more than a cell of level 0, whose box is that of a cell of level 1: of boxes
+// of one size the lowest number wins, not the finer level.
+TEST(lattice_index, where_rounding_makes_levels_equal) {
+  constexpr int far = 1 << 24;
+  const built_lattice built({1.0, 1.0}, {{far + 1, far + 1, far + 1, 0}, {2 * far + 2, 2 * far + 2, 2 * far + 2, 1}});
+  ASSERT_EQ(built.boxes[0].min, built.boxes[1].min);
+  ASSERT_EQ(built.boxes[0].max, built.boxes[1].max);
+  box found;
+  const point eye{far + 0.5, far + 0.5, far + 0.5};
+  EXPECT_EQ(built.index.find(rounded_down(eye), any_volume, found), 0u);
+  EXPECT_TRUE(built.index.has_smaller_inside(built.boxes[0], volume_of(built.boxes[0]))) << "maybe";
 }
 
 // "In at most 1 byte per cell": what a square of 1,000 x 1,000 cells takes.
@@ -243,7 +256,7 @@ TEST(lattice_index, bytes_that_changed_since_open) {
     }
     for (int round = 0; round < 20; ++round) {
       box found;
-      const std::uint32_t cell = index.find(place_near(random, built.boxes), any_volume, found);
+      const std::uint32_t cell = index.find(rounded_down(place_near(random, built.boxes)), any_volume, found);
       ASSERT_TRUE(cell == no_cell || cell < file.cell_count());
     }
   }

@@ -73,6 +73,8 @@ TEST(view_places, a_box_that_leaves_the_cells) {
   EXPECT_EQ(move_box(view, {-0.3f, 1, 1}, {5, 1, 1}).flags & all_flags, all_flags);
   EXPECT_EQ(view.polygons().size(), 40u);
   EXPECT_EQ(move_box(view, {3, 2.1f, 1}, {5, 2.2f, 1}).flags & all_flags, all_flags) << "in no cell, above them";
+  EXPECT_EQ(move_box(view, {14, 1, 1}, {16.25f, 1, 1}).flags & all_flags, all_flags) << "on the end, which is no part";
+  EXPECT_EQ(move_box(view, {11, 1, 1}, {16.2f, 1, 1}).flags & all_flags, 0u);
   ASSERT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_OUTSIDE_NEAREST, 1.0f), SIGHTCELL_OK);
   const sightcell_frame partly = move_box(view, {-0.3f, 1, 1}, {5, 1, 1});
   EXPECT_EQ(partly.flags & all_flags, static_cast<std::uint32_t>(SIGHTCELL_FRAME_OUTSIDE));
@@ -190,6 +192,43 @@ TEST(view_places, a_union_with_more_ranges_than_promised_closes_the_smallest_gap
   const auto seen = view.polygons();
   for (const std::uint32_t p : {0u, 3u, 50u, 90u}) EXPECT_TRUE(std::binary_search(seen.begin(), seen.end(), p)) << p;
   EXPECT_LT(seen.size(), 100u);
+}
+
+TEST(view_places, gaps_between_draws_are_never_closed) {
+  sample_contents contents;
+  contents.facts.polygon_count = 20;
+  contents.facts.margin = 0.25f;
+  contents.draws = {{.polygon_count = 10}, {.first_source = 10, .polygon_count = 10, .first_stored = 10}};
+  contents.cells = {{{0, 0, 0}, {1, 1, 1}}, {{1, 0, 0}, {2, 1, 1}}};
+  contents.sets = {{0, 8}, {11, 19}};
+  const loaded_file file(contents);
+  const test_view view(file.db());
+  static_cast<void>(move_box(view, {0.5f, 0.5f, 0.5f}, {1.5f, 0.5f, 0.5f}));
+  EXPECT_EQ(view.polygons(),
+            (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 15, 16, 17, 18, 19}));
+}
+
+// Few runs, but most of them reach from one draw into the next.
+TEST(view_places, ranges_are_counted_too) {
+  sample_contents contents;
+  contents.facts.polygon_count = 40;
+  contents.facts.margin = 0.25f;
+  contents.cells = {{{0, 0, 0}, {1, 1, 1}}, {{1, 0, 0}, {2, 1, 1}}};
+  contents.sets.resize(2);
+  for (std::uint32_t d = 0; d < 10; ++d) {
+    contents.draws.push_back({.first_source = 4 * d, .polygon_count = 4, .first_stored = 4 * d});
+    if (d < 9) {
+      auto& set = contents.sets[d < 5 ? 0 : 1];
+      set.insert(set.end(), {4 * d, 4 * d + 3});
+    }
+  }
+  const loaded_file file(contents);
+  ASSERT_EQ(file.info().range_bound, 10u);
+  const test_view view(file.db());
+  const sightcell_frame frame = move_box(view, {0.5f, 0.5f, 0.5f}, {1.5f, 0.5f, 0.5f});
+  EXPECT_EQ(frame.flags & SIGHTCELL_FRAME_DRAW_ALL, 0u);
+  EXPECT_LE(view.ranges().size(), 10u);
+  EXPECT_EQ(view.polygons().size(), 36u);
 }
 
 TEST(view_places, more_cells_than_one_box_is_looked_up_in) {
