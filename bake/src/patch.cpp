@@ -32,10 +32,10 @@ class set_list {
     require_ok(stored_.check(), name);
   }
 
-  // Source ids.
+  // Source ids, and volumes behind them.
   format::status get(std::uint32_t cell, std::vector<std::uint32_t>& set) {
     const auto found = changed_.find(cell);
-    if (found == changed_.end()) return stored_.source_ids(cell, set);
+    if (found == changed_.end()) return stored_.item_ids(cell, set);
     set = found->second;
     return format::status::ok;
   }

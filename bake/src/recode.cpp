@@ -118,15 +118,16 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   parts.settings = with_names(parts.settings, now);
   // Of each cell its number in the file that is read.
   std::vector<std::uint32_t> before = old ? order_cells(parts) : std::vector<std::uint32_t>();
-  const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-    return sets.source_ids(before.empty() ? cell : before[cell], set);
-  };
+  const auto number_before = [&](std::uint32_t cell) { return before.empty() ? cell : before[cell]; };
   if (old || how.order || other_layout)
     order_polygons_of(parts, now.order, [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-      require_ok(set_of(cell, set), name);
+      require_ok(sets.source_ids(number_before(cell), set), name);
     });
 
-  format::file_contents contents = parts.contents({parts.cells.size(), set_of});
+  format::file_contents contents =
+      parts.contents({parts.cells.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+                        return sets.item_ids(number_before(cell), set);
+                      }});
   contents.slack = slack;
   std::vector<std::byte> bytes;
   if (format::encode(contents, bytes) != format::status::ok)

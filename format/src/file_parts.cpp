@@ -42,6 +42,7 @@ file_contents file_parts::contents(cell_set_source sets) const {
     all.lattice = lattice_cells{*lattice, places};
   else
     all.cells = cells;
+  all.volumes = {volume_shape, volumes};
   all.cell_sets = std::move(sets);
   all.certificate = certificate;
   all.settings = settings;
@@ -65,6 +66,11 @@ status take_apart(const reader& file, file_parts& out) {
     parts.lattice = file.lattice()->shape();
     parts.places = places_of(*file.lattice());
     if (parts.places.size() != parts.cells.size()) return status::corrupt;
+  }
+  parts.volume_shape = file.volumes().shape();
+  parts.volumes.resize(file.volumes().count());
+  for (std::uint32_t volume = 0; volume < parts.volumes.size(); ++volume) {
+    if (!file.volumes().place(volume, parts.volumes[volume])) return status::corrupt;
   }
   parts.certificate.resize(file.certificate_count());
   for (std::uint32_t i = 0; i < file.certificate_count(); ++i) {

@@ -70,6 +70,7 @@ status reader::open_all() noexcept {
   if (const status s = read_sections(); s != status::ok) return s;
   if (const status s = check_sizes(); s != status::ok) return s;
   if (const status s = open_tables(); s != status::ok) return s;
+  if (const status s = check_bounds(); s != status::ok) return s;
   if (const status s = check_draws(); s != status::ok) return s;
   if (const status s = check_cells(); s != status::ok) return s;
   if (const status s = check_directory(); s != status::ok) return s;
@@ -128,13 +129,13 @@ status reader::read_sections() noexcept {
   if (!checked_reader(bytes_).read_u32(layout::header_table_checksum, stored_checksum)) return status::corrupt;
   if (crc32c(part({layout::header_size, table_size})) != stored_checksum) return status::checksum;
 
-  const std::array<std::uint32_t, 9> ids{
-      layout::section_draws,         layout::section_cells,       layout::section_rows,
-      layout::section_row_directory, layout::section_certificate, layout::section_settings,
-      layout::section_orders,        layout::section_codes,       layout::section_importance};
-  const std::array<extent*, 9> places{&draws_,    &cells_,  &rows_,  &directory_, &certificate_,
-                                      &settings_, &orders_, &codes_, &importance_};
-  std::array<bool, 9> found{};
+  const std::array<std::uint32_t, 10> ids{
+      layout::section_draws,       layout::section_cells,    layout::section_rows,   layout::section_row_directory,
+      layout::section_certificate, layout::section_settings, layout::section_orders, layout::section_codes,
+      layout::section_importance,  layout::section_volumes};
+  const std::array<extent*, 10> places{&draws_,    &cells_,  &rows_,  &directory_,  &certificate_,
+                                       &settings_, &orders_, &codes_, &importance_, &volume_bytes_};
+  std::array<bool, 10> found{};
   const std::size_t known_ids = version_ == 0 ? 6 : ids.size();
   std::uint64_t next = layout::header_size + table_size;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
@@ -161,6 +162,7 @@ status reader::read_sections() noexcept {
   }
   const bool complete = found[0] && found[1] && found[2] && found[3] && (version_ == 0 || (found[6] && found[7]));
   has_importance_ = found[8];
+  has_volumes_ = found[9];
   return next == total_size_ && complete ? status::ok : status::corrupt;
 }
 
@@ -203,12 +205,17 @@ status reader::check_sizes() noexcept {
   } else if (directory_.size != directory) {
     return status::corrupt;
   }
-  if (settings_.size > layout::max_settings_size) return status::limit;
+  return settings_.size > layout::max_settings_size ? status::limit : status::ok;
+}
+
+// Volumes count as one more draw behind the last.
+status reader::check_bounds() const noexcept {
   // A run takes two codes of a bit at least (two bytes in version 0), and a range is a run or a draw border inside a
   // run: so a small file cannot ask a host for large buffers.
   const std::uint64_t most_runs = version_ == 0 ? rows_.size / 2 : 4 * rows_.size;
-  if (run_bound_ > most_runs || run_bound_ > facts_.polygon_count || list_bound_ > most_runs) return status::corrupt;
-  if (range_bound_ < run_bound_ || range_bound_ > std::uint64_t{run_bound_} + draw_count_) return status::corrupt;
+  if (run_bound_ > most_runs || run_bound_ > item_count() || list_bound_ > most_runs) return status::corrupt;
+  const std::uint64_t most_ranges = std::uint64_t{run_bound_} + draw_count_ + (has_volumes_ ? 1 : 0);
+  if (range_bound_ < run_bound_ || range_bound_ > most_ranges) return status::corrupt;
   if (run_bound_ == 0 && range_bound_ != 0) return status::corrupt;
   return status::ok;
 }
@@ -235,6 +242,10 @@ status reader::open_tables() noexcept {
   order_count_ = orders.count();
   order_begin_ = orders.first_polygon_column();
 
+  if (has_volumes_) {
+    const status s = volume_table::open(part(volume_bytes_), facts_.polygon_count, volumes_);
+    if (s != status::ok) return s;
+  }
   std::uint32_t kind = 0;
   if (!checked_reader(part(cells_)).read_u32(0, kind)) return status::corrupt;
   on_lattice_ = kind == layout::cells_are_on_lattice;

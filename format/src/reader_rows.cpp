@@ -18,7 +18,19 @@ namespace sightcell::format {
 namespace {
 
 row_bounds bounds_of(const reader& file, std::uint32_t list_bound) noexcept {
-  return {file.polygon_count(), file.run_bound(), list_bound};
+  return {file.polygon_count() + file.volumes().count(), file.run_bound(), list_bound};
+}
+
+// How many runs of a set have no volumes: these begin with number `polygons`, maybe inside the next run.
+std::size_t runs_without_volumes(std::span<const run> set, std::uint32_t polygons) noexcept {
+  const auto is_without = [&](const run& r) { return std::uint64_t{r.first} + r.count <= polygons; };
+  return static_cast<std::size_t>(std::partition_point(set.begin(), set.end(), is_without) - set.begin());
+}
+
+std::uint64_t sum_of(std::span<const run> runs) noexcept {
+  std::uint64_t sum = 0;
+  for (const run& r : runs) sum += r.count;
+  return sum;
 }
 
 // Numbers in memory that is bytes so far.
@@ -124,22 +136,24 @@ std::size_t reader::scratch_size() const noexcept {
   return bounds_of(*this, list_bound_).scratch_room() * sizeof(std::uint32_t);
 }
 
-status reader::decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
-                          std::size_t& count) const noexcept {
+// The set as it is stored, polygons and volumes.
+status reader::decode_items(std::uint32_t cell, const row_codes* codes, std::span<run> out,
+                            std::span<std::byte> scratch, std::size_t& count) const noexcept {
   count = 0;
-  if (cell >= cell_count_ || (version_ != 0 && codes == nullptr)) return status::argument;
-  if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
-  if (version_ == 0) return v0_decode_row(cell, out, as_array<run>(scratch), count);
+  if (cell >= cell_count_) return status::argument;
+  if (version_ == 0) {
+    if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
+    return v0_decode_row(cell, out, as_array<run>(scratch), count);
+  }
   extent where;
   std::uint32_t checksum = 0;
   if (const status s = chunk_extent(chunk_of(cell), where, checksum); s != status::ok) return s;
-  return decode_row(cell, part(where), codes, out, scratch, count);
+  return decode_items(cell, part(where), codes, out, scratch, count);
 }
 
-status reader::decode_row(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes,
-                          std::span<run> out, std::span<std::byte> scratch, std::size_t& count) const noexcept {
+status reader::decode_items(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes,
+                            std::span<run> out, std::span<std::byte> scratch, std::size_t& count) const noexcept {
   count = 0;
-  if (version_ == 0) return status::version;
   if (cell >= cell_count_ || codes == nullptr) return status::argument;
   if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
   row_chunk rows;
@@ -152,6 +166,55 @@ status reader::decode_row(std::uint32_t cell, std::span<const std::byte> chunk, 
   count = borders.size() / 2;
   for (std::size_t i = 0; i < count; ++i) out[i] = {borders[2 * i], borders[2 * i + 1] - borders[2 * i]};
   return status::ok;
+}
+
+status reader::decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                          std::size_t& count) const noexcept {
+  const status s = decode_items(cell, codes, out, scratch, count);
+  if (volumes_.count() == 0 || s != status::ok) return s;
+  const std::size_t at = runs_without_volumes(out.first(count), facts_.polygon_count);
+  const bool cut = at < count && out[at].first < facts_.polygon_count;
+  if (cut) out[at].count = facts_.polygon_count - out[at].first;
+  count = cut ? at + 1 : at;
+  return status::ok;
+}
+
+status reader::decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                          row_parts& parts) const noexcept {
+  parts = {};
+  if (out.size() < row_room()) return status::capacity;
+  std::size_t count = 0;
+  if (const status s = decode_items(cell, codes, out, scratch, count); s != status::ok) return s;
+  parts = split(out, count);
+  return status::ok;
+}
+
+status reader::decode_row(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes,
+                          std::span<run> out, std::span<std::byte> scratch, row_parts& parts) const noexcept {
+  parts = {};
+  if (version_ == 0) return status::version;
+  if (out.size() < row_room()) return status::capacity;
+  std::size_t count = 0;
+  if (const status s = decode_items(cell, chunk, codes, out, scratch, count); s != status::ok) return s;
+  parts = split(out, count);
+  return status::ok;
+}
+
+// The items of out[0 .. count) as polygons and volumes; there is room for one run more.
+row_parts reader::split(std::span<run> out, std::size_t count) const noexcept {
+  const std::uint32_t polygons = facts_.polygon_count;
+  std::size_t at = runs_without_volumes(out.first(count), polygons);
+  if (at < count && out[at].first < polygons) {
+    const auto from = out.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto end = out.begin() + static_cast<std::ptrdiff_t>(count);
+    std::move_backward(from, end, end + 1);
+    ++count;
+    out[at].count = polygons - out[at].first;
+    out[at + 1] = {polygons, out[at + 1].count - out[at].count};
+    ++at;
+  }
+  for (run& r : out.subspan(at, count - at)) r.first -= polygons;
+  return {out.first(at), out.subspan(at, count - at)};
 }
 
 status reader::row(std::uint32_t cell, row_record& out) const noexcept {
@@ -224,9 +287,13 @@ status reader::check_stored(std::span<std::uint32_t> stored) const noexcept {
   return status::ok;
 }
 
+std::size_t reader::check_room() const noexcept {
+  return std::max<std::size_t>(facts_.polygon_count, volumes_.differ_room());
+}
+
 status reader::check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                      std::span<std::uint32_t> stored) const noexcept {
-  if (out.size() < run_bound_ || scratch.size() < scratch_size() || stored.size() < facts_.polygon_count) {
+  if (out.size() < run_bound_ || scratch.size() < scratch_size() || stored.size() < check_room()) {
     return status::capacity;
   }
   if (version_ != 0 && codes == nullptr) return status::argument;
@@ -234,6 +301,13 @@ status reader::check(const row_codes* codes, std::span<run> out, std::span<std::
     if (const status s = check_section(i); s != status::ok) return s;
   }
   if (const status s = check_stored(stored.first(facts_.polygon_count)); s != status::ok) return s;
+  if (!volumes_.places_differ(stored)) return status::corrupt;
+  if (const status s = check_rows(codes, out, scratch); s != status::ok) return s;
+  return check_importance(codes, out, scratch, as_array<std::uint8_t>(std::as_writable_bytes(stored)));
+}
+
+// Chunks, rows, and that they come up to the bounds.
+status reader::check_rows(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept {
   std::size_t most_runs = 0;
   std::uint64_t most_ranges = 0;
   for (std::uint32_t chunk = 0; chunk < chunk_count(); ++chunk) {
@@ -242,12 +316,13 @@ status reader::check(const row_codes* codes, std::span<run> out, std::span<std::
   }
   for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
     std::size_t count = 0;
-    if (const status s = decode_row(cell, codes, out, scratch, count); s != status::ok) return s;
+    if (const status s = decode_items(cell, codes, out, scratch, count); s != status::ok) return s;
+    const std::span<const run> set = out.first(count);
     most_runs = std::max(most_runs, count);
-    most_ranges = std::max(most_ranges, count_ranges(out.first(count)));
+    const std::size_t of_volumes = count - runs_without_volumes(set, facts_.polygon_count);
+    most_ranges = std::max(most_ranges, count_ranges(set) + of_volumes);
   }
-  if (most_runs != run_bound_ || most_ranges != range_bound_) return status::corrupt;
-  return check_importance(codes, out, scratch, as_array<std::uint8_t>(std::as_writable_bytes(stored)));
+  return most_runs == run_bound_ && most_ranges == range_bound_ ? status::ok : status::corrupt;
 }
 
 status reader::importance(importance_classes& out) const noexcept {
@@ -266,8 +341,7 @@ status reader::check_importance(const row_codes* codes, std::span<run> out, std:
   for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
     std::size_t count = 0;
     if (const status s = decode_row(cell, codes, out, scratch, count); s != status::ok) return s;
-    std::uint64_t polygons = 0;
-    for (const run& r : out.first(count)) polygons += r.count;
+    const std::uint64_t polygons = sum_of(out.first(count));
     if (polygons > classes.size()) return status::corrupt;
     if (const status s = all.decode(cell, classes.first(static_cast<std::size_t>(polygons))); s != status::ok) return s;
   }
@@ -276,7 +350,7 @@ status reader::check_importance(const row_codes* codes, std::span<run> out, std:
 
 status reader::statistics(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                           row_statistics& sums) const noexcept {
-  if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
+  if (out.size() < row_room() || scratch.size() < scratch_size()) return status::capacity;
   row_statistics total;
   total.cells = cell_count_;
   total.row_bytes = rows_.size;
@@ -286,14 +360,16 @@ status reader::statistics(const row_codes* codes, std::span<run> out, std::span<
   }
   for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
     row_record record;
-    std::size_t count = 0;
+    row_parts parts;
     if (const status s = row(cell, record); s != status::ok) return s;
-    if (const status s = decode_row(cell, codes, out, scratch, count); s != status::ok) return s;
+    if (const status s = decode_row(cell, codes, out, scratch, parts); s != status::ok) return s;
     total.delta_rows += record.delta ? 1 : 0;
     total.shared_rows += record.shared ? 1 : 0;
-    total.runs += count;
-    total.ranges += count_ranges(out.first(count));
-    for (const run& r : out.first(count)) total.polygons += r.count;
+    total.runs += parts.polygons.size();
+    total.ranges += count_ranges(parts.polygons);
+    total.polygons += sum_of(parts.polygons);
+    total.volumes += sum_of(parts.volumes);
+    total.volume_runs += parts.volumes.size();
   }
   sums = total;
   return status::ok;

@@ -24,8 +24,11 @@ constexpr std::size_t sampled_slack_chunks = 3;
 rows_encoder::rows_encoder(const file_contents& contents, stored_sets& stored)
     : contents_(contents),
       stored_(stored),
+      items_(contents.facts.polygon_count + static_cast<std::uint32_t>(contents.volumes.places.size())),
       borders_(range_borders(contents.draws, contents.facts.layout)),
-      slack_share_(static_cast<std::uint64_t>(std::llround(contents.slack * double{slack_share_unit}))) {}
+      slack_share_(static_cast<std::uint64_t>(std::llround(contents.slack * double{slack_share_unit}))) {
+  if (items_ > contents.facts.polygon_count) borders_.push_back(items_);
+}
 
 std::size_t rows_encoder::chunk_count() const {
   return (contents_.cell_sets.count + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
@@ -43,7 +46,7 @@ std::size_t rows_encoder::directory_size() const {
 status rows_encoder::read_set(std::uint32_t cell, std::vector<run>& runs) {
   ids_.clear();
   if (const status s = contents_.cell_sets.get(cell, ids_); s != status::ok) return s;
-  if (!ids_.empty() && ids_.back() >= contents_.facts.polygon_count) return status::argument;
+  if (!ids_.empty() && ids_.back() >= items_) return status::argument;
   if (std::adjacent_find(ids_.begin(), ids_.end(), std::greater_equal<>()) != ids_.end()) return status::argument;
   stored_.runs_of(ids_, runs);
   return status::ok;
@@ -75,10 +78,38 @@ std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
 void rows_encoder::widen_sets(std::size_t chunk, slack_sums& sums) {
   if (!exact_encoders_) return;
   chunk_plan& plan = exact_plans_[chunk];
-  if (plan.same.empty()) {
-    plan = plan_chunk(sets_, *exact_encoders_, contents_.facts.polygon_count, least_saving::anything);
-  }
+  if (plan.same.empty()) plan = plan_chunk(sets_, *exact_encoders_, items_, least_saving::anything);
+  take_volumes();
   add_slack(sets_, plan, borders_, prices_, slack_share_, sums);
+  put_volumes_back();
+}
+
+void rows_encoder::take_volumes() {
+  const std::uint32_t polygons = contents_.facts.polygon_count;
+  volumes_.resize(sets_.size());
+  for (std::size_t i = 0; i < sets_.size(); ++i) {
+    std::vector<run>& set = sets_[i];
+    const auto has_volumes = [&](const run& r) { return r.first + r.count > polygons; };
+    const auto from = std::find_if(set.begin(), set.end(), has_volumes);
+    volumes_[i].assign(from, set.end());
+    set.erase(from, set.end());
+    if (volumes_[i].empty() || volumes_[i].front().first >= polygons) continue;
+    run& cut = volumes_[i].front();
+    set.push_back({cut.first, polygons - cut.first});
+    cut = {polygons, cut.count - set.back().count};
+  }
+}
+
+void rows_encoder::put_volumes_back() {
+  for (std::size_t i = 0; i < sets_.size(); ++i) {
+    std::vector<run>& set = sets_[i];
+    std::span<const run> volumes = volumes_[i];
+    if (!set.empty() && !volumes.empty() && set.back().first + set.back().count == volumes.front().first) {
+      set.back().count += volumes.front().count;
+      volumes = volumes.subspan(1);
+    }
+    set.insert(set.end(), volumes.begin(), volumes.end());
+  }
 }
 
 // Every set as if it stood alone.
@@ -96,7 +127,7 @@ status rows_encoder::sample(row_counts& counts) {
   const row_encoders encoders(guess);
   row_counts sampled;
   const status s = for_each_chunk(sample_step(sampled_chunks), [&](std::size_t) {
-    count_chunk(sets_, plan_chunk(sets_, encoders, contents_.facts.polygon_count), sampled);
+    count_chunk(sets_, plan_chunk(sets_, encoders, items_), sampled);
     return status::ok;
   });
   counts.removed = sampled.removed;
@@ -115,7 +146,7 @@ status rows_encoder::sample_slack(row_counts& counts) {
     slack_sums unused;
     widen_sets(chunk, unused);
     for (const std::vector<run>& set : sets_) own.own.add(set);
-    count_chunk(sets_, plan_chunk(sets_, *exact_encoders_, contents_.facts.polygon_count), sampled);
+    count_chunk(sets_, plan_chunk(sets_, *exact_encoders_, items_), sampled);
     return status::ok;
   });
   counts = sampled;
@@ -130,7 +161,7 @@ status rows_encoder::choose(const row_encoders& encoders, row_counts& counts) {
       run_bound_ = std::max(run_bound_, static_cast<std::uint32_t>(set.size()));
       range_bound_ = std::max(range_bound_, count_ranges(set));
     }
-    plans_.push_back(plan_chunk(sets_, encoders, contents_.facts.polygon_count));
+    plans_.push_back(plan_chunk(sets_, encoders, items_));
     count_chunk(sets_, plans_.back(), counts);
     return status::ok;
   });

@@ -21,8 +21,8 @@ class rows_encoder {
   // Both must outlive the encoder.
   rows_encoder(const file_contents& contents, stored_sets& stored);
 
-  // First: chooses how each row is coded. argument: a set is not ascending, or holds a polygon that there is not; what
-  // the source of the sets answers.
+  // First: chooses how each row is coded. argument: a set is not ascending, or holds a polygon or volume that there is
+  // not; what the source of the sets answers.
   status plan();
   // Known since then.
   [[nodiscard]] std::vector<std::byte> codes() const;
@@ -47,11 +47,15 @@ class rows_encoder {
   status sample_slack(row_counts& counts);
   status choose(const row_encoders& encoders, row_counts& counts);
   void widen_sets(std::size_t chunk, slack_sums& sums);
+  // Of the sets in sets_: takes what they have from the first volume on, or puts it back.
+  void take_volumes();
+  void put_volumes_back();
   [[nodiscard]] std::uint32_t count_ranges(std::span<const run> runs) const;
 
   const file_contents& contents_;
   stored_sets& stored_;
-  std::vector<std::uint32_t> borders_;  // of what ranges count in
+  std::uint32_t items_ = 0;             // polygons and volumes
+  std::vector<std::uint32_t> borders_;  // of what ranges count in; volumes are one more
   std::vector<chunk_plan> plans_;
   std::unique_ptr<row_encoders> encoders_;
   std::uint64_t slack_share_ = 0;                 // in slack_share_units
@@ -64,6 +68,7 @@ class rows_encoder {
   std::uint32_t list_bound_ = 0;
   std::vector<std::uint32_t> ids_;
   std::vector<std::vector<run>> sets_;
+  std::vector<std::vector<run>> volumes_;  // of these, while they are taken
 };
 
 }  // namespace sightcell::format

@@ -7,7 +7,7 @@ namespace sightcell::format {
 status set_reader::open(const reader& file) {
   file_ = file;
   codes_memory_.assign(file.codes_size(), {});
-  row_.resize(file.run_bound());
+  row_.resize(file.row_room());
   scratch_.resize(file.scratch_size());
   source_of_stored_.resize(file.polygon_count());
   if (const status s = file_.make_codes(codes_memory_, codes_); s != status::ok) return s;
@@ -21,20 +21,38 @@ status set_reader::runs(std::uint32_t cell, std::span<const run>& out) {
   return s;
 }
 
-status set_reader::source_ids(std::uint32_t cell, std::vector<std::uint32_t>& out) {
+status set_reader::parts(std::uint32_t cell, row_parts& out) {
+  return file_.decode_row(cell, codes_, row_, scratch_, out);
+}
+
+void set_reader::put_source_ids(std::span<const run> stored, std::vector<std::uint32_t>& out) const {
   out.clear();
-  std::span<const run> stored;
-  if (const status s = runs(cell, stored); s != status::ok) return s;
   for (const run& r : stored) {
     const auto from = source_of_stored_.begin() + r.first;
     out.insert(out.end(), from, from + r.count);
   }
   std::sort(out.begin(), out.end());
-  return status::ok;
+}
+
+status set_reader::source_ids(std::uint32_t cell, std::vector<std::uint32_t>& out) {
+  std::span<const run> stored;
+  const status s = runs(cell, stored);
+  put_source_ids(stored, out);
+  return s;
+}
+
+status set_reader::item_ids(std::uint32_t cell, std::vector<std::uint32_t>& out) {
+  row_parts set;
+  const status s = parts(cell, set);
+  put_source_ids(set.polygons, out);
+  for (const run& r : set.volumes) {
+    for (std::uint32_t i = 0; i < r.count; ++i) out.push_back(file_.polygon_count() + r.first + i);
+  }
+  return s;
 }
 
 status set_reader::check() {
-  std::vector<std::uint32_t> stored(file_.polygon_count());
+  std::vector<std::uint32_t> stored(file_.check_room());
   return file_.check(codes_, row_, scratch_, stored);
 }
 

@@ -26,10 +26,11 @@ void for_each_source(std::span<const draw_record> draws, std::span<const std::ui
 }  // namespace
 
 stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw,
-                         std::span<const std::vector<std::uint32_t>> orders, host_layout layout) {
+                         std::span<const std::vector<std::uint32_t>> orders, host_layout layout,
+                         std::uint32_t volumes) {
   const std::uint32_t polygons = draws.empty() ? 0 : draws.back().first_stored + draws.back().polygon_count;
   stored_of_source_.resize(polygons);
-  members_.resize(polygons / 64 + 1);
+  members_.resize((std::size_t{polygons} + volumes) / 64 + 1);
   std::uint32_t stored = 0;
   for (std::size_t begin = 0, end = 0; begin < draws.size(); begin = end) {
     for (end = begin + 1; end < draws.size() && !begins_range_unit(draws, end, layout);) ++end;
@@ -42,7 +43,7 @@ stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std
 void stored_sets::runs_of(std::span<const std::uint32_t> source_ids, std::vector<run>& runs) {
   runs.clear();
   for (const std::uint32_t id : source_ids) {
-    const std::uint32_t stored = stored_of_source_[id];
+    const std::uint32_t stored = id < stored_of_source_.size() ? stored_of_source_[id] : id;
     members_[stored / 64] |= std::uint64_t{1} << (stored % 64);
   }
   std::uint64_t before = 0;  // the bit of the polygon in front of the word

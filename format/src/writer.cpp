@@ -17,6 +17,7 @@
 #include "sightcell/format/layout.h"
 #include "stored_sets.h"
 #include "table_encoder.h"
+#include "volume_table_writer.h"
 
 namespace sightcell::format {
 namespace {
@@ -88,11 +89,18 @@ status check_cells(const file_contents& contents) {
   return status::ok;
 }
 
+// Their places are looked at when they are encoded.
+bool has_too_many_volumes(const file_contents& contents) {
+  const std::size_t volumes = contents.volumes.places.size();
+  return volumes > layout::max_volumes || volumes > layout::max_polygons - contents.facts.polygon_count;
+}
+
 status check_contents(const file_contents& contents) {
   if (contents.facts.polygon_count > layout::max_polygons || cell_count(contents) > layout::max_cells ||
       contents.draws.size() > layout::max_draws || contents.settings.size() > layout::max_settings_size) {
     return status::limit;
   }
+  if (has_too_many_volumes(contents)) return status::limit;
   if (!facts_are_valid(contents.facts)) return status::argument;
   if (!is_share(contents.slack)) return status::argument;
   if (contents.facts.margin > layout::max_margin) return status::limit;
@@ -133,16 +141,21 @@ class complete_order {
 };
 
 // All but the rows, which come last, so that everything a reader checks at once lies together at the front. The
-// directory is as large as it will be. False when the cells are none.
-bool front_sections(const file_contents& contents, const stored_order& order, const rows_encoder& rows,
-                    std::vector<section_bytes>& sections) {
+// directory is as large as it will be. argument: the cells are none, or the volumes.
+status front_sections(const file_contents& contents, const stored_order& order, const rows_encoder& rows,
+                      std::vector<section_bytes>& sections) {
   std::vector<std::byte> cells;
   std::vector<std::byte> orders;
-  if (!encode_cells(contents, cells)) return false;
+  std::vector<std::byte> volumes;
+  if (!encode_cells(contents, cells)) return status::argument;
+  if (!contents.volumes.places.empty()) {
+    if (const status s = put_volumes(contents.volumes, volumes); s != status::ok) return s;
+  }
   put_orders(order.orders, orders);
   sections.push_back({layout::section_draws, true, encode_draws(contents.draws, order.order_of_draw)});
   sections.push_back({layout::section_orders, true, std::move(orders)});
   sections.push_back({layout::section_cells, true, std::move(cells)});
+  if (!volumes.empty()) sections.push_back({layout::section_volumes, true, std::move(volumes)});
   sections.push_back({layout::section_codes, true, rows.codes()});
   sections.push_back({layout::section_row_directory, true, std::vector<std::byte>(rows.directory_size())});
   if (!contents.certificate.empty()) {
@@ -152,7 +165,7 @@ bool front_sections(const file_contents& contents, const stored_order& order, co
     const auto text = std::as_bytes(std::span(contents.settings));
     sections.push_back({layout::section_settings, false, {text.begin(), text.end()}});
   }
-  return true;
+  return status::ok;
 }
 
 std::vector<std::byte> encode_table(std::span<const section_bytes> front, std::span<const std::byte> rows) {
@@ -211,13 +224,14 @@ status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   if (const status s = check_contents(contents); s != status::ok) return s;
   const complete_order order(contents);
   if (const status s = check_draws(contents, order.get()); s != status::ok) return s;
-  stored_sets stored(contents.draws, order.get().order_of_draw, order.get().orders, contents.facts.layout);
+  stored_sets stored(contents.draws, order.get().order_of_draw, order.get().orders, contents.facts.layout,
+                     static_cast<std::uint32_t>(contents.volumes.places.size()));
   rows_encoder rows(contents, stored);
   if (const status s = rows.plan(); s != status::ok) return s;
   const float slack = slack_of(contents, rows.sums());
   if (slack > 1.0f) return status::limit;
   std::vector<section_bytes> sections;
-  if (!front_sections(contents, order.get(), rows, sections)) return status::argument;
+  if (const status s = front_sections(contents, order.get(), rows, sections); s != status::ok) return s;
   // Readers want a bit for each draw, which only draws that are alike in everything may not take.
   if (contents.draws.size() > 8 * sections.front().bytes.size()) return status::limit;
   std::size_t rows_begin = layout::header_size + (sections.size() + 1) * layout::section_record_size;

@@ -26,6 +26,7 @@ damaged_list damaged_lattices();
 damaged_list damaged_code_tables();
 damaged_list damaged_rows();
 damaged_list damaged_importance();
+damaged_list damaged_volumes();
 // All of them.
 damaged_list damaged_files();
 

@@ -37,6 +37,7 @@ class Header:
          self.run_bound, self.range_bound, self.list_bound, self.slack,
          self.table_checksum) = struct.unpack_from("<IIfffIIIIIIfI", data, 40)
         self.merged = layout == 1
+        self.volumes = 0
         need(layout < 2 and self.flags < 2, "host layout or flags")
         need(0 <= self.margin < math.inf, "margin")
         need(0 <= self.error <= 1 and 0 <= self.confidence <= 1 and 0 <= self.slack <= 1, "share")
@@ -46,11 +47,17 @@ class Header:
              self.draws <= 67108864 and self.margin <= 1000000, "header", "limit")
 
     def check_bounds(self, most_runs):
-        need(self.run_bound <= min(self.polygons, most_runs) and self.list_bound <= most_runs, "run or list bound")
-        need(self.run_bound <= self.range_bound <= (self.run_bound + self.draws if self.run_bound else 0), "range bound")
+        need(self.run_bound <= min(self.items(), most_runs) and self.list_bound <= most_runs, "run or list bound")
+        draws = self.draws + (self.volumes > 0)
+        need(self.run_bound <= self.range_bound <= (self.run_bound + draws if self.run_bound else 0), "range bound")
+
+    def items(self):
+        """Polygons, and volumes behind them: what sets are of."""
+        return self.polygons + self.volumes
 
 
-def sections_of(data, header, required, optional):
+def sections_of(data, header, version):
+    required = version.REQUIRED
     table = data[96:96 + 32 * header.sections]
     need(len(table) == 32 * header.sections, "section table is cut")
     need(crc32c(table) == header.table_checksum, "section table", "checksum")
@@ -61,9 +68,9 @@ def sections_of(data, header, required, optional):
         place += size
         need(place <= len(data), "section leaves the file")
         need(number != IMPORTANCE or flags == 0, "an importance that is required", "version")
-        if number in required or number in optional:
+        if number in required or number in version.OPTIONAL:
             need(number not in found, "section is there twice")
-            need(flags == (number in required), "section flags")
+            need(flags == (number in version.FLAGGED), "section flags")
         else:
             need(flags == 0, f"required section {number}", "version")
         need(crc32c(data[offset:place]) == checksum, f"section {number}", "checksum")
@@ -80,16 +87,16 @@ class Contents:
     def __init__(self, data):
         self.header = header = Header(data)
         version = VERSIONS[header.version]
-        parts = sections_of(data, header, version.REQUIRED, version.OPTIONAL)
-        header.check_bounds(version.most_runs(len(parts[ROWS])))
-        self.orders, self.lattice, self.certificate = [], None, []
+        parts = sections_of(data, header, version)
+        self.orders, self.lattice, self.certificate, self.volume_shape, self.volumes = [], None, [], None, []
         self.settings = parts.get(SETTINGS, b"").decode("utf-8", "backslashreplace")
         version.decode_tables(header, parts, self)
+        header.check_bounds(version.most_runs(len(parts[ROWS])))
         self.check_records()
         self.sets = list(self.decode_sets(parts, version))
         self.importance = []
         if IMPORTANCE in version.OPTIONAL and IMPORTANCE in parts:
-            sizes = [sum(end - first for first, end in runs) for runs in self.sets]
+            sizes = [len(self.polygons_in(cell)) for cell in range(header.cells)]
             self.importance = version.decode_importance(parts[IMPORTANCE], sizes)
 
     def check_records(self):
@@ -104,7 +111,7 @@ class Contents:
         chunks = (cells + 63) // 64
         decode_chunk = version.row_decoder(self.header, parts, chunks)
         place, most_runs, most_ranges = 0, 0, 0
-        borders = sorted(set(self.borders))
+        borders = sorted(set(self.borders + [self.header.polygons] * (self.header.volumes > 0)))
         for number in range(chunks):
             offset, size, checksum = struct.unpack_from("<QII", directory, 16 * number)
             need(offset == place and offset + size <= len(rows), "chunk of rows")
@@ -119,13 +126,22 @@ class Contents:
         need(most_runs == self.header.run_bound, "run bound")
         need(most_ranges == self.header.range_bound, "range bound")
 
+    def polygons_in(self, cell):
+        """Stored numbers."""
+        polygons = self.header.polygons
+        return [number for first, end in self.sets[cell] for number in range(first, min(end, polygons))]
+
+    def volumes_in(self, cell):
+        polygons = self.header.polygons
+        return [number - polygons for first, end in self.sets[cell] for number in range(max(first, polygons), end)]
+
     def seen(self, cell):
         """Ascending source ids."""
-        return sorted(self.source_of_stored[number] for first, end in self.sets[cell] for number in range(first, end))
+        return sorted(self.source_of_stored[number] for number in self.polygons_in(cell))
 
     def classes(self, cell):
         """By ascending source ids."""
-        stored = [number for first, end in self.sets[cell] for number in range(first, end)]
+        stored = self.polygons_in(cell)
         pairs = sorted(zip((self.source_of_stored[number] for number in stored), self.importance[cell]))
         return [one for _, one in pairs]
 
@@ -153,6 +169,12 @@ class Contents:
             box = ["%.9g" % value for value in box]
             seen = "".join(f" {polygon}" for polygon in self.seen(i))
             yield f"cell {i}: {' '.join(box[:3])}  {' '.join(box[3:])}  sees{seen}"
+        if self.volumes:
+            yield "volumes %.17g %.17g" % self.volume_shape
+            for i, place in enumerate(self.volumes):
+                yield f"volume {i}: %d %d %d" % place
+            for i in range(header.cells):
+                yield f"volumes of {i}:" + "".join(f" {volume}" for volume in self.volumes_in(i))
         for i, (rays, misses, bound, sure, seed) in enumerate(self.certificate):
             yield f"certificate {i}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}"
         for i in range(len(self.importance)):

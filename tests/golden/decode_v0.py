@@ -5,6 +5,7 @@ from pvs_parts import crc32c, need, unpack
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE = 1, 2, 3, 4, 5
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY)
+FLAGGED = REQUIRED
 OPTIONAL = (CERTIFICATE, 6)  # 6: settings
 
 

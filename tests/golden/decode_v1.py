@@ -4,12 +4,16 @@ import struct
 
 from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
-DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
+DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE, VOLUMES = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
-OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES)
+FLAGGED = REQUIRED + (VOLUMES,)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
 FURTHEST_LAYER = 1 << 30
+FURTHEST_VOLUME = 1 << 30
+MOST_VOLUMES = 16777216
+MOST_ITEMS = 4294967294  # polygons and volumes
 
 
 def most_runs(rows_size):
@@ -144,12 +148,33 @@ def decode_certificate(header, section):
             in zip(*whole_columns(section, 8, header.cells, "the certificate"))]
 
 
+def decode_volumes(header, section):
+    """The lattice, and the place of every volume."""
+    width, height, count = unpack("<ddI", section, 0, "volumes")
+    need(count <= MOST_VOLUMES and header.polygons + count <= MOST_ITEMS, "volumes", "limit")
+    need(0 < width < math.inf and 0 < height < math.inf, "shape of the volumes")
+    need(0 < count <= 8 * len(section), "number of volumes")
+    places = []
+    for place in zip(*whole_columns(section, 3, count, "the volumes", 20)):
+        place = tuple(value - (1 << 31) for value in place)
+        need(all(-FURTHEST_VOLUME <= value < FURTHEST_VOLUME for value in place), "volume is too far away")
+        low, high = ([to_float((value + more) * size) for value, size in zip(place, (width, height, width))]
+                     for more in (0, 1))
+        need(all(math.isfinite(a) and math.isfinite(b) and a < b for a, b in zip(low, high)), "box of a volume")
+        places.append(place)
+    need(len(set(places)) == len(places), "two volumes at one place")
+    return (width, height), places
+
+
 def decode_tables(header, parts, contents):
     contents.orders = decode_orders(parts[ORDERS])
     contents.draws, contents.source_of_stored, contents.borders = decode_draws(header, parts[DRAWS], contents.orders)
     contents.lattice, contents.boxes = decode_cells(header, parts[CELLS])
     if CERTIFICATE in parts:
         contents.certificate = decode_certificate(header, parts[CERTIFICATE])
+    if VOLUMES in parts:
+        contents.volume_shape, contents.volumes = decode_volumes(header, parts[VOLUMES])
+        header.volumes = len(contents.volumes)
 
 
 class RunCode:
@@ -246,7 +271,7 @@ class RowDecoder:
             if bits.take(1) == 0:
                 count = count_of(bits)
                 need(count <= self.header.run_bound, "more runs than the run bound")
-                made[begin] = self.own.runs(bits, count, self.header.polygons), 0
+                made[begin] = self.own.runs(bits, count, self.header.items()), 0
             else:
                 made[begin] = self.decode_difference(bits, rows, begins, made, ends, followed)
             ends[begin] = (bits.at + 7) // 8
@@ -254,12 +279,12 @@ class RowDecoder:
         return made[begin]
 
     def decode_difference(self, bits, rows, begins, made, ends, followed):
-        polygons = self.header.polygons
+        items = self.header.items()
         reference, removed, added = bits.take(6), count_of(bits), count_of(bits)
         need(max(removed, added) <= self.header.list_bound, "a list above the list bound")
         base, depth = self.decode_row(rows, begins, reference, made, ends, followed + 1)
-        gone = numbers_at(self.removed.runs(bits, removed, polygons), base)
-        come = numbers_at(self.added.runs(bits, added, polygons), between(base, polygons))
+        gone = numbers_at(self.removed.runs(bits, removed, items), base)
+        come = numbers_at(self.added.runs(bits, added, items), between(base, items))
         runs = in_odd_number(base, gone, come)
         need(len(runs) <= self.header.run_bound, "more runs than the run bound")
         return runs, depth + 1

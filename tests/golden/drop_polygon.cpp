@@ -35,7 +35,7 @@ status read_sets(const reader& file, std::vector<std::vector<std::uint32_t>>& se
   if (const status s = stored.check(); s != status::ok) return s;
   sets.resize(file.cell_count());
   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
-    if (const status s = stored.source_ids(cell, sets[cell]); s != status::ok) return s;
+    if (const status s = stored.item_ids(cell, sets[cell]); s != status::ok) return s;
   }
   return status::ok;
 }

@@ -118,11 +118,31 @@ sample_contents merged_contents() {
   return contents;
 }
 
+// Row by row, forwards and backwards in turn. One cell sees no polygon, and one sees all, as they do volumes.
+sample_contents volume_contents() {
+  sample_contents contents = ordered_contents();
+  contents.facts.slack = 0.03125f;
+  contents.volume_shape = {1.25, 2.5};
+  for (std::int32_t row = 0; row < 10; ++row) {
+    for (std::int32_t i = 0; i < 6; ++i) {
+      contents.volumes.push_back({(row % 2 == 0 ? i : 5 - i) - 3, row / 5 - 1, row % 5 - 2, 0});
+    }
+  }
+  for (std::uint32_t cell = 0; cell < contents.sets.size(); ++cell) {
+    for (std::uint32_t volume = 0; volume < contents.volumes.size(); ++volume) {
+      const bool seen = volume / 7 % 9 == cell % 9 || (volume + cell / 8) % 20 < 9;
+      if (cell == 12 || (cell != 11 && seen)) contents.sets[cell].push_back(300 + volume);
+    }
+  }
+  return contents;
+}
+
 std::vector<golden_file_contents> golden_files() {
   return {{"v1_tiny", tiny_contents()},
           {"v1_small", ordered_contents()},
           {"v1_lattice", lattice_contents()},
-          {"v1_merged", merged_contents()}};
+          {"v1_merged", merged_contents()},
+          {"v1_volumes", volume_contents()}};
 }
 
 }  // namespace sightcell::test

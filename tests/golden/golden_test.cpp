@@ -24,7 +24,7 @@ void expect_sets(const reader& file, const sample_contents& contents) {
   ASSERT_EQ(file.cell_count(), contents.sets.size());
   std::vector<std::uint32_t> ids;
   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
-    EXPECT_EQ(sets.source_ids(cell, ids), status::ok);
+    EXPECT_EQ(sets.item_ids(cell, ids), status::ok);
     EXPECT_EQ(ids, contents.sets[cell]) << cell;
   }
 }

@@ -53,6 +53,29 @@ void dump_draws(const sample_contents& contents, std::FILE* out) {
   }
 }
 
+// What a cell sees of polygons, or of volumes by their own numbers.
+std::vector<std::uint32_t> items_of(const sample_contents& contents, std::size_t cell, bool volumes) {
+  const std::uint32_t polygons = contents.facts.polygon_count;
+  std::vector<std::uint32_t> items;
+  for (const std::uint32_t item : contents.sets[cell]) {
+    if ((item >= polygons) == volumes) items.push_back(volumes ? item - polygons : item);
+  }
+  return items;
+}
+
+void dump_volumes(const sample_contents& contents, std::FILE* out) {
+  if (contents.volumes.empty()) return;
+  std::fprintf(out, "volumes %.17g %.17g\n", contents.volume_shape.width, contents.volume_shape.height);
+  for (std::size_t i = 0; i < contents.volumes.size(); ++i) {
+    const auto& place = contents.volumes[i];
+    std::fprintf(out, "volume %zu: %d %d %d\n", i, place.x, place.y, place.z);
+  }
+  for (std::size_t cell = 0; cell < contents.sets.size(); ++cell) {
+    std::fprintf(out, "volumes of %zu:", cell);
+    dump_numbers(items_of(contents, cell, true), out);
+  }
+}
+
 void dump_cells(const sample_contents& contents, std::FILE* out) {
   if (contents.lattice) std::fprintf(out, "lattice %.17g %.17g\n", contents.lattice->width, contents.lattice->height);
   for (std::size_t cell = 0; cell < contents.cells.size(); ++cell) {
@@ -62,8 +85,9 @@ void dump_cells(const sample_contents& contents, std::FILE* out) {
     std::fputc(' ', out);
     for (const float value : b.max) std::fprintf(out, " %.9g", static_cast<double>(value));
     std::fputs("  sees", out);
-    dump_numbers(contents.sets[cell], out);
+    dump_numbers(items_of(contents, cell, false), out);
   }
+  dump_volumes(contents, out);
   for (const auto& c : contents.certificate) {
     std::fprintf(out, "certificate %u: %llu %llu %.17g %.17g %llu\n", c.cell, static_cast<unsigned long long>(c.rays),
                  static_cast<unsigned long long>(c.misses), c.upper_bound, c.confidence,

@@ -81,6 +81,7 @@ TEST(same_everywhere, golden_files) {
   expect_golden_text("v1_small", 77);
   expect_golden_text("v1_lattice", 96);
   expect_golden_text("v1_merged", 79);
+  expect_golden_text("v1_volumes", 77);
 }
 TEST(same_everywhere, golden_files_of_version_0) {
   expect_golden_text("v0_tiny", 9, true);

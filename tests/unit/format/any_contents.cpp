@@ -304,6 +304,26 @@ void choose_sets(choices& choose, any_contents& out) {
   }
 }
 
+// Around the origin or far away; seen as polygons are.
+void choose_volumes(choices& choose, any_contents& out) {
+  out.volume_shape = {choose.one_of({4.0, 0.75, 1.0 / 3.0}), choose.one_of({2.0, 1.5, 0.7})};
+  const std::int32_t middle = choose.one_of({0, 0, 5, -100000, 1 << 20});
+  const std::uint32_t count = choose.one_of({1u, 2u, 30u, 64u, 200u});
+  std::set<std::tuple<std::int32_t, std::int32_t, std::int32_t>> taken;
+  while (out.volumes.size() < count) {
+    const format::lattice_place place{middle + choose.between(-9, 9), choose.between(-2, 2), choose.between(-9, 9), 0};
+    if (taken.emplace(place.x, place.y, place.z).second) out.volumes.push_back(place);
+  }
+  const std::uint32_t strange_in = choose.one_of({2u, 8u, 30u, 1000u});
+  std::vector<members> sets;
+  for (std::vector<std::uint32_t>& ids : out.sets) {
+    sets.push_back(choose_set(choose, count, strange_in, sets));
+    for (std::uint32_t volume = 0; volume < count; ++volume) {
+      if (sets.back()[volume]) ids.push_back(out.facts.polygon_count + volume);
+    }
+  }
+}
+
 }  // namespace
 
 any_contents make_any_contents(std::uint32_t seed) {
@@ -328,6 +348,7 @@ any_contents make_any_contents(std::uint32_t seed) {
   }
   if (!choose.one_in(3)) choose_certificate(choose, out);
   choose_sets(choose, out);
+  if (choose.one_in(3)) choose_volumes(choose, out);
   return out;
 }
 

@@ -33,6 +33,8 @@ TEST(file_parts, make_the_same_file_again) {
   expect_same_file(contents);
   put_in_groups(contents, 7);
   expect_same_file(contents);
+  add_volumes(contents, 100, 8);
+  expect_same_file(contents);
 }
 
 TEST(file_parts, of_version_0_are_those_it_was_written_from) {

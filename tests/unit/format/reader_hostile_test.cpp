@@ -39,6 +39,20 @@ class exact_block {
   std::size_t size_;
 };
 
+// An accepted row has volumes that there are.
+void expect_volumes(const reader& file, std::uint32_t cell, const row_codes* codes, std::span<run> out,
+                    std::span<std::byte> scratch) {
+  row_parts parts;
+  std::uint64_t next = 0;
+  if (file.decode_row(cell, codes, out, scratch, parts) != status::ok) return;
+  for (const run& one : parts.volumes) {
+    EXPECT_GE(one.first, next);
+    EXPECT_GE(one.count, 1u);
+    next = std::uint64_t{one.first} + one.count + 1;
+  }
+  EXPECT_LE(next, std::uint64_t{file.volumes().count()} + 1);
+}
+
 // Calls everything there is. An accepted row must be a set inside the scene. Returns what check says.
 status use_everything(const reader& file) {
   box b;
@@ -49,9 +63,9 @@ status use_everything(const reader& file) {
   row_statistics sums;
   const std::unique_ptr<std::byte[]> memory = std::make_unique<std::byte[]>(file.codes_size());
   const row_codes* codes = nullptr;
-  std::vector<run> out(file.run_bound());
+  std::vector<run> out(file.row_room());
   std::vector<std::byte> scratch(file.scratch_size());
-  std::vector<std::uint32_t> stored(file.polygon_count());
+  std::vector<std::uint32_t> stored(file.polygon_count()), room(file.check_room());
   std::vector<std::uint32_t> orders(file.order_begin(file.order_count()));
   static_cast<void>(file.make_codes({memory.get(), file.codes_size()}, codes));
   for (std::uint32_t i = 0; i < file.section_count(); ++i) static_cast<void>(file.section(i, s));
@@ -89,10 +103,18 @@ status use_everything(const reader& file) {
     }
     EXPECT_LE(next, std::uint64_t{file.polygon_count()} + 1);
     static_cast<void>(file.count_ranges(std::span(out).first(count)));
+    expect_volumes(file, cell, codes, out, scratch);
+  }
+  lattice_place p;
+  for (std::uint32_t i = 0; i < file.volumes().count(); ++i) {
+    static_cast<void>(file.volumes().place(i, p));
+    if (file.volumes().volume_box(i, b)) {
+      EXPECT_LT(b.min[0], b.max[0]);
+    }
   }
   static_cast<void>(file.statistics(codes, out, scratch, sums));
   EXPECT_LE(text, file.settings().size());
-  return file.check(codes, out, scratch, stored);
+  return file.check(codes, out, scratch, room);
 }
 
 status open_and_use(std::span<const std::byte> bytes) {
@@ -115,7 +137,10 @@ std::vector<std::vector<std::byte>> all_kinds() {
   sample_contents merged = small_contents();
   add_draws(merged, 300, 9);
   put_in_groups(merged, 3);
-  return {small_contents().encode(), on_lattice.encode(), merged.encode(), golden_file("v0_small")};
+  sample_contents with_volumes = tiny_contents();
+  add_volumes(with_volumes, 40, 5);
+  return {small_contents().encode(), on_lattice.encode(), merged.encode(), with_volumes.encode(),
+          golden_file("v0_small")};
 }
 
 TEST(reader_hostile, cut_at_every_length) {

@@ -195,6 +195,27 @@ void put_on_lattice(sample_contents& contents) {
     contents.cells[i] = format::box_of(*contents.lattice, contents.places[i]);
 }
 
+void add_volumes(sample_contents& contents, std::uint32_t count, std::uint32_t seed) {
+  random_source random(seed);
+  const std::uint32_t polygons = contents.facts.polygon_count;
+  contents.volume_shape = {1.5, 2.0};
+  contents.volumes.clear();
+  // Every second place of a block, row by row.
+  for (std::int32_t i = 0; contents.volumes.size() < count; ++i) {
+    if (random() % 2 == 0) contents.volumes.push_back({i % 9 - 4, i / 9 % 3 - 1, i / 27 - 3, 0});
+  }
+  std::vector<bool> seen(count, false);
+  for (std::size_t cell = 0; cell < contents.sets.size(); ++cell) {
+    for (unsigned changes = random() % 4; changes > 0 && count > 0; --changes) {
+      const std::uint32_t first = random() % count;
+      std::fill_n(seen.begin() + first, std::min(count - first, 1 + random() % 9), random() % 3 != 0);
+    }
+    for (std::uint32_t volume = 0; volume < count; ++volume) {
+      if (cell % 23 != 4 && (cell % 41 == 6 || seen[volume])) contents.sets[cell].push_back(polygons + volume);
+    }
+  }
+}
+
 sample_contents tiny_contents() {
   sample_contents contents;
   contents.facts.polygon_count = 6;
@@ -329,7 +350,7 @@ std::vector<std::uint32_t> decode_set(const format::reader& file, std::uint32_t 
   format::set_reader sets;
   std::vector<std::uint32_t> ids;
   s = sets.open(file);
-  if (s == format::status::ok) s = sets.source_ids(cell, ids);
+  if (s == format::status::ok) s = sets.item_ids(cell, ids);
   return ids;
 }
 

@@ -42,6 +42,8 @@ void put_in_order(sample_contents& contents, std::uint32_t seed);
 void put_in_groups(sample_contents& contents, std::uint32_t seed);
 // The cells of some contents, as many as they are, on a lattice: cells of 4 m around the origin, then of half the size.
 void put_on_lattice(sample_contents& contents);
+// So many volumes around the origin, some of which each cell sees: none, all, or such as the cell before.
+void add_volumes(sample_contents& contents, std::uint32_t count, std::uint32_t seed);
 // Everything the format has in one small file: three draws (one empty), 67 cells in two chunks, own, delta and shared
 // rows, an empty set and a full one, certificate and settings.
 sample_contents small_contents();
@@ -64,7 +66,7 @@ std::size_t section_place(const std::vector<std::byte>& file, std::uint32_t id);
 // Where the section's bytes begin.
 std::size_t section_offset(const std::vector<std::byte>& file, std::uint32_t id);
 
-// Source ids of a cell, ascending. s: status of decoding.
+// Source ids of a cell, and volumes behind them, ascending. s: status of decoding.
 std::vector<std::uint32_t> decode_set(const format::reader& file, std::uint32_t cell, format::status& s);
 // What reader::check says.
 format::status check_all(const format::reader& file);

@@ -118,6 +118,19 @@ TEST(stored_sets, draws_of_a_group_are_permuted_together) {
   EXPECT_EQ(runs_of({4, 5, 8}), (std::vector<std::uint32_t>{3, 3}));
 }
 
+// Whose numbers stay, behind those of polygons in any order.
+TEST(stored_sets, volumes_lie_behind_the_polygons) {
+  const std::vector<draw_record> draws{{.polygon_count = 4}};
+  const std::vector<std::uint32_t> order_of_draw{0};
+  const std::vector<std::vector<std::uint32_t>> orders{{3, 2, 1, 0}};
+  stored_sets stored(draws, order_of_draw, orders, host_layout::instanced, 125);
+  std::vector<run> runs;
+  stored.runs_of(std::vector<std::uint32_t>{0, 3, 4, 5, 63, 64, 128}, runs);
+  std::vector<std::uint32_t> numbers;
+  for (const run& r : runs) numbers.insert(numbers.end(), {r.first, r.count});
+  EXPECT_EQ(numbers, (std::vector<std::uint32_t>{0, 1, 3, 3, 63, 2, 128, 1}));
+}
+
 TEST(stored_sets, no_polygons_at_all) {
   stored_sets stored({}, {}, {});
   std::vector<run> runs{{1, 1}};

@@ -21,10 +21,13 @@ struct file_parts {
   std::vector<box> cells;                // also those on a lattice
   std::optional<lattice_shape> lattice;  // where cells lie on one
   std::vector<lattice_place> places;     // one per cell then, else none
+  lattice_shape volume_shape;            // of each volume; only where there are some
+  std::vector<lattice_place> volumes;
   std::vector<certificate_record> certificate;
   std::string settings;
 
-  // For encode(), with sets that are asked for by the numbers of these cells. Views the parts.
+  // For encode(), with sets that are asked for by the numbers of these cells: where there are volumes, as
+  // set_reader::item_ids gives them. Views the parts.
   [[nodiscard]] file_contents contents(cell_set_source sets) const;
 };
 

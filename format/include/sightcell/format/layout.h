@@ -19,6 +19,7 @@ inline constexpr std::uint64_t chunk_record_size = 16;
 // Columns of the packed tables.
 inline constexpr std::uint32_t draw_columns = 13;
 inline constexpr std::uint32_t certificate_columns = 8;
+inline constexpr std::uint32_t volume_columns = 3;
 // The fixed records that version 0 has besides.
 inline constexpr std::uint64_t v0_draw_record_size = 48;
 inline constexpr std::uint64_t v0_row_record_size = 8;
@@ -57,15 +58,20 @@ inline constexpr std::uint32_t section_settings = 6;
 inline constexpr std::uint32_t section_orders = 7;      // since version 1
 inline constexpr std::uint32_t section_codes = 8;       // since version 1
 inline constexpr std::uint32_t section_importance = 9;  // since version 1; optional
+inline constexpr std::uint32_t section_volumes = 10;    // since version 1; required where it is there
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
+
+// The volumes section begins with two f64 and a u32.
+inline constexpr std::uint64_t volumes_head_size = 20;
 
 // The cells section of version 1 begins with one of these.
 inline constexpr std::uint32_t cells_are_boxes = 0;
 inline constexpr std::uint32_t cells_are_on_lattice = 1;
 
 // Limits. A file beyond one of them is refused with status::limit, by the reader and by the writer.
-inline constexpr std::uint32_t max_polygons = 0xFFFFFFFEu;
+inline constexpr std::uint32_t max_polygons = 0xFFFFFFFEu;  // with the volumes
+inline constexpr std::uint32_t max_volumes = 1u << 24;
 inline constexpr std::uint32_t max_cells = 1u << 24;
 inline constexpr std::uint32_t max_draws = 1u << 26;
 inline constexpr std::uint32_t max_sections = 64;

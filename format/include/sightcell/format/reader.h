@@ -27,6 +27,7 @@
 #include "sightcell/format/packed_columns.h"
 #include "sightcell/format/records.h"
 #include "sightcell/format/status.h"
+#include "sightcell/format/volume_table.h"
 
 namespace sightcell::format {
 
@@ -51,12 +52,20 @@ struct row_record {
   std::uint32_t reference = 0;  // the reference cell; only where delta
 };
 
+// A cell set as its polygons and its volumes.
+struct row_parts {
+  std::span<const run> polygons;  // in stored order: ascending, disjoint, not touching, inside polygon_count
+  std::span<const run> volumes;   // the same of volumes, by their own numbers: inside volumes().count()
+};
+
 // Sums over all cells. A row shared by several cells counts for each of them, except in row_bytes.
 struct row_statistics {
   std::uint64_t cells = 0;
-  std::uint64_t polygons = 0;         // sum of the sizes of all cell sets
-  std::uint64_t runs = 0;             // sum of runs in stored order
+  std::uint64_t polygons = 0;         // sum of the polygons of all cell sets
+  std::uint64_t runs = 0;             // sum of runs of polygons in stored order
   std::uint64_t ranges = 0;           // sum of (draw, first, count) ranges
+  std::uint64_t volumes = 0;          // sum of the volumes of all cell sets
+  std::uint64_t volume_runs = 0;      // sum of runs of these
   std::uint64_t delta_rows = 0;       // cells whose row is a difference
   std::uint64_t shared_rows = 0;      // cells that use an earlier cell's row
   std::uint64_t row_bytes = 0;        // size of the rows section
@@ -66,7 +75,10 @@ struct row_statistics {
   [[nodiscard]] double ranges_per_cell() const { return per_cell(static_cast<double>(ranges)); }
   [[nodiscard]] double delta_row_percent() const { return per_cell(100.0 * static_cast<double>(delta_rows)); }
   [[nodiscard]] double shared_row_percent() const { return per_cell(100.0 * static_cast<double>(shared_rows)); }
-  // Bits per (cell, visible polygon): rows, directory and code tables. 0 when no cell sees anything.
+  [[nodiscard]] double volumes_per_cell() const { return per_cell(static_cast<double>(volumes)); }
+  [[nodiscard]] double volume_runs_per_cell() const { return per_cell(static_cast<double>(volume_runs)); }
+  // Bits per (cell, visible polygon): rows, with what volumes take of them, directory and code tables. 0 when no cell
+  // sees anything.
   [[nodiscard]] double bits_per_visible_polygon() const {
     return polygons == 0 ? 0.0 : 8.0 * static_cast<double>(row_bytes + directory_bytes) / static_cast<double>(polygons);
   }
@@ -101,9 +113,11 @@ class reader {
   [[nodiscard]] std::uint32_t cell_count() const noexcept { return cell_count_; }
   [[nodiscard]] std::uint32_t draw_count() const noexcept { return draw_count_; }
   [[nodiscard]] std::uint64_t total_size() const noexcept { return total_size_; }
-  // The most runs of any row: the room that decode_row needs. At most four times the size of the rows section in bytes.
+  // The most runs of any row, volumes included: the room that decode_row needs for polygons. At most four times the
+  // size of the rows section in bytes.
   [[nodiscard]] std::uint32_t run_bound() const noexcept { return run_bound_; }
-  // The most (draw, first, count) ranges of any cell set.
+  // At least the most (draw, first, count) ranges of any cell set: the most there are where volumes count as the
+  // polygons of one more draw behind the last.
   [[nodiscard]] std::uint32_t range_bound() const noexcept { return range_bound_; }
 
   // One record, in stored order, read and checked anew. argument: number too high; corrupt: the bytes changed since
@@ -133,6 +147,9 @@ class reader {
 
   // The cells' lattice, where they lie on one: chunk by chunk for who looks cells up. Null where they do not.
   [[nodiscard]] const cell_lattice* lattice() const noexcept { return on_lattice_ ? &lattice_ : nullptr; }
+
+  // The volumes, which sets hold behind the polygons: volume v is number polygon_count() + v there. None in most files.
+  [[nodiscard]] const volume_table& volumes() const noexcept { return volumes_; }
 
   // The section table in file order, for tools. argument: number too high; corrupt: the bytes changed since open.
   [[nodiscard]] std::uint32_t section_count() const noexcept { return section_count_; }
@@ -164,17 +181,24 @@ class reader {
   // Bytes of scratch that decode_row needs, at a multiple of 4.
   [[nodiscard]] std::size_t scratch_size() const noexcept;
 
-  // The cell set as runs in stored order: ascending, disjoint, not touching, inside polygon_count. out must hold
-  // run_bound() runs, scratch scratch_size() bytes; both are overwritten, out[0 .. count) is the answer. codes: of
-  // this file. Looks at no checksum: call check_chunk once before. O(runs of the row and its references).
+  // The polygons of the cell set as runs in stored order: ascending, disjoint, not touching, inside polygon_count. out
+  // must hold run_bound() runs, scratch scratch_size() bytes; both are overwritten, out[0 .. count) is the answer.
+  // codes: of this file. Looks at no checksum: call check_chunk once before. O(runs of the row and its references).
   // argument: no such cell, no codes; capacity: out or scratch too small; corrupt: the row is no row (count is 0 then).
   status decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                     std::size_t& count) const noexcept;
+  // The same with the volumes of the set, both in out, which must hold row_room() runs: a run may go from polygons on
+  // to volumes, and is two then. parts is empty when the answer is not ok.
+  [[nodiscard]] std::size_t row_room() const noexcept {
+    return std::size_t{run_bound_} + (volumes_.count() > 0 ? 1u : 0u);
+  }
+  status decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                    row_parts& parts) const noexcept;
   // The same with the cell's chunk from elsewhere; not for version 0 (version).
   status decode_row(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes, std::span<run> out,
-                    std::span<std::byte> scratch, std::size_t& count) const noexcept;
+                    std::span<std::byte> scratch, row_parts& parts) const noexcept;
 
-  // How many (draw, first, count) ranges runs make. runs: as decode_row gives them.
+  // How many (draw, first, count) ranges the polygons of runs make. runs: as decode_row gives them.
   [[nodiscard]] std::uint64_t count_ranges(std::span<const run> runs) const noexcept;
 
   // Is there an importance section, for the order of polygons inside a cell?
@@ -184,12 +208,13 @@ class reader {
   status importance(importance_classes& out) const noexcept;
 
   // Everything open leaves out: every section's checksum, every chunk and row, that rows fill their chunks without gaps
-  // and keep the bounds, importance, that every source id is stored once. out, scratch, codes: as for decode_row;
-  // stored: room for polygon_count() numbers. ok, or the first fault found.
+  // and keep the bounds, importance, that every source id is stored once, that no two volumes are the same. out,
+  // scratch, codes: as for decode_row; stored: room for check_room() numbers. ok, or the first fault found.
+  [[nodiscard]] std::size_t check_room() const noexcept;
   status check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                std::span<std::uint32_t> stored) const noexcept;
 
-  // Decodes every row and sums. Checks chunks first. out, scratch, codes: as for decode_row.
+  // Decodes every row and sums. Checks chunks first. out: row_room() runs; scratch, codes: as for decode_row.
   status statistics(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                     row_statistics& sums) const noexcept;
 
@@ -211,6 +236,7 @@ class reader {
   status check_section(std::uint32_t number) const noexcept;
   status check_sizes() noexcept;
   status open_tables() noexcept;
+  status check_bounds() const noexcept;
   status check_draws() noexcept;
   [[nodiscard]] std::uint32_t order_size(std::uint32_t number) const noexcept;
   [[nodiscard]] std::uint32_t first_draw_of(std::uint32_t range_unit) const noexcept;
@@ -219,6 +245,14 @@ class reader {
   status check_directory() const noexcept;
   status check_certificate() const noexcept;
   status check_stored(std::span<std::uint32_t> stored) const noexcept;
+  status check_rows(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept;
+  // What sets are of: polygons, and volumes behind them.
+  [[nodiscard]] std::uint32_t item_count() const noexcept { return facts_.polygon_count + volumes_.count(); }
+  status decode_items(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
+                      std::size_t& count) const noexcept;
+  status decode_items(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes, std::span<run> out,
+                      std::span<std::byte> scratch, std::size_t& count) const noexcept;
+  [[nodiscard]] row_parts split(std::span<run> out, std::size_t count) const noexcept;
   status check_importance(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                           std::span<std::uint8_t> classes) const noexcept;
   status chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept;
@@ -247,10 +281,12 @@ class reader {
   std::uint32_t run_bound_ = 0;
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
-  extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_, importance_;
+  extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_, importance_, volume_bytes_;
   bool has_importance_ = false;
+  bool has_volumes_ = false;
   bool on_lattice_ = false;
   cell_lattice lattice_;
+  volume_table volumes_;
   std::array<packed_column, layout::draw_columns> draw_columns_;
   std::array<packed_column, layout::certificate_columns> certificate_columns_;
   packed_column order_begin_;

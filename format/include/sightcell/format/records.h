@@ -62,7 +62,7 @@ struct lattice_place {
   std::uint32_t level = 0;
 };
 
-// Metres, of cells of level 0. Both finite and above 0.
+// Metres, of cells of level 0, or of volumes. Both finite and above 0.
 struct lattice_shape {
   double width = 0.0;
   double height = 0.0;

@@ -27,10 +27,14 @@ class set_reader {
 
   [[nodiscard]] const reader& file() const { return file_; }
 
-  // The set of a cell as runs in stored order, valid until the next call. As reader::decode_row.
+  // The polygons of a cell's set as runs in stored order, valid until the next call. As reader::decode_row.
   status runs(std::uint32_t cell, std::span<const run>& out);
-  // The same as ascending source ids. out is replaced.
+  // The same with its volumes.
+  status parts(std::uint32_t cell, row_parts& out);
+  // Its polygons as ascending source ids. out is replaced.
   status source_ids(std::uint32_t cell, std::vector<std::uint32_t>& out);
+  // All of the set as encode() takes it: source ids, then polygon_count + v for each volume v. out is replaced.
+  status item_ids(std::uint32_t cell, std::vector<std::uint32_t>& out);
   // The source id of every stored polygon.
   [[nodiscard]] std::span<const std::uint32_t> source_of_stored() const { return source_of_stored_; }
 
@@ -39,6 +43,8 @@ class set_reader {
   status statistics(row_statistics& sums);
 
  private:
+  void put_source_ids(std::span<const run> stored, std::vector<std::uint32_t>& out) const;
+
   reader file_;
   std::vector<std::byte> codes_memory_;
   const row_codes* codes_ = nullptr;

@@ -18,10 +18,10 @@ namespace sightcell::format {
 struct cell_set_source {
   // How many there are: one per cell.
   std::size_t count = 0;
-  // Puts the source ids of a cell, strictly ascending, into set, which comes empty and keeps its storage from cell to
-  // cell. encode asks several times for each cell, each time in ascending order, on the thread that called it, and must
-  // be told the same. Anything but ok ends encode, which answers the same; so does an exception, which passes through
-  // it where the writer is built with them.
+  // Puts the source ids of a cell, then polygon_count + v for each volume v, strictly ascending, into set, which comes
+  // empty and keeps its storage from cell to cell. encode asks several times for each cell, each time in ascending
+  // order, on the thread that called it, and must be told the same. Anything but ok ends encode, which answers the
+  // same; so does an exception, which passes through it where the writer is built with them.
   std::function<status(std::uint32_t cell, std::vector<std::uint32_t>& set)> get;
 };
 
@@ -44,6 +44,13 @@ struct lattice_cells {
   std::span<const lattice_place> places;  // one per cell
 };
 
+// Coarse boxes of space that cells see or not (SPEC.md, "Volumes"): shape is that of a place, all places are of level
+// 0, in the order that the file stores.
+struct lattice_volumes {
+  lattice_shape shape;
+  std::span<const lattice_place> places;  // none: a file without volumes
+};
+
 // The order in which a file has the cells of a lattice: by level, then by chunks of 8 x 8.
 [[nodiscard]] bool lattice_comes_before(const lattice_place& a, const lattice_place& b) noexcept;
 
@@ -56,20 +63,21 @@ struct file_contents {
   stored_order order;          // without orders: each draw, or draw group, in the order of the source
   std::span<const box> cells;  // number of a cell = its index here; none where there is a lattice
   std::optional<lattice_cells> lattice;
+  lattice_volumes volumes;
   cell_set_source cell_sets;
   std::span<const certificate_record> certificate;  // empty, or one per cell in cell order
   std::string_view settings;                        // JSON text of the settings that made the file; may be empty
   // Of each set, the share of polygons that encode may add to it, 0 .. 1, in millionths; 0: sets stay as they are. They
-  // are chosen to make the file smaller and (draw, first, count) ranges fewer, and no set loses one. facts.slack is
-  // what the sets hold too much already; the file says what they hold together.
+  // are chosen to make the file smaller and (draw, first, count) ranges fewer, and no set loses one. Volumes are never
+  // added and do not count. facts.slack is what the sets hold too much already; the file says what they hold together.
   double slack = 0.0;
 };
 
 // Encodes contents into out (replaced on ok, else left alone). Same contents, same bytes. Besides the file it takes
 // the sets of 64 cells at a time, 8 bytes per run of each, and 4 bytes per polygon; with slack about 60 bytes per
 // border of these 64 sets, those of several counted once. Allocates; no shared state, any thread. argument: contents
-// contradict themselves (unsorted ids, counts that differ, non-finite boxes); limit: a number is above what the format
-// can hold (layout.h); memory: out of memory.
+// contradict themselves (unsorted ids, counts that differ, non-finite boxes, two volumes at one place); limit: a number
+// is above what the format can hold (layout.h); memory: out of memory.
 status encode(const file_contents& contents, std::vector<std::byte>& out);
 
 // Writes bytes beside path under a temporary name, flushes them to the disk, renames over path and flushes the folder:
