@@ -1,4 +1,5 @@
 // The C functions: checks arguments, then hands over. Statuses of format have the numbers of the C API.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -26,6 +27,11 @@ static_assert(static_cast<int>(format::status::limit) == SIGHTCELL_ERR_LIMIT &&
               static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE);
 
 namespace {
+
+void write_box(const format::box& bounds, float min[3], float max[3]) noexcept {
+  std::copy_n(bounds.min.data(), 3, min);
+  std::copy_n(bounds.max.data(), 3, max);
+}
 
 bool take_allocator(const sightcell_allocator* given, sightcell_allocator& out) noexcept {
   out = given == nullptr ? runtime::default_allocator() : *given;
@@ -124,10 +130,21 @@ sightcell_status sightcell_db_cell_box(const sightcell_db* db, uint32_t cell, fl
   format::box bounds;
   const format::status s = db->file().cell_box(cell, bounds);
   if (s != format::status::ok) return static_cast<sightcell_status>(s);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    min[axis] = bounds.min[axis];
-    max[axis] = bounds.max[axis];
+  write_box(bounds, min, max);
+  return SIGHTCELL_OK;
+}
+
+uint32_t sightcell_db_volume_count(const sightcell_db* db) {
+  return db == nullptr ? 0 : db->file().volumes().count();
+}
+
+sightcell_status sightcell_db_volume_box(const sightcell_db* db, uint32_t volume, float min[3], float max[3]) {
+  if (db == nullptr || min == nullptr || max == nullptr || volume >= db->file().volumes().count()) {
+    return SIGHTCELL_ERR_ARGUMENT;
   }
+  format::box bounds;
+  if (!db->file().volumes().volume_box(volume, bounds)) return SIGHTCELL_ERR_CORRUPT;
+  write_box(bounds, min, max);
   return SIGHTCELL_OK;
 }
 
@@ -273,6 +290,17 @@ sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bi
   if (view == nullptr || (bits_by_draw == nullptr && words > 0)) return SIGHTCELL_ERR_ARGUMENT;
   if (words < (std::size_t{view->db().file().draw_count()} + 63) / 64) return SIGHTCELL_ERR_CAPACITY;
   runtime::write_object_bits(*view, {bits_by_draw, words});
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_box_visible(const sightcell_view* view, const float min[3], const float max[3],
+                                            uint32_t* visible) {
+  if (visible == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  *visible = 1;
+  if (view == nullptr || min == nullptr || max == nullptr || !runtime::volume_index::is_box(min, max)) {
+    return SIGHTCELL_ERR_ARGUMENT;
+  }
+  *visible = view->box_visible(min, max) ? 1 : 0;
   return SIGHTCELL_OK;
 }
 

@@ -45,6 +45,7 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   std::span<std::uint64_t> codes;  // so that they lie at a multiple of 8
   give(codes, (file_.codes_size() + 7) / 8);
   codes_memory_ = std::as_writable_bytes(codes);
+  volumes_.carve(space);
   give(room_, room_.size());
   return space.used();
 }
@@ -52,7 +53,7 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
 // Copies what every frame needs, checking each value again: the bytes may have changed since they were opened.
 sightcell_status sightcell_db::fill() noexcept {
   if (!locator_.build(file_, cells_)) return SIGHTCELL_ERR_CORRUPT;
-  if (!fill_ranges() || !fill_draws_of_groups()) return SIGHTCELL_ERR_CORRUPT;
+  if (!fill_ranges() || !fill_draws_of_groups() || !volumes_.build(file_.volumes())) return SIGHTCELL_ERR_CORRUPT;
   return static_cast<sightcell_status>(file_.make_codes(codes_memory_, codes_));
 }
 
@@ -110,11 +111,13 @@ sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sigh
   sightcell_db plan;
   const format::status opened = format::reader::open(bytes, plan.file_);
   if (opened != format::status::ok) return static_cast<sightcell_status>(opened);
+  plan.volumes_.measure(plan.file_.volumes());
   const std::uint64_t size = plan.carve(nullptr);
   void* block = sightcell::runtime::allocate(mem, size);
   if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
   auto* db = new (block) sightcell_db;
   db->file_ = plan.file_;
+  db->volumes_ = plan.volumes_;
   db->mem_ = mem;
   db->block_size_ = size;
   static_cast<void>(db->carve(block));
@@ -175,6 +178,7 @@ sightcell_status sightcell_db::open_pages(std::uint64_t resident_bytes) noexcept
   const std::uint64_t room = std::min(resident_bytes, all);
   if (room > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_MEMORY;
   room_ = {static_cast<std::byte*>(nullptr), static_cast<std::size_t>(room)};
+  volumes_.measure(file_.volumes());
   tables_size_ = carve(nullptr);
   tables_ = sightcell::runtime::allocate(mem_, tables_size_);
   if (tables_ == nullptr) return SIGHTCELL_ERR_MEMORY;
@@ -230,10 +234,10 @@ bool sightcell_db::cell_is_sound(std::uint32_t cell) const noexcept {
 }
 
 row_outcome sightcell_db::decode(std::uint32_t cell, std::span<format::run> out, std::span<std::byte> scratch,
-                                 std::size_t& count) const noexcept {
+                                 format::row_parts& parts) const noexcept {
   if (!is_paged()) {
     if (!cell_is_sound(cell)) return row_outcome::damaged;
-    const format::status s = file_.decode_row(cell, codes_, out, scratch, count);
+    const format::status s = file_.decode_row(cell, codes_, out, scratch, parts);
     return s == format::status::ok ? row_outcome::good : row_outcome::damaged;
   }
   const std::uint32_t chunk = format::reader::chunk_of(cell);
@@ -245,7 +249,7 @@ row_outcome sightcell_db::decode(std::uint32_t cell, std::span<format::run> out,
   }
   if (presence == chunk_presence::damaged) return row_outcome::damaged;
   if (presence != chunk_presence::resident) return row_outcome::pending;
-  const format::status s = file_.decode_row(cell, bytes, codes_, out, scratch, count);
+  const format::status s = file_.decode_row(cell, bytes, codes_, out, scratch, parts);
   cache_.release(chunk);
   return s == format::status::ok ? row_outcome::good : row_outcome::damaged;
 }

@@ -10,6 +10,7 @@
 #include "chunk_cache.h"
 #include "memory.h"
 #include "sightcell/format/reader.h"
+#include "volume_index.h"
 
 namespace sightcell::runtime {
 
@@ -72,9 +73,12 @@ struct sightcell_db {
   void find_draw(std::uint32_t group, std::uint32_t source, std::uint32_t& near) const noexcept;
 
   // The set of a cell. Checks its chunk at the first use and remembers the answer; asks for it where it is not in
-  // memory. out, scratch, count: as reader::decode_row has them. Damaged: or not what a row may be.
+  // memory. out, scratch, parts: as reader::decode_row has them. Damaged: or not what a row may be.
   [[nodiscard]] sightcell::runtime::row_outcome decode(std::uint32_t cell, std::span<sightcell::format::run> out,
-                                                       std::span<std::byte> scratch, std::size_t& count) const noexcept;
+                                                       std::span<std::byte> scratch,
+                                                       sightcell::format::row_parts& parts) const noexcept;
+  // Of the volumes of the file; without any where there are none.
+  [[nodiscard]] const sightcell::runtime::volume_index& volumes() const noexcept { return volumes_; }
 
   [[nodiscard]] bool is_paged() const noexcept { return source_.request != nullptr; }
   // Only where paged.
@@ -104,6 +108,7 @@ struct sightcell_db {
   sightcell_allocator mem_{};
   sightcell::runtime::cell_locator locator_;
   sightcell::runtime::locator_memory cells_;
+  sightcell::runtime::volume_index volumes_;
   std::span<std::uint32_t> range_borders_;
   std::span<sightcell::runtime::range_source> range_sources_;
   // All orders, one behind the other, which instances share; of a merged file, where nothing does, source ids.

@@ -22,14 +22,19 @@ std::uint64_t sightcell_view::carve(void* block) noexcept {
     if (first != nullptr) std::uninitialized_value_construct_n(first, static_cast<std::size_t>(count));
   };
   // A row has at most run_bound() runs, and several rows together no more than there are ranges.
-  const std::size_t room = db_->range_bound();
+  const std::size_t room = std::max<std::size_t>(db_->range_bound(), db_->file().row_room());
   for (polygon_set* set : {&current_, &previous_, &next_, &joined_, &other_}) {
     format::run* runs = nullptr;
     take(room, runs);
     set->buffer = {runs, runs == nullptr ? 0 : room};
   }
-  take(room, ranges_);
-  take(room, next_ranges_);
+  take(db_->range_bound(), ranges_);
+  take(db_->range_bound(), next_ranges_);
+  for (std::span<std::uint64_t>* words : {&visible_, &more_visible_}) {
+    std::uint64_t* first = nullptr;
+    take(db_->volumes().chunk_count(), first);
+    *words = {first, first == nullptr ? 0 : db_->volumes().chunk_count()};
+  }
   static_cast<void>(space.take<std::uint32_t>(0));  // scratch lies at a multiple of 4
   auto* scratch = space.take<std::byte>(db_->file().scratch_size());
   if (scratch != nullptr) scratch_ = {scratch, db_->file().scratch_size()};
@@ -181,8 +186,10 @@ void sightcell_view::go_into(const wide_box& closed) noexcept {
 void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags) noexcept {
   place_flags_ = flags;
   if (moved_ && shown_.cell == what.cell && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0) return;
-  const std::uint32_t data_flags = decode(what.cell, next_);
+  std::span<const format::run> volumes;
+  const std::uint32_t data_flags = decode(what.cell, next_, volumes);
   next_.everything = data_flags != 0;
+  db_->volumes().show(volumes, visible_);
   shown_ = what;
   shown_cell_count_ = 0;
   show_next(data_flags, db_->file().range_bound());
@@ -198,8 +205,12 @@ void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t fla
   if (same && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0) return;
   std::uint32_t data_flags = 0;
   next_.count = 0;
+  std::fill(visible_.begin(), visible_.end(), 0);
   for (const located_cell& c : cells) {
-    data_flags |= decode(c.cell, other_);  // all of them, so that all are asked for
+    std::span<const format::run> volumes;
+    data_flags |= decode(c.cell, other_, volumes);  // all of them, so that all are asked for
+    db_->volumes().show(volumes, more_visible_);
+    for (std::size_t i = 0; i < visible_.size(); ++i) visible_[i] |= more_visible_[i];
     if (data_flags != 0) continue;
     if (!write_union(next_.runs(), other_.runs(), db_->range_borders(), db_->range_bound(), joined_.buffer,
                      joined_.count)) {
@@ -223,16 +234,27 @@ void sightcell_view::show_all(std::uint32_t flags) noexcept {
 }
 
 // 0, or the flags that say why there is no set.
-std::uint32_t sightcell_view::decode(std::uint32_t cell, polygon_set& out) noexcept {
-  switch (db_->decode(cell, out.buffer, scratch_, out.count)) {
-    case row_outcome::good:
-      return 0;
-    case row_outcome::pending:
-      return SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_PENDING;
-    case row_outcome::damaged:
-      break;
-  }
+std::uint32_t sightcell_view::decode(std::uint32_t cell, polygon_set& out,
+                                     std::span<const format::run>& volumes) noexcept {
+  format::row_parts parts;
+  const row_outcome outcome = db_->decode(cell, out.buffer, scratch_, parts);
+  out.count = parts.polygons.size();  // they are the first in the buffer
+  volumes = parts.volumes;
+  if (outcome == row_outcome::good) return 0;
+  if (outcome == row_outcome::pending) return SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_PENDING;
   return SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
+}
+
+bool sightcell_view::box_visible(const float min[3], const float max[3]) const noexcept {
+  if (draws_all()) return true;
+  // Rounded outwards: of what lies beyond by less than a float, more is seen, not less.
+  point low;
+  point high;
+  if (!world_place(min, low) || !world_place(max, high)) return true;
+  const rounded_point from = rounded_down(low);
+  rounded_point to = rounded_down({-high[0], -high[1], -high[2]});
+  for (float& end : to) end = -end;
+  return db_->volumes().box_visible(from.data(), to.data(), visible_);
 }
 
 // Makes next_ the current set, unless it is the same.

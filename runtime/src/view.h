@@ -16,6 +16,8 @@ struct sightcell_view {
   // eye, min and max may be null: that is a wrong argument like a NaN.
   sightcell_status move(const float* eye, sightcell_frame& frame) noexcept;
   sightcell_status move_box(const float* min, const float* max, sightcell_frame& frame) noexcept;
+  // False when nothing in a box can be seen. True for what is no box.
+  [[nodiscard]] bool box_visible(const float min[3], const float max[3]) const noexcept;
   sightcell_status set_policy(std::uint32_t outside, float max_distance) noexcept;
   sightcell_status set_origin(const double origin[3]) noexcept;
 
@@ -69,7 +71,8 @@ struct sightcell_view {
   void show_cell(const placed_cell& what, std::uint32_t flags) noexcept;
   void show_cells(std::span<sightcell::runtime::located_cell> cells, std::uint32_t flags) noexcept;
   void show_all(std::uint32_t flags) noexcept;
-  [[nodiscard]] std::uint32_t decode(std::uint32_t cell, polygon_set& out) noexcept;
+  [[nodiscard]] std::uint32_t decode(std::uint32_t cell, polygon_set& out,
+                                     std::span<const sightcell::format::run>& volumes) noexcept;
   void show_next(std::uint32_t data_flags, std::uint32_t most_ranges) noexcept;
   void report(std::uint32_t revision_before, sightcell_frame& frame) const noexcept;
 
@@ -93,6 +96,8 @@ struct sightcell_view {
   sightcell_range* ranges_ = nullptr;
   sightcell_range* next_ranges_ = nullptr;
   std::span<std::byte> scratch_;
+  // A bit for each volume that can be seen, as db's volume_index has them; nothing to be asked under DRAW_ALL.
+  std::span<std::uint64_t> visible_, more_visible_;
   std::uint32_t polygon_count_ = 0;
   std::uint32_t revision_ = 0;
   bool moved_ = false;  // the first move always counts as a change

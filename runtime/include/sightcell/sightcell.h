@@ -200,6 +200,13 @@ SIGHTCELL_API uint32_t sightcell_db_polygon_count(const sightcell_db* db);
 SIGHTCELL_API uint32_t sightcell_db_cell_count(const sightcell_db* db);
 /* The half-open box of a cell in metres: min <= p < max. ARGUMENT: no such cell. */
 SIGHTCELL_API sightcell_status sightcell_db_cell_box(const sightcell_db* db, uint32_t cell, float min[3], float max[3]);
+/* Volumes: coarse boxes of the space in which something may move, numbered 0 .. count-1, which cells see or do not see
+ * as they do polygons (bake --volumes). They are counted nowhere else, and never drawn. 0 for NULL and for files
+ * without. */
+SIGHTCELL_API uint32_t sightcell_db_volume_count(const sightcell_db* db);
+/* The box of a volume in metres: min <= p < max. ARGUMENT: no such volume. */
+SIGHTCELL_API sightcell_status sightcell_db_volume_box(const sightcell_db* db, uint32_t volume, float min[3],
+                                                       float max[3]);
 /* Facts about the file. out->struct_size must be set; ARGUMENT when it is smaller than this struct. A larger one (of a
  * later header) is filled as far as this library knows it, and struct_size says how far. */
 SIGHTCELL_API sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out);
@@ -277,6 +284,12 @@ SIGHTCELL_API sightcell_status sightcell_view_commands(const sightcell_view* vie
  * last draw are 0. words: at least (info.draw_count + 63) / 64, all of which are written; CAPACITY below. Of a merged
  * file, where polygons of draws are mixed, this takes time for every polygon. */
 SIGHTCELL_API sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bits_by_draw, size_t words);
+/* Can anything in a box, both ends included, be seen from the cell that the eye is in: a player, a dynamic object, a
+ * sound? In metres, relative to the view's origin. *visible: 0 when all volumes that the box touches are hidden; else
+ * 1, also where it reaches beyond all volumes, in a file without volumes and under DRAW_ALL. Costs a few nanoseconds
+ * for a box that touches few volumes. ARGUMENT: a NaN, min above max; *visible is 1 then. */
+SIGHTCELL_API sightcell_status sightcell_view_box_visible(const sightcell_view* view, const float min[3],
+                                                          const float max[3], uint32_t* visible);
 /* What was added and removed since a revision: the current one (nothing) or the one before. STALE for any other, and
  * when one of the two is DRAW_ALL: take the full list then. Either capacity too small: CAPACITY, nothing is written,
  * both counts say what is needed. On STALE both counts are 0. */

@@ -1,0 +1,88 @@
+#pragma once
+// Box -> volumes of the file that it touches, and whether one of them can be seen. Volumes are boxes on a lattice; they
+// are grouped in chunks of 4 x 4 x 4 places, a bit each, which a hash table finds. Built once; nothing here allocates.
+//
+//   index.measure(file.volumes());
+//   index.carve(space);                           // memory.h: once to count, once to place
+//   if (!index.build(file.volumes())) return;     // the bytes changed
+//   index.show(row.volumes, visible);             // visible: index.chunk_count() words, of one view
+//   bool seen = index.box_visible(min, max, visible);
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "memory.h"
+#include "sightcell/format/records.h"
+#include "sightcell/format/volume_table.h"
+
+namespace sightcell::runtime {
+
+// 4 x 4 x 4 places, or none. Bit x + 4 z + 16 y of places (each mod 4): there is a volume.
+struct volume_chunk {
+  static constexpr std::uint32_t none = 0xFFFFFFFFu;
+  std::int32_t x = 0, y = 0, z = 0;  // its first place is at 4 times that
+  std::uint32_t number = none;       // chunks are numbered from 0: which word of a view is the chunk's
+  std::uint64_t places = 0;
+};
+
+class volume_index {
+ public:
+  // Looks how much memory the volumes need; carve and build go by that, whatever becomes of the bytes. O(volumes).
+  void measure(const format::volume_table& volumes) noexcept;
+  // Takes it: about 4 bytes per volume and 50 to 100 per chunk. It stays the caller's and must outlive the index.
+  void carve(carver& space) noexcept;
+  // False when the bytes changed since they were measured; the index has no volumes then. Where volumes are at one
+  // place, that can be seen when one of them can. O(volumes).
+  [[nodiscard]] bool build(const format::volume_table& volumes) noexcept;
+
+  // Words of what a view can see.
+  [[nodiscard]] std::uint32_t chunk_count() const noexcept { return chunks_; }
+
+  // Makes visible (chunk_count() words) the volumes in runs, by their own numbers, and no others. O(words + volumes).
+  void show(std::span<const format::run> volumes, std::span<std::uint64_t> visible) const noexcept;
+
+  // A box that can be asked for: no NaN, min <= max. It may be a point, and infinite.
+  [[nodiscard]] static bool is_box(const float min[3], const float max[3]) noexcept;
+
+  // False when nothing in the box can be seen: all places that it touches are volumes, and none is visible. The box is
+  // closed, and so are places, which begin and end where the boxes of volumes do: on a border it touches both. True for
+  // what is no box (is_box). O(places of volumes touched / 64): ends at the first one that may be seen or is no volume.
+  [[nodiscard]] bool box_visible(const float min[3], const float max[3],
+                                 std::span<const std::uint64_t> visible) const noexcept;
+
+ private:
+  // Places of one axis.
+  struct axis_lattice {
+    axis_lattice() noexcept = default;
+    explicit axis_lattice(double size) noexcept;
+    // The last place that begins at or before a number; places of volumes or one that is further away than these are.
+    [[nodiscard]] std::int64_t last_begun(float at) const noexcept;
+    [[nodiscard]] std::int64_t last_begun_near_border(float at) const noexcept;
+
+    double size = 1.0;     // metres
+    double inverse = 1.0;  // places per metre
+    double blur = 0.0;     // places by which a border may be elsewhere than the product says, near 0
+  };
+  // first .. last of each axis.
+  struct touched_places {
+    std::array<std::int32_t, 3> first, last;
+  };
+
+  // Chunks that are looked at for one before it counts as none: so many only collisions made on purpose need.
+  static constexpr std::uint32_t longest_probe = 256;
+  static constexpr std::uint32_t no_place = 0xFFFFFFFFu;
+
+  [[nodiscard]] std::uint32_t first_slot(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
+  [[nodiscard]] const volume_chunk* find(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
+  [[nodiscard]] volume_chunk* find_or_add(std::int32_t x, std::int32_t y, std::int32_t z) noexcept;
+  [[nodiscard]] bool touched(const float min[3], const float max[3], touched_places& out) const noexcept;
+
+  std::uint32_t volumes_ = 0;
+  std::uint32_t slot_bits_ = 0;
+  std::uint32_t chunks_ = 0;
+  std::array<axis_lattice, 3> axes_;
+  std::span<volume_chunk> slots_;    // a power of two; chunks lie at the first free one from where their hash says
+  std::span<std::uint32_t> places_;  // of each volume: 64 times its chunk, and its bit; or no_place
+};
+
+}  // namespace sightcell::runtime
