@@ -10,6 +10,11 @@ namespace {
 
 constexpr std::int32_t chunk_width = 4;
 
+// So many places from the origin, a float is off by a fourth of a place at most.
+constexpr double near_places = 0x1p22;
+// What is found where there is no chunk.
+constexpr volume_chunk free_chunk;
+
 // Beyond all places that volumes have.
 constexpr std::int64_t far_place = std::int64_t{1} << 31;
 constexpr std::int64_t place_limit = std::int64_t{1} << 30;
@@ -43,32 +48,32 @@ float next_float(float value) noexcept {
   return std::bit_cast<float>(bits >> 31 != 0 ? bits - 1 : bits + 1);
 }
 
-// A bit every `stride` bits for those of four that are first .. last of a chunk whose first place is `begin`.
-std::uint64_t range_bits(std::int32_t first, std::int32_t last, std::int32_t begin, std::uint64_t four,
-                         std::int32_t stride) noexcept {
-  const std::int32_t from = std::max(first - begin, 0);
-  const std::int32_t to = std::min(last - begin, chunk_width - 1);
-  return four >> (stride * (chunk_width - 1 - (to - from))) << (stride * from);
+// Of four bits, each `stride` behind the one before, those from `from` on: one, and `more`.
+std::uint64_t range_bits(std::int32_t more, std::int32_t from, std::uint64_t four_bits, std::int32_t stride) noexcept {
+  return four_bits >> (stride * (chunk_width - 1 - more)) << (stride * from);
 }
 
 }  // namespace
 
-// A float is off by half of what its last bit counts at most: 2^-24 of it, and 2^-150 around 0.
-volume_index::axis_lattice::axis_lattice(double metres) noexcept
-    : size(metres), inverse(1.0 / metres), blur(0x1p-23 + 0x1p-149 / metres) {}
-
-std::int64_t volume_index::axis_lattice::last_begun(float at) const noexcept {
-  const double place = static_cast<double>(at) * inverse;
-  if (!(std::fabs(place) < static_cast<double>(far_place))) return place < 0.0 ? -far_place : far_place;
-  const std::int64_t below = round_down(place);
-  const double behind = place - static_cast<double>(below);
-  const double near = std::fabs(place) * 0x1p-23 + blur;
-  return behind > near && behind < 1.0 - near ? below : last_begun_near_border(at);
+// A float is off by half of what its last bit counts at most: 2^-24 of it, or 2^-150 around 0. So among near places,
+// and where these are not as small as floats get, a border lies less than half a place from where it belongs: the
+// number that is asked for is the one that the division gives, rounded down, or the next. Where in a place a box ends
+// no processor can foresee: there are no jumps.
+inline std::int32_t volume_index::axis_lattice::last_begun(float at) const noexcept {
+  const auto toward_zero = static_cast<std::int32_t>(static_cast<double>(at) * inverse);
+  const std::int32_t next = toward_zero + static_cast<std::int32_t>(at >= 0.0f);
+  return next - static_cast<std::int32_t>(static_cast<float>(next * size) > at);
 }
+
+volume_index::axis_lattice::axis_lattice(double metres) noexcept
+    : size(metres),
+      inverse(1.0 / metres),
+      near(metres < 0x1p-126 ? 0.0f : static_cast<float>(std::min(metres * near_places, 0x1p127))) {}
 
 // A border is the float next to its product: at or before a number if that is not beyond the middle between this and
 // the next float, where the even one of the two is nearer.
-std::int64_t volume_index::axis_lattice::last_begun_near_border(float at) const noexcept {
+std::int64_t volume_index::axis_lattice::last_begun_far_away(float at) const noexcept {
+  if (std::isinf(at)) return at < 0.0f ? -far_place : far_place;
   const float next = next_float(at);
   const double above = std::isinf(next) ? 0x1p128 : static_cast<double>(next);
   const double middle = static_cast<double>(at) / 2 + above / 2;
@@ -95,7 +100,7 @@ void volume_index::measure(const format::volume_table& volumes) noexcept {
     if (!volumes.place(volume, p)) continue;  // build will say so
     const std::int32_t x = chunk_of(p.x), y = chunk_of(p.y), z = chunk_of(p.z);
     volume_chunk& last = met[hash_of(x, y, z) >> 56];
-    if (last.number != volume_chunk::none && last.x == x && last.y == y && last.z == z) continue;
+    if (last.is_at(x, y, z)) continue;
     last = {x, y, z, 0, 0};
     ++most;
   }
@@ -136,28 +141,22 @@ std::uint32_t volume_index::first_slot(std::int32_t x, std::int32_t y, std::int3
   return static_cast<std::uint32_t>(hash_of(x, y, z) >> (64 - slot_bits_));
 }
 
-const volume_chunk* volume_index::find(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept {
-  const std::size_t mask = slots_.size() - 1;
+inline const volume_chunk& volume_index::find(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept {
   std::size_t at = first_slot(x, y, z);
-  for (std::uint32_t probe = 0; probe < longest_probe; ++probe, at = (at + 1) & mask) {
+  for (std::uint32_t probe = 0; probe < longest_probe; ++probe, at = (at + 1) & (slots_.size() - 1)) {
     const volume_chunk& c = slots_[at];
-    if (c.x == x && c.y == y && c.z == z && c.number != volume_chunk::none) return &c;
-    if (c.number == volume_chunk::none) return nullptr;
+    if (c.is_at(x, y, z) || c.is_free()) return c;
   }
-  return nullptr;
+  return free_chunk;
 }
 
-// Null where it would not be found.
 volume_chunk* volume_index::find_or_add(std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
   const std::size_t mask = slots_.size() - 1;
   std::size_t at = first_slot(x, y, z);
   for (std::uint32_t probe = 0; probe < longest_probe; ++probe, at = (at + 1) & mask) {
     volume_chunk& c = slots_[at];
-    if (c.number == volume_chunk::none) {
-      c = {x, y, z, chunks_++, 0};
-      return &c;
-    }
-    if (c.x == x && c.y == y && c.z == z) return &c;
+    if (c.is_free()) c = {x, y, z, chunks_++, 0};
+    if (c.is_at(x, y, z)) return &c;
   }
   return nullptr;
 }
@@ -181,9 +180,20 @@ bool volume_index::is_box(const float min[3], const float max[3]) noexcept {
 // further away than volumes are.
 bool volume_index::touched(const float min[3], const float max[3], touched_places& out) const noexcept {
   bool near = true;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    near = near && std::fabs(min[axis]) < axes_[axis].near && std::fabs(max[axis]) < axes_[axis].near;
+  for (std::size_t axis = 0; axis < 3 && near; ++axis) {
+    out.first[axis] = ~axes_[axis].last_begun(-min[axis]);
+    out.last[axis] = axes_[axis].last_begun(max[axis]);
+  }
+  return near || touched_far_away(min, max, out);
+}
+
+bool volume_index::touched_far_away(const float min[3], const float max[3], touched_places& out) const noexcept {
+  bool near = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int64_t first = -axes_[axis].last_begun(-min[axis]) - 1;
-    const std::int64_t last = axes_[axis].last_begun(max[axis]);
+    const std::int64_t first = ~axes_[axis].last_begun_far_away(-min[axis]);
+    const std::int64_t last = axes_[axis].last_begun_far_away(max[axis]);
     near = near && first >= -place_limit && last < place_limit;
     out.first[axis] = static_cast<std::int32_t>(first);
     out.last[axis] = static_cast<std::int32_t>(last);
@@ -191,19 +201,36 @@ bool volume_index::touched(const float min[3], const float max[3], touched_place
   return near;
 }
 
+// Most boxes lie in one chunk.
 bool volume_index::box_visible(const float min[3], const float max[3],
                                std::span<const std::uint64_t> visible) const noexcept {
   touched_places box;
   if (slots_.empty() || visible.size() < chunks_ || !is_box(min, max) || !touched(min, max, box)) return true;
   const auto& [first, last] = box;
-  for (std::int32_t y = chunk_of(first[1]); y <= chunk_of(last[1]); ++y) {
-    const std::uint64_t layers = range_bits(first[1], last[1], chunk_width * y, 0x0001000100010001u, 16);
-    for (std::int32_t z = chunk_of(first[2]); z <= chunk_of(last[2]); ++z) {
-      const std::uint64_t rows = layers * range_bits(first[2], last[2], chunk_width * z, 0x1111u, 4);
-      for (std::int32_t x = chunk_of(first[0]); x <= chunk_of(last[0]); ++x) {
-        const std::uint64_t places = rows * range_bits(first[0], last[0], chunk_width * x, 0xFu, 1);
-        const volume_chunk* chunk = find(x, y, z);
-        if (chunk == nullptr || (places & (~chunk->places | visible[chunk->number])) != 0) return true;
+  const std::int32_t apart = (first[0] ^ last[0]) | (first[1] ^ last[1]) | (first[2] ^ last[2]);
+  if (chunk_of(apart) != 0) return several_visible(box, visible);
+  const std::uint64_t rows = range_bits(last[1] - first[1], first[1] & 3, 0x0001000100010001u, 16) *
+                             range_bits(last[2] - first[2], first[2] & 3, 0x1111u, 4);
+  const std::uint64_t places = rows * range_bits(last[0] - first[0], first[0] & 3, 0xFu, 1);
+  const volume_chunk& chunk = find(chunk_of(first[0]), chunk_of(first[1]), chunk_of(first[2]));
+  return (places & (~chunk.places | visible[chunk.number])) != 0;
+}
+
+bool volume_index::several_visible(const touched_places& box, std::span<const std::uint64_t> visible) const noexcept {
+  // Bits of an axis of the chunk that begins at a place.
+  const auto bits_of = [&](std::size_t axis, std::int32_t begin, std::uint64_t four_bits, std::int32_t stride) {
+    const std::int32_t from = std::max(box.first[axis] - begin, 0);
+    const std::int32_t to = std::min(box.last[axis] - begin, chunk_width - 1);
+    return range_bits(to - from, from, four_bits, stride);
+  };
+  for (std::int32_t y = chunk_of(box.first[1]); y <= chunk_of(box.last[1]); ++y) {
+    const std::uint64_t layers = bits_of(1, chunk_width * y, 0x0001000100010001u, 16);
+    for (std::int32_t z = chunk_of(box.first[2]); z <= chunk_of(box.last[2]); ++z) {
+      const std::uint64_t rows = layers * bits_of(2, chunk_width * z, 0x1111u, 4);
+      for (std::int32_t x = chunk_of(box.first[0]); x <= chunk_of(box.last[0]); ++x) {
+        const std::uint64_t places = rows * bits_of(0, chunk_width * x, 0xFu, 1);
+        const volume_chunk& chunk = find(x, y, z);
+        if ((places & (~chunk.places | visible[chunk.number])) != 0) return true;
       }
     }
   }

@@ -8,7 +8,9 @@
 //   index.show(row.volumes, visible);             // visible: index.chunk_count() words, of one view
 //   bool seen = index.box_visible(min, max, visible);
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "memory.h"
@@ -19,10 +21,15 @@ namespace sightcell::runtime {
 
 // 4 x 4 x 4 places, or none. Bit x + 4 z + 16 y of places (each mod 4): there is a volume.
 struct volume_chunk {
-  static constexpr std::uint32_t none = 0xFFFFFFFFu;
-  std::int32_t x = 0, y = 0, z = 0;  // its first place is at 4 times that
-  std::uint32_t number = none;       // chunks are numbered from 0: which word of a view is the chunk's
+  static constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::min();
+  std::int32_t x = nowhere, y = 0, z = 0;  // its first place is at 4 times that
+  std::uint32_t number = 0;                // which word of a view is the chunk's
   std::uint64_t places = 0;
+
+  [[nodiscard]] bool is_free() const noexcept { return x == nowhere; }
+  [[nodiscard]] bool is_at(std::int32_t at_x, std::int32_t at_y, std::int32_t at_z) const noexcept {
+    return ((x ^ at_x) | (y ^ at_y) | (z ^ at_z)) == 0;
+  }
 };
 
 class volume_index {
@@ -55,13 +62,14 @@ class volume_index {
   struct axis_lattice {
     axis_lattice() noexcept = default;
     explicit axis_lattice(double size) noexcept;
-    // The last place that begins at or before a number; places of volumes or one that is further away than these are.
-    [[nodiscard]] std::int64_t last_begun(float at) const noexcept;
-    [[nodiscard]] std::int64_t last_begun_near_border(float at) const noexcept;
+    // The last place that begins at or before a number. |at| < near.
+    [[nodiscard]] std::int32_t last_begun(float at) const noexcept;
+    // The same wherever that is: a place that volumes can have, or one further away.
+    [[nodiscard]] std::int64_t last_begun_far_away(float at) const noexcept;
 
     double size = 1.0;     // metres
     double inverse = 1.0;  // places per metre
-    double blur = 0.0;     // places by which a border may be elsewhere than the product says, near 0
+    float near = 0.0f;     // metres from the origin
   };
   // first .. last of each axis.
   struct touched_places {
@@ -73,9 +81,14 @@ class volume_index {
   static constexpr std::uint32_t no_place = 0xFFFFFFFFu;
 
   [[nodiscard]] std::uint32_t first_slot(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
-  [[nodiscard]] const volume_chunk* find(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
+  // The chunk, or one without places.
+  [[nodiscard]] const volume_chunk& find(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
+  // Null where it would not be found.
   [[nodiscard]] volume_chunk* find_or_add(std::int32_t x, std::int32_t y, std::int32_t z) noexcept;
   [[nodiscard]] bool touched(const float min[3], const float max[3], touched_places& out) const noexcept;
+  [[nodiscard]] bool touched_far_away(const float min[3], const float max[3], touched_places& out) const noexcept;
+
+  [[nodiscard]] bool several_visible(const touched_places& box, std::span<const std::uint64_t> visible) const noexcept;
 
   std::uint32_t volumes_ = 0;
   std::uint32_t slot_bits_ = 0;

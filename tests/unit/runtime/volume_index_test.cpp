@@ -352,6 +352,25 @@ TEST(volume_index, runs_beyond_the_volumes_and_small_views) {
   EXPECT_TRUE(built.index().box_visible(at, at, std::span(visible).first(1))) << "a view of another file";
 }
 
+TEST(volume_index, bytes_that_are_no_places_any_more) {
+  constexpr std::int32_t most = 1 << 30;
+  auto bytes = section_of({1.0, 1.0}, {{-most + 32, 0, 0, 0}, {most - 33, 0, 0, 0}});
+  format::volume_table table;
+  ASSERT_EQ(format::volume_table::open(bytes, 0, table), format::status::ok);
+  volume_index index;
+  index.measure(table);
+  runtime::carver counted(nullptr);
+  index.carve(counted);
+  const auto memory = std::make_unique<std::byte[]>(counted.used());
+  runtime::carver space(memory.get());
+  index.carve(space);
+  std::fill_n(bytes.begin() + 44, 8, std::byte{0xFF});  // two x of 31 bits: behind the last place
+  EXPECT_FALSE(index.build(table));
+  EXPECT_EQ(index.chunk_count(), 0u);
+  const float at[3] = {0.5f, 0.5f, 0.5f};
+  EXPECT_TRUE(index.box_visible(at, at, {}));
+}
+
 // What is measured stays what is used.
 TEST(volume_index, bytes_that_change_meanwhile) {
   random_source random(5);
