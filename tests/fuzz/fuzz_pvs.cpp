@@ -13,11 +13,13 @@
 #include "sightcell/format/importance_classes.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/sightcell.h"
+#include "volume_index.h"
 
 namespace {
 
 constexpr std::uint32_t polygon_limit = 1u << 20;  // what a few bytes may promise, and a test has no time for
 constexpr std::uint32_t cell_limit = 64;
+constexpr std::uint32_t volume_limit = 1u << 16;
 
 void require(bool holds, const char* what) {
   if (holds) return;
@@ -114,9 +116,75 @@ void query_importance(std::span<const std::byte> bytes, std::uint32_t cell, std:
     require(s != status::ok || one < importance_class_count, "classes are 0 .. 15");
 }
 
+// The volumes of a file, with the memory that asking takes.
+class volume_queries {
+ public:
+  // Not ready: the file has no volumes, too many of them, or no rows that could be read.
+  explicit volume_queries(std::span<const std::byte> bytes) {
+    using namespace sightcell::format;
+    if (reader::open(bytes, file_) != status::ok) return;
+    const std::uint32_t count = file_.volumes().count();
+    if (count == 0 || count > volume_limit || file_.run_bound() > polygon_limit) return;
+    memory_.resize(file_.codes_size() / 8 + 1);
+    if (file_.make_codes(std::as_writable_bytes(std::span(memory_)), codes_) != status::ok) return;
+    row_.resize(file_.row_room());
+    scratch_.resize(file_.scratch_size());
+    index_.measure(file_.volumes());
+    sightcell::runtime::carver counted(nullptr);
+    index_.carve(counted);
+    block_.resize(counted.used());
+    sightcell::runtime::carver space(block_.data());
+    index_.carve(space);
+    require(index_.build(file_.volumes()), "volumes stay what they are");
+    visible_.resize(index_.chunk_count());
+    ready_ = true;
+  }
+
+  // A volume can be seen where the cell sees it. sound: and only there.
+  void ask(std::uint32_t cell, bool sound) {
+    using namespace sightcell::format;
+    row_parts parts;
+    if (!ready_ || file_.decode_row(cell, codes_, row_, scratch_, parts) != status::ok) return;
+    const std::uint32_t count = file_.volumes().count();
+    std::vector<bool> seen(count, false);
+    std::uint64_t next = 0;
+    for (const sightcell::format::run& r : parts.volumes) {
+      require(r.first >= next && r.count > 0 && r.count <= count - r.first, "runs of volumes ascend and end with them");
+      next = std::uint64_t{r.first} + r.count + 1;
+      std::fill_n(seen.begin() + r.first, r.count, true);
+    }
+    index_.show(parts.volumes, visible_);
+    for (std::uint32_t volume = 0; volume < count; ++volume) {
+      box b;
+      require(file_.volumes().volume_box(volume, b), "volumes have boxes");
+      const bool whole = index_.box_visible(b.min.data(), b.max.data(), visible_);
+      require(whole || !seen[volume], "what is seen is visible");
+      float middle[3];
+      bool inside = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        middle[k] = b.min[k] + (b.max[k] - b.min[k]) / 2;
+        inside = inside && b.min[k] < middle[k] && middle[k] < b.max[k];
+      }
+      const bool visible = index_.box_visible(middle, middle, visible_);
+      require(!sound || !inside || visible == seen[volume], "a place is visible where its volume is seen");
+    }
+  }
+
+ private:
+  sightcell::format::reader file_;
+  sightcell::runtime::volume_index index_;
+  const sightcell::format::row_codes* codes_ = nullptr;
+  std::vector<std::uint64_t> memory_, visible_;
+  std::vector<sightcell::format::run> row_;
+  std::vector<std::byte> scratch_, block_;
+  bool ready_ = false;
+};
+
 void walk(std::span<const std::byte> file, const sightcell_db* db, sightcell_view* view, const sightcell_info& info,
           bool sound) {
+  volume_queries volumes(file);
   for (std::uint32_t cell = 0; cell < std::min(info.cell_count, cell_limit); ++cell) {
+    volumes.ask(cell, sound);
     float low[3], high[3], eye[3];
     if (sightcell_db_cell_box(db, cell, low, high) != SIGHTCELL_OK) continue;
     for (int k = 0; k < 3; ++k) eye[k] = low[k] + (high[k] - low[k]) / 2;
