@@ -39,7 +39,7 @@ std::string name_of(const std::array<std::string_view, Count>& names, Kind kind)
 
 struct bake_options {
   std::filesystem::path scene, output, json_file;
-  std::filesystem::path cells_file;
+  std::filesystem::path cells_file, misses_file;
   std::vector<float> cells_grid;
   bake::settings settings;
   metric_options metric;
@@ -106,6 +106,7 @@ void refuse_overwriting(const bake_options& options) {
   for (const std::filesystem::path& output : {options.output, options.json_file}) {
     if (std::filesystem::equivalent(options.scene, output, ignored)) refuse(output, "is the scene itself");
     if (std::filesystem::equivalent(options.cells_file, output, ignored)) refuse(output, "is the cells file");
+    if (std::filesystem::equivalent(options.misses_file, output, ignored)) refuse(output, "is the file of misses");
   }
   if (!options.json_file.empty() && std::filesystem::weakly_canonical(options.json_file, ignored) ==
                                         std::filesystem::weakly_canonical(options.output, ignored))
@@ -174,6 +175,7 @@ int run_bake(bake_options options) {
   const auto began = std::chrono::steady_clock::now();
   bake::settings& how = options.settings;
   if (!options.cells_file.empty()) how.cells_file = options.cells_file;
+  if (!options.misses_file.empty()) how.misses_file = options.misses_file;
   if (!options.cells_grid.empty()) {
     how.cells_grid.emplace();
     std::copy_n(options.cells_grid.begin(), how.cells_grid->size(), how.cells_grid->begin());
@@ -286,6 +288,12 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
       "none, or edge or vertex: what shares one with a polygon of a cell's set joins it unless it faces away, seen or "
       "not; fewer misses for more that is drawn")
       ->check(CLI::IsMember(std::vector<std::string>(rings.begin(), rings.end())))
+      ->group("Seeing");
+  verb.add_option(
+          "--misses", o.misses_file,
+          "polygons that a host found missing, JSON: {\"misses\":[{\"eye\":[x,y,z],\"polygon\":1234}]}; they join "
+          "the sets of the cells that the eye can be in where a ray sees them")
+      ->type_name("FILE")
       ->group("Seeing");
 }
 

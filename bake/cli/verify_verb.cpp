@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
 
 #include "exit_codes.h"
 #include "metric_options.h"
@@ -13,9 +15,11 @@
 #include "progress_line.h"
 #include "pvs_file.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/bake/misses.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
+#include "verify_misses.h"
 #include "worst_view.h"
 
 namespace sightcell::cli {
@@ -27,7 +31,8 @@ using nlohmann::ordered_json;
 constexpr std::size_t named_on_terminal = 10;  // missing polygons; --json has all that verify keeps
 
 struct verify_options {
-  std::filesystem::path scene, file, picture;
+  std::filesystem::path scene, file, picture, from;
+  bool with_rays = true;  // --from takes their place, unless they are asked for
   bake::verify_settings how;
   metric_options metric;
   double max_pixel_error = 1e-3;
@@ -138,6 +143,22 @@ void report(const bake::verification& v, const std::vector<named_miss>& missing,
       grouped(v.cells.size()), error, v.pixel_error, v.upper_bound, 100.0 * v.confidence, options.max_pixel_error));
 }
 
+// Fresh rays: the result for --json, and whether the bound was met.
+std::pair<ordered_json, bool> verify_with_rays(const scene::scene& s, const pvs_file& file,
+                                               const verify_options& options, progress_line& line) {
+  if (file.metric() != options.metric.metric)
+    line.message(fmt::format("bounds in the file are of the {}, this measures the {}", error_name(file.metric()),
+                             error_name(options.how.metric)));
+  const bake::verification v =
+      bake::verify(s, file.bytes(), options.file.string(), options.how,
+                   [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
+  std::vector<named_miss> missing;
+  for (const bake::missing_polygon& miss : v.missing) missing.push_back(name_miss(s, v, miss));
+  const ordered_json view = try_worst_view(s, file, missing, options, line);
+  report(v, missing, options, line);
+  return {result_json(v, missing, view, options), v.upper_bound <= options.max_pixel_error};
+}
+
 int run_verify(verify_options options) {
   options.how.metric = metric_of(options.metric);
   if (!(options.max_pixel_error > 0.0 && options.max_pixel_error <= 1.0))
@@ -149,20 +170,27 @@ int run_verify(verify_options options) {
   const pvs_file file = pvs_file::open(options.file);
   const scene::scene s = scene::load_gltf(options.scene, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
-  if (file.metric() != options.metric.metric)
-    line.message(fmt::format("bounds in the file are of the {}, this measures the {}", error_name(file.metric()),
-                             error_name(options.how.metric)));
-  const bake::verification v =
-      bake::verify(s, file.bytes(), options.file.string(), options.how,
-                   [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
-  std::vector<named_miss> missing;
-  for (const bake::missing_polygon& miss : v.missing) missing.push_back(name_miss(s, v, miss));
-  const ordered_json view = try_worst_view(s, file, missing, options, line);
-  report(v, missing, options, line);
-  if (options.json)
-    fmt::print("{}\n",
-               result_json(v, missing, view, options).dump(2, ' ', false, ordered_json::error_handler_t::replace));
-  return v.upper_bound <= options.max_pixel_error ? exit_done : exit_bound_not_met;
+  ordered_json result;
+  bool passed = true;
+  if (options.with_rays) std::tie(result, passed) = verify_with_rays(s, file, options, line);
+  if (!options.from.empty()) {
+    const bake::miss_check found =
+        bake::check_misses(s, file.bytes(), options.file.string(), options.from, options.how,
+                           [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
+    report_misses(found, s, options.from.string(), line);
+    passed = passed && found.reproduced == 0;
+    result["passed"] = passed;
+    result["from"] = misses_json(found, s);
+  }
+  if (options.json) fmt::print("{}\n", result.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+  return passed ? exit_done : exit_bound_not_met;
+}
+
+// Who gives a bound and no rays would take silence for a bound that was met.
+void refuse_options_of_rays(const CLI::App& verb) {
+  for (const char* name : {"--cells", "--seed", "--max-pixel-error", "--metric", "--picture"})
+    if (verb.get_option(name)->count() > 0)
+      throw CLI::ValidationError(name, "is of the rays, and --from takes their place unless --rays is given");
 }
 
 }  // namespace
@@ -182,8 +210,16 @@ void add_verify_verb(CLI::App& program, action& chosen) {
   add_metric_options(verb, options->metric, "Options");
   verb.add_option("--picture", options->picture, "folder for pictures of the worst view; default: beside FILE.pvs")
       ->type_name("DIR");
+  verb.add_option("--from", options->from,
+                  "polygons that a host found missing, JSON: {\"misses\":[{\"eye\":[x,y,z],\"polygon\":1234}]}; exit 3 "
+                  "when one is seen from its eye and not in the set; no other rays, unless --rays is given")
+      ->type_name("FILE");
   verb.add_flag("--json", options->json, "print one JSON object on standard output");
-  verb.callback([options, &chosen] { chosen = [options] { return run_verify(*options); }; });
+  verb.callback([options, &chosen, &verb] {
+    options->with_rays = options->from.empty() || verb.get_option("--rays")->count() > 0;
+    if (!options->with_rays) refuse_options_of_rays(verb);
+    chosen = [options] { return run_verify(*options); };
+  });
 }
 
 }  // namespace sightcell::cli

@@ -101,7 +101,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   sum.device = shop->eyes.source->device();
 
   const stage_plan plan(*shop->blocks, shop->bounds());
-  work_file file(output, how.scratch, shop->key, fresh);
+  work_file file(output, how.scratch, shop->key, fresh, {}, shop->judge());
   if (how.time_budget > 0.0) {
     check_room(*shop, shop->blocks->cell_count(), file, output, arena, tell);
     bake_in_time({*shop, plan, arena, clock, file, output, tell}, sum);

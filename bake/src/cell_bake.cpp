@@ -7,6 +7,7 @@
 #include "finish/refinement.h"
 #include "finish/retest.h"
 #include "finish/ring_polygons.h"
+#include "misses/join_misses.h"
 #include "rays/triangle_math.h"
 
 namespace sightcell::bake {
@@ -43,13 +44,15 @@ void take_bound(const finish_result& proof, cell_record& record) {
 }  // namespace
 
 cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
-                       const near_polygons* neighbors, const cell_sampler& sampler, const error_metric& metric)
+                       const near_polygons* neighbors, const cell_sampler& sampler, const error_metric& metric,
+                       const known_misses* misses)
     : how_(how),
       given_(given),
       rays_(rays),
       neighbors_(neighbors),
       sampler_(sampler),
       metric_(metric),
+      misses_(misses),
       duplicates_(rays.geometry(), how.all_double_sided) {
   const auto& kinds = rays.geometry().kinds;
   for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
@@ -129,6 +132,16 @@ void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32
     if (is_free[i]) set.add(whose[i], before[i]);
 }
 
+// A miss is the best hint: it joins before rays go beside what is known, and so they go beside it from its eye.
+void cell_baker::add_misses(const view_cell& cell, cell_set& set, cell_record& record) const {
+  if (!misses_) return;
+  std::vector<known_miss> own;
+  for (const std::uint32_t place : misses_->in(cell.min, cell.max, how_.margin)) own.push_back(misses_->all()[place]);
+  if (own.empty()) return;
+  record.rays_spent += join_misses(rays_, {how_.player_radius, how_.smallest_gap}, own, set);
+  set.save(record);
+}
+
 std::optional<search_views> cell_baker::views_of(const view_cell& cell, const cell_record& record) const {
   return sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
 }
@@ -166,13 +179,17 @@ cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& ow
   record.rays_spent +=
       retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest, {how_.player_radius, how_.smallest_gap}},
              neighbors, set);
+  add_misses(cell, set, record);
   bound(cell, known, set, record);
   return record;
 }
 
 cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set) const {
   cell_record record = sample(cell, set);
-  if (record.stored && shares()) bound(cell, set.members().size(), set, record);
+  if (!record.stored) return record;
+  const std::size_t known = set.members().size();
+  add_misses(cell, set, record);
+  if (shares()) bound(cell, known, set, record);
   return record;
 }
 
@@ -211,6 +228,8 @@ cell_record cell_baker::improve(const view_cell& cell, const cell_record* before
                               purpose::retest_all,
                               {how_.player_radius, how_.smallest_gap}};
     record.rays_spent += retest(rays_, grown(cell), how, neighbors, set);
+  } else {
+    add_misses(cell, set, record);
   }
   auto views = views_of(cell, record);
   const finish_settings how{.max_pixel_error = turn.target,

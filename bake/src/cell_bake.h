@@ -13,6 +13,7 @@
 #include "finish/near_polygons.h"
 #include "finish/ray_finish.h"
 #include "free_space.h"
+#include "misses/known_misses.h"
 #include "rays/ray_scene.h"
 #include "sampler/cell_sampler.h"
 #include "sightcell/bake/settings.h"
@@ -33,9 +34,10 @@ struct cell_turn {
 class cell_baker {
  public:
   // References must outlive the baker. neighbors: may be null when max_pixel_error is 0 (no rays) and no safety ring is
-  // asked for. sampler: prepared. metric: that of how.
+  // asked for. sampler: prepared. metric: that of how. misses: null, none are known.
   cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
-             const cell_sampler& sampler, const error_metric& metric = pixel_metric);
+             const cell_sampler& sampler, const error_metric& metric = pixel_metric,
+             const known_misses* misses = nullptr);
   cell_baker(const cell_baker&) = delete;  // sets point into it
   cell_baker& operator=(const cell_baker&) = delete;
 
@@ -70,6 +72,7 @@ class cell_baker {
   bool find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const;
   void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside, const std::vector<glm::vec3>& free,
                   cell_set& set) const;
+  void add_misses(const view_cell& cell, cell_set& set, cell_record& record) const;
   void complete(const view_cell& cell, std::vector<std::uint32_t>& set) const;
   std::optional<search_views> views_of(const view_cell& cell, const cell_record& record) const;
   finish_result finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views, cell_set& set,
@@ -82,6 +85,7 @@ class cell_baker {
   const near_polygons* neighbors_;
   const cell_sampler& sampler_;
   const error_metric& metric_;
+  const known_misses* misses_;
   duplicate_classes duplicates_;
   std::vector<std::uint32_t> always_;  // polygons that are in every set
 };

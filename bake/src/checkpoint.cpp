@@ -248,14 +248,18 @@ struct checkpoint::state {
                     application_id, schema_version)
             .c_str(),
         "creating");
+    insert_key(bake_key, plan);
+    run("COMMIT", "creating");
+    key = bake_key;
+  }
+
+  void insert_key(const std::string& bake_key, std::string_view plan) const {
     const statement insert = prepare("INSERT INTO bake(key, plan, seal) VALUES(?,?,?)");
     sqlite3_bind_text(insert.get(), 1, bake_key.data(), static_cast<int>(bake_key.size()), SQLITE_STATIC);
     sqlite3_bind_blob64(insert.get(), 2, plan.empty() ? "" : plan.data(), plan.size(), SQLITE_STATIC);
     sqlite3_bind_int64(insert.get(), 3, seal_of_key(bake_key, plan));
     const int code = sqlite3_step(insert.get());
     if (code != SQLITE_DONE) fail(code, "creating");
-    run("COMMIT", "creating");
-    key = bake_key;
   }
 
   // Reads the key of a file that is there.
@@ -267,10 +271,33 @@ struct checkpoint::state {
     return same_schema ? ask_key() : std::nullopt;
   }
 
-  void check_key(const std::string& wanted) {
+  // The file becomes one of another key and plan; all of it, or nothing.
+  void hand_over(const std::string& wanted, std::string_view plan, const stale_record& is_stale) const {
+    run("BEGIN", "taking over an unfinished bake");
+    std::vector<std::int64_t> stale;
+    {
+      const statement query = prepare("SELECT number FROM record");
+      int code = SQLITE_ROW;
+      while ((code = sqlite3_step(query.get())) == SQLITE_ROW) {
+        const std::int64_t number = sqlite3_column_int64(query.get(), 0);
+        if (is_stale(static_cast<std::uint32_t>(number / stage_count), static_cast<cell_stage>(number % stage_count)))
+          stale.push_back(number);
+      }
+      if (code != SQLITE_DONE) fail(code, "reading");
+    }
+    for (const std::int64_t number : stale)
+      run(fmt::format("DELETE FROM record WHERE number={}", number).c_str(), "dropping a record");
+    run("DELETE FROM bake", "taking over an unfinished bake");
+    insert_key(wanted, plan);
+    run("COMMIT", "taking over an unfinished bake");
+  }
+
+  void check_key(const std::string& wanted, std::string_view plan, const key_judge& judge) {
     const std::optional<std::string> stored = read_key();
     key = wanted;
     if (stored == wanted) return;
+    if (const auto is_stale = stored && judge ? judge(*stored) : std::nullopt)
+      return hand_over(wanted, plan, *is_stale);
     std::string what = "scene, settings or version";
     if (stored) {
       if (const std::string names = differing_names(*stored, wanted); !names.empty()) what = names;
@@ -299,7 +326,8 @@ struct checkpoint::state {
   }
 };
 
-checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan)
+checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan,
+                       const key_judge& judge)
     : state_(std::make_unique<state>(path)) {
   try {
     state_->open_locked();
@@ -316,7 +344,7 @@ checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key
   if (state_->empty())
     state_->create(key, plan);
   else
-    state_->check_key(key);
+    state_->check_key(key, plan, judge);
 }
 
 checkpoint::checkpoint(std::unique_ptr<state> opened) : state_(std::move(opened)) {}

@@ -13,6 +13,11 @@
 
 namespace sightcell::bake {
 
+// Is a record none of a bake's, though it is in the file that the bake goes on with?
+using stale_record = std::function<bool(std::uint32_t cell, cell_stage)>;
+// May a bake go on with a file of another key? Then which of its records are not the bake's; nothing: it may not.
+using key_judge = std::function<std::optional<stale_record>(const std::string& stored)>;
+
 struct stage_record {
   std::uint32_t cell = 0;
   cell_stage stage = cell_stage::finished;
@@ -24,8 +29,10 @@ class checkpoint {
   // Opens or creates path. key names scene, settings, cells, device and version: a file with another key is refused
   // with sightcell::error "checkpoint.other-bake" (says what to do: --fresh or another output), a file that is in use
   // by another bake with "checkpoint.in-use". fresh: what is there is thrown away. A file that SQLite finds damaged is
-  // refused by name, never silently dropped. plan: kept with the file when it is created, see shards.h.
-  checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan = {});
+  // refused by name, never silently dropped. plan: kept with the file when it is created, see shards.h. judge: asked of
+  // another key; where it says so the file becomes one of this key and plan, without the records that are stale.
+  checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan = {},
+             const key_judge& judge = {});
   // Opens a file that nobody changes any more, to read it.
   static checkpoint open_to_read(const std::filesystem::path& path);
   ~checkpoint();

@@ -12,21 +12,13 @@
 #include "bound/metric.h"
 #include "host_scene.h"
 #include "sightcell/bake/bake.h"
-#include "sightcell/format/reader.h"
-#include "sightcell/format/set_reader.h"
-#include "sightcell/scene/error.h"
 #include "source/surface_colors.h"
-#include "stored_rules.h"
+#include "verified_file.h"
 
 namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t reported_polygons = 100;
-
-void require_ok(format::status outcome, const std::string& name) {
-  if (outcome != format::status::ok)
-    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
-}
 
 // One bit per polygon: asked from many threads.
 class membership {
@@ -60,38 +52,29 @@ void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<miss
   for (const auto& [polygon, entry] : by_polygon) missing.push_back(entry);
 }
 
-verification verify_cells(const scene::scene& s, const format::reader& file, const std::string& name,
-                          const verify_settings& how,
+verification verify_cells(const scene::scene& s, verified_file& opened, const verify_settings& how,
                           const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
-  // What the bake was told and the check has to know too.
-  const stored_rules rules = stored_rules_of(file.settings());
-  scene::world_geometry geometry = scene::flatten(s, rules.animated);
-  apply_stored_overrides(file.settings(), geometry);
-  const ray_scene rays(geometry, rules.all_double_sided);
+  opened.build_rays(s);
+  const format::reader& file = opened.file();
+  const ray_scene& rays = opened.rays();
   std::optional<surface_colors> colors;
-  if (how.metric.kind == metric_kind::color) colors.emplace(s, geometry);
+  if (how.metric.kind == metric_kind::color) colors.emplace(s, rays.geometry());
   const error_metric metric(how.metric, rays, colors ? &*colors : nullptr);
-  const fresh_rules fresh{.player_radius = rules.player_radius, .smallest_gap = rules.smallest_gap, .metric = &metric};
+  const fresh_rules fresh{
+      .player_radius = opened.rules().player_radius, .smallest_gap = opened.rules().smallest_gap, .metric = &metric};
   const std::uint32_t stored = file.cell_count();
   const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
   const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
 
   verification result;
   membership set(file.polygon_count());
-  format::set_reader sets;
-  require_ok(sets.open(file), name);
   std::vector<std::uint32_t> seen;
   double visible = 0.0;
   for (std::uint32_t i = 0; i < chosen; ++i) {
     const auto cell = static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen);
-    require_ok(file.check_chunk(format::reader::chunk_of(cell)), name);
-    require_ok(sets.source_ids(cell, seen), name);
+    opened.cell_set(cell, seen);
     set.assign(seen);
-    format::box corners;
-    require_ok(file.cell_box(cell, corners), name);
-    const box grown =
-        box{{corners.min[0], corners.min[1], corners.min[2]}, {corners.max[0], corners.max[1], corners.max[2]}}.grown(
-            file.facts().margin);
+    const box grown = opened.cell_box(cell).grown(file.facts().margin);
     const fresh_batch batch = cast_fresh_rays(rays, grown, fresh, rays_each, {how.seed, cell, purpose::verify, 0},
                                               [&](std::uint32_t polygon) { return set.contains(polygon); });
     cell_verification one{.cell = cell, .rays = batch.rays, .misses = batch.misses};
@@ -118,14 +101,10 @@ verification verify_cells(const scene::scene& s, const format::reader& file, con
 verification verify(const scene::scene& s, std::span<const std::byte> file, const std::string& name,
                     const verify_settings& how, const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
   validate_metric(how.metric);
-  format::reader opened;
-  require_ok(format::reader::open(file, opened), name);
-  if (opened.polygon_count() != s.polygon_count || opened.facts().scene_fingerprint != s.fingerprint)
-    throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s.name,
-                "give the scene it was baked from, or bake again");
+  verified_file opened(s, file, name);
   verification result;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
-  arena.execute([&] { result = verify_cells(s, opened, name, how, on_progress); });
+  arena.execute([&] { result = verify_cells(s, opened, how, on_progress); });
   return result;
 }
 

@@ -59,16 +59,16 @@ void take_over(const std::filesystem::path& copy, const std::filesystem::path& h
 }  // namespace
 
 work_file::work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
-                     bool fresh, std::string_view plan)
+                     bool fresh, std::string_view plan, const key_judge& judge)
     : beside_(with_suffix(target, ".bake")), path_(scratch.empty() ? beside_ : in_scratch(scratch, beside_)) {
   if (!scratch.empty() && !fresh) {
     // Whoever works there now is asked first: its file must not be replaced under it.
     std::error_code ignored;
     const bool copy_is_newer = is_newer(beside_, path_);
-    if (std::filesystem::exists(path_, ignored)) checkpoint(path_, key, false, plan);
+    if (std::filesystem::exists(path_, ignored)) checkpoint(path_, key, false, plan, judge);
     if (copy_is_newer) take_over(beside_, path_);
   }
-  records_.emplace(path_, key, fresh, plan);
+  records_.emplace(path_, key, fresh, plan, judge);
   if (!scratch.empty() && fresh) {
     std::error_code ignored;
     std::filesystem::remove(beside_, ignored);

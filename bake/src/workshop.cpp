@@ -67,6 +67,7 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
     : s(from), how(settings_of_bake) {
   require_memory(s, how);
   if (how.cells_file) given = read_overrides(*how.cells_file, s);
+  if (how.misses_file) misses = known_misses(read_misses(*how.misses_file, s));
   flatten_into(geometry, s, how, given);
   require_memory(s, how, &geometry);
   // Cells know nothing of rays, and most of both is one thread's work.
@@ -90,10 +91,20 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
     tell.on_message(severity::note, "cells: " + list.how);
     for (const std::string& warning : list.warnings) tell.on_message(severity::warning, warning);
   }
-  settings_text = text_of(how, eyes);
+  settings_text = with_misses(text_of(how, eyes), misses, fmt::format("{}", misses.all().size()));
   settings of_records = how;  // those of a time budget can be gone on with whatever budget
   of_records.time_budget = how.time_budget > 0.0 ? 1.0 : 0.0;
-  key = checkpoint_key(s, list.cells, given, text_of(of_records, eyes));
+  const std::string of_blocks = misses.key_of(*blocks, list.cells, how.margin);
+  key = checkpoint_key(s, list.cells, given,
+                       with_misses(text_of(of_records, eyes), misses, fmt::format("\"{}\"", of_blocks)));
+}
+
+key_judge workshop::judge() const {
+  return [this](const std::string& stored) -> std::optional<stale_record> {
+    const auto changed = blocks_with_other_misses(stored, key);
+    if (!changed) return std::nullopt;
+    return stale_records(*changed, *blocks);
+  };
 }
 
 namespace {

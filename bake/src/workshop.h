@@ -9,7 +9,9 @@
 #include "cells/cell_blocks.h"
 #include "cells/overrides.h"
 #include "cells/view_cell.h"
+#include "checkpoint.h"
 #include "finish/near_polygons.h"
+#include "misses/known_misses.h"
 #include "rays/ray_scene.h"
 #include "sampler/cell_sampler.h"
 #include "sightcell/bake/bake.h"
@@ -27,10 +29,13 @@ struct workshop {
 
   // Do rays bound what is missing? Then cells share what they saw.
   bool bounds() const { return how.max_pixel_error > 0.0; }
+  // Goes on with bakes that knew other misses, but for the blocks that these are in.
+  key_judge judge() const;
 
   const scene::scene& s;
   const settings& how;
   overrides given;
+  known_misses misses;
   scene::world_geometry geometry;
   std::optional<ray_scene> rays;
   std::optional<near_polygons> neighbors;  // where something is looked for, or taken, beside what is known

@@ -28,7 +28,7 @@ class Usage(InFolder):
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
                        '--player-radius', '--sampler', '--samples', '--time-budget', '--max-pixel-error', '--metric',
                        '--view-resolution', '--view-fov', '--view-pitch', '--view-least', '--source', '--resolution',
-                       '--all-double-sided', '--animated', '--safety-ring', '--profile', '--order', '--layout', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
+                       '--all-double-sided', '--animated', '--safety-ring', '--misses', '--profile', '--order', '--layout', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
     def test_version(self):
@@ -57,7 +57,7 @@ class Usage(InFolder):
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--misses=x', '--report=x', '--since=x'):
+        for option in ('--report=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
 
@@ -82,8 +82,21 @@ class Usage(InFolder):
                 _, err = self.expect(2, *verb, '--view-fov', '50', *metric)
                 self.assertIn('--view-fov', self.assert_one_error_line(err, 'cli.wrong-use'))
 
+    def test_misses_take_the_place_of_rays(self):
+        out, _ = self.expect(0, 'verify', '--help')
+        self.assertIn('--from', out)
+        verify = ['verify', self.room, self.path('no.pvs'), '--from', self.path('misses.json')]
+        for option, value in (('--cells', '1'), ('--seed', '1'), ('--max-pixel-error', '0.1'), ('--metric', 'color'),
+                              ('--picture', 'x')):
+            _, err = self.expect(2, *verify, option, value)
+            self.assertIn(option, self.assert_one_error_line(err, 'cli.wrong-use'))
+            _, err = self.expect(4, *verify, option, value, '--rays', '1')
+            self.assert_one_error_line(err, 'cli.unreadable')
+
     def test_output_must_not_be_the_scene(self):
         _, err = self.expect(2, 'bake', self.room, '-o', self.room)
+        self.assert_one_error_line(err, 'cli.output-is-input')
+        _, err = self.expect(2, 'bake', self.room, '-o', self.cells, '--misses', self.cells)
         self.assert_one_error_line(err, 'cli.output-is-input')
 
     def test_bad_input_is_4(self):
@@ -273,6 +286,40 @@ class Bake(InFolder):
         for picture in worst['pictures']:
             self.assertEqual(read(picture)[:8], b'\x89PNG\r\n\x1a\n')
         self.assertGreater(worst['differing_pixels'], 1000)
+
+    def test_what_a_host_found_missing_is_reproduced_and_repaired(self):
+        if not PROGRAMS.drop:
+            self.skipTest('no sightcell-test-drop-polygon in this build')
+        file, broken, misses = self.path('seen.pvs'), self.path('dropped.pvs'), self.path('misses.json')
+        self.bake(0, file)
+        fingerprint = json.loads(self.expect(0, 'info', file, '--json')[0])['fingerprint']
+        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+        eye = [4, 1.5, 4.25]
+        with open(misses, 'w', encoding='utf-8') as out:
+            json.dump({'scene_fingerprint': fingerprint,
+                       'misses': [{'eye': eye, 'polygon': 1, 'frame': 8}, {'eye': eye, 'polygon': 2},
+                                  {'eye': [7, 1.5, 7], 'polygon': 1}]}, out)
+        out, err = self.expect(3, 'verify', self.room, broken, '--from', misses, '--json')
+        self.assertEqual(json.loads(out), {'passed': False, 'from': {
+            'reports': 3, 'reproduced': 1, 'not_missing': 1, 'not_visible': 0, 'not_free': 0, 'outside': 1,
+            'list': [{'cell': 0, 'polygon': 1, 'draw': 0, 'node': 0, 'node_name': 'room', 'eye': eye}]}})
+        self.assertIn('reproduced: polygon 1 (node 0 "room") is missing in cell 0 and seen from 4,1.5,4.25', err)
+        self.assertIn('1 of 3 reports reproduced; 1 not missing, 0 not visible, 0 from no free place, 1 from no cell', err)
+
+        # With rays both have to pass.
+        out, _ = self.expect(3, 'verify', self.room, broken, '--from', misses, '--rays', '2000', '--json',
+                             '--max-pixel-error', '1')
+        both = json.loads(out)
+        self.assertEqual((both['passed'], both['from']['reproduced']), (False, 1))
+        self.assertLess(both['upper_bound'], 1)
+
+        repaired = self.path('repaired.pvs')
+        self.bake(0, repaired, '--misses', misses)
+        out, _ = self.expect(0, 'verify', self.room, repaired, '--from', misses, '--json')
+        self.assertEqual([json.loads(out)['from'][key] for key in ('reproduced', 'not_missing', 'outside')], [0, 2, 1])
+        settings = json.loads(self.expect(0, 'info', repaired, '--json')[0])['settings']
+        self.assertEqual(settings.pop('misses'), 3)
+        self.assertEqual(settings, json.loads(self.expect(0, 'info', file, '--json')[0])['settings'])
 
     def test_the_metric_is_named_everywhere(self):
         view = ['--view-resolution', '640x360', '--view-fov', '90', '--view-pitch', '-30,20.5', '--view-least', '0.5']

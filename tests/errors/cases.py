@@ -232,6 +232,30 @@ def diff_of_two_scenes(folder):
     return Call(['diff', golden(folder, 'v1_tiny.pvs', 'a.pvs'), golden(folder, 'v1_small.pvs', 'b.pvs')], 'b.pvs')
 
 
+def misses(folder, content):
+    return content(folder) if callable(content) else write(folder, 'misses.json', content)
+
+
+def bake_with_misses(content):
+    def prepare(folder):
+        path = misses(folder, content)
+        return Call(bake(folder, '--misses', path), path)
+    return prepare
+
+
+def verify_from(content):
+    def prepare(folder, program):
+        path = misses(folder, content)
+        return Call(['verify', os.path.join(folder, 'room.gltf'), baked(folder, program), '--from', path], path)
+    return prepare
+
+
+def too_large_misses(folder):
+    path = misses(folder, '{}')
+    os.truncate(path, (16 << 20) + 1)
+    return path
+
+
 def too_many_cells(folder):
     box = '{"min":[0,0,0],"max":[1,1,1]}'
     return cells(folder, '{"cells":[' + ','.join([box] * 1_000_001) + ']}')
@@ -324,6 +348,16 @@ CASES = [
         '__EGL_VENDOR_LIBRARY_DIRS': f, '__EGL_VENDOR_LIBRARY_FILENAMES': ''})),
     ('hemicube.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e-5)), 'scene')),
     ('hemicube.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e30)), 'scene')),
+    ('misses.bad-report', 4, bake_with_misses('{"misses":[{"eye":[0,0],"polygon":1}]}')),
+    ('misses.bad-report', 4, bake_with_misses('{"misses":[{"eye":[0,0,0],"polygon":-1}]}')),
+    ('misses.no-list', 4, bake_with_misses('{}')),
+    ('misses.no-such-polygon', 4, bake_with_misses('{"misses":[{"eye":[0,0,0],"polygon":12}]}')),
+    ('misses.no-such-polygon', 4, verify_from('{"misses":[{"eye":[0,0,0],"polygon":12}]}')),
+    ('misses.not-json', 4, bake_with_misses('{"misses":')),
+    ('misses.other-scene', 4, bake_with_misses('{"misses":[],"scene_fingerprint":"' + '0' * 32 + '"}')),
+    ('misses.other-scene', 4, verify_from('{"misses":[],"scene_fingerprint":"' + '0' * 32 + '"}')),
+    ('misses.too-large', 4, bake_with_misses(too_large_misses)),
+    ('misses.unreadable', 4, bake_with_misses(lambda f: os.path.join(f, 'missing.json'))),
     ('output.io', 1, output_is_a_folder),
     ('pack.instanced', 2, packed('p.glb', layout='instanced', named='out.pvs')),
     ('pack.not-written', 1, packed('no/p.glb', named='no/p.glb')),

@@ -94,6 +94,10 @@ struct settings {
   // --safety-ring none|edge|vertex: what shares an edge or a vertex with a polygon of a finished set joins it unseen.
   bake::safety_ring safety_ring = bake::safety_ring::none;
 
+  // --misses: polygons that a host found missing, {"misses":[{"eye":[x,y,z],"polygon":1234}]}. In the cells that such
+  // an eye can be in they join the set where a ray sees them.
+  std::optional<std::filesystem::path> misses_file;
+
   file_settings file;  // --profile, --order, --layout
 
   // --- running; none of these changes a byte of the file
