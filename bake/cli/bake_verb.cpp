@@ -20,6 +20,7 @@
 #include "number_text.h"
 #include "progress_line.h"
 #include "safety_ring_text.h"
+#include "scene_options.h"
 #include "shard_option.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/bake/sampler_options.h"
@@ -38,7 +39,8 @@ std::string name_of(const std::array<std::string_view, Count>& names, Kind kind)
 }
 
 struct bake_options {
-  std::filesystem::path scene, output, json_file;
+  scene_options scenes;
+  std::filesystem::path output, json_file;
   std::filesystem::path cells_file, misses_file;
   std::vector<float> cells_grid;
   bake::settings settings;
@@ -104,7 +106,8 @@ void refuse_overwriting(const bake_options& options) {
   };
   std::error_code ignored;
   for (const std::filesystem::path& output : {options.output, options.json_file}) {
-    if (std::filesystem::equivalent(options.scene, output, ignored)) refuse(output, "is the scene itself");
+    for (const std::filesystem::path& scene : {options.scenes.scene, options.scenes.cells_from})
+      if (std::filesystem::equivalent(scene, output, ignored)) refuse(output, "is the scene itself");
     if (std::filesystem::equivalent(options.cells_file, output, ignored)) refuse(output, "is the cells file");
     if (std::filesystem::equivalent(options.misses_file, output, ignored)) refuse(output, "is the file of misses");
   }
@@ -196,9 +199,11 @@ int run_bake(bake_options options) {
   refuse_bad_outputs(options);
   outlive_failed_writes();
   progress_line line(mode_of(options.progress));
-  const scene::scene s = scene::load_gltf(options.scene, how.scene);
+  const scene::scene s = scene::load_gltf(options.scenes.scene, how.scene);
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   line.message(fmt::format("{}: {} polygons in {} draws", s.name, grouped(s.polygon_count), grouped(s.draws.size())));
+  const std::optional<scene::scene> of_cells = load_scene_of_cells(options.scenes, line);
+  if (of_cells) how.cells_from = &*of_cells;
 
   how.time_spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const stop_signals signals;
@@ -358,16 +363,20 @@ void add_running_options(CLI::App& verb, bake_options& o) {
 void add_bake_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<bake_options>();
   CLI::App& verb = *program.add_subcommand("bake", "bake the visibility of a scene; an interrupted bake resumes");
-  verb.add_option("SCENE", options->scene, ".glb or .gltf")->type_name("FILE")->required();
+  add_scene_options(verb, options->scenes, "Cells");
   verb.add_option("-o", options->output, "the .pvs file to write")->type_name("FILE.pvs")->required();
   verb.add_option("--scene", options->settings.scene, "which scene of the file; without: its default")
       ->type_name("N")
-      ->check(CLI::Range(0, INT32_MAX));
+      ->check(CLI::Range(0, INT32_MAX))
+      ->excludes("--polygons-from");
   add_cell_options(verb, *options);
   add_sampling_options(verb, *options);
   add_file_options(verb, *options);
   add_running_options(verb, *options);
-  verb.callback([options, &chosen] { chosen = [options] { return run_bake(*options); }; });
+  verb.callback([options, &chosen] {
+    settle_scenes(options->scenes);
+    chosen = [options] { return run_bake(*options); };
+  });
 }
 
 }  // namespace sightcell::cli

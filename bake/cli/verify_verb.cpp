@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "number_text.h"
 #include "progress_line.h"
 #include "pvs_file.h"
+#include "scene_options.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/bake/misses.h"
 #include "sightcell/scene/error.h"
@@ -31,7 +33,8 @@ using nlohmann::ordered_json;
 constexpr std::size_t named_on_terminal = 10;  // missing polygons; --json has all that verify keeps
 
 struct verify_options {
-  std::filesystem::path scene, file, picture, from;
+  scene_options scenes;
+  std::filesystem::path file, picture, from;
   bool with_rays = true;  // --from takes their place, unless they are asked for
   bake::verify_settings how;
   metric_options metric;
@@ -103,6 +106,10 @@ ordered_json try_worst_view(const scene::scene& s, const pvs_file& file, const s
   if (missing.empty()) return nullptr;
   ordered_json view = miss_json(missing.front());
   view["pictures"] = ordered_json::array();
+  if (options.scenes.two()) {
+    line.message("the worst view is not drawn: pictures are of one scene, and what hides is in the other one too");
+    return view;
+  }
   try {
     std::string prefix = options.file.string();
     if (!options.picture.empty()) {
@@ -168,8 +175,10 @@ int run_verify(verify_options options) {
     throw error(error_kind::wrong_use, "settings.out-of-range", "--rays", "is 0", "give at least 1");
   progress_line line(progress_mode::automatic);
   const pvs_file file = pvs_file::open(options.file);
-  const scene::scene s = scene::load_gltf(options.scene, file.scene());
+  const scene::scene s = scene::load_gltf(options.scenes.scene, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
+  const std::optional<scene::scene> of_cells = load_scene_of_cells(options.scenes, line);
+  if (of_cells) options.how.cells_from = &*of_cells;
   ordered_json result;
   bool passed = true;
   if (options.with_rays) std::tie(result, passed) = verify_with_rays(s, file, options, line);
@@ -198,8 +207,8 @@ void refuse_options_of_rays(const CLI::App& verb) {
 void add_verify_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<verify_options>();
   CLI::App& verb = *program.add_subcommand("verify", "bound the error of a .pvs file with fresh, independent rays");
-  verb.add_option("SCENE", options->scene, ".glb or .gltf")->type_name("FILE")->required();
-  verb.add_option("FILE", options->file, "the .pvs file baked from it")->type_name("FILE.pvs")->required();
+  add_scene_options(verb, options->scenes, "Options");
+  verb.add_option("FILE", options->file, "the .pvs file baked from it")->type_name("FILE.pvs");
   const auto add = [&verb](const char* name, auto& value, const char* unit, const char* help) {
     verb.add_option(name, value, help)->type_name(unit)->capture_default_str();
   };
@@ -216,6 +225,7 @@ void add_verify_verb(CLI::App& program, action& chosen) {
       ->type_name("FILE");
   verb.add_flag("--json", options->json, "print one JSON object on standard output");
   verb.callback([options, &chosen, &verb] {
+    settle_scenes(options->scenes, &options->file);
     options->with_rays = options->from.empty() || verb.get_option("--rays")->count() > 0;
     if (!options->with_rays) refuse_options_of_rays(verb);
     chosen = [options] { return run_verify(*options); };

@@ -45,7 +45,7 @@ void take_bound(const finish_result& proof, cell_record& record) {
 
 cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
                        const near_polygons* neighbors, const cell_sampler& sampler, const error_metric& metric,
-                       const known_misses* misses)
+                       const known_misses* misses, std::uint32_t own_polygons)
     : how_(how),
       given_(given),
       rays_(rays),
@@ -53,6 +53,7 @@ cell_baker::cell_baker(const settings& how, const overrides& given, const ray_sc
       sampler_(sampler),
       metric_(metric),
       misses_(misses),
+      own_polygons_(own_polygons),
       duplicates_(rays.geometry(), how.all_double_sided) {
   const auto& kinds = rays.geometry().kinds;
   for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
@@ -60,7 +61,7 @@ cell_baker::cell_baker(const settings& how, const overrides& given, const ray_sc
 }
 
 cell_set cell_baker::make_set() const {
-  return cell_set(static_cast<std::uint32_t>(rays_.geometry().kinds.size()), &duplicates_);
+  return cell_set(static_cast<std::uint32_t>(rays_.geometry().kinds.size()), &duplicates_, own_polygons_);
 }
 
 std::size_t cell_baker::set_bytes() const {
@@ -262,7 +263,8 @@ cell_record cell_baker::finished(const view_cell& cell, cell_record last) const 
   complete(cell, last.set);
   if (how_.safety_ring == safety_ring::none) return last;
   // Around what was found, and not around what joins by hand; what joins with it does so with the ring as well.
-  const auto ring = ring_of(rays_, neighbors_->sharing, how_.safety_ring, grown(cell), with_ring);
+  auto ring = ring_of(rays_, neighbors_->sharing, how_.safety_ring, grown(cell), with_ring);
+  ring.erase(std::lower_bound(ring.begin(), ring.end(), own_polygons_), ring.end());
   const auto begin_of_ring = with_ring.insert(with_ring.end(), ring.begin(), ring.end());
   std::inplace_merge(with_ring.begin(), begin_of_ring, with_ring.end());
   complete(cell, with_ring);

@@ -12,9 +12,14 @@ namespace sightcell::bake {
 
 class cell_set {
  public:
-  // duplicates: whoever joins brings the others of its class with it; null: nobody. Must outlive the set.
-  explicit cell_set(std::uint32_t polygon_count, const duplicate_classes* duplicates = nullptr)
-      : entries_(polygon_count), duplicates_(duplicates) {}
+  // duplicates: whoever joins brings the others of its class with it; null: nobody. Must outlive the set. Of polygons
+  // from own_polygons on, which are of another scene (two_scenes.h), all is known: the set contains them, and they are
+  // no members.
+  explicit cell_set(std::uint32_t polygon_count, const duplicate_classes* duplicates = nullptr,
+                    std::uint32_t own_polygons = 0xFFFFFFFFu)
+      : entries_(polygon_count), duplicates_(duplicates) {
+    for (std::size_t i = own_polygons; i < entries_.size(); ++i) entries_[i].pixels = 0xFFFFFFFFu;
+  }
 
   // What an empty set of so many polygons takes.
   static constexpr std::size_t bytes_for(std::size_t polygon_count) { return polygon_count * sizeof(entry); }

@@ -69,7 +69,10 @@ std::uint64_t memory_of_scene(const scene::scene& s, const settings& how) {
   if (needs_neighbors(how)) per_polygon += of_neighbors;
   if (takes_hemicubes(how.sampler) && how.source != "rays") per_polygon += of_source;
   const std::uint64_t copies = how.all_double_sided ? 2 : 1;
-  return of_process + copies * flattened(s) + s.polygon_count * per_polygon;
+  std::uint64_t bytes = of_process;
+  for (const scene::scene* one : {&s, how.cells_from})
+    if (one != nullptr) bytes += copies * flattened(*one) + one->polygon_count * per_polygon;
+  return bytes;
 }
 
 std::uint64_t memory_of_lane(std::uint64_t polygons, std::uint64_t set_bytes, const settings& how) {
@@ -88,21 +91,21 @@ std::uint64_t memory_of_floors(double width, double depth, const settings& how) 
 
 void require_memory(const scene::scene& s, const settings& how, const scene::world_geometry* flattened_scene) {
   if (how.memory == 0) return;
+  std::uint64_t polygons = s.polygon_count;
+  if (how.cells_from != nullptr) polygons += how.cells_from->polygon_count;
   // A set is 8 bytes per polygon.
-  std::uint64_t needed =
-      resident_memory() + memory_of_scene(s, how) + memory_of_lane(s.polygon_count, 8ull * s.polygon_count, how);
+  std::uint64_t needed = resident_memory() + memory_of_scene(s, how) + memory_of_lane(polygons, 8 * polygons, how);
   if (flattened_scene != nullptr) {
     const glm::vec3 size = flattened_scene->max - flattened_scene->min;
     needed += memory_of_floors(static_cast<double>(size.x), static_cast<double>(size.z), how);
-    needed -= std::min(needed, flattened(s));  // it is resident
+    needed -= std::min(needed, flattened(s) + (how.cells_from ? flattened(*how.cells_from) : 0));  // it is resident
   }
   const std::uint64_t so_far = peak_resident_memory();
   if (std::max(needed, so_far) <= how.memory) return;
-  throw error(
-      error_kind::failed, "bake.memory", s.name,
-      fmt::format("needs about {} with {} polygons{}; --memory is {}", text(std::max(needed, so_far)), s.polygon_count,
-                  so_far > how.memory ? fmt::format(", {} to load", text(so_far)) : "", text(how.memory)),
-      "give a larger --memory, or bake the scene in parts");
+  throw error(error_kind::failed, "bake.memory", s.name,
+              fmt::format("needs about {} with {} polygons{}; --memory is {}", text(std::max(needed, so_far)), polygons,
+                          so_far > how.memory ? fmt::format(", {} to load", text(so_far)) : "", text(how.memory)),
+              "give a larger --memory, or bake the scene in parts");
 }
 
 std::size_t lanes_that_fit(std::size_t lanes, std::uint64_t lane_bytes, const settings& how) {

@@ -23,6 +23,7 @@
 #include "sightcell/scene/json_text.h"
 #include "sightcell/scene/scene.h"
 #include "stored_rules.h"
+#include "two_scenes.h"
 
 namespace sightcell::bake {
 namespace {
@@ -162,6 +163,10 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   const scene::scene* s = how.importance_in;
   require_same_scene(opened, name, s);
   require_same_scene(opened, name, how.layout_from);
+  if (s != nullptr && stored_cells_from(opened.settings()))
+    throw error(error_kind::wrong_use, "recode.two-scenes", name,
+                "says what the cells of another scene see, which hides some of this one",
+                "bake with --importance: that knows both");
   require_ok(sets.open(opened), name);
   require_ok(sets.check(), name);
   // With importance alone all else stays, also what encoding sets with their slack anew would do otherwise.

@@ -11,6 +11,7 @@
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/json_text.h"
+#include "two_scenes.h"
 
 namespace sightcell::bake {
 
@@ -98,6 +99,12 @@ void check_time_budget(const settings& s) {
   if (s.seconds_per_cell > 0.0) refuse_with("is given together with --seconds-per-cell", "give one of them");
 }
 
+void check_two_scenes(const settings& s) {
+  if (s.cells_from == nullptr) return;
+  if (s.metric.kind == metric_kind::color) refuse_colors_of_two_scenes("--metric color");
+  if (s.sampler == "importance-depth-color") refuse_colors_of_two_scenes("--sampler importance-depth-color");
+}
+
 const char* kind_of_cells(const settings& s) {
   if (!s.cells.empty()) return "given";
   if (s.cells_file) return "file";
@@ -138,6 +145,7 @@ void validate(const settings& s) {
   if (s.max_pixel_error != 0.0 && !(s.max_pixel_error >= 1e-7 && s.max_pixel_error <= 0.5))
     refuse("--max-pixel-error", number(s.max_pixel_error), "0 (no rays) or 1e-07 to 0.5");
   validate_metric(s.metric);
+  check_two_scenes(s);
   check_time_budget(s);
   if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
@@ -181,6 +189,7 @@ std::string describe(const settings& s) {
   if (s.file.layout != host_layout::instanced)
     text += fmt::format(R"(,"layout":"{}")", host_layout_names[static_cast<std::size_t>(s.file.layout)]);
   if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
+  if (s.cells_from != nullptr) text += fmt::format(R"(,"{}":"{}")", cells_from_member, fingerprint_text(*s.cells_from));
   text += "}";
   return text;
 }

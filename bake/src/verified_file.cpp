@@ -2,6 +2,7 @@
 
 #include "sightcell/bake/bake.h"
 #include "sightcell/scene/error.h"
+#include "two_scenes.h"
 
 namespace sightcell::bake {
 namespace {
@@ -11,21 +12,37 @@ void require_ok(format::status outcome, const std::string& name) {
     throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
 }
 
+// What hides is told by both scenes: one alone would show what nobody sees.
+void require_cells_from(const format::reader& file, const std::string& name, const scene::scene* given) {
+  const std::optional<std::string> stored = stored_cells_from(file.settings());
+  if (stored && given == nullptr)
+    throw error(error_kind::wrong_use, "pvs.two-scenes", name, "says what the cells of another scene see",
+                "name both: --polygons-from SCENE --cells-from SCENE");
+  if (given == nullptr || stored == fingerprint_text(*given)) return;
+  throw error(error_kind::bad_input, "pvs.other-scene", name,
+              stored ? "was baked with cells of another scene than " + given->name : "has cells of its own scene",
+              stored ? "give as --cells-from the scene whose cells it has" : "give that scene alone");
+}
+
 }  // namespace
 
-verified_file::verified_file(const scene::scene& s, std::span<const std::byte> file, const std::string& name)
-    : name_(name) {
+verified_file::verified_file(const scene::scene& s, const scene::scene* cells_from, std::span<const std::byte> file,
+                             const std::string& name)
+    : scene_(s), cells_from_(cells_from), name_(name) {
   require_ok(format::reader::open(file, file_), name);
   if (file_.polygon_count() != s.polygon_count || file_.facts().scene_fingerprint != s.fingerprint)
     throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s.name,
                 "give the scene it was baked from, or bake again");
+  require_cells_from(file_, name, cells_from);
   require_ok(sets_.open(file_), name);
   rules_ = stored_rules_of(file_.settings());
 }
 
-void verified_file::build_rays(const scene::scene& s) {
-  geometry_ = scene::flatten(s, rules_.animated);
+void verified_file::build_rays() {
+  geometry_ = scene::flatten(scene_, rules_.animated);
   apply_stored_overrides(file_.settings(), geometry_);
+  if (cells_from_ != nullptr)
+    append(geometry_, scene::flatten(*cells_from_, rules_.animated), rules_.all_double_sided, cells_from_->name);
   rays_.emplace(geometry_, rules_.all_double_sided);
 }
 

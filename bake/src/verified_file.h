@@ -19,13 +19,16 @@ namespace sightcell::bake {
 
 class verified_file {
  public:
-  // References must outlive the object. Throws sightcell::error where the file is broken or of another scene.
-  verified_file(const scene::scene& s, std::span<const std::byte> file, const std::string& name);
+  // References must outlive the object. cells_from: the scene of the cells where that is another one, else null. Throws
+  // sightcell::error where the file is broken or of other scenes.
+  verified_file(const scene::scene& s, const scene::scene* cells_from, std::span<const std::byte> file,
+                const std::string& name);
   verified_file(const verified_file&) = delete;  // rays point into it
   verified_file& operator=(const verified_file&) = delete;
 
-  // Flattens the scene as the bake did, and builds the rays: on the calling thread's TBB arena.
-  void build_rays(const scene::scene& s);
+  // Flattens what the bake saw as it did, and builds the rays: on the calling thread's TBB arena. Polygons from
+  // file().polygon_count() on are of the other scene and in no set.
+  void build_rays();
 
   const format::reader& file() const { return file_; }
   const stored_rules& rules() const { return rules_; }
@@ -36,6 +39,8 @@ class verified_file {
   box cell_box(std::uint32_t cell) const;
 
  private:
+  const scene::scene& scene_;
+  const scene::scene* cells_from_;
   const std::string& name_;
   format::reader file_;
   format::set_reader sets_;

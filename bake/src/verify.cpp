@@ -13,6 +13,7 @@
 #include "host_scene.h"
 #include "sightcell/bake/bake.h"
 #include "source/surface_colors.h"
+#include "two_scenes.h"
 #include "verified_file.h"
 
 namespace sightcell::bake {
@@ -29,7 +30,8 @@ class membership {
     for (const std::uint32_t polygon : set) in_[polygon] = 1;
     size_ = set.size();
   }
-  bool contains(std::uint32_t polygon) const { return in_[polygon] != 0; }
+  // What is of another scene is in no set, and nobody misses it.
+  bool contains(std::uint32_t polygon) const { return polygon >= in_.size() || in_[polygon] != 0; }
   std::uint64_t size() const { return size_; }
 
  private:
@@ -54,7 +56,7 @@ void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<miss
 
 verification verify_cells(const scene::scene& s, verified_file& opened, const verify_settings& how,
                           const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
-  opened.build_rays(s);
+  opened.build_rays();
   const format::reader& file = opened.file();
   const ray_scene& rays = opened.rays();
   std::optional<surface_colors> colors;
@@ -101,7 +103,8 @@ verification verify_cells(const scene::scene& s, verified_file& opened, const ve
 verification verify(const scene::scene& s, std::span<const std::byte> file, const std::string& name,
                     const verify_settings& how, const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
   validate_metric(how.metric);
-  verified_file opened(s, file, name);
+  if (how.cells_from != nullptr && how.metric.kind == metric_kind::color) refuse_colors_of_two_scenes("--metric color");
+  verified_file opened(s, how.cells_from, file, name);
   verification result;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   arena.execute([&] { result = verify_cells(s, opened, how, on_progress); });

@@ -17,6 +17,7 @@
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/scene/error.h"
 #include "sightcell/scene/json_text.h"
+#include "two_scenes.h"
 
 namespace sightcell::bake {
 namespace {
@@ -69,10 +70,15 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
   if (how.cells_file) given = read_overrides(*how.cells_file, s);
   if (how.misses_file) misses = known_misses(read_misses(*how.misses_file, s));
   flatten_into(geometry, s, how, given);
+  if (how.cells_from) {
+    scene::world_geometry other = scene::flatten(*how.cells_from, how.animated);
+    list = make_cells(other, how);
+    append(geometry, std::move(other), how.all_double_sided, how.cells_from->name);
+  }
   require_memory(s, how, &geometry);
   // Cells know nothing of rays, and most of both is one thread's work.
   tbb::parallel_invoke(
-      [&] { list = make_cells(geometry, how); },
+      [&] { if (!how.cells_from) list = make_cells(geometry, how); },
       [&] {
         rays.emplace(geometry, how.all_double_sided);
         if (needs_neighbors(how)) neighbors.emplace(*rays);
@@ -129,7 +135,9 @@ trial_result try_hemicubes(const workshop& w) {
     const double start = seconds_now();
     w.eyes.source->render({.eye = 0.5f * (cell.min + cell.max)}, view);
     seconds += (seconds_now() - start) / trials;
-    result.polygons += static_cast<double>(view.seen.size()) / trials;
+    const auto own = std::count_if(view.seen.begin(), view.seen.end(),
+                                   [&](const seen_polygon& one) { return one.id < w.s.polygon_count; });
+    result.polygons += static_cast<double>(own) / trials;
   }
   result.sampling_seconds = w.how.samples * seconds;
   result.sampling = fmt::format("{} hemicubes each at {:.1f} ms", w.how.samples, 1e3 * seconds);
@@ -156,7 +164,7 @@ trial_result try_sampling_rays(const workshop& w) {
   const bool for_all = how.sampler == "agvs";
   if (for_all) how.sampler = "gvs";  // finds about as much, and can be asked for one cell
   const auto sampler = make_cell_sampler(how, {*w.rays, *w.eyes.source, nullptr, w.list.cells});
-  cell_set set(static_cast<std::uint32_t>(w.geometry.kinds.size()));
+  cell_set set(static_cast<std::uint32_t>(w.geometry.kinds.size()), nullptr, w.s.polygon_count);
   tbb::task_arena alone(1);  // so that the time of this thread is all of it
   double seconds = 0.0, cast = 0.0;
   for (std::size_t i = 0; i < trials; ++i) {

@@ -93,6 +93,24 @@ class Usage(InFolder):
             _, err = self.expect(4, *verify, option, value, '--rays', '1')
             self.assert_one_error_line(err, 'cli.unreadable')
 
+    def test_one_scene_or_two(self):
+        both = ['--polygons-from', self.room, '--cells-from', self.room]
+        output, file = ['-o', self.path('no.pvs')], self.path('no.pvs')
+        for arguments in (['bake', *output, *both, self.room], ['bake', *output, *both[:2]], ['bake', *output, *both[2:]],
+                          ['bake', *output, *both[:2], self.room], ['bake', *output, *both, '--scene', '0'],
+                          ['bake', *output], ['verify', *both], ['verify', self.room, file, *both],
+                          ['verify', file, *both[:2]], ['verify', self.room]):
+            _, err = self.expect(2, *arguments)
+            self.assert_one_error_line(err, 'cli.wrong-use')
+        _, err = self.expect(4, 'verify', *both, file)
+        self.assert_one_error_line(err, 'cli.unreadable')
+        for arguments in (['--polygons-from', self.room, '--cells-from', self.path('none.glb')],
+                          ['--polygons-from', self.path('none.glb'), '--cells-from', self.room]):
+            _, err = self.expect(4, 'bake', *output, *arguments)
+            self.assertIn('none.glb', self.assert_one_error_line(err, 'scene.not-found'))
+        _, err = self.expect(2, 'bake', '-o', self.cells, '--polygons-from', self.room, '--cells-from', self.cells)
+        self.assert_one_error_line(err, 'cli.output-is-input')
+
     def test_output_must_not_be_the_scene(self):
         _, err = self.expect(2, 'bake', self.room, '-o', self.room)
         self.assert_one_error_line(err, 'cli.output-is-input')
@@ -320,6 +338,27 @@ class Bake(InFolder):
         settings = json.loads(self.expect(0, 'info', repaired, '--json')[0])['settings']
         self.assertEqual(settings.pop('misses'), 3)
         self.assertEqual(settings, json.loads(self.expect(0, 'info', file, '--json')[0])['settings'])
+
+    def test_what_one_level_sees_of_another(self):
+        """A high room sees of the same one, half as high, the floor and the lower halves of its walls, which lie in the
+        higher ones; its ceiling is between them and is seen from below alone."""
+        high, file = self.path('high.glb'), self.path('levels.pvs')
+        write_room(high, height=8)
+        both = ['--polygons-from', self.room, '--cells-from', high]
+        out, err = self.expect(0, 'bake', *both, '-o', file, '--cells-file', self.cells, *QUICK_BAKE, '--json')
+        self.assertEqual((json.loads(out)['polygons'], json.loads(out)['cells']), (12, 1))
+        self.assertIn('cells among 12 polygons', err)
+        info = json.loads(self.expect(0, 'info', file, '--json')[0])
+        of_high = json.loads(self.expect(0, 'info', high, '--json')[0])['fingerprint']
+        of_room = json.loads(self.expect(0, 'info', self.room, '--json')[0])['fingerprint']
+        self.assertEqual((info['polygons'], info['fingerprint'], info['settings']['cells_from']), (12, of_room, of_high))
+        out, _ = self.expect(0, 'verify', *both, file, '--rays', '20000', '--json')
+        self.assertEqual(json.loads(out)['misses'], 0)
+        self.expect(0, 'verify', file, *both, '--rays', '20000')
+        _, err = self.expect(2, 'verify', self.room, file)
+        self.assert_one_error_line(err, 'pvs.two-scenes')
+        _, err = self.expect(4, 'verify', file, '--polygons-from', self.room, '--cells-from', self.room)
+        self.assert_one_error_line(err, 'pvs.other-scene')
 
     def test_the_metric_is_named_everywhere(self):
         view = ['--view-resolution', '640x360', '--view-fov', '90', '--view-pitch', '-30,20.5', '--view-least', '0.5']

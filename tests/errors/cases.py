@@ -256,6 +256,18 @@ def too_large_misses(folder):
     return path
 
 
+def of_two_scenes(make):
+    """make(folder, file): a call with what the cells of a larger room see of the room."""
+    def prepare(folder, program):
+        import subprocess
+        file = os.path.join(folder, 'out.pvs')
+        subprocess.run([program, 'bake', '--polygons-from', room(folder), '--cells-from',
+                        scene(folder, 'larger.gltf', scale=3.0, inward=True), '-o', file, '--cells-file',
+                        cells(folder), *QUICK], check=True, capture_output=True, timeout=120)
+        return Call(make(folder, file), 'out.pvs')
+    return prepare
+
+
 def too_many_cells(folder):
     box = '{"min":[0,0,0],"max":[1,1,1]}'
     return cells(folder, '{"cells":[' + ','.join([box] * 1_000_001) + ']}')
@@ -371,6 +383,9 @@ CASES = [
     ('pvs.broken', 4, chunk_damaged),
     ('pvs.other-scene', 4, other_scene),
     ('pvs.other-scene', 4, packed('p.glb', named='out.pvs', scene_of=lambda f: scene(f, 'other.gltf', scale=3.0))),
+    ('pvs.two-scenes', 2, of_two_scenes(lambda f, file: ['verify', os.path.join(f, 'room.gltf'), file])),
+    ('recode.two-scenes', 2, of_two_scenes(lambda f, file: ['recode', file, '--importance',
+                                                            os.path.join(f, 'room.gltf')])),
     ('recode.has-slack', 2, recoded('--profile', 'exact', named='a.pvs')),
     ('recode.merged', 2, recoded('--order', 'per-instance', named='a.pvs', file='v1_merged.pvs')),
     ('recode.no-scene', 2, recoded('--layout', 'merged', named='a.pvs')),
@@ -404,6 +419,8 @@ CASES = [
     ('settings.out-of-range', 2, option('--cell-size', '0.1')),
     ('settings.out-of-range', 2, option('--resolution', '255')),
     ('settings.out-of-range', 2, option('--source', 'opengl')),
+    ('settings.two-scenes', 2, lambda f: Call(['bake', '--polygons-from', room(f), '--cells-from', room(f), '-o',
+                                               os.path.join(f, 'out.pvs'), '--metric', 'color'], '--metric')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--sampler', 'halton')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--shard', '0/2')),
 ]

@@ -38,8 +38,9 @@ miss_check check_all(verified_file& file, const known_misses& known,
     const box own = file.cell_box(cell);
     const std::vector<std::uint32_t> here = known.in(own.min, own.max, file.file().facts().margin);
     if (!here.empty()) file.cell_set(cell, set);
-    const std::function<bool(std::uint32_t)> contains = [&set](std::uint32_t polygon) {
-      return std::binary_search(set.begin(), set.end(), polygon);
+    // What is of another scene is in no set, and nobody misses it.
+    const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) {
+      return polygon >= file.file().polygon_count() || std::binary_search(set.begin(), set.end(), polygon);
     };
     std::vector<finding> found(here.size());
     tbb::parallel_for(std::size_t{0}, here.size(), [&](std::size_t i) {
@@ -71,12 +72,12 @@ miss_check check_all(verified_file& file, const known_misses& known,
 miss_check check_misses(const scene::scene& s, std::span<const std::byte> file, const std::string& name,
                         const std::filesystem::path& misses, const verify_settings& how,
                         const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
-  verified_file opened(s, file, name);
+  verified_file opened(s, how.cells_from, file, name);
   const known_misses known(read_misses(misses, s));
   miss_check result;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   arena.execute([&] {
-    opened.build_rays(s);
+    opened.build_rays();
     result = check_all(opened, known, on_progress);
   });
   return result;

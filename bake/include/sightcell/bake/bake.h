@@ -136,6 +136,8 @@ struct verify_settings {
   std::uint64_t seed = 12345;      // --seed
   std::uint32_t threads = 0;
   metric_settings metric = {};  // --metric, what the error is; that of the bake may be another
+  // --cells-from: as settings::cells_from of the bake. Outlives the call.
+  const scene::scene* cells_from = nullptr;
 };
 
 // Casts fresh independent rays against the cell sets of a .pvs file: its own ray scene, no sampler code. A host's scene

@@ -13,6 +13,10 @@
 #include "sightcell/bake/safety_ring.h"
 #include "sightcell/scene/animated_as.h"
 
+namespace sightcell::scene {
+struct scene;  // sightcell/scene/scene.h, for who loads glTF
+}  // namespace sightcell::scene
+
 namespace sightcell::bake {
 
 // A view cell given by hand: metres, min below max on every axis.
@@ -56,6 +60,10 @@ struct settings {
   std::uint32_t cell_limit = 0;                     // --cell-limit, bake only so many, spread evenly; 0: all
   float margin = 0.25f;                             // --margin, metres, 0..10: boxes are grown by it for the bake
   float player_radius = 0.05f;                      // --player-radius, metres, 0.001..1: eyes keep off surfaces by it
+  // --cells-from: cells are those of this scene, which stands in the same world, is seen, hides, and is in no set; of
+  // the scene that is baked (--polygons-from) come the polygons. Null: cells and polygons are of one scene. Outlives
+  // the bake.
+  const scene::scene* cells_from = nullptr;
 
   // --- sampling
   // --sampler, by name. What these settings mean, their ranges and which samplers have them: sampler_options.h.
