@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <new>
+#include <utility>
 
 #include "checked_reader.h"
 #include "checksum.h"
@@ -277,12 +278,16 @@ status reader::check_chunk_filled(std::uint32_t number, const row_codes* codes,
   return next == chunk.end_of_rows() ? status::ok : status::corrupt;
 }
 
-// Every source id once. The numbers are sorted where they lie.
+// Every source id once. Each number, all of which are below their count, is put in its place, where its double is
+// found.
 status reader::check_stored(std::span<std::uint32_t> stored) const noexcept {
   if (const status s = source_of_stored(stored); s != status::ok) return s;
-  std::sort(stored.begin(), stored.end());
   for (std::uint32_t i = 0; i < stored.size(); ++i) {
-    if (stored[i] != i) return status::corrupt;
+    while (stored[i] != i) {
+      std::uint32_t& place = stored[stored[i]];
+      if (place == stored[i]) return status::corrupt;
+      std::swap(stored[i], place);
+    }
   }
   return status::ok;
 }

@@ -134,6 +134,15 @@ struct counted_nodes {
 
 }  // namespace
 
+void sort_by_number(std::span<located_cell> cells) noexcept {
+  for (std::size_t i = 1; i < cells.size(); ++i) {
+    const located_cell moved = cells[i];
+    std::size_t at = i;
+    for (; at > 0 && moved.cell < cells[at - 1].cell; --at) cells[at] = cells[at - 1];
+    cells[at] = moved;
+  }
+}
+
 std::uint32_t box_tree::node_count(std::uint32_t cells) noexcept {
   return cells == 0 ? 0 : counted_nodes{}.of(cells);
 }
@@ -290,10 +299,11 @@ void box_tree::nearest(nearest_search& search) const noexcept {
     const std::size_t begin = depth;
     for (std::size_t i = 0; i < node.child.size(); ++i) {
       if (node.min[0][i] > node.max[0][i]) continue;
-      stack[depth++] = {search.distance_to(child_bounds(node, i)), node.child[i]};
+      const near_child next{search.distance_to(child_bounds(node, i)), node.child[i]};
+      std::size_t at = depth++;
+      for (; at > begin && stack[at - 1].squared < next.squared; --at) stack[at] = stack[at - 1];
+      stack[at] = next;
     }
-    std::sort(stack.begin() + static_cast<std::ptrdiff_t>(begin), stack.begin() + static_cast<std::ptrdiff_t>(depth),
-              [](const near_child& a, const near_child& b) { return a.squared > b.squared; });
   }
 }
 

@@ -15,6 +15,9 @@ struct located_cell {
   std::uint32_t cell = 0;
 };
 
+// By number; few cells, so that insertion is quick and takes little code.
+void sort_by_number(std::span<located_cell> cells) noexcept;
+
 // Four children side by side, so that one place is compared with all of them at once; two cache lines.
 struct tree_node {
   std::array<std::array<float, 4>, 3> min{}, max{};  // by axis; min above max where there is no child

@@ -8,9 +8,11 @@
 
 #include "commands.h"
 #include "db.h"
+#include "debug_lines.h"
 #include "file_input.h"
 #include "index_list.h"
 #include "memory.h"
+#include "misses_text.h"
 #include "object_bits.h"
 #include "prefetch.h"
 #include "ranges.h"
@@ -324,5 +326,43 @@ sightcell_status sightcell_view_changes(const sightcell_view* view, uint32_t sin
   if (room_added != SIGHTCELL_OK || room_removed != SIGHTCELL_OK) return SIGHTCELL_ERR_CAPACITY;
   runtime::write_difference(view->runs(), before, borders, added);
   runtime::write_difference(before, view->runs(), borders, removed);
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_statistics(const sightcell_view* view, sightcell_view_stats* out) {
+  if (view == nullptr || out == nullptr || out->struct_size < sizeof *out) return SIGHTCELL_ERR_ARGUMENT;
+  *out = view->statistics();
+  out->struct_size = sizeof *out;
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_statistics(const sightcell_db* db, sightcell_db_stats* out) {
+  if (db == nullptr || out == nullptr || out->struct_size < sizeof *out) return SIGHTCELL_ERR_ARGUMENT;
+  const runtime::cache_counts counts = db->is_paged() ? db->cache().counts() : runtime::cache_counts{};
+  *out = {sizeof *out,     db->file().chunk_count(), db->memory_bytes(), counts.resident_bytes,
+          counts.requests, counts.delivered_bytes,   counts.evictions,   counts.refused_deliveries};
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_debug_lines(const sightcell_view* view, uint32_t kinds, sightcell_debug_line* dst,
+                                            size_t capacity, size_t* count) {
+  if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const sightcell_status room = check_room(dst, capacity, runtime::count_debug_lines(*view, kinds), count);
+  if (room != SIGHTCELL_OK) return room;
+  runtime::write_debug_lines(*view, kinds, dst);
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_misses_text(const sightcell_db* db, const sightcell_miss* misses, size_t miss_count,
+                                          char* dst, size_t capacity, size_t* count) {
+  if (db == nullptr || (misses == nullptr && miss_count > 0)) return SIGHTCELL_ERR_ARGUMENT;
+  const std::span all(misses, miss_count);
+  for (const sightcell_miss& miss : all) {
+    if (!runtime::can_be_written(miss, db->polygon_count())) return SIGHTCELL_ERR_ARGUMENT;
+  }
+  const auto& scene = db->file().facts().scene_fingerprint;
+  const sightcell_status room = check_room(dst, capacity, runtime::write_misses(scene, all, {}), count);
+  if (room != SIGHTCELL_OK) return room;
+  static_cast<void>(runtime::write_misses(scene, all, {dst, capacity}));
   return SIGHTCELL_OK;
 }

@@ -86,6 +86,10 @@ struct sightcell_db {
   sightcell_status deliver(std::uint32_t ticket, const void* bytes, std::uint32_t size) noexcept;
 
   [[nodiscard]] sightcell_status check() const noexcept;
+  // Of the allocator, for as long as the db is open.
+  [[nodiscard]] std::uint64_t memory_bytes() const noexcept {
+    return block_size_ + tables_size_ + (owned_bytes_ == nullptr ? 0 : owned_size_);
+  }
 
  private:
   // Bytes that open_source waits for.

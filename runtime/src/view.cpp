@@ -198,7 +198,7 @@ void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags) noe
 // The sets of several cells together, in the order of their numbers whatever order they were found in.
 void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t flags) noexcept {
   place_flags_ = flags;
-  std::sort(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
+  sort_by_number(cells);
   const bool same = shown_cell_count_ == cells.size() &&
                     std::equal(cells.begin(), cells.end(), shown_cells_.begin(),
                                [](const located_cell& c, std::uint32_t shown) { return c.cell == shown; });
@@ -240,6 +240,7 @@ std::uint32_t sightcell_view::decode(std::uint32_t cell, polygon_set& out,
   const row_outcome outcome = db_->decode(cell, out.buffer, scratch_, parts);
   out.count = parts.polygons.size();  // they are the first in the buffer
   volumes = parts.volumes;
+  counts_.rows_decoded += outcome == row_outcome::good ? 1 : 0;
   if (outcome == row_outcome::good) return 0;
   if (outcome == row_outcome::pending) return SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_PENDING;
   return SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
@@ -290,13 +291,20 @@ void sightcell_view::show_next(std::uint32_t data_flags, std::uint32_t most_rang
   for (const format::run& r : current_.runs()) polygon_count_ += r.count;
 }
 
-void sightcell_view::report(std::uint32_t revision_before, sightcell_frame& frame) const noexcept {
+void sightcell_view::report(std::uint32_t revision_before, sightcell_frame& frame) noexcept {
   frame = sightcell_frame{};
   frame.cell = at_.cell;
   frame.flags = place_flags_ | data_flags_;
   if (revision_ != revision_before) frame.flags |= SIGHTCELL_FRAME_CHANGED;
   frame.polygon_count = polygon_count_;
   frame.revision = revision_;
+  const auto has = [&](std::uint32_t flag) { return std::uint64_t{(frame.flags & flag) != 0}; };
+  ++counts_.moves;
+  counts_.changes += has(SIGHTCELL_FRAME_CHANGED);
+  counts_.moves_outside += has(SIGHTCELL_FRAME_OUTSIDE);
+  counts_.moves_pending += has(SIGHTCELL_FRAME_PENDING);
+  counts_.moves_draw_all += has(SIGHTCELL_FRAME_DRAW_ALL);
+  counts_.polygons += polygon_count_;
 }
 
 bool sightcell_view::previous_runs(std::span<const format::run>& out) const noexcept {

@@ -18,10 +18,20 @@ struct sightcell_view {
   sightcell_status move_box(const float* min, const float* max, sightcell_frame& frame) noexcept;
   // False when nothing in a box can be seen. True for what is no box.
   [[nodiscard]] bool box_visible(const float min[3], const float max[3]) const noexcept;
+  // Of a volume of the file, whatever the bytes may have become since.
+  [[nodiscard]] bool volume_visible(std::uint32_t volume) const noexcept {
+    return draws_all() || db_->volumes().is_visible(volume, visible_);
+  }
   sightcell_status set_policy(std::uint32_t outside, float max_distance) noexcept;
   sightcell_status set_origin(const double origin[3]) noexcept;
 
   [[nodiscard]] const sightcell_db& db() const noexcept { return *db_; }
+  // Where the eye is; no_cell outside.
+  [[nodiscard]] std::uint32_t cell() const noexcept { return at_.cell; }
+  [[nodiscard]] const sightcell::format::box& cell_bounds() const noexcept { return at_.bounds; }
+  [[nodiscard]] const sightcell::runtime::point& origin() const noexcept { return origin_; }
+  // With struct_size and reserved as the caller has them.
+  [[nodiscard]] const sightcell_view_stats& statistics() const noexcept { return counts_; }
   // True under DRAW_ALL; runs() is empty then.
   [[nodiscard]] bool draws_all() const noexcept { return current_.everything; }
   // The set as runs of stored polygons, ascending.
@@ -74,7 +84,7 @@ struct sightcell_view {
   [[nodiscard]] std::uint32_t decode(std::uint32_t cell, polygon_set& out,
                                      std::span<const sightcell::format::run>& volumes) noexcept;
   void show_next(std::uint32_t data_flags, std::uint32_t most_ranges) noexcept;
-  void report(std::uint32_t revision_before, sightcell_frame& frame) const noexcept;
+  void report(std::uint32_t revision_before, sightcell_frame& frame) noexcept;
 
   const sightcell_db* db_ = nullptr;
   std::uint64_t block_size_ = 0;
@@ -101,6 +111,7 @@ struct sightcell_view {
   std::uint32_t polygon_count_ = 0;
   std::uint32_t revision_ = 0;
   bool moved_ = false;  // the first move always counts as a change
+  sightcell_view_stats counts_{};
   // How the host set it up.
   sightcell::runtime::point origin_{};
   std::uint32_t outside_ = SIGHTCELL_OUTSIDE_ALL;

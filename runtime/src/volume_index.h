@@ -48,6 +48,12 @@ class volume_index {
   // Makes visible (chunk_count() words) the volumes in runs, by their own numbers, and no others. O(words + volumes).
   void show(std::span<const format::run> volumes, std::span<std::uint64_t> visible) const noexcept;
 
+  // Of one volume, by its number.
+  [[nodiscard]] bool is_visible(std::uint32_t volume, std::span<const std::uint64_t> visible) const noexcept {
+    const std::uint32_t place = volume < places_.size() ? places_[volume] : no_place;
+    return place != no_place && (visible[place / 64] >> place % 64 & 1) != 0;
+  }
+
   // A box that can be asked for: no NaN, min <= max. It may be a point, and infinite.
   [[nodiscard]] static bool is_box(const float min[3], const float max[3]) noexcept;
 

@@ -131,6 +131,53 @@ typedef struct sightcell_info {
   uint8_t scene_fingerprint[16];
 } sightcell_info;
 
+/* A polygon, by its source id, that a host found missing from an eye in world space. */
+typedef struct sightcell_miss {
+  double eye[3];
+  uint32_t polygon;
+  uint32_t reserved; /* 0 */
+} sightcell_miss;
+
+/* What a view did so far. */
+typedef struct sightcell_view_stats {
+  uint32_t struct_size; /* the caller sets it to sizeof(sightcell_view_stats) before the call */
+  uint32_t reserved;
+  uint64_t moves;          /* sightcell_view_move and sightcell_view_move_box */
+  uint64_t rows_decoded;   /* cells whose sets were decoded for them */
+  uint64_t changes;        /* moves that changed what is to be drawn */
+  uint64_t moves_outside;  /* with OUTSIDE */
+  uint64_t moves_pending;  /* with PENDING */
+  uint64_t moves_draw_all; /* with DRAW_ALL, for whatever reason */
+  uint64_t polygons;       /* sum of polygon_count over all moves */
+} sightcell_view_stats;
+
+/* What a db takes, and what went in and out of one that is read piece by piece, where it is not 0. */
+typedef struct sightcell_db_stats {
+  uint32_t struct_size;        /* the caller sets it to sizeof(sightcell_db_stats) before the call */
+  uint32_t chunk_count;        /* of rows, 64 cells each */
+  uint64_t memory_bytes;       /* of the allocator, without views; with the file's bytes where the db owns them */
+  uint64_t resident_bytes;     /* of chunks that are in memory now */
+  uint64_t requests;           /* for chunks */
+  uint64_t delivered_bytes;    /* of chunks that were good */
+  uint64_t evictions;          /* chunks that made room for others */
+  uint64_t refused_deliveries; /* of which sightcell_db_deliver did not say OK */
+} sightcell_db_stats;
+
+/* Kinds of lines that sightcell_view_debug_lines writes. */
+enum {
+  SIGHTCELL_DEBUG_CELL = 1u,      /* the box of the cell that the eye is in */
+  SIGHTCELL_DEBUG_KEPT = 2u,      /* the same grown by the margin, in which the cell is kept */
+  SIGHTCELL_DEBUG_NEIGHBORS = 4u, /* the boxes of other cells that touch the grown one, 64 at most */
+  SIGHTCELL_DEBUG_VOLUMES = 8u    /* volumes that can be seen */
+};
+
+/* One edge of a box, in metres relative to the view's origin. */
+typedef struct sightcell_debug_line {
+  float from[3], to[3];
+  uint32_t kind;   /* one SIGHTCELL_DEBUG_* */
+  uint32_t number; /* of the cell or volume */
+} sightcell_debug_line;
+
 /* Where memory comes from. alloc returns size bytes at a multiple of align (a power of two, at most 16), or NULL;
  * release gets back the block with its size. Called only while opening, closing, checking, creating and destroying, on
  * the calling thread. */
@@ -297,6 +344,24 @@ SIGHTCELL_API sightcell_status sightcell_view_changes(const sightcell_view* view
                                                       sightcell_range* added, size_t added_capacity,
                                                       size_t* added_count, sightcell_range* removed,
                                                       size_t removed_capacity, size_t* removed_count);
+
+/* For tools and tests; none of it is needed to draw. */
+
+/* Counts since the view was created. ARGUMENT: out->struct_size is smaller than this struct. Allocates nothing. */
+SIGHTCELL_API sightcell_status sightcell_view_statistics(const sightcell_view* view, sightcell_view_stats* out);
+/* Any thread. ARGUMENT: as before. Allocates nothing. */
+SIGHTCELL_API sightcell_status sightcell_db_statistics(const sightcell_db* db, sightcell_db_stats* out);
+/* The edges of boxes around the eye, twelve for each, to be drawn over the picture. kinds: SIGHTCELL_DEBUG_* together.
+ * Boxes that would be the same to the last bit are written once for each kind. capacity and *count in lines.
+ * Outside all cells there are lines of volumes alone. Allocates nothing. */
+SIGHTCELL_API sightcell_status sightcell_view_debug_lines(const sightcell_view* view, uint32_t kinds,
+                                                          sightcell_debug_line* dst, size_t capacity, size_t* count);
+/* The text of a file that `sightcell verify --from` and `sightcell bake --misses` take: polygons that a host found
+ * missing, as by comparing a full picture with the culled one, with the scene that they are of. JSON in ASCII without a
+ * zero at the end. Eyes are written in steps of a nanometre. capacity and *count in bytes. ARGUMENT: no such polygon,
+ * an eye that is not finite or beyond 1,000,000 km. Allocates nothing. */
+SIGHTCELL_API sightcell_status sightcell_db_misses_text(const sightcell_db* db, const sightcell_miss* misses,
+                                                        size_t miss_count, char* dst, size_t capacity, size_t* count);
 
 #ifdef __cplusplus
 }

@@ -81,7 +81,25 @@ class db {
     return s == SIGHTCELL_OK ? result<db>(std::move(file)) : result<db>(s);
   }
 
+  // Reads the file piece by piece. The source delivers to the C handle that sightcell_db_open_source sets: keep is
+  // where, before the first request, that is put for it.
+  static result<db> open_source(const sightcell_source& source, std::uint64_t resident_bytes, sightcell_db*& keep,
+                                const sightcell_allocator* mem = nullptr) noexcept {
+    const sightcell_status s = sightcell_db_open_source(&source, mem, resident_bytes, &keep);
+    if (s != SIGHTCELL_OK) return result<db>(s);
+    db file;
+    file.handle_ = keep;
+    return result<db>(std::move(file));
+  }
+  sightcell_status deliver(std::uint32_t ticket, std::span<const std::byte> bytes) noexcept {
+    return sightcell_db_deliver(handle_, ticket, bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  }
+  sightcell_status prefetch(std::span<const float, 3> eye, std::span<const float, 3> velocity, float seconds) noexcept {
+    return sightcell_db_prefetch(handle_, eye.data(), velocity.data(), seconds);
+  }
+
   [[nodiscard]] std::uint32_t polygon_count() const noexcept { return sightcell_db_polygon_count(handle_); }
+  [[nodiscard]] std::uint32_t volume_count() const noexcept { return sightcell_db_volume_count(handle_); }
   [[nodiscard]] std::uint32_t cell_count() const noexcept { return sightcell_db_cell_count(handle_); }
   [[nodiscard]] result<cell_bounds> cell_box(std::uint32_t cell) const noexcept {
     cell_bounds box;
@@ -93,6 +111,12 @@ class db {
     info.struct_size = sizeof(info);
     const sightcell_status s = sightcell_db_info(handle_, &info);
     return s == SIGHTCELL_OK ? result<sightcell_info>(info) : result<sightcell_info>(s);
+  }
+  [[nodiscard]] sightcell_db_stats statistics() const noexcept {
+    sightcell_db_stats stats{};
+    stats.struct_size = sizeof(stats);
+    static_cast<void>(sightcell_db_statistics(handle_, &stats));
+    return stats;
   }
   [[nodiscard]] sightcell_status check() const noexcept { return sightcell_db_check(handle_); }
   list_result draws(std::span<sightcell_draw> dst) const noexcept {
@@ -136,6 +160,34 @@ class view {
     return sightcell_view_move(handle_, eye.data(), &frame);
   }
 
+  // Likewise.
+  sightcell_status move_box(std::span<const float, 3> min, std::span<const float, 3> max,
+                            sightcell_frame& frame) noexcept {
+    return sightcell_view_move_box(handle_, min.data(), max.data(), &frame);
+  }
+  sightcell_status policy(std::uint32_t outside, float max_distance) noexcept {
+    return sightcell_view_policy(handle_, outside, max_distance);
+  }
+  sightcell_status origin(std::span<const double, 3> origin) noexcept {
+    return sightcell_view_origin(handle_, origin.data());
+  }
+
+  // One bit per draw.
+  sightcell_status objects(std::span<std::uint64_t> bits_by_draw) const noexcept {
+    return sightcell_view_objects(handle_, bits_by_draw.data(), bits_by_draw.size());
+  }
+  // True also for what is no box.
+  [[nodiscard]] bool box_visible(std::span<const float, 3> min, std::span<const float, 3> max) const noexcept {
+    std::uint32_t visible = 1;
+    static_cast<void>(sightcell_view_box_visible(handle_, min.data(), max.data(), &visible));
+    return visible != 0;
+  }
+  [[nodiscard]] sightcell_view_stats statistics() const noexcept {
+    sightcell_view_stats stats{};
+    stats.struct_size = sizeof(stats);
+    static_cast<void>(sightcell_view_statistics(handle_, &stats));
+    return stats;
+  }
   list_result polygons(std::span<std::uint32_t> source_ids) const noexcept {
     list_result out;
     out.status = sightcell_view_polygons(handle_, source_ids.data(), source_ids.size(), &out.count);

@@ -75,6 +75,68 @@ TEST(allocation, none_over_10000_moves) {
   EXPECT_EQ(memory.bytes, 0u) << "every block came back with its size";
 }
 
+TEST(allocation, none_while_a_file_is_read_piece_by_piece) {
+  sample_contents contents = random_contents(53, {.polygons = 3000, .draws = 40, .cells = 512});
+  add_volumes(contents, 200, 53);
+  const auto bytes = contents.encode();
+  counting_allocator memory;
+  {
+    // The host reads at once.
+    struct reading_host {
+      const std::vector<std::byte>& bytes;
+      sightcell_db* db = nullptr;
+    } host{bytes};
+    const sightcell_source source{&host, bytes.size(),
+                                  [](void* user, std::uint64_t offset, std::uint32_t size, std::uint32_t ticket) {
+                                    const auto& self = *static_cast<reading_host*>(user);
+                                    return sightcell_db_deliver(self.db, ticket, self.bytes.data() + offset, size);
+                                  }};
+    ASSERT_EQ(sightcell_db_open_source(&source, &memory.interface, 20'000, &host.db), SIGHTCELL_OK);
+    EXPECT_EQ(memory.given, 3u) << "itself, the front of the file, tables";
+    sightcell_view* view = nullptr;
+    ASSERT_EQ(sightcell_view_create(host.db, &view), SIGHTCELL_OK);
+    ASSERT_EQ(sightcell_view_policy(view, SIGHTCELL_OUTSIDE_NEAREST, 1.0f), SIGHTCELL_OK);
+    std::vector<std::uint64_t> bits(1);
+    std::vector<sightcell_debug_line> lines(20'000);
+    random_source random(54);
+    int failures = 0;
+    std::uint32_t hidden = 0;
+    const std::size_t before = allocation_count();
+    for (int i = 0; i < 10000; ++i) {
+      float eye[3];
+      float end[3];
+      for (int axis = 0; axis < 3; ++axis) {
+        eye[axis] = static_cast<float>(random() % 1000) / 100.0f - 1.0f;
+        end[axis] = eye[axis] + static_cast<float>(random() % 100) / 100.0f;
+      }
+      sightcell_frame frame;
+      const double origin[3] = {0.001 * (i % 100), 0.0, 0.0};
+      failures += sightcell_view_origin(view, origin) != SIGHTCELL_OK;
+      failures += sightcell_view_move(view, eye, &frame) != SIGHTCELL_OK;
+      failures += sightcell_view_move_box(view, eye, end, &frame) != SIGHTCELL_OK;
+      failures += sightcell_view_objects(view, bits.data(), bits.size()) != SIGHTCELL_OK;
+      std::uint32_t visible = 0;
+      failures += sightcell_view_box_visible(view, eye, end, &visible) != SIGHTCELL_OK;
+      hidden += 1 - visible;
+      failures += sightcell_db_prefetch(host.db, eye, end, 1.0f) != SIGHTCELL_OK;
+      std::size_t count = 0;
+      failures += sightcell_view_debug_lines(view, 15, lines.data(), lines.size(), &count) != SIGHTCELL_OK;
+    }
+    EXPECT_EQ(allocation_count(), before);
+    EXPECT_EQ(memory.given, 4u);
+    EXPECT_EQ(failures, 0);
+    EXPECT_GT(hidden, 0u);
+    sightcell_db_stats stats{};
+    stats.struct_size = sizeof stats;
+    EXPECT_EQ(sightcell_db_statistics(host.db, &stats), SIGHTCELL_OK);
+    EXPECT_GT(stats.evictions, 100u);
+    EXPECT_LE(stats.resident_bytes, 20'000u);
+    sightcell_view_destroy(view);
+    sightcell_db_close(host.db);
+  }
+  EXPECT_EQ(memory.bytes, 0u) << "every block came back with its size";
+}
+
 TEST(allocation, the_counter_counts) {
   if (!counts_new()) GTEST_SKIP() << "a sanitizer has its own allocator";
   const std::size_t before = allocation_count();

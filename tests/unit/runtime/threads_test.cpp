@@ -1,10 +1,13 @@
 // One db, eight views on eight threads; meant for the thread sanitizer. All threads meet untouched chunks at once.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <mutex>
 #include <thread>
 
 #include "loaded_file.h"
+#include "paged_host.h"
 #include "sightcell/format/layout.h"
 #include "unit/format/random_source.h"
 
@@ -44,6 +47,103 @@ TEST(threads, eight_views_of_one_db) {
   }
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(wrong.load(), 0);
+}
+
+// Rows come from a thread of the host's, in an order of its own, to eight views that need them and a ninth thread that
+// looks ahead; there is room for three chunks of eight.
+TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
+  const sample_contents contents = random_contents(62, {.polygons = 500, .draws = 20, .cells = 512});
+  const auto bytes = contents.encode();
+  struct reading_host {
+    const std::vector<std::byte>& bytes;
+    sightcell_db* db = nullptr;
+    bool at_once = true;
+    std::mutex mutex{};
+    std::vector<page_request> waiting{};
+    bool over = false;
+  } host{.bytes = bytes};
+  const sightcell_source source{&host, bytes.size(),
+                                [](void* user, std::uint64_t offset, std::uint32_t size, std::uint32_t ticket) {
+                                  auto& self = *static_cast<reading_host*>(user);
+                                  if (self.at_once) {
+                                    return sightcell_db_deliver(self.db, ticket, self.bytes.data() + offset, size);
+                                  }
+                                  const std::lock_guard guard(self.mutex);
+                                  self.waiting.push_back({offset, size, ticket});
+                                  return SIGHTCELL_OK;
+                                }};
+  std::uint64_t room = 0;
+  const std::size_t directory = section_offset(bytes, sightcell::format::layout::section_row_directory);
+  for (std::size_t chunk = 0; chunk < 3; ++chunk) room += get_u32(bytes, directory + 16 * chunk + 8);
+  ASSERT_EQ(sightcell_db_open_source(&source, nullptr, room, &host.db), SIGHTCELL_OK);
+  host.at_once = false;
+
+  std::thread reader([&] {
+    random_source random(63);
+    for (;;) {
+      page_request r;
+      {
+        const std::lock_guard guard(host.mutex);
+        if (host.waiting.empty() && host.over) return;
+        if (host.waiting.empty()) {
+          std::this_thread::yield();
+          continue;
+        }
+        const std::size_t which = random() % host.waiting.size();
+        r = host.waiting[which];
+        host.waiting.erase(host.waiting.begin() + static_cast<std::ptrdiff_t>(which));
+      }
+      static_cast<void>(sightcell_db_deliver(host.db, r.ticket, bytes.data() + r.offset, r.size));
+    }
+  });
+  std::atomic<int> wrong{0};
+  std::atomic<int> shown{0};
+  std::vector<std::thread> threads;
+  for (std::uint32_t number = 0; number < 8; ++number) {
+    threads.emplace_back([&, number] {
+      random_source random(number);
+      sightcell_view* view = nullptr;
+      if (sightcell_view_create(host.db, &view) != SIGHTCELL_OK) ++wrong;
+      std::vector<std::uint32_t> ids(500);
+      for (int i = 0; i < 200; ++i) {
+        const std::uint32_t cell = random() % 512;
+        const auto& b = contents.cells[cell];
+        const float eye[3] = {b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f};
+        for (int frames = 0; frames < 1'000'000; ++frames) {  // the reader may be slow
+          sightcell_frame frame;
+          std::size_t count = 0;
+          if (sightcell_view_move(view, eye, &frame) != SIGHTCELL_OK || frame.cell != cell) ++wrong;
+          if (sightcell_view_polygons(view, ids.data(), ids.size(), &count) != SIGHTCELL_OK) ++wrong;
+          const bool pending = (frame.flags & SIGHTCELL_FRAME_PENDING) != 0;
+          if (count != (pending ? 500 : contents.sets[cell].size())) ++wrong;
+          if (pending) {
+            std::this_thread::yield();
+            continue;
+          }
+          if (!std::equal(contents.sets[cell].begin(), contents.sets[cell].end(), ids.begin())) ++wrong;
+          ++shown;
+          break;
+        }
+      }
+      sightcell_view_destroy(view);
+    });
+  }
+  threads.emplace_back([&] {
+    for (int i = 0; i < 500; ++i) {
+      const float eye[3] = {static_cast<float>(i % 8), static_cast<float>(i / 8 % 8), 4.0f};
+      const float velocity[3] = {1.0f, 0.5f, -2.0f};
+      if (sightcell_db_prefetch(host.db, eye, velocity, 1.0f) != SIGHTCELL_OK) ++wrong;
+    }
+  });
+  for (std::thread& t : threads) t.join();
+  {
+    const std::lock_guard guard(host.mutex);
+    host.over = true;
+  }
+  reader.join();
+  EXPECT_EQ(wrong.load(), 0);
+  EXPECT_EQ(shown.load(), 8 * 200) << "each camera gets what it waits for, however many chunks the others want";
+  sightcell_db_close(host.db);
 }
 
 }  // namespace

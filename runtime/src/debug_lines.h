@@ -1,0 +1,14 @@
+#pragma once
+// Boxes around a view's eye -> lines to be drawn.
+#include <cstddef>
+#include <cstdint>
+
+#include "view.h"
+
+namespace sightcell::runtime {
+
+[[nodiscard]] std::uint64_t count_debug_lines(const sightcell_view& view, std::uint32_t kinds) noexcept;
+// Writes as many.
+void write_debug_lines(const sightcell_view& view, std::uint32_t kinds, sightcell_debug_line* dst) noexcept;
+
+}  // namespace sightcell::runtime

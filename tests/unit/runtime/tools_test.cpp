@@ -1,0 +1,188 @@
+// What the runtime offers tools and tests: statistics, lines to draw, the text of misses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "loaded_file.h"
+#include "paged_host.h"
+
+namespace {
+
+using namespace sightcell::test;
+
+sightcell_view_stats stats_of(const test_view& view) {
+  sightcell_view_stats stats{};
+  stats.struct_size = sizeof stats;
+  EXPECT_EQ(sightcell_view_statistics(view.get(), &stats), SIGHTCELL_OK);
+  return stats;
+}
+
+sightcell_db_stats stats_of(const sightcell_db* db) {
+  sightcell_db_stats stats{};
+  stats.struct_size = sizeof stats;
+  EXPECT_EQ(sightcell_db_statistics(db, &stats), SIGHTCELL_OK);
+  return stats;
+}
+
+TEST(tools, statistics_of_a_view) {
+  const sample_contents contents = tiny_contents();
+  const loaded_file file(contents);
+  test_view view(file.db());
+  EXPECT_EQ(stats_of(view).moves, 0u);
+  static_cast<void>(view.move(1, 1, 1));
+  static_cast<void>(view.move(2, 1, 1));
+  static_cast<void>(view.move(5, 1, 1));
+  static_cast<void>(view.move(50, 1, 1));
+  const sightcell_view_stats stats = stats_of(view);
+  EXPECT_EQ(stats.struct_size, sizeof stats);
+  EXPECT_EQ(stats.moves, 4u);
+  EXPECT_EQ(stats.rows_decoded, 2u);
+  EXPECT_EQ(stats.changes, 3u);
+  EXPECT_EQ(stats.moves_outside, 1u);
+  EXPECT_EQ(stats.moves_draw_all, 1u);
+  EXPECT_EQ(stats.moves_pending, 0u);
+  EXPECT_EQ(stats.polygons, 4u + 4u + 1u + 6u);
+  sightcell_view_stats small{};
+  small.struct_size = sizeof small - 1;
+  EXPECT_EQ(sightcell_view_statistics(view.get(), &small), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_view_statistics(nullptr, &small), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_view_statistics(view.get(), nullptr), SIGHTCELL_ERR_ARGUMENT);
+}
+
+TEST(tools, statistics_of_a_db) {
+  const sample_contents contents = random_contents(3, {.polygons = 500, .draws = 5, .cells = 200});
+  const loaded_file file(contents);
+  const sightcell_db_stats in_memory = stats_of(file.db());
+  EXPECT_EQ(in_memory.chunk_count, 4u);
+  EXPECT_GT(in_memory.memory_bytes, 1000u);
+  EXPECT_EQ(in_memory.requests + in_memory.resident_bytes + in_memory.evictions, 0u);
+  paged_host host(contents.encode());
+  ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
+  test_view view(host.db());
+  const auto& b = contents.cells[0];
+  static_cast<void>(view.move(b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f));
+  EXPECT_EQ(stats_of(host.db()).requests, 1u);
+  EXPECT_EQ(stats_of(host.db()).resident_bytes, 0u);
+  EXPECT_EQ(stats_of(view).moves_pending, 1u);
+  const page_request r = host.waiting[0];
+  host.deliver_all();
+  EXPECT_EQ(host.deliver(r), SIGHTCELL_ERR_STALE);
+  const sightcell_db_stats paged = stats_of(host.db());
+  EXPECT_EQ(paged.resident_bytes, r.size);
+  EXPECT_EQ(paged.delivered_bytes, r.size);
+  EXPECT_EQ(paged.refused_deliveries, 1u);
+  sightcell_db_stats small{};
+  EXPECT_EQ(sightcell_db_statistics(file.db(), &small), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_db_statistics(nullptr, &small), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_db_statistics(file.db(), nullptr), SIGHTCELL_ERR_ARGUMENT);
+}
+
+std::vector<sightcell_debug_line> lines_of(const test_view& view, std::uint32_t kinds) {
+  std::size_t count = 0;
+  static_cast<void>(sightcell_view_debug_lines(view.get(), kinds, nullptr, 0, &count));
+  std::vector<sightcell_debug_line> lines(count);
+  EXPECT_EQ(sightcell_view_debug_lines(view.get(), kinds, lines.data(), lines.size(), &count), SIGHTCELL_OK);
+  return lines;
+}
+
+// The twelve edges of a box: each axis four times, every corner an end of three.
+void expect_box(std::span<const sightcell_debug_line> lines, const std::array<float, 3>& min,
+                const std::array<float, 3>& max) {
+  ASSERT_EQ(lines.size(), 12u);
+  std::multiset<std::array<float, 3>> ends;
+  std::array<int, 3> along{};
+  for (const sightcell_debug_line& line : lines) {
+    int differ = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (line.from[axis] == line.to[axis]) continue;
+      ++differ;
+      ++along[axis];
+      EXPECT_FLOAT_EQ(line.from[axis], min[axis]);
+      EXPECT_FLOAT_EQ(line.to[axis], max[axis]);
+    }
+    EXPECT_EQ(differ, 1);
+    for (const float* end : {line.from, line.to}) ends.insert({end[0], end[1], end[2]});
+  }
+  EXPECT_EQ(along, (std::array<int, 3>{4, 4, 4}));
+  for (const auto& corner : ends) EXPECT_EQ(ends.count(corner), 3u);
+}
+
+TEST(tools, debug_lines) {
+  const sample_contents contents = tiny_contents();  // (0 0 0) (4 2 4) and (4 0 0) (8 2 4)
+  const loaded_file file(contents);
+  test_view view(file.db());
+  EXPECT_TRUE(lines_of(view, 15).empty()) << "before the first move";
+  static_cast<void>(view.move(1, 1, 1));
+  expect_box(lines_of(view, SIGHTCELL_DEBUG_CELL), {0, 0, 0}, {4, 2, 4});
+  expect_box(lines_of(view, SIGHTCELL_DEBUG_KEPT), {-0.25f, -0.25f, -0.25f}, {4.25f, 2.25f, 4.25f});
+  const auto neighbors = lines_of(view, SIGHTCELL_DEBUG_NEIGHBORS);
+  expect_box(neighbors, {4, 0, 0}, {8, 2, 4});
+  EXPECT_EQ(neighbors[0].kind, SIGHTCELL_DEBUG_NEIGHBORS);
+  EXPECT_EQ(neighbors[0].number, 1u);
+  EXPECT_EQ(lines_of(view, 15).size(), 36u);
+  const double origin[3] = {10, 0, 0};
+  ASSERT_EQ(sightcell_view_origin(view.get(), origin), SIGHTCELL_OK);
+  static_cast<void>(view.move(-9, 1, 1));
+  expect_box(lines_of(view, SIGHTCELL_DEBUG_CELL), {-10, 0, 0}, {-6, 2, 4});
+  static_cast<void>(view.move(90, 1, 1));
+  EXPECT_TRUE(lines_of(view, 15).empty()) << "outside";
+  std::size_t count = 0;
+  EXPECT_EQ(sightcell_view_debug_lines(nullptr, 15, nullptr, 0, &count), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_view_debug_lines(view.get(), 15, nullptr, 0, nullptr), SIGHTCELL_ERR_ARGUMENT);
+}
+
+TEST(tools, debug_lines_of_volumes) {
+  sample_contents contents = random_contents(5, {.polygons = 50, .draws = 2, .cells = 20});
+  add_volumes(contents, 30, 5);
+  contents.sets[0] = {3, 50 + 4, 50 + 29};
+  const loaded_file file(contents);
+  test_view view(file.db());
+  const auto& b = contents.cells[0];
+  static_cast<void>(view.move(b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f));
+  const auto lines = lines_of(view, SIGHTCELL_DEBUG_VOLUMES);
+  ASSERT_EQ(lines.size(), 24u);
+  EXPECT_EQ(lines[0].number, 4u);
+  EXPECT_EQ(lines[12].number, 29u);
+  static_cast<void>(view.move(-1e5f, 0, 0));
+  EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_VOLUMES).size(), 360u) << "everything is seen";
+}
+
+std::string text_of(const sightcell_db* db, const std::vector<sightcell_miss>& misses) {
+  std::size_t count = 0;
+  EXPECT_EQ(sightcell_db_misses_text(db, misses.data(), misses.size(), nullptr, 0, &count), SIGHTCELL_ERR_CAPACITY);
+  std::string text(count, '?');
+  EXPECT_EQ(sightcell_db_misses_text(db, misses.data(), misses.size(), text.data(), text.size(), &count), SIGHTCELL_OK);
+  EXPECT_EQ(count, text.size());
+  return text;
+}
+
+TEST(tools, misses_text) {
+  const sample_contents contents = tiny_contents();
+  const loaded_file file(contents);
+  const std::string head = "{\"scene_fingerprint\": \"a0a1a2a3a4a5a6a7a8a9aaabacadaeaf\", \"misses\": [";
+  EXPECT_EQ(text_of(file.db(), {}), head + "\n]}\n");
+  EXPECT_EQ(text_of(file.db(), {{{1.5, -0.25, 100000.015625}, 5, 0}, {{-1e-12, 0.0, -999999999.0}, 0, 0}}),
+            head +
+                "\n  {\"eye\": [1.500000000, -0.250000000, 100000.015625000], \"polygon\": 5},"
+                "\n  {\"eye\": [0.000000000, 0.000000000, -999999999.000000000], \"polygon\": 0}\n]}\n");
+  std::size_t count = 7;
+  char room[10];
+  std::memset(room, 'x', sizeof room);
+  EXPECT_EQ(sightcell_db_misses_text(file.db(), nullptr, 0, room, sizeof room, &count), SIGHTCELL_ERR_CAPACITY);
+  EXPECT_EQ(room[0], 'x') << "nothing is written";
+  for (const sightcell_miss& wrong : {sightcell_miss{{0, 0, 0}, 6, 0}, sightcell_miss{{0, 1e10, 0}, 0, 0},
+                                      sightcell_miss{{0, 0, std::nan("")}, 0, 0}}) {
+    EXPECT_EQ(sightcell_db_misses_text(file.db(), &wrong, 1, room, sizeof room, &count), SIGHTCELL_ERR_ARGUMENT);
+  }
+  EXPECT_EQ(sightcell_db_misses_text(nullptr, nullptr, 0, room, sizeof room, &count), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_db_misses_text(file.db(), nullptr, 1, room, sizeof room, &count), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_db_misses_text(file.db(), nullptr, 0, room, sizeof room, nullptr), SIGHTCELL_ERR_ARGUMENT);
+}
+
+}  // namespace
