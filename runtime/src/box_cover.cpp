@@ -1,7 +1,5 @@
 #include "box_cover.h"
 
-#include <cmath>
-
 namespace sightcell::runtime {
 namespace {
 
@@ -34,7 +32,7 @@ bool rest_is_covered(wide_box rest, std::span<const located_cell> cells, float m
 
 bool cells_cover(const wide_box& closed, std::span<const located_cell> cells, float margin) noexcept {
   wide_box all = closed;
-  for (double& end : all.max) end = std::nextafter(end, any_volume);
+  for (double& end : all.max) end = end < any_volume ? next_above(end) : end;
   int pieces = most_pieces;
   return rest_is_covered(all, cells, margin, pieces);
 }

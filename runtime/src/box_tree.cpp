@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -92,7 +91,7 @@ void split_cells(std::span<located_cell> cells, std::uint32_t first_part) noexce
 // No float above the volume.
 float volume_below(double volume) noexcept {
   const float near = static_cast<float>(std::min(volume, static_cast<double>(std::numeric_limits<float>::max())));
-  return static_cast<double>(near) > volume ? std::nextafter(near, 0.0f) : near;
+  return static_cast<double>(near) > volume ? next_below(near) : near;
 }
 
 bool is_leaf(std::uint32_t child) noexcept {

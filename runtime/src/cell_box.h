@@ -2,7 +2,7 @@
 // Boxes of view cells in double precision, where every float of a file and every border of a grown box is exact
 // enough: a camera's place is a sum of its view's origin and the eye, and so is no float.
 #include <array>
-#include <cmath>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -30,6 +30,19 @@ struct wide_box {
   return w;
 }
 
+// The neighbors of a number among floats or doubles, as std::nextafter finds them, without the mathematics library. Not
+// for NaN, nor for the last number of either end.
+[[nodiscard]] constexpr float next_below(float v) noexcept {
+  const auto bits = std::bit_cast<std::uint32_t>(v);
+  if (v == 0.0f) return std::bit_cast<float>(std::uint32_t{0x80000001u});
+  return std::bit_cast<float>(v > 0.0f ? bits - 1 : bits + 1);
+}
+[[nodiscard]] constexpr double next_above(double v) noexcept {
+  const auto bits = std::bit_cast<std::uint64_t>(v);
+  if (v == 0.0) return std::bit_cast<double>(std::uint64_t{1});
+  return std::bit_cast<double>(v > 0.0 ? bits + 1 : bits - 1);
+}
+
 // The largest floats that are not above a place: it is in a box of floats exactly where they are, since both ends of a
 // half-open box are floats. NaN stays NaN.
 using rounded_point = std::array<float, 3>;
@@ -37,8 +50,7 @@ using rounded_point = std::array<float, 3>;
   rounded_point r;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     r[axis] = static_cast<float>(p[axis]);
-    if (static_cast<double>(r[axis]) > p[axis])
-      r[axis] = std::nextafter(r[axis], -std::numeric_limits<float>::infinity());
+    if (static_cast<double>(r[axis]) > p[axis]) r[axis] = next_below(r[axis]);
   }
   return r;
 }

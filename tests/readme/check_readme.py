@@ -1,16 +1,23 @@
 #!/usr/bin/python3
-"""The lines that a README shows are the lines that are compiled. usage: check_readme.py ten_lines.c README.md..."""
+"""What READMEs show is what is compiled: each region of a C file, between /* [name */ and /* name] */, stands in every
+page. usage: check_readme.py FILE.c PAGE.md..."""
+import re
 import sys
 import textwrap
 
 
 def main():
-    source = open(sys.argv[1], encoding="utf-8").read()
-    begin, end = "  /* [ten lines */\n", "  /* ten lines] */\n"
-    lines = textwrap.dedent(source[source.index(begin) + len(begin):source.index(end)])
+    with open(sys.argv[1], encoding="utf-8") as stream:
+        regions = re.findall(r"^ */\* \[([^*]+) \*/\n(.*?)^ */\* \1\] \*/$", stream.read(), re.MULTILINE | re.DOTALL)
+    if not regions:
+        sys.exit(f"{sys.argv[1]} has no regions")
     for page in sys.argv[2:]:
-        if "```c\n" + lines + "```" not in open(page, encoding="utf-8").read():
-            sys.exit(f"{page} does not show the ten lines of {sys.argv[1]}:\n{lines}")
+        with open(page, encoding="utf-8") as stream:
+            text = stream.read()
+        for name, lines in regions:
+            lines = textwrap.dedent(lines)
+            if "```c\n" + lines + "```" not in text:
+                sys.exit(f"{page} does not show '{name}' of {sys.argv[1]}:\n{lines}")
 
 
 main()

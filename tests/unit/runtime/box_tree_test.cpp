@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -111,6 +112,35 @@ TEST(box_tree, huge_and_tiny_boxes) {
   box found;
   EXPECT_EQ(built.tree.find(rounded_down(origin), any_volume, found), 1u);
   EXPECT_EQ(built.tree.find(rounded_down(away), any_volume, found), 0u);
+}
+
+TEST(cell_box, neighbors_of_numbers) {
+  random_source random(43);
+  constexpr float infinite = std::numeric_limits<float>::infinity();
+  std::vector<float> values{0.0f,
+                            -0.0f,
+                            1.0f,
+                            -1.0f,
+                            std::numeric_limits<float>::max(),
+                            infinite,
+                            std::numeric_limits<float>::denorm_min(),
+                            -std::numeric_limits<float>::denorm_min()};
+  for (int i = 0; i < 1000; ++i) {
+    const float v = std::bit_cast<float>(random());
+    if (std::isfinite(v)) values.push_back(v);
+  }
+  for (const float v : values) {
+    EXPECT_EQ(next_below(v), std::nextafter(v, -infinite)) << v;
+    const double wide = static_cast<double>(v) * 1.1;
+    if (std::isfinite(wide)) {
+      EXPECT_EQ(next_above(wide), std::nextafter(wide, any_volume)) << wide;
+    }
+    for (const double place : {static_cast<double>(v), std::nextafter(static_cast<double>(v), 0.0), wide}) {
+      const float below = rounded_down({place, 0.0, 0.0})[0];
+      EXPECT_LE(static_cast<double>(below), place);
+      EXPECT_GT(static_cast<double>(std::nextafter(below, infinite)), place == any_volume ? 0.0 : place);
+    }
+  }
 }
 
 }  // namespace
