@@ -28,7 +28,7 @@ class Usage(InFolder):
         for option in ('-o', '--cells-file', '--cells-grid', '--cell-size', '--cell-limit', '--margin',
                        '--player-radius', '--sampler', '--samples', '--time-budget', '--max-pixel-error', '--metric',
                        '--view-resolution', '--view-fov', '--view-pitch', '--view-least', '--source', '--resolution',
-                       '--all-double-sided', '--animated', '--safety-ring', '--misses', '--profile', '--order', '--layout', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
+                       '--all-double-sided', '--animated', '--safety-ring', '--misses', '--polygons-from', '--cells-from', '--profile', '--order', '--layout', '--seed', '--threads', '--fresh', '--progress', '--json-file', '--json'):
             self.assertIn(option, out)
 
     def test_version(self):

@@ -2,7 +2,6 @@
 // Known misses into the set of a cell, as far as they are true.
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "bound/fresh_rays.h"
 #include "cell_set.h"
@@ -12,8 +11,8 @@
 namespace sightcell::bake {
 
 // Those of misses that the set lacks join it, with the eye as witness, where that is a free place and a ray from there
-// sees the polygon. Returns the rays cast. Runs on the calling thread's TBB arena; neither the number of threads nor
-// the order of misses matters.
+// sees the polygon; of several eyes that see it the first. Returns the rays cast. Runs on the calling thread's TBB
+// arena; does not depend on the number of threads.
 std::uint64_t join_misses(const ray_scene& rays, const fresh_rules& rules, std::span<const known_miss> misses,
                           cell_set& set);
 

@@ -135,18 +135,20 @@ TEST_F(two_scenes, have_the_cells_of_one) {
   const scene::scene objects = other.finished();
   how_.cells.clear();
   how_.cell_size = 2.0f;
-  test::stored_file file(test::file_bytes(baked("floor.pvs", objects, how_)));
-  ASSERT_GT(file.reader().cell_count(), 1u);
-  for (std::uint32_t cell = 0; cell < file.reader().cell_count(); ++cell) {
-    format::box b;
-    ASSERT_EQ(file.reader().cell_box(cell, b), format::status::ok);
-    EXPECT_LE(b.max[0], 4.0f);
-  }
+  const auto farthest_cell = [&](const char* name) {
+    test::stored_file file(test::file_bytes(baked(name, objects, how_)));
+    EXPECT_GT(file.reader().cell_count(), 1u);
+    float farthest = -100.0f;
+    for (std::uint32_t cell = 0; cell < file.reader().cell_count(); ++cell) {
+      format::box b;
+      EXPECT_EQ(file.reader().cell_box(cell, b), format::status::ok);
+      farthest = std::max(farthest, b.max[0]);
+    }
+    return farthest;
+  };
+  EXPECT_LE(farthest_cell("floor.pvs"), 4.0f);
   how_.cells_from = nullptr;
-  test::stored_file own(test::file_bytes(baked("own.pvs", objects, how_)));
-  format::box b;
-  ASSERT_EQ(own.reader().cell_box(0, b), format::status::ok);
-  EXPECT_GE(b.min[0], 38.0f) << "its own floor";
+  EXPECT_GE(farthest_cell("own.pvs"), 58.0f) << "its own floor";
 }
 
 TEST_F(two_scenes, are_both_asked_by_verify) {
