@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 
 #include "byte_sink.h"
@@ -15,8 +14,7 @@ namespace sightcell::format {
 
 status put_volumes(const lattice_volumes& volumes, std::vector<std::byte>& out) {
   const lattice_shape& shape = volumes.shape;
-  const bool finite = std::isfinite(shape.width) && std::isfinite(shape.height);
-  if (!finite || !(shape.width > 0.0) || !(shape.height > 0.0)) return status::argument;
+  if (!(shape.width > 0.0) || !(shape.height > 0.0)) return status::argument;  // an infinite one has no box
   std::vector<std::array<std::int32_t, 3>> sorted;
   std::vector<std::vector<std::uint32_t>> columns(layout::volume_columns);
   for (const lattice_place& p : volumes.places) {

@@ -150,6 +150,7 @@ void damage_bounds(const bytes& whole, damaged_list& list) {
   };
   add("run_bound_above_volumes", 11, 11, false);
   add("range_bound_above_volumes", 2, 5, false);
+  add("range_bound_above_ranges_with_volumes", 2, 4, true);
   add("range_bound_without_volumes", 2, 2, true);
 }
 

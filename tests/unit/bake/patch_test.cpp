@@ -13,6 +13,7 @@
 #include "sightcell/format/writer.h"
 #include "sightcell/scene/json_text.h"
 #include "sightcell/sightcell.h"
+#include "stored_file.h"
 
 namespace sightcell::bake {
 namespace {
@@ -106,6 +107,25 @@ TEST_F(patch_test, polygons_join_the_sets_of_their_cells_alone) {
   EXPECT_EQ(set_of(0), (ids{0, 1, 2, 3, 5, 9}));
   EXPECT_EQ(set_of(1), (ids{1, 2, 5}));
   EXPECT_EQ(set_of(2), (ids{19}));
+}
+
+TEST_F(patch_test, volumes_stay_in_their_sets) {
+  format::reader file;
+  const std::vector<std::byte> bytes = three_cells("{}");
+  ASSERT_EQ(format::reader::open(bytes, file), format::status::ok);
+  format::file_parts parts;
+  ASSERT_EQ(format::take_apart(file, parts), format::status::ok);
+  parts.volume_shape = {1.0, 2.0};
+  parts.volumes = {{3, 0, 0, 0}, {1, 0, -1, 0}, {0, 0, 0, 0}};
+  const std::vector<ids> sets{{1, 2, 5, 20, 22}, {1, 2, 5, 21}, {}};
+  std::vector<std::byte> with_volumes;
+  ASSERT_EQ(format::encode(parts.contents(format::sets_of(sets)), with_volumes), format::status::ok);
+  const patch_result result = patched(with_volumes, {{0, 18, 2}, {2, 19, 1}});
+  EXPECT_EQ(result.added, 3u);
+  test::stored_file now(bytes_);
+  EXPECT_EQ(now.items(0), (ids{1, 2, 5, 18, 19, 20, 22}));
+  EXPECT_EQ(now.items(1), sets[1]);
+  EXPECT_EQ(now.items(2), (ids{19}));
 }
 
 TEST_F(patch_test, bounds_and_certificate_stay) {

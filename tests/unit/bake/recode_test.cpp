@@ -133,6 +133,25 @@ TEST_F(recode_test, a_merged_file_stays_one) {
   EXPECT_EQ(test::error_id([&] { (void)recode(before, "in.pvs", per_instance, path_); }), "recode.merged");
 }
 
+TEST_F(recode_test, volumes_stay_what_they_are) {
+  sample_contents contents = some_contents();
+  test::add_volumes(contents, 90, 2);
+  const auto before = contents.encode();
+  for (const recode_settings& how :
+       {recode_settings{{}, polygon_order_kind::per_instance}, recode_settings{slack_profile::small, {}}}) {
+    (void)recoded(before, how);
+    test::stored_file file(bytes_);
+    ASSERT_EQ(file.reader().volumes().count(), 90u);
+    for (std::uint32_t cell = 0; cell < 150; ++cell) {
+      const auto volumes_of = [](const std::vector<std::uint32_t>& items) {
+        return std::vector<std::uint32_t>(std::lower_bound(items.begin(), items.end(), 3000u), items.end());
+      };
+      EXPECT_EQ(volumes_of(file.items(cell)), volumes_of(contents.sets[cell])) << cell;
+      EXPECT_TRUE(is_superset(file.items(cell), contents.sets[cell])) << cell;
+    }
+  }
+}
+
 TEST_F(recode_test, version_0_becomes_this_version) {
   const auto old = test::golden_file("v0_small");
   const sample_contents contents = test::small_contents();

@@ -31,6 +31,12 @@ class stored_file {
     EXPECT_EQ(sets_.source_ids(cell, ids), format::status::ok);
     return ids;
   }
+  // And volumes behind them.
+  std::vector<std::uint32_t> items(std::uint32_t cell) {
+    std::vector<std::uint32_t> ids;
+    EXPECT_EQ(sets_.item_ids(cell, ids), format::status::ok);
+    return ids;
+  }
   bool has(std::uint32_t cell, std::uint32_t polygon) {
     const std::vector<std::uint32_t> ids = set(cell);
     return std::binary_search(ids.begin(), ids.end(), polygon);
