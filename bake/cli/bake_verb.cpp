@@ -73,6 +73,8 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"cells_resumed", sum.cells_resumed},
           {"visible_set_percent", sum.visible_percent},
           {"metric", options.metric.metric},
+          {"volumes", sum.volumes},
+          {"volumes_per_cell", sum.volumes_per_cell},
           {"unseen_per_cell", sum.unseen_per_cell},
           {"unseen_percent", sum.unseen_percent},
           {"max_upper_bound", sum.max_upper_bound},
@@ -161,6 +163,9 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
   line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
                            options.output.string(), grouped(sum.cells), grouped(sum.bytes), sum.visible_percent,
                            duration_text(sum.cpu_seconds), how.seed));
+  if (sum.volumes > 0)
+    line.message(fmt::format("{} volumes of {:g} m, {:.0f} seen per cell", grouped(sum.volumes), how.volumes,
+                             sum.volumes_per_cell));
   if (how.safety_ring != bake::safety_ring::none) line.message(safety_ring_text(sum));
   if (how.max_pixel_error > 0.0)
     line.message(fmt::format("largest bound of a cell's {}: {:.2e} (asked for {:g})", error_name(how.metric),
@@ -303,6 +308,9 @@ void add_sampling_options(CLI::App& verb, bake_options& o) {
 }
 
 void add_file_options(CLI::App& verb, bake_options& o) {
+  add(verb, "--volumes", o.settings.volumes, "M",
+      "also tell of boxes this wide, metres, where things that move may be, from which cells they can be seen; 0: none")
+      ->group("File");
   const auto& profiles = bake::slack_profile_names;
   add(verb, "--profile", o.profile, "NAME",
       "exact, or balanced or small: polygons that nobody sees, 5 or 10 % of those that are seen at most, are in the "

@@ -12,6 +12,7 @@
 #include "number_text.h"
 #include "pvs_file.h"
 #include "scene_info.h"
+#include "sightcell/bake/bake.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/scene/json_text.h"
 #include "sightcell/scene/scene.h"
@@ -49,6 +50,8 @@ std::string section_name(std::uint32_t id) {
       return "codes";
     case format::layout::section_importance:
       return "importance";
+    case format::layout::section_volumes:
+      return "volumes";
     default:
       return fmt::format("unknown {}", id);
   }
@@ -114,7 +117,7 @@ double visible_percent(const format::row_statistics& sums, std::uint32_t polygon
   return all > 0.0 ? 100.0 * static_cast<double>(sums.polygons) / all : 0.0;
 }
 
-ordered_json file_json(const pvs_file& pvs) {
+ordered_json file_json(const pvs_file& pvs, const std::string& name) {
   const format::reader& file = pvs.content();
   const format::row_statistics sums = pvs.statistics();
   const format::file_facts& facts = file.facts();
@@ -134,6 +137,12 @@ ordered_json file_json(const pvs_file& pvs) {
                                         ? ordered_json(100.0 * static_cast<double>(facts.slack))
                                         : ordered_json(nullptr)},
           {"importance", importance_json(file, sums.polygons)},
+          {"volumes", file.volumes().count()},
+          {"volume_width", file.volumes().count() > 0 ? ordered_json(file.volumes().shape().width) : nullptr},
+          {"volumes_per_cell", sums.volumes_per_cell()},
+          // Of the bytes, those that would not be there without them.
+          {"volume_percent", 100.0 - 100.0 * static_cast<double>(bake::size_without_volumes(pvs.bytes(), name)) /
+                                         static_cast<double>(pvs.size())},
           {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
           {"margin", facts.margin},
           {"metric", pvs.metric()},
@@ -162,6 +171,10 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
   if (info["importance"].is_object())
     fmt::print("  importance         {:.3f} bits per visible polygon\n",
                info["importance"]["bits_per_visible_polygon"].get<double>());
+  if (info["volumes"].get<std::uint32_t>() > 0)
+    fmt::print("  volumes            {} of {:g} m, {:.0f} seen per cell, {:.1f} % of the bytes\n",
+               grouped(info["volumes"]), info["volume_width"].get<double>(), info["volumes_per_cell"].get<double>(),
+               info["volume_percent"].get<double>());
   fmt::print("  {:<18} at most {:g} in every cell, confidence {:g}\n", error_name(info["metric"].get<std::string>()),
              info["max_pixel_error"].get<double>(), info["confidence"].get<double>());
   if (const std::string ring = safety_ring_of(info["settings"]); !ring.empty())
@@ -177,7 +190,8 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
 
 int run_info(const info_options& options) {
   const std::optional<pvs_file> pvs = pvs_file::open_if_pvs(options.path);
-  const ordered_json info = pvs ? file_json(*pvs) : scene_info(scene::load_gltf(options.path, options.scene));
+  const ordered_json info =
+      pvs ? file_json(*pvs, options.path.string()) : scene_info(scene::load_gltf(options.path, options.scene));
   if (options.json)
     fmt::print("{}\n", info.dump(2, ' ', false, ordered_json::error_handler_t::replace));
   else if (pvs)

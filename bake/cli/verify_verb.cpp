@@ -86,6 +86,7 @@ ordered_json result_json(const bake::verification& v, const std::vector<named_mi
                          {"confidence", v.confidence},
                          {"rays", v.rays},
                          {"misses", v.misses},
+                         {"volume_misses", v.misses_of_volumes},
                          {"cells", v.cells.size()},
                          {"visible_set_percent", v.visible_set_percent},
                          {"max_pixel_error", options.max_pixel_error},
@@ -144,6 +145,8 @@ void report(const bake::verification& v, const std::vector<named_miss>& missing,
   if (const bake::cell_verification* worst = worst_cell(v))
     line.message(
         fmt::format("worst cell: {}, {} {:.2e}, at most {:.2e}", worst->cell, error, worst->error, worst->upper_bound));
+  if (v.misses_of_volumes > 0)
+    line.message(fmt::format("{} of the misses lack volumes alone", grouped(v.misses_of_volumes)));
   line.message(fmt::format(
       "{}: {} misses of {} rays in {} cells; {} {:.2e}, at most {:.2e} ({:g} % sure); asked for {:g}",
       v.upper_bound <= options.max_pixel_error ? "passed" : "FAILED", grouped(v.misses), grouped(v.rays),

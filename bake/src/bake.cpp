@@ -69,7 +69,8 @@ void bake_all(const workshop& shop, const stage_plan& plan, tbb::task_arena& are
     file.copy();
     return;
   }
-  const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells);
+  const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells,
+                                   shop.volumes ? &*shop.volumes : nullptr);
   bool written = false;
   keeping(file, [&] {
     arena.execute([&] {

@@ -54,13 +54,14 @@ struct reader {
   }
 };
 
-// Facts, draw table and settings are those of a .pvs file without cells.
+// Facts, draw table, volumes and settings are those of a .pvs file without cells.
 std::string file_without_cells(const pvs_frame& frame) {
   format::file_contents contents;
   contents.facts = frame.facts;
   contents.draws = frame.draws;
   contents.cell_sets = format::sets_of({});
   contents.settings = frame.settings;
+  contents.volumes = {{frame.volume_width, frame.volume_width}, frame.volumes};
   std::vector<std::byte> bytes;
   if (format::encode(contents, bytes) != format::status::ok)
     throw error(error_kind::failed, "output.encode", frame.scene_name, "its draws or settings do not fit into a file",
@@ -76,6 +77,10 @@ bool read_frame(std::string_view bytes, pvs_frame& frame) {
   frame.draws.resize(file.draw_count());
   for (std::uint32_t i = 0; i < file.draw_count(); ++i)
     if (file.draw(i, frame.draws[i]) != format::status::ok) return false;
+  frame.volume_width = file.volumes().shape().width;
+  frame.volumes.resize(file.volumes().count());
+  for (std::uint32_t volume = 0; volume < frame.volumes.size(); ++volume)
+    if (!file.volumes().place(volume, frame.volumes[volume])) return false;
   return true;
 }
 

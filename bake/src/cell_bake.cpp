@@ -9,6 +9,7 @@
 #include "finish/ring_polygons.h"
 #include "misses/join_misses.h"
 #include "rays/triangle_math.h"
+#include "volumes/volume_search.h"
 
 namespace sightcell::bake {
 namespace {
@@ -45,7 +46,7 @@ void take_bound(const finish_result& proof, cell_record& record) {
 
 cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
                        const near_polygons* neighbors, const cell_sampler& sampler, const error_metric& metric,
-                       const known_misses* misses, std::uint32_t own_polygons)
+                       const known_misses* misses, std::uint32_t own_polygons, const volume_grid* volumes)
     : how_(how),
       given_(given),
       rays_(rays),
@@ -54,6 +55,7 @@ cell_baker::cell_baker(const settings& how, const overrides& given, const ray_sc
       metric_(metric),
       misses_(misses),
       own_polygons_(own_polygons),
+      volumes_(volumes),
       duplicates_(rays.geometry(), how.all_double_sided) {
   const auto& kinds = rays.geometry().kinds;
   for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
@@ -61,11 +63,12 @@ cell_baker::cell_baker(const settings& how, const overrides& given, const ray_sc
 }
 
 cell_set cell_baker::make_set() const {
-  return cell_set(static_cast<std::uint32_t>(rays_.geometry().kinds.size()), &duplicates_, own_polygons_);
+  return cell_set(static_cast<std::uint32_t>(rays_.geometry().kinds.size()), &duplicates_, own_polygons_,
+                  volumes_ ? volumes_->count() : 0);
 }
 
 std::size_t cell_baker::set_bytes() const {
-  return cell_set::bytes_for(rays_.geometry().kinds.size());
+  return cell_set::bytes_for(rays_.geometry().kinds.size()) + (volumes_ ? volume_search_bytes(*volumes_) : 0);
 }
 
 bool cell_baker::find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const {
@@ -154,6 +157,7 @@ finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std
   how.free_share = record.free_share;
   how.seed = how_.seed;
   how.place = cell.place;
+  how.volumes = volumes_;
   const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), how, set, views ? &*views : nullptr);
   if (views) record.samples = views->places.taken();
   record.batches = static_cast<std::uint32_t>(proof.batches);

@@ -17,6 +17,7 @@
 #include "rays/ray_scene.h"
 #include "sampler/cell_sampler.h"
 #include "sightcell/bake/settings.h"
+#include "volumes/volume_grid.h"
 
 namespace sightcell::bake {
 
@@ -35,10 +36,12 @@ class cell_baker {
  public:
   // References must outlive the baker. neighbors: may be null when max_pixel_error is 0 (no rays) and no safety ring is
   // asked for. sampler: prepared. metric: that of how. misses: null, none are known.
-  // own_polygons: from there on they are of another scene and in no set (two_scenes.h).
+  // own_polygons: from there on they are of another scene and in no set (two_scenes.h). volumes: that rays look for,
+  // too; null: none.
   cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
              const cell_sampler& sampler, const error_metric& metric = pixel_metric,
-             const known_misses* misses = nullptr, std::uint32_t own_polygons = 0xFFFFFFFFu);
+             const known_misses* misses = nullptr, std::uint32_t own_polygons = 0xFFFFFFFFu,
+             const volume_grid* volumes = nullptr);
   cell_baker(const cell_baker&) = delete;  // sets point into it
   cell_baker& operator=(const cell_baker&) = delete;
 
@@ -88,6 +91,7 @@ class cell_baker {
   const error_metric& metric_;
   const known_misses* misses_;
   const std::uint32_t own_polygons_;
+  const volume_grid* volumes_;
   duplicate_classes duplicates_;
   std::vector<std::uint32_t> always_;  // polygons that are in every set
 };

@@ -128,7 +128,10 @@ std::optional<reader> body_of(std::span<const std::uint8_t> bytes) {
   return in;
 }
 
-void take_plain_fields(reader& in, cell_record& record) {
+constexpr std::uint64_t has_volumes = 8;  // of the flags
+
+// Answers the flags.
+std::uint64_t take_plain_fields(reader& in, cell_record& record) {
   const std::uint64_t flags = in.take(1);
   record.stored = (flags & 1) != 0;
   record.bound_met = (flags & 2) != 0;
@@ -142,6 +145,7 @@ void take_plain_fields(reader& in, cell_record& record) {
   record.free_share = in.take_double();
   record.batches = static_cast<std::uint32_t>(in.take(4));
   record.unseen = in.take_varint();
+  return flags;
 }
 
 }  // namespace
@@ -155,7 +159,8 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   std::vector<std::uint8_t> out;
   out.push_back(record_version);
   out.push_back(static_cast<std::uint8_t>((record.stored ? 1 : 0) | (record.bound_met ? 2 : 0) |
-                                          (record.geometry_inside ? 4 : 0)));
+                                          (record.geometry_inside ? 4 : 0) |
+                                          (record.volumes.empty() ? 0 : has_volumes)));
   put_bytes(out, record.rays, 8);
   put_bytes(out, record.misses, 8);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.upper_bound), 8);
@@ -167,6 +172,7 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   put_varint(out, record.unseen);
   put_set(out, record.set);
   put_witnesses(out, record);
+  if (!record.volumes.empty()) put_set(out, record.volumes);
   put_bytes(out, XXH3_64bits(out.data(), out.size()), checksum_size);
   return out;
 }
@@ -175,9 +181,10 @@ std::optional<cell_record> decode(std::span<const std::uint8_t> bytes) {
   std::optional<reader> in = body_of(bytes);
   if (!in) return std::nullopt;
   cell_record record;
-  take_plain_fields(*in, record);
+  const std::uint64_t flags = take_plain_fields(*in, record);
   take_set(*in, record.set);
   take_witnesses(*in, record);
+  if ((flags & has_volumes) != 0) take_set(*in, record.volumes);
   if (!in->good || !in->bytes.empty()) return std::nullopt;
   return record;
 }

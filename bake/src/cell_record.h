@@ -16,8 +16,9 @@ enum class cell_stage : std::uint8_t {
 };
 
 struct cell_record {
-  std::vector<std::uint32_t> set;  // ascending source ids
-  bool stored = true;              // false: no free point was found, the cell is left out of the file
+  std::vector<std::uint32_t> set;      // ascending source ids
+  std::vector<std::uint32_t> volumes;  // ascending; none where the bake has none
+  bool stored = true;                  // false: no free point was found, the cell is left out of the file
   bool geometry_inside = false;
   std::uint64_t rays = 0;  // certificate: of the last fresh batch
   std::uint64_t misses = 0;
@@ -46,9 +47,9 @@ struct cell_summary {
 };
 cell_summary summary_of(const cell_record& record);
 
-// Bytes: version, the plain fields little-endian, the set and its witnesses as varint runs, XXH3-64 of all before it. A
-// set takes one to two bytes per polygon or less, its witnesses a few bits; two records are equal where their bytes
-// are.
+// Bytes: version, the plain fields little-endian, the set, its witnesses and, where there are any, the volumes as
+// varint runs, XXH3-64 of all before it. A set takes one to two bytes per polygon or less, its witnesses a few bits;
+// two records are equal where their bytes are.
 std::vector<std::uint8_t> encode(const cell_record& record);
 // Nothing where the checksum or anything else is wrong: whatever the bytes are.
 std::optional<cell_record> decode(std::span<const std::uint8_t> bytes);

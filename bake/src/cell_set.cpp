@@ -9,6 +9,7 @@ void cell_set::clear() {
   for (const std::uint32_t polygon : members_) entries_[polygon] = {};
   members_.clear();
   eyes_.clear();
+  volumes_.clear();
 }
 
 void cell_set::add_view(const glm::vec3& eye, const std::vector<seen_polygon>& seen) {
@@ -49,6 +50,7 @@ std::vector<std::uint32_t> cell_set::sorted() const {
 
 void cell_set::save(cell_record& record) const {
   record.set = sorted();
+  record.volumes = volumes_.members();
   // Each place once, in an order that does not depend on who joined first.
   const auto below = [](const glm::vec3& a, const glm::vec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
@@ -78,6 +80,7 @@ void cell_set::load(const cell_record& record) {
   eyes_ = record.witnesses;
   members_ = record.set;
   for (std::size_t i = 0; i < members_.size(); ++i) entries_[members_[i]] = {1, record.witness_of[i]};
+  for (const std::uint32_t volume : record.volumes) volumes_.add(volume);
 }
 
 }  // namespace sightcell::bake

@@ -7,6 +7,7 @@
 #include "cell_record.h"
 #include "seeing/duplicates.h"
 #include "source/hemicube_source.h"
+#include "volumes/volume_set.h"
 
 namespace sightcell::bake {
 
@@ -16,12 +17,12 @@ class cell_set {
   // from own_polygons on, which are of another scene (two_scenes.h), all is known: the set contains them, and they are
   // no members.
   explicit cell_set(std::uint32_t polygon_count, const duplicate_classes* duplicates = nullptr,
-                    std::uint32_t own_polygons = 0xFFFFFFFFu)
-      : entries_(polygon_count), duplicates_(duplicates) {
+                    std::uint32_t own_polygons = 0xFFFFFFFFu, std::uint32_t volume_count = 0)
+      : entries_(polygon_count), duplicates_(duplicates), volumes_(volume_count) {
     for (std::size_t i = own_polygons; i < entries_.size(); ++i) entries_[i].pixels = 0xFFFFFFFFu;
   }
 
-  // What an empty set of so many polygons takes.
+  // What an empty set of so many polygons takes, without volumes.
   static constexpr std::size_t bytes_for(std::size_t polygon_count) { return polygon_count * sizeof(entry); }
 
   // Forgets everything; storage stays.
@@ -39,6 +40,10 @@ class cell_set {
   bool add(std::uint32_t polygon, const glm::vec3& eye);
 
   std::vector<std::uint32_t> sorted() const;
+
+  // Those that are seen; all else here is of polygons.
+  volume_set& volumes() { return volumes_; }
+  const volume_set& volumes() const { return volumes_; }
 
   // Set and witnesses to and from a record. What is loaded is what was saved: the members in ascending order, and
   // record.witnesses as eyes(), of which later views with more pixels take over.
@@ -58,6 +63,7 @@ class cell_set {
   const duplicate_classes* duplicates_;
   std::vector<std::uint32_t> members_;
   std::vector<glm::vec3> eyes_;
+  volume_set volumes_;
 };
 
 }  // namespace sightcell::bake

@@ -55,8 +55,8 @@ bool prepare(const phase_work& work) {
 }  // namespace
 
 cell_baker baker_of(const workshop& shop) {
-  return {shop.how,      shop.given,  *shop.rays,   shop.neighbors ? &*shop.neighbors : nullptr,
-          *shop.sampler, shop.metric, &shop.misses, shop.s.polygon_count};
+  return {shop.how,    shop.given,   *shop.rays,           shop.neighbors ? &*shop.neighbors : nullptr, *shop.sampler,
+          shop.metric, &shop.misses, shop.s.polygon_count, shop.volumes ? &*shop.volumes : nullptr};
 }
 
 std::size_t lanes_of(const workshop& shop, const cell_baker& baker, const tbb::task_arena& arena) {

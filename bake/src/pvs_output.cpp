@@ -13,6 +13,7 @@
 #include "sightcell/format/writer.h"
 #include "sightcell/scene/error.h"
 #include "stored_draws.h"
+#include "volumes/volume_order.h"
 
 namespace sightcell::bake {
 namespace {
@@ -33,10 +34,12 @@ void require_ok(format::status outcome, const std::filesystem::path& output, con
 }
 
 struct stored_cells {
-  format::file_parts parts;           // what the file says of its cells besides their sets
-  std::vector<std::uint32_t> places;  // in the list of all cells
-  double polygons = 0.0;              // of all sets together
-  double unseen = 0.0;                // of these, what the safety ring added
+  format::file_parts parts;                     // what the file says of its cells besides their sets
+  std::vector<std::uint32_t> places;            // in the list of all cells
+  double polygons = 0.0;                        // of all sets together
+  double unseen = 0.0;                          // of these, what the safety ring added
+  double volumes = 0.0;                         // of all sets together
+  std::vector<std::uint32_t> number_of_volume;  // in the file, by the number that records have
 };
 
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
@@ -58,6 +61,7 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
     out.places.push_back(i);
     out.polygons += static_cast<double>(record.set.size());
     out.unseen += static_cast<double>(record.unseen);
+    out.volumes += static_cast<double>(record.volumes.size());
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;
   }
@@ -84,10 +88,35 @@ void put_in_order(const pvs_frame& frame, const record_source& record_of, stored
       [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { set = record_of(stored.places[cell]).set; });
 }
 
+void put_volumes_in_order(const pvs_frame& frame, const record_source& record_of, stored_cells& stored) {
+  if (frame.volumes.empty()) return;
+  const std::vector<std::uint32_t> order =
+      order_volumes(static_cast<std::uint32_t>(frame.volumes.size()), static_cast<std::uint32_t>(stored.places.size()),
+                    [&](std::uint32_t cell, std::vector<std::uint32_t>& volumes) {
+                      volumes = record_of(stored.places[cell]).volumes;
+                    });
+  stored.number_of_volume.resize(order.size());
+  for (const std::uint32_t volume : order) {
+    stored.number_of_volume[volume] = static_cast<std::uint32_t>(stored.parts.volumes.size());
+    stored.parts.volumes.push_back(frame.volumes[volume]);
+  }
+  stored.parts.volume_shape = {frame.volume_width, frame.volume_width};
+}
+
+// As the writer takes them: volumes behind the polygons.
+std::vector<std::uint32_t> items_of(cell_record record, const stored_cells& stored) {
+  std::vector<std::uint32_t> items = std::move(record.set);
+  const auto volumes = static_cast<std::ptrdiff_t>(items.size());
+  for (const std::uint32_t volume : record.volumes)
+    items.push_back(stored.parts.facts.polygon_count + stored.number_of_volume[volume]);
+  std::sort(items.begin() + volumes, items.end());
+  return items;
+}
+
 }  // namespace
 
 pvs_frame frame_of(const scene::scene& s, const settings& how, std::string settings_text,
-                   const std::vector<view_cell>& cells) {
+                   const std::vector<view_cell>& cells, const volume_grid* volumes) {
   pvs_frame frame;
   frame.scene_name = s.name;
   frame.facts.polygon_count = s.polygon_count;
@@ -98,6 +127,10 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
   frame.seed = how.seed;
   frame.draws = draw_table(s, frame.facts.layout);
   for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
+  if (volumes != nullptr) {
+    frame.volume_width = volumes->width();
+    for (const volume_place& p : volumes->places()) frame.volumes.push_back({p.x, p.y, p.z, 0});
+  }
   frame.settings = std::move(settings_text);
   return frame;
 }
@@ -116,9 +149,10 @@ bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   stored.parts.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
   stored.parts.settings = frame.settings;
   put_in_order(frame, record_of, stored);
+  put_volumes_in_order(frame, record_of, stored);
   format::file_contents contents =
       stored.parts.contents({stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-                               set = record_of(stored.places[cell]).set;
+                               set = items_of(record_of(stored.places[cell]), stored);
                                return format::status::ok;
                              }});
   contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
@@ -135,6 +169,8 @@ bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std
       100.0 * stored.polygons / (static_cast<double>(cells_written) * std::max(frame.facts.polygon_count, 1u));
   sum.unseen_per_cell = stored.unseen / cells_written;
   sum.unseen_percent = 100.0 * stored.unseen / std::max(stored.polygons - stored.unseen, 1.0);
+  sum.volumes = static_cast<std::uint32_t>(frame.volumes.size());
+  sum.volumes_per_cell = stored.volumes / cells_written;
   sum.slack = slack_of(bytes);
   sum.bytes = bytes.size();
   if (sum.cells_over_bound > 0) sum.result = outcome::bound_not_met;

@@ -30,7 +30,8 @@ enum class purpose : std::uint64_t {
   guided = 13,      // rays of gvs and gvs++
   agvs = 14,        // rays for all cells
   agvs_place = 15,  // of a cell on such a ray
-  importance = 16
+  importance = 16,
+  volumes = 17
 };
 
 class random_stream {

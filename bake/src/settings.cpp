@@ -105,6 +105,18 @@ void check_two_scenes(const settings& s) {
   if (s.sampler == "importance-depth-color") refuse_colors_of_two_scenes("--sampler importance-depth-color");
 }
 
+void check_volumes(const settings& s) {
+  if (s.volumes == 0.0) return;
+  if (!(s.volumes >= 0.25 && s.volumes <= 1000.0)) refuse("--volumes", number(s.volumes), "0 (none) or 0.25 to 1000 m");
+  if (s.max_pixel_error == 0.0)
+    throw error(error_kind::wrong_use, "settings.volumes", "--volumes",
+                "are found by rays, and --max-pixel-error 0 casts none",
+                "give a --max-pixel-error, or leave --volumes out");
+  if (s.cells_from != nullptr)
+    throw error(error_kind::wrong_use, "settings.volumes", "--volumes",
+                "are of one scene, and --cells-from names another", "bake them with the cells' own scene");
+}
+
 const char* kind_of_cells(const settings& s) {
   if (!s.cells.empty()) return "given";
   if (s.cells_file) return "file";
@@ -147,6 +159,7 @@ void validate(const settings& s) {
   validate_metric(s.metric);
   check_two_scenes(s);
   check_time_budget(s);
+  check_volumes(s);
   if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
   if (static_cast<std::size_t>(s.safety_ring) >= safety_ring_names.size())
@@ -183,6 +196,7 @@ std::string describe(const settings& s) {
     text += fmt::format(R"(,"animated":"{}")", scene::animated_as_names[static_cast<std::size_t>(s.animated)]);
   if (s.safety_ring != safety_ring::none)
     text += fmt::format(R"(,"safety_ring":"{}")", safety_ring_names[static_cast<std::size_t>(s.safety_ring)]);
+  if (s.volumes != 0.0) text += fmt::format(R"(,"volumes":{})", number(s.volumes));
   text += fmt::format(R"(,"profile":"{}")", slack_profile_names[static_cast<std::size_t>(s.file.profile)]);
   if (s.file.order != polygon_order_kind::per_mesh)
     text += fmt::format(R"(,"order":"{}")", polygon_order_names[static_cast<std::size_t>(s.file.order)]);

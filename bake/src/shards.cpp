@@ -109,7 +109,8 @@ void bake_blocks(const workshop& shop, const stage_plan& plan, const std::vector
   const std::filesystem::path target = shard_file(output, part);
   std::optional<shard_files> before;
   if (part.phase == 2) before.emplace(phase_1_of(output, plan, blocks, shop.key));
-  const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells);
+  const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells,
+                                   shop.volumes ? &*shop.volumes : nullptr);
   work_file file(target, shop.how.scratch, shop.key, fresh, encode(plan_of(frame, *shop.blocks)), shop.judge());
   ledger book(shop.s.polygon_count, plan, sum.cells, tell, static_cast<int>(part.phase));
   resume(file.records(), book, tell);

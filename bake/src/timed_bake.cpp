@@ -63,7 +63,7 @@ timed_bake::timed_bake(const timed_work& work)
     : work_(work),
       baker_(baker_of(work.shop)),
       frame_(frame_of(work.shop.s, work.shop.how, with_overrides(work.shop.settings_text, work.shop.given),
-                      work.shop.list.cells)),
+                      work.shop.list.cells, work.shop.volumes ? &*work.shop.volumes : nullptr)),
       book_(work.shop.s.polygon_count, work.shop.list.cells.size(), work.shop.how.max_pixel_error, work.clock,
             work.tell),
       pause_(std::min(share_between_files * work.shop.how.time_budget, seconds_between_files)),

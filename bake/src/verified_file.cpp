@@ -51,6 +51,18 @@ void verified_file::cell_set(std::uint32_t cell, std::vector<std::uint32_t>& see
   require_ok(sets_.source_ids(cell, seen), name_);
 }
 
+void verified_file::cell_items(std::uint32_t cell, std::vector<std::uint32_t>& items) {
+  require_ok(file_.check_chunk(format::reader::chunk_of(cell)), name_);
+  require_ok(sets_.item_ids(cell, items), name_);
+}
+
+stored_volumes verified_file::volumes() const {
+  std::vector<format::lattice_place> places(file_.volumes().count());
+  for (std::uint32_t volume = 0; volume < places.size(); ++volume)
+    if (!file_.volumes().place(volume, places[volume])) require_ok(format::status::corrupt, name_);
+  return {file_.volumes().shape(), places};
+}
+
 box verified_file::cell_box(std::uint32_t cell) const {
   format::box corners;
   require_ok(file_.cell_box(cell, corners), name_);

@@ -14,6 +14,7 @@
 #include "sightcell/format/set_reader.h"
 #include "sightcell/scene/scene.h"
 #include "stored_rules.h"
+#include "volumes/stored_volumes.h"
 
 namespace sightcell::bake {
 
@@ -36,6 +37,9 @@ class verified_file {
 
   // Of a cell that there is. seen: ascending source ids. Throws where its part of the file is damaged.
   void cell_set(std::uint32_t cell, std::vector<std::uint32_t>& seen);
+  // The same with volumes behind the polygons, from file().polygon_count() on.
+  void cell_items(std::uint32_t cell, std::vector<std::uint32_t>& items);
+  stored_volumes volumes() const;
   box cell_box(std::uint32_t cell) const;
 
  private:

@@ -3,6 +3,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
@@ -15,26 +16,31 @@
 #include "source/surface_colors.h"
 #include "two_scenes.h"
 #include "verified_file.h"
+#include "volumes/stored_volumes.h"
 
 namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t reported_polygons = 100;
 
-// One bit per polygon: asked from many threads.
+// Of one cell's set: asked from many threads.
 class membership {
  public:
-  explicit membership(std::uint32_t polygons) : in_(polygons, 0) {}
-  void assign(std::span<const std::uint32_t> set) {
+  membership(std::uint32_t polygons, std::uint32_t volumes)
+      : polygons_(polygons), in_(std::size_t{polygons} + volumes, 0) {}
+  // Polygons, and volumes behind them.
+  void assign(std::span<const std::uint32_t> items) {
     std::fill(in_.begin(), in_.end(), std::uint8_t{0});
-    for (const std::uint32_t polygon : set) in_[polygon] = 1;
-    size_ = set.size();
+    for (const std::uint32_t item : items) in_[item] = 1;
+    size_ = static_cast<std::uint64_t>(std::lower_bound(items.begin(), items.end(), polygons_) - items.begin());
   }
   // What is of another scene is in no set, and nobody misses it.
-  bool contains(std::uint32_t polygon) const { return polygon >= in_.size() || in_[polygon] != 0; }
-  std::uint64_t size() const { return size_; }
+  bool contains(std::uint32_t polygon) const { return polygon >= polygons_ || in_[polygon] != 0; }
+  bool contains_volume(std::uint32_t volume) const { return in_[std::size_t{polygons_} + volume] != 0; }
+  std::uint64_t size() const { return size_; }  // polygons
 
  private:
+  std::uint32_t polygons_;
   std::vector<std::uint8_t> in_;
   std::uint64_t size_ = 0;
 };
@@ -62,19 +68,26 @@ verification verify_cells(const scene::scene& s, verified_file& opened, const ve
   std::optional<surface_colors> colors;
   if (how.metric.kind == metric_kind::color) colors.emplace(s, rays.geometry());
   const error_metric metric(how.metric, rays, colors ? &*colors : nullptr);
-  const fresh_rules fresh{
-      .player_radius = opened.rules().player_radius, .smallest_gap = opened.rules().smallest_gap, .metric = &metric};
+  membership set(file.polygon_count(), file.volumes().count());
+  const stored_volumes volumes = opened.volumes();
+  const std::function<bool(std::uint32_t)> has_volume = [&](std::uint32_t volume) {
+    return set.contains_volume(volume);
+  };
+  const stored_trial trial(volumes, has_volume);
+  const fresh_rules fresh{.player_radius = opened.rules().player_radius,
+                          .smallest_gap = opened.rules().smallest_gap,
+                          .metric = &metric,
+                          .volumes = file.volumes().count() > 0 ? &trial : nullptr};
   const std::uint32_t stored = file.cell_count();
   const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
   const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
 
   verification result;
-  membership set(file.polygon_count());
   std::vector<std::uint32_t> seen;
   double visible = 0.0;
   for (std::uint32_t i = 0; i < chosen; ++i) {
     const auto cell = static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen);
-    opened.cell_set(cell, seen);
+    opened.cell_items(cell, seen);
     set.assign(seen);
     const box grown = opened.cell_box(cell).grown(file.facts().margin);
     const fresh_batch batch = cast_fresh_rays(rays, grown, fresh, rays_each, {how.seed, cell, purpose::verify, 0},
@@ -85,6 +98,7 @@ verification verify_cells(const scene::scene& s, verified_file& opened, const ve
     result.cells.push_back(one);
     result.rays += batch.rays;
     result.misses += batch.misses;
+    result.misses_of_volumes += batch.misses_of_volumes;
     visible += 100.0 * static_cast<double>(set.size()) / std::max(file.polygon_count(), 1u);
     note_missing(cell, batch, result.missing);
     if (on_progress) on_progress(i + 1, chosen);

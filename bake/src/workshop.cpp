@@ -38,7 +38,7 @@ std::string text_of(const settings& how, const chosen_source& eyes) {
 }
 
 std::string checkpoint_key(const scene::scene& s, const std::vector<view_cell>& cells, const overrides& given,
-                           const std::string& settings) {
+                           const volume_grid* volumes, const std::string& settings) {
   XXH3_state_t* state = XXH3_createState();
   XXH3_64bits_reset(state);
   for (const view_cell& cell : cells) {
@@ -46,6 +46,8 @@ std::string checkpoint_key(const scene::scene& s, const std::vector<view_cell>& 
     XXH3_64bits_update(state, corners, sizeof corners);
     XXH3_64bits_update(state, &cell.place, sizeof cell.place);
   }
+  // They are those of all cells, of which --cell-limit may leave out some.
+  if (volumes) XXH3_64bits_update(state, volumes->places().data(), volumes->places().size() * sizeof(volume_place));
   if (const std::uint64_t by_hand = hash_of(given); by_hand != 0) XXH3_64bits_update(state, &by_hand, sizeof by_hand);
   const auto cells_hash = XXH3_64bits_digest(state);
   XXH3_freeState(state);
@@ -60,6 +62,12 @@ void flatten_into(scene::world_geometry& geometry, const scene::scene& s, const 
                   [](const scene::polygon_kind& kind) { return kind.absent; }))
     throw error(error_kind::bad_input, "bake.nothing-to-see", s.name, "has no triangle that could be seen",
                 "export meshes with triangles, or name another file");
+}
+
+void make_cells_and_volumes(workshop& shop) {
+  shop.list = make_all_cells(shop.geometry, shop.how);
+  if (shop.how.volumes > 0.0) shop.volumes.emplace(shop.list.cells, shop.how.volumes, double{shop.how.margin});
+  limit_cells(shop.list, shop.how.cell_limit);
 }
 
 }  // namespace
@@ -78,7 +86,9 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
   require_memory(s, how, &geometry);
   // Cells know nothing of rays, and most of both is one thread's work.
   tbb::parallel_invoke(
-      [&] { if (!how.cells_from) list = make_cells(geometry, how); },
+      [&] {
+        if (how.cells_from == nullptr) make_cells_and_volumes(*this);
+      },
       [&] {
         rays.emplace(geometry, how.all_double_sided);
         if (needs_neighbors(how)) neighbors.emplace(*rays);
@@ -95,13 +105,14 @@ workshop::workshop(const scene::scene& from, const settings& settings_of_bake, c
     tell.on_message(severity::note, fmt::format("device: {}, source {}{}", eyes.source->device(), eyes.name,
                                                 eyes.because.empty() ? std::string() : " (" + eyes.because + ")"));
     tell.on_message(severity::note, "cells: " + list.how);
+    if (volumes) tell.on_message(severity::note, fmt::format("volumes: {} of {:g} m", volumes->count(), how.volumes));
     for (const std::string& warning : list.warnings) tell.on_message(severity::warning, warning);
   }
   settings_text = with_misses(text_of(how, eyes), misses, fmt::format("{}", misses.all().size()));
   settings of_records = how;  // those of a time budget can be gone on with whatever budget
   of_records.time_budget = how.time_budget > 0.0 ? 1.0 : 0.0;
   const std::string of_blocks = misses.key_of(*blocks, list.cells, how.margin);
-  key = checkpoint_key(s, list.cells, given,
+  key = checkpoint_key(s, list.cells, given, volumes ? &*volumes : nullptr,
                        with_misses(text_of(of_records, eyes), misses, fmt::format("\"{}\"", of_blocks)));
 }
 

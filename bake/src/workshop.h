@@ -17,6 +17,7 @@
 #include "sightcell/bake/bake.h"
 #include "source/choose_source.h"
 #include "source/surface_colors.h"
+#include "volumes/volume_grid.h"
 
 namespace sightcell::bake {
 
@@ -41,6 +42,7 @@ struct workshop {
   std::optional<near_polygons> neighbors;  // where something is looked for, or taken, beside what is known
   chosen_source eyes;
   cell_list list;
+  std::optional<volume_grid> volumes;  // of all cells, also those that --cell-limit leaves out
   std::optional<cell_blocks> blocks;
   std::optional<surface_colors> colors;  // where the sampler or the metric looks at them
   error_metric metric;

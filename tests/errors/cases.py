@@ -423,4 +423,7 @@ CASES = [
                                                os.path.join(f, 'out.pvs'), '--metric', 'color'], '--metric')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--sampler', 'halton')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--shard', '0/2')),
+    ('settings.volumes', 2, options('--volumes', '--volumes', '2', '--max-pixel-error', '0')),
+    ('volumes.too-many', 2, options('--volumes', '--volumes', '0.25', '--cells-grid', '0,0,0,999,499,999', '--cell-size',
+                                    '1000')),
 ]

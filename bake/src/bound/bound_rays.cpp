@@ -20,8 +20,9 @@ constexpr std::uint64_t chunk_rays = 65536;
 constexpr std::uint64_t fewest_tests = 256, rays_per_test = 256;
 
 struct chunk_result {
-  std::uint64_t cast = 0, tested = 0, free = 0, misses = 0, asked = 0;
+  std::uint64_t cast = 0, tested = 0, free = 0, misses = 0, asked = 0, misses_of_volumes = 0;
   std::vector<missed_polygon> missed;
+  std::vector<found_volume> missed_volumes;
 };
 
 // Rays from places that nobody tested.
@@ -48,7 +49,7 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
   rays.look(sorted, seen);
   std::vector<std::uint32_t> found;
   for (std::size_t i = 0; i < order.size(); ++i)
-    if (trial.lacks(seen[i])) found.push_back(order[i].second);
+    if (trial.lacks(sorted[i], seen[i])) found.push_back(order[i].second);
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -78,6 +79,8 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rul
     rays.look(line.eye, line.direction, seen);
     if (trial.judge(line, seen, random, result.missed)) ++result.misses;
   }
+  result.misses_of_volumes = trial.misses_of_volumes();
+  result.missed_volumes = trial.missed_volumes();
   return result;
 }
 
@@ -94,6 +97,8 @@ void bound_batch::cast_tested(std::uint64_t trials) {
   misses_ += part.misses;
   asked_ += part.places;
   missed_.insert(missed_.end(), part.missed.begin(), part.missed.end());
+  misses_of_volumes_ += part.misses_of_volumes;
+  missed_volumes_.insert(missed_volumes_.end(), part.missed_volumes.begin(), part.missed_volumes.end());
 }
 
 void bound_batch::cast(std::uint64_t trials) {
@@ -122,6 +127,8 @@ void bound_batch::cast(std::uint64_t trials) {
     misses_ += chunk.misses;
     asked_ += chunk.asked;
     missed_.insert(missed_.end(), chunk.missed.begin(), chunk.missed.end());
+    misses_of_volumes_ += chunk.misses_of_volumes;
+    missed_volumes_.insert(missed_volumes_.end(), chunk.missed_volumes.begin(), chunk.missed_volumes.end());
   }
 }
 
@@ -135,7 +142,12 @@ fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh
   bound_batch batch(rays, grown, rules, plan.free_share, source, contains);
   batch.cast(plan.trials);
   const std::uint64_t trials = batch.trials(plan.risk);
-  return {.rays = trials, .misses = batch.misses(), .places = batch.spent() - trials, .missed = batch.missed()};
+  return {.rays = trials,
+          .misses = batch.misses(),
+          .places = batch.spent() - trials,
+          .missed = batch.missed(),
+          .misses_of_volumes = batch.misses_of_volumes(),
+          .missed_volumes = batch.missed_volumes()};
 }
 
 }  // namespace sightcell::bake

@@ -58,6 +58,9 @@ class bound_batch {
   std::uint64_t spent() const { return cast_ + asked_; }
   // In a fixed order.
   const std::vector<missed_polygon>& missed() const { return missed_; }
+  // Of the misses those that lack nothing that counts but volumes; and the volumes that were missed.
+  std::uint64_t misses_of_volumes() const { return misses_of_volumes_; }
+  const std::vector<found_volume>& missed_volumes() const { return missed_volumes_; }
 
  private:
   void cast_tested(std::uint64_t trials);
@@ -74,6 +77,8 @@ class bound_batch {
   std::uint64_t misses_ = 0, asked_ = 0;            // places asked about
   std::uint64_t parts_ = 0;
   std::vector<missed_polygon> missed_;
+  std::uint64_t misses_of_volumes_ = 0;
+  std::vector<found_volume> missed_volumes_;
 };
 
 }  // namespace sightcell::bake

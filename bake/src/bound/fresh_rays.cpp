@@ -29,6 +29,8 @@ fresh_batch cast_chunk(const ray_scene& rays, const box& grown, const fresh_rule
     if (one.judge(line, seen, random, batch.missed)) ++batch.misses;
   }
   batch.rays = eyes.size();
+  batch.misses_of_volumes = one.misses_of_volumes();
+  batch.missed_volumes = one.missed_volumes();
   return batch;
 }
 
@@ -53,9 +55,11 @@ fresh_batch cast_fresh_rays(const ray_scene& rays, const box& grown, const fresh
     all.misses += chunk.misses;
     all.places += chunk.places;
     all.missed.insert(all.missed.end(), chunk.missed.begin(), chunk.missed.end());
+    all.misses_of_volumes += chunk.misses_of_volumes;
+    all.missed_volumes.insert(all.missed_volumes.end(), chunk.missed_volumes.begin(), chunk.missed_volumes.end());
   }
   all.given_up = given_up;
-  if (given_up) all.rays = all.misses = 0;
+  if (given_up) all.rays = all.misses = all.misses_of_volumes = 0;
   return all;
 }
 

@@ -9,6 +9,7 @@
 #include "free_space.h"
 #include "random.h"
 #include "rays/ray_scene.h"
+#include "volumes/volume_trial.h"
 
 namespace sightcell::bake {
 
@@ -25,8 +26,10 @@ struct fresh_batch {
   std::uint64_t rays = 0;    // cast; fewer than asked only where free places are too rare
   std::uint64_t misses = 0;  // rays that saw at least one polygon that is missing without an excuse, and count
   std::uint64_t places = 0;  // positions tested to find free ones
-  std::vector<missed_polygon> missed;  // in a fixed order; a ray adds every polygon it missed
-  bool given_up = false;               // then there are no rays and no misses, but what was found so far
+  std::vector<missed_polygon> missed;        // in a fixed order; a ray adds every polygon it missed
+  std::uint64_t misses_of_volumes = 0;       // of the misses: they lack nothing that counts but volumes
+  std::vector<found_volume> missed_volumes;  // the same for volumes; some more than once
+  bool given_up = false;                     // then there are no rays and no misses, but what was found so far
 };
 
 struct fresh_source {
@@ -36,10 +39,12 @@ struct fresh_source {
 };
 
 // What a ray is wrong about: rules 2 and 3 of seeing excuse (design.md section 3, pixel error). And what that means.
+// Where there are volumes a ray that passes one which the set lacks is wrong and counts, whatever the metric.
 struct fresh_rules {
   float player_radius = 0.05f;
   float smallest_gap = 0.002f;
   const error_metric* metric = &pixel_metric;  // outlives the rules
+  const volume_trial* volumes = nullptr;       // of the same set, outlives the rules; null: there are none
 };
 
 // Directions are those of the metric. Casts count rays on the calling thread's TBB arena. contains: is a polygon in the

@@ -19,17 +19,36 @@ class ray_trial {
       : rays_(rays), rules_(rules), contains_(contains) {}
 
   // Did the ray see anything that the set does not have? Rules 2 and 3 are not asked: what is missing may be excused.
-  bool lacks(const sight& seen) const {
+  bool lacks(const sight_line& line, const sight& seen) const {
     const auto missing = [&](std::uint32_t polygon) { return !contains_(polygon); };
     if (seen.front != no_polygon && missing(seen.front)) return true;
     for (const passed_polygon& p : seen.before)
       if (missing(p.polygon)) return true;
-    return false;
+    return rules_.volumes && rules_.volumes->lacks(line, free_length(seen));
   }
 
   // Notes what the ray saw and the set does not have. True when the ray counts as a miss: it is wrong, and the metric
   // says so, which may take numbers of random.
   bool judge(const sight_line& line, const sight& seen, random_stream& random, std::vector<missed_polygon>& missed) {
+    const bool polygons = lacks_polygons(line, seen, random, missed), volumes = lacks_volumes(line, seen);
+    if (volumes && !polygons) ++misses_of_volumes_;
+    return polygons || volumes;
+  }
+  // Of all rays so far.
+  std::uint64_t misses_of_volumes() const { return misses_of_volumes_; }
+  const std::vector<found_volume>& missed_volumes() const { return missed_volumes_; }
+
+ private:
+  bool lacks_volumes(const sight_line& line, const sight& seen) {
+    if (!rules_.volumes) return false;
+    rules_.volumes->lacking(line, free_length(seen), passed_);
+    drop_hidden_by_gaps(rays_, line, rules_.smallest_gap, passed_);
+    for (const passed_volume& p : passed_) missed_volumes_.push_back({p.volume, line.eye});
+    return !passed_.empty();
+  }
+
+  bool lacks_polygons(const sight_line& line, const sight& seen, random_stream& random,
+                      std::vector<missed_polygon>& missed) {
     const std::size_t first = missed.size();
     lacking_.polygons.clear();
     lacking_.nearest = std::numeric_limits<float>::infinity();
@@ -52,12 +71,14 @@ class ray_trial {
     return counts;
   }
 
- private:
   const ray_scene& rays_;
   const fresh_rules& rules_;
   const std::function<bool(std::uint32_t)>& contains_;
   std::vector<std::uint32_t> coincident_;
   lacking_surfaces lacking_;
+  std::vector<passed_volume> passed_;
+  std::uint64_t misses_of_volumes_ = 0;
+  std::vector<found_volume> missed_volumes_;
 };
 
 }  // namespace sightcell::bake

@@ -75,8 +75,10 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
   return list;
 }
 
+}  // namespace
+
 // The middle one of each of `limit` equal stretches of the list.
-void apply_limit(cell_list& list, std::uint32_t limit) {
+void limit_cells(cell_list& list, std::uint32_t limit) {
   const std::size_t all = list.cells.size();
   if (limit == 0 || limit >= all) return;
   std::vector<view_cell> chosen;
@@ -87,9 +89,7 @@ void apply_limit(cell_list& list, std::uint32_t limit) {
   list.how = fmt::format("{} of ", limit) + list.how;
 }
 
-}  // namespace
-
-cell_list make_cells(const scene::world_geometry& geometry, const settings& how) {
+cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how) {
   cell_list list;
   if (!how.cells.empty()) {
     list.cells = explicit_cells(how.cells, "settings.cells", "give metres, min below max on every axis");
@@ -102,7 +102,12 @@ cell_list make_cells(const scene::world_geometry& geometry, const settings& how)
   } else {
     list = automatic_cells(geometry, how);
   }
-  apply_limit(list, how.cell_limit);
+  return list;
+}
+
+cell_list make_cells(const scene::world_geometry& geometry, const settings& how) {
+  cell_list list = make_all_cells(geometry, how);
+  limit_cells(list, how.cell_limit);
   return list;
 }
 

@@ -38,5 +38,8 @@ struct cell_list {
 // is applied. Whether a cell has a free point is not asked here. Throws sightcell::error (bad_input) on a broken cells
 // file.
 cell_list make_cells(const scene::world_geometry& geometry, const settings& how);
+// In two steps: without --cell-limit, and so many of them, spread evenly; 0: all.
+cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how);
+void limit_cells(cell_list& list, std::uint32_t limit);
 
 }  // namespace sightcell::bake

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
 #include "bound/looks.h"
 #include "finish/cell_search.h"
+#include "volumes/volume_search.h"
 
 namespace sightcell::bake {
 namespace {
@@ -67,6 +70,42 @@ bool batch_pays(const std::vector<look>& looks, const error_guess& missing, std:
   return now <= later;
 }
 
+// What volumes add to a search: nothing where there are none.
+class search_of_volumes {
+ public:
+  search_of_volumes(const ray_scene& rays, const box& grown, const finish_settings& how, cell_set& set)
+      : worth_(first_worth * how.max_pixel_error * whole_sphere), rules_(how.rules) {
+    if (!how.volumes) return;
+    trial_.emplace(*how.volumes, set.volumes());
+    rules_.volumes = &*trial_;
+    search_.emplace(rays, *how.volumes, grown,
+                    volume_search_settings{.seed = seed_after(how.batches_before, how.seed),
+                                           .place = how.place,
+                                           .player_radius = how.rules.player_radius,
+                                           .smallest_gap = how.rules.smallest_gap,
+                                           .limit = how.limit},
+                    set);
+  }
+
+  // Further each time.
+  void look_for() {
+    if (search_) search_->look_for(worth_);
+    worth_ *= worth_of_next;
+  }
+  void add(std::span<const found_volume> found) {
+    if (search_) search_->add(found);
+  }
+  std::uint64_t spent() const { return search_ ? search_->spent() : 0; }
+  const fresh_rules& rules() const { return rules_; }
+
+ private:
+  static constexpr double first_worth = 1e-3, worth_of_next = 0.25;  // of the target's share of all directions
+  double worth_;
+  fresh_rules rules_;
+  std::optional<grid_trial> trial_;
+  std::optional<volume_search> search_;
+};
+
 // What a batch came to.
 struct proof {
   look at;                   // the last look: trials and risk of the bound
@@ -114,6 +153,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                       .known = views ? how.known : 0,
                       .tried = views ? worth_after(worth_beside(how.known_to), views->places.taken()) : 0.0},
                      set);
+  search_of_volumes volumes(rays, grown, how, set);
   const double cost_of_trial = of_a_bound_ray / std::max(how.free_share, 1e-3);
   const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
   std::uint64_t of_batches = 0;
@@ -131,10 +171,11 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     looks = plan_looks(target, risk_of(number), share_of_places);
     goal.max_cost = how.max_rays - std::min(how.max_rays, of_batches);
     search.look_for(goal);
-    result.rays_spent = of_batches + search.spent();
+    volumes.look_for();
+    result.rays_spent = of_batches + search.spent() + volumes.spent();
 
-    bound_batch batch(rays, grown, how.rules, how.free_share, {how.seed, how.place, purpose::bound, number}, contains,
-                      give_up);
+    bound_batch batch(rays, grown, volumes.rules(), how.free_share, {how.seed, how.place, purpose::bound, number},
+                      contains, give_up);
     const std::uint64_t left = how.max_rays - std::min(result.rays_spent, how.max_rays);
     const proof found =
         prove(batch, looks, how, search.cost_of_views(), cost_of_trial, std::max<std::uint64_t>(left, 1));
@@ -150,10 +191,13 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     }
 
     for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
+    volumes.add(batch.missed_volumes());
     search.look_beside(how.max_rays - std::min(how.max_rays, of_batches));
-    result.rays_spent = of_batches + search.spent();
+    result.rays_spent = of_batches + search.spent() + volumes.spent();
     if (result.bound_met || (how.limit && how.limit->reached())) break;
-    search.hear(static_cast<double>(found.misses) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
+    // Hemicubes and rays beside polygons find no volumes.
+    const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
+    search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
   }
   return result;
 }

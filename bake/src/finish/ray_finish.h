@@ -8,12 +8,13 @@
 #include "finish/near_polygons.h"
 #include "free_space.h"
 #include "rays/ray_scene.h"
+#include "volumes/volume_grid.h"
 
 namespace sightcell::bake {
 
 struct finish_settings {
   double max_pixel_error = 1e-3;
-  fresh_rules rules = {};
+  fresh_rules rules = {};                // whose volumes are told from those of the set
   double free_share = 1.0;               // about this share of the grown box is free; decides the size of batches only
   std::uint64_t max_rays = 100'000'000;  // sight rays, tested places, and hemicubes by what they see
   std::uint64_t seed = 0, place = 0;
@@ -24,6 +25,7 @@ struct finish_settings {
   // With views: so many members were looked beside of, by guided or an earlier run, as far as for this error.
   std::size_t known = 0;
   double known_to = 1.0;
+  const volume_grid* volumes = nullptr;  // that are looked for as well; null: none
 };
 
 struct finish_result {

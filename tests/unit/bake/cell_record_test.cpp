@@ -29,9 +29,10 @@ cell_record sample() {
 }
 
 TEST(cell_record, gives_back_what_went_in) {
-  cell_record empty, solid;
+  cell_record empty, solid, with_volumes = sample();
   solid.stored = false;
-  for (const cell_record& r : {sample(), empty, solid}) EXPECT_EQ(decode(encode(r)), r);
+  with_volumes.volumes = {0, 1, 5, 0xFFFFFFu};
+  for (const cell_record& r : {sample(), empty, solid, with_volumes}) EXPECT_EQ(decode(encode(r)), r);
 }
 
 TEST(cell_record, a_summary_is_read_without_the_set) {

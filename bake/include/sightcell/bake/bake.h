@@ -68,7 +68,9 @@ struct summary {
   // What the safety ring added, seen by nothing: polygons in the mean over the cells, and all of them in percent of
   // what the sets would hold without it. Of a whole bake or a merge, not of a shard.
   double unseen_per_cell = 0.0, unseen_percent = 0.0;
-  double slack = 0.0;  // share of polygons that the file's sets hold besides, by its profile
+  std::uint32_t volumes = 0;      // in the file
+  double volumes_per_cell = 0.0;  // that are seen
+  double slack = 0.0;             // share of polygons that the file's sets hold besides, by its profile
   double max_upper_bound = 1.0;
   double cpu_seconds = 0.0;  // of the process, this run
   std::uint64_t bytes = 0;
@@ -124,6 +126,7 @@ struct missing_polygon {
 
 struct verification {
   std::uint64_t rays = 0, misses = 0;
+  std::uint64_t misses_of_volumes = 0;  // of the misses: they lack nothing that counts but volumes
   double pixel_error = 0.0, upper_bound = 1.0, confidence = 0.95;  // of the error that the metric says
   double visible_set_percent = 0.0;
   std::vector<cell_verification> cells;
@@ -142,6 +145,7 @@ struct verify_settings {
 
 // Casts fresh independent rays against the cell sets of a .pvs file: its own ray scene, no sampler code. A host's scene
 // has no colors: metric_kind::color is refused with it, as by bake().
+// Where the file has volumes a ray that passes one which its cell's set lacks is a miss, too.
 // file: the bytes of the .pvs, read during the call; name: of the file, for messages. Throws sightcell::error when the
 // file is broken or belongs to another scene.
 verification verify(const scene::scene& s, std::span<const std::byte> file, const std::string& name,
@@ -169,6 +173,10 @@ struct patch_result {
 // out of range or the output cannot be written; then nothing was changed.
 patch_result patch(std::span<const std::byte> file, const std::string& name, std::span<const added_polygons> additions,
                    const std::filesystem::path& output);
+
+// How many bytes a file would have without its volumes: the same cells and polygons, in the same order. file, name: as
+// for verify. Throws sightcell::error when the file is broken.
+std::uint64_t size_without_volumes(std::span<const std::byte> file, const std::string& name);
 
 // For who looks at the scene of a .pvs file: what the bake's cells file named as "never" becomes absent, "always"
 // always. settings: the text in the file.

@@ -106,6 +106,10 @@ struct settings {
   // an eye can be in they join the set where a ray sees them.
   std::optional<std::filesystem::path> misses_file;
 
+  // --volumes, metres, 0 or 0.25..1000: boxes this wide are told from each other where things that move may be, and for
+  // each cell which of them can be seen; 0: none. Takes rays: not with a max_pixel_error of 0.
+  double volumes = 0.0;
+
   file_settings file;  // --profile, --order, --layout
 
   // --- running; none of these changes a byte of the file
