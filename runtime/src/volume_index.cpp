@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 namespace sightcell::runtime {
@@ -10,14 +11,8 @@ namespace {
 
 constexpr std::int32_t chunk_width = 4;
 
-// So many places from the origin, a float is off by a fourth of a place at most.
-constexpr double near_places = 0x1p22;
 // What is found where there is no chunk.
 constexpr volume_chunk free_chunk;
-
-// Beyond all places that volumes have.
-constexpr std::int64_t far_place = std::int64_t{1} << 31;
-constexpr std::int64_t place_limit = std::int64_t{1} << 30;
 
 std::int32_t chunk_of(std::int32_t place) noexcept {
   return place >> 2;  // rounds down, also below 0
@@ -36,18 +31,6 @@ std::uint64_t hash_of(std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
   return (sum ^ sum >> 32) * 0xD6E8FEB86659FD93u;
 }
 
-// Below |value| < 2^62. floor() is a call where processors are not known to have it.
-std::int64_t round_down(double value) noexcept {
-  const auto toward_zero = static_cast<std::int64_t>(value);
-  return toward_zero - (static_cast<double>(toward_zero) > value ? 1 : 0);
-}
-
-// Of a finite number; +infinity behind the last one.
-float next_float(float value) noexcept {
-  const auto bits = std::bit_cast<std::uint32_t>(value + 0.0f);  // -0 becomes 0
-  return std::bit_cast<float>(bits >> 31 != 0 ? bits - 1 : bits + 1);
-}
-
 // Of four bits, each `stride` behind the one before, those from `from` on: one, and `more`.
 std::uint64_t range_bits(std::int32_t more, std::int32_t from, std::uint64_t four_bits, std::int32_t stride) noexcept {
   return four_bits >> (stride * (chunk_width - 1 - more)) << (stride * from);
@@ -55,38 +38,19 @@ std::uint64_t range_bits(std::int32_t more, std::int32_t from, std::uint64_t fou
 
 }  // namespace
 
-// A float is off by half of what its last bit counts at most: 2^-24 of it, or 2^-150 around 0. So among near places,
-// and where these are not as small as floats get, a border lies less than half a place from where it belongs: the
-// number that is asked for is the one that the division gives, rounded down, or the next. Where in a place a box ends
-// no processor can foresee: there are no jumps.
+volume_index::axis_lattice::axis_lattice(double metres) noexcept
+    : size(metres),
+      inverse(1.0 / metres),
+      reach(static_cast<float>(std::min(metres * 0x1p30, static_cast<double>(std::numeric_limits<float>::max())))) {}
+
+// A border is off by half of what lies between two floats there. Where that is a place at most, the number that is
+// asked for is the one that the division gives, rounded down, or the next. Where it is more, further places may be
+// touched; but of the one that the division gives, or the next, both borders are the same float: it is no volume, and
+// touched. There are no jumps: where in a place a box ends no processor can foresee.
 inline std::int32_t volume_index::axis_lattice::last_begun(float at) const noexcept {
   const auto toward_zero = static_cast<std::int32_t>(static_cast<double>(at) * inverse);
   const std::int32_t next = toward_zero + static_cast<std::int32_t>(at >= 0.0f);
   return next - static_cast<std::int32_t>(static_cast<float>(next * size) > at);
-}
-
-volume_index::axis_lattice::axis_lattice(double metres) noexcept
-    : size(metres),
-      inverse(1.0 / metres),
-      near(metres < 0x1p-126 ? 0.0f : static_cast<float>(std::min(metres * near_places, 0x1p127))) {}
-
-// A border is the float next to its product: at or before a number if that is not beyond the middle between this and
-// the next float, where the even one of the two is nearer.
-std::int64_t volume_index::axis_lattice::last_begun_far_away(float at) const noexcept {
-  if (std::isinf(at)) return at < 0.0f ? -far_place : far_place;
-  const float next = next_float(at);
-  const double above = std::isinf(next) ? 0x1p128 : static_cast<double>(next);
-  const double middle = static_cast<double>(at) / 2 + above / 2;
-  const bool even = std::bit_cast<std::uint32_t>(at) % 2 == 0;
-  const auto is_begun = [&](std::int64_t place) {
-    const double begin = static_cast<double>(place) * size;
-    return even ? begin <= middle : begin < middle;
-  };
-  const double guess = middle * inverse;
-  if (!(std::fabs(guess) < static_cast<double>(far_place))) return guess < 0.0 ? -far_place : far_place;
-  const std::int64_t place = round_down(guess);  // or one beside it
-  if (is_begun(place + 1)) return place + 1;
-  return is_begun(place) ? place : place - 1;
 }
 
 // How many chunks there are is known when they are found; but volumes of a chunk mostly follow each other, or those of
@@ -176,29 +140,16 @@ bool volume_index::is_box(const float min[3], const float max[3]) noexcept {
   return min[0] <= max[0] && min[1] <= max[1] && min[2] <= max[2];
 }
 
-// A place is touched from its begin to the next one's: mirrored, the first one is the last one too. False where one is
-// further away than volumes are.
+// A place is touched from its begin to the next one's: mirrored, the first one is the last one too.
 bool volume_index::touched(const float min[3], const float max[3], touched_places& out) const noexcept {
-  bool near = true;
+  bool inside = true;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    near = near && std::fabs(min[axis]) < axes_[axis].near && std::fabs(max[axis]) < axes_[axis].near;
-  for (std::size_t axis = 0; axis < 3 && near; ++axis) {
+    inside = inside && std::fabs(min[axis]) <= axes_[axis].reach && std::fabs(max[axis]) <= axes_[axis].reach;
+  for (std::size_t axis = 0; axis < 3 && inside; ++axis) {
     out.first[axis] = ~axes_[axis].last_begun(-min[axis]);
     out.last[axis] = axes_[axis].last_begun(max[axis]);
   }
-  return near || touched_far_away(min, max, out);
-}
-
-bool volume_index::touched_far_away(const float min[3], const float max[3], touched_places& out) const noexcept {
-  bool near = true;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int64_t first = ~axes_[axis].last_begun_far_away(-min[axis]);
-    const std::int64_t last = axes_[axis].last_begun_far_away(max[axis]);
-    near = near && first >= -place_limit && last < place_limit;
-    out.first[axis] = static_cast<std::int32_t>(first);
-    out.last[axis] = static_cast<std::int32_t>(last);
-  }
-  return near;
+  return inside;
 }
 
 // Most boxes lie in one chunk.

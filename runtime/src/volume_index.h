@@ -68,14 +68,13 @@ class volume_index {
   struct axis_lattice {
     axis_lattice() noexcept = default;
     explicit axis_lattice(double size) noexcept;
-    // The last place that begins at or before a number. |at| < near.
+    // The last place that begins at or before a number; or one before that, where one of these two has no box and so is
+    // no volume. |at| <= reach.
     [[nodiscard]] std::int32_t last_begun(float at) const noexcept;
-    // The same wherever that is: a place that volumes can have, or one further away.
-    [[nodiscard]] std::int64_t last_begun_far_away(float at) const noexcept;
 
     double size = 1.0;     // metres
     double inverse = 1.0;  // places per metre
-    float near = 0.0f;     // metres from the origin
+    float reach = 0.0f;    // metres from the origin: beyond are no volumes
   };
   // first .. last of each axis.
   struct touched_places {
@@ -91,9 +90,8 @@ class volume_index {
   [[nodiscard]] const volume_chunk& find(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
   // Null where it would not be found.
   [[nodiscard]] volume_chunk* find_or_add(std::int32_t x, std::int32_t y, std::int32_t z) noexcept;
+  // False when the box reaches beyond all volumes.
   [[nodiscard]] bool touched(const float min[3], const float max[3], touched_places& out) const noexcept;
-  [[nodiscard]] bool touched_far_away(const float min[3], const float max[3], touched_places& out) const noexcept;
-
   [[nodiscard]] bool several_visible(const touched_places& box, std::span<const std::uint64_t> visible) const noexcept;
 
   std::uint32_t volumes_ = 0;

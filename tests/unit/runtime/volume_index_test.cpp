@@ -107,10 +107,12 @@ class built_index {
   [[nodiscard]] std::vector<std::int32_t> touched_on(std::size_t axis, const format::box& b) const {
     const double size = axis == 1 ? shape_.height : shape_.width;
     const auto begin_of = [&](std::int64_t place) { return static_cast<float>(static_cast<double>(place) * size); };
-    const auto near = [&](float at) { return static_cast<std::int64_t>(std::floor(static_cast<double>(at) / size)); };
+    const auto place_of = [&](float at) {
+      return static_cast<std::int64_t>(std::floor(static_cast<double>(at) / size));
+    };
     std::vector<std::int32_t> touched;
-    const std::int64_t from = near(b.min[axis]) - 70;
-    const std::int64_t to = near(b.max[axis]) + 70;
+    const std::int64_t from = place_of(b.min[axis]) - 70;
+    const std::int64_t to = place_of(b.max[axis]) + 70;
     EXPECT_LT(begin_of(from + 1), b.min[axis]);
     EXPECT_GT(begin_of(to), b.max[axis]);
     for (std::int64_t place = from; place <= to; ++place) {
@@ -285,6 +287,11 @@ TEST(volume_index, large_boxes) {
   EXPECT_TRUE(built.asks({{-3.0e38f, 0.5f, 0.5f}, {-3.0e38f, 0.5f, 0.5f}}));
   const float last = std::numeric_limits<float>::max();
   EXPECT_TRUE(built.asks({{0.5f, last, 0.5f}, {0.5f, last, 0.5f}}));
+  for (const float distance : {1.0e9f, 1.0e12f, 3.0e38f, infinity}) {
+    EXPECT_TRUE(built.asks({{0.5f, 0.5f, 0.5f}, {0.5f, 0.5f, distance}})) << distance;
+    EXPECT_TRUE(built.asks({{0.5f, -distance, 0.5f}, {0.5f, 0.5f, 0.5f}})) << distance;
+    EXPECT_TRUE(built.asks({{distance, 0.5f, 0.5f}, {distance, 0.5f, 0.5f}})) << distance;
+  }
   built.show({63999});
   EXPECT_TRUE(built.asks({{-almost, -almost, -almost}, {almost, almost, almost}}));
   EXPECT_FALSE(built.asks({{-almost, -almost, -almost}, {almost, almost, 18.5f}}));
