@@ -90,12 +90,11 @@ struct row_statistics {
 // A view of one file: cheap to copy, valid as long as the bytes are. A default-made reader is an empty file.
 class reader {
  public:
-  // Checks the header, the section table, the draw table, the cells, the row directory, the certificate and the
-  // settings, with their checksums; rows are left to check_chunk and decode_row. bytes: the whole file and nothing
-  // behind it, any alignment; they stay the caller's and must outlive out. out is set only on ok.
-  // not_ours: no .pvs file; version: a version, or a required section, of another Sightcell; truncated: fewer bytes
-  // than the header says; checksum; corrupt: values that contradict each other, bytes behind the end; limit: a number
-  // above layout.h.
+  // Checks the header, the section table, the draw table, the cells, the volumes, the row directory, the certificate
+  // and the settings, with their checksums; rows are left to check_chunk and decode_row. bytes: the whole file and
+  // nothing behind it, any alignment; they stay the caller's and must outlive out. out is set only on ok. not_ours: no
+  // .pvs file; version: a version, or a required section, of another Sightcell; truncated: fewer bytes than the header
+  // says; checksum; corrupt: values that contradict each other, bytes behind the end; limit: a number above layout.h.
   static status open(std::span<const std::byte> bytes, reader& out) noexcept;
 
   // For who keeps rows elsewhere. front_size: how many bytes from the start of a file hold all that open looks at;
