@@ -260,14 +260,14 @@ sightcell_status sightcell_db::check() const noexcept {
                                   std::span<std::uint32_t>& stored) {
     carver space(block);
     auto* first_run = space.take<format::run>(file_.run_bound());
-    auto* first_number = space.take<std::uint32_t>(file_.polygon_count());
+    auto* first_number = space.take<std::uint32_t>(file_.check_room());
     auto* first_byte = space.take<std::byte>(file_.scratch_size());
     if (block == nullptr) return space.used();
     std::uninitialized_value_construct_n(first_run, file_.run_bound());
-    std::uninitialized_value_construct_n(first_number, file_.polygon_count());
+    std::uninitialized_value_construct_n(first_number, file_.check_room());
     std::uninitialized_value_construct_n(first_byte, file_.scratch_size());
     runs = {first_run, file_.run_bound()};
-    stored = {first_number, file_.polygon_count()};
+    stored = {first_number, file_.check_room()};
     scratch = {first_byte, file_.scratch_size()};
     return space.used();
   };

@@ -15,6 +15,8 @@
 #include "sightcell/bake/bake.h"
 #include "sightcell/bake/misses.h"
 #include "sightcell/bake/recode.h"
+#include "sightcell/format/file_parts.h"
+#include "sightcell/format/writer.h"
 #include "sightcell/sightcell.h"
 #include "stored_file.h"
 #include "tiny_scene.h"
@@ -187,6 +189,30 @@ TEST_F(two_scenes, are_both_asked_by_verify) {
   EXPECT_EQ(tried(weak).not_visible, 1u) << "it is behind the wall";
   how_.misses_file = misses;
   EXPECT_EQ(tried(crossed("repaired.pvs")).reproduced, 0u);
+}
+
+TEST_F(two_scenes, excuse_what_lies_in_the_same_place) {
+  // A poster on the wall: where it is missing the wall shows, as rule 2 of seeing has it.
+  tiny_scene with_poster;
+  add_objects(with_poster);
+  const auto poster = with_poster.quad({3, 1, -1}, {3, 1, 1}, {3, 1.5f, 1}, {3, 1.5f, -1}, sheet);
+  const scene::scene objects = with_poster.finished();
+  const auto whole = test::file_bytes(baked("poster.pvs", objects, how_));
+  test::stored_file file(whole);
+  EXPECT_TRUE(file.has(0, poster) && file.has(0, poster + 1));
+  format::file_parts parts;
+  ASSERT_EQ(format::take_apart(file.reader(), parts), format::status::ok);
+  std::vector<polygons> sets{file.set(0), file.set(1)};
+  std::erase(sets[0], poster);
+  std::erase(sets[0], poster + 1);
+  std::vector<std::byte> bytes;
+  ASSERT_EQ(format::encode(parts.contents(format::sets_of(sets)), bytes), format::status::ok);
+  verify_settings how;
+  how.cells_from = &room_;
+  EXPECT_EQ(verify(objects, bytes, "poster.pvs", how, {}).misses, 0u);
+  const fs::path misses = folder_ / "misses.json";
+  std::ofstream(misses) << fmt::format(R"({{"misses":[{{"eye":[-1.5,0,0],"polygon":{}}}]}})", poster);
+  EXPECT_EQ(check_misses(objects, bytes, "poster.pvs", misses, how, {}).not_missing, 1u);
 }
 
 TEST_F(two_scenes, are_opened_side_by_side_by_the_runtime) {
