@@ -161,14 +161,12 @@ std::vector<cell_difference> most_changed(const file_difference& all) {
 
 ordered_json to_json(const file_difference& all) {
   ordered_json changed = ordered_json::array();
-  for (const cell_difference& c : all.cells)
-    if (c.all() > 0)
-      changed.push_back({{"cell", c.before},
-                         {"other_cell", c.after},
-                         {"gained", c.gained},
-                         {"lost", c.lost},
-                         {"volumes_gained", c.volumes_gained},
-                         {"volumes_lost", c.volumes_lost}});
+  for (const cell_difference& c : all.cells) {
+    if (c.all() == 0) continue;
+    ordered_json one = {{"cell", c.before}, {"other_cell", c.after}, {"gained", c.gained}, {"lost", c.lost}};
+    if (all.with_volumes) one["volumes_gained"] = c.volumes_gained, one["volumes_lost"] = c.volumes_lost;
+    changed.push_back(std::move(one));
+  }
   const auto of_volumes = [&](std::uint64_t count) { return all.with_volumes ? ordered_json(count) : nullptr; };
   return {{"cells_in_both", all.cells.size()},
           {"cells_gained", all.cells_after - all.cells.size()},

@@ -451,6 +451,41 @@ class Bake(InFolder):
                          json.loads(self.expect(0, 'info', file, '--json')[0])['cells'])
         self.assertGreater(other['cells_gained'], 0)
 
+    def test_volumes_are_told_of(self):
+        coarse, fine, none = self.path('v-2.pvs'), self.path('v-1.pvs'), self.path('v-0.pvs')
+        for file, width in ((coarse, '2'), (fine, '1'), (none, '0')):
+            out = self.expect(0, 'bake', self.room, '-o', file, '--cells-grid', '0,0,0,2,2,2', '--cell-size', '2',
+                              '--samples', '8', '--volumes', width, '--json')[0]
+            info = json.loads(self.expect(0, 'info', file, '--json')[0])
+            self.assertEqual(json.loads(out)['volumes'], info['volumes'])
+            self.assertAlmostEqual(json.loads(out)['volumes_per_cell'], info['volumes_per_cell'])
+            if file == none:
+                self.assertEqual((info['volumes'], info['volume_width'], info['volume_percent']), (0, None, 0.0))
+                continue
+            self.assertEqual(info['volume_width'], float(width))
+            self.assertGreater(info['volumes_per_cell'], 8)
+            self.assertGreater(info['volumes'], info['volumes_per_cell'] - 1)
+            self.assertTrue(0 < info['volume_percent'] < 100)
+            self.assertIn('volumes  ', self.expect(0, 'info', file)[0])
+        result = json.loads(self.expect(0, 'verify', self.room, fine, '--rays', '20000', '--max-pixel-error', '0.01',
+                                        '--json')[0])
+        self.assertLessEqual(result['volume_misses'], result['misses'])
+
+        def differences(a, b):
+            return json.loads(self.expect(0, 'diff', a, b, '--json')[0])
+        same = differences(fine, fine)
+        self.assertEqual((same['volumes_gained'], same['volumes_lost'], same['changed']), (0, 0, []))
+        self.assertGreater(same['volumes_before'], 0)
+        for other in (coarse, none):  # they cannot be compared
+            self.assertIsNone(differences(fine, other)['volumes_before'])
+        # Other random numbers find other ones of those that are hardly seen, or none; polygons are told apart.
+        again = self.path('v-again.pvs')
+        self.expect(0, 'bake', self.room, '-o', again, '--cells-grid', '0,0,0,2,2,2', '--cell-size', '2', '--samples',
+                    '8', '--volumes', '1', '--margin', '0.5')
+        change = differences(fine, again)
+        self.assertEqual(change['volumes_before'] + change['volumes_gained'] - change['volumes_lost'],
+                         change['volumes_after'])
+
     def test_profiles_are_recoded_and_told_of(self):
         self.make_city()
         files = {name: self.path(f'profile-{name}.pvs') for name in ('exact', 'balanced', 'small')}

@@ -99,7 +99,7 @@ class search_of_volumes {
   const fresh_rules& rules() const { return rules_; }
 
  private:
-  static constexpr double first_worth = 1e-3, worth_of_next = 0.25;  // of the target's share of all directions
+  static constexpr double first_worth = 3e-3, worth_of_next = 0.25;  // of the target's share of all directions
   double worth_;
   fresh_rules rules_;
   std::optional<grid_trial> trial_;

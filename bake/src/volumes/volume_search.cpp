@@ -20,12 +20,12 @@ namespace {
 
 constexpr std::size_t places_wanted = 256;  // a place costs as much as some thirty rays from it
 constexpr std::uint64_t most_place_tries = 16384;
-constexpr int rays_all_around = 64;  // from each place
-constexpr std::size_t wave = 2048;   // lines that are cast from one state of the set
-constexpr std::size_t stretch = 64;  // of them, by one thread
-constexpr double worth_after_miss = 0.5;
-constexpr std::uint8_t most_tries = 64;
+constexpr int rays_all_around = 64;        // from each place
+constexpr std::size_t wave = 2048;         // lines that are cast from one state of the set
+constexpr std::size_t stretch = 64;        // of them, by one thread
 constexpr std::uint8_t not_beside = 0xFF;  // of tries_: no member is beside it
+// Of a volume under a floor in plain sight, which is worth much and never seen, no more.
+constexpr std::uint8_t most_tries = 254;
 
 std::array<volume_place, 6> beside(const volume_place& at) {
   return {{{at.x - 1, at.y, at.z},
@@ -115,7 +115,7 @@ std::vector<volume_search::line_to_cast> volume_search::next_lines(double worth)
   std::sort(candidates_.begin(), candidates_.end());
   for (const std::uint32_t volume : candidates_) {
     std::uint8_t& tries = tries_[volume];
-    if (tries == most_tries || worth_of(volume) * std::pow(worth_after_miss, tries) < worth) continue;
+    if (tries == most_tries || worth_of(volume) / (tries + 1.0) < worth) continue;
     random_stream random(how_.seed, how_.place, purpose::volumes, 3 + std::uint64_t{tries}, volume);
     glm::vec3 eye = places_[random.bits() % places_.size()];
     if (tries == 0) eye = eye_beside(volume);

@@ -35,8 +35,9 @@ class volume_search {
                 cell_set& set);
 
   // Rays beside what is seen, as long as a try is worth so much, sr: the solid angle of the volume that it is aimed at,
-  // less after each ray that missed. At first also a ray to each polygon of the set, and rays all around. Only what a
-  // ray passes joins. Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
+  // divided by the tries, because of one that k rays missed about a part of 1 / (k + 2) may show (Laplace's rule of
+  // succession). At first also a ray to each polygon of the set, and rays all around. Only what a ray passes joins.
+  // Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
   void look_for(double worth);
   // Others saw these.
   void add(std::span<const found_volume> found);
