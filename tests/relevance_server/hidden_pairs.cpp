@@ -1,0 +1,142 @@
+// sightcell-test-hidden-pairs SCENE RECORD: looks at what sightcell-relevance-server --record wrote, with exact rays. A
+// pair is wrong when it was called hidden and a ray from the eye comes to a point of the other's box. Viewers whose eye
+// is at no free place are left out: a cell promises nothing there. Prints one JSON object.
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rays/ray_scene.h"
+#include "sightcell/scene/scene.h"
+
+namespace {
+
+using sightcell::bake::coincidence_reach;
+using sightcell::bake::ray_scene;
+using sightcell::bake::sight;
+using sightcell::bake::sight_line;
+
+constexpr float player_radius = 0.05f, smallest_gap = 0.002f;  // metres, the bake's defaults
+constexpr int across = 4, upward = 9;                          // points of a box along its width and height
+
+struct pair_record {
+  std::uint32_t frame = 0, viewer = 0;
+  glm::vec3 eye{0.0f}, min{0.0f}, max{0.0f};
+  bool visible = false;
+};
+
+std::vector<pair_record> read_record(const char* path) {
+  std::ifstream in(path);
+  std::string line;
+  if (!std::getline(in, line)) throw std::runtime_error(std::string(path) + ": no record");
+  std::vector<pair_record> out;
+  while (std::getline(in, line)) {
+    pair_record r;
+    unsigned other = 0, visible = 0;
+    const int got =
+        std::sscanf(line.c_str(), "%u,%u,%u,%f,%f,%f,%f,%f,%f,%f,%f,%f,%u", &r.frame, &r.viewer, &other, &r.eye.x,
+                    &r.eye.y, &r.eye.z, &r.min.x, &r.min.y, &r.min.z, &r.max.x, &r.max.y, &r.max.z, &visible);
+    if (got != 13) throw std::runtime_error(std::string(path) + ": not a record: " + line);
+    r.visible = visible != 0;
+    out.push_back(r);
+  }
+  return out;
+}
+
+// Points all over the box, its faces included.
+std::vector<glm::vec3> points_of(const pair_record& r) {
+  std::vector<glm::vec3> points;
+  for (int y = 0; y < upward; ++y) {
+    for (int x = 0; x < across; ++x) {
+      for (int z = 0; z < across; ++z) {
+        const glm::vec3 part(static_cast<float>(x) / (across - 1), static_cast<float>(y) / (upward - 1),
+                             static_cast<float>(z) / (across - 1));
+        points.push_back(r.min + part * (r.max - r.min));
+      }
+    }
+  }
+  return points;
+}
+
+class checker {
+ public:
+  explicit checker(const ray_scene& rays) : rays_(rays) {}
+
+  bool is_free(const pair_record& r) {
+    const auto [found, is_new] = free_.try_emplace({r.frame, r.viewer}, false);
+    if (is_new) found->second = rays_.is_free(r.eye, player_radius);
+    return found->second;
+  }
+
+  // Does a ray come through, by more than rounding and cracks may explain?
+  bool is_clear(const pair_record& r) {
+    const std::vector<glm::vec3> points = points_of(r);
+    lines_.clear();
+    distances_.clear();
+    for (const glm::vec3& p : points) {
+      const float distance = glm::length(p - r.eye);
+      if (distance < 1e-3f) return true;  // they stand in each other
+      lines_.push_back({r.eye, (p - r.eye) / distance});
+      distances_.push_back(distance);
+    }
+    sights_.resize(lines_.size());
+    rays_.look(lines_, sights_);
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      if (sights_[i].distance < distances_[i] + coincidence_reach(distances_[i])) continue;
+      if (!rays_.through_gap(r.eye, lines_[i].direction, distances_[i], smallest_gap)) return true;
+    }
+    return false;
+  }
+
+ private:
+  const ray_scene& rays_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> free_;
+  std::vector<sight_line> lines_;
+  std::vector<float> distances_;
+  std::vector<sight> sights_;
+};
+
+int run(const char* scene_file, const char* record_file) {
+  const sightcell::scene::world_geometry world = sightcell::scene::flatten(sightcell::scene::load_gltf(scene_file));
+  const ray_scene rays(world, false);
+  checker check(rays);
+  std::uint64_t pairs = 0, checked = 0, hidden = 0, wrong = 0, unseen = 0;
+  for (const pair_record& r : read_record(record_file)) {
+    ++pairs;
+    if (!check.is_free(r)) continue;
+    ++checked;
+    const bool clear = check.is_clear(r);
+    hidden += r.visible ? 0 : 1;
+    wrong += !r.visible && clear ? 1 : 0;
+    unseen += !clear ? 1 : 0;
+  }
+  std::printf("{\"pairs\": %llu, \"checked\": %llu, \"hidden\": %llu, \"wrong\": %llu, \"unseen_by_rays\": %llu}\n",
+              static_cast<unsigned long long>(pairs), static_cast<unsigned long long>(checked),
+              static_cast<unsigned long long>(hidden), static_cast<unsigned long long>(wrong),
+              static_cast<unsigned long long>(unseen));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: sightcell-test-hidden-pairs SCENE RECORD\n");
+    return 2;
+  }
+  try {
+    return run(argv[1], argv[2]);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 1;
+  }
+}

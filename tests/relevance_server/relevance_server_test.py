@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""Runs sightcell-relevance-server in a baked town and has rays look at the players that it hides.
+
+usage: relevance_server_test.py --server PROGRAM --sightcell PROGRAM --city PROGRAM --pairs PROGRAM [unittest arguments]
+
+Exit code 77: every test was skipped, because this machine has no OpenGL.
+"""
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAMS = None
+TIMEOUT = 280  # seconds; the bake takes a few
+PLAYERS, FRAMES = 16, 60
+PAIRS = PLAYERS * (PLAYERS - 1)  # of a frame
+WRONG = 1e-3  # of all pairs: the bound that a bake keeps by default
+
+
+def run(program, *arguments):
+    """Exit code, standard output, standard error."""
+    done = subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=TIMEOUT)
+    return done.returncode, done.stdout, done.stderr
+
+
+class Town(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix='sightcell-relevance-')
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.town, cls.pvs = cls.path('town.glb'), cls.path('town.pvs')
+        cls.must(PROGRAMS.city, '--polygons', 3000, '--seed', 1, '--out', cls.town)
+        cls.must(PROGRAMS.sightcell, 'bake', cls.town, '-o', cls.pvs, '--cells-grid', -24, 0, -24, 24, 4, 24,
+                 '--cell-size', 8, '--volumes', 2, '--progress', 'none')
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    @classmethod
+    def must(cls, *command):
+        code, _, err = run(*command)
+        if code == 1 and '[gl.' in err:
+            raise unittest.SkipTest('no EGL device: ' + err)
+        if code != 0:
+            raise RuntimeError(f'{command}: {code}\n{err}')
+
+    def serve(self, name, *more, frames=FRAMES):
+        """Share of the pairs that are hidden, percent; what is printed; the record's file."""
+        record = self.path(name)
+        code, out, err = run(PROGRAMS.server, self.pvs, '--players', PLAYERS, '--frames', frames, '--record', record,
+                             *more)
+        self.assertEqual(code, 0, err)
+        return float(re.search(r'([\d.]+) % hidden', out)[1]), out, record
+
+    def look_at(self, record, frames=FRAMES):
+        code, out, err = run(PROGRAMS.pairs, self.town, record)
+        self.assertEqual(code, 0, err)
+        found = json.loads(out)
+        self.assertEqual(found['pairs'], PAIRS * frames)
+        self.assertGreater(found['checked'], PAIRS * frames / 2, 'hardly an eye at a free place')
+        return found
+
+    def test_who_is_hidden_cannot_be_seen(self):
+        hidden, out, record = self.serve('record.csv')
+        found = self.look_at(record)
+        self.assertGreater(hidden, 20)
+        self.assertGreater(found['hidden'], found['checked'] / 5)
+        self.assertLessEqual(found['wrong'], WRONG * found['checked'])
+        self.assertIn('240 pairs per frame', out)
+        self.assertIn(' 0.00 % outside all cells', out)
+        self.assertGreater(float(re.search(r'([\d.]+) % of moves into', out)[1]), 0)
+
+    def test_same_seed_same_game(self):
+        _, _, first = self.serve('first.csv')
+        _, _, again = self.serve('again.csv')
+        _, _, other = self.serve('other.csv', '--seed', 2)
+        texts = []
+        for name in (first, again, other):
+            with open(name, encoding='utf-8') as file:
+                texts.append(file.read())
+        self.assertEqual(texts[0], texts[1])
+        self.assertNotEqual(texts[0], texts[2])
+
+    def test_a_server_that_lags_hides_fewer(self):
+        hidden, _, record = self.serve('now.csv')
+        lagging, _, later = self.serve('lag.csv', '--lag', 0.25)
+        self.assertLess(lagging, hidden)
+        with open(record, encoding='utf-8') as now, open(later, encoding='utf-8') as lag:
+            for line, line_later in zip(now, lag):
+                self.assertLessEqual(line[-2], line_later[-2], 'who is visible stays so: ' + line)
+
+    def test_a_server_that_lags_hides_nobody_who_has_walked_on(self):
+        # Its answer of one frame with where the players are seven frames later: 0.23 of 0.25 seconds.
+        frames = 240
+        _, _, now = self.serve('now.csv', frames=frames)
+        _, _, lag = self.serve('lag.csv', '--lag', 0.25, frames=frames)
+        with open(now, encoding='utf-8') as file:
+            header, *places = file.readlines()
+        wrong = []
+        for name, record in (('late_now.csv', now), ('late_lag.csv', lag)):
+            with open(record, encoding='utf-8') as file:
+                answers = file.readlines()[1:]
+            late = self.path(name)
+            with open(late, 'w', encoding='utf-8') as out:
+                out.write(header)
+                out.writelines(place[:-2] + answer[-2:] for place, answer in zip(places[7 * PAIRS:], answers))
+            found = self.look_at(late, frames - 7)
+            wrong.append(found['wrong'])
+        self.assertEqual(wrong[1], 0)
+        self.assertGreater(wrong[0], 0, 'who does not think of the lag is wrong')
+
+    def test_rays_notice_who_is_hidden_wrongly(self):
+        _, _, record = self.serve('record.csv')
+        doctored = self.path('doctored.csv')
+        with open(record, encoding='utf-8') as file, open(doctored, 'w', encoding='utf-8') as out:
+            out.writelines(re.sub(r',1$', ',0', line) for line in file)
+        found = self.look_at(doctored)
+        self.assertEqual(found['hidden'], found['checked'])
+        self.assertEqual(found['wrong'], found['checked'] - found['unseen_by_rays'])
+        self.assertGreater(found['wrong'], 100)
+
+    def test_a_file_without_volumes_is_refused(self):
+        plain = self.path('plain.pvs')
+        self.must(PROGRAMS.sightcell, 'bake', self.town, '-o', plain, '--cells-grid', 0, 0, 0, 8, 4, 8, '--cell-size', 8,
+                  '--progress', 'none')
+        code, _, err = run(PROGRAMS.server, plain)
+        self.assertEqual(code, 4)
+        self.assertTrue(err.rstrip().endswith('[relevance.no-volumes]'), err)
+
+
+def main():
+    global PROGRAMS
+    parser = argparse.ArgumentParser()
+    for name in ('--server', '--sightcell', '--city', '--pairs'):
+        parser.add_argument(name, required=True)
+    PROGRAMS, rest = parser.parse_known_args()
+    result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
+    if not result.wasSuccessful():
+        sys.exit(1)
+    # A class that is skipped as a whole has run no test.
+    sys.exit(77 if len(result.skipped) >= max(result.testsRun, 1) else 0)
+
+
+if __name__ == '__main__':
+    main()
