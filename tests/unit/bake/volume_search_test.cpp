@@ -124,6 +124,15 @@ TEST(volume_search, does_not_depend_on_threads) {
   EXPECT_GT(one.volumes().members().size(), 100u);
 }
 
+TEST(volume_search, what_touches_the_cell_is_seen_before_any_ray) {
+  const rooms r(1.0);
+  cell_set set(r.s.polygon_count, nullptr, r.grid.count());
+  const box low{{-5, 0, -5}, {-4, 1, -4}};
+  const volume_search search(r.rays, r.grid, low, {.seed = 1, .place = 1}, set);
+  EXPECT_EQ(set.volumes().members(), r.grid.touching(low));
+  EXPECT_TRUE(set.volumes().contains(r.at({-4.5f, -0.5f, -4.5f}))) << "also under its floor";
+}
+
 TEST(volume_search, looks_through_no_crack) {
   // Two halves of a wall, 1 mm apart: all behind it is hidden by rule 3, and seen where rule 3 is off.
   test::tiny_scene tiny;
