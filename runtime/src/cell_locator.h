@@ -1,6 +1,5 @@
 #pragma once
 // Place -> view cell, whichever way a file has its cells: the smallest volume wins, then the lowest number.
-#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -48,7 +47,7 @@ class cell_locator {
   void for_each_group(const Emit& emit) const noexcept {
     for (const lattice_slot& slot : lattice_.slots()) {
       if (slot.mask == 0) continue;
-      emit(lattice_.bounds_of(slot), slot.first_cell(), static_cast<std::uint32_t>(std::popcount(slot.mask)));
+      emit(lattice_.bounds_of(slot), slot.first_cell(), count_bits(slot.mask));
     }
     for (const located_cell& c : tree_.cells()) emit(widened(c.bounds), c.cell, 1u);
   }

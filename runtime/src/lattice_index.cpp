@@ -50,14 +50,6 @@ bool place_on_axis(float coordinate, double width, double per_width, axis_place&
   return true;
 }
 
-// Where a processor may lack an instruction for it, std::popcount is a call.
-std::uint32_t count_bits(std::uint64_t v) noexcept {
-  v -= v >> 1 & 0x5555555555555555u;
-  v = (v & 0x3333333333333333u) + (v >> 2 & 0x3333333333333333u);
-  v = (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0Fu;
-  return static_cast<std::uint32_t>(v * 0x0101010101010101u >> 56);
-}
-
 // Of a place that is in no chunk the caller finds out.
 unsigned bit_of(std::int32_t x, std::int32_t z) noexcept {
   return static_cast<unsigned>((z & (chunk_width - 1)) * chunk_width + (x & (chunk_width - 1)));
@@ -134,7 +126,7 @@ bool lattice_index::build(const format::cell_lattice& lattice, std::uint32_t cel
   for (std::uint32_t number = 0; number < lattice.chunk_count(); ++number) {
     const format::lattice_chunk c = lattice.chunk(number);
     if (c.level > format::max_lattice_level || c.first_cell != next || c.mask == 0) return false;
-    next += static_cast<std::uint64_t>(std::popcount(c.mask));
+    next += count_bits(c.mask);
     if (next > cells || !insert({c.mask, c.x, c.y, c.z, c.level << 24 | c.first_cell})) return false;
     used_levels |= std::uint32_t{1} << c.level;
     for (const std::int32_t place : {c.x * chunk_width, c.y, c.z * chunk_width}) {
@@ -189,7 +181,7 @@ std::size_t lattice_index::touching_level(const level_shape& level, const wide_b
       const auto bit = static_cast<unsigned>(std::countr_zero(left));
       const format::box bounds = box_of(chunk, bit);
       if (!test(widened(bounds))) continue;
-      const auto before = static_cast<std::uint32_t>(std::popcount(chunk.mask & ((std::uint64_t{1} << bit) - 1)));
+      const auto before = count_bits(chunk.mask & ((std::uint64_t{1} << bit) - 1));
       if (found < dst.size()) dst[found] = {bounds, chunk.first_cell() + before};
       ++found;
     }

@@ -13,6 +13,14 @@
 
 namespace sightcell::runtime {
 
+// std::popcount is a call, and one into another library, where a processor may lack an instruction for it.
+[[nodiscard]] constexpr std::uint32_t count_bits(std::uint64_t v) noexcept {
+  v -= v >> 1 & 0x5555555555555555u;
+  v = (v & 0x3333333333333333u) + (v >> 2 & 0x3333333333333333u);
+  v = (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0Fu;
+  return static_cast<std::uint32_t>(v * 0x0101010101010101u >> 56);
+}
+
 // A chunk in the table; mask 0: there is none.
 struct lattice_slot {
   std::uint64_t mask = 0;

@@ -38,7 +38,7 @@ struct rooms {
     return grid.at({static_cast<int>(place.x), static_cast<int>(place.y), static_cast<int>(place.z)});
   }
   cell_set finished(double target, int threads = 2) const {
-    cell_set set(s.polygon_count, nullptr, grid.count());
+    cell_set set(s.polygon_count, nullptr, s.polygon_count, grid.count());
     tbb::task_arena arena(threads);
     arena.execute([&] {
       const finish_result proof = finish_with_rays(
@@ -126,7 +126,7 @@ TEST(volume_search, does_not_depend_on_threads) {
 
 TEST(volume_search, what_touches_the_cell_is_seen_before_any_ray) {
   const rooms r(1.0);
-  cell_set set(r.s.polygon_count, nullptr, r.grid.count());
+  cell_set set(r.s.polygon_count, nullptr, r.s.polygon_count, r.grid.count());
   const box low{{-5, 0, -5}, {-4, 1, -4}};
   const volume_search search(r.rays, r.grid, low, {.seed = 1, .place = 1}, set);
   EXPECT_EQ(set.volumes().members(), r.grid.touching(low));
@@ -148,7 +148,7 @@ TEST(volume_search, looks_through_no_crack) {
   const box before{{-2, 0, -1}, {-1, 1, 1}};
   const glm::vec3 eye{-1.5f, 0.5f, 0.0f};
   for (const float gap : {0.0f, 0.002f}) {
-    cell_set set(s.polygon_count, nullptr, grid.count());
+    cell_set set(s.polygon_count, nullptr, s.polygon_count, grid.count());
     const grid_trial trial(grid, set.volumes());
     std::vector<passed_volume> passed;
     trial.lacking({eye, {1, 0, 0}}, std::numeric_limits<double>::infinity(), passed);
@@ -159,7 +159,7 @@ TEST(volume_search, looks_through_no_crack) {
     EXPECT_EQ(behind, gap == 0.0f);
     EXPECT_FALSE(passed.empty());
   }
-  cell_set set(s.polygon_count, nullptr, grid.count());
+  cell_set set(s.polygon_count, nullptr, s.polygon_count, grid.count());
   volume_search search(rays, grid, before, {.seed = 1, .place = 1, .smallest_gap = 0.002f}, set);
   search.look_for(1e-6);
   for (const std::uint32_t volume : set.volumes().members()) EXPECT_LE(grid.places()[volume].x, 0);
@@ -175,7 +175,7 @@ TEST(volume_search, a_ray_that_leaves_the_scene_sees_all_on_its_way) {
   all.min = {-20, 0, -20}, all.max = {20, 2, 20};
   const volume_grid grid({&all, 1}, 2.0, 0.25);
   const box where{{-1, 1, -1}, {1, 2, 1}};
-  cell_set set(s.polygon_count, nullptr, grid.count());
+  cell_set set(s.polygon_count, nullptr, s.polygon_count, grid.count());
   const grid_trial trial(grid, set.volumes());
   const fresh_rules rules{.volumes = &trial};
   const auto lacking = [&] {
@@ -191,7 +191,7 @@ TEST(volume_search, a_ray_that_leaves_the_scene_sees_all_on_its_way) {
 
 TEST(volume_search, a_lacking_volume_makes_a_ray_wrong) {
   const rooms r(1.0);
-  cell_set set(r.s.polygon_count, nullptr, r.grid.count());
+  cell_set set(r.s.polygon_count, nullptr, r.s.polygon_count, r.grid.count());
   for (std::uint32_t p = 0; p < r.s.polygon_count; ++p) set.add(p, {});
   for (std::uint32_t v = 0; v < r.grid.count(); ++v) set.volumes().add(v);
   const grid_trial trial(r.grid, set.volumes());
