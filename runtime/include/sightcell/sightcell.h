@@ -333,7 +333,7 @@ SIGHTCELL_API sightcell_status sightcell_view_commands(const sightcell_view* vie
 SIGHTCELL_API sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bits_by_draw, size_t words);
 /* Can anything in a box, both ends included, be seen from the cell that the eye is in: a player, a dynamic object, a
  * sound? In metres, relative to the view's origin. *visible: 0 when all volumes that the box touches are hidden; else
- * 1, also where it reaches beyond all volumes, in a file without volumes and under DRAW_ALL. Costs a few nanoseconds
+ * 1, also where it reaches beyond all volumes, in a file without volumes and under DRAW_ALL. Costs some tens of nanoseconds
  * for a box that touches few volumes. ARGUMENT: a NaN, min above max; *visible is 1 then. */
 SIGHTCELL_API sightcell_status sightcell_view_box_visible(const sightcell_view* view, const float min[3],
                                                           const float max[3], uint32_t* visible);
