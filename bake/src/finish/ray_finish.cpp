@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -78,13 +79,13 @@ class search_of_volumes {
     if (!how.volumes) return;
     trial_.emplace(*how.volumes, set.volumes());
     rules_.volumes = &*trial_;
-    search_.emplace(rays, *how.volumes, grown,
-                    volume_search_settings{.seed = seed_after(how.batches_before, how.seed),
-                                           .place = how.place,
-                                           .player_radius = how.rules.player_radius,
-                                           .smallest_gap = how.rules.smallest_gap,
-                                           .limit = how.limit},
-                    set);
+    search_ = std::make_unique<volume_search>(rays, *how.volumes, grown,
+                                              volume_search_settings{.seed = seed_after(how.batches_before, how.seed),
+                                                                     .place = how.place,
+                                                                     .player_radius = how.rules.player_radius,
+                                                                     .smallest_gap = how.rules.smallest_gap,
+                                                                     .limit = how.limit},
+                                              set);
   }
 
   // Further each time.
@@ -103,7 +104,7 @@ class search_of_volumes {
   double worth_;
   fresh_rules rules_;
   std::optional<grid_trial> trial_;
-  std::optional<volume_search> search_;
+  std::unique_ptr<volume_search> search_;  // null without volumes
 };
 
 // What a batch came to.
