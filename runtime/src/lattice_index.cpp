@@ -75,7 +75,11 @@ place_range chunks_between(double low, double high, double per_width, std::int32
   constexpr double more = 1e-6;                 // of a place: what products are rounded by
   const double most = most_places / per_chunk;
   const auto chunk = [&](double places) {
-    return static_cast<std::int32_t>(std::clamp(std::floor(places / per_chunk), -most, most - 1.0));
+    double near = places / per_chunk;
+    if (!(near < most - 1.0)) near = most - 1.0;  // also where infinite ends made it no number
+    if (near < -most) near = -most;
+    const auto whole = static_cast<std::int32_t>(near);
+    return whole - static_cast<std::int32_t>(whole > near);  // rounds down
   };
   return {chunk((low - std::abs(low) * rounding) * per_width - more),
           chunk((high + std::abs(high) * rounding) * per_width + more)};

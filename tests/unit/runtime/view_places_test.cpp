@@ -98,6 +98,17 @@ TEST(view_places, wrong_boxes) {
   EXPECT_EQ(sightcell_view_move_box(nullptr, place, place, &frame), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(move_box(view, {1, 1, 1}, {2, 1, 2}).cell, 0u) << "and all is well again";
   EXPECT_EQ(move_box(view, {-1e30f, -1e30f, -1e30f}, {1e30f, 1e30f, 1e30f}).flags & all_flags, all_flags);
+  const float inf = std::numeric_limits<float>::infinity();
+  sample_contents on_lattice = random_contents(9, {.polygons = 40, .draws = 3, .cells = 100});
+  put_on_lattice(on_lattice);
+  const loaded_file other(on_lattice);
+  for (const loaded_file* of : {&file, &other}) {
+    const test_view far(of->db());
+    for (const float low : {-inf, 1.0f, inf}) {
+      EXPECT_EQ(move_box(far, {low, low, low}, {inf, inf, inf}).flags & SIGHTCELL_FRAME_DRAW_ALL,
+                static_cast<std::uint32_t>(SIGHTCELL_FRAME_DRAW_ALL));
+    }
+  }
 }
 
 std::size_t ranges_in_source_order(const sample_contents& contents, const std::set<std::uint32_t>& polygons) {
