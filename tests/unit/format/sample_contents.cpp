@@ -61,12 +61,10 @@ format::box grid_box(std::uint32_t number) {
 }
 
 format::box random_box(random_source& random) {
-  std::uniform_int_distribution<int> place(0, 20);
-  std::uniform_int_distribution<int> length(1, 8);
   format::box b;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    b.min[axis] = 0.5f * static_cast<float>(place(random));
-    b.max[axis] = b.min[axis] + 0.5f * static_cast<float>(length(random));
+    b.min[axis] = 0.5f * static_cast<float>(random.below(21));
+    b.max[axis] = b.min[axis] + 0.5f * static_cast<float>(1 + random.below(8));
   }
   return b;
 }
@@ -83,7 +81,6 @@ std::vector<std::uint32_t> numbers_of(const std::vector<bool>& seen) {
 
 sample_contents random_contents(std::uint32_t seed, const random_options& options) {
   random_source random(seed);
-  std::uniform_real_distribution<double> share(0.0, 1.0);
   sample_contents contents;
   add_draws(contents, options.polygons, options.draws);
   contents.facts.margin = 0.25f;
@@ -94,8 +91,8 @@ sample_contents random_contents(std::uint32_t seed, const random_options& option
   std::vector<bool> seen(polygons, false);
   const auto mark = [&](bool value, double amount) {
     for (double left = amount * polygons; left > 0.0 && polygons > 0;) {
-      const std::uint32_t first = static_cast<std::uint32_t>(share(random) * polygons) % polygons;
-      const std::uint32_t count = std::min(polygons - first, 1 + static_cast<std::uint32_t>(share(random) * 12));
+      const std::uint32_t first = random.below(polygons);
+      const std::uint32_t count = std::min(polygons - first, 1 + random.below(12));
       std::fill_n(seen.begin() + first, count, value);
       left -= count;
     }
@@ -113,20 +110,10 @@ sample_contents random_contents(std::uint32_t seed, const random_options& option
                                        : cell % 41 == 6 ? std::vector<bool>(polygons, true)
                                                         : seen));
     contents.certificate.push_back(
-        {cell, random() % 100000 + 10, cell % 3, as_stored(1e-3 * share(random)), as_stored(0.95), random()});
+        {cell, random() % 100000 + 10, cell % 3, as_stored(1e-3 * random.share()), as_stored(0.95), random()});
   }
   return contents;
 }
-
-namespace {
-
-// std::shuffle is another one in each standard library.
-template <class Items>
-void shuffle(random_source& random, Items& items) {
-  for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random() % i]);
-}
-
-}  // namespace
 
 void put_in_order(sample_contents& contents, std::uint32_t seed) {
   random_source random(seed);
@@ -208,7 +195,8 @@ void add_volumes(sample_contents& contents, std::uint32_t count, std::uint32_t s
   for (std::size_t cell = 0; cell < contents.sets.size(); ++cell) {
     for (unsigned changes = random() % 4; changes > 0 && count > 0; --changes) {
       const std::uint32_t first = random() % count;
-      std::fill_n(seen.begin() + first, std::min(count - first, 1 + random() % 9), random() % 3 != 0);
+      const std::uint32_t length = std::min(count - first, 1 + random() % 9);
+      std::fill_n(seen.begin() + first, length, random() % 3 != 0);
     }
     for (std::uint32_t volume = 0; volume < count; ++volume) {
       if (cell % 23 != 4 && (cell % 41 == 6 || seen[volume])) contents.sets[cell].push_back(polygons + volume);

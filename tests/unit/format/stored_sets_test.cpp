@@ -26,7 +26,7 @@ scene make_scene(random_source& random, std::vector<std::uint32_t> sizes) {
   for (const std::uint32_t size : sizes) {
     std::vector<std::uint32_t> order(size);
     std::iota(order.begin(), order.end(), 0u);
-    std::shuffle(order.begin(), order.end(), random);
+    shuffle(random, order);
     s.orders.push_back(order);
   }
   for (const std::uint32_t order : s.order_of_draw) {
