@@ -36,11 +36,11 @@ class draw_table_rules {
   }
 
  private:
-  // Behind the draws of the last group in the source, and drawn with the same state.
+  // Behind the draws of the last group in the source, drawn with the same state, and shown with them.
   [[nodiscard]] bool joins_group(const draw_record& d) const noexcept {
     return d.group + 1 == orders_ && d.polygon_count <= left_in_group_ &&
            d.first_source >= last_.first_source + last_.polygon_count && d.material == last_.material &&
-           ((d.flags | last_.flags) & draw_moves) == 0;
+           d.named_group == last_.named_group && ((d.flags | last_.flags) & draw_moves) == 0;
   }
 
   host_layout layout_;

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "sightcell/format/cell_lattice.h"
@@ -37,6 +38,7 @@ file_contents file_parts::contents(cell_set_source sets) const {
   file_contents all;
   all.facts = facts;
   all.draws = draws;
+  all.named_groups = named_groups;
   all.order = {order_of_draw, orders};
   if (lattice)
     all.lattice = lattice_cells{*lattice, places};
@@ -56,6 +58,11 @@ status take_apart(const reader& file, file_parts& out) {
   for (std::uint32_t i = 0; i < file.draw_count(); ++i) {
     if (const status s = file.draw(i, parts.draws[i]); s != status::ok) return s;
     parts.order_of_draw.push_back(file.order_of_draw(i));
+  }
+  for (std::uint32_t i = 0; i < file.named_groups().count(); ++i) {
+    std::string_view name;
+    if (!file.named_groups().name(i, name)) return status::corrupt;
+    parts.named_groups.emplace_back(name);
   }
   if (const status s = read_orders(file, parts); s != status::ok) return s;
   parts.cells.resize(file.cell_count());

@@ -129,13 +129,13 @@ status reader::read_sections() noexcept {
   if (!checked_reader(bytes_).read_u32(layout::header_table_checksum, stored_checksum)) return status::corrupt;
   if (crc32c(part({layout::header_size, table_size})) != stored_checksum) return status::checksum;
 
-  const std::array<std::uint32_t, 10> ids{
-      layout::section_draws,       layout::section_cells,    layout::section_rows,   layout::section_row_directory,
-      layout::section_certificate, layout::section_settings, layout::section_orders, layout::section_codes,
-      layout::section_importance,  layout::section_volumes};
-  const std::array<extent*, 10> places{&draws_,    &cells_,  &rows_,  &directory_,  &certificate_,
-                                       &settings_, &orders_, &codes_, &importance_, &volume_bytes_};
-  std::array<bool, 10> found{};
+  const std::array<std::uint32_t, 11> ids{
+      layout::section_draws,       layout::section_cells,    layout::section_rows,        layout::section_row_directory,
+      layout::section_certificate, layout::section_settings, layout::section_orders,      layout::section_codes,
+      layout::section_importance,  layout::section_volumes,  layout::section_named_groups};
+  const std::array<extent*, 11> places{&draws_,  &cells_, &rows_,       &directory_,    &certificate_,      &settings_,
+                                       &orders_, &codes_, &importance_, &volume_bytes_, &named_group_bytes_};
+  std::array<bool, 11> found{};
   const std::size_t known_ids = version_ == 0 ? 6 : ids.size();
   std::uint64_t next = layout::header_size + table_size;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
@@ -145,13 +145,13 @@ status reader::read_sections() noexcept {
     next += entry.size;
     std::size_t known = 0;
     while (known < known_ids && ids[known] != entry.id) ++known;
-    const bool importance = entry.id == layout::section_importance;
-    if (known == known_ids || importance) {
-      // As readers said before there was an importance: it is never required.
+    // As readers said before there were these: they are never required.
+    const bool added = entry.id == layout::section_importance || entry.id == layout::section_named_groups;
+    if (known == known_ids || added) {
       if (entry.required) return status::version;
       if (known == known_ids) continue;
     }
-    const bool must = !importance && entry.id != layout::section_certificate && entry.id != layout::section_settings;
+    const bool must = !added && entry.id != layout::section_certificate && entry.id != layout::section_settings;
     if (found[known] || entry.required != must) return status::corrupt;
     found[known] = true;
     *places[known] = {entry.offset, entry.size};
@@ -163,6 +163,7 @@ status reader::read_sections() noexcept {
   const bool complete = found[0] && found[1] && found[2] && found[3] && (version_ == 0 || (found[6] && found[7]));
   has_importance_ = found[8];
   has_volumes_ = found[9];
+  has_named_groups_ = found[10];
   return next == total_size_ && complete ? status::ok : status::corrupt;
 }
 
@@ -246,6 +247,10 @@ status reader::open_tables() noexcept {
     const status s = volume_table::open(part(volume_bytes_), facts_.polygon_count, volumes_);
     if (s != status::ok) return s;
   }
+  if (has_named_groups_) {
+    const status s = named_group_table::open(part(named_group_bytes_), draw_count_, named_groups_);
+    if (s != status::ok) return s;
+  }
   std::uint32_t kind = 0;
   if (!checked_reader(part(cells_)).read_u32(0, kind)) return status::corrupt;
   on_lattice_ = kind == layout::cells_are_on_lattice;
@@ -277,6 +282,8 @@ status reader::draw(std::uint32_t number, draw_record& out) const noexcept {
   const std::uint32_t first = column(8);
   const std::uint32_t end = number + 1 < draw_count_ ? draw_columns_[8][number + 1] : facts_.polygon_count;
   if (order >= order_count_ || first > end || end > facts_.polygon_count) return status::corrupt;
+  std::uint32_t named_group = no_named_group;
+  if (!named_groups_.of_draw(number, named_group)) return status::corrupt;
   const draw_record d{.node = column(0),
                       .mesh = column(1),
                       .primitive = column(2),
@@ -288,7 +295,8 @@ status reader::draw(std::uint32_t number, draw_record& out) const noexcept {
                       .first_stored = first,
                       .base_vertex = column(9),
                       .host_tag = std::uint64_t{column(11)} << 32 | column(10),
-                      .flags = column(12)};
+                      .flags = column(12),
+                      .named_group = named_group};
   if (std::uint64_t{d.first_source} + d.polygon_count > facts_.polygon_count ||
       !draw_is_valid(d, facts_.layout, order, order_size(order))) {
     return status::corrupt;

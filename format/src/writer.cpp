@@ -10,6 +10,7 @@
 #include "byte_sink.h"
 #include "checksum.h"
 #include "draw_table_rules.h"
+#include "named_group_table_writer.h"
 #include "polygon_orders_writer.h"
 #include "range_borders.h"
 #include "record_rules.h"
@@ -141,16 +142,20 @@ class complete_order {
 };
 
 // All but the rows, which come last, so that everything a reader checks at once lies together at the front. The
-// directory is as large as it will be. argument: the cells are none, or the volumes.
+// directory is as large as it will be. argument: the cells are none, or the volumes,
+// or the named groups.
 status front_sections(const file_contents& contents, const stored_order& order, const rows_encoder& rows,
                       std::vector<section_bytes>& sections) {
   std::vector<std::byte> cells;
   std::vector<std::byte> orders;
   std::vector<std::byte> volumes;
+  std::vector<std::byte> named_groups;
   if (!encode_cells(contents, cells)) return status::argument;
   if (!contents.volumes.places.empty()) {
     if (const status s = put_volumes(contents.volumes, volumes); s != status::ok) return s;
   }
+  // Also where there are none, since a draw may be in one that there is not.
+  if (const status s = put_named_groups(contents.named_groups, contents.draws, named_groups); s != status::ok) return s;
   put_orders(order.orders, orders);
   sections.push_back({layout::section_draws, true, encode_draws(contents.draws, order.order_of_draw)});
   sections.push_back({layout::section_orders, true, std::move(orders)});
@@ -158,6 +163,8 @@ status front_sections(const file_contents& contents, const stored_order& order, 
   if (!volumes.empty()) sections.push_back({layout::section_volumes, true, std::move(volumes)});
   sections.push_back({layout::section_codes, true, rows.codes()});
   sections.push_back({layout::section_row_directory, true, std::vector<std::byte>(rows.directory_size())});
+  if (!contents.named_groups.empty())
+    sections.push_back({layout::section_named_groups, false, std::move(named_groups)});
   if (!contents.certificate.empty()) {
     sections.push_back({layout::section_certificate, false, encode_certificate(contents.certificate)});
   }

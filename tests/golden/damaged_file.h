@@ -27,6 +27,7 @@ damaged_list damaged_code_tables();
 damaged_list damaged_rows();
 damaged_list damaged_importance();
 damaged_list damaged_volumes();
+damaged_list damaged_named_groups();
 // All of them.
 damaged_list damaged_files();
 

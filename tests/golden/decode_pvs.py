@@ -16,7 +16,7 @@ import decode_v1  # noqa: E402
 from pvs_parts import Refused, crc32c, need  # noqa: E402
 
 MAGIC = bytes([0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A])
-ROWS, DIRECTORY, SETTINGS, IMPORTANCE = 3, 4, 6, 9
+ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS = 3, 4, 6, 9, 11
 VERSIONS = {0: decode_v0, 1: decode_v1}
 
 
@@ -67,7 +67,7 @@ def sections_of(data, header, version):
         need(offset == place and flags < 2 and reserved == 0, "section record")
         place += size
         need(place <= len(data), "section leaves the file")
-        need(number != IMPORTANCE or flags == 0, "an importance that is required", "version")
+        need(number not in (IMPORTANCE, NAMED_GROUPS) or flags == 0, f"required section {number}", "version")
         if number in required or number in version.OPTIONAL:
             need(number not in found, "section is there twice")
             need(flags == (number in version.FLAGGED), "section flags")
@@ -89,6 +89,7 @@ class Contents:
         version = VERSIONS[header.version]
         parts = sections_of(data, header, version)
         self.orders, self.lattice, self.certificate, self.volume_shape, self.volumes = [], None, [], None, []
+        self.named_groups, self.named_group_of_draw = [], []
         self.settings = parts.get(SETTINGS, b"").decode("utf-8", "backslashreplace")
         version.decode_tables(header, parts, self)
         header.check_bounds(version.most_runs(len(parts[ROWS])))
@@ -161,6 +162,11 @@ class Contents:
         yield f"settings {self.settings}"
         for i, draw in enumerate(self.draws):
             yield f"draw {i}: " + " ".join(map(str, draw))
+        for i, name in enumerate(self.named_groups):
+            yield f"named group {i}: " + name.decode("utf-8", "backslashreplace")
+        for i, group in enumerate(self.named_group_of_draw):
+            if group > 0:
+                yield f"named group of draw {i}: {group - 1}"
         for i, order in enumerate(self.orders):
             yield f"order {i}:" + "".join(f" {polygon}" for polygon in order)
         if self.lattice is not None:

@@ -4,15 +4,17 @@ import struct
 
 from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
-DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE, VOLUMES = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
+DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
+VOLUMES, NAMED_GROUPS = 10, 11
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
-OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS)
 FLAGGED = REQUIRED + (VOLUMES,)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
 FURTHEST_LAYER = 1 << 30
 FURTHEST_VOLUME = 1 << 30
 MOST_VOLUMES = 16777216
+MOST_NAMES = 16777216  # bytes
 MOST_ITEMS = 4294967294  # polygons and volumes
 
 
@@ -166,6 +168,22 @@ def decode_volumes(header, section):
     return (width, height), places
 
 
+def decode_named_groups(header, section, draws):
+    """The names, as bytes; of each draw 0, or one more than the number of its group."""
+    count, size = unpack("<II", section, 0, "named groups")
+    need(size <= MOST_NAMES, "names", "limit")
+    need(0 < count <= size and 8 + size <= len(section), "names")
+    (ends,), at = packed_columns(section, 8 + size, 1, count)
+    begins = [0] + ends
+    need(all(a < b for a, b in zip(begins, ends)) and ends[-1] == size, "names do not follow each other")
+    groups = whole_columns(section, 1, header.draws, "the named groups", at)[0]
+    need(max(groups, default=0) <= count, "a named group that there is not")
+    if header.merged:
+        of_draw_group = {draw[5]: group for draw, group in zip(draws, groups)}
+        need(all(of_draw_group[draw[5]] == group for draw, group in zip(draws, groups)), "draws of a group")
+    return [section[8 + a:8 + b] for a, b in zip(begins, ends)], groups
+
+
 def decode_tables(header, parts, contents):
     contents.orders = decode_orders(parts[ORDERS])
     contents.draws, contents.source_of_stored, contents.borders = decode_draws(header, parts[DRAWS], contents.orders)
@@ -175,6 +193,9 @@ def decode_tables(header, parts, contents):
     if VOLUMES in parts:
         contents.volume_shape, contents.volumes = decode_volumes(header, parts[VOLUMES])
         header.volumes = len(contents.volumes)
+    if NAMED_GROUPS in parts:
+        contents.named_groups, contents.named_group_of_draw = decode_named_groups(header, parts[NAMED_GROUPS],
+                                                                                  contents.draws)
 
 
 class RunCode:

@@ -137,12 +137,19 @@ sample_contents volume_contents() {
   return contents;
 }
 
+// A door of three draws, one of which is empty, and a switch of two: each is a draw group. A name may have no draw.
+sample_contents named_contents() {
+  sample_contents contents = merged_contents();
+  contents.named_groups = {"Schalter \xC3\xBC", "nothing", "door"};
+  for (format::draw_record& d : contents.draws) {
+    if (d.group != 1) d.named_group = d.group == 0 ? 2 : 0;
+  }
+  return contents;
+}
+
 std::vector<golden_file_contents> golden_files() {
-  return {{"v1_tiny", tiny_contents()},
-          {"v1_small", ordered_contents()},
-          {"v1_lattice", lattice_contents()},
-          {"v1_merged", merged_contents()},
-          {"v1_volumes", volume_contents()}};
+  return {{"v1_tiny", tiny_contents()},     {"v1_small", ordered_contents()},  {"v1_lattice", lattice_contents()},
+          {"v1_merged", merged_contents()}, {"v1_volumes", volume_contents()}, {"v1_groups", named_contents()}};
 }
 
 }  // namespace sightcell::test

@@ -16,6 +16,9 @@ sample_contents lattice_contents();
 // small_contents() in the merged layout: a group of two draws and an empty one, one of two, and a draw that moves.
 sample_contents merged_contents();
 
+// merged_contents() with three named groups.
+sample_contents named_contents();
+
 // ordered_contents() with 60 volumes on both sides of the origin.
 sample_contents volume_contents();
 

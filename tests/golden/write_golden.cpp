@@ -42,6 +42,13 @@ void dump_draws(const sample_contents& contents, std::FILE* out) {
                  d.instance, d.material, d.group, d.first_source, d.polygon_count, d.first_stored, d.base_vertex,
                  static_cast<unsigned long long>(d.host_tag), d.flags, in_source_order ? i : contents.order_of_draw[i]);
   }
+  for (std::size_t i = 0; i < contents.named_groups.size(); ++i) {
+    std::fprintf(out, "named group %zu: %s\n", i, contents.named_groups[i].c_str());
+  }
+  for (std::size_t i = 0; i < contents.draws.size(); ++i) {
+    const std::uint32_t group = contents.draws[i].named_group;
+    if (group != sightcell::format::no_named_group) std::fprintf(out, "named group of draw %zu: %u\n", i, group);
+  }
   std::vector<std::vector<std::uint32_t>> orders = contents.orders;
   for (std::size_t i = 0; i < contents.draws.size() && in_source_order; ++i) {
     orders.emplace_back(contents.draws[i].polygon_count);

@@ -33,6 +33,9 @@ TEST(file_parts, make_the_same_file_again) {
   expect_same_file(contents);
   put_in_groups(contents, 7);
   expect_same_file(contents);
+  contents.named_groups = {"door", "a", "lamp"};
+  for (auto& d : contents.draws) d.named_group = d.group % 3 == 1 ? no_named_group : d.group % 3;
+  expect_same_file(contents);
   add_volumes(contents, 100, 8);
   expect_same_file(contents);
 }

@@ -152,6 +152,15 @@ TEST(writer, contents_that_contradict_themselves) {
   refused([](sample_contents& c) { c.facts.confidence = std::nanf(""); });
   refused([](sample_contents& c) { c.draws[0].flags = 2; });
   refused([](sample_contents& c) { c.facts.layout = static_cast<host_layout>(2); });
+  refused([](sample_contents& c) { c.draws[0].named_group = 0; });
+  refused([](sample_contents& c) { c.named_groups = {"door", ""}; });
+  refused([](sample_contents& c) { c.named_groups = {"door", "lamp", "door"}; });
+  refused([](sample_contents& c) {
+    c.named_groups = {"door", "lamp"};
+    c.draws[0].named_group = 2;
+  });
+  refused([](sample_contents& c) { c.named_groups = {"a", std::string(layout::max_names_size, 'b')}; }, status::limit);
+  refused([](sample_contents& c) { c.named_groups = {"a", std::string(layout::max_names_size - 1, 'b')}; }, status::ok);
   refused([](sample_contents& c) { c.facts.margin = 2.0e6f; }, status::limit);
   refused([](sample_contents& c) { c.facts.polygon_count = 0xFFFFFFFFu; }, status::limit);
   refused([](sample_contents& c) { c.settings.assign(layout::max_settings_size + 1, ' '); }, status::limit);
@@ -204,6 +213,10 @@ TEST(writer, draw_groups_that_are_none) {
   refused([&](sample_contents& c) { ++c.draws[joined(c)].material; });
   refused([&](sample_contents& c) { c.draws[joined(c)].flags = draw_moves; });
   refused([&](sample_contents& c) { c.draws[joined(c) + 1].flags = draw_moves; });
+  refused([&](sample_contents& c) {
+    c.named_groups = {"door"};
+    c.draws[joined(c) + 1].named_group = 0;
+  });
   refused([&](sample_contents& c) {
     draw_record& first = c.draws[joined(c)];
     draw_record& second = c.draws[joined(c) + 1];

@@ -16,6 +16,7 @@ namespace sightcell::format {
 struct file_parts {
   file_facts facts;
   std::vector<draw_record> draws;  // in stored order
+  std::vector<std::string> named_groups;
   std::vector<std::uint32_t> order_of_draw;
   std::vector<std::vector<std::uint32_t>> orders;
   std::vector<box> cells;                // also those on a lattice

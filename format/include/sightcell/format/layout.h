@@ -55,15 +55,19 @@ inline constexpr std::uint32_t section_rows = 3;
 inline constexpr std::uint32_t section_row_directory = 4;
 inline constexpr std::uint32_t section_certificate = 5;
 inline constexpr std::uint32_t section_settings = 6;
-inline constexpr std::uint32_t section_orders = 7;      // since version 1
-inline constexpr std::uint32_t section_codes = 8;       // since version 1
-inline constexpr std::uint32_t section_importance = 9;  // since version 1; optional
-inline constexpr std::uint32_t section_volumes = 10;    // since version 1; required where it is there
+inline constexpr std::uint32_t section_orders = 7;         // since version 1
+inline constexpr std::uint32_t section_codes = 8;          // since version 1
+inline constexpr std::uint32_t section_importance = 9;     // since version 1; optional
+inline constexpr std::uint32_t section_volumes = 10;       // since version 1; required where it is there
+inline constexpr std::uint32_t section_named_groups = 11;  // since version 1; optional
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
 
 // The volumes section begins with two f64 and a u32.
 inline constexpr std::uint64_t volumes_head_size = 20;
+
+// The named groups section begins with two u32.
+inline constexpr std::uint64_t named_groups_head_size = 8;
 
 // The cells section of version 1 begins with one of these.
 inline constexpr std::uint32_t cells_are_boxes = 0;
@@ -76,6 +80,7 @@ inline constexpr std::uint32_t max_cells = 1u << 24;
 inline constexpr std::uint32_t max_draws = 1u << 26;
 inline constexpr std::uint32_t max_sections = 64;
 inline constexpr std::uint64_t max_settings_size = 1u << 24;
+inline constexpr std::uint64_t max_names_size = 1u << 24;  // of all named groups together
 inline constexpr std::uint64_t max_chunk_size = 0xFFFFFFFFu;
 inline constexpr float max_margin = 1.0e6f;  // metres
 

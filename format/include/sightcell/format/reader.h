@@ -24,6 +24,7 @@
 
 #include "sightcell/format/cell_lattice.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/format/named_group_table.h"
 #include "sightcell/format/packed_columns.h"
 #include "sightcell/format/records.h"
 #include "sightcell/format/status.h"
@@ -90,11 +91,12 @@ struct row_statistics {
 // A view of one file: cheap to copy, valid as long as the bytes are. A default-made reader is an empty file.
 class reader {
  public:
-  // Checks the header, the section table, the draw table, the cells, the volumes, the row directory, the certificate
-  // and the settings, with their checksums; rows are left to check_chunk and decode_row. bytes: the whole file and
-  // nothing behind it, any alignment; they stay the caller's and must outlive out. out is set only on ok. not_ours: no
-  // .pvs file; version: a version, or a required section, of another Sightcell; truncated: fewer bytes than the header
-  // says; checksum; corrupt: values that contradict each other, bytes behind the end; limit: a number above layout.h.
+  // Checks the header, the section table, the draw table, the named groups, the cells, the volumes, the row directory,
+  // the certificate and the settings, with their checksums; rows are left to check_chunk and decode_row. bytes: the
+  // whole file and nothing behind it, any alignment; they stay the caller's and must outlive out. out is set only on
+  // ok. not_ours: no .pvs file; version: a version, or a required section, of another Sightcell; truncated: fewer bytes
+  // than the header says; checksum; corrupt: values that contradict each other, bytes behind the end; limit: a number
+  // above layout.h.
   static status open(std::span<const std::byte> bytes, reader& out) noexcept;
 
   // For who keeps rows elsewhere. front_size: how many bytes from the start of a file hold all that open looks at;
@@ -146,6 +148,9 @@ class reader {
 
   // The cells' lattice, where they lie on one: chunk by chunk for who looks cells up. Null where they do not.
   [[nodiscard]] const cell_lattice* lattice() const noexcept { return on_lattice_ ? &lattice_ : nullptr; }
+
+  // What the host shows and hides by name: draw_record::named_group counts in them. None in most files.
+  [[nodiscard]] const named_group_table& named_groups() const noexcept { return named_groups_; }
 
   // The volumes, which sets hold behind the polygons: volume v is number polygon_count() + v there. None in most files.
   [[nodiscard]] const volume_table& volumes() const noexcept { return volumes_; }
@@ -280,12 +285,15 @@ class reader {
   std::uint32_t run_bound_ = 0;
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
-  extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_, importance_, volume_bytes_;
+  extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_, importance_, volume_bytes_,
+      named_group_bytes_;
   bool has_importance_ = false;
   bool has_volumes_ = false;
+  bool has_named_groups_ = false;
   bool on_lattice_ = false;
   cell_lattice lattice_;
   volume_table volumes_;
+  named_group_table named_groups_;
   std::array<packed_column, layout::draw_columns> draw_columns_;
   std::array<packed_column, layout::certificate_columns> certificate_columns_;
   packed_column order_begin_;

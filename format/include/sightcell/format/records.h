@@ -19,6 +19,9 @@ enum class host_layout : std::uint32_t { instanced = 0, merged = 1 };
 // draw_record::flags. The host moves or transforms the draw itself: a merged file keeps it in a draw group of its own.
 inline constexpr std::uint32_t draw_moves = 1;
 
+// draw_record::named_group of a draw that is in none.
+inline constexpr std::uint32_t no_named_group = 0xFFFFFFFFu;
+
 // One entry of the draw table: what a host issues as one draw, (node, primitive, instance) of the glTF.
 struct draw_record {
   std::uint32_t node = 0;           // glTF node index
@@ -35,6 +38,9 @@ struct draw_record {
   std::uint32_t base_vertex = 0;  // vertices of all draws before this one: base(draw) of the flattening
   std::uint64_t host_tag = 0;     // the host's own value, carried through untouched
   std::uint32_t flags = 0;        // draw_moves
+  // Which of the file's named groups it is in: what a host shows and hides together, as a door. Draws of one draw group
+  // are in the same one, or in none.
+  std::uint32_t named_group = no_named_group;
 };
 
 // What fresh rays proved about one cell: misses of at least so many rays, and a one-sided upper bound of the pixel

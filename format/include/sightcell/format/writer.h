@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -60,8 +61,9 @@ struct file_contents {
   // In stored order: first_stored gapless from 0, every source id once. Merged: group by group; those of a group in the
   // order of the source, with the same material, none that moves beside another.
   std::span<const draw_record> draws;
-  stored_order order;          // without orders: each draw, or draw group, in the order of the source
-  std::span<const box> cells;  // number of a cell = its index here; none where there is a lattice
+  std::span<const std::string> named_groups;  // their names, none empty; by draw_record::named_group
+  stored_order order;                         // without orders: each draw, or draw group, in the order of the source
+  std::span<const box> cells;                 // number of a cell = its index here; none where there is a lattice
   std::optional<lattice_cells> lattice;
   lattice_volumes volumes;
   cell_set_source cell_sets;
