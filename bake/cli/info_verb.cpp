@@ -52,6 +52,8 @@ std::string section_name(std::uint32_t id) {
       return "importance";
     case format::layout::section_volumes:
       return "volumes";
+    case format::layout::section_named_groups:
+      return "named groups";
     default:
       return fmt::format("unknown {}", id);
   }
@@ -96,6 +98,15 @@ ordered_json importance_json(const format::reader& file, std::uint64_t visible_p
     return {{"bytes", section.size}, {"bits_per_visible_polygon", bits}};
   }
   return nullptr;
+}
+
+ordered_json named_groups_json(const format::reader& file) {
+  ordered_json names = ordered_json::array();
+  std::string_view name;
+  for (std::uint32_t i = 0; i < file.named_groups().count(); ++i) {
+    if (file.named_groups().name(i, name)) names.push_back(std::string(name));
+  }
+  return names;
 }
 
 // The settings text is somebody's JSON: shown as such when it is, as text when it is not.
@@ -143,6 +154,7 @@ ordered_json file_json(const pvs_file& pvs, const std::string& name) {
           // Of the bytes, those that would not be there without them.
           {"volume_percent", 100.0 - 100.0 * static_cast<double>(bake::size_without_volumes(pvs.bytes(), name)) /
                                          static_cast<double>(pvs.size())},
+          {"named_groups", named_groups_json(file)},
           {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
           {"margin", facts.margin},
           {"metric", pvs.metric()},
@@ -182,6 +194,9 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
                ring);
   fmt::print("  layout             {}, margin {:g} m, {}\n", info["layout"].get<std::string>(),
              info["margin"].get<double>(), info["repeatable"].get<bool>() ? "repeatable" : "not repeatable");
+  if (!info["named_groups"].empty())
+    fmt::print("  named groups       {}\n",
+               info["named_groups"].dump(-1, ' ', false, ordered_json::error_handler_t::replace));
   fmt::print("  scene fingerprint  {}\n", info["fingerprint"].get<std::string>());
   fmt::print("  settings           {}\n", info["settings"].dump());
   for (const ordered_json& section : info["sections"])

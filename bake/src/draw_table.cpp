@@ -28,6 +28,8 @@ class group_numbers {
 
 }  // namespace
 
+static_assert(scene::no_index == format::no_named_group);
+
 std::vector<format::draw_record> draw_table(const scene::scene& s, format::host_layout layout) {
   const bool merged = layout == format::host_layout::merged;
   group_numbers groups;
@@ -45,7 +47,8 @@ std::vector<format::draw_record> draw_table(const scene::scene& s, format::host_
                      .first_stored = d.first_source,  // until the draws are put in order
                      .base_vertex = d.base_vertex,
                      .host_tag = d.host_tag,
-                     .flags = d.moves ? format::draw_moves : 0});
+                     .flags = d.moves ? format::draw_moves : 0,
+                     .named_group = d.tags.group});
   return merged ? in_groups(table) : table;
 }
 

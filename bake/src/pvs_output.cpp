@@ -83,6 +83,7 @@ void put_in_order(const pvs_frame& frame, const record_source& record_of, stored
     stored.places = std::move(places);
   }
   parts.draws = frame.draws;
+  parts.named_groups = frame.named_groups;
   order_polygons_of(
       parts, file_settings_of(frame.settings).order,
       [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { set = record_of(stored.places[cell]).set; });
@@ -126,6 +127,7 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
   frame.facts.repeatable = how.time_budget == 0.0 && how.seconds_per_cell == 0.0;
   frame.seed = how.seed;
   frame.draws = draw_table(s, frame.facts.layout);
+  frame.named_groups = s.groups;
   for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
   if (volumes != nullptr) {
     frame.volume_width = volumes->width();

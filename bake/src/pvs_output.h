@@ -27,6 +27,7 @@ struct pvs_frame {
   format::file_facts facts;  // without the bound
   std::uint64_t seed = 0;
   std::vector<format::draw_record> draws;
+  std::vector<std::string> named_groups;       // the scene's groups
   std::vector<format::box> cells;              // of all cells, also of those that are not stored
   double volume_width = 0.0;                   // metres
   std::vector<format::lattice_place> volumes;  // by the numbers that records have

@@ -92,8 +92,10 @@ void change_layout(format::file_parts& parts, const std::string& name, format::h
     if (const auto same = found.find(place_of(d)); same != found.end()) {
       d.group = same->second.group;
       d.flags = same->second.flags;  // which version 0 did not have
+      d.named_group = same->second.named_group;
     }
   }
+  if (s != nullptr) parts.named_groups = s->groups;
   parts.facts.layout = layout;
 }
 
