@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <span>
+#include <string_view>
 
 #include "commands.h"
 #include "db.h"
@@ -26,7 +27,8 @@ static_assert(sizeof(sightcell_frame) == 64 && sizeof(sightcell_range) == 12 && 
 static_assert(sizeof(sightcell_info) == 56 && sizeof(sightcell_command) == 20);
 static_assert(static_cast<int>(format::status::limit) == SIGHTCELL_ERR_LIMIT &&
               static_cast<int>(format::status::other_scene) == SIGHTCELL_ERR_OTHER_SCENE &&
-              static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE);
+              static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE &&
+              format::no_named_group == SIGHTCELL_NO_NAMED_GROUP);
 
 namespace {
 
@@ -150,6 +152,47 @@ sightcell_status sightcell_db_volume_box(const sightcell_db* db, uint32_t volume
   return SIGHTCELL_OK;
 }
 
+uint32_t sightcell_db_named_group_count(const sightcell_db* db) {
+  return db == nullptr ? 0 : db->file().named_groups().count();
+}
+
+sightcell_status sightcell_db_named_group_name(const sightcell_db* db, uint32_t group, char* dst, size_t capacity,
+                                               size_t* count) {
+  if (db == nullptr || group >= db->file().named_groups().count()) return SIGHTCELL_ERR_ARGUMENT;
+  std::string_view name;
+  if (!db->file().named_groups().name(group, name)) return SIGHTCELL_ERR_CORRUPT;
+  const sightcell_status room = check_room(dst, capacity, name.size(), count);
+  if (room == SIGHTCELL_OK) std::copy_n(name.data(), name.size(), dst);
+  return room;
+}
+
+sightcell_status sightcell_db_find_named_group(const sightcell_db* db, const char* name, uint32_t* group) {
+  if (db == nullptr || name == nullptr || group == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  *group = SIGHTCELL_NO_NAMED_GROUP;
+  const std::string_view wanted(name);
+  std::string_view found;
+  for (std::uint32_t i = 0; i < db->file().named_groups().count(); ++i) {
+    if (!db->file().named_groups().name(i, found)) return SIGHTCELL_ERR_CORRUPT;
+    if (found != wanted) continue;
+    *group = i;
+    break;
+  }
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_named_groups_of_draws(const sightcell_db* db, uint32_t* dst, size_t capacity,
+                                                    size_t* count) {
+  if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const sightcell_status room = check_room(dst, capacity, db->file().draw_count(), count);
+  if (room != SIGHTCELL_OK) return room;
+  for (std::uint32_t draw = 0; draw < db->file().draw_count(); ++draw) {
+    std::uint32_t group = 0;
+    if (!db->file().named_groups().of_draw(draw, group)) return SIGHTCELL_ERR_CORRUPT;
+    dst[draw] = group;
+  }
+  return SIGHTCELL_OK;
+}
+
 sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out) {
   if (db == nullptr || out == nullptr || out->struct_size < sizeof(sightcell_info)) return SIGHTCELL_ERR_ARGUMENT;
   const format::file_facts& facts = db->file().facts();
@@ -240,29 +283,27 @@ sightcell_status sightcell_view_origin(sightcell_view* view, const double origin
   return view == nullptr ? SIGHTCELL_ERR_ARGUMENT : view->set_origin(origin);
 }
 
+sightcell_status sightcell_view_show_named_group(sightcell_view* view, uint32_t group, uint32_t shown) {
+  return view == nullptr ? SIGHTCELL_ERR_ARGUMENT : view->show_named_group(group, shown != 0);
+}
+
 sightcell_status sightcell_view_polygons(const sightcell_view* view, uint32_t* source_ids, size_t capacity,
                                          size_t* count) {
   if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   const sightcell_status room = check_room(source_ids, capacity, view->polygon_count(), count);
   if (room != SIGHTCELL_OK) return room;
-  const format::run all{0, view->polygon_count()};
-  runtime::for_each_range(view->draws_all() ? std::span(&all, 1) : view->runs(), view->db().range_borders(),
-                          [&](std::uint32_t draw, std::uint32_t first, std::uint32_t n) {
-                            source_ids = write_sources(view->db(), draw, first, n, source_ids);
-                          });
+  for (const sightcell_range& r : view->ranges()) {
+    source_ids = write_sources(view->db(), r.draw, r.first, r.count, source_ids);
+  }
   return SIGHTCELL_OK;
 }
 
 sightcell_status sightcell_view_ranges(const sightcell_view* view, sightcell_range* dst, size_t capacity,
                                        size_t* count) {
   if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
-  const sightcell_status room = check_room(dst, capacity, view->range_count(), count);
+  const sightcell_status room = check_room(dst, capacity, view->ranges().size(), count);
   if (room != SIGHTCELL_OK) return room;
-  if (view->draws_all()) {
-    runtime::write_all_ranges(view->db().range_borders(), dst);
-  } else {
-    std::copy_n(view->ranges().data(), view->ranges().size(), dst);
-  }
+  std::copy_n(view->ranges().data(), view->ranges().size(), dst);
   return SIGHTCELL_OK;
 }
 
@@ -272,8 +313,7 @@ sightcell_status sightcell_view_indices(const sightcell_view* view, const uint32
   const sightcell_status room = check_room(dst, capacity, std::uint64_t{3} * view->polygon_count(), count);
   if (room != SIGHTCELL_OK || view->polygon_count() == 0) return room;
   if (stored_indices == nullptr) return SIGHTCELL_ERR_ARGUMENT;
-  const format::run all{0, view->polygon_count()};
-  runtime::copy_indices(view->draws_all() ? std::span(&all, 1) : view->runs(), stored_indices, dst);
+  runtime::copy_indices(view->runs(), stored_indices, dst);
   return SIGHTCELL_OK;
 }
 

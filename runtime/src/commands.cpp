@@ -6,31 +6,17 @@
 namespace sightcell::runtime {
 namespace {
 
-// Under DRAW_ALL every draw that has polygons is one range.
-template <class Emit>
-void for_each_range_of(const sightcell_view& view, const Emit& emit) {
-  if (!view.draws_all()) {
-    for (const sightcell_range& r : view.ranges()) emit(r);
-    return;
-  }
-  const std::span<const std::uint32_t> borders = view.db().range_borders();
-  for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
-    const std::uint32_t count = borders[draw + 1] - borders[draw];
-    if (count > 0) emit(sightcell_range{draw, 0, count});
-  }
-}
-
 template <class Emit>
 void for_each_command(const sightcell_view& view, std::uint32_t min_gap, const Emit& emit) {
   sightcell_range held{};  // count 0: none
-  for_each_range_of(view, [&](const sightcell_range& r) {
+  for (const sightcell_range& r : view.ranges()) {
     if (held.count > 0 && held.draw == r.draw && r.first - (held.first + held.count) < min_gap) {
       held.count = r.first + r.count - held.first;
-      return;
+      continue;
     }
     if (held.count > 0) emit(held);
     held = r;
-  });
+  }
   if (held.count > 0) emit(held);
 }
 

@@ -39,6 +39,7 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   give(orders_, is_merged() ? file_.polygon_count() : file_.order_begin(file_.order_count()));
   give(group_draws_, is_merged() ? std::uint64_t{file_.range_unit_count()} + 1 : 0);
   give(draw_sources_, is_merged() ? file_.draw_count() : 0);
+  give(named_groups_, file_.named_groups().count() > 0 ? file_.range_unit_count() : 0);
   give(chunks_, is_paged() ? 0 : file_.chunk_count());
   give(cached_, is_paged() ? file_.chunk_count() : 0);
   give(cached_order_, is_paged() ? file_.chunk_count() : 0);
@@ -53,7 +54,8 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
 // Copies what every frame needs, checking each value again: the bytes may have changed since they were opened.
 sightcell_status sightcell_db::fill() noexcept {
   if (!locator_.build(file_, cells_)) return SIGHTCELL_ERR_CORRUPT;
-  if (!fill_ranges() || !fill_draws_of_groups() || !volumes_.build(file_.volumes())) return SIGHTCELL_ERR_CORRUPT;
+  if (!fill_ranges() || !fill_draws_of_groups() || !fill_named_groups()) return SIGHTCELL_ERR_CORRUPT;
+  if (!volumes_.build(file_.volumes())) return SIGHTCELL_ERR_CORRUPT;
   return static_cast<sightcell_status>(file_.make_codes(codes_memory_, codes_));
 }
 
@@ -92,6 +94,16 @@ bool sightcell_db::fill_draws_of_groups() noexcept {
   }
   group_draws_.back() = static_cast<std::uint32_t>(draw_sources_.size());
   return group == range_sources_.size();
+}
+
+// All draws of a draw group are in the same one.
+bool sightcell_db::fill_named_groups() noexcept {
+  for (std::uint32_t number = 0; number < named_groups_.size(); ++number) {
+    std::uint32_t& group = named_groups_[number];
+    if (!file_.named_groups().of_draw(is_merged() ? group_draws_[number] : number, group)) return false;
+    if (group != format::no_named_group) ++named_ranges_;
+  }
+  return true;
 }
 
 // Polygons that follow each other mostly belong to the same draw. A draw without polygons begins where the next one

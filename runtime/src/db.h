@@ -48,8 +48,12 @@ struct sightcell_db {
   // Stored number of the first polygon of each draw, or draw group of a merged file, ascending, then polygon_count. A
   // checked copy: the file's bytes may change.
   [[nodiscard]] std::span<const std::uint32_t> range_borders() const noexcept { return range_borders_; }
-  // Draws, or draw groups, that have polygons: the ranges of everything.
-  [[nodiscard]] std::uint32_t whole_range_count() const noexcept { return whole_ranges_; }
+  // Of a draw, or draw group of a merged file; format::no_named_group for most.
+  [[nodiscard]] std::uint32_t named_group_of(std::uint32_t draw) const noexcept {
+    return named_groups_.empty() ? sightcell::format::no_named_group : named_groups_[draw];
+  }
+  // Of these, how many are in one: the most stretches of stored polygons that named groups are.
+  [[nodiscard]] std::uint32_t named_range_count() const noexcept { return named_ranges_; }
   // The most ranges any answer has, everything included.
   [[nodiscard]] std::uint32_t range_bound() const noexcept;
 
@@ -71,6 +75,8 @@ struct sightcell_db {
   [[nodiscard]] bool is_merged() const noexcept;
   // Of a merged file: the draw that a polygon of a draw group belongs to. near: where to look first, and the answer.
   void find_draw(std::uint32_t group, std::uint32_t source, std::uint32_t& near) const noexcept;
+  // The draws of a draw group, which lie one behind the other: first, and behind the last.
+  [[nodiscard]] std::uint32_t draws_begin(std::uint32_t group) const noexcept { return group_draws_[group]; }
 
   // The set of a cell. Checks its chunk at the first use and remembers the answer; asks for it where it is not in
   // memory. out, scratch, parts: as reader::decode_row has them. Damaged: or not what a row may be.
@@ -104,6 +110,7 @@ struct sightcell_db {
   [[nodiscard]] sightcell_status fill() noexcept;
   [[nodiscard]] bool fill_ranges() noexcept;
   [[nodiscard]] bool fill_draws_of_groups() noexcept;
+  [[nodiscard]] bool fill_named_groups() noexcept;
   [[nodiscard]] bool cell_is_sound(std::uint32_t cell) const noexcept;
   [[nodiscard]] sightcell_status open_pages(std::uint64_t resident_bytes) noexcept;
   [[nodiscard]] sightcell_status fetch(std::span<std::byte> target) noexcept;
@@ -119,11 +126,14 @@ struct sightcell_db {
   std::span<std::uint32_t> orders_;
   // Of a merged file: first draw of each group, then the draw count; source id of each draw's first polygon.
   std::span<std::uint32_t> group_draws_, draw_sources_;
+  // By draw, or draw group; empty where the file has no named groups.
+  std::span<std::uint32_t> named_groups_;
   std::span<std::byte> codes_memory_;
   const sightcell::format::row_codes* codes_ = nullptr;
   // Threads may check the same chunk at once and write the same answer: no lock needed. Of a file that lies in memory.
   std::span<std::atomic<sightcell::runtime::chunk_state>> chunks_;
-  std::uint32_t whole_ranges_ = 0;
+  std::uint32_t whole_ranges_ = 0;  // draws, or draw groups, that have polygons: the ranges of everything
+  std::uint32_t named_ranges_ = 0;
   // Of a file that is read piece by piece.
   sightcell_source source_{};
   opening_request opening_;

@@ -20,12 +20,22 @@ void write_bits_of_groups(const sightcell_view& view, std::span<std::uint64_t> w
   }
 }
 
+// Nothing is known: also of draws without polygons, of which the host may have points or lines.
+void write_all_bits(const sightcell_view& view, std::span<std::uint64_t> words) noexcept {
+  const sightcell_db& db = view.db();
+  for (std::uint32_t unit = 0; unit + 1 < db.range_borders().size(); ++unit) {
+    if (view.hides(unit)) continue;
+    const std::uint32_t end = db.is_merged() ? db.draws_begin(unit + 1) : unit + 1;
+    for (std::uint32_t draw = db.is_merged() ? db.draws_begin(unit) : unit; draw < end; ++draw) set_bit(words, draw);
+  }
+}
+
 }  // namespace
 
 void write_object_bits(const sightcell_view& view, std::span<std::uint64_t> words) noexcept {
   std::fill(words.begin(), words.end(), 0);
   if (view.draws_all()) {
-    for (std::uint32_t draw = 0; draw < view.db().file().draw_count(); ++draw) set_bit(words, draw);
+    write_all_bits(view, words);
   } else if (view.db().is_merged()) {
     write_bits_of_groups(view, words);
   } else {

@@ -61,11 +61,13 @@ void write_difference(run_span a, run_span b, range_borders borders, sightcell_r
   for_each_difference_range(a, b, borders, writer_to(dst));
 }
 
-void write_all_ranges(range_borders borders, sightcell_range* dst) noexcept {
-  for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
-    const std::uint32_t count = borders[draw + 1] - borders[draw];
-    if (count > 0) *dst++ = {draw, 0, count};
-  }
+std::size_t write_difference(run_span a, run_span b, std::span<format::run> dst) noexcept {
+  std::size_t runs = 0;
+  for_each_missing(a, b, [&](const format::run& r) {
+    if (runs < dst.size()) dst[runs] = r;
+    ++runs;
+  });
+  return runs;
 }
 
 }  // namespace sightcell::runtime

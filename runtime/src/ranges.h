@@ -28,7 +28,7 @@ void for_each_range(run_span set, range_borders borders, const Emit& emit) {
 [[nodiscard]] std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept;
 // Writes as many.
 void write_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept;
-// Every draw that has polygons, whole.
-void write_all_ranges(range_borders borders, sightcell_range* dst) noexcept;
+// The runs of a without b, as many as dst has room for. Returns how many there are.
+[[nodiscard]] std::size_t write_difference(run_span a, run_span b, std::span<format::run> dst) noexcept;
 
 }  // namespace sightcell::runtime

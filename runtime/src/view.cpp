@@ -35,6 +35,13 @@ std::uint64_t sightcell_view::carve(void* block) noexcept {
     take(db_->volumes().chunk_count(), first);
     *words = {first, first == nullptr ? 0 : db_->volumes().chunk_count()};
   }
+  const std::uint64_t group_words = (std::uint64_t{db_->file().named_groups().count()} + 63) / 64;
+  std::uint64_t* group_word = nullptr;
+  take(group_words, group_word);
+  hidden_groups_ = {group_word, group_word == nullptr ? 0 : static_cast<std::size_t>(group_words)};
+  format::run* hidden = nullptr;
+  take(db_->named_range_count(), hidden);
+  hidden_.buffer = {hidden, hidden == nullptr ? 0 : db_->named_range_count()};
   static_cast<void>(space.take<std::uint32_t>(0));  // scratch lies at a multiple of 4
   auto* scratch = space.take<std::byte>(db_->file().scratch_size());
   if (scratch != nullptr) scratch_ = {scratch, db_->file().scratch_size()};
@@ -71,6 +78,24 @@ sightcell_status sightcell_view::set_origin(const double origin[3]) noexcept {
   const point place{origin[0], origin[1], origin[2]};
   if (!std::isfinite(place[0]) || !std::isfinite(place[1]) || !std::isfinite(place[2])) return SIGHTCELL_ERR_ARGUMENT;
   origin_ = place;
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view::show_named_group(std::uint32_t group, bool shown) noexcept {
+  if (group >= db_->file().named_groups().count()) return SIGHTCELL_ERR_ARGUMENT;
+  std::uint64_t& word = hidden_groups_[group / 64];
+  const std::uint64_t bit = std::uint64_t{1} << group % 64;
+  if (((word & bit) == 0) == shown) return SIGHTCELL_OK;
+  word ^= bit;
+  hidden_.count = 0;
+  const std::span<const std::uint32_t> borders = db_->range_borders();
+  for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
+    if (hides(draw) && borders[draw] < borders[draw + 1]) {
+      hidden_.buffer[hidden_.count++] = {borders[draw], borders[draw + 1] - borders[draw]};
+    }
+  }
+  regrouped_ = true;
+  settled_ = false;
   return SIGHTCELL_OK;
 }
 
@@ -185,7 +210,8 @@ void sightcell_view::go_into(const wide_box& closed) noexcept {
 // The set of a cell, unless it is shown already. What is on its way is asked for again.
 void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags) noexcept {
   place_flags_ = flags;
-  if (moved_ && shown_.cell == what.cell && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0) return;
+  const bool as_before = !regrouped_ && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0;
+  if (moved_ && shown_.cell == what.cell && as_before) return;
   std::span<const format::run> volumes;
   const std::uint32_t data_flags = decode(what.cell, next_, volumes);
   next_.everything = data_flags != 0;
@@ -202,7 +228,7 @@ void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t fla
   const bool same = shown_cell_count_ == cells.size() &&
                     std::equal(cells.begin(), cells.end(), shown_cells_.begin(),
                                [](const located_cell& c, std::uint32_t shown) { return c.cell == shown; });
-  if (same && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0) return;
+  if (same && !regrouped_ && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0) return;
   std::uint32_t data_flags = 0;
   next_.count = 0;
   std::fill(visible_.begin(), visible_.end(), 0);
@@ -230,7 +256,7 @@ void sightcell_view::show_all(std::uint32_t flags) noexcept {
   shown_ = {};
   shown_cell_count_ = 0;
   next_.everything = true;
-  show_next(0, 0);
+  show_next(0, db_->range_bound());
 }
 
 // 0, or the flags that say why there is no set.
@@ -258,20 +284,42 @@ bool sightcell_view::box_visible(const float min[3], const float max[3]) const n
   return db_->volumes().box_visible(from.data(), to.data(), visible_);
 }
 
+// Takes what is hidden out of next_. False where there is no room, as of no row that the file could have: what is left
+// has no more runs than the set has ranges, since whole draws are hidden.
+bool sightcell_view::leave_out_hidden() noexcept {
+  if (hidden_.count == 0) return true;
+  const bool everything = next_.everything;
+  joined_.count = write_difference(next_.runs(), hidden_.runs(), joined_.buffer);
+  if (joined_.count > joined_.buffer.size()) return false;
+  std::swap(next_, joined_);
+  next_.everything = everything;
+  return true;
+}
+
+void sightcell_view::find_everything() noexcept {
+  next_.everything = true;
+  next_.count = 0;
+  if (db_->polygon_count() == 0) return;
+  next_.buffer[next_.count++] = {0, db_->polygon_count()};
+  static_cast<void>(leave_out_hidden());
+}
+
 // Makes next_ the current set, unless it is the same.
 void sightcell_view::show_next(std::uint32_t data_flags, std::uint32_t most_ranges) noexcept {
   data_flags_ = data_flags;
-  if (!next_.everything) {
-    const std::size_t ranges = write_ranges(next_.runs(), db_->range_borders(), {next_ranges_, most_ranges});
-    next_.range_count = static_cast<std::uint32_t>(ranges);
-    if (ranges > most_ranges) {  // no row that the file could have
-      data_flags_ = SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
-      next_.everything = true;
-    }
+  regrouped_ = false;
+  const auto find_ranges = [&](std::uint32_t most) {
+    next_.range_count =
+        static_cast<std::uint32_t>(write_ranges(next_.runs(), db_->range_borders(), {next_ranges_, most}));
+    return next_.range_count <= most;
+  };
+  if (!next_.everything && !(leave_out_hidden() && find_ranges(most_ranges))) {  // no row that the file could have
+    data_flags_ = SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
+    next_.everything = true;
   }
   if (next_.everything) {
-    next_.count = 0;
-    next_.range_count = db_->whole_range_count();
+    find_everything();
+    static_cast<void>(find_ranges(db_->range_bound()));
   }
   const auto same_run = [](const format::run& a, const format::run& b) {
     return a.first == b.first && a.count == b.count;
@@ -287,7 +335,7 @@ void sightcell_view::show_next(std::uint32_t data_flags, std::uint32_t most_rang
   std::swap(ranges_, next_ranges_);
   moved_ = true;
   ++revision_;
-  polygon_count_ = current_.everything ? db_->polygon_count() : 0;
+  polygon_count_ = 0;
   for (const format::run& r : current_.runs()) polygon_count_ += r.count;
 }
 

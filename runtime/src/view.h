@@ -25,6 +25,15 @@ struct sightcell_view {
   sightcell_status set_policy(std::uint32_t outside, float max_distance) noexcept;
   sightcell_status set_origin(const double origin[3]) noexcept;
 
+  // From the next move on.
+  sightcell_status show_named_group(std::uint32_t group, bool shown) noexcept;
+
+  // A draw, or draw group of a merged file.
+  [[nodiscard]] bool hides(std::uint32_t draw) const noexcept {
+    const std::uint32_t group = db_->named_group_of(draw);
+    return group != sightcell::format::no_named_group && (hidden_groups_[group / 64] >> group % 64 & 1) != 0;
+  }
+
   [[nodiscard]] const sightcell_db& db() const noexcept { return *db_; }
   // Where the eye is; no_cell outside.
   [[nodiscard]] std::uint32_t cell() const noexcept { return at_.cell; }
@@ -32,27 +41,24 @@ struct sightcell_view {
   [[nodiscard]] const sightcell::runtime::point& origin() const noexcept { return origin_; }
   // With struct_size and reserved as the caller has them.
   [[nodiscard]] const sightcell_view_stats& statistics() const noexcept { return counts_; }
-  // True under DRAW_ALL; runs() is empty then.
+  // True under DRAW_ALL. runs() has all polygons then, but those of hidden named groups, as always.
   [[nodiscard]] bool draws_all() const noexcept { return current_.everything; }
   // The set as runs of stored polygons, ascending.
   [[nodiscard]] std::span<const sightcell::format::run> runs() const noexcept { return current_.runs(); }
   [[nodiscard]] std::uint32_t polygon_count() const noexcept { return polygon_count_; }
-  // The set as ranges of draws; under DRAW_ALL there are range_count() and none is here.
-  [[nodiscard]] std::span<const sightcell_range> ranges() const noexcept {
-    return {ranges_, draws_all() ? 0 : range_count()};
-  }
-  [[nodiscard]] std::uint32_t range_count() const noexcept { return current_.range_count; }
+  // The set as ranges of draws.
+  [[nodiscard]] std::span<const sightcell_range> ranges() const noexcept { return {ranges_, current_.range_count}; }
   [[nodiscard]] std::uint32_t revision() const noexcept { return revision_; }
   // The set of revision() - 1; false when there is none, or when it or the current one is everything.
   [[nodiscard]] bool previous_runs(std::span<const sightcell::format::run>& out) const noexcept;
 
  private:
-  // A set of polygons: runs in a buffer, or everything.
+  // A set of polygons as runs in a buffer.
   struct polygon_set {
     std::span<sightcell::format::run> buffer;
     std::size_t count = 0;
     std::uint32_t range_count = 0;
-    bool everything = false;
+    bool everything = false;  // that is shown: nothing is known
 
     [[nodiscard]] std::span<const sightcell::format::run> runs() const noexcept { return buffer.first(count); }
   };
@@ -84,6 +90,8 @@ struct sightcell_view {
   [[nodiscard]] std::uint32_t decode(std::uint32_t cell, polygon_set& out,
                                      std::span<const sightcell::format::run>& volumes) noexcept;
   void show_next(std::uint32_t data_flags, std::uint32_t most_ranges) noexcept;
+  void find_everything() noexcept;
+  [[nodiscard]] bool leave_out_hidden() noexcept;
   void report(std::uint32_t revision_before, sightcell_frame& frame) noexcept;
 
   const sightcell_db* db_ = nullptr;
@@ -108,6 +116,10 @@ struct sightcell_view {
   std::span<std::byte> scratch_;
   // A bit for each volume that can be seen, as db's volume_index has them; nothing to be asked under DRAW_ALL.
   std::span<std::uint64_t> visible_, more_visible_;
+  // Named groups that are not shown, a bit for each, and their polygons.
+  std::span<std::uint64_t> hidden_groups_;
+  polygon_set hidden_;
+  bool regrouped_ = false;  // since the last move
   std::uint32_t polygon_count_ = 0;
   std::uint32_t revision_ = 0;
   bool moved_ = false;  // the first move always counts as a change

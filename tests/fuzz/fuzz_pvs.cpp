@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "checksum.h"
@@ -180,9 +181,42 @@ class volume_queries {
   bool ready_ = false;
 };
 
+void ask_names(const sightcell_db* db, std::size_t draws) {
+  const std::uint32_t groups = sightcell_db_named_group_count(db);
+  std::size_t count = 0;
+  for (std::uint32_t group = 0; group < std::min(groups, cell_limit); ++group) {
+    require(sightcell_db_named_group_name(db, group, nullptr, 0, &count) == SIGHTCELL_ERR_CAPACITY, "names have bytes");
+    std::string name(count, ' ');
+    require(sightcell_db_named_group_name(db, group, name.data(), count, &count) == SIGHTCELL_OK, "names fit");
+    std::uint32_t found = 0;
+    require(sightcell_db_find_named_group(db, name.c_str(), &found) == SIGHTCELL_OK, "names are looked for");
+    const bool whole = name.find('\0') == std::string::npos;
+    require(!whole || found <= group, "a name is found, or an earlier one like it");
+  }
+  std::vector<std::uint32_t> of_draws(draws);
+  require(sightcell_db_named_groups_of_draws(db, of_draws.data(), draws, &count) == SIGHTCELL_OK, "draws have groups");
+  for (const std::uint32_t group : of_draws)
+    require(group < groups || group == SIGHTCELL_NO_NAMED_GROUP, "a group of a draw is one");
+}
+
+// Hidden, a group takes nothing but its own away; shown again, all is as it was.
+void hide_and_show(sightcell_view* view, const float eye[3], std::uint32_t group, const sightcell_info& info,
+                   const sightcell_frame& shown, bool sound) {
+  sightcell_frame frame;
+  require(sightcell_view_show_named_group(view, group, 0) == SIGHTCELL_OK, "a group can be hidden");
+  require(sightcell_view_move(view, eye, &frame) == SIGHTCELL_OK && frame.polygon_count <= shown.polygon_count,
+          "hiding adds nothing");
+  check_outputs(view, frame, info.polygon_count, info.range_bound, sound);
+  require(sightcell_view_show_named_group(view, group, 1) == SIGHTCELL_OK, "a group can be shown");
+  require(sightcell_view_move(view, eye, &frame) == SIGHTCELL_OK && frame.polygon_count == shown.polygon_count &&
+              frame.cell == shown.cell,
+          "and all is there again");
+}
+
 void walk(std::span<const std::byte> file, const sightcell_db* db, sightcell_view* view, const sightcell_info& info,
           bool sound) {
   volume_queries volumes(file);
+  const std::uint32_t groups = sightcell_db_named_group_count(db);
   for (std::uint32_t cell = 0; cell < std::min(info.cell_count, cell_limit); ++cell) {
     volumes.ask(cell, sound);
     float low[3], high[3], eye[3];
@@ -191,6 +225,7 @@ void walk(std::span<const std::byte> file, const sightcell_db* db, sightcell_vie
     sightcell_frame frame;
     if (sightcell_view_move(view, eye, &frame) != SIGHTCELL_OK) continue;
     check_outputs(view, frame, info.polygon_count, info.range_bound, sound);
+    if (groups > 0) hide_and_show(view, eye, cell % groups, info, frame, sound);
     if (frame.cell < info.cell_count && (frame.flags & SIGHTCELL_FRAME_DRAW_ALL) == 0)
       query_importance(file, frame.cell, frame.polygon_count, sound);
   }
@@ -212,6 +247,7 @@ void run(const std::uint8_t* data, std::size_t size) {
     sightcell_db_draws(db, draws.data(), draws.size(), &count);
     std::vector<std::uint32_t> order(info.polygon_count);
     sightcell_db_order(db, order.data(), order.size(), &count);
+    ask_names(db, info.draw_count);
     sightcell_view* view = nullptr;
     if (sightcell_view_create(db, &view) == SIGHTCELL_OK)
       walk(std::as_bytes(std::span(data, size)), db, view, info, sound);

@@ -51,6 +51,26 @@ void add_draws(const std::vector<sightcell_draw>& draws, std::string& text) {
   }
 }
 
+void add_named_groups(const sightcell_db* db, std::string& text) {
+  for (std::uint32_t group = 0; group < sightcell_db_named_group_count(db); ++group) {
+    auto name = list_of<char>(text, [&](char* dst, std::size_t room, std::size_t* count) {
+      return sightcell_db_named_group_name(db, group, dst, room, count);
+    });
+    name.push_back('\0');
+    std::uint32_t found = 0;
+    const sightcell_status s = sightcell_db_find_named_group(db, name.data(), &found);
+    if (s != SIGHTCELL_OK || found != group) text += "WRONG: a name is not found\n";
+    add(text, "named group %" PRIu32 ": %s\n", group, name.data());
+  }
+  const auto groups = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
+    return sightcell_db_named_groups_of_draws(db, dst, room, count);
+  });
+  for (std::size_t draw = 0; draw < groups.size(); ++draw) {
+    if (groups[draw] == SIGHTCELL_NO_NAMED_GROUP) continue;
+    add(text, "named group of draw %" PRIu64 ": %" PRIu32 "\n", static_cast<std::uint64_t>(draw), groups[draw]);
+  }
+}
+
 // What a host keeps beside its views.
 struct stored_polygons {
   std::vector<std::uint32_t> begins;  // of what ranges count in
@@ -102,6 +122,7 @@ std::string dump(const sightcell_db* db) {
     if (info.layout == 0 || d.group == stored.begins.size()) stored.begins.push_back(d.first_stored);
   }
   add_draws(draws, text);
+  add_named_groups(db, text);
   fnv_hash hash;
   for (const std::uint32_t source : stored.order) hash.add(source);
   add(text, "order %016" PRIx64 "\n", hash.value());

@@ -24,8 +24,8 @@ std::string golden_path(const std::string& name) {
 std::vector<std::string> common_lines(std::istream& text) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) {
-    for (const std::string word :
-         {"version ", "fingerprint ", "polygons ", "margin ", "max_pixel_error ", "confidence ", "draw ", "cell "}) {
+    for (const std::string word : {"version ", "fingerprint ", "polygons ", "margin ", "max_pixel_error ",
+                                   "confidence ", "draw ", "cell ", "named group "}) {
       if (line.starts_with(word)) lines.push_back(line);
     }
   }
@@ -82,6 +82,7 @@ TEST(same_everywhere, golden_files) {
   expect_golden_text("v1_lattice", 96);
   expect_golden_text("v1_merged", 79);
   expect_golden_text("v1_volumes", 77);
+  expect_golden_text("v1_groups", 87);
 }
 TEST(same_everywhere, golden_files_of_version_0) {
   expect_golden_text("v0_tiny", 9, true);

@@ -1,5 +1,5 @@
 /* What runtime/README.md shows beyond the ten lines, with a host around it that writes down what it is asked to draw:
- * every way must draw the same polygons. usage: readme_host_snippets FILE.pvs */
+ * every way must draw the same polygons. usage: readme_host_snippets FILE.pvs FILE_WITH_A_DOOR.pvs */
 #include <sightcell/sightcell.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -141,6 +141,35 @@ static void server(player* players, size_t player_count) {
   /* server] */
 }
 
+static void use_door(uint32_t is_open) {
+  /* [door */
+  uint32_t door;
+  sightcell_db_find_named_group(db, "door", &door);  /* in the scene: "extras": {"sightcell": {"group": "door"}} */
+  if (door != SIGHTCELL_NO_NAMED_GROUP) sightcell_view_show_named_group(view, door, !is_open);
+  /* door] */
+}
+
+/* Of a scene with a named group: the first cell that sees the door has it when it is shut, and not when it is open. */
+static void doors(const char* path) {
+  require(sightcell_db_open_file(path, NULL, &db) == SIGHTCELL_OK, "open");
+  require(sightcell_view_create(db, &view) == SIGHTCELL_OK, "view");
+  uint32_t polygons[2];
+  for (uint32_t cell = 0, hidden = 0; !hidden; ++cell) {
+    float min[3], max[3];
+    require(sightcell_db_cell_box(db, cell, min, max) == SIGHTCELL_OK, "no cell sees the door");
+    const float eye[3] = {(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2};
+    for (uint32_t is_open = 0; is_open < 2; ++is_open) {
+      use_door(is_open);
+      require(sightcell_view_move(view, eye, &frame) == SIGHTCELL_OK && frame.cell == cell, "move");
+      polygons[is_open] = frame.polygon_count;
+    }
+    require(polygons[1] <= polygons[0], "an open door adds nothing");
+    hidden = polygons[0] - polygons[1];
+  }
+  sightcell_view_destroy(view);
+  sightcell_db_close(db);
+}
+
 /* A host that reads its file at once; an asynchronous one returns and delivers later. */
 static sightcell_db* paged;
 /* [source */
@@ -183,7 +212,7 @@ static void expect_drawn(const unsigned char* expected, int whole_objects, const
 }
 
 int main(int argc, char** argv) {
-  require(argc == 2, "usage: readme_host_snippets FILE.pvs");
+  require(argc == 3, "usage: readme_host_snippets FILE.pvs FILE_WITH_A_DOOR.pvs");
   require(sightcell_db_open_file(argv[1], NULL, &db) == SIGHTCELL_OK, "open");
   require(sightcell_view_create(db, &view) == SIGHTCELL_OK, "view");
   sightcell_info info = {.struct_size = sizeof info};
@@ -244,6 +273,7 @@ int main(int argc, char** argv) {
   }
   sightcell_view_destroy(view);
   sightcell_db_close(db);
+  doors(argv[2]);
   free(draws);
   free(drawn);
   free(expected);

@@ -51,6 +51,8 @@ extern "C" {
 
 /* What a frame's cell says outside all cells. */
 #define SIGHTCELL_NO_CELL 0xFFFFFFFFu
+/* Of a draw that is in no named group. */
+#define SIGHTCELL_NO_NAMED_GROUP 0xFFFFFFFFu
 
 typedef enum sightcell_status {
   SIGHTCELL_OK = 0,
@@ -78,7 +80,7 @@ enum {
 /* Bits of sightcell_frame.flags. */
 enum {
   SIGHTCELL_FRAME_CHANGED = 1u,  /* what is to be drawn differs from the move before; always set by the first move */
-  SIGHTCELL_FRAME_DRAW_ALL = 2u, /* nothing is known: every output returns everything */
+  SIGHTCELL_FRAME_DRAW_ALL = 2u, /* nothing is known: every output returns everything that is not hidden by name */
   SIGHTCELL_FRAME_OUTSIDE = 4u,  /* the eye is in no cell */
   SIGHTCELL_FRAME_PENDING = 8u,  /* the cell is still on its way; comes with DRAW_ALL; only after open_source */
   SIGHTCELL_FRAME_DAMAGED = 16u  /* the cell's data is damaged; comes with DRAW_ALL */
@@ -189,7 +191,8 @@ typedef struct sightcell_allocator {
 
 /* Where the bytes of a file come from that is read piece by piece. request asks for size bytes from offset on; they
  * come by sightcell_db_deliver with the same ticket, from any thread, before request returns or later. Anything but OK:
- * they will not come. Called by sightcell_db_open_source, sightcell_view_move, sightcell_view_move_box and
+ * they will not come. Every request is to be answered, by bytes or by NULL: a chunk whose answer is lost is asked for
+ * again only when 64 requests came after it. Called by sightcell_db_open_source, sightcell_view_move, sightcell_view_move_box and
  * sightcell_db_prefetch on their thread. */
 typedef struct sightcell_source {
   void* user;
@@ -254,6 +257,19 @@ SIGHTCELL_API uint32_t sightcell_db_volume_count(const sightcell_db* db);
 /* The box of a volume in metres: min <= p < max. ARGUMENT: no such volume. */
 SIGHTCELL_API sightcell_status sightcell_db_volume_box(const sightcell_db* db, uint32_t volume, float min[3],
                                                        float max[3]);
+/* Named groups: draws that the scene gave a name to (extras.sightcell.group), such as a door or a switch, numbered
+ * 0 .. count-1. They never hide anything, so a host may show and hide them at run time without a new bake: by itself,
+ * or with sightcell_view_show_named_group. Draws of one draw group of a merged file are all in the same one. 0 for
+ * NULL. */
+SIGHTCELL_API uint32_t sightcell_db_named_group_count(const sightcell_db* db);
+/* The name of one in UTF-8, without a zero at the end. capacity and *count in bytes. ARGUMENT: no such group. */
+SIGHTCELL_API sightcell_status sightcell_db_named_group_name(const sightcell_db* db, uint32_t group, char* dst,
+                                                             size_t capacity, size_t* count);
+/* *group: the one with that name (UTF-8, with a zero at the end), SIGHTCELL_NO_NAMED_GROUP where there is none. */
+SIGHTCELL_API sightcell_status sightcell_db_find_named_group(const sightcell_db* db, const char* name, uint32_t* group);
+/* Which one each draw is in, or SIGHTCELL_NO_NAMED_GROUP, in draw order. capacity and *count in draws. */
+SIGHTCELL_API sightcell_status sightcell_db_named_groups_of_draws(const sightcell_db* db, uint32_t* dst,
+                                                                  size_t capacity, size_t* count);
 /* Facts about the file. out->struct_size must be set; ARGUMENT when it is smaller than this struct. A larger one (of a
  * later header) is filled as far as this library knows it, and struct_size says how far. */
 SIGHTCELL_API sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out);
@@ -301,6 +317,12 @@ SIGHTCELL_API sightcell_status sightcell_view_policy(sightcell_view* view, uint3
  * small: later moves and box queries mean origin + eye, in doubles. (0, 0, 0) at first. ARGUMENT: not finite. */
 SIGHTCELL_API sightcell_status sightcell_view_origin(sightcell_view* view, const double origin[3]);
 
+/* Whether later moves show a named group (shown: 0 hides it); all are shown at first. No output has polygons of a
+ * hidden one, also under DRAW_ALL, and frame.polygon_count does not count them. What is behind a closed door is in the
+ * sets as if it were open. The next move has CHANGED where that made a difference, and sightcell_view_changes says
+ * which. O(draws). ARGUMENT: no such group. Allocates nothing. */
+SIGHTCELL_API sightcell_status sightcell_view_show_named_group(sightcell_view* view, uint32_t group, uint32_t shown);
+
 /* The functions below answer for the last move, change nothing and allocate nothing. */
 
 /* Source ids of the polygons to draw, each once, in stored order. capacity and *count in ids; *count is
@@ -333,8 +355,8 @@ SIGHTCELL_API sightcell_status sightcell_view_commands(const sightcell_view* vie
 SIGHTCELL_API sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bits_by_draw, size_t words);
 /* Can anything in a box, both ends included, be seen from the cell that the eye is in: a player, a dynamic object, a
  * sound? In metres, relative to the view's origin. *visible: 0 when all volumes that the box touches are hidden; else
- * 1, also where it reaches beyond all volumes, in a file without volumes and under DRAW_ALL. Costs some tens of nanoseconds
- * for a box that touches few volumes. ARGUMENT: a NaN, min above max; *visible is 1 then. */
+ * 1, also where it reaches beyond all volumes, in a file without volumes and under DRAW_ALL. Costs some tens of
+ * nanoseconds for a box that touches few volumes. ARGUMENT: a NaN, min above max; *visible is 1 then. */
 SIGHTCELL_API sightcell_status sightcell_view_box_visible(const sightcell_view* view, const float min[3],
                                                           const float max[3], uint32_t* visible);
 /* What was added and removed since a revision: the current one (nothing) or the one before. STALE for any other, and

@@ -106,6 +106,23 @@ class db {
     const sightcell_status s = sightcell_db_cell_box(handle_, cell, box.min.data(), box.max.data());
     return s == SIGHTCELL_OK ? result<cell_bounds>(box) : result<cell_bounds>(s);
   }
+  [[nodiscard]] std::uint32_t named_group_count() const noexcept { return sightcell_db_named_group_count(handle_); }
+  // name: with a zero at the end. SIGHTCELL_NO_NAMED_GROUP where there is none.
+  [[nodiscard]] std::uint32_t find_named_group(const char* name) const noexcept {
+    std::uint32_t group = SIGHTCELL_NO_NAMED_GROUP;
+    static_cast<void>(sightcell_db_find_named_group(handle_, name, &group));
+    return group;
+  }
+  list_result named_group_name(std::uint32_t group, std::span<char> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_db_named_group_name(handle_, group, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+  list_result named_groups_of_draws(std::span<std::uint32_t> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_db_named_groups_of_draws(handle_, dst.data(), dst.size(), &out.count);
+    return out;
+  }
   [[nodiscard]] result<sightcell_info> info() const noexcept {
     sightcell_info info{};
     info.struct_size = sizeof(info);
@@ -170,6 +187,10 @@ class view {
   }
   sightcell_status origin(std::span<const double, 3> origin) noexcept {
     return sightcell_view_origin(handle_, origin.data());
+  }
+
+  sightcell_status show_named_group(std::uint32_t group, bool shown) noexcept {
+    return sightcell_view_show_named_group(handle_, group, shown ? 1 : 0);
   }
 
   // One bit per draw.

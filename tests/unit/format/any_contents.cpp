@@ -169,6 +169,24 @@ void order_groups(choices& choose, any_contents& out) {
   }
 }
 
+// Any bytes are a name. All draws of a draw group are in the same one.
+void choose_named_groups(choices& choose, any_contents& out) {
+  const std::uint32_t count = 1 + choose.below(choose.one_of({1u, 5u, 300u}));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::string name = std::to_string(i);
+    for (std::uint32_t more = choose.below(9); more > 0; --more) name += static_cast<char>(choose.bits());
+    out.named_groups.push_back(std::move(name));
+  }
+  const bool merged = out.facts.layout == format::host_layout::merged;
+  for (std::size_t i = 0; i < out.draws.size(); ++i) {
+    format::draw_record& d = out.draws[i];
+    if (merged && i > 0 && d.group == out.draws[i - 1].group)
+      d.named_group = out.draws[i - 1].named_group;
+    else
+      d.named_group = choose.one_in(3) ? format::no_named_group : choose.below(count);
+  }
+}
+
 // Without orders, each draw or draw group has one of its own that is the source's.
 void leave_orders_out(any_contents& out) {
   out.orders_left_out = true;
@@ -338,6 +356,7 @@ any_contents make_any_contents(std::uint32_t seed) {
     order_draws(choose, out);
   }
   lay_out(out);
+  if (choose.one_in(3)) choose_named_groups(choose, out);
   if (choose.one_in(5)) leave_orders_out(out);
   work_out_stored(out);
   const std::uint32_t cells = choose.one_of({0u, 1u, 2u, 5u, 30u, 63u, 64u, 65u, 130u, 200u});

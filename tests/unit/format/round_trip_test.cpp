@@ -62,7 +62,7 @@ bool same_draw(const draw_record& a, const draw_record& b) {
   return a.node == b.node && a.mesh == b.mesh && a.primitive == b.primitive && a.instance == b.instance &&
          a.material == b.material && a.group == b.group && a.first_source == b.first_source &&
          a.polygon_count == b.polygon_count && a.first_stored == b.first_stored && a.base_vertex == b.base_vertex &&
-         a.host_tag == b.host_tag && a.flags == b.flags;
+         a.host_tag == b.host_tag && a.flags == b.flags && a.named_group == b.named_group;
 }
 
 void expect_draws_and_orders(const any_contents& in, const reader& file) {
@@ -72,6 +72,11 @@ void expect_draws_and_orders(const any_contents& in, const reader& file) {
     ASSERT_EQ(file.draw(i, d), status::ok);
     EXPECT_TRUE(same_draw(d, in.draws[i])) << i;
     EXPECT_EQ(file.order_of_draw(i), in.order_of_draw[i]) << i;
+  }
+  ASSERT_EQ(file.named_groups().count(), in.named_groups.size());
+  for (std::uint32_t i = 0; i < in.named_groups.size(); ++i) {
+    std::string_view name;
+    EXPECT_TRUE(file.named_groups().name(i, name) && name == in.named_groups[i]) << i;
   }
   numbers all(file.order_begin(file.order_count()));
   ASSERT_EQ(file.orders(all), status::ok);
@@ -321,13 +326,15 @@ void expect_info(const any_contents& in, const reader& file, const sightcell_db*
   std::vector<sightcell_draw> draws(in.draws.size());
   ASSERT_EQ(sightcell_db_draws(db, draws.data(), draws.size(), &count), SIGHTCELL_OK);
   ASSERT_EQ(count, in.draws.size());
+  numbers named_groups(in.draws.size());
+  ASSERT_EQ(sightcell_db_named_groups_of_draws(db, named_groups.data(), named_groups.size(), &count), SIGHTCELL_OK);
   const bool merged = in.facts.layout == host_layout::merged;
   for (std::size_t i = 0; i < count; ++i) {
     draw_record expected = in.draws[i];
     if (merged) expected.first_stored = in.unit_begins[expected.group];
     const sightcell_draw& d = draws[i];
     EXPECT_TRUE(same_draw({d.node, d.mesh, d.primitive, d.instance, d.material, d.group, d.first_source,
-                           d.polygon_count, d.first_stored, d.base_vertex, d.host_tag, expected.flags},
+                           d.polygon_count, d.first_stored, d.base_vertex, d.host_tag, expected.flags, named_groups[i]},
                           expected))
         << i;
   }

@@ -8,6 +8,7 @@
 
 IS(SIGHTCELL_API_VERSION, 1);
 IS(SIGHTCELL_NO_CELL, 0xFFFFFFFFu);
+IS(SIGHTCELL_NO_NAMED_GROUP, 0xFFFFFFFFu);
 IS(SIGHTCELL_OK, 0);
 IS(SIGHTCELL_ERR_ARGUMENT, 1);
 IS(SIGHTCELL_ERR_MEMORY, 2);
@@ -125,6 +126,11 @@ static uint32_t (*const cell_count)(db) = sightcell_db_cell_count;
 static st (*const cell_box)(db, uint32_t, float[3], float[3]) = sightcell_db_cell_box;
 static uint32_t (*const volume_count)(db) = sightcell_db_volume_count;
 static st (*const volume_box)(db, uint32_t, float[3], float[3]) = sightcell_db_volume_box;
+static uint32_t (*const named_group_count)(db) = sightcell_db_named_group_count;
+static st (*const named_group_name)(db, uint32_t, char*, size_t, size_t*) = sightcell_db_named_group_name;
+static st (*const find_named_group)(db, const char*, uint32_t*) = sightcell_db_find_named_group;
+static st (*const groups_of_draws)(db, uint32_t*, size_t, size_t*) = sightcell_db_named_groups_of_draws;
+static st (*const show_group)(sightcell_view*, uint32_t, uint32_t) = sightcell_view_show_named_group;
 static st (*const info)(db, sightcell_info*) = sightcell_db_info;
 static st (*const check)(db) = sightcell_db_check;
 static st (*const draws)(db, sightcell_draw*, size_t, size_t*) = sightcell_db_draws;
@@ -154,6 +160,7 @@ int main(void) {
                       !polygon_count || !cell_count || !cell_box || !volume_count || !volume_box || !info || !check ||
                       !draws || !order || !create || !destroy || !move || !move_box || !policy || !origin ||
                       !polygons || !ranges || !indices || !commands || !objects || !changes || !box_visible ||
-                      !view_statistics || !db_statistics || !debug_lines || !misses_text;
+                      !view_statistics || !db_statistics || !debug_lines || !misses_text ||
+                      !named_group_count || !named_group_name || !find_named_group || !groups_of_draws || !show_group;
   return missing || version() != SIGHTCELL_API_VERSION || status_text(SIGHTCELL_OK) == NULL;
 }
