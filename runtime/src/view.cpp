@@ -78,6 +78,7 @@ sightcell_status sightcell_view::set_origin(const double origin[3]) noexcept {
   const point place{origin[0], origin[1], origin[2]};
   if (!std::isfinite(place[0]) || !std::isfinite(place[1]) || !std::isfinite(place[2])) return SIGHTCELL_ERR_ARGUMENT;
   origin_ = place;
+  at_origin_ = place == point{};
   return SIGHTCELL_OK;
 }
 
@@ -274,6 +275,7 @@ std::uint32_t sightcell_view::decode(std::uint32_t cell, polygon_set& out,
 
 bool sightcell_view::box_visible(const float min[3], const float max[3]) const noexcept {
   if (draws_all()) return true;
+  if (at_origin_) return db_->volumes().box_visible(min, max, visible_);
   // Rounded outwards: of what lies beyond by less than a float, more is seen, not less.
   point low;
   point high;

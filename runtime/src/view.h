@@ -126,6 +126,7 @@ struct sightcell_view {
   sightcell_view_stats counts_{};
   // How the host set it up.
   sightcell::runtime::point origin_{};
+  bool at_origin_ = true;  // of world space: then places are what hosts say
   std::uint32_t outside_ = SIGHTCELL_OUTSIDE_ALL;
   double max_distance_ = 0.0;
   placed_cell last_;  // the last cell that was shown from inside

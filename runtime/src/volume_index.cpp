@@ -38,19 +38,24 @@ std::uint64_t range_bits(std::int32_t more, std::int32_t from, std::uint64_t fou
 
 }  // namespace
 
-volume_index::axis_lattice::axis_lattice(double metres) noexcept
-    : size(metres),
-      inverse(1.0 / metres),
-      reach(static_cast<float>(std::min(metres * 0x1p30, static_cast<double>(std::numeric_limits<float>::max())))) {}
+volume_index::lattice_axes::lattice_axes(double width, double height) noexcept {
+  size = {width, height, width, width};
+  for (std::size_t i = 0; i < lanes; ++i) {
+    inverse[i] = 1.0 / size[i];
+    reach[i] = static_cast<float>(std::min(size[i] * 0x1p30, static_cast<double>(std::numeric_limits<float>::max())));
+  }
+}
 
 // A border is off by half of what lies between two floats there. Where that is a place at most, the number that is
 // asked for is the one that the division gives, rounded down, or the next. Where it is more, further places may be
 // touched; but of the one that the division gives, or the next, both borders are the same float: it is no volume, and
 // touched. There are no jumps: where in a place a box ends no processor can foresee.
-inline std::int32_t volume_index::axis_lattice::last_begun(float at) const noexcept {
-  const auto toward_zero = static_cast<std::int32_t>(static_cast<double>(at) * inverse);
-  const std::int32_t next = toward_zero + static_cast<std::int32_t>(at >= 0.0f);
-  return next - static_cast<std::int32_t>(static_cast<float>(next * size) > at);
+inline void volume_index::lattice_axes::last_begun(const lane_floats& at, lane_places& out) const noexcept {
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const auto toward_zero = static_cast<std::int32_t>(static_cast<double>(at[i]) * inverse[i]);
+    const std::int32_t next = toward_zero + static_cast<std::int32_t>(at[i] >= 0.0f);
+    out[i] = next - static_cast<std::int32_t>(static_cast<float>(next * size[i]) > at[i]);
+  }
 }
 
 // How many chunks there are is known when they are found; but volumes of a chunk mostly follow each other, or those of
@@ -84,8 +89,7 @@ void volume_index::carve(carver& space) noexcept {
 }
 
 bool volume_index::build(const format::volume_table& volumes) noexcept {
-  axes_ = {axis_lattice(volumes.shape().width), axis_lattice(volumes.shape().height),
-           axis_lattice(volumes.shape().width)};
+  axes_ = lattice_axes(volumes.shape().width, volumes.shape().height);
   for (std::uint32_t volume = 0; volume < places_.size(); ++volume) {
     format::lattice_place p;
     if (!volumes.place(volume, p)) {
@@ -136,27 +140,28 @@ void volume_index::show(std::span<const format::run> volumes, std::span<std::uin
   }
 }
 
-bool volume_index::is_box(const float min[3], const float max[3]) noexcept {
-  return min[0] <= max[0] && min[1] <= max[1] && min[2] <= max[2];
-}
-
 // A place is touched from its begin to the next one's: mirrored, the first one is the last one too.
-bool volume_index::touched(const float min[3], const float max[3], touched_places& out) const noexcept {
-  bool inside = true;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    inside = inside && std::fabs(min[axis]) <= axes_[axis].reach && std::fabs(max[axis]) <= axes_[axis].reach;
-  for (std::size_t axis = 0; axis < 3 && inside; ++axis) {
-    out.first[axis] = ~axes_[axis].last_begun(-min[axis]);
-    out.last[axis] = axes_[axis].last_begun(max[axis]);
+inline bool volume_index::touched(const float min[3], const float max[3], touched_places& out) const noexcept {
+  const lane_floats low{-min[0], -min[1], -min[2], -min[2]};
+  const lane_floats high{max[0], max[1], max[2], max[2]};
+  std::int32_t beyond = 0;
+  for (std::size_t i = 0; i < lanes; ++i) {
+    beyond |= static_cast<std::int32_t>(!(std::fabs(low[i]) <= axes_.reach[i])) |
+              static_cast<std::int32_t>(!(std::fabs(high[i]) <= axes_.reach[i])) |
+              static_cast<std::int32_t>(!(-low[i] <= high[i]));
   }
-  return inside;
+  if (beyond != 0) return false;
+  axes_.last_begun(low, out.first);
+  axes_.last_begun(high, out.last);
+  for (std::int32_t& first : out.first) first = ~first;
+  return true;
 }
 
 // Most boxes lie in one chunk.
 bool volume_index::box_visible(const float min[3], const float max[3],
                                std::span<const std::uint64_t> visible) const noexcept {
   touched_places box;
-  if (slots_.empty() || visible.size() < chunks_ || !is_box(min, max) || !touched(min, max, box)) return true;
+  if (slots_.empty() || visible.size() < chunks_ || !touched(min, max, box)) return true;
   const auto& [first, last] = box;
   const std::int32_t apart = (first[0] ^ last[0]) | (first[1] ^ last[1]) | (first[2] ^ last[2]);
   if (chunk_of(apart) != 0) return several_visible(box, visible);

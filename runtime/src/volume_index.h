@@ -55,7 +55,9 @@ class volume_index {
   }
 
   // A box that can be asked for: no NaN, min <= max. It may be a point, and infinite.
-  [[nodiscard]] static bool is_box(const float min[3], const float max[3]) noexcept;
+  [[nodiscard]] static bool is_box(const float min[3], const float max[3]) noexcept {
+    return min[0] <= max[0] && min[1] <= max[1] && min[2] <= max[2];
+  }
 
   // False when nothing in the box can be seen: all places that it touches are volumes, and none is visible. The box is
   // closed, and so are places, which begin and end where the boxes of volumes do: on a border it touches both. True for
@@ -64,21 +66,24 @@ class volume_index {
                                  std::span<const std::uint64_t> visible) const noexcept;
 
  private:
-  // Places of one axis.
-  struct axis_lattice {
-    axis_lattice() noexcept = default;
-    explicit axis_lattice(double size) noexcept;
+  // x, y, z, and z again, so that compilers take them together.
+  static constexpr std::size_t lanes = 4;
+  using lane_floats = std::array<float, lanes>;
+  using lane_places = std::array<std::int32_t, lanes>;
+  // Places of all axes.
+  struct lattice_axes {
+    lattice_axes() noexcept = default;
+    lattice_axes(double width, double height) noexcept;
     // The last place that begins at or before a number; or one before that, where one of these two has no box and so is
     // no volume. |at| <= reach.
-    [[nodiscard]] std::int32_t last_begun(float at) const noexcept;
+    void last_begun(const lane_floats& at, lane_places& out) const noexcept;
 
-    double size = 1.0;     // metres
-    double inverse = 1.0;  // places per metre
-    float reach = 0.0f;    // metres from the origin: beyond are no volumes
+    std::array<double, lanes> size{}, inverse{};  // metres, and places per metre
+    lane_floats reach{};                          // metres from the origin: beyond are no volumes
   };
   // first .. last of each axis.
   struct touched_places {
-    std::array<std::int32_t, 3> first, last;
+    lane_places first, last;
   };
 
   // Chunks that are looked at for one before it counts as none: so many only collisions made on purpose need.
@@ -90,14 +95,14 @@ class volume_index {
   [[nodiscard]] const volume_chunk& find(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
   // Null where it would not be found.
   [[nodiscard]] volume_chunk* find_or_add(std::int32_t x, std::int32_t y, std::int32_t z) noexcept;
-  // False when the box reaches beyond all volumes.
+  // False when the box reaches beyond all volumes, or is none.
   [[nodiscard]] bool touched(const float min[3], const float max[3], touched_places& out) const noexcept;
   [[nodiscard]] bool several_visible(const touched_places& box, std::span<const std::uint64_t> visible) const noexcept;
 
   std::uint32_t volumes_ = 0;
   std::uint32_t slot_bits_ = 0;
   std::uint32_t chunks_ = 0;
-  std::array<axis_lattice, 3> axes_;
+  lattice_axes axes_;
   std::span<volume_chunk> slots_;    // a power of two; chunks lie at the first free one from where their hash says
   std::span<std::uint32_t> places_;  // of each volume: 64 times its chunk, and its bit; or no_place
 };
