@@ -115,7 +115,7 @@ sightcell_status sightcell_view::move(const float* eye, sightcell_frame& frame) 
     report(before, frame);
     return SIGHTCELL_ERR_ARGUMENT;
   }
-  if (!settled_ || !holds(inside_, place)) go_to(place);  // most frames do not
+  if (!settled_ || !holds(rest_, place)) go_to(place);  // most frames do not
   report(before, frame);
   return SIGHTCELL_OK;
 }
@@ -159,11 +159,72 @@ void sightcell_view::stand_in(const placed_cell& where) noexcept {
 }
 
 void sightcell_view::go_to(const point& place) noexcept {
+  const std::uint32_t cell_before = at_.cell;
   stand_in(locate(place));
   if (at_.cell == no_cell) return go_outside(place);
   show_cell(at_, 0);
   last_ = at_;
-  settled_ = !shares_box_ && data_flags_ == 0;
+  if (data_flags_ != 0) return;
+  if (!shares_box_ && holds(inside_, place)) {
+    rest_ = inside_;
+    settled_ = true;
+  } else if (at_.cell == cell_before) {
+    // A camera too fast to rest for a few moves does not look for a place to, for a while.
+    constexpr std::uint64_t few = 4;
+    constexpr std::uint64_t a_while = 32;
+    if (counts_.moves - rested_from_ < few) resting_again_ = counts_.moves + a_while;
+    if (counts_.moves < resting_again_) return;
+    rested_from_ = counts_.moves;
+    settled_ = find_rest(place);
+  }
+}
+
+namespace {
+
+// Cuts off a region what a box is in, where that is furthest from a place, which is in the region and not in the box.
+// False when it is in the box.
+bool cut_off(wide_box& region, const wide_box& away, const point& place) noexcept {
+  std::size_t best = 3;
+  bool above = false;  // the box is above the place on that axis
+  double most = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double up = away.min[axis] - place[axis];
+    const double down = place[axis] - away.max[axis];
+    if (up <= 0.0 && down < 0.0) continue;
+    const double apart = std::max(up, down);
+    if (best < 3 && apart <= most) continue;
+    best = axis;
+    above = up > 0.0;
+    most = apart;
+  }
+  if (best == 3) return false;
+  if (above) {
+    region.max[best] = std::min(region.max[best], away.min[best]);
+  } else {
+    region.min[best] = std::max(region.min[best], away.max[best]);
+  }
+  return true;
+}
+
+}  // namespace
+
+// Around a place in the grown box of its cell, that no smaller cell is in. A part of the grown box, so that few cells
+// are nearby.
+bool sightcell_view::find_rest(const point& place) noexcept {
+  rest_ = kept_;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double reach = 0.25 * (inside_.max[axis] - inside_.min[axis]);
+    rest_.min[axis] = std::max(rest_.min[axis], place[axis] - reach);
+    rest_.max[axis] = std::min(rest_.max[axis], place[axis] + reach);
+  }
+  std::array<located_cell, most_cells> cells;
+  const std::size_t count = db_->locator().touching(rest_, cells);
+  if (count > cells.size()) return false;
+  const double volume = volume_of(at_.bounds);
+  const auto nearby = std::span(cells).first(count);
+  return std::all_of(nearby.begin(), nearby.end(), [&](const located_cell& c) {
+    return volume_of(c.bounds) >= volume || cut_off(rest_, widened(c.bounds), place);
+  });
 }
 
 void sightcell_view::go_outside(const point& place) noexcept {
@@ -350,11 +411,12 @@ void sightcell_view::report(std::uint32_t revision_before, sightcell_frame& fram
   frame.revision = revision_;
   const auto has = [&](std::uint32_t flag) { return std::uint64_t{(frame.flags & flag) != 0}; };
   ++counts_.moves;
+  counts_.polygons += polygon_count_;
+  if (frame.flags == 0) return;  // most frames
   counts_.changes += has(SIGHTCELL_FRAME_CHANGED);
   counts_.moves_outside += has(SIGHTCELL_FRAME_OUTSIDE);
   counts_.moves_pending += has(SIGHTCELL_FRAME_PENDING);
   counts_.moves_draw_all += has(SIGHTCELL_FRAME_DRAW_ALL);
-  counts_.polygons += polygon_count_;
 }
 
 bool sightcell_view::previous_runs(std::span<const format::run>& out) const noexcept {

@@ -81,6 +81,7 @@ struct sightcell_view {
   [[nodiscard]] placed_cell locate(const sightcell::runtime::point& place) const noexcept;
   void stand_in(const placed_cell& where) noexcept;
   void go_to(const sightcell::runtime::point& place) noexcept;
+  [[nodiscard]] bool find_rest(const sightcell::runtime::point& place) noexcept;
   void go_into(const sightcell::runtime::wide_box& closed) noexcept;
   void go_outside(const sightcell::runtime::point& place) noexcept;
   [[nodiscard]] const placed_cell& nearest_to(const sightcell::runtime::point& place) noexcept;
@@ -96,9 +97,11 @@ struct sightcell_view {
 
   const sightcell_db* db_ = nullptr;
   std::uint64_t block_size_ = 0;
-  // Where the eye is: the box of cell_ with which move is done at once, and the grown one in which it is kept. With
-  // settled_ the set of cell_ is shown, and no smaller cell reaches into its box.
-  sightcell::runtime::wide_box inside_, kept_;
+  // Where the eye is: the box of the cell, and the grown one in which it is kept. With settled_ the set of the cell is
+  // shown, and move is done at once in rest_, into which no smaller cell reaches.
+  sightcell::runtime::wide_box inside_, kept_, rest_;
+  // Count of moves when rest_ was looked for, and from when on it may be again.
+  std::uint64_t rested_from_ = 0, resting_again_ = 0;
   bool settled_ = false;
   bool shares_box_ = false;
   placed_cell at_;

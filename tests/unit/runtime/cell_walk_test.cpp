@@ -108,6 +108,45 @@ TEST(cell_walk, overlapping_boxes) {
   }
 }
 
+// Slowly, as a camera walks, so that most moves are done without looking for cells: among few small ones, and among so
+// many that the view does not look at all of them.
+TEST(cell_walk, slowly_among_small_boxes) {
+  for (const std::uint32_t small : {40u, 400u}) {
+    random_source random(small);
+    sample_contents contents;
+    add_draws(contents, 10, 1);
+    contents.facts.margin = 0.25f;
+    contents.cells = {{{0, 0, 0}, {8, 8, 8}}, {{2, 1, 3}, {7, 6, 9}}};
+    const auto some = [&](float from, float size) { return from + size * static_cast<float>(random.share()); };
+    for (std::uint32_t i = 0; i < small; ++i) {
+      box b;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        b.min[axis] = some(2, 4);
+        b.max[axis] = b.min[axis] + some(0.1f, 0.6f);
+      }
+      contents.cells.push_back(b);
+    }
+    contents.sets.resize(contents.cells.size(), {1});
+    const loaded_file file(contents);
+    test_view view(file.db());
+    oracle expected(contents);
+    float eye[3] = {4, 4, 4};
+    int in_small = 0;
+    int in_large = 0;
+    for (int step = 0; step < 30000; ++step) {
+      for (float& place : eye) {
+        place += some(-0.03f, 0.06f);
+        if (step % 500 == 0) place = some(2.5f, 3);
+      }
+      const std::uint32_t cell = expected.move(eye);
+      ASSERT_EQ(view.move(eye[0], eye[1], eye[2]).cell, cell) << step;
+      (cell < 2 ? in_large : in_small) += 1;
+    }
+    EXPECT_GT(in_small, 300);
+    EXPECT_GT(in_large, 300);
+  }
+}
+
 TEST(cell_walk, one_box_inside_another) {
   sample_contents contents;
   add_draws(contents, 10, 1);
