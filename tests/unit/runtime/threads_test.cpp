@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <mutex>
 #include <thread>
 
@@ -59,6 +60,7 @@ TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
     sightcell_db* db = nullptr;
     bool at_once = true;
     std::mutex mutex{};
+    std::condition_variable news{};  // of the two below
     std::vector<page_request> waiting{};
     bool over = false;
   } host{.bytes = bytes};
@@ -68,8 +70,11 @@ TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
                                   if (self.at_once) {
                                     return sightcell_db_deliver(self.db, ticket, self.bytes.data() + offset, size);
                                   }
-                                  const std::lock_guard guard(self.mutex);
-                                  self.waiting.push_back({offset, size, ticket});
+                                  {
+                                    const std::lock_guard guard(self.mutex);
+                                    self.waiting.push_back({offset, size, ticket});
+                                  }
+                                  self.news.notify_one();
                                   return SIGHTCELL_OK;
                                 }};
   std::uint64_t room = 0;
@@ -83,12 +88,9 @@ TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
     for (;;) {
       page_request r;
       {
-        const std::lock_guard guard(host.mutex);
-        if (host.waiting.empty() && host.over) return;
-        if (host.waiting.empty()) {
-          std::this_thread::yield();
-          continue;
-        }
+        std::unique_lock guard(host.mutex);
+        host.news.wait(guard, [&] { return !host.waiting.empty() || host.over; });
+        if (host.waiting.empty()) return;
         const std::size_t which = random() % host.waiting.size();
         r = host.waiting[which];
         host.waiting.erase(host.waiting.begin() + static_cast<std::ptrdiff_t>(which));
@@ -140,6 +142,7 @@ TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
     const std::lock_guard guard(host.mutex);
     host.over = true;
   }
+  host.news.notify_one();
   reader.join();
   EXPECT_EQ(wrong.load(), 0);
   EXPECT_EQ(shown.load(), 8 * 200) << "each camera gets what it waits for, however many chunks the others want";
