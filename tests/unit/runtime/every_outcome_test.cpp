@@ -1,0 +1,492 @@
+// Every status, flag and kind that sightcell.h names, by a call of the C API that yields it; and for each function the
+// statuses that its comment promises: no fewer, no more. The header itself says what there is, so that whatever is
+// added to it needs a row here.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+
+#include "golden/damaged_file.h"
+#include "loaded_file.h"
+#include "paged_host.h"
+#include "polygon_orders_writer.h"
+#include "sightcell/format/layout.h"
+#include "table_encoder.h"
+
+namespace {
+
+using namespace sightcell::test;
+namespace layout = sightcell::format::layout;
+using bytes = std::vector<std::byte>;
+using statuses = std::set<sightcell_status>;
+
+const statuses with_arguments{SIGHTCELL_OK, SIGHTCELL_ERR_ARGUMENT};
+const statuses of_lists{SIGHTCELL_OK, SIGHTCELL_ERR_ARGUMENT, SIGHTCELL_ERR_CAPACITY};
+const statuses of_open{SIGHTCELL_OK,           SIGHTCELL_ERR_ARGUMENT, SIGHTCELL_ERR_MEMORY,
+                       SIGHTCELL_ERR_NOT_OURS, SIGHTCELL_ERR_VERSION,  SIGHTCELL_ERR_TRUNCATED,
+                       SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT,  SIGHTCELL_ERR_LIMIT};
+
+statuses operator+(statuses all, const statuses& more) {
+  all.insert(more.begin(), more.end());
+  return all;
+}
+
+// What the comments of sightcell.h promise.
+const std::map<std::string, statuses> promised{
+    {"sightcell_db_open", of_open},
+    {"sightcell_db_open_file", of_open + statuses{SIGHTCELL_ERR_IO}},
+    // STALE stands for what request returned, which is the host's own word.
+    {"sightcell_db_open_source", of_open + statuses{SIGHTCELL_ERR_IO, SIGHTCELL_ERR_CAPACITY, SIGHTCELL_ERR_STALE}},
+    {"sightcell_db_deliver",
+     with_arguments + statuses{SIGHTCELL_ERR_STALE, SIGHTCELL_ERR_TRUNCATED, SIGHTCELL_ERR_CORRUPT,
+                               SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CAPACITY}},
+    {"sightcell_db_prefetch", with_arguments},
+    {"sightcell_db_cell_box", with_arguments},
+    {"sightcell_db_volume_box", with_arguments},
+    {"sightcell_db_info", with_arguments},
+    // The other faults of a file are found by open.
+    {"sightcell_db_check",
+     with_arguments + statuses{SIGHTCELL_ERR_MEMORY, SIGHTCELL_ERR_IO, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT}},
+    {"sightcell_db_draws", of_lists},
+    {"sightcell_db_order", of_lists},
+    {"sightcell_view_create", with_arguments + statuses{SIGHTCELL_ERR_MEMORY}},
+    {"sightcell_view_move", with_arguments},
+    {"sightcell_view_move_box", with_arguments},
+    {"sightcell_view_policy", with_arguments},
+    {"sightcell_view_origin", with_arguments},
+    {"sightcell_view_polygons", of_lists},
+    {"sightcell_view_ranges", of_lists},
+    {"sightcell_view_indices", of_lists},
+    {"sightcell_view_commands", of_lists + statuses{SIGHTCELL_ERR_LIMIT}},
+    {"sightcell_view_objects", of_lists},
+    {"sightcell_view_box_visible", with_arguments},
+    {"sightcell_view_changes", of_lists + statuses{SIGHTCELL_ERR_STALE}},
+    {"sightcell_view_statistics", with_arguments},
+    {"sightcell_db_statistics", with_arguments},
+    {"sightcell_view_debug_lines", of_lists},
+    {"sightcell_db_misses_text", of_lists},
+};
+// What the header names and nothing returns yet.
+const statuses nobodys{SIGHTCELL_ERR_OTHER_SCENE};
+
+// What the calls of this file answered.
+struct outcomes {
+  std::map<std::string, statuses> of_function;
+  std::uint32_t frame_flags = 0;
+  std::uint32_t debug_kinds = 0;
+  std::map<std::uint32_t, std::uint32_t> polygons_outside;  // by policy
+
+  void note(const std::string& call, sightcell_status expected, sightcell_status answer) {
+    EXPECT_EQ(answer, expected) << call;
+    of_function[call.substr(0, call.find('('))].insert(answer);
+  }
+};
+
+// SAYS(status without its SIGHTCELL_, a call of the C API)
+#define SAYS(status, ...) out.note(#__VA_ARGS__, SIGHTCELL_##status, __VA_ARGS__)
+
+// Gives so many blocks.
+struct few_blocks {
+  explicit few_blocks(int blocks) : left(blocks) {}
+  int left;
+  sightcell_allocator interface {
+    [](void* user, std::size_t size, std::size_t) -> void* {
+      return static_cast<few_blocks*>(user)->left-- > 0 ? std::malloc(size) : nullptr;
+    },
+        [](void*, void* block, std::size_t) { std::free(block); }, this
+  };
+};
+
+struct faulty_file {
+  sightcell_status expected;
+  bytes content;
+};
+
+std::vector<faulty_file> faulty_files() {
+  const bytes whole = small_contents().encode();
+  std::vector<faulty_file> files{{SIGHTCELL_ERR_NOT_OURS, bytes(200)}};
+  const auto add = [&](sightcell_status expected, const auto& change) {
+    files.push_back({expected, whole});
+    change(files.back().content);
+  };
+  add(SIGHTCELL_ERR_VERSION, [](bytes& b) { set_u32(b, layout::header_version, layout::version + 1); });
+  add(SIGHTCELL_ERR_TRUNCATED, [](bytes& b) { b.pop_back(); });
+  add(SIGHTCELL_ERR_CHECKSUM, [](bytes& b) { b[section_offset(b, layout::section_cells)] ^= std::byte{1}; });
+  add(SIGHTCELL_ERR_CORRUPT, [](bytes& b) { b.push_back(std::byte{}); });
+  add(SIGHTCELL_ERR_LIMIT, [](bytes& b) {
+    set_u32(b, layout::header_draw_count, layout::max_draws + 1);
+    reseal(b);
+  });
+  return files;
+}
+
+void open_from_memory(outcomes& out) {
+  const bytes whole = small_contents().encode();
+  sightcell_db* db = nullptr;
+  SAYS(OK, sightcell_db_open(whole.data(), whole.size(), nullptr, &db));
+  sightcell_db_close(db);
+  SAYS(ERR_ARGUMENT, sightcell_db_open(nullptr, 5, nullptr, &db));
+  few_blocks none(0);
+  SAYS(ERR_MEMORY, sightcell_db_open(whole.data(), whole.size(), &none.interface, &db));
+  for (const auto& [expected, content] : faulty_files()) {
+    out.note("sightcell_db_open", expected, sightcell_db_open(content.data(), content.size(), nullptr, &db));
+  }
+}
+
+void open_from_disk(outcomes& out) {
+  const std::string name = testing::TempDir() + "sightcell_every_outcome.pvs";
+  const auto write = [&](const bytes& content) {
+    EXPECT_EQ(sightcell::format::write_file(name.c_str(), content), sightcell::format::status::ok);
+  };
+  sightcell_db* db = nullptr;
+  write(small_contents().encode());
+  SAYS(OK, sightcell_db_open_file(name.c_str(), nullptr, &db));
+  sightcell_db_close(db);
+  SAYS(ERR_ARGUMENT, sightcell_db_open_file(nullptr, nullptr, &db));
+  few_blocks one(1);
+  SAYS(ERR_MEMORY, sightcell_db_open_file(name.c_str(), &one.interface, &db));
+  SAYS(ERR_IO, sightcell_db_open_file((name + ".none").c_str(), nullptr, &db));
+  for (const auto& [expected, content] : faulty_files()) {
+    write(content);
+    out.note("sightcell_db_open_file", expected, sightcell_db_open_file(name.c_str(), nullptr, &db));
+  }
+  std::remove(name.c_str());
+}
+
+// A file that says it has so much in front of its rows that one request cannot ask for it.
+sightcell_status open_with_a_front_of_5_gb() {
+  struct large_host {
+    bytes content = small_contents().encode();
+    sightcell_db* db = nullptr;
+  } host;
+  constexpr std::uint64_t size = 5'000'000'000;
+  const std::size_t settings = section_place(host.content, layout::section_settings);
+  set_u64(host.content, settings + 16, size - get_u64(host.content, settings + 8));
+  set_u64(host.content, layout::header_total_size, size);
+  reseal(host.content);
+  host.content.resize(std::max<std::size_t>(host.content.size(), 1 << 16));
+  const sightcell_source source{&host, size, [](void* user, std::uint64_t, std::uint32_t count, std::uint32_t ticket) {
+                                  const auto& self = *static_cast<large_host*>(user);
+                                  return sightcell_db_deliver(self.db, ticket, self.content.data(), count);
+                                }};
+  return sightcell_db_open_source(&source, nullptr, 1 << 20, &host.db);
+}
+
+void open_from_a_source(outcomes& out) {
+  const auto open = [&out](sightcell_status expected, paged_host& host, std::uint64_t resident_bytes,
+                           const sightcell_allocator* mem = nullptr) {
+    out.note("sightcell_db_open_source", expected, host.open(resident_bytes, mem));
+  };
+  paged_host good(small_contents().encode());
+  few_blocks two(2);
+  open(SIGHTCELL_ERR_MEMORY, good, 1 << 20, &two.interface);
+  open(SIGHTCELL_ERR_CAPACITY, good, 10);
+  good.answer = SIGHTCELL_ERR_STALE;
+  open(SIGHTCELL_ERR_STALE, good, 1 << 20);
+  good.answer = SIGHTCELL_OK;
+  open(SIGHTCELL_OK, good, 1 << 20);
+  for (const auto& [expected, content] : faulty_files()) {
+    paged_host host(content);
+    open(expected, host, 1 << 20);
+  }
+  paged_host first_version(golden_file("v0_small"));
+  open(SIGHTCELL_ERR_VERSION, first_version, 1 << 20);
+  sightcell_db* db = nullptr;
+  SAYS(ERR_ARGUMENT, sightcell_db_open_source(nullptr, nullptr, 1 << 20, &db));
+  const sightcell_source silent{nullptr, 5000,
+                                [](void*, std::uint64_t, std::uint32_t, std::uint32_t) { return SIGHTCELL_OK; }};
+  SAYS(ERR_IO, sightcell_db_open_source(&silent, nullptr, 1 << 20, &db));
+  out.note("sightcell_db_open_source", SIGHTCELL_ERR_LIMIT, open_with_a_front_of_5_gb());
+}
+
+void deliver_and_prefetch(outcomes& out) {
+  const sample_contents contents = random_contents(91, {.polygons = 900, .draws = 20, .cells = 512});
+  bytes content = contents.encode();
+  const std::size_t directory = section_offset(content, layout::section_row_directory);
+  std::uint32_t largest = 0;
+  for (std::size_t chunk = 0; chunk < 8; ++chunk)
+    largest = std::max(largest, get_u32(content, directory + 16 * chunk + 8));
+  paged_host host(std::move(content));
+  ASSERT_EQ(host.open(largest), SIGHTCELL_OK);
+  test_view view(host.db());
+  const auto ask = [&](std::uint32_t cell) {
+    const auto& b = contents.cells[cell];
+    out.frame_flags |= view.move(b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f).flags;
+    const page_request r = host.waiting.back();
+    host.waiting.clear();
+    return r;
+  };
+  const auto* const data = host.bytes().data();
+  page_request r = ask(0);
+  SAYS(ERR_TRUNCATED, sightcell_db_deliver(host.db(), r.ticket, data + r.offset, r.size - 1));
+  r = ask(0);
+  SAYS(ERR_CORRUPT, sightcell_db_deliver(host.db(), r.ticket, data + r.offset, r.size + 1));
+  r = ask(0);
+  const page_request later = ask(64);
+  SAYS(OK, sightcell_db_deliver(host.db(), later.ticket, data + later.offset, later.size));
+  SAYS(ERR_STALE, sightcell_db_deliver(host.db(), later.ticket, data + later.offset, later.size));
+  SAYS(ERR_CAPACITY, sightcell_db_deliver(host.db(), r.ticket, data + r.offset, r.size));
+  r = ask(0);
+  bytes damaged(data + r.offset, data + r.offset + r.size);
+  damaged[r.size / 2] ^= std::byte{64};
+  SAYS(ERR_CHECKSUM, sightcell_db_deliver(host.db(), r.ticket, damaged.data(), r.size));
+  out.frame_flags |= view.move(0.5f, 0.5f, 0.5f).flags;
+  SAYS(ERR_ARGUMENT, sightcell_db_deliver(nullptr, 1, data, 4));
+
+  const float place[3] = {1, 1, 1};
+  SAYS(OK, sightcell_db_prefetch(host.db(), place, place, 1.0f));
+  SAYS(ERR_ARGUMENT, sightcell_db_prefetch(host.db(), place, place, -1.0f));
+  SAYS(ERR_IO, sightcell_db_check(host.db()));
+}
+
+void facts(outcomes& out) {
+  sample_contents contents = small_contents();
+  add_volumes(contents, 3, 1);
+  const bytes whole = contents.encode();
+  const loaded_file file(whole);
+  const auto* const db = file.db();
+  float min[3];
+  float max[3];
+  SAYS(OK, sightcell_db_cell_box(db, 66, min, max));
+  SAYS(ERR_ARGUMENT, sightcell_db_cell_box(db, 67, min, max));
+  SAYS(OK, sightcell_db_volume_box(db, 2, min, max));
+  SAYS(ERR_ARGUMENT, sightcell_db_volume_box(db, 3, min, max));
+  sightcell_info info{};
+  SAYS(ERR_ARGUMENT, sightcell_db_info(db, &info));
+  info.struct_size = sizeof info;
+  SAYS(OK, sightcell_db_info(db, &info));
+
+  SAYS(OK, sightcell_db_check(db));
+  SAYS(ERR_ARGUMENT, sightcell_db_check(nullptr));
+  few_blocks one(1);
+  const loaded_file poor(whole, &one.interface);
+  SAYS(ERR_MEMORY, sightcell_db_check(poor.db()));
+  sightcell_view* view = nullptr;
+  SAYS(ERR_MEMORY, sightcell_view_create(poor.db(), &view));
+  bytes changed = small_contents().encode();
+  changed.back() ^= std::byte{1};  // rows
+  const loaded_file damaged(std::move(changed));
+  SAYS(ERR_CHECKSUM, sightcell_db_check(damaged.db()));
+  changed = small_contents().encode();
+  set_u32(changed, layout::header_range_bound, get_u32(changed, layout::header_range_bound) + 1);
+  reseal(changed);
+  const loaded_file boasting(std::move(changed));
+  SAYS(ERR_CORRUPT, sightcell_db_check(boasting.db()));
+
+  std::array<sightcell_draw, 3> draws;
+  std::array<std::uint32_t, 300> order;
+  std::size_t count = 0;
+  SAYS(OK, sightcell_db_draws(db, draws.data(), draws.size(), &count));
+  SAYS(ERR_CAPACITY, sightcell_db_draws(db, draws.data(), 2, &count));
+  SAYS(ERR_ARGUMENT, sightcell_db_draws(db, nullptr, 3, &count));
+  SAYS(OK, sightcell_db_order(db, order.data(), order.size(), &count));
+  SAYS(ERR_CAPACITY, sightcell_db_order(db, order.data(), 299, &count));
+  SAYS(ERR_ARGUMENT, sightcell_db_order(db, order.data(), 300, nullptr));
+
+  sightcell_db_stats stats{};
+  SAYS(ERR_ARGUMENT, sightcell_db_statistics(db, &stats));
+  stats.struct_size = sizeof stats;
+  SAYS(OK, sightcell_db_statistics(db, &stats));
+  const sightcell_miss miss{{1, 2, 3}, 5, 0};
+  const sightcell_miss wrong{{1, 2, std::nan("")}, 5, 0};
+  std::array<char, 500> text;
+  SAYS(OK, sightcell_db_misses_text(db, &miss, 1, text.data(), text.size(), &count));
+  SAYS(ERR_CAPACITY, sightcell_db_misses_text(db, &miss, 1, text.data(), 10, &count));
+  SAYS(ERR_ARGUMENT, sightcell_db_misses_text(db, &wrong, 1, text.data(), text.size(), &count));
+}
+
+void places(outcomes& out) {
+  const loaded_file file(tiny_contents());
+  sightcell_view* view = nullptr;
+  SAYS(OK, sightcell_view_create(file.db(), &view));
+  SAYS(ERR_ARGUMENT, sightcell_view_create(file.db(), nullptr));
+  const float inside[3] = {1, 1, 1};  // of the first cell
+  const float beyond[3] = {9, 1, 1};  // nearer to the second
+  const float nowhere[3] = {1, std::nanf(""), 1};
+  sightcell_frame frame;
+  SAYS(ERR_ARGUMENT, sightcell_view_move(view, nowhere, &frame));
+  SAYS(ERR_ARGUMENT, sightcell_view_move_box(view, beyond, inside, &frame));
+  for (const std::uint32_t policy : {SIGHTCELL_OUTSIDE_ALL, SIGHTCELL_OUTSIDE_NEAREST, SIGHTCELL_OUTSIDE_LAST}) {
+    SAYS(OK, sightcell_view_policy(view, policy, 5.0f));
+    SAYS(OK, sightcell_view_move(view, inside, &frame));
+    out.frame_flags |= frame.flags;
+    EXPECT_EQ(frame.cell, 0u);
+    SAYS(OK, sightcell_view_move_box(view, beyond, beyond, &frame));
+    out.frame_flags |= frame.flags;
+    EXPECT_EQ(frame.cell, SIGHTCELL_NO_CELL);
+    out.polygons_outside[policy] = frame.polygon_count;
+  }
+  SAYS(ERR_ARGUMENT, sightcell_view_policy(view, SIGHTCELL_OUTSIDE_LAST + 1, 5.0f));
+  const double origin[3] = {1, 2, 3};
+  const double endless[3] = {1, 2, HUGE_VAL};
+  SAYS(OK, sightcell_view_origin(view, origin));
+  SAYS(ERR_ARGUMENT, sightcell_view_origin(view, endless));
+  sightcell_view_destroy(view);
+}
+
+// One mesh of 100,000 polygons, 15,000 times. The writer would take gigabytes for it: only its tables are so large.
+void more_polygons_than_commands_can_number(outcomes& out) {
+  constexpr std::uint32_t of_mesh = 100'000;
+  sample_contents contents = tiny_contents();
+  contents.cells.clear();
+  contents.sets.clear();
+  contents.draws.clear();
+  const auto add_draws_of = [&contents](std::uint32_t polygons) {
+    contents.draws.clear();
+    for (std::uint32_t d = 0; d < 15'000; ++d) {
+      const std::uint32_t first = polygons * d;
+      contents.draws.push_back({.node = d, .first_source = first, .polygon_count = polygons, .first_stored = first});
+    }
+  };
+  add_draws_of(1);
+  contents.facts.polygon_count = 15'000;
+  contents.order_of_draw.assign(15'000, 0);
+  contents.orders = {{0}};
+  bytes file = contents.encode();
+  add_draws_of(of_mesh);
+  contents.orders[0] = all_polygons(of_mesh);
+  bytes orders;
+  sightcell::format::put_orders(contents.orders, orders);
+  set_u32(file, layout::header_polygon_count, 15'000 * of_mesh);
+  file = with_section(file, layout::section_draws,
+                      sightcell::format::encode_draws(contents.draws, contents.order_of_draw));
+  const loaded_file many(with_section(file, layout::section_orders, orders));
+  const test_view view(many.db());
+  std::size_t count = 0;
+  SAYS(ERR_LIMIT, sightcell_view_commands(view.get(), 0, nullptr, sizeof(sightcell_command), 0, &count));
+}
+
+void lists(outcomes& out) {
+  const loaded_file file(tiny_contents());
+  test_view view(file.db());
+  const auto* const v = view.get();
+  static_cast<void>(view.move(5, 1, 1));
+  static_cast<void>(view.move(1, 1, 1));  // polygons 0, 1, 2 and 4 instead of 5
+  std::array<std::uint32_t, 4> ids;
+  std::array<sightcell_range, 2> ranges;
+  std::array<sightcell_range, 2> others;
+  std::array<std::uint32_t, 18> stored{};
+  std::array<std::uint32_t, 12> indices;
+  std::array<sightcell_command, 2> commands;
+  constexpr std::size_t stride = sizeof(sightcell_command);
+  std::uint64_t bits = 0;
+  std::size_t count = 0;
+  std::size_t other = 0;
+  SAYS(OK, sightcell_view_polygons(v, ids.data(), 4, &count));
+  SAYS(ERR_CAPACITY, sightcell_view_polygons(v, ids.data(), 3, &count));
+  SAYS(ERR_ARGUMENT, sightcell_view_polygons(v, nullptr, 4, &count));
+  SAYS(OK, sightcell_view_ranges(v, ranges.data(), 2, &count));
+  SAYS(ERR_CAPACITY, sightcell_view_ranges(v, ranges.data(), 1, &count));
+  SAYS(ERR_ARGUMENT, sightcell_view_ranges(v, nullptr, 2, &count));
+  SAYS(OK, sightcell_view_indices(v, stored.data(), indices.data(), 12, &count));
+  SAYS(ERR_CAPACITY, sightcell_view_indices(v, stored.data(), indices.data(), 11, &count));
+  SAYS(ERR_ARGUMENT, sightcell_view_indices(v, nullptr, indices.data(), 12, &count));
+  SAYS(OK, sightcell_view_commands(v, 0, commands.data(), stride, 2, &count));
+  SAYS(ERR_CAPACITY, sightcell_view_commands(v, 0, commands.data(), stride, 1, &count));
+  SAYS(ERR_ARGUMENT, sightcell_view_commands(v, 0, commands.data(), stride - 1, 2, &count));
+  SAYS(OK, sightcell_view_objects(v, &bits, 1));
+  SAYS(ERR_CAPACITY, sightcell_view_objects(v, &bits, 0));
+  SAYS(ERR_ARGUMENT, sightcell_view_objects(v, nullptr, 1));
+  SAYS(OK, sightcell_view_changes(v, 1, ranges.data(), 2, &count, others.data(), 2, &other));
+  SAYS(ERR_CAPACITY, sightcell_view_changes(v, 1, ranges.data(), 1, &count, others.data(), 2, &other));
+  SAYS(ERR_STALE, sightcell_view_changes(v, 0, ranges.data(), 2, &count, others.data(), 2, &other));
+  SAYS(ERR_ARGUMENT, sightcell_view_changes(v, 1, nullptr, 2, &count, others.data(), 2, &other));
+  sightcell_view_stats stats{};
+  SAYS(ERR_ARGUMENT, sightcell_view_statistics(v, &stats));
+  stats.struct_size = sizeof stats;
+  SAYS(OK, sightcell_view_statistics(v, &stats));
+  more_polygons_than_commands_can_number(out);
+}
+
+void boxes(outcomes& out) {
+  sample_contents contents = tiny_contents();
+  add_volumes(contents, 4, 3);
+  contents.sets = {{0, 6}, {5, 7}};
+  const loaded_file file(contents);
+  test_view view(file.db());
+  const auto* const v = view.get();
+  static_cast<void>(view.move(1, 1, 1));
+  const float low[3] = {0, 0, 0};
+  const float high[3] = {1, 1, 1};
+  std::uint32_t visible = 0;
+  SAYS(OK, sightcell_view_box_visible(v, low, high, &visible));
+  SAYS(ERR_ARGUMENT, sightcell_view_box_visible(v, high, low, &visible));
+  std::array<sightcell_debug_line, 48> lines;  // a box of each kind
+  constexpr std::uint32_t every_kind = 0xFFFFFFFFu;
+  std::size_t count = 0;
+  SAYS(OK, sightcell_view_debug_lines(v, every_kind, lines.data(), lines.size(), &count));
+  ASSERT_EQ(count, lines.size());
+  for (const sightcell_debug_line& line : lines) out.debug_kinds |= line.kind;
+  SAYS(ERR_CAPACITY, sightcell_view_debug_lines(v, every_kind, lines.data(), 47, &count));
+  SAYS(ERR_ARGUMENT, sightcell_view_debug_lines(v, every_kind, nullptr, 48, &count));
+}
+
+struct header {
+  std::set<std::string> functions;                   // that return a status
+  std::map<std::string, std::uint32_t> enumerators;  // without SIGHTCELL_
+};
+
+header read_header() {
+  header found;
+  std::ifstream text(SIGHTCELL_TEST_HEADER);
+  for (std::string line; std::getline(text, line);) {
+    std::array<char, 64> name{};
+    unsigned value = 0;
+    if (std::sscanf(line.c_str(), "SIGHTCELL_API sightcell_status %63[a-z_](", name.data()) == 1) {
+      found.functions.insert(name.data());
+    } else if (std::sscanf(line.c_str(), " SIGHTCELL_%63[A-Z_] = %u", name.data(), &value) == 2) {
+      found.enumerators[name.data()] = value;
+    }
+  }
+  return found;
+}
+
+TEST(every_outcome, is_reached) {
+  outcomes out;
+  open_from_memory(out);
+  open_from_disk(out);
+  open_from_a_source(out);
+  deliver_and_prefetch(out);
+  facts(out);
+  places(out);
+  lists(out);
+  boxes(out);
+
+  const header there = read_header();
+  ASSERT_GT(there.functions.size(), 20u);
+  ASSERT_GT(there.enumerators.size(), 20u);
+  for (const std::string& name : there.functions) {
+    EXPECT_TRUE(promised.contains(name)) << name << " has no row";
+  }
+  EXPECT_EQ(there.functions.size(), promised.size());
+  statuses all;
+  for (const auto& [name, expected] : promised) {
+    EXPECT_EQ(out.of_function[name], expected) << name;
+    all = all + out.of_function[name];
+  }
+  std::map<std::string, int> families;
+  for (const auto& [name, value] : there.enumerators) {
+    const auto is = [&, &of = name](const char* family) { return of.starts_with(family) && ++families[family] > 0; };
+    if (is("FRAME_")) {
+      EXPECT_NE(out.frame_flags & value, 0u) << name;
+    } else if (is("DEBUG_")) {
+      EXPECT_NE(out.debug_kinds & value, 0u) << name;
+    } else if (is("OUTSIDE_")) {
+      EXPECT_TRUE(out.polygons_outside.contains(value)) << name;
+    } else {
+      const auto status = static_cast<sightcell_status>(value);
+      EXPECT_NE(all.contains(status), nobodys.contains(status)) << name;
+    }
+  }
+  EXPECT_EQ(families.size(), 3u) << "the header is read as it is written";
+  const std::map<std::uint32_t, std::uint32_t> outside{
+      {SIGHTCELL_OUTSIDE_ALL, 6}, {SIGHTCELL_OUTSIDE_NEAREST, 1}, {SIGHTCELL_OUTSIDE_LAST, 4}};
+  EXPECT_EQ(out.polygons_outside, outside);
+}
+
+}  // namespace
