@@ -5,57 +5,32 @@ usage: engine_hook_test.py --hook PROGRAM --sightcell PROGRAM --city PROGRAM --d
 
 Exit code 77: every test was skipped, because this machine has no OpenGL.
 """
-import argparse
 import os
 import re
-import shutil
-import subprocess
 import sys
-import tempfile
-import unittest
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, '..', 'viewer'))
+sys.dont_write_bytecode = True  # nothing is written into the sources
+sys.path[1:1] = [os.path.join(HERE, '..'), os.path.join(HERE, '..', 'viewer')]
+import sample_program  # noqa: E402
 from colonnade_scene import write_cells, write_colonnade  # noqa: E402
+from sample_program import PROGRAMS, main, run  # noqa: E402
 from surfaces_scene import write_surfaces  # noqa: E402
 
-PROGRAMS = None
-TIMEOUT = 280  # seconds; the longest run here takes a few
 WAYS = ['everything', 'index list', 'indirect commands', 'objects']
 PACKED_WAYS = ['packed, everything', 'packed, index list', 'packed, indirect commands']
 ROW = re.compile(r'(?P<way>.*\S)\s+(?P<pictures>\d+)\s+(?P<differing>\d+)\s+\S+\s+(?P<ties>\d+)\s+'
                  r'(?P<polygons>[\d.]+)\s+(?P<calls>[\d.]+)$')
 
 
-def run(program, *arguments):
-    """Exit code, standard output, standard error."""
-    done = subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          timeout=TIMEOUT)
-    return done.returncode, done.stdout, done.stderr
-
-
-class InFolder(unittest.TestCase):
+class InFolder(sample_program.InFolder):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix='sightcell-hook-')
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
-        cls.city, cls.city_cells, cls.hall, cls.hall_cells = map(cls.path, ('city.glb', 'city.json', 'hall.glb',
-                                                                            'hall.json'))
-        cls.must(PROGRAMS.city, '--polygons', 3000, '--seed', 1, '--out', cls.city, '--cells', cls.city_cells)
+        super().setUpClass()
+        cls.city_cells, cls.hall, cls.hall_cells = map(cls.path, ('city.json', 'hall.glb', 'hall.json'))
+        cls.city = cls.make_city('city.glb', '--cells', cls.city_cells)
         write_colonnade(cls.hall)
         write_cells(cls.hall_cells)
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
-
-    @classmethod
-    def must(cls, *command):
-        code, _, err = run(*command)
-        if code == 1 and '[gl.' in err:
-            raise unittest.SkipTest('no EGL device: ' + err)
-        if code != 0:
-            raise RuntimeError(f'{command}: {code}\n{err}')
 
     @classmethod
     def bake(cls, scene, cells, name, *more):
@@ -183,18 +158,5 @@ class Refusals(InFolder):
         self.draw(2, self.hall, self.hall, '--merged', self.hall)
 
 
-def main():
-    global PROGRAMS
-    parser = argparse.ArgumentParser()
-    for name in ('--hook', '--sightcell', '--city', '--drop'):
-        parser.add_argument(name, required=True)
-    PROGRAMS, rest = parser.parse_known_args()
-    result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
-    if not result.wasSuccessful():
-        sys.exit(1)
-    # A class that is skipped as a whole has run no test.
-    sys.exit(77 if len(result.skipped) >= max(result.testsRun, 1) else 0)
-
-
 if __name__ == '__main__':
-    main()
+    main('hook', 'sightcell', 'city', 'drop')

@@ -5,51 +5,27 @@ usage: relevance_server_test.py --server PROGRAM --sightcell PROGRAM --city PROG
 
 Exit code 77: every test was skipped, because this machine has no OpenGL.
 """
-import argparse
 import json
 import os
 import re
-import shutil
-import subprocess
 import sys
-import tempfile
-import unittest
 
-PROGRAMS = None
-TIMEOUT = 280  # seconds; the bake takes a few
+sys.dont_write_bytecode = True  # nothing is written into the sources
+sys.path.insert(1, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
+from sample_program import PROGRAMS, InFolder, main, run  # noqa: E402
+
 PLAYERS, FRAMES = 16, 60
 PAIRS = PLAYERS * (PLAYERS - 1)  # of a frame
 WRONG = 1e-3  # of all pairs: the bound that a bake keeps by default
 
 
-def run(program, *arguments):
-    """Exit code, standard output, standard error."""
-    done = subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          timeout=TIMEOUT)
-    return done.returncode, done.stdout, done.stderr
-
-
-class Town(unittest.TestCase):
+class Town(InFolder):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix='sightcell-relevance-')
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
-        cls.town, cls.pvs = cls.path('town.glb'), cls.path('town.pvs')
-        cls.must(PROGRAMS.city, '--polygons', 3000, '--seed', 1, '--out', cls.town)
+        super().setUpClass()
+        cls.town, cls.pvs = cls.make_city('town.glb'), cls.path('town.pvs')
         cls.must(PROGRAMS.sightcell, 'bake', cls.town, '-o', cls.pvs, '--cells-grid', -24, 0, -24, 24, 4, 24,
                  '--cell-size', 8, '--volumes', 2, '--progress', 'none')
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
-
-    @classmethod
-    def must(cls, *command):
-        code, _, err = run(*command)
-        if code == 1 and '[gl.' in err:
-            raise unittest.SkipTest('no EGL device: ' + err)
-        if code != 0:
-            raise RuntimeError(f'{command}: {code}\n{err}')
 
     def serve(self, name, *more, frames=FRAMES):
         """Share of the pairs that are hidden, percent; what is printed; the record's file."""
@@ -135,18 +111,5 @@ class Town(unittest.TestCase):
         self.assertTrue(err.rstrip().endswith('[relevance.no-volumes]'), err)
 
 
-def main():
-    global PROGRAMS
-    parser = argparse.ArgumentParser()
-    for name in ('--server', '--sightcell', '--city', '--pairs'):
-        parser.add_argument(name, required=True)
-    PROGRAMS, rest = parser.parse_known_args()
-    result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
-    if not result.wasSuccessful():
-        sys.exit(1)
-    # A class that is skipped as a whole has run no test.
-    sys.exit(77 if len(result.skipped) >= max(result.testsRun, 1) else 0)
-
-
 if __name__ == '__main__':
-    main()
+    main('server', 'sightcell', 'city', 'pairs')

@@ -6,7 +6,6 @@ usage: viewer_test.py --viewer PROGRAM --sightcell PROGRAM --city PROGRAM --drop
 
 Exit code 77: every test was skipped, because this machine has no Xvfb or no OpenGL.
 """
-import argparse
 import json
 import os
 import shutil
@@ -20,54 +19,33 @@ import unittest
 
 import numpy
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'cli'))
-from cli_test import write_room  # noqa: E402
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.dont_write_bytecode = True  # nothing is written into the sources
+sys.path[1:1] = [os.path.join(HERE, '..'), os.path.join(HERE, '..', 'cli')]
+import sample_program  # noqa: E402
 from png import read_png  # noqa: E402
+from program import write_room  # noqa: E402
+from sample_program import PROGRAMS, TIMEOUT, main, run  # noqa: E402
 from surfaces_scene import write_surfaces  # noqa: E402
 
-PROGRAMS = None
-TIMEOUT = 120  # seconds; a picture here takes a quarter of one
 SIZE = '320x240'
 SAME = 0.001  # of all pixels: the bound that a bake keeps by default
 
 
-def run(program, *arguments, display=None):
-    """Exit code, standard output, standard error."""
-    environment = {k: v for k, v in os.environ.items() if k not in ('DISPLAY', 'WAYLAND_DISPLAY')}
-    if display:
-        environment['DISPLAY'] = display
-    done = subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          timeout=TIMEOUT, env=environment)
-    return done.returncode, done.stdout, done.stderr
-
-
-class InFolder(unittest.TestCase):
+class InFolder(sample_program.InFolder):
     """A baked city of ours and a baked room, in a folder of its own."""
 
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix='sightcell-viewer-')
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
-        cls.city, cls.city_cells, cls.city_pvs = map(cls.path, ('city.glb', 'cells.json', 'city.pvs'))
-        cls.must(PROGRAMS.city, '--polygons', 3000, '--seed', 1, '--out', cls.city, '--cells', cls.city_cells)
+        super().setUpClass()
+        cls.city_cells, cls.city_pvs = cls.path('cells.json'), cls.path('city.pvs')
+        cls.city = cls.make_city('city.glb', '--cells', cls.city_cells)
         cls.bake(cls.city, cls.city_pvs, cls.city_cells, '--cell-limit', 3)
         cls.room, cls.room_cells, cls.room_pvs = map(cls.path, ('room.glb', 'room.json', 'room.pvs'))
         write_room(cls.room)
         with open(cls.room_cells, 'w', encoding='utf-8') as out:
             out.write('{"cells":[{"name":"middle","min":[3,1,3],"max":[5,2,5]}]}')
         cls.bake(cls.room, cls.room_pvs, cls.room_cells)
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
-
-    @classmethod
-    def must(cls, *command):
-        code, _, err = run(*command)
-        if code == 1 and '[gl.' in err:
-            raise unittest.SkipTest('no EGL device: ' + err)
-        if code != 0:
-            raise RuntimeError(f'{command}: {code}\n{err}')
 
     @classmethod
     def bake(cls, scene, out, cells, *more):
@@ -380,19 +358,6 @@ class Refusals(InFolder):
             self.assertIn(option, out)
 
 
-def main():
-    global PROGRAMS
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    parser = argparse.ArgumentParser()
-    for name in ('--viewer', '--sightcell', '--city', '--drop', '--reference'):
-        parser.add_argument(name, required=True)
-    PROGRAMS, rest = parser.parse_known_args()
-    result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
-    if not result.wasSuccessful():
-        sys.exit(1)
-    # A class that is skipped as a whole has run no test.
-    sys.exit(77 if len(result.skipped) >= max(result.testsRun, 1) else 0)
-
-
 if __name__ == '__main__':
-    main()
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    main('viewer', 'sightcell', 'city', 'drop', 'reference')
