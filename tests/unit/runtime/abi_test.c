@@ -5,6 +5,13 @@
 #define IS(name, value) _Static_assert((name) == (value), #name)
 #define SIZE(type, size) _Static_assert(sizeof(type) == (size), #type)
 #define AT(type, member, offset) _Static_assert(offsetof(type, member) == (offset), #type "." #member)
+/* An array counts as a pointer. */
+#define OF(type, member, kind) _Static_assert(_Generic(((type*)0)->member, kind : 1, default : 0), #type "." #member)
+
+/* Only a warning by itself: a function of another signature. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic error "-Wincompatible-pointer-types"
+#endif
 
 IS(SIGHTCELL_API_VERSION, 1);
 IS(SIGHTCELL_NO_CELL, 0xFFFFFFFFu);
@@ -106,6 +113,77 @@ AT(sightcell_debug_line, from, 0);
 AT(sightcell_debug_line, to, 12);
 AT(sightcell_debug_line, kind, 24);
 AT(sightcell_debug_line, number, 28);
+AT(sightcell_frame, reserved, 16);
+AT(sightcell_miss, reserved, 28);
+AT(sightcell_view_stats, struct_size, 0);
+AT(sightcell_view_stats, reserved, 4);
+AT(sightcell_db_stats, struct_size, 0);
+
+OF(sightcell_frame, cell, uint32_t);
+OF(sightcell_frame, flags, uint32_t);
+OF(sightcell_frame, polygon_count, uint32_t);
+OF(sightcell_frame, revision, uint32_t);
+OF(sightcell_frame, reserved, uint32_t*);
+OF(sightcell_range, draw, uint32_t);
+OF(sightcell_range, first, uint32_t);
+OF(sightcell_range, count, uint32_t);
+OF(sightcell_command, index_count, uint32_t);
+OF(sightcell_command, instance_count, uint32_t);
+OF(sightcell_command, first_index, uint32_t);
+OF(sightcell_command, base_vertex, uint32_t);
+OF(sightcell_command, first_instance, uint32_t);
+OF(sightcell_draw, node, uint32_t);
+OF(sightcell_draw, mesh, uint32_t);
+OF(sightcell_draw, primitive, uint32_t);
+OF(sightcell_draw, instance, uint32_t);
+OF(sightcell_draw, material, uint32_t);
+OF(sightcell_draw, group, uint32_t);
+OF(sightcell_draw, first_source, uint32_t);
+OF(sightcell_draw, polygon_count, uint32_t);
+OF(sightcell_draw, first_stored, uint32_t);
+OF(sightcell_draw, base_vertex, uint32_t);
+OF(sightcell_draw, host_tag, uint64_t);
+OF(sightcell_info, struct_size, uint32_t);
+OF(sightcell_info, format_version, uint32_t);
+OF(sightcell_info, layout, uint32_t);
+OF(sightcell_info, polygon_count, uint32_t);
+OF(sightcell_info, cell_count, uint32_t);
+OF(sightcell_info, draw_count, uint32_t);
+OF(sightcell_info, range_bound, uint32_t);
+OF(sightcell_info, margin, float);
+OF(sightcell_info, max_pixel_error, float);
+OF(sightcell_info, confidence, float);
+OF(sightcell_info, scene_fingerprint, uint8_t*);
+OF(sightcell_miss, eye, double*);
+OF(sightcell_miss, polygon, uint32_t);
+OF(sightcell_miss, reserved, uint32_t);
+OF(sightcell_view_stats, struct_size, uint32_t);
+OF(sightcell_view_stats, reserved, uint32_t);
+OF(sightcell_view_stats, moves, uint64_t);
+OF(sightcell_view_stats, rows_decoded, uint64_t);
+OF(sightcell_view_stats, changes, uint64_t);
+OF(sightcell_view_stats, moves_outside, uint64_t);
+OF(sightcell_view_stats, moves_pending, uint64_t);
+OF(sightcell_view_stats, moves_draw_all, uint64_t);
+OF(sightcell_view_stats, polygons, uint64_t);
+OF(sightcell_db_stats, struct_size, uint32_t);
+OF(sightcell_db_stats, chunk_count, uint32_t);
+OF(sightcell_db_stats, memory_bytes, uint64_t);
+OF(sightcell_db_stats, resident_bytes, uint64_t);
+OF(sightcell_db_stats, requests, uint64_t);
+OF(sightcell_db_stats, delivered_bytes, uint64_t);
+OF(sightcell_db_stats, evictions, uint64_t);
+OF(sightcell_db_stats, refused_deliveries, uint64_t);
+OF(sightcell_debug_line, from, float*);
+OF(sightcell_debug_line, to, float*);
+OF(sightcell_debug_line, kind, uint32_t);
+OF(sightcell_debug_line, number, uint32_t);
+OF(sightcell_allocator, alloc, void* (*)(void*, size_t, size_t));
+OF(sightcell_allocator, release, void (*)(void*, void*, size_t));
+OF(sightcell_allocator, user, void*);
+OF(sightcell_source, user, void*);
+OF(sightcell_source, size, uint64_t);
+OF(sightcell_source, request, sightcell_status (*)(void*, uint64_t, uint32_t, uint32_t));
 
 typedef sightcell_status st;
 typedef const sightcell_db* db;
