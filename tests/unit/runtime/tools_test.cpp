@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <set>
 #include <string>
+#include <utility>
 
+#include "held_memory.h"
 #include "loaded_file.h"
 #include "paged_host.h"
 
@@ -55,6 +58,29 @@ TEST(tools, statistics_of_a_view) {
   EXPECT_EQ(sightcell_view_statistics(view.get(), nullptr), SIGHTCELL_ERR_ARGUMENT);
 }
 
+TEST(tools, statistics_tell_flags_apart) {
+  auto bytes = small_contents().encode();
+  bytes.back() ^= std::byte{1};  // cells 64 to 66 are damaged
+  const loaded_file file(std::move(bytes));
+  test_view view(file.db());
+  ASSERT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_OUTSIDE_NEAREST, 100.0f), SIGHTCELL_OK);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(view.move(0.5f, -5, 0.5f).flags & ~1u, SIGHTCELL_FRAME_OUTSIDE);
+  sightcell_view_stats stats = stats_of(view);
+  EXPECT_EQ(stats.moves_outside, 3u);
+  EXPECT_EQ(stats.moves_draw_all, 0u);
+  EXPECT_EQ(stats.rows_decoded, 1u);
+  EXPECT_EQ(stats.changes, 1u);
+  const std::uint64_t polygons = stats.polygons;
+  EXPECT_EQ(view.move(0.5f, 1.5f, 0.5f).flags & SIGHTCELL_FRAME_DAMAGED, SIGHTCELL_FRAME_DAMAGED);
+  static_cast<void>(view.move(std::nanf(""), 1, 1, SIGHTCELL_ERR_ARGUMENT));
+  stats = stats_of(view);
+  EXPECT_EQ(stats.moves, 5u);
+  EXPECT_EQ(stats.moves_outside, 3u);
+  EXPECT_EQ(stats.moves_draw_all, 2u);
+  EXPECT_EQ(stats.rows_decoded, 1u) << "what is damaged is no set";
+  EXPECT_EQ(stats.polygons, polygons + 2 * 300);
+}
+
 TEST(tools, statistics_of_a_db) {
   const sample_contents contents = random_contents(3, {.polygons = 500, .draws = 5, .cells = 200});
   const loaded_file file(contents);
@@ -81,6 +107,65 @@ TEST(tools, statistics_of_a_db) {
   EXPECT_EQ(sightcell_db_statistics(file.db(), &small), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_db_statistics(nullptr, &small), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_db_statistics(file.db(), nullptr), SIGHTCELL_ERR_ARGUMENT);
+}
+
+TEST(tools, statistics_know_the_memory) {
+  const auto bytes = small_contents().encode();
+  const std::string name = testing::TempDir() + "sightcell_tools.pvs";
+  ASSERT_EQ(sightcell::format::write_file(name.c_str(), bytes), sightcell::format::status::ok);
+  held_memory memory;
+  sightcell_db* db = nullptr;
+  ASSERT_EQ(sightcell_db_open_file(name.c_str(), &memory.interface, &db), SIGHTCELL_OK);
+  std::remove(name.c_str());
+  EXPECT_EQ(stats_of(db).memory_bytes, memory.bytes);
+  EXPECT_GT(memory.bytes, bytes.size());
+  sightcell_db_close(db);
+  {
+    const loaded_file file(bytes, &memory.interface);
+    EXPECT_EQ(stats_of(file.db()).memory_bytes, memory.bytes);
+  }
+  paged_host host(bytes);
+  ASSERT_EQ(host.open(1 << 20, &memory.interface), SIGHTCELL_OK);
+  EXPECT_EQ(stats_of(host.db()).memory_bytes, memory.bytes);
+}
+
+TEST(tools, statistics_of_little_room) {
+  const sample_contents contents = random_contents(3, {.polygons = 500, .draws = 5, .cells = 200});
+  paged_host host(contents.encode());
+  const std::size_t directory = section_offset(host.bytes(), 4);
+  std::array<std::uint32_t, 4> sizes;
+  for (std::size_t chunk = 0; chunk < 4; ++chunk) sizes[chunk] = get_u32(host.bytes(), directory + 16 * chunk + 8);
+  ASSERT_EQ(host.open(*std::max_element(sizes.begin(), sizes.end())), SIGHTCELL_OK);  // for one chunk
+  test_view view(host.db());
+  const auto ask = [&](std::uint32_t chunk) {
+    const auto& b = contents.cells[64 * chunk];
+    static_cast<void>(view.move(b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f));
+    const page_request r = host.waiting.back();
+    host.waiting.clear();
+    return r;
+  };
+  for (const std::uint32_t chunk : {0u, 1u, 0u}) EXPECT_EQ(host.deliver(ask(chunk)), SIGHTCELL_OK);
+  sightcell_db_stats stats = stats_of(host.db());
+  EXPECT_EQ(stats.requests, 3u);
+  EXPECT_EQ(stats.evictions, 2u);
+  EXPECT_EQ(stats.resident_bytes, sizes[0]);
+  EXPECT_EQ(stats.delivered_bytes, std::uint64_t{2} * sizes[0] + sizes[1]);
+  EXPECT_EQ(stats.refused_deliveries, 0u);
+
+  page_request r = ask(1);
+  EXPECT_EQ(sightcell_db_deliver(host.db(), r.ticket, nullptr, 0), SIGHTCELL_OK);
+  EXPECT_EQ(stats_of(host.db()).refused_deliveries, 0u) << "what could not be read is nobody's fault";
+  r = ask(1);
+  EXPECT_EQ(sightcell_db_deliver(host.db(), r.ticket, host.bytes().data() + r.offset, r.size - 1),
+            SIGHTCELL_ERR_TRUNCATED);
+  r = ask(1);
+  host.bytes()[r.offset + r.size / 2] ^= std::byte{64};
+  EXPECT_EQ(host.deliver(r), SIGHTCELL_ERR_CHECKSUM);
+  stats = stats_of(host.db());
+  EXPECT_EQ(stats.refused_deliveries, 2u);
+  EXPECT_EQ(stats.resident_bytes, 0u) << "the damaged one takes no room, though another one made it";
+  EXPECT_EQ(stats.evictions, 3u);
+  EXPECT_EQ(stats.delivered_bytes, std::uint64_t{2} * sizes[0] + sizes[1]);
 }
 
 std::vector<sightcell_debug_line> lines_of(const test_view& view, std::uint32_t kinds) {
@@ -119,8 +204,14 @@ TEST(tools, debug_lines) {
   test_view view(file.db());
   EXPECT_TRUE(lines_of(view, 15).empty()) << "before the first move";
   static_cast<void>(view.move(1, 1, 1));
-  expect_box(lines_of(view, SIGHTCELL_DEBUG_CELL), {0, 0, 0}, {4, 2, 4});
-  expect_box(lines_of(view, SIGHTCELL_DEBUG_KEPT), {-0.25f, -0.25f, -0.25f}, {4.25f, 2.25f, 4.25f});
+  const auto own = lines_of(view, SIGHTCELL_DEBUG_CELL);
+  expect_box(own, {0, 0, 0}, {4, 2, 4});
+  const auto kept = lines_of(view, SIGHTCELL_DEBUG_KEPT);
+  expect_box(kept, {-0.25f, -0.25f, -0.25f}, {4.25f, 2.25f, 4.25f});
+  for (const auto& [lines, kind] : {std::pair(own, SIGHTCELL_DEBUG_CELL), std::pair(kept, SIGHTCELL_DEBUG_KEPT)}) {
+    EXPECT_EQ(lines[0].kind, static_cast<std::uint32_t>(kind));
+    EXPECT_EQ(lines[0].number, 0u);
+  }
   const auto neighbors = lines_of(view, SIGHTCELL_DEBUG_NEIGHBORS);
   expect_box(neighbors, {4, 0, 0}, {8, 2, 4});
   EXPECT_EQ(neighbors[0].kind, SIGHTCELL_DEBUG_NEIGHBORS);
@@ -147,10 +238,31 @@ TEST(tools, debug_lines_of_volumes) {
   static_cast<void>(view.move(b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f));
   const auto lines = lines_of(view, SIGHTCELL_DEBUG_VOLUMES);
   ASSERT_EQ(lines.size(), 24u);
+  EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_CELL).size(), 12u) << "nothing that was not asked for";
   EXPECT_EQ(lines[0].number, 4u);
   EXPECT_EQ(lines[12].number, 29u);
   static_cast<void>(view.move(-1e5f, 0, 0));
   EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_VOLUMES).size(), 360u) << "everything is seen";
+}
+
+// A large cell with 80 small ones in it.
+TEST(tools, debug_lines_of_many_neighbors) {
+  for (const bool large_is_last : {false, true}) {
+    sample_contents contents = random_contents(6, {.polygons = 20, .draws = 2, .cells = 81});
+    if (!large_is_last) std::rotate(contents.cells.begin(), contents.cells.end() - 1, contents.cells.end());
+    const std::uint32_t large = large_is_last ? 80 : 0;
+    contents.cells[large] = {{0, 0, 0}, {8, 8, 8}};
+    const loaded_file file(contents);
+    test_view view(file.db());
+    ASSERT_EQ(view.move(4, 6, 4).cell, large);
+    const auto lines = lines_of(view, SIGHTCELL_DEBUG_NEIGHBORS);
+    EXPECT_EQ(lines.size(), 64u * 12);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      ASSERT_NE(lines[i].number, large);
+      ASSERT_EQ(lines[i].kind, SIGHTCELL_DEBUG_NEIGHBORS);
+      ASSERT_TRUE(i < 12 || lines[i].number > lines[i - 12].number) << "in the order of their numbers";
+    }
+  }
 }
 
 std::string text_of(const sightcell_db* db, const std::vector<sightcell_miss>& misses) {
@@ -176,7 +288,9 @@ TEST(tools, misses_text) {
   std::memset(room, 'x', sizeof room);
   EXPECT_EQ(sightcell_db_misses_text(file.db(), nullptr, 0, room, sizeof room, &count), SIGHTCELL_ERR_CAPACITY);
   EXPECT_EQ(room[0], 'x') << "nothing is written";
-  for (const sightcell_miss& wrong : {sightcell_miss{{0, 0, 0}, 6, 0}, sightcell_miss{{0, 1e10, 0}, 0, 0},
+  EXPECT_EQ(text_of(file.db(), {{{1e9, -6e-10, 4e-10}, 1, 0}}),
+            head + "\n  {\"eye\": [1000000000.000000000, -0.000000001, 0.000000000], \"polygon\": 1}\n]}\n");
+  for (const sightcell_miss& wrong : {sightcell_miss{{0, 0, 0}, 6, 0}, sightcell_miss{{0, 1e9 + 1, 0}, 0, 0},
                                       sightcell_miss{{0, 0, std::nan("")}, 0, 0}}) {
     EXPECT_EQ(sightcell_db_misses_text(file.db(), &wrong, 1, room, sizeof room, &count), SIGHTCELL_ERR_ARGUMENT);
   }
