@@ -8,6 +8,7 @@
 
 #include "loaded_file.h"
 #include "paged_host.h"
+#include "sightcell/format/layout.h"
 #include "unit/format/random_source.h"
 
 namespace {
@@ -30,6 +31,11 @@ std::vector<box> volumes_of(const sightcell_db* db) {
     EXPECT_EQ(sightcell_db_volume_box(db, v, boxes[v].min.data(), boxes[v].max.data()), SIGHTCELL_OK);
   }
   return boxes;
+}
+
+// Touches no other place.
+corner middle_of(const box& b) {
+  return {(b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2, (b.min[2] + b.max[2]) / 2};
 }
 
 // Closed boxes.
@@ -152,6 +158,23 @@ TEST(box_visible, from_a_box_what_any_of_its_cells_sees) {
   EXPECT_GT(checked, 100);
 }
 
+TEST(box_visible, from_two_cells_what_either_sees) {
+  sample_contents contents = with_volumes(50);
+  contents.sets.assign(contents.sets.size(), {1, 2});
+  contents.sets[0] = {1, 2, 300};  // at 0.5 0.5 0.5
+  contents.sets[1] = {1, 2, 301};  // at 1.5 0.5 0.5
+  const loaded_file file(contents);
+  const test_view view(file.db());
+  const auto volumes = volumes_of(file.db());
+  const corner from{0.5f, 0.5f, 0.5f};
+  const corner to{1.5f, 0.5f, 0.5f};
+  sightcell_frame frame;
+  ASSERT_EQ(sightcell_view_move_box(view.get(), from.data(), to.data(), &frame), SIGHTCELL_OK);
+  for (std::size_t v = 0; v < volumes.size(); ++v) {
+    ASSERT_EQ(visible(view.get(), middle_of(volumes[v]), middle_of(volumes[v])), v < 2) << v;
+  }
+}
+
 TEST(box_visible, changes_though_the_polygons_do_not) {
   sample_contents contents = with_volumes(45);
   contents.sets.assign(contents.sets.size(), {1, 2});
@@ -163,8 +186,7 @@ TEST(box_visible, changes_though_the_polygons_do_not) {
     const auto& b = contents.cells[cell];
     return view.move((b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2, (b.min[2] + b.max[2]) / 2);
   };
-  const corner middle{(seen.min[0] + seen.max[0]) / 2, (seen.min[1] + seen.max[1]) / 2,
-                      (seen.min[2] + seen.max[2]) / 2};
+  const corner middle = middle_of(seen);
   static_cast<void>(stand_in(0));
   EXPECT_FALSE(visible(view.get(), middle, middle));
   EXPECT_EQ(stand_in(1).flags, 0u) << "the same polygons";
@@ -185,7 +207,9 @@ TEST(box_visible, fails_open) {
   const corner far{1e6f, 0, 0};
   EXPECT_TRUE(visible(view.get(), far, far)) << "beyond all volumes";
   static_cast<void>(view.move(-1e5f, 0, 0));
-  for (const box& v : volumes_of(file.db())) ASSERT_TRUE(visible(view.get(), v.min, v.max)) << "under DRAW_ALL";
+  for (const box& v : volumes_of(file.db())) {
+    ASSERT_TRUE(visible(view.get(), middle_of(v), middle_of(v))) << "under DRAW_ALL";
+  }
   const float nan = std::nanf("");
   const float low[3] = {0, 0, 0};
   const float wrong[3] = {1, nan, 1};
@@ -206,6 +230,15 @@ TEST(box_visible, fails_open) {
   EXPECT_EQ(sightcell_db_volume_box(nullptr, 0, a, b), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_db_volume_box(file.db(), 0, nullptr, b), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_db_volume_count(nullptr), 0u);
+}
+
+TEST(box_visible, fails_open_where_rows_are_damaged) {
+  auto bytes = with_volumes(46).encode();
+  bytes[section_offset(bytes, sightcell::format::layout::section_rows)] ^= std::byte{1};
+  const loaded_file file(std::move(bytes));
+  test_view view(file.db());
+  ASSERT_NE(view.move(0.5f, 0.5f, 0.5f).flags & SIGHTCELL_FRAME_DAMAGED, 0u);
+  for (const box& v : volumes_of(file.db())) ASSERT_TRUE(visible(view.get(), middle_of(v), middle_of(v)));
 }
 
 TEST(box_visible, without_volumes_everything_is) {
