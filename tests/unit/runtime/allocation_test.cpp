@@ -98,6 +98,11 @@ TEST(allocation, none_while_a_file_is_read_piece_by_piece) {
     ASSERT_EQ(sightcell_view_policy(view, SIGHTCELL_OUTSIDE_NEAREST, 1.0f), SIGHTCELL_OK);
     std::vector<std::uint64_t> bits(1);
     std::vector<sightcell_debug_line> lines(20'000);
+    std::vector<char> text(500);
+    sightcell_view_stats of_view{};
+    of_view.struct_size = sizeof of_view;
+    sightcell_db_stats stats{};
+    stats.struct_size = sizeof stats;
     random_source random(54);
     int failures = 0;
     std::uint32_t hidden = 0;
@@ -121,14 +126,15 @@ TEST(allocation, none_while_a_file_is_read_piece_by_piece) {
       failures += sightcell_db_prefetch(host.db, eye, end, 1.0f) != SIGHTCELL_OK;
       std::size_t count = 0;
       failures += sightcell_view_debug_lines(view, 15, lines.data(), lines.size(), &count) != SIGHTCELL_OK;
+      failures += sightcell_view_statistics(view, &of_view) != SIGHTCELL_OK;
+      failures += sightcell_db_statistics(host.db, &stats) != SIGHTCELL_OK;
+      const sightcell_miss miss{{1.0, 2.0, 3.0}, 7, 0};
+      failures += sightcell_db_misses_text(host.db, &miss, 1, text.data(), text.size(), &count) != SIGHTCELL_OK;
     }
     EXPECT_EQ(allocation_count(), before);
     EXPECT_EQ(memory.given, 4u);
     EXPECT_EQ(failures, 0);
     EXPECT_GT(hidden, 0u);
-    sightcell_db_stats stats{};
-    stats.struct_size = sizeof stats;
-    EXPECT_EQ(sightcell_db_statistics(host.db, &stats), SIGHTCELL_OK);
     EXPECT_GT(stats.evictions, 100u);
     EXPECT_LE(stats.resident_bytes, 20'000u);
     sightcell_view_destroy(view);
