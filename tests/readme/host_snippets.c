@@ -1,5 +1,6 @@
 /* What runtime/README.md shows beyond the ten lines, with a host around it that writes down what it is asked to draw:
- * every way must draw the same polygons. usage: readme_host_snippets FILE.pvs FILE_WITH_A_DOOR.pvs */
+ * every way must draw the same polygons. usage: readme_host_snippets FILE_WITH_A_DOOR.pvs
+ * FILE.pvs ... */
 #include <sightcell/sightcell.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,10 +125,12 @@ typedef struct {
   float eye[3], min[3], max[3];
   sightcell_view* view;
 } player;
-static size_t sent;
-static void send_position(const player* to, const player* of) { sent += to != of; }
+enum { most_players = 64 };
+static player players[most_players];
+static unsigned char told[most_players][most_players]; /* first whom, then of whom */
+static void send_position(const player* to, const player* of) { told[to - players][of - players] = 1; }
 
-static void server(player* players, size_t player_count) {
+static void server(size_t player_count) {
   /* [server */
   for (player* p = players; p != players + player_count; ++p) {
     sightcell_frame unused;
@@ -139,6 +142,50 @@ static void server(player* players, size_t player_count) {
     }
   }
   /* server] */
+}
+
+static void add_player(size_t number, const float min[3], const float max[3], const float box_min[3],
+                       const float box_max[3]) {
+  player* p = &players[number];
+  for (int k = 0; k < 3; ++k) {
+    p->eye[k] = (min[k] + max[k]) / 2;
+    p->min[k] = 0.75f * box_min[k] + 0.25f * box_max[k];
+    p->max[k] = 0.25f * box_min[k] + 0.75f * box_max[k];
+  }
+  require(sightcell_view_create(db, &p->view) == SIGHTCELL_OK, "player");
+}
+
+/* Player i looks from cell i and is to be found in volume i: it is told of those whose volumes its cell sees. In a file
+ * without volumes, of all. */
+static void play(void) {
+  const uint32_t volumes = sightcell_db_volume_count(db);
+  size_t count = sightcell_db_cell_count(db);
+  if (volumes > 0 && count > volumes) count = volumes;
+  if (count > most_players) count = most_players;
+  float min[3], max[3], box_min[3] = {0, 0, 0}, box_max[3] = {1, 1, 1};
+  for (size_t i = 0; i < count; ++i) {
+    sightcell_db_cell_box(db, (uint32_t)i, min, max);
+    if (volumes > 0) sightcell_db_volume_box(db, (uint32_t)i, box_min, box_max);
+    add_player(i, min, max, box_min, box_max);
+  }
+  memset(told, 0, sizeof told);
+  server(count);
+  sightcell_debug_line* lines = malloc(12 * (volumes + (size_t)1) * sizeof *lines);
+  size_t hidden = 0;
+  for (size_t i = 0; i < count; ++i) {
+    unsigned char expected[most_players];
+    memset(expected, volumes == 0, sizeof expected);
+    size_t n;
+    sightcell_view_move(view, players[i].eye, &frame);
+    sightcell_view_debug_lines(view, SIGHTCELL_DEBUG_VOLUMES, lines, 12 * (size_t)volumes, &n);
+    for (size_t at = 0; at < n; at += 12)
+      if (lines[at].number < most_players) expected[lines[at].number] = 1;
+    require(memcmp(told[i], expected, count) == 0, "who is told of whom");
+    for (size_t j = 0; j < count; ++j) hidden += !expected[j];
+    sightcell_view_destroy(players[i].view);
+  }
+  require((hidden > 0) == (volumes > 0), "somebody is hidden where there are volumes");
+  free(lines);
 }
 
 static void use_door(uint32_t is_open) {
@@ -193,6 +240,8 @@ static void stream(const char* path, const float eye[3], const float velocity[3]
   if (sightcell_db_open_source(&source, NULL, 16 << 20, &paged) != SIGHTCELL_OK) exit(1);
   sightcell_db_prefetch(paged, eye, velocity, 2.0f);  /* now and then: what may be needed within two seconds */
   /* stream] */
+  sightcell_db_stats stats = {.struct_size = sizeof stats};
+  require(sightcell_db_statistics(paged, &stats) == SIGHTCELL_OK && stats.resident_bytes > 0, "what lies ahead is there");
   sightcell_view* of_stream;
   sightcell_frame there;
   require(sightcell_view_create(paged, &of_stream) == SIGHTCELL_OK, "view");
@@ -205,86 +254,103 @@ static void stream(const char* path, const float eye[3], const float velocity[3]
 
 /* --- A cell, drawn in every way. ------------------------------------------------------------------------------------ */
 
-static void expect_drawn(const unsigned char* expected, int whole_objects, const char* what) {
-  for (uint32_t s = 0; s < polygon_total; ++s)
-    require(whole_objects ? drawn[s] >= expected[s] : drawn[s] == expected[s], what);
+static void expect_drawn(const unsigned char* expected, const char* what) {
+  require(memcmp(drawn, expected, polygon_total) == 0, what);
   memset(drawn, 0, polygon_total);
 }
 
-int main(int argc, char** argv) {
-  require(argc == 3, "usage: readme_host_snippets FILE.pvs FILE_WITH_A_DOOR.pvs");
-  require(sightcell_db_open_file(argv[1], NULL, &db) == SIGHTCELL_OK, "open");
+static unsigned char *expected, *of_objects; /* of each stored polygon: is it to be drawn? */
+static sightcell_range* ranges;
+
+static void open_file(const char* path) {
+  require(sightcell_db_open_file(path, NULL, &db) == SIGHTCELL_OK, "open");
   require(sightcell_view_create(db, &view) == SIGHTCELL_OK, "view");
   sightcell_info info = {.struct_size = sizeof info};
-  require(sightcell_db_info(db, &info) == SIGHTCELL_OK, "info");
+  require(sightcell_db_info(db, &info) == SIGHTCELL_OK && info.layout == 0, "info");
   polygon_total = info.polygon_count;
   range_bound = info.range_bound;
   draws = malloc((info.draw_count + 1) * sizeof *draws);
   sightcell_db_draws(db, draws, info.draw_count, &draw_total);
   drawn = calloc(polygon_total, 1);
-  unsigned char* expected = calloc(polygon_total, 1);
-  uint32_t* order = malloc(polygon_total * sizeof *order);
+  expected = calloc(polygon_total, 1);
+  of_objects = calloc(polygon_total, 1);
+  ranges = malloc((range_bound + 1) * sizeof *ranges);
   source_indices = malloc(3 * sizeof(uint32_t) * polygon_total);
   stored_indices = malloc(3 * sizeof(uint32_t) * polygon_total);
   mapped = malloc(3 * sizeof(uint32_t) * polygon_total);
+  uint32_t* order = malloc(polygon_total * sizeof *order);
   size_t n;
   sightcell_db_order(db, order, polygon_total, &n);
   for (uint32_t s = 0; s < polygon_total; ++s)
     for (uint32_t k = 0; k < 3; ++k) source_indices[3 * (size_t)order[s] + k] = 3 * s + k;
   permute_index_buffers(order);
+  free(order);
+}
 
-  sightcell_range* ranges = malloc((range_bound + 1) * sizeof *ranges);
+static void close_file(void) {
+  sightcell_view_destroy(view);
+  sightcell_db_close(db);
+  free(draws);
+  free(drawn);
+  free(expected);
+  free(of_objects);
+  free(ranges);
+  free(source_indices);
+  free(stored_indices);
+  free(mapped);
+}
+
+/* What the view shows. */
+static void expect_ranges(void) {
+  size_t n;
+  sightcell_view_ranges(view, ranges, range_bound, &n);
+  memset(expected, 0, polygon_total);
+  memset(of_objects, 0, polygon_total);
+  for (size_t i = 0; i < n; ++i) {
+    const sightcell_draw* d = &draws[ranges[i].draw];
+    memset(expected + d->first_stored + ranges[i].first, 1, ranges[i].count);
+    memset(of_objects + d->first_stored, 1, d->polygon_count);
+  }
+}
+
+static void draw_in_every_way(void) {
   GLsizei* counts = malloc((range_bound + 1) * sizeof *counts);
   const void** offsets = malloc((range_bound + 1) * sizeof *offsets);
   VkDrawIndexedIndirectCommand* commands = malloc((range_bound + 1) * sizeof *commands);
   const size_t words = (draw_total + 63) / 64;
   uint64_t* bits = malloc((words + 1) * sizeof *bits);
-  for (uint32_t cell = 0; cell < info.cell_count; ++cell) {
-    float min[3], max[3];
-    sightcell_db_cell_box(db, cell, min, max);
-    const float eye[3] = {(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2};
-    require(sightcell_view_move(view, eye, &frame) == SIGHTCELL_OK && frame.cell == cell, "move");
-    sightcell_view_ranges(view, ranges, range_bound, &n);
-    memset(expected, 0, polygon_total);
-    for (size_t i = 0; i < n; ++i)
-      memset(expected + draws[ranges[i].draw].first_stored + ranges[i].first, 1, ranges[i].count);
-    multi_draw(ranges, counts, offsets);
-    expect_drawn(expected, 0, "multi-draw");
-    frame.flags |= SIGHTCELL_FRAME_CHANGED;
-    index_buffer();
-    expect_drawn(expected, 0, "index buffer");
-    vulkan_indirect(1, commands);
-    expect_drawn(expected, 0, "indirect");
-    objects(bits, words);
-    expect_drawn(expected, 1, "objects");
-    if (cell > 0) continue;
-    player players[2];
-    for (int p = 0; p < 2; ++p) {
-      memcpy(players[p].eye, eye, sizeof eye);
-      memcpy(players[p].min, min, sizeof min);
-      memcpy(players[p].max, max, sizeof max);
-      require(sightcell_view_create(db, &players[p].view) == SIGHTCELL_OK, "player");
-    }
-    server(players, 2);
-    require(sent == 2, "a file without volumes hides nobody");
-    for (int p = 0; p < 2; ++p) sightcell_view_destroy(players[p].view);
-    const float velocity[3] = {1, 0, 0};
-    stream(argv[1], eye, velocity);
-  }
-  sightcell_view_destroy(view);
-  sightcell_db_close(db);
-  doors(argv[2]);
-  free(draws);
-  free(drawn);
-  free(expected);
-  free(order);
-  free(source_indices);
-  free(stored_indices);
-  free(mapped);
-  free(ranges);
+  multi_draw(ranges, counts, offsets);
+  expect_drawn(expected, "multi-draw");
+  frame.flags |= SIGHTCELL_FRAME_CHANGED;
+  index_buffer();
+  expect_drawn(expected, "index buffer");
+  vulkan_indirect(1, commands);
+  expect_drawn(expected, "indirect");
+  objects(bits, words);
+  expect_drawn(of_objects, "objects");
   free(counts);
   free((void*)offsets);
   free(commands);
   free(bits);
+}
+
+int main(int argc, char** argv) {
+  require(argc > 2, "usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE.pvs ...");
+  doors(argv[1]);
+  for (int file = 2; file < argc; ++file) {
+    open_file(argv[file]);
+    for (uint32_t cell = 0; cell < sightcell_db_cell_count(db); ++cell) {
+      float min[3], max[3];
+      sightcell_db_cell_box(db, cell, min, max);
+      const float eye[3] = {(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2};
+      require(sightcell_view_move(view, eye, &frame) == SIGHTCELL_OK && frame.cell == cell, "move");
+      expect_ranges();
+      draw_in_every_way();
+      const float velocity[3] = {1, 0, 0};
+      if (cell == 0) stream(argv[file], eye, velocity);
+    }
+    play();
+    close_file();
+  }
   return 0;
 }
