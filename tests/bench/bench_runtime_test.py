@@ -13,6 +13,12 @@ import unittest
 BENCH, FILE = sys.argv[1:3]
 
 
+def sizes_of_sets():
+    """Of the golden file's cells, as the text beside it has them."""
+    with open(os.path.splitext(FILE)[0] + ".txt", encoding="utf-8") as stream:
+        return [len(line.split("sees")[1].split()) for line in stream if line.startswith("cell ")]
+
+
 class BenchRuntime(unittest.TestCase):
     def test_rows(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -22,17 +28,20 @@ class BenchRuntime(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             with open(out, encoding="utf-8") as stream:
                 result = json.load(stream)
-        kinds = [(row["kind"], row["cells"]) for row in result["lookups"]]
-        self.assertEqual(len(kinds), 6, "three kinds of cells, 1,000 and 10,000 of them")
+        self.assertEqual([row["kind"] for row in result["lookups"]], 2 * ["lattice", "lattice of two levels", "boxes"])
+        for row, cells in zip(result["lookups"], 3 * [1000] + 3 * [10000]):
+            self.assertAlmostEqual(row["cells"], cells, delta=cells / 20)
         for row in result["lookups"]:
             for name in ("bytes_per_cell", "random_ns", "coherent_ns", "frame_ns"):
                 self.assertGreater(row[name], 0.0, name)
         lattice = [row for row in result["lookups"] if row["kind"] == "lattice"]
         self.assertLessEqual(max(row["bytes_per_cell"] for row in lattice), 1.0)
         self.assertEqual([row["cold"] for row in result["switches"]], [False, True, False, True])
-        small, large = result["switches"][0], result["switches"][2]
-        self.assertLess(small["polygons"], large["polygons"])
-        for row in result["switches"]:
+        sizes = sizes_of_sets()
+        for row, wanted in zip(result["switches"], (3, 3, 60, 60)):
+            self.assertEqual(row["file"], FILE)
+            self.assertEqual(row["polygons"], sizes[row["cell"]])
+            self.assertEqual(abs(row["polygons"] - wanted), min(abs(size - wanted) for size in sizes))
             self.assertGreaterEqual(row["polygons"], row["ranges"])
             for name in ("move_us", "ranges_us", "polygons_us", "indices_us", "commands_us", "objects_us", "memcpy_us",
                          "roaring_us"):
@@ -41,6 +50,13 @@ class BenchRuntime(unittest.TestCase):
     def test_a_file_that_is_none(self):
         done = subprocess.run([BENCH, BENCH, "--quick"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 1)
+
+    def test_a_result_that_cannot_be_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([BENCH, "--quick", "--json-file", os.path.join(folder, "none", "out.json")],
+                                  capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("cannot be written", done.stderr)
 
 
 if __name__ == "__main__":
