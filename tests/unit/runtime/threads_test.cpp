@@ -50,8 +50,8 @@ TEST(threads, eight_views_of_one_db) {
   EXPECT_EQ(wrong.load(), 0);
 }
 
-// Rows come from a thread of the host's, in an order of its own, to eight views that need them and a ninth thread that
-// looks ahead; there is room for three chunks of eight.
+// Rows come from two threads of the host's, in an order of their own, to eight views that need them and a ninth thread
+// that looks ahead; there is room for three chunks of eight.
 TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
   const sample_contents contents = random_contents(62, {.polygons = 500, .draws = 20, .cells = 512});
   const auto bytes = contents.encode();
@@ -83,8 +83,8 @@ TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
   ASSERT_EQ(sightcell_db_open_source(&source, nullptr, room, &host.db), SIGHTCELL_OK);
   host.at_once = false;
 
-  std::thread reader([&] {
-    random_source random(63);
+  const auto read = [&](std::uint32_t seed) {
+    random_source random(seed);
     for (;;) {
       page_request r;
       {
@@ -97,7 +97,9 @@ TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
       }
       static_cast<void>(sightcell_db_deliver(host.db, r.ticket, bytes.data() + r.offset, r.size));
     }
-  });
+  };
+  std::thread first_reader(read, 63);
+  std::thread second_reader(read, 64);
   std::atomic<int> wrong{0};
   std::atomic<int> shown{0};
   std::vector<std::thread> threads;
@@ -142,11 +144,57 @@ TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
     const std::lock_guard guard(host.mutex);
     host.over = true;
   }
-  host.news.notify_one();
-  reader.join();
+  host.news.notify_all();
+  first_reader.join();
+  second_reader.join();
   EXPECT_EQ(wrong.load(), 0);
   EXPECT_EQ(shown.load(), 8 * 200) << "each camera gets what it waits for, however many chunks the others want";
   sightcell_db_close(host.db);
+}
+
+// Two chunks come at the same moment, and there is room for one.
+TEST(threads, deliveries_at_once) {
+  const sample_contents contents =
+      random_contents(64, {.polygons = 3000, .draws = 20, .cells = 512, .visible = 0.3, .changed = 0.5});
+  paged_host host(contents.encode());
+  std::uint32_t largest = 0;
+  const std::size_t directory = section_offset(host.bytes(), sightcell::format::layout::section_row_directory);
+  for (std::size_t chunk = 0; chunk < 8; ++chunk) {
+    largest = std::max(largest, get_u32(host.bytes(), directory + 16 * chunk + 8));
+  }
+  ASSERT_EQ(host.open(largest), SIGHTCELL_OK);
+  test_view first(host.db());
+  test_view second(host.db());
+  const auto is_right = [&](test_view& view, std::uint32_t cell) {
+    const auto& b = contents.cells[cell];
+    const sightcell_frame frame = view.move(b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f);
+    if ((frame.flags & SIGHTCELL_FRAME_PENDING) != 0) return true;
+    return (frame.flags & SIGHTCELL_FRAME_DAMAGED) == 0 && view.polygons() == contents.sets[cell];
+  };
+  const auto is_fine = [](sightcell_status s) { return s == SIGHTCELL_OK || s == SIGHTCELL_ERR_CAPACITY; };
+  random_source random(65);
+  int at_once = 0;
+  for (int round = 0; round < 1000; ++round) {
+    const std::uint32_t cells[2] = {random() % 512, random() % 512};
+    ASSERT_TRUE(is_right(first, cells[0]) && is_right(second, cells[1])) << "round " << round;
+    if (host.waiting.size() == 2) {
+      std::atomic<bool> go{false};
+      sightcell_status other = SIGHTCELL_OK;
+      std::thread reader([&] {
+        while (!go) std::this_thread::yield();
+        other = host.deliver(host.waiting[1]);
+      });
+      go = true;
+      EXPECT_TRUE(is_fine(host.deliver(host.waiting[0])));
+      reader.join();
+      EXPECT_TRUE(is_fine(other));
+      host.waiting.clear();
+      ++at_once;
+      ASSERT_TRUE(is_right(first, cells[0]) && is_right(second, cells[1])) << "round " << round;
+    }
+    for (; !host.waiting.empty(); host.waiting.pop_front()) EXPECT_TRUE(is_fine(host.deliver(host.waiting.front())));
+  }
+  EXPECT_GT(at_once, 100);
 }
 
 }  // namespace
