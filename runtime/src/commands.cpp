@@ -6,37 +6,45 @@
 namespace sightcell::runtime {
 namespace {
 
-template <class Emit>
-void for_each_command(const sightcell_view& view, std::uint32_t min_gap, const Emit& emit) {
+void write_command(const sightcell_db& db, const sightcell_range& r, std::byte* dst) noexcept {
+  // A group's polygons lie behind those of the groups before it in the one index buffer of the scene.
+  const std::uint32_t first = db.is_merged() ? db.range_borders()[r.draw] + r.first : r.first;
+  const sightcell_command command{3 * r.count, 1, 3 * first, db.base_vertex(r.draw), r.draw};
+  std::memcpy(dst, &command, sizeof command);
+}
+
+// Counts the commands, and writes them unless dst is null.
+std::uint64_t list_commands(const sightcell_view& view, std::uint32_t min_gap, std::byte* dst,
+                            std::size_t stride) noexcept {
+  std::uint64_t commands = 0;
   sightcell_range held{};  // count 0: none
+  const auto end_held = [&] {
+    if (held.count == 0) return;
+    ++commands;
+    if (dst == nullptr) return;
+    write_command(view.db(), held, dst);
+    dst += stride;
+  };
   for (const sightcell_range& r : view.ranges()) {
     if (held.count > 0 && held.draw == r.draw && r.first - (held.first + held.count) < min_gap) {
       held.count = r.first + r.count - held.first;
       continue;
     }
-    if (held.count > 0) emit(held);
+    end_held();
     held = r;
   }
-  if (held.count > 0) emit(held);
+  end_held();
+  return commands;
 }
 
 }  // namespace
 
 std::uint64_t count_commands(const sightcell_view& view, std::uint32_t min_gap) noexcept {
-  std::uint64_t commands = 0;
-  for_each_command(view, min_gap, [&](const sightcell_range&) { ++commands; });
-  return commands;
+  return list_commands(view, min_gap, nullptr, 0);
 }
 
 void write_commands(const sightcell_view& view, std::uint32_t min_gap, std::byte* dst, std::size_t stride) noexcept {
-  const sightcell_db& db = view.db();
-  for_each_command(view, min_gap, [&](const sightcell_range& r) {
-    // A group's polygons lie behind those of the groups before it in the one index buffer of the scene.
-    const std::uint32_t first = db.is_merged() ? db.range_borders()[r.draw] + r.first : r.first;
-    const sightcell_command command{3 * r.count, 1, 3 * first, db.base_vertex(r.draw), r.draw};
-    std::memcpy(dst, &command, sizeof command);
-    dst += stride;
-  });
+  static_cast<void>(list_commands(view, min_gap, dst, stride));
 }
 
 }  // namespace sightcell::runtime

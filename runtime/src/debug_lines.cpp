@@ -47,22 +47,28 @@ sightcell_debug_line edge_of(const wide_box& b, const point& origin, std::size_t
   return line;
 }
 
-}  // namespace
-
-std::uint64_t count_debug_lines(const sightcell_view& view, std::uint32_t kinds) noexcept {
+// Counts the lines, and writes them unless dst is null.
+std::uint64_t list_lines(const sightcell_view& view, std::uint32_t kinds, sightcell_debug_line* dst) noexcept {
   std::uint64_t boxes = 0;
-  for_each_box(view, kinds, [&](const wide_box&, std::uint32_t, std::uint32_t) { ++boxes; });
-  return 12 * boxes;
-}
-
-void write_debug_lines(const sightcell_view& view, std::uint32_t kinds, sightcell_debug_line* dst) noexcept {
   for_each_box(view, kinds, [&](const wide_box& b, std::uint32_t kind, std::uint32_t number) {
-    for (std::size_t edge = 0; edge < 12; ++edge) {
+    ++boxes;
+    for (std::size_t edge = 0; edge < 12 && dst != nullptr; ++edge) {
       *dst = edge_of(b, view.origin(), edge);
       dst->kind = kind;
       (dst++)->number = number;
     }
   });
+  return 12 * boxes;
+}
+
+}  // namespace
+
+std::uint64_t count_debug_lines(const sightcell_view& view, std::uint32_t kinds) noexcept {
+  return list_lines(view, kinds, nullptr);
+}
+
+void write_debug_lines(const sightcell_view& view, std::uint32_t kinds, sightcell_debug_line* dst) noexcept {
+  static_cast<void>(list_lines(view, kinds, dst));
 }
 
 }  // namespace sightcell::runtime

@@ -21,32 +21,28 @@ void for_each_missing(run_span a, run_span b, const Emit& emit) {
   }
 }
 
-// One run at a time; the search for its draw costs a little more than in write_ranges, which changes can bear.
-template <class Emit>
-void for_each_difference_range(run_span a, run_span b, range_borders borders, const Emit& emit) {
+// Counts the ranges of a without b, and writes them unless dst is null. One run at a time; the search for its draw
+// costs a little more than in write_ranges, which changes can bear.
+std::uint64_t list_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept {
+  std::uint64_t ranges = 0;
   std::size_t draw = 0;
   for_each_missing(a, b, [&](const format::run& r) {
     draw = static_cast<std::size_t>(
                std::upper_bound(borders.begin() + static_cast<std::ptrdiff_t>(draw), borders.end(), r.first) -
                borders.begin()) -
            1;
-    for_each_range(run_span(&r, 1), borders.subspan(draw), [&](std::uint32_t d, std::uint32_t first, std::uint32_t n) {
-      emit(static_cast<std::uint32_t>(d + draw), first, n);
-    });
+    // No run has more ranges than polygons.
+    const std::span<sightcell_range> room = dst == nullptr ? std::span<sightcell_range>() : std::span(dst, r.count);
+    const std::size_t more = write_ranges(run_span(&r, 1), borders.subspan(draw), room);
+    ranges += more;
+    if (dst == nullptr) return;
+    for (sightcell_range& written : room.first(more)) written.draw += static_cast<std::uint32_t>(draw);
+    dst += more;
   });
-}
-
-auto writer_to(sightcell_range*& dst) {
-  return [&dst](std::uint32_t draw, std::uint32_t first, std::uint32_t count) { *dst++ = {draw, first, count}; };
+  return ranges;
 }
 
 }  // namespace
-
-std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept {
-  std::uint64_t ranges = 0;
-  for_each_difference_range(a, b, borders, [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
-  return ranges;
-}
 
 std::size_t write_ranges(run_span set, range_borders borders, std::span<sightcell_range> dst) noexcept {
   std::size_t ranges = 0;
@@ -57,8 +53,12 @@ std::size_t write_ranges(run_span set, range_borders borders, std::span<sightcel
   return ranges;
 }
 
+std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept {
+  return list_difference(a, b, borders, nullptr);
+}
+
 void write_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept {
-  for_each_difference_range(a, b, borders, writer_to(dst));
+  static_cast<void>(list_difference(a, b, borders, dst));
 }
 
 std::size_t write_difference(run_span a, run_span b, std::span<format::run> dst) noexcept {
