@@ -216,7 +216,8 @@ SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
  * Fails with any status from ARGUMENT, MEMORY and NOT_OURS to LIMIT. */
 SIGHTCELL_API sightcell_status sightcell_db_open(const void* bytes, size_t size, const sightcell_allocator* mem,
                                                  sightcell_db** out);
-/* The same for a file on disk (path: UTF-8), which is read whole into memory of the allocator. Also fails with IO. */
+/* The same for a file on disk (path: UTF-8), which is read whole into memory of the allocator. Also fails with IO, and
+ * always so in the module for web pages, which has no files. */
 SIGHTCELL_API sightcell_status sightcell_db_open_file(const char* path, const sightcell_allocator* mem,
                                                       sightcell_db** out);
 /* The same for a file of which only what open needs stays in memory, and of the rows resident_bytes at most: chunks of

@@ -1,0 +1,37 @@
+// The module exports exactly what sightcell.h declares with what a page needs to call it, imports nothing, and has no more
+// code than it may. usage: exports_test.mjs MODULE.wasm HEADER BYTES
+import { readFileSync } from "node:fs";
+
+import { require } from "./host.mjs";
+
+const [path, header, limit] = process.argv.slice(2);
+const bytes = readFileSync(path);
+const module = await WebAssembly.compile(bytes);
+
+const text = readFileSync(header, "utf8");
+const declared = Array.from(text.matchAll(/^SIGHTCELL_API [^;(]*?(sightcell_\w+)\(/gm), (match) => match[1]);
+require(declared.length > 0, `${header} declares nothing`);
+const wanted = [...declared, "malloc", "free", "memory", "__indirect_function_table"].sort();
+const exported = WebAssembly.Module.exports(module).map((e) => e.name).sort();
+const only = (a, b) => a.filter((name) => !b.includes(name));
+require(exported.join() === wanted.join(),
+  `exported only: ${only(exported, wanted)}\ndeclared only: ${only(wanted, exported)}`);
+
+const imports = WebAssembly.Module.imports(module);
+require(imports.length === 0, `imports: ${JSON.stringify(imports)}`);
+
+// Sizes of all sections: a byte says which, then a number of 7 bits per byte how many bytes follow.
+const sizes = new Map();
+for (let at = 8; at < bytes.length;) {
+  const id = bytes[at++];
+  let size = 0;
+  for (let shift = 0, more = true; more; shift += 7) {
+    size |= (bytes[at] & 127) << shift;
+    more = bytes[at++] >= 128;
+  }
+  sizes.set(id, (sizes.get(id) ?? 0) + size);
+  at += size;
+}
+const code = sizes.get(10);
+console.log(`${code} bytes of code, ${sizes.get(11) ?? 0} of data, ${bytes.length} in all; at most ${limit} of code`);
+require(code > 0 && code <= Number(limit), "too much code");

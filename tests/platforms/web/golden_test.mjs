@@ -1,0 +1,64 @@
+// The module reads the golden files as all other builds do, and refuses the damaged ones with the same status.
+// usage: golden_test.mjs MODULE.wasm GOLDEN_FOLDER ANSWERS
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+
+import { dump } from "./dump.mjs";
+import { fnv_hash, host, require, status } from "./host.mjs";
+import { open_paged } from "./paged.mjs";
+import { hash_of_walk } from "./walk.mjs";
+
+const [module_path, folder, answers] = process.argv.slice(2);
+const page = await host.load(module_path);
+const lines = (path) => readFileSync(path, "utf8").split("\n").filter((line) => line !== "");
+
+function hash_of(text) {
+  const hash = new fnv_hash();
+  hash.add_text(text);
+  return hash.hex();
+}
+
+// What platforms_same_everywhere_test finds, too.
+let read = 0;
+for (const line of lines(answers)) {
+  const [name, size, dump_hash, walk_hash] = line.split(" ");
+  const path = join(folder, `${name}.pvs`);
+  page.with_file(path, ({ db, status: s }) => {
+    require(s === status.ok, `${name}: status ${s}`);
+    const text = dump(page, db);
+    require(!text.includes("WRONG"), text);
+    require(`${text.length} ${hash_of(text)}` === `${size} ${dump_hash}`, `${name} is read otherwise:\n${text}`);
+    const walked = hash_of_walk(page, db);
+    require(walked === walk_hash, `${name}: the walk's hash is ${walked}`);
+    require(page.c.sightcell_db_check(db) === status.ok, `${name} is not sound`);
+  });
+  // Piece by piece it is the same file, but for version 0, which cannot be read so.
+  const paged = open_paged(page, readFileSync(path));
+  require(paged.status === (name.startsWith("v0_") ? status.version : status.ok), `${name} paged: ${paged.status}`);
+  if (paged.status === status.ok) {
+    const walked = hash_of_walk(page, paged.db);
+    require(walked === walk_hash, `${name} piece by piece: the walk's hash is ${walked}`);
+    require(paged.requests() > 2, `${name} piece by piece: ${paged.requests()} requests`);
+  }
+  paged.close();
+  ++read;
+}
+require(read > 0, `${answers} lists nothing`);
+
+const names = Object.fromEntries(Object.entries(status).map(([name, number]) => [number, name]));
+const damaged = lines(join(folder, "golden_errors", "statuses.txt"));
+for (const line of damaged) {
+  const [name, expected] = line.split(" ");
+  const found = page.with_file(join(folder, "golden_errors", name), ({ db, status: opened }) =>
+    names[opened === status.ok ? page.c.sightcell_db_check(db) : opened]);
+  require(found === expected, `${name}: ${found} instead of ${expected}`);
+}
+require(damaged.length > 200, "too few damaged files");
+
+// A page has no files.
+const name = page.put(new TextEncoder().encode("v1_tiny.pvs\0"));
+require(page.c.sightcell_db_open_file(name, 0, page.out) === status.io && page.written() === 0, "open_file");
+page.c.free(name);
+require(page.text(page.c.sightcell_status_text(status.not_ours)) === "not a .pvs file", "status_text");
+require(page.c.sightcell_version() === 1, "version");
+console.log(`${read} files are the same, ${damaged.length} damaged ones get the statuses that are listed`);

@@ -1,0 +1,89 @@
+// The module as a test's host sees it: memory, and lists asked for the way a careful host does, size first.
+import { readFileSync } from "node:fs";
+
+export const status = { ok: 0, argument: 1, memory: 2, capacity: 3, stale: 4, io: 10, not_ours: 20, version: 21,
+  truncated: 22, checksum: 23, corrupt: 24, limit: 25, other_scene: 26 };
+
+export function require(good, what) {
+  if (!good) throw new Error(what);
+}
+
+export class host {
+  static async load(path) {
+    const { instance } = await WebAssembly.instantiate(readFileSync(path));
+    return new host(instance.exports);
+  }
+
+  constructor(exports) {
+    this.c = exports;
+    this.out = exports.malloc(16);  // where functions write one number
+  }
+
+  // Made anew each time: what was made before memory grew is empty.
+  bytes(at, size) { return new Uint8Array(this.c.memory.buffer, at, size); }
+  u32(at, count) { return new Uint32Array(this.c.memory.buffer, at, count); }
+  f32(at, count) { return new Float32Array(this.c.memory.buffer, at, count); }
+  f64(at, count) { return new Float64Array(this.c.memory.buffer, at, count); }
+  data(at, size) { return new DataView(this.c.memory.buffer, at, size); }
+  written() { return this.u32(this.out, 1)[0]; }
+
+  // Room that the caller frees.
+  room(size) {
+    const at = this.c.malloc(size);
+    require(at !== 0 && at % 16 === 0, `malloc(${size}) gave ${at}`);
+    return at;
+  }
+  put(array) {
+    const at = this.room(Math.max(array.byteLength, 1));
+    this.bytes(at, array.byteLength).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
+    return at;
+  }
+  text(at) {
+    let end = at;
+    while (this.bytes(end, 1)[0] !== 0) ++end;
+    return new TextDecoder().decode(this.bytes(at, end - at));
+  }
+
+  // What fill(dst, capacity, count) writes, of elements of so many bytes, as bytes of the test's own.
+  list(size, fill) {
+    const asked = fill(0, 0, this.out);
+    const count = this.written();
+    require(asked === (count === 0 ? status.ok : status.capacity), `a list's size: status ${asked}`);
+    const at = this.room(size * count + 1);
+    const s = fill(at, count, this.out);
+    require(s === status.ok && this.written() === count, `a list: status ${s}`);
+    const copy = this.bytes(at, size * count).slice();
+    this.c.free(at);
+    return copy;
+  }
+  list_u32(words, fill) { return new Uint32Array(this.list(4 * words, fill).buffer); }
+
+  // The file at a path, or bytes: use({db, status}), and all is given back.
+  with_file(file, use) {
+    const array = typeof file === "string" ? readFileSync(file) : file;
+    const at = this.put(array);
+    const s = this.c.sightcell_db_open(at, array.length, 0, this.out);
+    const db = this.written();
+    require((s === status.ok) === (db !== 0), `status ${s} with db ${db}`);
+    const result = use({ db, status: s, at, size: array.length });
+    this.c.sightcell_db_close(db);
+    this.c.free(at);
+    return result;
+  }
+  with_view(db, use) {
+    require(this.c.sightcell_view_create(db, this.out) === status.ok, "no view");
+    const view = this.written();
+    const result = use(view);
+    this.c.sightcell_view_destroy(view);
+    return result;
+  }
+}
+
+// FNV-1a of 64 bits, as tests/platforms/decode_dump.h has it.
+export class fnv_hash {
+  value = 0xCBF29CE484222325n;
+  add_byte(byte) { this.value = BigInt.asUintN(64, (this.value ^ BigInt(byte)) * 0x100000001B3n); }
+  add_text(text) { for (let i = 0; i < text.length; ++i) this.add_byte(text.charCodeAt(i)); }
+  add(number) { for (let shift = 0; shift < 32; shift += 8) this.add_byte(number >>> shift & 0xFF); }
+  hex() { return this.value.toString(16).padStart(16, "0"); }
+}
