@@ -16,24 +16,20 @@ void write_command(const sightcell_db& db, const sightcell_range& r, std::byte* 
 // Counts the commands, and writes them unless dst is null.
 std::uint64_t list_commands(const sightcell_view& view, std::uint32_t min_gap, std::byte* dst,
                             std::size_t stride) noexcept {
+  const std::span<const sightcell_range> ranges = view.ranges();
   std::uint64_t commands = 0;
-  sightcell_range held{};  // count 0: none
-  const auto end_held = [&] {
-    if (held.count == 0) return;
+  for (std::size_t i = 0; i < ranges.size();) {
+    sightcell_range held = ranges[i++];
+    for (; i < ranges.size() && ranges[i].draw == held.draw; ++i) {
+      const sightcell_range& next = ranges[i];
+      if (next.first - (held.first + held.count) >= min_gap) break;
+      held.count = next.first + next.count - held.first;
+    }
     ++commands;
-    if (dst == nullptr) return;
+    if (dst == nullptr) continue;
     write_command(view.db(), held, dst);
     dst += stride;
-  };
-  for (const sightcell_range& r : view.ranges()) {
-    if (held.count > 0 && held.draw == r.draw && r.first - (held.first + held.count) < min_gap) {
-      held.count = r.first + r.count - held.first;
-      continue;
-    }
-    end_held();
-    held = r;
   }
-  end_held();
   return commands;
 }
 

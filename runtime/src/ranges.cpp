@@ -1,7 +1,5 @@
 #include "ranges.h"
 
-#include <algorithm>
-
 namespace sightcell::runtime {
 namespace {
 
@@ -21,23 +19,18 @@ void for_each_missing(run_span a, run_span b, const Emit& emit) {
   }
 }
 
-// Counts the ranges of a without b, and writes them unless dst is null. One run at a time; the search for its draw
-// costs a little more than in write_ranges, which changes can bear.
+// Counts the ranges of a without b, and writes them unless dst is null. One run at a time, each looked for from the
+// draw on in which the one before ended.
 std::uint64_t list_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept {
   std::uint64_t ranges = 0;
-  std::size_t draw = 0;
+  std::uint32_t draw = 0;
   for_each_missing(a, b, [&](const format::run& r) {
-    draw = static_cast<std::size_t>(
-               std::upper_bound(borders.begin() + static_cast<std::ptrdiff_t>(draw), borders.end(), r.first) -
-               borders.begin()) -
-           1;
-    // No run has more ranges than polygons.
-    const std::span<sightcell_range> room = dst == nullptr ? std::span<sightcell_range>() : std::span(dst, r.count);
-    const std::size_t more = write_ranges(run_span(&r, 1), borders.subspan(draw), room);
-    ranges += more;
-    if (dst == nullptr) return;
-    for (sightcell_range& written : room.first(more)) written.draw += static_cast<std::uint32_t>(draw);
-    dst += more;
+    const std::uint32_t from = draw;
+    for_each_range(run_span(&r, 1), borders.subspan(from), [&](std::uint32_t d, std::uint32_t first, std::uint32_t n) {
+      draw = from + d;
+      if (dst != nullptr) *dst++ = {draw, first, n};
+      ++ranges;
+    });
   });
   return ranges;
 }
