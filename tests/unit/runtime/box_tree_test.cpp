@@ -4,7 +4,9 @@
 
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "built_tree.h"
@@ -45,6 +47,32 @@ TEST(box_tree, agrees_with_trying_every_box) {
       const std::uint32_t cell = built.tree.find(rounded_down(eye), limit, found);
       ASSERT_EQ(cell, slow_find(boxes, eye, limit));
       ASSERT_EQ(found.min, cell == no_cell ? (std::array<float, 3>{9, 9, 9}) : boxes[cell].min);
+    }
+  }
+}
+
+// Boxes in a row are in its order but for those of a leaf, wherever their ends lie; those at one place by number.
+TEST(box_tree, parts_are_the_first_and_the_last_along_an_axis) {
+  random_source random(47);
+  const auto even = [&] { return static_cast<float>(random() % 1000); };
+  const auto powers = [&] { return std::ldexp(1.0f, static_cast<int>(random() % 240) - 120); };
+  const auto one = [] { return 1.0f; };
+  for (const std::function<float()>& place : {std::function<float()>(even), {powers}, {one}}) {
+    std::vector<box> boxes;
+    for (int i = 0; i < 1000; ++i) {
+      const float x = place();
+      boxes.push_back({{x, 0.0f, 0.0f}, {2.0f * x + 1.0f, 1.0f, 1.0f}});
+    }
+    const built_tree built(boxes);
+    for (const std::uint32_t middle : {500u, 250u, 750u, 125u}) {
+      const std::uint32_t reach = middle == 500 ? 500 : middle == 125 ? 125 : 250;
+      const auto order_of = [&](std::uint32_t at) {
+        const located_cell& c = built.tree.cells()[at];
+        return std::pair(static_cast<double>(c.bounds.min[0]) + static_cast<double>(c.bounds.max[0]), c.cell);
+      };
+      for (std::uint32_t i = 1; i <= reach; ++i) {
+        for (std::uint32_t k = 0; k < reach; k += 7) ASSERT_LT(order_of(middle - i), order_of(middle + k)) << middle;
+      }
     }
   }
 }
