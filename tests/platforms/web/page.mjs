@@ -13,9 +13,10 @@ export async function open_scene(base, stored_indices) {
   if (sc.sightcell_db_open(bytes, file.length, 0, out) !== 0) return null;  // draw everything
   const db = u32(out, 1)[0];
   if (sc.sightcell_view_create(db, out) !== 0) return null;
-  const view = u32(out, 1)[0], most = 3 * sc.sightcell_db_polygon_count(db);
+  const view = u32(out, 1)[0];
+  const indices = stored_indices(sc, db), most = indices.length;  // all of them, permuted by sightcell_db_order as above
   const stored = sc.malloc(4 * most), list = sc.malloc(4 * most);
-  u32(stored, most).set(stored_indices(sc, db));  // permuted by sightcell_db_order, as above
+  u32(stored, most).set(indices);
   return (x, y, z) => {  // every frame: null, or the new index list for gl.bufferSubData
     new Float32Array(sc.memory.buffer, eye, 3).set([x, y, z]);
     sc.sightcell_view_move(view, eye, frame);

@@ -25,6 +25,7 @@ const stored_indices = (sc, db) => {
   require(sc.sightcell_db_order(db, out + 4, polygons, out) === 0, "no order");
   const order = Array.from(new Uint32Array(sc.memory.buffer, out + 4, polygons));
   sc.free(out);
+  sc.free(sc.malloc(1 << 22));  // memory grows meanwhile
   return order.flatMap((source) => [3 * source, 3 * source + 1, 3 * source + 2]);
 };
 
