@@ -4,6 +4,7 @@
 //   view cells bench_frames cells SCENE PATH CELLS.json                          the cells that the eyes of a path are
 //   in bench_frames draw SCENE MERGED.pvs PATH [--first N] [--count N]   measures frames of it
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <ctime>
 #include <fstream>
 #include <iostream>
@@ -107,6 +108,7 @@ void draw(const arguments& args) {
       frame_picture shown = on.read();
       if (reference.depths.empty()) {
         reference = std::move(shown);
+        row["seen"] = std::ranges::count_if(reference.surfaces, [](std::uint32_t surface) { return surface != 0; });
       } else {
         const frame_difference differs = compare(reference, shown);
         cost["differing"] = differs.differing;

@@ -94,6 +94,7 @@ class BenchFrames(unittest.TestCase):
 
     def test_pictures_are_those_of_the_full_draw(self):
         pixels = self.result["pixels"]
+        self.assertGreater(sum(f["seen"] for f in self.result["frames"]) / (pixels * FRAMES), 0.3, "there is something to miss")
         for f in self.result["frames"]:
             self.assertEqual(f["frustum"]["differing"], 0, "a frustum leaves nothing out that is in the picture")
             self.assertEqual(f["pvs_commands"]["differing"], f["pvs_indices"]["differing"])
