@@ -65,6 +65,7 @@ class Usage(InFolder):
         for option, value in (('--cell-size', '0.1'), ('--margin', '11'), ('--player-radius', '0'),
                               ('--sampler', 'guesswork'), ('--source', 'opengl'), ('--samples', '5'), ('--resolution', '255'),
                               ('--max-pixel-error', '0.9'), ('--time-budget', '-1'),
+                              ('--volumes', '0.2'), ('--volumes', '1001'),
                               ('--cells-grid', '0,0,0,1,0,1'), ('--cells-grid', '0,0,0,1,nan,1')):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)
             self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
@@ -97,9 +98,9 @@ class Usage(InFolder):
         both = ['--polygons-from', self.room, '--cells-from', self.room]
         output, file = ['-o', self.path('no.pvs')], self.path('no.pvs')
         for arguments in (['bake', *output, *both, self.room], ['bake', *output, *both[:2]], ['bake', *output, *both[2:]],
-                          ['bake', *output, *both[:2], self.room], ['bake', *output, *both, '--scene', '0'],
-                          ['bake', *output], ['verify', *both], ['verify', self.room, file, *both],
-                          ['verify', file, *both[:2]], ['verify', self.room]):
+                          ['bake', *output, *both[:2], self.room], ['bake', *output, *both[2:], self.room],
+                          ['bake', *output, *both, '--scene', '0'], ['bake', *output], ['verify', *both],
+                          ['verify', self.room, file, *both], ['verify', file, *both[:2]], ['verify', self.room]):
             _, err = self.expect(2, *arguments)
             self.assert_one_error_line(err, 'cli.wrong-use')
         _, err = self.expect(4, 'verify', *both, file)
@@ -110,12 +111,16 @@ class Usage(InFolder):
             self.assertIn('none.glb', self.assert_one_error_line(err, 'scene.not-found'))
         _, err = self.expect(2, 'bake', '-o', self.cells, '--polygons-from', self.room, '--cells-from', self.cells)
         self.assert_one_error_line(err, 'cli.output-is-input')
+        _, err = self.expect(2, 'bake', *output, *both, '--volumes', '2')
+        self.assertIn('--volumes', self.assert_one_error_line(err, 'settings.volumes'))
 
-    def test_output_must_not_be_the_scene(self):
-        _, err = self.expect(2, 'bake', self.room, '-o', self.room)
-        self.assert_one_error_line(err, 'cli.output-is-input')
-        _, err = self.expect(2, 'bake', self.room, '-o', self.cells, '--misses', self.cells)
-        self.assert_one_error_line(err, 'cli.output-is-input')
+    def test_outputs_must_not_be_inputs(self):
+        inputs = ([self.room], [self.room, '--misses', self.cells], [self.room, '--cells-file', self.cells],
+                  ['--polygons-from', self.room, '--cells-from', self.cells])
+        for arguments in inputs:
+            for output in (['-o', arguments[-1]], ['-o', self.path('no.pvs'), '--json-file', arguments[-1]]):
+                _, err = self.expect(2, 'bake', *arguments, *output)
+                self.assertIn(arguments[-1], self.assert_one_error_line(err, 'cli.output-is-input'))
 
     def test_bad_input_is_4(self):
         missing = self.path('missing.glb')
@@ -339,6 +344,31 @@ class Bake(InFolder):
         self.assertEqual(settings.pop('misses'), 3)
         self.assertEqual(settings, json.loads(self.expect(0, 'info', file, '--json')[0])['settings'])
 
+    def test_what_a_host_found_missing_in_one_of_two_cells(self):
+        if not PROGRAMS.drop:
+            self.skipTest('no sightcell-test-drop-polygon in this build')
+        file, broken, misses = self.path('two.pvs'), self.path('one.pvs'), self.path('two_misses.json')
+        with open(self.path('two.json'), 'w', encoding='utf-8') as out:
+            out.write('{"cells":[{"name":"a","min":[3,0,3],"max":[4,2,5]},{"name":"b","min":[4,0,3],"max":[5,2,5]}]}')
+        self.expect(0, 'bake', self.room, '-o', file, '--cells-file', self.path('two.json'), *QUICK_BAKE)
+        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+
+        def report(*eyes):
+            with open(misses, 'w', encoding='utf-8') as out:
+                json.dump({'misses': [{'eye': eye, 'polygon': 1} for eye in eyes]}, out)
+        report([4.1, 1.5, 4.25], [3.5, 0.01, 4], [4.5, 1.5, 4])  # both may be in use; at the floor; the second alone
+        out, _ = self.expect(3, 'verify', self.room, broken, '--from', misses, '--json')
+        found = json.loads(out)['from']
+        self.assertEqual([found[key] for key in ('reports', 'reproduced', 'not_missing', 'not_visible', 'not_free',
+                                                 'outside')], [3, 1, 1, 0, 1, 0])
+        self.assertEqual([miss['cell'] for miss in found['list']], [0])
+
+        # Reports that are no misses do not make up for what the rays find.
+        report([4.5, 1.5, 4])
+        self.expect(0, 'verify', self.room, broken, '--from', misses)
+        out, _ = self.expect(3, 'verify', self.room, broken, '--from', misses, '--rays', '20000', '--json')
+        self.assertEqual((json.loads(out)['passed'], json.loads(out)['from']['reproduced']), (False, 0))
+
     def test_what_one_level_sees_of_another(self):
         """A high room sees of the same one, half as high, the floor and the lower halves of its walls, which lie in the
         higher ones; its ceiling is between them and is seen from below alone."""
@@ -359,6 +389,15 @@ class Bake(InFolder):
         self.assert_one_error_line(err, 'pvs.two-scenes')
         _, err = self.expect(4, 'verify', file, '--polygons-from', self.room, '--cells-from', self.room)
         self.assert_one_error_line(err, 'pvs.other-scene')
+        own = self.path('own_level.pvs')
+        self.bake(0, own)
+        _, err = self.expect(4, 'verify', own, *both)
+        self.assert_one_error_line(err, 'pvs.other-scene')
+        misses = self.path('level_misses.json')
+        with open(misses, 'w', encoding='utf-8') as out:
+            out.write('{"misses":[{"eye":[4,1.5,4],"polygon":1}]}')
+        out, _ = self.expect(0, 'verify', file, *both, '--from', misses, '--json')
+        self.assertEqual(json.loads(out)['from']['reports'], 1)
 
     def test_the_metric_is_named_everywhere(self):
         view = ['--view-resolution', '640x360', '--view-fov', '90', '--view-pitch', '-30,20.5', '--view-least', '0.5']
@@ -485,6 +524,17 @@ class Bake(InFolder):
         change = differences(fine, again)
         self.assertEqual(change['volumes_before'] + change['volumes_gained'] - change['volumes_lost'],
                          change['volumes_after'])
+        if not PROGRAMS.drop:
+            return
+        lacking = self.path('v-lacking.pvs')
+        volumes = json.loads(self.expect(0, 'info', fine, '--json')[0])['volumes']
+        items = range(12 + volumes // 2, 12 + volumes)  # behind the polygons
+        self.assertTrue(any(run(fine, lacking, 0, item, program=PROGRAMS.drop)[0] == 0 for item in items))
+        for a, b, gained, lost in ((fine, lacking, 0, 1), (lacking, fine, 1, 0)):
+            change = differences(a, b)
+            self.assertEqual((change['volumes_gained'], change['volumes_lost']), (gained, lost))
+            self.assertEqual(change['changed'], [{'cell': 0, 'other_cell': 0, 'gained': 0, 'lost': 0,
+                                                  'volumes_gained': gained, 'volumes_lost': lost}])
 
     def test_profiles_are_recoded_and_told_of(self):
         self.make_city()
