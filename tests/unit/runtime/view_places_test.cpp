@@ -378,6 +378,23 @@ TEST(view_places, a_hundred_kilometres_from_the_origin) {
   EXPECT_EQ(view.move(0.6f, 1.0f, 0.25f).flags & all_flags, all_flags);
 }
 
+// Grown boxes end where they end there, and not at the next float.
+TEST(view_places, grown_boxes_a_hundred_kilometres_from_the_origin) {
+  sample_contents contents = tiny_contents();
+  contents.facts.margin = 0.1f;
+  for (auto& b : contents.cells) b.min[0] += 100'000.0f, b.max[0] += 100'000.0f;
+  const loaded_file file(contents);
+  test_view view(file.db());
+  const double origin[3] = {100'000.0, 0.0, 0.0};
+  ASSERT_EQ(sightcell_view_origin(view.get(), origin), SIGHTCELL_OK);
+  for (const float beyond : {-0.0005f, 0.0005f}) {
+    EXPECT_EQ(view.move(1, 1, 1).cell, 0u);
+    EXPECT_EQ(view.move(-0.1f - beyond, 1, 1).cell, beyond > 0.0f ? SIGHTCELL_NO_CELL : 0u);
+    EXPECT_EQ(view.move(7, 1, 1).cell, 1u);
+    EXPECT_EQ(view.move(8.1f + beyond, 1, 1).cell, beyond > 0.0f ? SIGHTCELL_NO_CELL : 1u);
+  }
+}
+
 TEST(view_places, several_files_at_once) {
   const sample_contents first = row_of_cells();
   sample_contents second = row_of_cells();
