@@ -21,8 +21,11 @@ void for_each_box(const sightcell_view& view, std::uint32_t kinds, const Emit& e
       std::array<located_cell, most_neighbors + 1> near;  // the cell itself besides
       const std::size_t count = std::min(db.locator().touching(kept, near), near.size());
       sort_by_number({near.data(), count});
+      std::size_t left = most_neighbors;  // the cell itself may be none of those that were found
       for (std::size_t i = 0; i < count; ++i) {
-        if (near[i].cell != cell) emit(widened(near[i].bounds), SIGHTCELL_DEBUG_NEIGHBORS, near[i].cell);
+        if (near[i].cell == cell || left == 0) continue;
+        emit(widened(near[i].bounds), SIGHTCELL_DEBUG_NEIGHBORS, near[i].cell);
+        --left;
       }
     }
   }

@@ -245,6 +245,24 @@ TEST(tools, debug_lines_of_volumes) {
   EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_VOLUMES).size(), 360u) << "everything is seen";
 }
 
+// A small cell in 80 large ones.
+TEST(tools, debug_lines_of_many_large_neighbors) {
+  for (const std::uint32_t own : {0u, 40u, 80u}) {
+    sample_contents contents = random_contents(7, {.polygons = 20, .draws = 2, .cells = 81});
+    for (std::uint32_t cell = 0; cell < 81; ++cell) {
+      const auto more = static_cast<float>(cell) / 8.0f;
+      contents.cells[cell] = {{-more, 0, 0}, {8 + more, 8, 8}};
+    }
+    contents.cells[own] = {{3, 3, 3}, {4, 4, 4}};
+    const loaded_file file(contents);
+    test_view view(file.db());
+    ASSERT_EQ(view.move(3.5f, 3.5f, 3.5f).cell, own);
+    const auto lines = lines_of(view, SIGHTCELL_DEBUG_NEIGHBORS);
+    EXPECT_EQ(lines.size(), 64u * 12) << own;
+    for (const sightcell_debug_line& line : lines) ASSERT_NE(line.number, own);
+  }
+}
+
 // A large cell with 80 small ones in it.
 TEST(tools, debug_lines_of_many_neighbors) {
   for (const bool large_is_last : {false, true}) {
