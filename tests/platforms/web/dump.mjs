@@ -30,6 +30,24 @@ function draws_of(host, db) {
   return list;
 }
 
+// A byte of a name is a letter here, whatever it means in UTF-8.
+function named_groups_of(host, db) {
+  let text = "";
+  for (let group = 0; group < host.c.sightcell_db_named_group_count(db); ++group) {
+    const name = host.list(1, (dst, room, n) => host.c.sightcell_db_named_group_name(db, group, dst, room, n));
+    const with_end = host.put(Uint8Array.of(...name, 0));
+    const s = host.c.sightcell_db_find_named_group(db, with_end, host.out);
+    if (s !== status.ok || host.written() !== group) text += "WRONG: a name is not found\n";
+    host.c.free(with_end);
+    text += `named group ${group}: ${Buffer.from(name).toString("latin1")}\n`;
+  }
+  const groups = host.list_u32(1, (dst, room, n) => host.c.sightcell_db_named_groups_of_draws(db, dst, room, n));
+  groups.forEach((group, draw) => {
+    if (group !== 0xFFFFFFFF) text += `named group of draw ${draw}: ${group}\n`;
+  });
+  return text;
+}
+
 // The part of the text behind "sees".
 function answers(host, view, cell, stored) {
   const set = host.list_u32(1, (dst, room, count) => host.c.sightcell_view_polygons(view, dst, room, count));
@@ -88,6 +106,7 @@ export function dump(host, db) {
     if (facts.layout === 0 || words[5] === stored.begins.length) stored.begins.push(words[8]);
     text += `draw ${i}: ${words.join(" ")} ${tag}\n`;
   });
+  text += named_groups_of(host, db);
   const hash = new fnv_hash();
   for (const source of stored.order) hash.add(source);
   text += `order ${hash.hex()}\n`;

@@ -50,6 +50,10 @@ const std::map<std::string, statuses> promised{
     {"sightcell_db_prefetch", with_arguments},
     {"sightcell_db_cell_box", with_arguments},
     {"sightcell_db_volume_box", with_arguments},
+    {"sightcell_db_named_group_name", of_lists},
+    {"sightcell_db_find_named_group", with_arguments},
+    {"sightcell_db_named_groups_of_draws", of_lists},
+    {"sightcell_view_show_named_group", with_arguments},
     {"sightcell_db_info", with_arguments},
     // The other faults of a file are found by open.
     {"sightcell_db_check",
@@ -302,6 +306,29 @@ void facts(outcomes& out) {
   SAYS(ERR_ARGUMENT, sightcell_db_misses_text(db, &wrong, 1, text.data(), text.size(), &count));
 }
 
+void names(outcomes& out) {
+  sample_contents contents = tiny_contents();
+  contents.named_groups = {"door"};
+  contents.draws[0].named_group = 0;
+  const loaded_file file(contents);
+  const test_view view(file.db());
+  std::array<char, 4> name;
+  std::array<std::uint32_t, 1> groups;
+  std::uint32_t found = 0;
+  std::size_t count = 0;
+  ASSERT_EQ(contents.draws.size(), groups.size());
+  SAYS(OK, sightcell_db_named_group_name(file.db(), 0, name.data(), 4, &count));
+  SAYS(ERR_CAPACITY, sightcell_db_named_group_name(file.db(), 0, name.data(), 3, &count));
+  SAYS(ERR_ARGUMENT, sightcell_db_named_group_name(file.db(), 1, name.data(), 4, &count));
+  SAYS(OK, sightcell_db_find_named_group(file.db(), "door", &found));
+  SAYS(ERR_ARGUMENT, sightcell_db_find_named_group(file.db(), nullptr, &found));
+  SAYS(OK, sightcell_db_named_groups_of_draws(file.db(), groups.data(), 1, &count));
+  SAYS(ERR_CAPACITY, sightcell_db_named_groups_of_draws(file.db(), groups.data(), 0, &count));
+  SAYS(ERR_ARGUMENT, sightcell_db_named_groups_of_draws(file.db(), groups.data(), 1, nullptr));
+  SAYS(OK, sightcell_view_show_named_group(view.get(), 0, 0));
+  SAYS(ERR_ARGUMENT, sightcell_view_show_named_group(view.get(), 1, 0));
+}
+
 void places(outcomes& out) {
   const loaded_file file(tiny_contents());
   sightcell_view* view = nullptr;
@@ -455,6 +482,7 @@ TEST(every_outcome, is_reached) {
   open_from_a_source(out);
   deliver_and_prefetch(out);
   facts(out);
+  names(out);
   places(out);
   lists(out);
   boxes(out);
