@@ -36,6 +36,11 @@ class BenchRuntime(unittest.TestCase):
                 self.assertGreater(row[name], 0.0, name)
         lattice = [row for row in result["lookups"] if row["kind"] == "lattice"]
         self.assertLessEqual(max(row["bytes_per_cell"] for row in lattice), 1.0)
+        self.assertEqual([row["volumes"] for row in result["box_tests"]], [1600])
+        for row in result["box_tests"]:
+            self.assertTrue(0.1 < row["visible_share"] < 0.5)  # a box touches several volumes, a tenth of which is seen
+            for name in ("random_ns", "walking_ns", "with_origin_ns"):
+                self.assertGreater(row[name], 0.0, name)
         self.assertEqual([row["cold"] for row in result["switches"]], [False, True, False, True])
         sizes = sizes_of_sets()
         for row, wanted in zip(result["switches"], (3, 3, 60, 60)):
