@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
 
 #include "unit/format/sample_contents.h"
@@ -49,6 +50,41 @@ TEST(sightcell_hpp, the_whole_path) {
   EXPECT_TRUE(changes);
   EXPECT_EQ(changes.removed, 0u);
   EXPECT_EQ(camera.polygons({}).status, SIGHTCELL_ERR_CAPACITY);
+}
+
+TEST(sightcell_hpp, named_groups) {
+  auto contents = sightcell::test::small_contents();
+  contents.named_groups = {"door", "lamp"};
+  contents.draws[2].named_group = 1;
+  const auto bytes = contents.encode();
+  auto opened = sightcell::db::open(bytes);
+  ASSERT_TRUE(opened);
+  const sightcell::db file = std::move(*opened);
+  EXPECT_EQ(file.named_group_count(), 2u);
+  EXPECT_EQ(file.find_named_group("lamp"), 1u);
+  EXPECT_EQ(file.find_named_group("lam"), SIGHTCELL_NO_NAMED_GROUP);
+  std::string name(4, ' ');
+  EXPECT_EQ(file.named_group_name(1, name).count, 4u);
+  EXPECT_EQ(name, "lamp");
+  std::vector<std::uint32_t> groups(contents.draws.size());
+  ASSERT_TRUE(file.named_groups_of_draws(groups));
+  EXPECT_EQ(groups[1], SIGHTCELL_NO_NAMED_GROUP);
+  EXPECT_EQ(groups[2], 1u);
+
+  auto made = sightcell::view::create(file);
+  ASSERT_TRUE(made);
+  sightcell::view camera = std::move(*made);
+  const float eye[3] = {3.5f, 0.5f, 0.5f};
+  sightcell_frame all;
+  sightcell_frame without;
+  EXPECT_EQ(camera.move(eye, all), SIGHTCELL_OK);
+  EXPECT_EQ(camera.show_named_group(1, false), SIGHTCELL_OK);
+  EXPECT_EQ(camera.move(eye, without), SIGHTCELL_OK);
+  EXPECT_LT(without.polygon_count, all.polygon_count);
+  EXPECT_EQ(camera.show_named_group(1, true), SIGHTCELL_OK);
+  EXPECT_EQ(camera.move(eye, without), SIGHTCELL_OK);
+  EXPECT_EQ(without.polygon_count, all.polygon_count);
+  EXPECT_EQ(camera.show_named_group(2, true), SIGHTCELL_ERR_ARGUMENT);
 }
 
 TEST(sightcell_hpp, failures_are_values) {
