@@ -89,6 +89,7 @@ void change_layout(format::file_parts& parts, const std::string& name, format::h
     for (const format::draw_record& d : draw_table(*s, layout)) found.emplace(place_of(d), d);
   for (format::draw_record& d : parts.draws) {
     d.group = 0;
+    if (s != nullptr) d.named_group = format::no_named_group;  // names are the scene's from here on
     if (const auto same = found.find(place_of(d)); same != found.end()) {
       d.group = same->second.group;
       d.flags = same->second.flags;  // which version 0 did not have

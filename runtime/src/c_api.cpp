@@ -57,12 +57,6 @@ std::uint32_t* write_sources(const sightcell_db& db, std::uint32_t draw, std::ui
   for (const std::uint32_t polygon : db.sources_in(draw, first, count)) *dst++ = first_source + polygon;
   return dst;
 }
-void write_all_sources(const sightcell_db& db, std::uint32_t* dst) noexcept {
-  const runtime::range_borders borders = db.range_borders();
-  for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
-    dst = write_sources(db, draw, 0, borders[draw + 1] - borders[draw], dst);
-  }
-}
 
 }  // namespace
 
@@ -245,7 +239,11 @@ sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_
                                     size_t* count) {
   if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   const sightcell_status room = check_room(source_id_of_stored, capacity, db->polygon_count(), count);
-  if (room == SIGHTCELL_OK) write_all_sources(*db, source_id_of_stored);
+  if (room != SIGHTCELL_OK) return room;
+  const runtime::range_borders borders = db->range_borders();
+  for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
+    source_id_of_stored = write_sources(*db, draw, 0, borders[draw + 1] - borders[draw], source_id_of_stored);
+  }
   return room;
 }
 

@@ -317,6 +317,10 @@ void sightcell_view::show_all(std::uint32_t flags) noexcept {
   place_flags_ = flags;
   shown_ = {};
   shown_cell_count_ = 0;
+  if (moved_ && current_.everything && !regrouped_) {  // as in most frames outside
+    data_flags_ = 0;
+    return;
+  }
   next_.everything = true;
   show_next(0, db_->range_bound());
 }

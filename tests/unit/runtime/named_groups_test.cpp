@@ -212,6 +212,12 @@ TEST_P(named_groups, are_hidden_however_the_view_moves) {
     EXPECT_TRUE(std::includes(polygons.begin(), polygons.end(), seen.begin(), seen.end()));
     EXPECT_EQ(without(contents, polygons, shown ? std::set{3u} : std::set{0u, 3u}), polygons);
   }
+  for (const bool shown : {true, false}) {  // where the set is everything before and after
+    show(view, 0, shown);
+    frame = view.move(1000, 0, 0);
+    expect_shows(view, file, contents, frame, all_polygons(contents.facts.polygon_count),
+                 shown ? std::set{3u} : std::set{0u, 3u});
+  }
   ASSERT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_OUTSIDE_NEAREST, 1e9f), SIGHTCELL_OK);
   for (const bool shown : {false, true, false}) {
     show(view, 2, shown);

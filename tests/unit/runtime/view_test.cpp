@@ -339,6 +339,10 @@ TEST(view, a_damaged_chunk_draws_everything_and_leaves_the_others_alone) {
       if (cell / 64 == 1) {
         EXPECT_EQ(frame.flags & ~changed, SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED);
         expect_set(view, contents, all_polygons(contents.facts.polygon_count));
+        if (cell % 8 == 0) {
+          EXPECT_EQ(view.move(1000, 0, 0).flags, SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE)
+              << "everything still, for another reason";
+        }
       } else {
         EXPECT_EQ(frame.flags & ~changed, 0u);
         expect_set(view, contents, contents.sets[cell]);
