@@ -11,20 +11,18 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <type_traits>
-#include <variant>
 
+#include "bake_options.h"
 #include "console.h"
 #include "exit_codes.h"
-#include "metric_options.h"
+#include "help.h"
 #include "number_text.h"
 #include "progress_line.h"
 #include "safety_ring_text.h"
-#include "scene_options.h"
 #include "shard_option.h"
 #include "sightcell/bake/bake.h"
-#include "sightcell/bake/sampler_options.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/bake/shards.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 #include "stop_signals.h"
 #include "verbs.h"
@@ -32,28 +30,6 @@
 namespace sightcell::cli {
 
 namespace {
-
-template <class Kind, std::size_t Count>
-std::string name_of(const std::array<std::string_view, Count>& names, Kind kind) {
-  return std::string(names[static_cast<std::size_t>(kind)]);
-}
-
-struct bake_options {
-  scene_options scenes;
-  std::filesystem::path output, json_file;
-  std::filesystem::path cells_file, misses_file;
-  std::vector<float> cells_grid;
-  bake::settings settings;
-  metric_options metric;
-  bool fresh = false, json = false;
-  std::string shard;
-  std::uint32_t phase = 1;
-  std::string progress = "auto", animated = std::string(scene::animated_as_names.front());
-  std::string safety_ring = std::string(bake::safety_ring_names.front());
-  std::string profile = name_of(bake::slack_profile_names, bake::settings().file.profile);
-  std::string order = name_of(bake::polygon_order_names, bake::settings().file.order);
-  std::string layout = name_of(bake::host_layout_names, bake::settings().file.layout);
-};
 
 progress_mode mode_of(const std::string& name) {
   if (name == "json") return progress_mode::json;
@@ -179,22 +155,9 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
   return exit_done;
 }
 
-int run_bake(bake_options options) {
+int run_bake(const bake_options& options) {
   const auto began = std::chrono::steady_clock::now();
-  bake::settings& how = options.settings;
-  if (!options.cells_file.empty()) how.cells_file = options.cells_file;
-  if (!options.misses_file.empty()) how.misses_file = options.misses_file;
-  if (!options.cells_grid.empty()) {
-    how.cells_grid.emplace();
-    std::copy_n(options.cells_grid.begin(), how.cells_grid->size(), how.cells_grid->begin());
-  }
-  how.animated = *scene::animated_as_of(options.animated);
-  how.metric = metric_of(options.metric);
-  how.safety_ring = *bake::safety_ring_of(options.safety_ring);
-  how.file.profile = *bake::kind_of<bake::slack_profile>(bake::slack_profile_names, options.profile);
-  how.file.order = *bake::kind_of<bake::polygon_order_kind>(bake::polygon_order_names, options.order);
-  how.file.layout = *bake::kind_of<bake::host_layout>(bake::host_layout_names, options.layout);
-  bake::validate(how);  // before minutes of loading
+  bake::settings how = settings_of(options);  // fails before minutes of loading
   std::optional<bake::shard> part;
   if (!options.shard.empty()) {
     part = shard_of(options.shard, [](const char* name) -> const char* { return std::getenv(name); });
@@ -231,156 +194,20 @@ int run_bake(bake_options options) {
   return code;
 }
 
-// Defaults come from bake::settings, so that help, code and documentation cannot differ.
-template <typename T>
-CLI::Option* add(CLI::App& verb, const char* name, T& value, const char* unit, const std::string& help) {
-  return verb.add_option(name, value, help)->type_name(unit)->capture_default_str();
-}
-
-void add_cell_options(CLI::App& verb, bake_options& o) {
-  bake::settings& s = o.settings;
-  verb.add_option("--cells-file", o.cells_file, "explicit view cells, JSON: {\"cells\":[{\"name\",\"min\",\"max\"}]}")
-      ->type_name("C.json")
-      ->group("Cells");
-  verb.add_option("--cells-grid", o.cells_grid, "every lattice cell of this box, metres")
-      ->type_name("x0,y0,z0,x1,y1,z1")
-      ->delimiter(',')
-      ->expected(6)
-      ->excludes("--cells-file")
-      ->group("Cells");
-  add(verb, "--cell-size", s.cell_size, "M", "width of automatic and grid cells, metres; half as high")->group("Cells");
-  add(verb, "--cell-limit", s.cell_limit, "N", "bake only so many cells, spread evenly; 0: all")->group("Cells");
-  add(verb, "--margin", s.margin, "M", "metres by which every cell is grown for the bake")->group("Cells");
-}
-
-void add_sampler_option(CLI::App& verb, const bake::sampler_option& option, bake::settings& s) {
-  std::visit(
-      [&](auto member) {
-        if constexpr (std::is_same_v<decltype(member), bool bake::settings::*>)
-          verb.add_flag(option.name, s.*member, option.meaning)->group("Sampling");
-        else
-          add(verb, option.name, s.*member, option.unit, option.meaning)->group("Sampling");
-      },
-      option.value);
-}
-
-void add_sampling_options(CLI::App& verb, bake_options& o) {
-  bake::settings& s = o.settings;
-  add(verb, "--sampler", s.sampler, "NAME", "what looks for visible polygons; see sightcell samplers")
-      ->group("Sampling");
-  for (const bake::sampler_option& option : bake::sampler_options()) add_sampler_option(verb, option, s);
-  add(verb, "--time-budget", s.time_budget, "SECONDS",
-      "on the clock for the whole bake, of guided: spent where the bound is largest, down to --max-pixel-error; what "
-      "is found depends on the machine; 0: none")
-      ->group("Sampling");
-  add(verb, "--max-pixel-error", s.max_pixel_error, "E", "bound of the error of each cell; 0: no rays")
-      ->group("Sampling");
-  add_metric_options(verb, o.metric, "Sampling");
-  add(verb, "--source", s.source, "NAME",
-      "of hemicubes: gpu (OpenGL), cpu (our rasteriser), rays (to check the others, slow) or auto: gpu where there is "
-      "a "
-      "hardware one, else cpu")
-      ->group("Sampling");
-  add(verb, "--resolution", s.resolution, "S", "pixels along a hemicube face, even")->group("Sampling");
-  add(verb, "--player-radius", s.player_radius, "M", "metres that eyes keep from every surface")->group("Seeing");
-  add(verb, "--smallest-gap", s.smallest_gap, "M", "metres; narrower cracks let nothing through; 0: all do")
-      ->group("Seeing");
-  verb.add_flag("--all-double-sided", s.all_double_sided, "polygons are seen, and hide, from behind too")
-      ->group("Seeing");
-  const auto& names = scene::animated_as_names;
-  add(verb, "--animated", o.animated, "HOW",
-      "what animations or skins move and no mark speaks for: always (in every set, hides nothing), rest (static, as "
-      "the file poses it) or dynamic (left out)")
-      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
-      ->group("Seeing");
-  const auto& rings = bake::safety_ring_names;
-  add(verb, "--safety-ring", o.safety_ring, "HOW",
-      "none, or edge or vertex: what shares one with a polygon of a cell's set joins it unless it faces away, seen or "
-      "not; fewer misses for more that is drawn")
-      ->check(CLI::IsMember(std::vector<std::string>(rings.begin(), rings.end())))
-      ->group("Seeing");
-  verb.add_option(
-          "--misses", o.misses_file,
-          "polygons that a host found missing, JSON: {\"misses\":[{\"eye\":[x,y,z],\"polygon\":1234}]}; they join "
-          "the sets of the cells that the eye can be in where a ray sees them")
-      ->type_name("FILE")
-      ->group("Seeing");
-}
-
-void add_file_options(CLI::App& verb, bake_options& o) {
-  add(verb, "--volumes", o.settings.volumes, "M",
-      "also tell of boxes this wide, metres, where things that move may be, from which cells they can be seen; 0: none")
-      ->group("File");
-  const auto& profiles = bake::slack_profile_names;
-  add(verb, "--profile", o.profile, "NAME",
-      "exact, or balanced or small: polygons that nobody sees, 5 or 10 % of those that are seen at most, are in the "
-      "sets "
-      "of cells where that makes the file smaller and ranges fewer; pictures stay the same")
-      ->check(CLI::IsMember(std::vector<std::string>(profiles.begin(), profiles.end())))
-      ->group("File");
-  const auto& orders = bake::polygon_order_names;
-  add(verb, "--order", o.order, "HOW",
-      "per-mesh: instances share an order of polygons, as they share an index buffer; per-instance: fewer ranges, but "
-      "each draw needs an index buffer of its own")
-      ->check(CLI::IsMember(std::vector<std::string>(orders.begin(), orders.end())))
-      ->group("File");
-  const auto& layouts = bake::host_layout_names;
-  add(verb, "--layout", o.layout, "HOW",
-      "of the host's polygons: instanced (draw by draw) or merged (in world space, static draws of one material as one "
-      "list)")
-      ->check(CLI::IsMember(std::vector<std::string>(layouts.begin(), layouts.end())))
-      ->group("File");
-  verb.add_flag("--importance", o.settings.file.importance,
-                "put in the file how much of what is seen from its cell each polygon covers, for hosts that load the "
-                "largest first")
-      ->group("File");
-}
-
-void add_running_options(CLI::App& verb, bake_options& o) {
-  add(verb, "--threads", o.settings.threads, "N", "0: all cores; changes no byte of the file")->group("Running");
-  add(verb, "--memory", o.settings.memory, "B",
-      "bytes of memory to keep under, K, M or G after the number: powers of 1024; 0: no limit; changes no byte of the "
-      "file")
-      ->transform(CLI::AsSizeValue(false))
-      ->group("Running");
-  add(verb, "--seed", o.settings.seed, "N", "of all random numbers")->group("Running");
-  verb.add_flag("--fresh", o.fresh, "throw an unfinished bake away instead of resuming it")->group("Running");
-  auto& shard =
-      *verb.add_option(
-               "--shard", o.shard,
-               "bake only a part, for merge: i/n (i from 0), array (of Slurm, Kubernetes, AWS Batch) or array/n")
-           ->type_name("i/n")
-           ->group("Running");
-  add(verb, "--phase", o.phase, "1|2", "of a shard: 2 reads what phase 1 of all shards left beside -o")
-      ->check(CLI::Range(1, 2))
-      ->needs(&shard)
-      ->group("Running");
-  verb.add_option("--scratch", o.settings.scratch,
-                  "local folder for the unfinished bake; a copy is left beside -o when it ends early")
-      ->type_name("DIR")
-      ->group("Running");
-  add(verb, "--progress", o.progress, "MODE", "auto, json or none; on standard error")
-      ->check(CLI::IsMember({"auto", "json", "none"}))
-      ->group("Running");
-  verb.add_option("--json-file", o.json_file, "write the summary there")->type_name("PATH")->group("Running");
-  verb.add_flag("--json", o.json, "print the summary as one JSON object on standard output")->group("Running");
-}
-
 }  // namespace
 
 void add_bake_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<bake_options>();
-  CLI::App& verb = *program.add_subcommand("bake", "bake the visibility of a scene; an interrupted bake resumes");
-  add_scene_options(verb, options->scenes, "Cells");
-  verb.add_option("-o", options->output, "the .pvs file to write")->type_name("FILE.pvs")->required();
-  verb.add_option("--scene", options->settings.scene, "which scene of the file; without: its default")
-      ->type_name("N")
-      ->check(CLI::Range(0, INT32_MAX))
-      ->excludes("--polygons-from");
-  add_cell_options(verb, *options);
-  add_sampling_options(verb, *options);
-  add_file_options(verb, *options);
-  add_running_options(verb, *options);
+  CLI::App& verb = add_verb(
+      program, "bake",
+      {.summary = "Computes the visibility of a scene and writes a .pvs file",
+       .usage = "SCENE -o FILE.pvs [options]",
+       .description = "Computes the potentially visible set (PVS) of each view cell of a glTF scene: the polygons that "
+                      "can be visible from some viewpoint in the cell. Writes the sets to a .pvs file. A bake that was "
+                      "interrupted resumes when the same command runs again.",
+       .examples = {"sightcell bake level.glb -o level.pvs",
+                    "sightcell bake level.glb -o trial.pvs --cell-limit 16 --quality draft"}});
+  add_bake_options(verb, *options);
   verb.callback([options, &chosen] {
     settle_scenes(options->scenes);
     chosen = [options] { return run_bake(*options); };

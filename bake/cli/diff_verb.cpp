@@ -14,10 +14,11 @@
 #include <vector>
 
 #include "exit_codes.h"
+#include "help.h"
 #include "number_text.h"
 #include "pvs_file.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/set_reader.h"
-#include "sightcell/scene/error.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
@@ -214,10 +215,15 @@ int run_diff(const diff_options& options) {
 
 void add_diff_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<diff_options>();
-  CLI::App& verb = *program.add_subcommand("diff", "cells and polygons that one .pvs file has and another has not");
-  verb.add_option("BEFORE", options->before, "a .pvs file")->type_name("A.pvs")->required();
-  verb.add_option("AFTER", options->after, "another of the same scene")->type_name("B.pvs")->required();
-  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  CLI::App& verb = add_verb(program, "diff",
+                            {.summary = "Compares the cell sets of two .pvs files of one scene",
+                             .usage = "BEFORE.pvs AFTER.pvs [options]",
+                             .description = "Counts the cells, polygons and visibility volumes that were gained and "
+                                            "lost, and lists the cells that changed most.",
+                             .examples = {"sightcell diff old.pvs new.pvs"}});
+  verb.add_option("BEFORE", options->before, "A .pvs file.")->required();
+  verb.add_option("AFTER", options->after, "A .pvs file of the same scene.")->required();
+  verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_diff(*options); }; });
 }
 

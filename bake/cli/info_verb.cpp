@@ -8,13 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "exit_codes.h"
+#include "help.h"
 #include "metric_options.h"
 #include "number_text.h"
 #include "pvs_file.h"
 #include "scene_info.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/inspect.h"
+#include "sightcell/base/json_text.h"
 #include "sightcell/format/layout.h"
-#include "sightcell/scene/json_text.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
 
@@ -220,12 +221,19 @@ int run_info(const info_options& options) {
 
 void add_info_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<info_options>();
-  CLI::App& verb = *program.add_subcommand("info", "what a scene or a .pvs file holds");
-  verb.add_option("FILE", options->path, ".glb, .gltf or .pvs")->type_name("SCENE|FILE.pvs")->required();
-  verb.add_option("--scene", options->scene, "which scene of a glTF file; without: its default")
+  CLI::App& verb = add_verb(
+      program, "info",
+      {.summary = "Prints what a scene or a .pvs file contains",
+       .usage = "FILE [options]",
+       .description = "Of a scene: polygons, materials, marks, extensions, and what a bake would warn about. Of a .pvs "
+                      "file: cells, sizes, bounds, settings and sections.",
+       .examples = {"sightcell info level.glb", "sightcell info level.pvs"}});
+  verb.add_option("FILE", options->path, "A scene (.glb or .gltf) or a .pvs file.")->required();
+  verb.add_option("--scene", options->scene,
+                  "Number of the glTF scene in the file, from 0. Without it: the default scene of the file.")
       ->type_name("N")
       ->check(CLI::Range(0, INT32_MAX));
-  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_info(*options); }; });
 }
 

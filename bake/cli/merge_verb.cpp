@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "exit_codes.h"
+#include "help.h"
 #include "number_text.h"
 #include "progress_line.h"
 #include "safety_ring_text.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/shards.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
@@ -57,10 +58,17 @@ int run_merge(const merge_options& options) {
 
 void add_merge_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<merge_options>();
-  CLI::App& verb = *program.add_subcommand("merge", "join the shards of a bake (bake --shard); needs no scene");
-  verb.add_option("FILE", options->output, "the .pvs file to write")->type_name("FILE.pvs")->required();
-  verb.add_option("SHARDS", options->shards, "shard files; without: those beside FILE.pvs")->type_name("SHARD");
-  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  CLI::App& verb = add_verb(
+      program, "merge",
+      {.summary = "Joins the shards of a bake on several machines",
+       .usage = "FILE.pvs [SHARD...] [options]",
+       .description = "Joins what sightcell bake --shard has written on several machines, once both phases of all "
+                      "shards are complete. The result has the bytes of one bake. No scene is needed.",
+       .examples = {"sightcell bake level.glb -o level.pvs --shard 0/2          # on machine 0; 1/2 on machine 1",
+                    "sightcell bake level.glb -o level.pvs --shard 0/2 --phase 2", "sightcell merge level.pvs"}});
+  verb.add_option("FILE", options->output, "The .pvs file to write.")->required();
+  verb.add_option("SHARDS", options->shards, "Files of shards. Without them: those in the folder of FILE.");
+  verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_merge(*options); }; });
 }
 

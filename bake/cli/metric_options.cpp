@@ -5,43 +5,40 @@
 #include <algorithm>
 #include <iterator>
 
+#include "help.h"
+#include "one_of.h"
+
 namespace sightcell::cli {
 
 void add_metric_options(CLI::App& verb, metric_options& options, const std::string& group) {
-  const auto& names = bake::metric_names;
-  verb.add_option("--metric", options.metric,
-                  "what the error means: pixel (a ray from a free place, in any direction, is wrong), view (the same "
-                  "where a picture looks, and what is missing is not too small for it) or color (by how much colors "
-                  "differ)")
-      ->type_name("NAME")
-      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
-      ->capture_default_str()
-      ->group(group);
+  add_option(verb, group, "--metric", options.metric, "NAME",
+             "The error that bounds are about: pixel (rays in all directions, each miss counts), view (rays in the "
+             "directions that a given camera shows; misses that are too small there do not count) or color (mean "
+             "difference of colors, 0 to 1).")
+      ->check(one_of(bake::metric_names));
   bake::metric_settings& s = options.settings;
   const std::vector<CLI::Option*> of_view{
-      verb.add_option("--view-resolution", options.resolution, "of view: pixels of the host's picture")
+      add_plain_option(verb, group, "--view-resolution", options.resolution, "WxH",
+                       "With --metric view: pixels of the host's picture. Range: 16 to 65536.")
           ->delimiter('x')
           ->expected(2)
-          ->type_name("WxH")
           ->default_str(fmt::format("{}x{}", s.view_width, s.view_height)),
-      verb.add_option("--view-fov", s.view_fov, "of view: degrees from the picture's lower border to its upper one")
-          ->type_name("DEGREES")
-          ->capture_default_str(),
-      verb.add_option("--view-pitch", options.pitch, "of view: degrees by which the camera looks down and up, at most")
+      add_option(verb, group, "--view-fov", s.view_fov, "DEGREES",
+                 "With --metric view: vertical field of view in degrees. Range: 1 to 170."),
+      add_plain_option(verb, group, "--view-pitch", options.pitch, "MIN,MAX",
+                       "With --metric view: how far the camera turns down and up, in degrees. It turns freely to the "
+                       "sides and does not roll. Range: -90 to 90.")
           ->delimiter(',')
           ->expected(2)
-          ->type_name("MIN,MAX")
           ->default_str(fmt::format("{},{}", s.view_pitch[0], s.view_pitch[1])),
-      verb.add_option("--view-least", s.view_least,
-                      "of view: a polygon counts from this part of the pixel in the picture's middle on")
-          ->type_name("PART")
-          ->capture_default_str()};
-  for (CLI::Option* option : of_view) option->group(group);
-  // Or who forgot --metric would take a pixel error for that of a view.
+      add_option(verb, group, "--view-least", s.view_least, "X",
+                 "With --metric view: smallest polygon that counts. Its solid angle as a multiple of that of the "
+                 "pixel in the middle of the picture. Range: 0 to 1e6.")};
+  // A user who forgot --metric would take a pixel error for that of a view.
   verb.parse_complete_callback([of_view, &options] {
     for (const CLI::Option* option : of_view)
       if (option->count() > 0 && options.metric != "view")
-        throw CLI::ValidationError(option->get_name(), "is of --metric view alone, and this is " + options.metric);
+        throw CLI::ValidationError(option->get_name(), "is for --metric view, and the metric is " + options.metric);
   });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// --metric and what belongs to it, the same for every verb that bounds an error.
+// --metric and its options, for every verb that bounds an error.
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
@@ -12,16 +12,17 @@ namespace sightcell::cli {
 
 struct metric_options {
   std::string metric = std::string(bake::metric_names.front());
-  bake::metric_settings settings;  // but for what stands here as text or list
+  bake::metric_settings settings;  // what is not here as text or list
   std::vector<std::uint32_t> resolution{settings.view_width, settings.view_height};
   std::vector<double> pitch{settings.view_pitch.begin(), settings.view_pitch.end()};
 };
 
-// Adds the options to a verb, in a group of its help. Those of view are refused with another metric. options must
-// outlive the verb.
+// Adds the options to a group of a verb. Those of view are rejected with another metric.
+// options: must outlive the verb.
 void add_metric_options(CLI::App& verb, metric_options& options, const std::string& group);
 
-// What was asked for. Throws sightcell::error naming the option when a value is out of its range.
+// Returns what was asked for.
+// Fails with settings.out-of-range; the line names the option.
 bake::metric_settings metric_of(const metric_options& options);
 
 // "pixel error"

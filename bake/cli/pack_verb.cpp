@@ -8,10 +8,11 @@
 
 #include "console.h"
 #include "exit_codes.h"
+#include "help.h"
 #include "number_text.h"
 #include "pvs_file.h"
 #include "sightcell/bake/pack.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
@@ -55,15 +56,18 @@ int run_pack(const pack_options& options) {
 
 void add_pack_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<pack_options>();
-  CLI::App& verb = *program.add_subcommand("pack", "write the world-space mesh that goes with a merged .pvs file");
-  verb.add_option("SCENE", options->scene, ".glb or .gltf")->type_name("FILE")->required();
-  verb.add_option("FILE", options->file, "the .pvs file baked from it with --layout merged")
-      ->type_name("FILE.pvs")
-      ->required();
-  verb.add_option("-o", options->output, "the mesh: one list of vertices, one of indices in stored order")
-      ->type_name("PACKED.glb")
-      ->required();
-  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  CLI::App& verb = add_verb(
+      program, "pack",
+      {.summary = "Writes the mesh that goes with a .pvs file of the merged layout",
+       .usage = "SCENE FILE.pvs -o PACKED.glb [options]",
+       .description = "Writes the scene as one mesh in world space, with its triangles in the stored order of the .pvs "
+                      "file: one vertex buffer, one index buffer, one node for each draw group.",
+       .examples = {"sightcell bake level.glb -o level.pvs --layout merged",
+                    "sightcell pack level.glb level.pvs -o packed.glb"}});
+  verb.add_option("SCENE", options->scene, "The scene that was baked: a .glb or .gltf file.")->required();
+  verb.add_option("FILE", options->file, "The .pvs file that was baked from it with --layout merged.")->required();
+  verb.add_option("-o", options->output, "The .glb file to write.")->type_name("PACKED.glb")->required();
+  verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_pack(*options); }; });
 }
 

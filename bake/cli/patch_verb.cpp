@@ -11,10 +11,11 @@
 #include <vector>
 
 #include "exit_codes.h"
+#include "help.h"
 #include "number_text.h"
 #include "pvs_file.h"
-#include "sightcell/bake/bake.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/bake/patch.h"
+#include "sightcell/base/error.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
@@ -73,13 +74,22 @@ int run_patch(const patch_options& options) {
 
 void add_patch_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<patch_options>();
-  CLI::App& verb = *program.add_subcommand("patch", "add polygons to cell sets of a .pvs file; its bounds still hold");
-  verb.add_option("FILE", options->file, "the .pvs file; rewritten, but for -o")->type_name("FILE.pvs")->required();
-  verb.add_option("--add", options->add, "polygons (source ids) for a cell; may be given more than once")
-      ->type_name("CELL:POLYGON|CELL:FIRST-LAST")
+  CLI::App& verb = add_verb(
+      program, "patch",
+      {.summary = "Adds polygons to cell sets of a .pvs file",
+       .usage = "FILE.pvs --add CELL:POLYGON [options]",
+       .description = "Adds polygons to cell sets, for example a reported miss. The bounds in the file still hold, "
+                      "because more polygons only lower the error. FILE.pvs is replaced unless -o is given.",
+       .examples = {"sightcell patch level.pvs --add 12:3456",
+                    "sightcell patch level.pvs --add 12:3400-3499 -o new.pvs"}});
+  verb.add_option("FILE", options->file, "The .pvs file.")->required();
+  verb.add_option("--add", options->add,
+                  "A cell, and the source id of a polygon or the first and last one of a range: CELL:POLYGON or "
+                  "CELL:FIRST-LAST. May be repeated.")
+      ->type_name("CELL:POLYGON")
       ->required();
-  verb.add_option("-o", options->output, "write there instead")->type_name("FILE.pvs");
-  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  verb.add_option("-o", options->output, "The file to write. Without it: FILE.")->type_name("FILE.pvs");
+  verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_patch(*options); }; });
 }
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/progress.h"
 
 namespace sightcell::cli {
 

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "sightcell/bake/settings.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/json_text.h"
 #include "sightcell/format/layout.h"
-#include "sightcell/scene/error.h"
-#include "sightcell/scene/json_text.h"
 
 namespace sightcell::cli {
 
@@ -88,6 +88,15 @@ std::string_view pvs_file::metric() const {
   const auto& names = bake::metric_names;
   const auto name = found != settings.end() ? std::find(names.begin(), names.end(), *found) : names.end();
   return name != names.end() ? *name : names.front();
+}
+
+double pvs_file::requested_bound() const {
+  constexpr double without = bake::max_pixel_error_of_quality[static_cast<std::size_t>(bake::quality::normal)];
+  const auto settings = scene::parse_json(reader_.settings(), false);
+  const auto found = settings.is_object() ? settings.find("max_pixel_error") : settings.end();
+  if (found == settings.end() || !found->is_number()) return without;
+  const auto bound = found->get<double>();
+  return bound > 0.0 && bound <= 1.0 ? bound : without;
 }
 
 int pvs_file::scene() const {

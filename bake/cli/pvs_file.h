@@ -30,7 +30,9 @@ class pvs_file {
   format::box cell_box(std::uint32_t cell) const;  // of a cell that there is
   scene::animated_as animated() const;             // what it was baked with
   std::string_view metric() const;                 // of what error its bounds are, as --metric has it
-  int scene() const;                               // the glTF scene that it was baked from; -1: the default one
+  // The bound that the bake was asked for; that of the default quality where the settings text has none.
+  double requested_bound() const;
+  int scene() const;  // the glTF scene that it was baked from; -1: the default one
   std::vector<std::uint32_t> cell_set(std::uint32_t cell) const;  // ascending source ids
 
   // Throws where something that was asked of the file is not ok.

@@ -10,12 +10,14 @@
 #include <vector>
 
 #include "exit_codes.h"
+#include "help.h"
 #include "number_text.h"
+#include "one_of.h"
 #include "progress_line.h"
 #include "pvs_file.h"
 #include "sightcell/bake/recode.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/layout.h"
-#include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
 #include "stop_signals.h"
 #include "verbs.h"
@@ -103,36 +105,45 @@ int run_migrate(const recode_options& options) {
 }
 
 void add_common(CLI::App& verb, recode_options& o) {
-  verb.add_option("FILE", o.file, "the .pvs file; rewritten, but for -o")->type_name("FILE.pvs")->required();
-  verb.add_option("-o", o.output, "write there instead")->type_name("FILE.pvs");
-  verb.add_flag("--json", o.json, "print one JSON object on standard output");
+  verb.add_option("FILE", o.file, "The .pvs file.")->required();
+  verb.add_option("-o", o.output, "The file to write. Without it: FILE.")->type_name("FILE.pvs");
+  verb.add_flag("--json", o.json, "Prints the result as one JSON object on standard output.");
 }
 
 }  // namespace
 
 void add_recode_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<recode_options>();
-  CLI::App& verb =
-      *program.add_subcommand("recode", "write a .pvs file in another profile, order or layout, without a bake");
+  CLI::App& verb = add_verb(
+      program, "recode",
+      {.summary = "Changes the profile, order or layout of a .pvs file without a bake",
+       .usage = "FILE.pvs [options]",
+       .description = "Writes a .pvs file again in the current version of the format. Bounds still hold. FILE.pvs is "
+                      "replaced unless -o is given.",
+       .examples = {"sightcell recode level.pvs --profile small",
+                    "sightcell recode level.pvs --layout merged --scene level.glb -o merged.pvs"}});
   add_common(verb, *options);
-  const auto& profiles = bake::slack_profile_names;
-  verb.add_option("--profile", options->profile, "slack of the sets: balanced 5 %, small 10 %; without: as it is")
-      ->type_name("exact|balanced|small")
-      ->check(CLI::IsMember(std::vector<std::string>(profiles.begin(), profiles.end())));
-  const auto& orders = bake::polygon_order_names;
-  verb.add_option("--order", options->order, "order polygons anew; without: as they are")
-      ->type_name("per-mesh|per-instance")
-      ->check(CLI::IsMember(std::vector<std::string>(orders.begin(), orders.end())));
-  const auto& layouts = bake::host_layout_names;
+  verb.add_option(
+          "--profile", options->profile,
+          "How many invisible polygons a set may have where that makes the file smaller: exact (none), balanced "
+          "(up to 5 % of the visible ones) or small (up to 10 %). It cannot shrink. Without it: as it is.")
+      ->type_name("NAME")
+      ->check(one_of(bake::slack_profile_names));
+  verb.add_option("--order", options->order,
+                  "Computes the stored order of polygons again: per-mesh (all instances of a mesh share it) or "
+                  "per-instance (each draw has its own). Without it: as it is.")
+      ->type_name("NAME")
+      ->check(one_of(bake::polygon_order_names));
   verb.add_option("--layout", options->layout,
-                  "how the host keeps its polygons; merged needs --scene; without: as it is")
-      ->type_name("instanced|merged")
-      ->check(CLI::IsMember(std::vector<std::string>(layouts.begin(), layouts.end())));
+                  "How the host stores its polygons: instanced (its own meshes, drawn one by one) or merged (in world "
+                  "space, all static draws of a material as one list; needs --scene). Without it: as it is.")
+      ->type_name("NAME")
+      ->check(one_of(bake::host_layout_names));
   CLI::Option* scene =
-      verb.add_option("--scene", options->scene, "the scene that the file was baked from")->type_name("SCENE");
+      verb.add_option("--scene", options->scene, "The scene that was baked, for --layout merged.")->type_name("SCENE");
   verb.add_option("--importance", options->importance,
-                  "the scene that the file was baked from: put in the file how much of what is seen from its cell each "
-                  "polygon covers; without: what it knows of that stays. Stands for --scene too")
+                  "The scene that was baked: stores how large a part of the view from its cell each polygon covers. "
+                  "Serves as --scene too. Without it: the importance in the file stays.")
       ->type_name("SCENE")
       ->excludes(scene);
   verb.callback([options, &chosen] { chosen = [options] { return run_recode(*options); }; });
@@ -140,7 +151,13 @@ void add_recode_verb(CLI::App& program, action& chosen) {
 
 void add_migrate_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<recode_options>();
-  CLI::App& verb = *program.add_subcommand("migrate", "bring a .pvs file of an older version to this one; same sets");
+  CLI::App& verb = add_verb(
+      program, "migrate",
+      {.summary = "Brings a .pvs file of an older version of the format to the current one",
+       .usage = "FILE.pvs [options]",
+       .description = "Writes a .pvs file in the current version of the format, with the same cell sets. A file of the "
+                      "current version is left as it is. FILE.pvs is replaced unless -o is given.",
+       .examples = {"sightcell migrate old.pvs -o level.pvs"}});
   add_common(verb, *options);
   verb.callback([options, &chosen] { chosen = [options] { return run_migrate(*options); }; });
 }

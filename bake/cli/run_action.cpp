@@ -8,7 +8,7 @@
 
 #include "console.h"
 #include "exit_codes.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::cli {
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "exit_codes.h"
+#include "help.h"
 #include "sightcell/bake/sampler_options.h"
 #include "verbs.h"
 
@@ -19,15 +20,16 @@ std::string range_text(const bake::sampler_option& option) {
   return fmt::format("{} to {}", option.low, option.high);
 }
 
-// bake/SAMPLERS.md, which a test compares with this.
+// docs/sampler-settings.md, which a test compares with this.
 int print_markdown() {
   fmt::print(
-      "# The samplers\n\n"
-      "What `sightcell samplers --markdown` prints. How each of them works and what was measured: METHOD.md.\n\n"
+      "# Samplers and their settings\n\n"
+      "`sightcell samplers --markdown` prints this page. [Samplers and papers](method/samplers.md) explains each of "
+      "them.\n\n"
       "| `--sampler` | what it does | from |\n|---|---|---|\n");
   for (const bake::sampler_info& one : bake::samplers())
     fmt::print("| `{}` | {} | {} |\n", one.name, one.meaning, one.origin);
-  fmt::print("\n| setting | default | range | what it is | whose |\n|---|---|---|---|---|\n");
+  fmt::print("\n| setting | default | range | what it is | samplers |\n|---|---|---|---|---|\n");
   const bake::settings defaults;
   for (const bake::sampler_option& option : bake::sampler_options()) {
     const std::string unit = *option.unit == '\0' ? "" : fmt::format(" {}", option.unit);
@@ -53,8 +55,15 @@ int print_text() {
 
 void add_samplers_verb(CLI::App& program, action& chosen) {
   auto markdown = std::make_shared<bool>(false);
-  CLI::App& verb = *program.add_subcommand("samplers", "list the samplers of bake and their settings");
-  verb.add_flag("--markdown", *markdown, "as a document with tables");
+  CLI::App& verb =
+      add_verb(program, "samplers",
+               {.summary = "Describes the samplers of bake and their settings",
+                .usage = "[options]",
+                .description =
+                    "Lists the methods that sightcell bake --sampler can use, where they are from, and their settings "
+                    "with range and default.",
+                .examples = {"sightcell samplers"}});
+  verb.add_flag("--markdown", *markdown, "Prints a Markdown document with tables.");
   verb.callback([markdown, &chosen] { chosen = [markdown] { return *markdown ? print_markdown() : print_text(); }; });
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "number_text.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/inspect.h"
 
 namespace sightcell::cli {
 

@@ -7,7 +7,7 @@
 
 namespace sightcell::cli {
 
-// The keys are documented in bake/README.md.
+// The keys are documented in docs/json-files.md.
 nlohmann::ordered_json scene_info(const scene::scene& s);
 
 // The same for people.

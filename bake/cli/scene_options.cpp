@@ -4,22 +4,23 @@
 
 #include <utility>
 
+#include "help.h"
 #include "number_text.h"
 
 namespace sightcell::cli {
 
-void add_scene_options(CLI::App& verb, scene_options& options, const std::string& group) {
-  verb.add_option("SCENE", options.scene, ".glb or .gltf")->type_name("FILE");
+void add_scene_argument(CLI::App& verb, scene_options& options, const std::string& help) {
+  verb.add_option("SCENE", options.scene, help)->type_name("FILE");
+}
+
+void add_two_scene_options(CLI::App& verb, scene_options& options, const std::string& group) {
   CLI::Option* polygons =
-      verb.add_option("--polygons-from", options.polygons_from,
-                      "in the place of SCENE, with --cells-from: the scene whose polygons sets are about")
-          ->type_name("SCENE")
-          ->group(group);
-  verb.add_option("--cells-from", options.cells_from,
-                  "the scene that the cells are in: it stands in the same world, and hides; it is in no set")
-      ->type_name("SCENE")
-      ->needs(polygons)
-      ->group(group);
+      add_plain_option(verb, group, "--polygons-from", options.polygons_from, "SCENE",
+                       "Instead of SCENE, with --cells-from: the scene whose polygons are in the sets.");
+  add_plain_option(verb, group, "--cells-from", options.cells_from, "SCENE",
+                   "With --polygons-from: the scene of the view cells. It is in the same world and occludes; none of "
+                   "its polygons is in a set.")
+      ->needs(polygons);
   polygons->needs("--cells-from");
 }
 
@@ -37,7 +38,7 @@ std::optional<scene::scene> load_scene_of_cells(const scene_options& options, pr
   if (!options.two()) return std::nullopt;
   scene::scene s = scene::load_gltf(options.cells_from);
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
-  line.message(fmt::format("{}: cells among {} polygons, which hide", s.name, grouped(s.polygon_count)));
+  line.message(fmt::format("{}: cells among {} polygons, which occlude", s.name, grouped(s.polygon_count)));
   return s;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The scene of bake and verify, or the two of what the cells of one see of another.
+// The scene of bake and verify; or two scenes: one has the cells, the other the polygons of the sets.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
@@ -17,15 +17,20 @@ struct scene_options {
   bool two() const { return !cells_from.empty(); }
 };
 
-// Adds SCENE and the two options. They must outlive the verb.
-void add_scene_options(CLI::App& verb, scene_options& options, const std::string& group);
+// Adds SCENE.
+// options: must outlive the verb.
+void add_scene_argument(CLI::App& verb, scene_options& options, const std::string& help);
 
-// One way or the other was given: else throws what CLI11 makes an error of. To be called by the verb's callback. Then
-// options.scene is the one whose polygons are asked for. file: of a verb that has a second positional, else null; where
-// SCENE is not given that is the first one.
+// Adds the two options for a second scene.
+void add_two_scene_options(CLI::App& verb, scene_options& options, const std::string& group);
+
+// Checks that one way or the other was used, and makes options.scene the scene that sets are about. To be called by the
+// callback of the verb.
+// file: the second positional argument of the verb, or null. Without SCENE it is the first one.
+// Fails with CLI::ParseError.
 void settle_scenes(scene_options& options, std::filesystem::path* file = nullptr);
 
-// That of the cells, where it is another one. Tells of warnings and of what it has.
+// Loads the scene of the cells if it is another one. Prints its warnings and counts.
 std::optional<scene::scene> load_scene_of_cells(const scene_options& options, progress_line& line);
 
 }  // namespace sightcell::cli

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::cli {
 namespace {

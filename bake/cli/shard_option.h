@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/shards.h"
 
 namespace sightcell::cli {
 

@@ -1,5 +1,5 @@
 #pragma once
-// Every verb registers its options and, when the command line asks for it, sets what shall run.
+// Each verb adds its options to the program, and sets the action to run if the command line names it.
 #include <functional>
 
 namespace CLI {
@@ -8,7 +8,7 @@ class App;
 
 namespace sightcell::cli {
 
-// Runs a verb after the command line is parsed; returns an exit code, throws sightcell::error.
+// Runs a verb after the command line is parsed. Returns an exit code; fails with sightcell::error.
 using action = std::function<int()>;
 
 void add_bake_verb(CLI::App& program, action& chosen);
@@ -21,5 +21,6 @@ void add_patch_verb(CLI::App& program, action& chosen);
 void add_recode_verb(CLI::App& program, action& chosen);
 void add_samplers_verb(CLI::App& program, action& chosen);
 void add_verify_verb(CLI::App& program, action& chosen);
+void add_view_verb(CLI::App& program, action& chosen);
 
 }  // namespace sightcell::cli

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,14 +12,15 @@
 #include <utility>
 
 #include "exit_codes.h"
+#include "help.h"
 #include "metric_options.h"
 #include "number_text.h"
 #include "progress_line.h"
 #include "pvs_file.h"
 #include "scene_options.h"
-#include "sightcell/bake/bake.h"
 #include "sightcell/bake/misses.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/bake/verify.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
 #include "verify_misses.h"
@@ -38,7 +40,9 @@ struct verify_options {
   bool with_rays = true;  // --from takes their place, unless they are asked for
   bake::verify_settings how;
   metric_options metric;
-  double max_pixel_error = 1e-3;
+  std::optional<std::uint64_t> rays;
+  std::optional<double> max_pixel_error;  // without it: the bound that the bake was asked for
+  double bound = 0.0;                     // the one that decides
   bool json = false;
 };
 
@@ -89,8 +93,8 @@ ordered_json result_json(const bake::verification& v, const std::vector<named_mi
                          {"volume_misses", v.misses_of_volumes},
                          {"cells", v.cells.size()},
                          {"visible_set_percent", v.visible_set_percent},
-                         {"max_pixel_error", options.max_pixel_error},
-                         {"passed", v.upper_bound <= options.max_pixel_error},
+                         {"max_pixel_error", options.bound},
+                         {"passed", v.upper_bound <= options.bound},
                          {"seed", options.how.seed},
                          {"worst_view", worst_view}};
   result["worst_cell"] = worst != nullptr ? ordered_json(worst->cell) : ordered_json(nullptr);
@@ -131,6 +135,11 @@ ordered_json try_worst_view(const scene::scene& s, const pvs_file& file, const s
   return view;
 }
 
+// Rays without a miss prove a bound of 3 / rays at 95 % confidence. Some more, because a few misses are normal.
+std::uint64_t rays_for(double bound) {
+  return static_cast<std::uint64_t>(std::ceil(10.0 / bound));
+}
+
 void report(const bake::verification& v, const std::vector<named_miss>& missing, const verify_options& options,
             progress_line& line) {
   const std::string error = error_name(options.how.metric);
@@ -146,14 +155,17 @@ void report(const bake::verification& v, const std::vector<named_miss>& missing,
     line.message(
         fmt::format("worst cell: {}, {} {:.2e}, at most {:.2e}", worst->cell, error, worst->error, worst->upper_bound));
   if (v.misses_of_volumes > 0)
-    line.message(fmt::format("{} of the misses lack volumes alone", grouped(v.misses_of_volumes)));
-  line.message(fmt::format(
-      "{}: {} misses of {} rays in {} cells; {} {:.2e}, at most {:.2e} ({:g} % sure); asked for {:g}",
-      v.upper_bound <= options.max_pixel_error ? "passed" : "FAILED", grouped(v.misses), grouped(v.rays),
-      grouped(v.cells.size()), error, v.pixel_error, v.upper_bound, 100.0 * v.confidence, options.max_pixel_error));
+    line.message(fmt::format("{} of the misses lack visibility volumes only", grouped(v.misses_of_volumes)));
+  line.message(
+      fmt::format("{}: {} misses of {} rays in {} cells; {} {:.2e}, at most {:.2e} ({:g} % sure); asked for {:g}",
+                  v.upper_bound <= options.bound ? "passed" : "FAILED", grouped(v.misses), grouped(v.rays),
+                  grouped(v.cells.size()), error, v.pixel_error, v.upper_bound, 100.0 * v.confidence, options.bound));
+  if (v.upper_bound > options.bound && 3.0 / static_cast<double>(v.rays) > options.bound)
+    line.message(fmt::format("{} rays are too few to prove {:g}: give --rays {} or more", grouped(v.rays),
+                             options.bound, rays_for(options.bound)));
 }
 
-// Fresh rays: the result for --json, and whether the bound was met.
+// Returns the result for --json, and whether the bound was met.
 std::pair<ordered_json, bool> verify_with_rays(const scene::scene& s, const pvs_file& file,
                                                const verify_options& options, progress_line& line) {
   if (file.metric() != options.metric.metric)
@@ -166,18 +178,20 @@ std::pair<ordered_json, bool> verify_with_rays(const scene::scene& s, const pvs_
   for (const bake::missing_polygon& miss : v.missing) missing.push_back(name_miss(s, v, miss));
   const ordered_json view = try_worst_view(s, file, missing, options, line);
   report(v, missing, options, line);
-  return {result_json(v, missing, view, options), v.upper_bound <= options.max_pixel_error};
+  return {result_json(v, missing, view, options), v.upper_bound <= options.bound};
 }
 
 int run_verify(verify_options options) {
   options.how.metric = metric_of(options.metric);
-  if (!(options.max_pixel_error > 0.0 && options.max_pixel_error <= 1.0))
+  if (options.max_pixel_error && !(*options.max_pixel_error > 0.0 && *options.max_pixel_error <= 1.0))
     throw error(error_kind::wrong_use, "settings.out-of-range", "--max-pixel-error",
-                fmt::format("is {}", options.max_pixel_error), "give a number above 0, at most 1");
-  if (options.how.rays == 0)
+                fmt::format("is {}", *options.max_pixel_error), "give a number above 0, at most 1");
+  if (options.rays == std::uint64_t{0})
     throw error(error_kind::wrong_use, "settings.out-of-range", "--rays", "is 0", "give at least 1");
   progress_line line(progress_mode::automatic);
   const pvs_file file = pvs_file::open(options.file);
+  options.bound = options.max_pixel_error.value_or(file.requested_bound());
+  options.how.rays = options.rays.value_or(std::max(options.how.rays, rays_for(options.bound)));
   const scene::scene s = scene::load_gltf(options.scenes.scene, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const std::optional<scene::scene> of_cells = load_scene_of_cells(options.scenes, line);
@@ -198,35 +212,49 @@ int run_verify(verify_options options) {
   return passed ? exit_done : exit_bound_not_met;
 }
 
-// Who gives a bound and no rays would take silence for a bound that was met.
+// A user who gives a bound and no rays would take silence for a bound that was met.
 void refuse_options_of_rays(const CLI::App& verb) {
   for (const char* name : {"--cells", "--seed", "--max-pixel-error", "--metric", "--picture"})
     if (verb.get_option(name)->count() > 0)
-      throw CLI::ValidationError(name, "is of the rays, and --from takes their place unless --rays is given");
+      throw CLI::ValidationError(name, "is for rays, and --from takes their place unless --rays is given");
 }
 
 }  // namespace
 
 void add_verify_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<verify_options>();
-  CLI::App& verb = *program.add_subcommand("verify", "bound the error of a .pvs file with fresh, independent rays");
-  add_scene_options(verb, options->scenes, "Options");
-  verb.add_option("FILE", options->file, "the .pvs file baked from it")->type_name("FILE.pvs");
-  const auto add = [&verb](const char* name, auto& value, const char* unit, const char* help) {
-    verb.add_option(name, value, help)->type_name(unit)->capture_default_str();
-  };
-  add("--cells", options->how.cells, "N", "check only so many cells, spread evenly; 0: all");
-  add("--rays", options->how.rays, "N", "rays over all cells together, the same number for each");
-  add("--seed", options->how.seed, "N", "of the rays");
-  add("--max-pixel-error", options->max_pixel_error, "E", "exit 3 when the upper bound over all cells is above it");
-  add_metric_options(verb, options->metric, "Options");
-  verb.add_option("--picture", options->picture, "folder for pictures of the worst view; default: beside FILE.pvs")
-      ->type_name("DIR");
-  verb.add_option("--from", options->from,
-                  "polygons that a host found missing, JSON: {\"misses\":[{\"eye\":[x,y,z],\"polygon\":1234}]}; exit 3 "
-                  "when one is seen from its eye and not in the set; no other rays, unless --rays is given")
-      ->type_name("FILE");
-  verb.add_flag("--json", options->json, "print one JSON object on standard output");
+  CLI::App& verb = add_verb(
+      program, "verify",
+      {.summary = "Measures the error of a .pvs file with independent rays",
+       .usage = "SCENE FILE.pvs [options]",
+       .description = "Casts verification rays from random valid viewpoints and counts those that hit a polygon which "
+                      "the set of the cell lacks. Uses nothing of the bake but the file. Lists the missing polygons "
+                      "and draws pictures of the worst view. Exit code 3: the upper bound of the error, at 95 % "
+                      "confidence, is above --max-pixel-error.",
+       .examples = {"sightcell verify level.glb level.pvs",
+                    "sightcell verify level.glb level.pvs --rays 10000000 --json"}});
+  const char* const group = "Options";
+  add_scene_argument(verb, options->scenes, "The scene that was baked: a .glb or .gltf file.");
+  verb.add_option("FILE", options->file, "The .pvs file that was baked from it.");
+  add_plain_option(
+      verb, group, "--rays", options->rays, "N",
+      "Verification rays over all cells, the same number for each. Default: 1000000, or 10 / bound if that "
+      "is more.");
+  add_option(verb, group, "--cells", options->how.cells, "N",
+             "Verifies this many cells, spread evenly over the file. 0: all cells.");
+  add_plain_option(verb, group, "--max-pixel-error", options->max_pixel_error, "E",
+                   "Bound of the error over all verified cells, above 0 and at most 1. Default: the bound that the "
+                   "bake was asked for, or 1e-4 if it was asked for none.");
+  add_plain_option(verb, group, "--from", options->from, "FILE.json",
+                   "Tries misses that a host reported instead of random rays: {\"misses\": [{\"eye\": [x, y, z], "
+                   "\"polygon\": 1234}]}. Exit code 3: a polygon is visible from its eye and missing in a set. With "
+                   "--rays, random rays are cast too.");
+  add_plain_option(verb, group, "--picture", options->picture, "FOLDER",
+                   "Folder for the pictures of the worst view. Default: the folder of FILE.");
+  verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.")->group(group);
+  add_two_scene_options(verb, options->scenes, "Expert: scenes");
+  add_metric_options(verb, options->metric, "Expert: metric");
+  add_option(verb, "Expert: rays", "--seed", options->how.seed, "N", "Seed of the random numbers.");
   verb.callback([options, &chosen, &verb] {
     settle_scenes(options->scenes, &options->file);
     options->with_rays = options->from.empty() || verb.get_option("--rays")->count() > 0;

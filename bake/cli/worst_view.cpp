@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "sightcell/bake/stored_overrides.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/picture/picture.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pvs_file.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/verify.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::cli {

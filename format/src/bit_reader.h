@@ -1,7 +1,6 @@
 #pragma once
-// Bits of a chunk, lowest bit of a byte first, as far as 56 at a time. Bytes are taken as hostile, and somebody may
-// change them while they are read: each load is at a checked place, and no two loads of the same place are relied on to
-// agree.
+// Reads the bits of a chunk, lowest bit of a byte first, up to 56 at a time. Safe for hostile bytes that may change
+// while they are read: each load is at a checked offset, and two loads from the same offset need not agree.
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -12,14 +11,14 @@ namespace sightcell::format {
 
 class bit_reader {
  public:
-  // Bytes that must follow the last bit, so that a load never needs to look where it is.
+  // Bytes that must follow the last bit, so that a load needs no test against the end.
   static constexpr std::size_t padding = 8;
-  // Bits that one peek is good for.
+  // Bits that one peek returns.
   static constexpr unsigned peek_bits = 56;
 
-  // A reader of nothing.
+  // A reader without bits.
   bit_reader() noexcept = default;
-  // bytes: the bits and the padding behind them. Fewer bytes than padding: no bits.
+  // bytes: the bits, then the padding. Fewer bytes than padding: no bits.
   explicit bit_reader(std::span<const std::byte> bytes) noexcept
       : bytes_(bytes.data()), end_(bytes.size() < padding ? 0 : 8 * std::uint64_t{bytes.size() - padding}) {
     if (bytes.size() < padding) bytes_ = nullptr;
@@ -29,7 +28,7 @@ class bit_reader {
   [[nodiscard]] std::uint64_t place() const noexcept { return place_; }
   [[nodiscard]] bool beyond_end() const noexcept { return place_ > end_; }
 
-  // The next 56 bits or more, lowest first; what is behind the end is anything.
+  // The next 56 bits or more, lowest first. Bits after the end are undefined.
   [[nodiscard]] std::uint64_t peek() const noexcept {
     if (place_ > end_ || bytes_ == nullptr) return 0;
     return load(bytes_ + (place_ >> 3)) >> (place_ & 7u);
@@ -37,7 +36,7 @@ class bit_reader {
   void skip(unsigned bits) noexcept { place_ += bits; }
   void seek(std::uint64_t place) noexcept { place_ = place; }
 
-  // The next `bits` (0 .. 32) as a number. Beyond the end: anything, and beyond_end() says so.
+  // Takes the next `bits` (0 .. 32) as a number. Beyond the end: any number, and beyond_end() is true.
   std::uint32_t take(unsigned bits) noexcept {
     const std::uint64_t value = peek() & ((std::uint64_t{1} << bits) - 1);
     skip(bits);
@@ -62,10 +61,10 @@ class bit_reader {
   std::uint64_t place_ = 0;
 };
 
-// The same bits for loops that take some in each round: 56 or more lie in a word after each fill().
+// The same bits for loops that take some in each round: after each fill(), a word has 56 or more.
 class bit_buffer {
  public:
-  // From the reader's place on.
+  // Starts at the position of the reader.
   explicit bit_buffer(const bit_reader& from) noexcept
       : begin_(from.bytes_), last_(from.bytes_ == nullptr ? nullptr : from.bytes_ + from.end_ / 8) {
     if (begin_ == nullptr || from.beyond_end()) return;
@@ -74,7 +73,7 @@ class bit_buffer {
     skip(static_cast<unsigned>(from.place_ % 8));
   }
 
-  // Behind the last byte zeros follow, and place() lies beyond the end.
+  // After the last byte zeros follow, and place() is beyond the end.
   void fill() noexcept {
     if (at_ == nullptr || at_ > last_) [[unlikely]] {
       fill_behind_end();
@@ -84,16 +83,16 @@ class bit_buffer {
     at_ += (63u - held_bits_) >> 3;
     held_bits_ |= 56u;
   }
-  // Lowest first; those that fill() promised.
+  // The next bits, lowest first; left() of them are valid.
   [[nodiscard]] std::uint64_t bits() const noexcept { return held_; }
-  // How many that are; of what lies above them nothing is known.
+  // The number of valid bits. Bits above them are undefined.
   [[nodiscard]] unsigned left() const noexcept { return held_bits_; }
-  // At most as many as are left.
+  // bits: up to left().
   void skip(unsigned bits) noexcept {
     held_ >>= bits;
     held_bits_ -= bits;
   }
-  // Of the next bit, as bit_reader counts.
+  // The position of the next bit, as in bit_reader.
   [[nodiscard]] std::uint64_t place() const noexcept {
     return 8 * static_cast<std::uint64_t>(at_ - begin_) + missing_ - held_bits_;
   }
@@ -105,9 +104,9 @@ class bit_buffer {
   }
 
   const std::byte* begin_ = nullptr;
-  const std::byte* last_ = nullptr;  // the last place a whole word can be loaded from
+  const std::byte* last_ = nullptr;  // the last offset from which a whole word can be loaded
   const std::byte* at_ = nullptr;
-  std::uint64_t missing_ = 0;  // bits that were made up behind the end
+  std::uint64_t missing_ = 0;  // zero bits that were supplied after the end
   std::uint64_t held_ = 0;
   unsigned held_bits_ = 0;
 };

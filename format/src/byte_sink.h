@@ -1,5 +1,5 @@
 #pragma once
-// The only place that turns integers into bytes of a file: little-endian, appended to a vector.
+// The only file that converts integers to bytes of a file: little-endian, appended to a vector.
 #include <bit>
 #include <cstddef>
 #include <cstdint>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t column_count = 7;
 
-// Chunks whose places have numbers.
+// Whether the positions of a chunk are within the limits.
 bool is_near(std::int32_t chunk) noexcept {
   constexpr std::int32_t most = (1 << 30) / lattice_chunk_width;
   return chunk >= -most && chunk < most;
@@ -86,7 +86,7 @@ lattice_chunk cell_lattice::chunk(std::uint32_t number) const noexcept {
 }
 
 bool cell_lattice::cell_box(std::uint32_t cell, box& out) const noexcept {
-  // The last chunk that begins at or before the cell.
+  // Finds the last chunk that begins at or before the cell.
   std::uint32_t low = 0;
   std::uint32_t high = chunks_;
   while (low < high) {

@@ -1,5 +1,5 @@
 #pragma once
-// Cells on a lattice -> bytes. cell_lattice.h is the way back.
+// Writes cells on a lattice. The counterpart for reading is cell_lattice.h.
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace sightcell::format {
 
-// Appends the lattice. False, and nothing appended, when the places are not in that order, one is there twice, or a
-// cell's box is none.
+// Appends the lattice. False, and nothing appended, if the positions are not in order, one occurs twice, or the box of
+// a cell is invalid.
 [[nodiscard]] bool put_lattice(const lattice_shape& shape, std::span<const lattice_place> places,
                                std::vector<std::byte>& out);
 

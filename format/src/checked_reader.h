@@ -1,5 +1,5 @@
 #pragma once
-// The only place that turns bytes of a file into integers: little-endian, bounds-checked, any alignment. Every byte is
+// The only file that converts bytes of a file to integers: little-endian, bounds-checked, any alignment. Each byte is
 // loaded through volatile, exactly once per call, so that the compiler cannot load a value again after it was checked:
 // a file in shared memory may change at any moment.
 #include <bit>
@@ -9,7 +9,7 @@
 
 namespace sightcell::format {
 
-// Fixed-size numbers at given offsets. Each read says false, and leaves out alone, when it would leave the bytes.
+// Reads fixed-size numbers at given offsets. Returns false, and leaves out unchanged, for an offset outside the bytes.
 class checked_reader {
  public:
   explicit checked_reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
@@ -45,14 +45,16 @@ class checked_reader {
   std::span<const std::byte> bytes_;
 };
 
-// Numbers of variable length, one after the other: 7 bits per byte, lowest first, the top bit says that more follow.
+// Reads numbers of variable length, one after the other: 7 bits per byte, lowest first; the top bit is set if more
+// follow.
 class varint_cursor {
  public:
   varint_cursor() noexcept = default;
   explicit varint_cursor(std::span<const std::byte> bytes) noexcept
       : place_(bytes.data()), end_(bytes.data() + bytes.size()) {}
 
-  // False at the end of the bytes, above 32 bits, and for a number that has a shorter form: one value, one encoding.
+  // False at the end of the bytes, for a number above 32 bits, and for one that has a shorter form: one value, one
+  // encoding.
   [[nodiscard]] bool read(std::uint32_t& out) noexcept {
     std::uint32_t value = 0;
     for (unsigned shift = 0; shift < 35; shift += 7) {
@@ -71,7 +73,7 @@ class varint_cursor {
   [[nodiscard]] bool at_end() const noexcept { return place_ == end_; }
   [[nodiscard]] std::size_t left() const noexcept { return static_cast<std::size_t>(end_ - place_); }
 
-  // Moves the next size bytes into a cursor of their own. False when there are fewer.
+  // Moves the next size bytes into a cursor of their own. False if there are fewer.
   [[nodiscard]] bool split(std::size_t size, varint_cursor& head) noexcept {
     if (size > left()) return false;
     head.place_ = place_;

@@ -6,7 +6,7 @@ namespace sightcell::format {
 namespace {
 
 // Slicing by eight: tables[k][b] is the checksum of byte b followed by k zero bytes, so that eight bytes are folded
-// with eight independent look-ups. About 2 GB/s, on any processor.
+// with eight independent lookups. About 2 GB/s, on any processor.
 using slicing_tables = std::array<std::array<std::uint32_t, 256>, 8>;
 
 constexpr slicing_tables make_tables() {

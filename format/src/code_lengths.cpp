@@ -21,7 +21,7 @@ std::vector<package> leaves_of(const symbol_counts& counts) {
   for (std::uint32_t s = 0; s < symbol_count; ++s) {
     if (counts[s] > 0) leaves.push_back({counts[s], {static_cast<std::uint8_t>(s)}});
   }
-  // Of equal weights the higher symbol comes first, and is the one that gets the longer code.
+  // Of equal weights the higher symbol comes first, and gets the longer code.
   std::sort(leaves.begin(), leaves.end(), [](const package& a, const package& b) {
     return std::tie(a.weight, b.symbols.front()) < std::tie(b.weight, a.symbols.front());
   });
@@ -55,7 +55,7 @@ symbol_lengths best_lengths(const symbol_counts& counts, unsigned most_bits) {
                [](const package& a, const package& b) { return a.weight < b.weight; });
     level = std::move(merged);
   }
-  // Every package that a symbol is in among the first 2 n - 2 is one bit of its code.
+  // A symbol's code has one bit for each of the first 2 n - 2 packages that contain it.
   for (std::size_t i = 0; i < 2 * leaves.size() - 2; ++i) {
     for (const std::uint8_t symbol : level[i].symbols) ++lengths[symbol];
   }

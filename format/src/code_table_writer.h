@@ -1,5 +1,5 @@
 #pragma once
-// Lengths of a prefix code -> bytes. code_table.h is the way back.
+// Writes the lengths of a prefix code. The counterpart for reading is code_table.h.
 #include <cstddef>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the draws of a file must keep together, used by the writer before it writes and by the reader after it read.
+// The rules for the draws of a file together. The writer tests them before it writes, the reader after it has read.
 #include <cstdint>
 
 #include "record_rules.h"
@@ -12,7 +12,8 @@ class draw_table_rules {
   draw_table_rules(host_layout layout, std::uint32_t polygon_count) noexcept
       : layout_(layout), polygon_count_(polygon_count) {}
 
-  // order: the number of the draw's order, which has so many polygons. False when it cannot follow those before it.
+  // order: the number of the draw's order, which has order_polygons polygons. False if the draw cannot follow those
+  // before it.
   [[nodiscard]] bool take(const draw_record& d, std::uint32_t order, std::uint32_t order_polygons) noexcept {
     if (!draw_is_valid(d, layout_, order, order_polygons) || d.first_stored != stored_) return false;
     if (d.polygon_count > polygon_count_ - stored_ || d.first_source > polygon_count_ - d.polygon_count) return false;
@@ -30,13 +31,14 @@ class draw_table_rules {
     return true;
   }
 
-  // Whether those were all draws of a file with so many orders.
+  // Whether these were all draws of a file with this number of orders.
   [[nodiscard]] bool complete(std::uint32_t orders) const noexcept {
     return stored_ == polygon_count_ && left_in_group_ == 0 && orders_ == orders;
   }
 
  private:
-  // Behind the draws of the last group in the source, drawn with the same state, and shown with them.
+  // Whether the draw is after the draws of the last group in the source, has the same material, and is in the same
+  // named group.
   [[nodiscard]] bool joins_group(const draw_record& d) const noexcept {
     return d.group + 1 == orders_ && d.polygon_count <= left_in_group_ &&
            d.first_source >= last_.first_source + last_.polygon_count && d.material == last_.material &&
@@ -47,7 +49,7 @@ class draw_table_rules {
   std::uint32_t polygon_count_;
   std::uint32_t stored_ = 0;         // polygons so far
   std::uint32_t orders_ = 0;         // orders so far, and draw groups, of which each has one
-  std::uint32_t left_in_group_ = 0;  // polygons of its order that no draw has yet
+  std::uint32_t left_in_group_ = 0;  // polygons of its order that no draw has taken yet
   draw_record last_;
 };
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view temporary_mark = ".tmp-";
 
-// No two writers share a temporary file, whichever process or thread they are in.
+// No two writers share a temporary file, in any process or thread.
 std::string temporary_name(const char* path) {
   static std::atomic<std::uint64_t> counter{0};
   return path + std::string(temporary_mark) + std::to_string(process_number()) + "-" + std::to_string(counter++);
@@ -39,7 +39,7 @@ fs::path path_of(const char* utf8) {
   return fs::path(std::u8string(text.begin(), text.end()));
 }
 
-// Rename would put a file in the place of a device.
+// False for a device or folder, which rename would replace by a file.
 bool is_replaceable(const char* path) {
   std::error_code unknown;
   const fs::file_status there = fs::status(path_of(path), unknown);
@@ -88,7 +88,7 @@ void remove_unfinished(const char* path) {
   try {
     remove_beside(path);
   } catch (const std::exception&) {
-    // No memory, or a name that is none: then they stay.
+    // Out of memory, or an invalid name: the files stay.
   }
 #else
   remove_beside(path);

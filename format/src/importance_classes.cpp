@@ -11,7 +11,7 @@
 namespace sightcell::format {
 namespace {
 
-constexpr std::size_t checksum_size = 4;  // what the section begins with
+constexpr std::size_t checksum_size = 4;  // at the begin of the section
 
 std::uint32_t chunk_count_of(std::uint32_t cells) noexcept {
   return (cells + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
@@ -19,7 +19,7 @@ std::uint32_t chunk_count_of(std::uint32_t cells) noexcept {
 
 }  // namespace
 
-// Short codes alone, so that one look into a small table decodes each.
+// Accepts short codes only, so that one lookup in a small table decodes each.
 bool importance_classes::read_code(std::span<const std::byte>& bytes, std::uint32_t symbols,
                                    code_entries& entries) noexcept {
   symbol_lengths lengths{};
@@ -57,7 +57,7 @@ status importance_classes::open(std::span<const std::byte> bytes, std::uint32_t 
   const std::size_t front = bytes.size() - made.chunks_.size();
   if (!checked_reader(bytes).read_u32(0, stored)) return status::corrupt;
   if (crc32c(bytes.first(front).subspan(checksum_size)) != stored) return status::checksum;
-  // Chunks lie one behind the other and fill the section.
+  // Chunks follow each other and fill the section.
   std::uint64_t next = 0;
   for (std::uint32_t chunk = 0; chunk < chunk_count_of(cells); ++chunk) {
     std::span<const std::byte> where;
@@ -93,7 +93,7 @@ status importance_classes::check_chunk(std::uint32_t chunk) const noexcept {
   return crc32c(bytes) == stored ? status::ok : status::checksum;
 }
 
-// That a cell's classes begin where those before end is for those before: each ends where the next one begins.
+// Where the classes of the cells before end need not be tested: each cell's classes end where the next one's begin.
 status importance_classes::decode(std::uint32_t cell, std::span<std::uint8_t> out) const noexcept {
   if (cell >= cells_) return status::argument;
   const std::uint32_t chunk = cell / layout::cells_per_chunk;

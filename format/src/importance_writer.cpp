@@ -38,13 +38,13 @@ struct symbol_coder {
   }
 };
 
-// Codes of the classes, by the class before, and of how many more polygons of the last one follow: half of all
-// polygons are of that, in long runs of which each would take a bit.
+// The codes of the classes, by the class before, and of the lengths of runs of the last class: half of all polygons are
+// in it, in long runs, of which each polygon would take a bit.
 struct class_coder {
   std::array<symbol_coder, importance_class_count> by_class;
   symbol_coder runs;
 
-  // Calls use(code, number) for all that is encoded.
+  // Calls use(code, number) for everything that is encoded.
   template <class Coder, class Use>
   static void for_each_number(Coder& coder, std::span<const std::uint8_t> classes, const Use& use) {
     std::uint8_t before = least_important;
@@ -63,7 +63,7 @@ struct class_coder {
     for_each_number(*this, classes, [](symbol_coder& code, const number_symbol& n) { ++code.counts[n.symbol]; });
   }
 
-  // All that will be encoded must have been counted.
+  // Everything that will be encoded must have been counted.
   void make_codes() {
     for (symbol_coder& code : by_class) code.make_codes();
     runs.make_codes();
@@ -76,7 +76,7 @@ struct class_coder {
   }
 };
 
-// Asks for the classes of every cell and looks whether they are as many as the set has polygons.
+// Gets the classes of each cell and checks that there is one per polygon of the set.
 class checked_classes {
  public:
   explicit checked_classes(const importance_source& source) : source_(source) {}
@@ -110,7 +110,7 @@ class checked_classes {
   std::vector<std::uint8_t> classes_;
 };
 
-// Where the classes of each cell begin in as few bits as hold them, then the classes.
+// Writes where the classes of each cell begin, in as few bits as possible, then the classes.
 void put_chunk(std::span<const std::uint32_t> begins, std::span<const std::byte> classes, std::vector<std::byte>& out) {
   const auto width = static_cast<unsigned>(std::bit_width(begins.back()));
   bit_sink bits(out);
@@ -167,7 +167,7 @@ status encode_section(const reader& file, const importance_source& source, std::
   return status::ok;
 }
 
-// The file's sections but for the importance, then `last` as that.
+// The sections of the file without the importance, then `last` as importance.
 status with_last_section(const reader& file, std::span<const std::byte> bytes,
                          std::optional<std::span<const std::byte>> last, std::vector<std::byte>& out) {
   struct part {
@@ -234,7 +234,7 @@ status put_or_say(std::span<const std::byte> bytes, const importance_source* sou
     return put_section(bytes, source, out);
   } catch (const std::bad_alloc&) {
     return status::memory;
-  } catch (const std::length_error&) {  // what a vector says above its largest size
+  } catch (const std::length_error&) {  // thrown by a vector above its largest size
     return status::memory;
   }
 #else

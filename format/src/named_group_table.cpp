@@ -12,7 +12,7 @@ status named_group_table::open(std::span<const std::byte> bytes, std::uint32_t d
   if (!in.read_u32(0, made.count_) || !in.read_u32(4, names_size)) return status::corrupt;
   if (names_size > layout::max_names_size) return status::limit;
   std::span<const std::byte> left = bytes.subspan(layout::named_groups_head_size);
-  // A name has a byte at least: so few bytes cannot promise many groups.
+  // A name has at least one byte: a small file cannot claim many groups.
   if (made.count_ == 0 || made.count_ > names_size || names_size > left.size()) return status::corrupt;
   made.names_ = left.first(names_size);
   left = left.subspan(names_size);

@@ -1,5 +1,5 @@
 #pragma once
-// The way back from named_group_table.h.
+// The counterpart of named_group_table.h for writing.
 #include <cstddef>
 #include <span>
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace sightcell::format {
 
-// Appends the section. argument: a name is empty or there twice, or a draw is in a group that there is not; limit: too
-// many bytes.
+// Appends the section. argument: a name is empty or occurs twice, or a draw is in a group that does not exist; limit:
+// too many bytes.
 status put_named_groups(std::span<const std::string> names, std::span<const draw_record> draws,
                         std::vector<std::byte>& out);
 

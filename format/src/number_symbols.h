@@ -1,6 +1,6 @@
 #pragma once
-// Numbers as a symbol, which gets a prefix code, and raw bits behind it (SPEC.md, "Numbers"): 0 .. 3 are symbols of
-// their own, above that every power of two is two symbols. Small numbers are most of a file, and within half a power of
+// Numbers as a symbol, which gets a prefix code, followed by raw bits (SPEC.md, "Numbers"). 0 .. 3 have their own
+// symbols; above that each power of two has two symbols. Most numbers in a file are small, and within half a power of
 // two all are about equally likely.
 #include <bit>
 #include <cstdint>
@@ -25,15 +25,15 @@ struct number_symbol {
           raw_bits};
 }
 
-// Raw bits behind a symbol. symbol below symbol_count.
+// The number of raw bits after a symbol. symbol: below symbol_count.
 [[nodiscard]] constexpr unsigned raw_bits_of(std::uint32_t symbol) noexcept {
   return symbol < direct_symbols ? 0 : (symbol - direct_symbols) / 2 + 1;
 }
-// The bits in front of the raw ones: a number is head << raw bits, and the raw bits.
+// The bits before the raw ones: a number is head << raw bits, plus the raw bits.
 [[nodiscard]] constexpr std::uint32_t head_of(std::uint32_t symbol) noexcept {
   return symbol < direct_symbols ? symbol : 2 + (symbol - direct_symbols) % 2;
 }
-// The number when the raw bits are zero.
+// The number if all raw bits are zero.
 [[nodiscard]] constexpr std::uint32_t base_of(std::uint32_t symbol) noexcept {
   return head_of(symbol) << raw_bits_of(symbol);
 }

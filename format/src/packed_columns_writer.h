@@ -1,5 +1,5 @@
 #pragma once
-// Tables of u32 -> bytes. packed_columns.h is the way back and says what they are.
+// Writes tables of u32. The counterpart for reading, packed_columns.h, describes them.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace sightcell::format {
 
-// Appends the table. All columns have as many values as the first one.
+// Appends the table. All columns have the same number of values.
 void put_columns(std::span<const std::vector<std::uint32_t>> columns, std::vector<std::byte>& out);
 
 }  // namespace sightcell::format

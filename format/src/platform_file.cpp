@@ -31,7 +31,7 @@ std::wstring wide(const char* utf8) {
 }  // namespace
 
 std::FILE* open_for_writing(const char* path) {
-  return _wfopen(wide(path).c_str(), L"wbc");  // c: what fflush() hands on goes to the disk
+  return _wfopen(wide(path).c_str(), L"wbc");  // c: fflush() writes to the disk
 }
 
 bool flush_to_disk(std::FILE* file) noexcept {

@@ -22,7 +22,7 @@ bool polygon_orders::open(std::span<const std::byte> bytes, std::uint32_t most) 
       first_byte[0] != 0) {
     return false;
   }
-  // Orders follow each other, and a polygon takes a bit at least: a small file cannot make a host allocate much.
+  // Orders follow each other, and a polygon takes a bit or more: a small file cannot make a host allocate much.
   for (std::uint32_t number = 0; number < count; ++number) {
     if (first_polygon[number + 1] < first_polygon[number] || first_byte[number + 1] < first_byte[number]) return false;
     const std::uint64_t bits = 8 * (std::uint64_t{first_byte[number + 1]} - first_byte[number]);
@@ -39,7 +39,7 @@ bool polygon_orders::source_of_stored(std::uint32_t number, std::span<std::uint3
   if (number >= count_ || out.size() != polygon_count(number)) return false;
   bit_reader in(permutations_);
   in.seek(8 * std::uint64_t{first_byte_[number]});
-  std::uint32_t expected = 0;  // the polygon behind the one before
+  std::uint32_t expected = 0;  // the polygon after the one before
   for (std::uint32_t& polygon : out) {
     unsigned length = 0;
     const std::uint32_t symbol = steps_.decode(in.peek(), length);

@@ -1,6 +1,6 @@
 #pragma once
-// The orders section (SPEC.md, "Orders"): in which order the polygons of a draw are stored. Draws share orders: all
-// instances of a primitive have one. polygon_orders_writer.h is the way back.
+// The orders section (SPEC.md, "Orders"): the order in which the polygons of a draw are stored. Draws share orders: all
+// instances of a primitive have one. The counterpart for writing is polygon_orders_writer.h.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,27 +12,27 @@ namespace sightcell::format {
 
 class polygon_orders {
  public:
-  // bytes: the section; viewed. most: how many orders there can be, as there are draws; more could be promised by few
-  // bytes. O(orders).
+  // bytes: the section; not copied. most: the number of draws, and so the most orders; without it, few bytes could
+  // claim more. O(orders).
   polygon_orders(std::span<const std::byte> bytes, std::uint32_t most) noexcept { good_ = open(bytes, most); }
-  // False when there are more, or its parts do not fit each other or the bytes; there are no orders then.
+  // False if there are more orders, or if the parts contradict each other or the bytes; there are no orders then.
   [[nodiscard]] bool good() const noexcept { return good_; }
 
   [[nodiscard]] std::uint32_t count() const noexcept { return count_; }
   // Of all orders together.
   [[nodiscard]] std::uint32_t polygons() const noexcept { return first_polygon_[count_]; }
-  // Of all orders before this one; number may be count().
+  // Of all orders before this one; number: up to count().
   [[nodiscard]] std::uint32_t first_polygon(std::uint32_t number) const noexcept { return first_polygon_[number]; }
   [[nodiscard]] std::uint32_t polygon_count(std::uint32_t number) const noexcept {
     return first_polygon(number + 1) - first_polygon(number);
   }
 
-  // out[i]: which of its draw's polygons, in the order of the source, is stored as the i-th. out:
-  // polygon_count(number). False when the bits are none, say a polygon that there is not, or are not all that there
-  // are. That none is said twice is not asked here.
+  // out[i]: which polygon of the draw, in source order, is stored at index i. out: polygon_count(number) elements.
+  // False if the bits are invalid, name a polygon that does not exist, or are not all used. Does not test that each
+  // polygon occurs once.
   [[nodiscard]] bool source_of_stored(std::uint32_t number, std::span<std::uint32_t> out) const noexcept;
 
-  // first_polygon() of all, for who keeps no more.
+  // first_polygon() of all, for callers that keep nothing else.
   [[nodiscard]] const packed_column& first_polygon_column() const noexcept { return first_polygon_; }
 
  private:

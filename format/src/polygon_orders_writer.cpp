@@ -16,7 +16,7 @@ namespace {
 // Calls use(symbol) for every polygon.
 template <class Use>
 void for_each_symbol(std::span<const std::uint32_t> source_of_stored, const Use& use) {
-  std::uint32_t expected = 0;  // the polygon behind the one before
+  std::uint32_t expected = 0;  // the polygon after the one before
   for (const std::uint32_t polygon : source_of_stored) {
     const std::uint32_t step = polygon - expected;
     use(symbol_of(step << 1 ^ (0 - (step >> 31))));

@@ -32,11 +32,11 @@ bool prefix_code::assign(std::span<const std::uint8_t> lengths) noexcept {
   return true;
 }
 
-// Bit by bit: code and first count up together, and where they meet the code is found.
+// Bit by bit: compares the code with the range of codes of each length.
 std::uint32_t prefix_code::decode_long(std::uint64_t bits, unsigned& length) const noexcept {
   std::uint32_t code = 0;
   std::uint32_t first = 0;  // code of the first symbol of this length
-  std::uint32_t at = 0;     // its place in symbols_
+  std::uint32_t at = 0;     // its index in symbols_
   for (length = 1; length <= longest_code; ++length, bits >>= 1) {
     code |= static_cast<std::uint32_t>(bits & 1u);
     const std::uint32_t count = count_[length];

@@ -1,7 +1,7 @@
 #pragma once
-// Canonical prefix codes over the symbols of number_symbols.h (SPEC.md, "Code tables"). A code is its lengths: symbols
-// of one length have consecutive codes in ascending order, shorter codes come first, and a code's first bit is its
-// highest one.
+// Canonical prefix codes over the symbols of number_symbols.h (SPEC.md, "Code tables"). A code is given by its lengths:
+// symbols of one length have consecutive codes in ascending order, shorter codes come first, and the first bit of a
+// code is its highest one.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@
 namespace sightcell::format {
 
 inline constexpr unsigned longest_code = 15;
-// Bits of every symbol's code, 0 where it has none.
+// Bits of the code of each symbol, 0 for a symbol without a code.
 using symbol_lengths = std::array<std::uint8_t, symbol_count>;
 
 class prefix_code {
@@ -22,20 +22,20 @@ class prefix_code {
   // A code without symbols: nothing can be decoded.
   prefix_code() noexcept = default;
 
-  // lengths[s]: bits of symbol s, 0 where it has no code; at most symbol_count of them, each at most longest_code.
-  // False, and a code without symbols, unless the codes are complete (every string of bits begins with one), there is
-  // one symbol and it has one bit, or there is none at all.
+  // lengths[s]: bits of symbol s, 0 where it has no code; up to symbol_count of them, each up to longest_code. True if
+  // the codes are complete (every string of bits begins with one), if there is one symbol with one bit, or if there is
+  // none. Else false, and a code without symbols.
   [[nodiscard]] bool assign(std::span<const std::uint8_t> lengths) noexcept;
 
-  // The symbol that the lowest bits of `bits` begin with, and how many bits that takes; no_symbol when none does.
+  // The symbol whose code is at the begin of `bits` (lowest first), and its length; no_symbol if there is none.
   [[nodiscard]] std::uint32_t decode(std::uint64_t bits, unsigned& length) const noexcept {
     const entry e = table_[static_cast<std::size_t>(bits & (table_.size() - 1))];
     length = e.length;
     return e.length != 0 ? e.symbol : decode_long(bits, length);
   }
 
-  // Calls emit(symbol, code, length) for each symbol that has a code, in order of their codes; a code's bits in the
-  // order of a file, lowest first.
+  // Calls emit(symbol, code, length) for each symbol that has a code, in the order of the codes. The bits of a code are
+  // in the order of a file, lowest first.
   template <class Emit>
   void for_each(const Emit& emit) const {
     std::uint32_t code = 0;
@@ -58,10 +58,10 @@ class prefix_code {
   static constexpr unsigned table_bits = 10;
   struct entry {
     std::uint8_t symbol = 0;
-    std::uint8_t length = 0;  // 0: the code is longer than the table sees
+    std::uint8_t length = 0;  // 0: the code is longer than the table's index
   };
   std::array<entry, std::size_t{1} << table_bits> table_{};
-  std::array<std::uint8_t, symbol_count> symbols_{};     // in order of their codes
+  std::array<std::uint8_t, symbol_count> symbols_{};     // in the order of their codes
   std::array<std::uint16_t, longest_code + 1> count_{};  // codes of each length
   std::uint32_t used_ = 0;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What (draw, first, count) ranges count in: draws, or draw groups of the merged layout.
+// The units in which (draw, first, count) ranges count: draws, or draw groups of the merged layout.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace sightcell::format {
 
-// Whether a draw begins another one of them than the draw before it.
+// Whether a draw begins another unit than the draw before it.
 [[nodiscard]] inline bool begins_range_unit(std::span<const draw_record> draws, std::size_t number,
                                             host_layout layout) {
   return layout == host_layout::instanced || number == 0 || draws[number].group != draws[number - 1].group;
 }
 
-// Stored number of the first polygon of each, then the number of polygons. draws: as draw_table_rules.h wants them.
+// Stored number of the first polygon of each unit, then the number of polygons. draws: must satisfy draw_table_rules.h.
 [[nodiscard]] inline std::vector<std::uint32_t> range_borders(std::span<const draw_record> draws, host_layout layout) {
   std::vector<std::uint32_t> borders;
   for (std::size_t d = 0; d < draws.size(); ++d) {

@@ -15,19 +15,19 @@ bool is_padded(std::span<const std::uint32_t> list) noexcept {
 struct segment {
   std::uint32_t begin = 0;  // first number
   std::uint32_t rank = 0;   // its rank
-  std::uint32_t end = 0;    // rank behind the last one
+  std::uint32_t end = 0;    // one past the last rank
 };
 
-// A list up to its next border.
+// A position in a list.
 struct list_place {
   const std::uint32_t* next = nullptr;
   std::uint32_t inside = 0;  // 1 inside a run
 };
 
-// Writes the borders of the set in a segment. kept: 1 where numbers are in the set that the list does not hold, else 0.
-// before: 1 where the set holds the number before the segment. Returns whether it holds the segment's last one. Which
-// segment has borders of the list inside no processor can foresee: most have none, one or two, and for those all is
-// done without a jump. Compilers make jumps of conditions here, but not of arithmetic.
+// Writes the borders of the set in a segment. kept: 1 where numbers that are not in the list are in the set, else 0.
+// before: 1 if the set contains the number before the segment. Returns whether it contains the last one of the segment.
+//   No processor can predict which segments have borders of the list: most have none, one or two, and these cases are
+//   computed without a branch. Compilers make branches of conditions here, but not of arithmetic.
 inline std::uint32_t put_segment(const segment& s, std::uint32_t kept, std::uint32_t before, list_place& list,
                                  std::uint32_t*& out) noexcept {
   const std::uint32_t* next = list.next;
@@ -53,9 +53,9 @@ inline std::uint32_t put_segment(const segment& s, std::uint32_t kept, std::uint
 
 }  // namespace
 
-// At most one border is written at the begin of every segment, of which there are one more than borders of the
-// reference, one at the limit, and one for every border of a list; two more are written that turn out to be none, which
-// the next ones are written over: what rank_difference_room says.
+// One border or none is written at the begin of each segment (there is one more segment than borders of the reference,
+// and one at the limit), and one for each border of a list. Up to two more are written that the next ones overwrite.
+// This gives rank_difference_room.
 bool apply_rank_difference(std::span<const std::uint32_t> reference, std::span<const std::uint32_t> removed,
                            std::span<const std::uint32_t> added, std::uint32_t limit, std::span<std::uint32_t> out,
                            std::size_t& count) noexcept {
@@ -66,7 +66,7 @@ bool apply_rank_difference(std::span<const std::uint32_t> reference, std::span<c
   list_place gone{removed.data()};
   list_place come{added.data()};
   std::uint32_t* at = out.data();
-  std::uint32_t inside = 0;   // 1 where the set holds the number before place
+  std::uint32_t inside = 0;   // 1 if the set contains the number before place
   std::uint32_t members = 0;  // of the reference before place
   std::uint32_t place = 0;
   for (std::size_t i = 0; i + 1 < reference.size(); i += 2) {
@@ -80,7 +80,7 @@ bool apply_rank_difference(std::span<const std::uint32_t> reference, std::span<c
   if (place != limit) inside = put_segment({place, place - members, limit - members}, 0, inside, come, at);
   *at = limit;
   at += inside;
-  // A list may end at the very end, which is in no segment.
+  // A list may end at the limit, which is in no segment.
   gone.next += static_cast<std::size_t>(*gone.next == members);
   come.next += static_cast<std::size_t>(*come.next == limit - members);
   if (*gone.next != no_border || *come.next != no_border) return false;

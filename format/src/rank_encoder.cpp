@@ -6,7 +6,7 @@
 namespace sightcell::format {
 namespace {
 
-// Appends, and makes one of runs that touch.
+// Appends, and joins runs that touch.
 void put(std::vector<run>& list, std::uint64_t first, std::uint64_t count) {
   if (!list.empty() && std::uint64_t{list.back().first} + list.back().count == first) {
     list.back().count += static_cast<std::uint32_t>(count);

@@ -1,5 +1,6 @@
 #pragma once
-// The difference of two sets in the rank space of the first. rank_difference.h is the way back and says what that is.
+// The difference of two sets in the rank space of the first. The counterpart for reading, rank_difference.h, defines
+// it.
 #include <span>
 #include <vector>
 
@@ -7,7 +8,7 @@
 
 namespace sightcell::format {
 
-// The lists that make set of reference. Both replaced. Allocates.
+// Computes the lists that turn reference into set. Both are replaced. Allocates.
 void make_rank_difference(std::span<const run> reference, std::span<const run> set, std::vector<run>& removed,
                           std::vector<run>& added);
 

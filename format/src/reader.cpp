@@ -15,14 +15,14 @@
 namespace sightcell::format {
 namespace {
 
-// Sections that are checked piece by piece when they are used, and may be kept elsewhere until then.
+// Sections that are checked chunk by chunk when they are used, and may be kept elsewhere until then.
 constexpr bool is_bulk(std::uint32_t section) noexcept {
   return section == layout::section_rows || section == layout::section_importance;
 }
 
 }  // namespace
 
-// Nothing for what lies behind the front, where that is all there is.
+// Empty for parts after the front, if the reader has only the front.
 std::span<const std::byte> reader::part(extent where) const noexcept {
   if (where.offset > bytes_.size() || where.size > bytes_.size() - where.offset) return {};
   return bytes_.subspan(static_cast<std::size_t>(where.offset), static_cast<std::size_t>(where.size));
@@ -77,7 +77,7 @@ status reader::open_all() noexcept {
   return check_certificate();
 }
 
-// Magic and version come before the checksum, since a later version may place it elsewhere.
+// Magic and version come before the checksum, since a later version may have it elsewhere.
 status reader::read_header() noexcept {
   const checked_reader in(bytes_);
   for (std::size_t i = 0; i < layout::magic.size(); ++i) {
@@ -120,8 +120,8 @@ status reader::read_header() noexcept {
   return status::ok;
 }
 
-// Sections follow each other without gap or overlap from the end of the table to the end of the file, so every byte is
-// under some checksum.
+// Sections follow each other without gap or overlap from the end of the table to the end of the file, so each byte has
+// a checksum.
 status reader::read_sections() noexcept {
   const std::uint64_t table_size = section_count_ * layout::section_record_size;
   if (table_size > bytes_.size() - layout::header_size) return status::corrupt;
@@ -145,7 +145,7 @@ status reader::read_sections() noexcept {
     next += entry.size;
     std::size_t known = 0;
     while (known < known_ids && ids[known] != entry.id) ++known;
-    // As readers said before there were these: they are never required.
+    // As readers did before these sections existed: they are never required.
     const bool added = entry.id == layout::section_importance || entry.id == layout::section_named_groups;
     if (known == known_ids || added) {
       if (entry.required) return status::version;
@@ -209,9 +209,9 @@ status reader::check_sizes() noexcept {
   return settings_.size > layout::max_settings_size ? status::limit : status::ok;
 }
 
-// Volumes count as one more draw behind the last.
+// Volumes count as one more draw after the last.
 status reader::check_bounds() const noexcept {
-  // A run takes two codes of a bit at least (two bytes in version 0), and a range is a run or a draw border inside a
+  // A run takes two codes of a bit or more (two bytes in version 0), and a range is a run or a draw border inside a
   // run: so a small file cannot ask a host for large buffers.
   const std::uint64_t most_runs = version_ == 0 ? rows_.size / 2 : 4 * rows_.size;
   if (run_bound_ > most_runs || run_bound_ > item_count() || list_bound_ > most_runs) return status::corrupt;
@@ -228,7 +228,7 @@ status reader::open_tables() noexcept {
     return status::ok;
   }
   packed_columns table;
-  // Draws with polygons differ, so each takes a bit: else few bytes could promise millions.
+  // Draws with polygons differ, so each takes a bit: else few bytes could claim millions.
   if (draw_count_ > 8 * draws_.size || !table.open(part(draws_), layout::draw_columns, draw_count_)) {
     return status::corrupt;
   }
@@ -319,7 +319,7 @@ status reader::check_draws() noexcept {
 
 namespace {
 
-// The first row below end of which a column, that does not descend, has at least a value; else end.
+// The first row below end in which a column, which does not descend, has at least a value; else end.
 std::uint32_t first_at_least(const packed_column& column, std::uint32_t begin, std::uint32_t end,
                              std::uint32_t value) noexcept {
   while (begin < end) {
@@ -388,14 +388,13 @@ status reader::source_of_stored(std::span<std::uint32_t> out) const noexcept {
   return status::ok;
 }
 
-// polygons: of a draw or draw group, by their places in it; become source ids. Those that follow each other mostly lie
-// in the same draw.
+// polygons: indices in a draw or draw group, which become source ids. Consecutive ones mostly belong to the same draw.
 status reader::make_sources(std::uint32_t range_unit, std::span<std::uint32_t> polygons) const noexcept {
   const packed_column& firsts = draw_columns_[8];
   const std::uint32_t begin_draw = first_draw_of(range_unit);
   const std::uint32_t end_draw = std::min(first_draw_of(range_unit + 1), draw_count_);
   const std::uint32_t begin = firsts[begin_draw];
-  std::uint32_t first = 1;  // of the draw found last: none yet
+  std::uint32_t first = 1;  // of the last draw: none yet
   std::uint32_t end = 0;
   std::uint32_t first_source = 0;
   for (std::uint32_t& polygon : polygons) {
@@ -431,7 +430,7 @@ status reader::cell_box(std::uint32_t cell, box& out) const noexcept {
   return status::ok;
 }
 
-// Those on a lattice were all looked at when it was opened.
+// open has checked the cells of a lattice.
 status reader::check_cells() const noexcept {
   box b;
   for (std::uint32_t i = 0; i < cell_count_ && !on_lattice_; ++i) {

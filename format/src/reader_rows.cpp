@@ -1,5 +1,4 @@
-// The part of the reader that deals with rows: the chunk directory, chunks, codes, decoding and the checks over all
-// rows.
+// The functions of the reader for rows: the chunk directory, chunks, codes, decoding, and the checks over all rows.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -22,7 +21,7 @@ row_bounds bounds_of(const reader& file, std::uint32_t list_bound) noexcept {
   return {file.polygon_count() + file.volumes().count(), file.run_bound(), list_bound};
 }
 
-// How many runs of a set have no volumes: these begin with number `polygons`, maybe inside the next run.
+// The number of runs of a set before the first volume. Volumes begin with number `polygons`, maybe inside the next run.
 std::size_t runs_without_volumes(std::span<const run> set, std::uint32_t polygons) noexcept {
   const auto is_without = [&](const run& r) { return std::uint64_t{r.first} + r.count <= polygons; };
   return static_cast<std::size_t>(std::partition_point(set.begin(), set.end(), is_without) - set.begin());
@@ -34,7 +33,7 @@ std::uint64_t sum_of(std::span<const run> runs) noexcept {
   return sum;
 }
 
-// Numbers in memory that is bytes so far.
+// Begins the lifetime of numbers in raw memory.
 template <class T>
 std::span<T> as_array(std::span<std::byte> bytes) noexcept {
   const std::size_t count = bytes.size() / sizeof(T);
@@ -92,7 +91,7 @@ status reader::check_chunk(std::uint32_t chunk, std::span<const std::byte> bytes
   return bytes.size() == where.size && crc32c(bytes) == stored ? status::ok : status::checksum;
 }
 
-// Chunks lie one behind the other and fill the rows section.
+// Chunks follow each other and fill the rows section.
 status reader::check_directory() const noexcept {
   std::uint64_t next = rows_.offset;
   for (std::uint32_t chunk = 0; chunk < chunk_count(); ++chunk) {
@@ -137,7 +136,7 @@ std::size_t reader::scratch_size() const noexcept {
   return bounds_of(*this, list_bound_).scratch_room() * sizeof(std::uint32_t);
 }
 
-// The set as it is stored, polygons and volumes.
+// Decodes a set as it is stored, polygons and volumes together.
 status reader::decode_items(std::uint32_t cell, const row_codes* codes, std::span<run> out,
                             std::span<std::byte> scratch, std::size_t& count) const noexcept {
   count = 0;
@@ -201,7 +200,7 @@ status reader::decode_row(std::uint32_t cell, std::span<const std::byte> chunk, 
   return status::ok;
 }
 
-// The items of out[0 .. count) as polygons and volumes; there is room for one run more.
+// Divides out[0 .. count) into polygons and volumes; there is room for one run more.
 row_parts reader::split(std::span<run> out, std::size_t count) const noexcept {
   const std::uint32_t polygons = facts_.polygon_count;
   std::size_t at = runs_without_volumes(out.first(count), polygons);
@@ -245,14 +244,14 @@ status reader::row(std::uint32_t cell, row_record& out) const noexcept {
 
 std::uint64_t reader::count_ranges(std::span<const run> runs) const noexcept {
   std::uint64_t ranges = 0;
-  // Bytes that changed since open make a wrong count, nothing worse.
+  // If the bytes changed since open the count is wrong, nothing worse.
   for_each_draw_range(
       runs, range_units_, facts_.polygon_count, [&](std::uint32_t unit) { return range_unit_begin(unit); },
       [&](std::uint32_t, std::uint32_t, std::uint32_t) { ++ranges; });
   return ranges;
 }
 
-// Rows in the order of the first cell that uses them, one behind the other; a shared row is an earlier one.
+// Rows follow each other in the order of the first cell that uses them; a shared row is an earlier one.
 status reader::check_chunk_filled(std::uint32_t number, const row_codes* codes,
                                   std::span<std::byte> scratch) const noexcept {
   if (version_ == 0) return v0_check_chunk_filled(number);
@@ -278,8 +277,8 @@ status reader::check_chunk_filled(std::uint32_t number, const row_codes* codes,
   return next == chunk.end_of_rows() ? status::ok : status::corrupt;
 }
 
-// Every source id once. Each number, all of which are below their count, is put in its place, where its double is
-// found.
+// Tests that each source id occurs once. Each number is below their count and is moved to its own index, where a
+// duplicate is found.
 status reader::check_stored(std::span<std::uint32_t> stored) const noexcept {
   if (const status s = source_of_stored(stored); s != status::ok) return s;
   for (std::uint32_t i = 0; i < stored.size(); ++i) {
@@ -311,7 +310,7 @@ status reader::check(const row_codes* codes, std::span<run> out, std::span<std::
   return check_importance(codes, out, scratch, as_array<std::uint8_t>(std::as_writable_bytes(stored)));
 }
 
-// Chunks, rows, and that they come up to the bounds.
+// Checks chunks and rows, and that they reach the bounds.
 status reader::check_rows(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept {
   std::size_t most_runs = 0;
   std::uint64_t most_ranges = 0;
@@ -334,7 +333,7 @@ status reader::importance(importance_classes& out) const noexcept {
   return has_importance_ ? importance_classes::open(part(importance_), cell_count_, out) : status::argument;
 }
 
-// classes: room for one of each polygon of the scene.
+// classes: room for one per polygon of the scene.
 status reader::check_importance(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                                 std::span<std::uint8_t> classes) const noexcept {
   if (!has_importance_) return status::ok;

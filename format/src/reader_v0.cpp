@@ -1,5 +1,5 @@
-// What the reader does otherwise in files of version 0 (SPEC.md, "Version 0"): fixed records, rows of
-// varints, stored order is source order.
+// The functions of the reader for files of version 0 (SPEC.md, "Version 0"): fixed records, rows of varints, stored
+// order is source order.
 #include <array>
 #include <utility>
 
@@ -78,8 +78,8 @@ status reader::v0_row(std::uint32_t cell, row_record& out) const noexcept {
   return status::ok;
 }
 
-// A row of depth d stands on d references. The root is decoded first, then each difference from one buffer into the
-// other, begun so that the last one lands in out.
+// A row of depth d has a chain of d references. The last one is decoded first, then each difference from one buffer
+// into the other, in such an order that the result is in out.
 status reader::v0_decode_row(std::uint32_t cell, std::span<run> out, std::span<run> scratch,
                              std::size_t& count) const noexcept {
   std::array<row_header, layout::max_reference_depth + 1> chain;
@@ -111,7 +111,7 @@ status reader::v0_decode_row(std::uint32_t cell, std::span<run> out, std::span<r
   return status::ok;
 }
 
-// Rows in the order of the first cell that uses them, one behind the other; a shared row is an earlier one, whole.
+// Rows follow each other in the order of the first cell that uses them; a shared row is an earlier one, whole.
 status reader::v0_check_chunk_filled(std::uint32_t chunk) const noexcept {
   extent where;
   std::uint32_t checksum = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// One place for the rules that single values of a file must keep, used by the writer before it writes and by the reader
-// after it read. Those of draws together: draw_table_rules.h.
+// The rules for single values of a file. The writer tests them before it writes, the reader after it has read. Rules
+// for all draws together: draw_table_rules.h.
 #include <cmath>
 
 #include "sightcell/format/layout.h"
@@ -16,7 +16,7 @@ namespace sightcell::format {
   return true;
 }
 
-// false for NaN too
+// False for NaN too.
 [[nodiscard]] inline bool is_share(double value) noexcept {
   return value >= 0.0 && value <= 1.0;
 }
@@ -25,7 +25,7 @@ namespace sightcell::format {
   return c.misses <= c.rays && is_share(c.upper_bound) && is_share(c.confidence);
 }
 
-// order: the number of the draw's order, which has so many polygons.
+// order: the number of the draw's order, which has order_polygons polygons.
 [[nodiscard]] inline bool draw_is_valid(const draw_record& d, host_layout layout, std::uint32_t order,
                                         std::uint32_t order_polygons) noexcept {
   if ((d.flags & ~draw_moves) != 0) return false;

@@ -10,7 +10,7 @@
 namespace sightcell::format {
 namespace {
 
-// Members of a set per stretch of the numbers. The sum of differences between two of these is a lower bound of the
+// Members of a set per interval of the numbers. The sum of the differences between two of these is a lower bound of the
 // number of members in which the sets differ.
 constexpr std::size_t bucket_count = 256;
 using histogram = std::array<std::uint32_t, bucket_count>;
@@ -80,7 +80,7 @@ std::vector<std::uint32_t> choose_references(std::size_t cells, std::vector<savi
   });
   std::vector<std::uint32_t> reference(cells, no_cell);
   std::vector<std::uint32_t> depth(cells, 0);   // references above a cell
-  std::vector<std::uint32_t> height(cells, 0);  // longest chain that stands on a cell
+  std::vector<std::uint32_t> height(cells, 0);  // longest chain of references to a cell
   for (const saving_difference& e : differences) {
     if (reference[e.cell] != no_cell || depth[e.reference] + 1 + height[e.cell] > layout::max_reference_depth) continue;
     bool loop = false;

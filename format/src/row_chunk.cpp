@@ -9,8 +9,8 @@
 namespace sightcell::format {
 namespace {
 
-// A list of differences, closed for apply_rank_difference. Empty when it is none, or longer than the room, which is
-// that of the longest and its padding.
+// Decodes a list, with the padding for apply_rank_difference. Empty if it is invalid, or longer than the room for the
+// longest list and its padding.
 std::span<const std::uint32_t> decode_list(const run_code& code, bit_reader& in, std::uint32_t count,
                                            std::uint32_t limit, std::span<std::uint32_t> room) noexcept {
   if (!code.decode(in, count, limit, room.first(room.size() - list_padding))) return {};
@@ -59,8 +59,8 @@ bool row_chunk::head(std::uint32_t place, row_head& out) const noexcept {
   return true;
 }
 
-// A row of depth d stands on d references: the root is decoded first, then each difference from one half of the scratch
-// into the other.
+// A row of depth d has a chain of d references: the last one is decoded first, then each difference from one half of
+// the scratch into the other.
 status row_chunk::decode(std::uint32_t place, const row_codes& codes, const row_bounds& bounds,
                          std::span<std::uint32_t> scratch, std::span<const std::uint32_t>& borders,
                          std::uint64_t& end) const noexcept {

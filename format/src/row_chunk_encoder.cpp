@@ -12,11 +12,11 @@ namespace sightcell::format {
 namespace {
 
 constexpr std::size_t candidates_per_cell = 16;
-// Bits of a difference besides its lists, about: reference and two counts.
+// Approximate bits of a difference without its lists: reference and two counts.
 constexpr std::uint64_t delta_head_bits = 30;
 constexpr std::uint64_t own_head_bits = 16;
 
-// Every difference between like cells that is worth it.
+// The differences between similar cells that save enough.
 std::vector<saving_difference> saving_differences(std::span<const std::vector<run>> sets,
                                                   std::span<const std::uint32_t> first, const row_encoders& encoders,
                                                   std::uint32_t limit, least_saving least) {

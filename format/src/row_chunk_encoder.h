@@ -1,7 +1,7 @@
 #pragma once
-// Encodes the rows of one chunk (row_chunk.h is the way back): chooses for every cell whether its row stands alone, is
-// the difference to another cell of the chunk, or is shared with an earlier cell; counts symbols, so that codes can be
-// made of the counts of all chunks; writes.
+// Encodes the rows of one chunk (the counterpart for reading is row_chunk.h): chooses for each cell whether its row is
+// an own row, the difference to another cell of the chunk, or shared with an earlier cell; counts symbols, from which
+// the codes of all chunks are made; writes.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace sightcell::format {
 
-// How often each symbol occurs in the three kinds of lists, and the longest list of differences.
+// Counts of each symbol in the three kinds of lists, and the longest list of a difference.
 struct row_counts {
   run_counts own, removed, added;
   std::uint32_t list_runs = 0;
@@ -23,26 +23,27 @@ struct row_encoders {
   run_encoder own, removed, added;
 };
 
-// For each cell of a chunk what its row is.
+// How the row of each cell of a chunk is coded.
 struct chunk_plan {
   static constexpr std::uint8_t alone = 0xFF;
-  std::vector<std::uint8_t> same;       // the first cell with the same set: it has the row; itself where there is none
-  std::vector<std::uint8_t> reference;  // the cell that the row is the difference to, or alone
+  std::vector<std::uint8_t>
+      same;  // the first cell with an equal set, which has the row; itself if there is none before
+  std::vector<std::uint8_t> reference;  // the reference of a difference, or alone
 };
 
-// Which differences are taken: those that save at least an eighth of the row, as less is not worth decoding two; or all
+// Which differences are used: those that save at least an eighth of the row, since decoding two rows costs more; or all
 // that save anything.
 enum class least_saving { an_eighth, anything };
 
-// sets: of 1 .. 64 cells; encoders: what lists will cost, or nearly. Same sets and encoders, same plan. Allocates; any
-// thread.
+// sets: of 1 .. 64 cells. encoders: the expected costs of lists. Equal sets and encoders give equal plans. Allocates;
+// any thread.
 chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit,
                       least_saving least = least_saving::an_eighth);
 
 // Adds the symbols of the chunk's rows.
 void count_chunk(std::span<const std::vector<run>> sets, const chunk_plan& plan, row_counts& counts);
 
-// Appends the chunk. encoders: made of counts to which count_chunk has added this plan.
+// Appends the chunk. encoders: made from counts to which count_chunk has added this plan.
 void encode_chunk(std::span<const std::vector<run>> sets, const chunk_plan& plan, const row_encoders& encoders,
                   std::vector<std::byte>& out);
 

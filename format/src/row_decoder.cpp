@@ -5,15 +5,15 @@
 namespace sightcell::format {
 namespace {
 
-// Runs out of a stream of (gap, length - 1). The gap of the first run counts from polygon 0; later ones leave out the
-// one polygon that must lie between two runs, so that touching runs cannot be written down.
+// Reads runs from a stream of (gap, length - 1). The gap of the first run counts from polygon 0; later ones omit the
+// one polygon that must be between two runs, so that touching runs cannot be encoded.
 class run_stream {
  public:
   run_stream(varint_cursor bytes, std::uint32_t count, std::uint32_t polygon_count) noexcept
       : bytes_(bytes), left_(count), polygon_count_(polygon_count) {}
 
-  // Steps to the next run. False on bytes that are no run inside polygon_count, and when runs are over but bytes are
-  // not.
+  // Moves to the next run. False on bytes that are not a run inside polygon_count, and if bytes are left after the last
+  // run.
   [[nodiscard]] bool next() noexcept {
     if (left_ == 0) {
       done_ = true;
@@ -48,7 +48,7 @@ class run_sink {
  public:
   explicit run_sink(std::span<run> out) noexcept : out_(out) {}
 
-  // False when the piece begins before the last one ended, or the room is used up.
+  // False if the piece begins before the last one ended, or there is no more room.
   [[nodiscard]] bool put(std::uint64_t first, std::uint64_t end) noexcept {
     if (first >= end) return true;
     if (count_ > 0 && first <= end_) {
@@ -70,7 +70,7 @@ class run_sink {
   std::uint64_t end_ = 0;
 };
 
-// Puts what is kept of the reference in order with what is added.
+// Merges what is kept of the reference with what is added.
 class delta_merger {
  public:
   delta_merger(run_stream added, std::span<run> out) noexcept : added_(added), sink_(out) {}
@@ -109,7 +109,7 @@ bool apply_difference(const row_header& row, std::uint32_t polygon_count, std::s
     std::uint64_t place = r.first;
     const std::uint64_t end = place + r.count;
     while (!removed.done() && removed.first() < end) {
-      if (removed.first() < place || removed.end() > end) return false;  // removes what is not there
+      if (removed.first() < place || removed.end() > end) return false;  // removes a number that is not a member
       if (!merger.keep(place, removed.first())) return false;
       place = removed.end();
       if (!removed.next()) return false;

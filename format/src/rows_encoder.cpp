@@ -14,9 +14,9 @@
 namespace sightcell::format {
 namespace {
 
-// Chunks that are planned to learn what differences cost, about.
+// Approximate number of chunks that are planned to estimate the cost of differences.
 constexpr std::size_t sampled_chunks = 8;
-// Adding slack takes longer than planning, and what it leaves is much the same everywhere.
+// Slack takes longer than planning, and its result varies little over a file.
 constexpr std::size_t sampled_slack_chunks = 3;
 
 }  // namespace
@@ -34,7 +34,7 @@ std::size_t rows_encoder::chunk_count() const {
   return (contents_.cell_sets.count + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
 }
 
-// Between chunks that are looked at to learn what lists cost: about so many.
+// The distance between sampled chunks.
 std::size_t rows_encoder::sample_step(std::size_t samples) const {
   return std::max<std::size_t>(1, chunk_count() / samples);
 }
@@ -74,7 +74,7 @@ std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
   return ranges;
 }
 
-// Slack makes differences cheaper than they are now, so that those which hardly save anything yet will do.
+// Slack makes differences cheaper than they are now, so those that save little yet are used too.
 void rows_encoder::widen_sets(std::size_t chunk, slack_sums& sums) {
   if (!exact_encoders_) return;
   chunk_plan& plan = exact_plans_[chunk];
@@ -112,7 +112,7 @@ void rows_encoder::put_volumes_back() {
   }
 }
 
-// Every set as if it stood alone.
+// Counts every set as an own row.
 status rows_encoder::count_own(row_counts& counts) {
   return for_each_chunk(1, [&](std::size_t) {
     for (const std::vector<run>& set : sets_) counts.own.add(set);
@@ -120,7 +120,7 @@ status rows_encoder::count_own(row_counts& counts) {
   });
 }
 
-// Differences are thought to cost as much per run as own rows, until some of them are known.
+// Differences are assumed to cost as much per run as own rows, until some of them are known.
 status rows_encoder::sample(row_counts& counts) {
   row_counts guess = counts;
   guess.removed = guess.added = guess.own;
@@ -135,7 +135,7 @@ status rows_encoder::sample(row_counts& counts) {
   return s;
 }
 
-// counts: of sets as they are; then of those with slack, as far as they are looked at.
+// counts: of the sets without slack; becomes those of sampled sets with slack.
 status rows_encoder::sample_slack(row_counts& counts) {
   exact_encoders_ = std::make_unique<row_encoders>(counts);
   prices_ = slack_prices_of(counts, *exact_encoders_);

@@ -1,6 +1,6 @@
 #pragma once
-// The rows of a whole file. All sets are asked for several times: what a difference costs is known only when the codes
-// are, and these are made of what was chosen. Slack is added anew each time, by prices that stay the same.
+// Encodes the rows of a whole file. It reads all sets several times: the cost of a difference depends on the codes, and
+// these depend on the chosen differences. Slack is added again each time, by prices that stay the same.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -21,24 +21,24 @@ class rows_encoder {
   // Both must outlive the encoder.
   rows_encoder(const file_contents& contents, stored_sets& stored);
 
-  // First: chooses how each row is coded. argument: a set is not ascending, or holds a polygon or volume that there is
-  // not; what the source of the sets answers.
+  // First step: chooses how each row is coded. argument: a set is not ascending, or contains a polygon or volume that
+  // does not exist; the status of the source of the sets.
   status plan();
-  // Known since then.
+  // Known after plan.
   [[nodiscard]] std::vector<std::byte> codes() const;
   [[nodiscard]] std::uint32_t run_bound() const { return run_bound_; }
   [[nodiscard]] std::uint32_t range_bound() const { return range_bound_; }
   [[nodiscard]] std::uint32_t list_bound() const { return list_bound_; }
-  [[nodiscard]] const slack_sums& sums() const { return sums_; }  // zeros where no slack was asked for
+  [[nodiscard]] const slack_sums& sums() const { return sums_; }  // zeros without slack
   [[nodiscard]] std::size_t directory_size() const;
 
-  // Then: appends the rows section to file, and the directory to directory. limit: a chunk is too large.
+  // Second step: appends the rows section to file, and the directory to directory. limit: a chunk is too large.
   status write(std::vector<std::byte>& file, std::vector<std::byte>& directory);
 
  private:
   [[nodiscard]] std::size_t chunk_count() const;
   [[nodiscard]] std::size_t sample_step(std::size_t samples) const;
-  // Calls visit(chunk) for every step-th chunk, with its sets in sets_; it answers a status.
+  // Calls visit(chunk), which returns a status, for every step-th chunk, with its sets in sets_.
   template <class Visit>
   status for_each_chunk(std::size_t step, const Visit& visit);
   status read_set(std::uint32_t cell, std::vector<run>& runs);
@@ -47,7 +47,7 @@ class rows_encoder {
   status sample_slack(row_counts& counts);
   status choose(const row_encoders& encoders, row_counts& counts);
   void widen_sets(std::size_t chunk, slack_sums& sums);
-  // Of the sets in sets_: takes what they have from the first volume on, or puts it back.
+  // Removes the volumes from the sets in sets_, or puts them back.
   void take_volumes();
   void put_volumes_back();
   [[nodiscard]] std::uint32_t count_ranges(std::span<const run> runs) const;
@@ -55,20 +55,20 @@ class rows_encoder {
   const file_contents& contents_;
   stored_sets& stored_;
   std::uint32_t items_ = 0;             // polygons and volumes
-  std::vector<std::uint32_t> borders_;  // of what ranges count in; volumes are one more
+  std::vector<std::uint32_t> borders_;  // of range units; volumes are one more
   std::vector<chunk_plan> plans_;
   std::unique_ptr<row_encoders> encoders_;
   std::uint64_t slack_share_ = 0;                 // in slack_share_units
-  std::unique_ptr<row_encoders> exact_encoders_;  // for sets without slack; null while there is none
+  std::unique_ptr<row_encoders> exact_encoders_;  // for sets without slack; null until it is made
   slack_prices prices_;
-  std::vector<chunk_plan> exact_plans_;  // by which slack is added; empty ones are still to be made
+  std::vector<chunk_plan> exact_plans_;  // by which slack is added; empty ones are made later
   slack_sums sums_;
   std::uint32_t run_bound_ = 0;
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
   std::vector<std::uint32_t> ids_;
   std::vector<std::vector<run>> sets_;
-  std::vector<std::vector<run>> volumes_;  // of these, while they are taken
+  std::vector<std::vector<run>> volumes_;  // of the sets in sets_, while they are removed
 };
 
 }  // namespace sightcell::format

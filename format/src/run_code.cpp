@@ -48,14 +48,14 @@ bool run_code::decode_long(bit_buffer& held, std::uint32_t& gap, std::uint32_t& 
   return true;
 }
 
-// A list's bits are held in a word that is filled up for every two runs: what limits the speed is the way from one look
-// into the table to the next, and filling is the longest part of it. Two runs seldom have more bits than the word holds;
-// then it is filled once more.
+// The bits of a list are in a word that is filled for every two runs. The speed is limited by the path from one table
+// lookup to the next, and filling is the longest part of it. If two runs have more bits than the word, which is rare,
+// it is filled once more.
 bool run_code::decode(bit_reader& in, std::uint32_t count, std::uint32_t limit,
                       std::span<std::uint32_t> out) const noexcept {
   if (count > out.size() / 2) return false;
   bit_buffer held(in);
-  std::uint64_t next = 0;  // the lowest number that the next run may begin with
+  std::uint64_t next = 0;  // the lowest number with which the next run may begin
   std::uint32_t i = 0;
   const auto one = [&]() noexcept {
     std::uint64_t bits = held.bits();

@@ -1,6 +1,7 @@
 #pragma once
-// Lists of runs <- bits (SPEC.md, "Rows"): for each run the code of its gap, the code of its length - 1, then the
-// raw bits of both. One look into a table gives both symbols of almost every run. run_encoder.h is the way back.
+// Reads lists of runs (SPEC.md, "Rows"): for each run the code of its gap, the code of its length - 1, then the raw
+// bits of both. One table lookup returns both symbols of almost every run. The counterpart for writing is
+// run_encoder.h.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -12,21 +13,21 @@ namespace sightcell::format {
 
 class run_code {
  public:
-  // Both codes; false where one of them is none (prefix_code::assign). About 21 KiB, all inside the object.
+  // Sets both codes; false if one of them is invalid (prefix_code::assign). About 21 KiB, all inside the object.
   [[nodiscard]] bool assign(std::span<const std::uint8_t> gap_lengths,
                             std::span<const std::uint8_t> more_lengths) noexcept;
 
-  // The next `count` runs of `in`, ascending, disjoint and not touching, all below limit, as their borders: out[2 i] is
-  // the first number of run i, out[2 i + 1] the one behind its last. False when the bits are none, reach beyond limit
-  // or the end of in, or out is too small; out holds anything then.
+  // Reads the next `count` runs of `in`, ascending, disjoint and not touching, all below limit, as their borders: out[2
+  // i] is the first number of run i, out[2 i + 1] the one after its last. False if the bits are invalid, exceed limit
+  // or the end of in, or out is too small; out is undefined then.
   [[nodiscard]] bool decode(bit_reader& in, std::uint32_t count, std::uint32_t limit,
                             std::span<std::uint32_t> out) const noexcept;
 
  private:
   static constexpr unsigned table_bits = 12;
-  // What the lowest bits of a list mean, in a word: tables of 16 KiB for each kind of list stay near the processor
-  // where twice as much would not. A number is head << raw bits, and the raw bits. bits() 0: the codes are longer than
-  // the table sees, or there are more raw bits than one peek gives.
+  // The meaning of the lowest bits of a list, in a word: tables of 16 KiB for each kind of list stay in the processor's
+  // cache where tables of twice the size would not. A number is head << raw bits, plus the raw bits. bits() is 0 if the
+  // codes are longer than the table's index, or there are more raw bits than one peek returns.
   class entry {
    public:
     entry() noexcept = default;

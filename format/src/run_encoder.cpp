@@ -6,7 +6,7 @@ namespace {
 // Calls use(gap, length - 1) for every run.
 template <class Use>
 void for_each_pair(std::span<const run> runs, const Use& use) {
-  std::uint32_t next = 0;  // the lowest number that the run may begin with
+  std::uint32_t next = 0;  // the lowest number with which the run may begin
   for (const run& r : runs) {
     use(symbol_of(r.first - next), symbol_of(r.count - 1));
     next = r.first + r.count + 1;

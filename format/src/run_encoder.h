@@ -1,6 +1,6 @@
 #pragma once
-// Lists of runs -> bits (SPEC.md, "Rows"). run_code.h is the way back. Runs are ascending, disjoint and do not
-// touch.
+// Writes lists of runs (SPEC.md, "Rows"), which are ascending, disjoint and do not touch. The counterpart for reading
+// is run_code.h.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace sightcell::format {
 
-// How often each symbol occurs in lists of runs.
+// Counts of each symbol in lists of runs.
 struct run_counts {
   symbol_counts gap{};
   symbol_counts more{};
@@ -28,8 +28,8 @@ class run_encoder {
   [[nodiscard]] const symbol_lengths& gap_lengths() const { return gap_lengths_; }
   [[nodiscard]] const symbol_lengths& more_lengths() const { return more_lengths_; }
 
-  // Bits that encode() appends; symbols without a code count as longest_code bits, so that lists can be compared before
-  // the last codes are known.
+  // Bits that encode() appends. Symbols without a code count as longest_code bits, so that lists can be compared before
+  // the final codes are known.
   [[nodiscard]] std::uint64_t size(std::span<const run> runs) const;
   // All symbols must have been counted.
   void encode(std::span<const run> runs, bit_sink& out) const;

@@ -9,12 +9,12 @@
 namespace sightcell::format {
 namespace {
 
-// Stretches of stored polygons that are alike for every cell of a chunk: a bit for each cell.
+// Stored polygons that are equal for every cell of a chunk: a bit for each cell.
 struct stretch {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
   std::uint64_t drawn = 0;
-  std::uint32_t borders = 0;  // draws, or draw groups, that begin behind its first polygon
+  std::uint32_t borders = 0;  // draws, or draw groups, that begin after its first polygon
   bool begins_draw = false;
 };
 
@@ -80,7 +80,7 @@ class chunk_slack {
     return steps;
   }
 
-  // References first: what they gain is known then.
+  // References first, because cells with differences depend on their gains.
   void widen(std::size_t cell) {
     const std::uint64_t budget = polygons_of(sets_[cell]) * share_ / slack_share_unit;
     if (budget == 0) return;
@@ -90,7 +90,7 @@ class chunk_slack {
   }
 
  private:
-  // All stretches that are alike for the cell, its reference and its heirs are one column.
+  // Joins stretches that are equal for the cell, its reference and its heirs into one column.
   void make_columns(std::size_t cell) {
     columns_.clear();
     column_of_.resize(all_.size());
@@ -117,7 +117,7 @@ class chunk_slack {
     }
   }
 
-  // The set as it was chosen, for those that refer to it too.
+  // Stores the chosen set, also for the cells that refer to it.
   void take(std::size_t cell) {
     std::vector<run>& set = sets_[cell];
     set.clear();
@@ -138,7 +138,7 @@ class chunk_slack {
   std::uint64_t share_;
   slack_path path_;
   std::vector<stretch> all_;
-  std::array<std::uint64_t, layout::cells_per_chunk> heirs_{};  // of each cell: those whose reference it is
+  std::array<std::uint64_t, layout::cells_per_chunk> heirs_{};  // of each cell: the cells whose reference it is
   std::vector<slack_column> columns_;
   std::vector<std::uint32_t> column_of_;
   std::vector<bool> drawn_;
@@ -155,7 +155,7 @@ std::uint32_t price_of(const run_counts& counts, const run_encoder& encoder) {
   return static_cast<std::uint32_t>(slack_price_unit * bits / std::max<std::uint64_t>(runs, 1));
 }
 
-// What a range is worth in bits: with half as much ranges are 2 % more and files 1 % smaller.
+// The price of a range in bits. Half of it gives 2 % more ranges and a 1 % smaller file.
 constexpr std::uint32_t range_price = 16 * slack_price_unit;
 
 }  // namespace

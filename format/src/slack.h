@@ -1,6 +1,6 @@
 #pragma once
-// Slack: polygons that are added to cell sets though nobody sees them, to make the file smaller and ranges fewer. No
-// set loses one.
+// Slack: invisible polygons that are added to cell sets, to make the file smaller and ranges fewer. No set loses a
+// polygon.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,12 +20,12 @@ struct slack_sums {
   std::uint64_t added = 0;
 };
 
-// What runs cost on average in lists with these counts, by codes that were made of them.
+// The average cost of runs in lists with these counts, by codes that were made from them.
 slack_prices slack_prices_of(const row_counts& counts, const row_encoders& encoders);
 
-// Adds polygons to the sets of one chunk, to each at most share of its own. plan: of the sets as they are; equal sets
-// stay equal. borders: of what ranges count in (range_borders.h). Same arguments, same sets. Adds to sums. Allocates
-// about 60 bytes per border of the chunk's sets, borders of several sets counted once; any thread.
+// Adds polygons to the sets of one chunk, to each up to share of its own number. plan: of the sets before; equal sets
+// stay equal. borders: of range units (range_borders.h). Equal arguments give equal sets. Adds to sums. Allocates about
+// 60 bytes per different border of the chunk's sets; any thread.
 void add_slack(std::span<std::vector<run>> sets, const chunk_plan& plan, std::span<const std::uint32_t> borders,
                const slack_prices& prices, std::uint64_t share, slack_sums& sums);
 

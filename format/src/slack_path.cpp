@@ -7,17 +7,17 @@
 namespace sightcell::format {
 namespace {
 
-// More than any path costs; three of them are still a number.
+// More than the cost of any path; the sum of three does not overflow.
 constexpr std::uint64_t unreachable = ~std::uint64_t{0} / 4;
 
-// Prices of a polygon, four steps for each doubling, from 1/4 bit on: what saves less than that is not worth drawing.
+// Prices of a polygon, four steps for each doubling, from 1/4 bit on: a saving of less does not justify drawing it.
 constexpr int price_steps = 4 * 9;
 constexpr std::uint64_t polygon_price(int step) {
   constexpr std::array<std::uint64_t, 4> quarters{64, 76, 91, 108};
   return quarters[static_cast<std::size_t>(step % 4)] << (step / 4);
 }
 
-// For each state behind a column, three bits: the state before it, and whether it is drawn.
+// Three bits for each state after a column: the state before it, and whether the column is drawn.
 constexpr unsigned drawn_step = 4;
 constexpr unsigned step_bits = 3;
 
@@ -27,8 +27,8 @@ bool slack_path::was_drawn(const slack_column& column, unsigned state) {
   return column.in_reference ? (state & removing) == 0 : (state & adding) != 0;
 }
 
-// Viterbi's algorithm. What is added to the set may cost an heir that does not see it a run of its own, but may as well
-// be added to the heir, so that counts half.
+// Viterbi's algorithm. A polygon that is added to the set may cost a run in an heir that does not contain it, but it
+// may also be added to the heir, so this counts half.
 std::uint64_t slack_path::find(std::span<const slack_column> columns, bool alone, std::uint64_t polygon_price,
                                std::vector<bool>& drawn) {
   steps_.resize(columns.size());
@@ -42,7 +42,7 @@ std::uint64_t slack_path::find(std::span<const slack_column> columns, bool alone
     const slack_column& c = columns[i];
     const std::uint64_t lacking = all_heirs & ~c.heirs;
     const std::uint64_t drawing = (c.seen ? 0 : c.size * polygon_price) + std::uint64_t{c.borders} * prices_.range;
-    // [is drawn][was drawn]: what does not depend on more of the state.
+    // [is drawn][was drawn]: the cost that does not depend on the rest of the state.
     const std::uint64_t common[2][2] = {
         {count(c.heirs & ~before.heirs) * prices_.added + (c.seen ? unreachable : 0),
          count(c.heirs) * prices_.added + (c.seen ? unreachable : 0)},
@@ -55,12 +55,12 @@ std::uint64_t slack_path::find(std::span<const slack_column> columns, bool alone
     for (unsigned to = 0; to < states; ++to) {
       const bool in_run = (to & run) != 0;
       const unsigned is = in_run == c.in_reference ? 0 : 1;
-      const unsigned fresh = to & ~run;  // the states it can come from
+      const unsigned sources = to & ~run;  // the states from which it can be reached
       const unsigned ongoing = to | run;
-      const std::uint64_t from_fresh = cost[fresh] + common[is][was_drawn(before, fresh)] + (in_run ? run_price : 0);
+      const std::uint64_t from_fresh = cost[sources] + common[is][was_drawn(before, sources)] + (in_run ? run_price : 0);
       const std::uint64_t from_ongoing = cost[ongoing] + common[is][was_drawn(before, ongoing)];
       next[to] = std::min({from_fresh, from_ongoing, unreachable});
-      steps |= ((from_ongoing < from_fresh ? ongoing : fresh) | is * drawn_step) << (step_bits * to);
+      steps |= ((from_ongoing < from_fresh ? ongoing : sources) | is * drawn_step) << (step_bits * to);
     }
     steps_[i] = static_cast<std::uint16_t>(steps);
     cost = next;
@@ -78,8 +78,8 @@ std::uint64_t slack_path::find(std::span<const slack_column> columns, bool alone
   return gained;
 }
 
-// Of the paths of two neighboring prices one is within the budget, and the other is not: many runs save the same for a
-// polygon. The latter is taken as far as the budget goes, and left where both have come to the same state.
+// Of the paths of two adjacent prices, one is within the budget and the other is not, because many runs save the same
+// per polygon. Follows the latter as far as the budget allows, and leaves it where both have reached the same state.
 void slack_path::join(std::span<const slack_column> columns, std::uint64_t budget, std::vector<bool>& drawn) const {
   std::uint64_t gained = 0;
   for (std::size_t i = 0; i < columns.size(); ++i) gained += drawn[i] && !columns[i].seen ? columns[i].size : 0;
@@ -104,7 +104,7 @@ void slack_path::choose(std::span<const slack_column> columns, bool alone, std::
   for (std::size_t i = 0; i < columns.size(); ++i) drawn[i] = columns[i].seen;
   int too_low = -1;
   int high_enough = price_steps;
-  // Cells of a chunk have much the same price: bisects from there.
+  // Cells of a chunk have similar prices: bisects from the last one.
   int step = last_step_;
   for (int stride = 1; high_enough - too_low > 1; stride *= 2) {
     const bool over = find(columns, alone, polygon_price(step), trial_) > budget;

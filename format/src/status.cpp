@@ -13,21 +13,21 @@ const char* status_text(status s) noexcept {
     case status::capacity:
       return "the buffer is too small";
     case status::stale:
-      return "too old to say what changed: take the full list";
+      return "no difference is known: take the full list";
     case status::io:
       return "the file cannot be read or written";
     case status::not_ours:
       return "not a .pvs file";
     case status::version:
-      return "written for another version of Sightcell";
+      return "a file of a version that this library does not read";
     case status::truncated:
       return "the file ends too early";
     case status::checksum:
       return "the file is damaged: a checksum differs";
     case status::corrupt:
-      return "the file contradicts itself";
+      return "values of the file contradict each other";
     case status::limit:
-      return "a number is above what the format can hold";
+      return "a number is beyond a limit of the format";
     case status::other_scene:
       return "the file belongs to another scene";
   }

@@ -8,8 +8,8 @@
 namespace sightcell::format {
 namespace {
 
-// Calls use(source id) for the polygons of some draws in an order of all of them. Polygons that follow each other there
-// mostly lie in the same draw.
+// Calls use(source id) for the polygons of some draws in an order of all of them. Consecutive polygons mostly belong to
+// the same draw.
 template <class Use>
 void for_each_source(std::span<const draw_record> draws, std::span<const std::uint32_t> order, const Use& use) {
   auto draw = draws.begin();
@@ -39,14 +39,14 @@ stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std
   }
 }
 
-// Through a bit for each polygon: sorting the stored numbers takes several times as long.
+// Uses a bit for each polygon: sorting the stored numbers takes several times as long.
 void stored_sets::runs_of(std::span<const std::uint32_t> source_ids, std::vector<run>& runs) {
   runs.clear();
   for (const std::uint32_t id : source_ids) {
     const std::uint32_t stored = id < stored_of_source_.size() ? stored_of_source_[id] : id;
     members_[stored / 64] |= std::uint64_t{1} << (stored % 64);
   }
-  std::uint64_t before = 0;  // the bit of the polygon in front of the word
+  std::uint64_t before = 0;  // the bit of the polygon before the word
   for (std::size_t word = 0; word < members_.size(); ++word) {
     const std::uint64_t bits = members_[word];
     for (std::uint64_t left = bits ^ (bits << 1 | before); left != 0; left &= left - 1) {

@@ -1,5 +1,5 @@
 #pragma once
-// Sets of source ids, and of volumes behind them, -> runs in the order that a file stores.
+// Converts sets of source ids, and of volumes after them, to runs in the order that a file stores.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,20 +10,23 @@ namespace sightcell::format {
 
 class stored_sets {
  public:
-  // draws: in stored order, gapless by first_stored, and their source ids are all below the number of polygons, each
-  // once. order_of_draw: as many; which of the orders a draw has. orders: permutations, each as long as the draws that
-  // have it, or as the draws of its draw group together. volumes: how many. Nothing of them is kept.
+  // draws: in stored order, without gaps by first_stored; their source ids are all below the number of polygons, each
+  //   once.
+  // order_of_draw: the order of each draw.
+  // orders: permutations, each of the length of its draws, or of its draw group.
+  // volumes: their number.
+  // The arguments are not kept.
   stored_sets(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw,
               std::span<const std::vector<std::uint32_t>> orders, host_layout layout = host_layout::instanced,
               std::uint32_t volumes = 0);
 
-  // Stored polygons of a set of source ids, each once, in any order; the numbers of volumes, which begin where those
-  // end, stay. runs is replaced. Not for two threads at once.
+  // Computes the stored polygons of a set of source ids, each once, in any order. The numbers of volumes, which follow
+  // those of polygons, stay. runs is replaced. Not for two threads at once.
   void runs_of(std::span<const std::uint32_t> source_ids, std::vector<run>& runs);
 
  private:
   std::vector<std::uint32_t> stored_of_source_;
-  std::vector<std::uint64_t> members_;  // a bit for each polygon and volume and one behind them; empty between calls
+  std::vector<std::uint64_t> members_;  // a bit for each polygon and volume and one after them; empty between calls
 };
 
 }  // namespace sightcell::format

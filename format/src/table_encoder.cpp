@@ -20,7 +20,7 @@ std::uint32_t high(std::uint64_t value) {
   return static_cast<std::uint32_t>(value >> 32);
 }
 
-// A bound may only be rounded upwards, what it is sure of only downwards.
+// A bound may only be rounded up, its confidence only down.
 std::uint32_t bits_toward(double value, float direction) {
   const auto nearest = static_cast<float>(value);
   const auto back = static_cast<double>(nearest);

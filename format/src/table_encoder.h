@@ -1,5 +1,5 @@
 #pragma once
-// The sections of a file besides its rows, as bytes: draws, cells, certificate.
+// Encodes the sections of a file except its rows: draws, cells, certificate.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@ namespace sightcell::format {
 
 // order_of_draw: one per draw.
 std::vector<std::byte> encode_draws(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw);
-// False when cells on a lattice are in a wrong order or have no box.
+// False if cells on a lattice are in a wrong order or have no valid box.
 [[nodiscard]] bool encode_cells(const file_contents& contents, std::vector<std::byte>& out);
 std::vector<std::byte> encode_certificate(std::span<const certificate_record> certificate);
 

@@ -26,7 +26,7 @@ status volume_table::open(std::span<const std::byte> bytes, std::uint32_t polygo
   }
   if (made.count_ > layout::max_volumes || made.count_ > layout::max_polygons - polygons) return status::limit;
   if (!(made.shape_.width > 0.0) || !(made.shape_.height > 0.0)) return status::corrupt;  // an infinite one has no box
-  // Places differ, so each takes a bit, but a single one: else few bytes could promise millions.
+  // Positions differ, so each but a single one takes a bit: else few bytes could claim millions.
   if (made.count_ == 0 || made.count_ > 8 * bytes.size()) return status::corrupt;
   packed_columns columns;
   if (!columns.open(bytes.subspan(layout::volumes_head_size), layout::volume_columns, made.count_)) {
@@ -58,7 +58,7 @@ bool volume_table::volume_box(std::uint32_t volume, box& out) const noexcept {
   return true;
 }
 
-// Of a copy: what is sorted may not change meanwhile.
+// Sorts a copy: the bytes may change meanwhile.
 bool volume_table::places_differ(std::span<std::uint32_t> room) const noexcept {
   using key = std::array<std::uint32_t, layout::volume_columns>;
   static_assert(sizeof(key) == layout::volume_columns * sizeof(std::uint32_t));
@@ -67,7 +67,7 @@ bool volume_table::places_differ(std::span<std::uint32_t> room) const noexcept {
   std::uninitialized_default_construct_n(first, count_);
   const std::span<key> keys(first, count_);
   for (std::uint32_t volume = 0; volume < count_; ++volume) keys[volume] = {x_[volume], y_[volume], z_[volume]};
-  std::make_heap(keys.begin(), keys.end());  // less code than std::sort, and as quick as need be
+  std::make_heap(keys.begin(), keys.end());  // less code than std::sort, and fast enough
   std::sort_heap(keys.begin(), keys.end());
   return std::adjacent_find(keys.begin(), keys.end()) == keys.end();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Volumes -> bytes. volume_table.h is the way back.
+// Writes volumes. The counterpart for reading is volume_table.h.
 #include <cstddef>
 #include <vector>
 
@@ -7,8 +7,8 @@
 
 namespace sightcell::format {
 
-// Appends the volumes section. argument, and nothing appended: no volume can lie at one of the places, two are the
-// same, or there is no lattice.
+// Appends the volumes section. argument, and nothing appended: a position is invalid, two are equal, or there is no
+// lattice.
 status put_volumes(const lattice_volumes& volumes, std::vector<std::byte>& out);
 
 }  // namespace sightcell::format

@@ -29,7 +29,7 @@ struct section_bytes {
   std::vector<std::byte> bytes;
 };
 
-// That they have every source id once. Else they are looked at when their orders are known.
+// Tests that the draws have each source id once. The rest is tested when their orders are known.
 status check_sources(const file_contents& contents) {
   struct stretch {
     std::uint64_t begin = 0;
@@ -57,7 +57,7 @@ bool is_permutation_of_places(std::span<const std::uint32_t> order) {
   return true;
 }
 
-// The draw table and its orders.
+// Checks the draw table and its orders.
 status check_draws(const file_contents& contents, const stored_order& order) {
   if (order.order_of_draw.size() != contents.draws.size()) return status::argument;
   draw_table_rules rules(contents.facts.layout, contents.facts.polygon_count);
@@ -78,7 +78,7 @@ std::size_t cell_count(const file_contents& contents) {
   return contents.lattice ? contents.lattice->places.size() : contents.cells.size();
 }
 
-// Cells on a lattice are looked at when they are encoded.
+// Cells on a lattice are checked when they are encoded.
 status check_cells(const file_contents& contents) {
   const std::size_t cells = cell_count(contents);
   const bool sets_missing = cells > 0 && !contents.cell_sets.get;
@@ -90,7 +90,7 @@ status check_cells(const file_contents& contents) {
   return status::ok;
 }
 
-// Their places are looked at when they are encoded.
+// Their positions are checked when they are encoded.
 bool has_too_many_volumes(const file_contents& contents) {
   const std::size_t volumes = contents.volumes.places.size();
   return volumes > layout::max_volumes || volumes > layout::max_polygons - contents.facts.polygon_count;
@@ -115,7 +115,7 @@ status check_contents(const file_contents& contents) {
   return status::ok;
 }
 
-// The orders, those of the source where none were given. Draws were found to have as many polygons as there are.
+// The orders, those of the source if none are given. The polygon counts of the draws have been checked.
 class complete_order {
  public:
   explicit complete_order(const file_contents& contents) : given_(contents.order) {
@@ -141,9 +141,8 @@ class complete_order {
   std::vector<std::vector<std::uint32_t>> orders_;
 };
 
-// All but the rows, which come last, so that everything a reader checks at once lies together at the front. The
-// directory is as large as it will be. argument: the cells are none, or the volumes,
-// or the named groups.
+// Encodes all but the rows, which come last, so that everything that a reader checks at open is at the front. The
+// directory has its final size. argument: invalid cells, volumes or named groups.
 status front_sections(const file_contents& contents, const stored_order& order, const rows_encoder& rows,
                       std::vector<section_bytes>& sections) {
   std::vector<std::byte> cells;
@@ -154,7 +153,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
   if (!contents.volumes.places.empty()) {
     if (const status s = put_volumes(contents.volumes, volumes); s != status::ok) return s;
   }
-  // Also where there are none, since a draw may be in one that there is not.
+  // Also without groups, since a draw may name one that does not exist.
   if (const status s = put_named_groups(contents.named_groups, contents.draws, named_groups); s != status::ok) return s;
   put_orders(order.orders, orders);
   sections.push_back({layout::section_draws, true, encode_draws(contents.draws, order.order_of_draw)});
@@ -193,7 +192,8 @@ std::vector<std::byte> encode_table(std::span<const section_bytes> front, std::s
   return bytes;
 }
 
-// Of what the sets hold with the polygons that were added now, as a share of what is seen; never rounded down.
+// The slack of the sets before and the polygons that were added now, as a share of the visible polygons; never rounded
+// down.
 float slack_of(const file_contents& contents, const slack_sums& sums) {
   if (sums.added == 0) return contents.facts.slack;
   const double before = 1.0 + static_cast<double>(contents.facts.slack);
@@ -226,7 +226,7 @@ void put_header(const file_contents& contents, float slack, const rows_encoder& 
   out.put_u32(crc32c(file));
 }
 
-// The rows are most of a file: they are encoded where they will lie, and what is before them is filled in afterwards.
+// The rows are most of a file: they are encoded in place, and what precedes them is filled in afterwards.
 status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   if (const status s = check_contents(contents); s != status::ok) return s;
   const complete_order order(contents);
@@ -239,7 +239,7 @@ status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   if (slack > 1.0f) return status::limit;
   std::vector<section_bytes> sections;
   if (const status s = front_sections(contents, order.get(), rows, sections); s != status::ok) return s;
-  // Readers want a bit for each draw, which only draws that are alike in everything may not take.
+  // Readers need a bit for each draw, which a table of draws that are equal in all columns may not have.
   if (contents.draws.size() > 8 * sections.front().bytes.size()) return status::limit;
   std::size_t rows_begin = layout::header_size + (sections.size() + 1) * layout::section_record_size;
   for (const section_bytes& s : sections) rows_begin += s.bytes.size();
@@ -275,7 +275,7 @@ status encode(const file_contents& contents, std::vector<std::byte>& out) {
     return encode_file(contents, out);
   } catch (const std::bad_alloc&) {
     return status::memory;
-  } catch (const std::length_error&) {  // what a vector says above its largest size
+  } catch (const std::length_error&) {  // thrown by a vector above its largest size
     return status::memory;
   }
 #else

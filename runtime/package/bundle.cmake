@@ -1,8 +1,8 @@
-# cmake --install BUILD --component bundle --prefix DIR: a folder that runs where nothing is installed but glibc.
+# cmake --install BUILD --component bundle --prefix DIR: a folder whose programs run on a machine that has only glibc.
 option(SIGHTCELL_BUNDLE_MESA "The bundle carries Mesa's software OpenGL, for machines without any driver" ON)
 
-# What no program names and is opened while running: the libraries themselves are asked for by libepoxy and oneTBB, the
-# driver by libEGL and by Mesa.
+# Libraries that are opened at run time, so that no program names them: some by libepoxy and oneTBB, the driver by
+# libEGL and by Mesa.
 set(sightcell_bundle_opened)
 set(sightcell_bundle_mesa)
 set(sightcell_bundle_tools)
@@ -21,7 +21,7 @@ if(SIGHTCELL_BUILD_BAKE)
       PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE} /usr/lib64 /usr/lib PATH_SUFFIXES dri NO_DEFAULT_PATH)
     mark_as_advanced(SIGHTCELL_BUNDLE_libEGL_mesa.so.0 SIGHTCELL_BUNDLE_swrast_dri.so)
     set(sightcell_bundle_mesa "${SIGHTCELL_BUNDLE_libEGL_mesa.so.0}")
-    if(SIGHTCELL_BUNDLE_swrast_dri.so)  # since Mesa 24 the driver is a library that libEGL_mesa names
+    if(SIGHTCELL_BUNDLE_swrast_dri.so)  # since Mesa 24 libEGL_mesa names the driver
       list(APPEND sightcell_bundle_mesa "${SIGHTCELL_BUNDLE_swrast_dri.so}")
     endif()
   endif()

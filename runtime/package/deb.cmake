@@ -1,5 +1,5 @@
 # cpack -G DEB, in the build folder: one Debian package per component. Configure with -DCMAKE_INSTALL_PREFIX=/usr to
-# have the libraries in Debian's own folder of the architecture.
+# install the libraries into Debian's folder of the architecture.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME sightcell)
 set(CPACK_PACKAGE_VENDOR "The Sightcell authors")
@@ -12,13 +12,14 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-# dpkg-shlibdeps (packages dpkg-dev and file) finds what our files are linked with, and is told who has our library.
+# dpkg-shlibdeps (packages dpkg-dev and file) finds the packages of the libraries that our files are linked with; the
+# shlibs file that CPack generates names the package of libsightcell.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 
 # sightcell_deb(COMPONENT SECTION SYNOPSIS LAST-LINES)
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${CMAKE_PROJECT_NAME} built using CMake")  # or it is put before every synopsis
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${CMAKE_PROJECT_NAME} built using CMake")  # else it precedes every synopsis
 macro(sightcell_deb component section synopsis last)
   string(TOUPPER ${component} sightcell_name)
   set(CPACK_DEBIAN_${sightcell_name}_PACKAGE_NAME ${sightcell_${component}_package})
@@ -47,6 +48,6 @@ string(JOIN ", " CPACK_DEBIAN_BAKE-DEV_PACKAGE_DEPENDS "libsightcell-dev ${exact
 
 sightcell_deb(tools graphics "baked visibility for engines: the baker"
   "This package has the programs: sightcell, the baker, and sightcell-city, a\ngenerator of test scenes.")
-set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS libegl1)  # opened while running
+set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS libegl1)  # opened at run time
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "libegl-mesa0 | libegl-vendor, libgl1-mesa-dri")
 include(CPack)

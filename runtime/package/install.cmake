@@ -1,6 +1,6 @@
 # sightcell_install(TARGET EXPORT runtime|bake|tools COMPONENT dev|bake-dev|tools): one line per target that is
-# installed. Components: runtime (libsightcell.so.1), dev (to build against it, shared or static), bake-dev (the bake half as
-# libraries), tools (the programs), bundle (a folder that needs nothing else; see bundle.cmake.in).
+# installed. Components: runtime (libsightcell.so.1), dev (to build against it, shared or static), bake-dev (the bake
+# half as libraries), tools (the programs), bundle (a folder that needs no packages; see bundle.cmake).
 function(sightcell_install target)
   if(NOT SIGHTCELL_INSTALL)
     return()

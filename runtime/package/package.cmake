@@ -1,4 +1,4 @@
-# What find_package(sightcell) and pkg-config read. Nothing here knows where it will lie: the prefix may be moved.
+# The files for find_package(sightcell) and pkg-config. They contain relative paths only: the prefix may be moved.
 include(CMakePackageConfigHelpers)
 
 set(sightcell_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightcell)
@@ -17,7 +17,7 @@ if(SIGHTCELL_BUILD_BAKE)
     DESTINATION ${sightcell_cmake_dir} COMPONENT tools)
 endif()
 
-# In a .pc file the prefix is counted from the file itself; an absolute folder, as some distributions set, stays one.
+# A .pc file finds the prefix relative to itself. An absolute folder, as some distributions set, stays absolute.
 foreach(folder LIB INCLUDE)
   if(IS_ABSOLUTE ${CMAKE_INSTALL_${folder}DIR})
     set(sightcell_pc_${folder} ${CMAKE_INSTALL_${folder}DIR})
@@ -31,7 +31,7 @@ configure_file(runtime/package/sightcell.pc.in ${PROJECT_BINARY_DIR}/package/sig
 install(FILES ${PROJECT_BINARY_DIR}/package/sightcell.pc
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 
-# One licence file per component, where Debian's packages have theirs.
+# One license file per component, at the path of Debian's packages.
 set(sightcell_components runtime dev)
 if(SIGHTCELL_BUILD_BAKE)
   list(APPEND sightcell_components bake-dev tools)

@@ -1,8 +1,8 @@
 # find_package(sightcell [0.1] [COMPONENTS runtime bake tools])
 #   runtime (also when none is named): sightcell::runtime, static, and sightcell::runtime_shared; needs nothing else
-#   bake: sightcell::bake, sightcell::scene, sightcell::picture, sightcell::format_write; needs what it stands on
+#   bake: sightcell::bake, sightcell::scene, sightcell::picture, sightcell::format_write; needs its libraries
 #   tools: the programs sightcell::cli and sightcell::city, for add_custom_command
-# Each component is a file beside this one, which is there when that half was installed.
+# Each component is a file in this folder, present if the component is installed.
 if(NOT sightcell_FIND_COMPONENTS)
   set(sightcell_FIND_COMPONENTS runtime)
 endif()
@@ -21,7 +21,7 @@ macro(sightcell_load component)
       string(APPEND sightcell_missing ": install the component tools (Debian: sightcell-tools)")
     endif()
   elseif("${component}" STREQUAL "bake")
-    include("${CMAKE_CURRENT_LIST_DIR}/sightcell-bake.cmake")  # looks for what bake stands on
+    include("${CMAKE_CURRENT_LIST_DIR}/sightcell-bake.cmake")  # finds the libraries of bake
   endif()
   if(sightcell_missing)
     set(sightcell_${component}_FOUND FALSE)
@@ -33,7 +33,7 @@ endmacro()
 
 set(sightcell_FOUND TRUE)
 set(sightcell_reasons)
-# The other halves stand on the runtime's targets.
+# The other components use the targets of the runtime.
 sightcell_load(runtime)
 foreach(sightcell_component IN LISTS sightcell_FIND_COMPONENTS)
   if(NOT sightcell_component STREQUAL "runtime")

@@ -5,7 +5,8 @@ namespace {
 
 constexpr int most_pieces = 4096;
 
-// What a cell leaves of a box is cut into boxes, each of which the other cells must hold. rest: half-open.
+// Cuts the part of a box that the first cell leaves into boxes, and tests each of them against the other cells. rest:
+// half-open. pieces: the number of boxes that may still be tested.
 bool rest_is_covered(wide_box rest, std::span<const located_cell> cells, float margin, int& pieces) noexcept {
   while (!cells.empty() && !boxes_meet(rest, widened(cells.front().bounds, margin))) cells = cells.subspan(1);
   if (cells.empty() || --pieces < 0) return false;

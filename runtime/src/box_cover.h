@@ -1,5 +1,5 @@
 #pragma once
-// Do boxes together hold all of another one?
+// Tests whether several boxes together contain another box.
 #include <cstdint>
 #include <span>
 
@@ -8,8 +8,8 @@
 
 namespace sightcell::runtime {
 
-// closed: with both ends. Cells count as boxes grown by margin. No for what takes more than a few thousand steps to
-// find out, which no baked cells do.
+// closed: both ends belong to it. cells: their boxes are grown by margin. Returns false also where the test would take
+// more than a few thousand steps, which does not happen with baked cells.
 [[nodiscard]] bool cells_cover(const wide_box& closed, std::span<const located_cell> cells, float margin) noexcept;
 
 }  // namespace sightcell::runtime

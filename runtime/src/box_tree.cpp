@@ -8,9 +8,9 @@
 namespace sightcell::runtime {
 namespace {
 
-// As many cells are compared one by one.
+// Up to this number of cells are tested one by one.
 constexpr std::uint32_t leaf_size = 4;
-// A node leaves three of its children for later, and there are at most 2^24 cells: 64 is far more than a path can hold.
+// A node leaves up to three children on the stack, and there are at most 2^24 cells: no path needs 64 entries.
 constexpr std::size_t stack_size = 64;
 constexpr std::uint32_t first_bits = 24;
 constexpr std::uint32_t first_mask = (std::uint32_t{1} << first_bits) - 1;
@@ -21,7 +21,7 @@ struct cell_range {
   [[nodiscard]] std::uint32_t size() const noexcept { return end - begin; }
 };
 
-// What a node's cells are parted into: halves, and these again, where they are more than a leaf.
+// The parts into which the cells of a node are divided: two halves, and the halves of these, where they exceed a leaf.
 class node_parts {
  public:
   template <class Split>
@@ -60,7 +60,7 @@ double twice_center(const located_cell& c, std::size_t axis) noexcept {
   return static_cast<double>(c.bounds.min[axis]) + static_cast<double>(c.bounds.max[axis]);
 }
 
-// The axis along which the centers lie farthest apart.
+// The axis along which the centers of the cells have the largest extent.
 std::size_t split_axis(std::span<const located_cell> cells) noexcept {
   std::size_t best = 0;
   double longest = -1.0;
@@ -79,18 +79,18 @@ std::size_t split_axis(std::span<const located_cell> cells) noexcept {
   return best;
 }
 
-// Moves the first_part cells to the front that come first along the axis on which centers lie farthest apart, then by
-// number. The values between the lowest and the highest one are halved until the border lies right: each cell is looked
-// at a few times, some hundred times at worst (floats have so many powers of two). Less code than std::nth_element,
-// which is quadratic at worst in one library.
+// Moves to the front the first_part cells that come first by center along the axis of largest extent, then by number.
+// Bisects the interval of values until the border is at the wanted cell: each cell is visited a few times, or some
+// hundred times in the worst case (the exponents of floats). This takes less code than std::nth_element, which is
+// quadratic in the worst case in one library.
 void split_cells(std::span<located_cell> cells, std::uint32_t first_part) noexcept {
   const std::size_t axis = split_axis(cells);
-  bool by_number = false;  // where all centers are the same
+  bool by_number = false;  // true where all centers are equal
   const auto value_of = [&](const located_cell& c) {
     return by_number ? static_cast<double>(c.cell) : twice_center(c, axis);
   };
   std::span<located_cell> open = cells;
-  std::size_t wanted = first_part;  // of the open ones
+  std::size_t wanted = first_part;  // counted in the open cells
   while (wanted > 0 && wanted < open.size()) {
     double low = value_of(open.front());
     double high = low;
@@ -116,7 +116,7 @@ void split_cells(std::span<located_cell> cells, std::uint32_t first_part) noexce
   }
 }
 
-// No float above the volume.
+// The largest float that is not above the volume.
 float volume_below(double volume) noexcept {
   const float near = static_cast<float>(std::min(volume, static_cast<double>(std::numeric_limits<float>::max())));
   return static_cast<double>(near) > volume ? next_below(near) : near;
@@ -139,7 +139,8 @@ std::span<const located_cell> cells_of(std::span<const located_cell> all, std::u
   return all.subspan(child & first_mask, child >> first_bits);
 }
 
-// All parts of a number of cells are of two sizes, one apart, so few numbers are ever counted.
+// Counts the nodes of a tree. The parts of one depth have two sizes that differ by one, so few sizes have to be
+// counted.
 struct counted_nodes {
   struct entry {
     std::uint32_t cells = 0, nodes = 0;
@@ -217,7 +218,7 @@ void box_tree::build(std::span<located_cell> cells, std::span<tree_node> nodes) 
   }
 }
 
-// Calls visit(cells) for every leaf that enters(node, child) lets through on the way, until it says no.
+// Calls visit(cells) for each leaf on a path that enters(node) accepts, until visit returns false.
 template <class Enters, class Visit>
 void box_tree::walk(const Enters& enters, const Visit& visit) const noexcept {
   if (nodes_.empty()) return;
@@ -238,23 +239,23 @@ void box_tree::walk(const Enters& enters, const Visit& visit) const noexcept {
   }
 }
 
-std::uint32_t box_tree::find(const rounded_point& place, double volume_limit, format::box& out) const noexcept {
+std::uint32_t box_tree::find(const rounded_point& position, double volume_limit, format::box& out) const noexcept {
   std::uint32_t best = no_cell;
   double best_volume = volume_limit;
   const auto enters = [&](const tree_node& node) {
     std::array<bool, 4> entered;
     for (std::size_t i = 0; i < entered.size(); ++i) {
-      // Without branches, so that all four are compared at once. Equal volumes may yet be of a lower number.
-      entered[i] = (static_cast<int>(place[0] >= node.min[0][i]) & static_cast<int>(place[0] < node.max[0][i]) &
-                    static_cast<int>(place[1] >= node.min[1][i]) & static_cast<int>(place[1] < node.max[1][i]) &
-                    static_cast<int>(place[2] >= node.min[2][i]) & static_cast<int>(place[2] < node.max[2][i]) &
+      // Without branches, so that all four are compared at once. An equal volume may belong to a lower number.
+      entered[i] = (static_cast<int>(position[0] >= node.min[0][i]) & static_cast<int>(position[0] < node.max[0][i]) &
+                    static_cast<int>(position[1] >= node.min[1][i]) & static_cast<int>(position[1] < node.max[1][i]) &
+                    static_cast<int>(position[2] >= node.min[2][i]) & static_cast<int>(position[2] < node.max[2][i]) &
                     static_cast<int>(static_cast<double>(node.smallest_volume[i]) <= best_volume)) != 0;
     }
     return entered;
   };
   walk(enters, [&](std::span<const located_cell> cells) {
     for (const located_cell& c : cells) {
-      if (!holds(c.bounds, place)) continue;
+      if (!holds(c.bounds, position)) continue;
       const double volume = volume_of(c.bounds);
       if (volume < best_volume || (best != no_cell && volume == best_volume && c.cell < best)) {
         best_volume = volume;
@@ -305,7 +306,7 @@ std::size_t box_tree::touching(const wide_box& closed, std::span<located_cell> d
   return found;
 }
 
-// The nearest child first, so that the others are mostly out of reach.
+// Visits the nearest child first, so that most other children are out of reach.
 void box_tree::nearest(nearest_search& search) const noexcept {
   if (nodes_.empty()) return;
   struct near_child {

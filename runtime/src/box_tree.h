@@ -1,6 +1,6 @@
 #pragma once
-// Place -> view cell among boxes that may overlap: the smallest volume wins, then the lowest number. A static tree of
-// boxes, built once; nothing here allocates.
+// Finds the view cell of a position among boxes that may overlap: the smallest volume, then the lowest number. A static
+// tree of boxes, built once; nothing here allocates.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -15,40 +15,40 @@ struct located_cell {
   std::uint32_t cell = 0;
 };
 
-// By number; few cells, so that insertion is quick and takes little code.
+// Sorts by number. Insertion sort: there are few cells, and it takes little code.
 void sort_by_number(std::span<located_cell> cells) noexcept;
 
-// Four children side by side, so that one place is compared with all of them at once; two cache lines.
+// Four children in one node, so that a position is compared with all of them at once. Two cache lines.
 struct tree_node {
-  std::array<std::array<float, 4>, 3> min{}, max{};  // by axis; min above max where there is no child
-  std::array<float, 4> smallest_volume{};            // of the cells below, or a little less
-  // A node, or, with how many there are in the upper 8 bits, the first of some cells.
+  std::array<std::array<float, 4>, 3> min{}, max{};  // by axis; min above max for a missing child
+  std::array<float, 4> smallest_volume{};            // lower bound over the cells below
+  // The number of a node; or a leaf: the number of cells in the upper 8 bits, their first index below.
   std::array<std::uint32_t, 4> child{};
 };
 
 class box_tree {
  public:
-  // Nodes that build needs for so many cells.
+  // The number of nodes that build needs for this number of cells.
   [[nodiscard]] static std::uint32_t node_count(std::uint32_t cells) noexcept;
 
-  // cells: every box finite, in any order; it is reordered. nodes: node_count(cells.size()) of them. Both stay the
-  // caller's and must outlive the tree. O(n log n).
+  // cells: finite boxes in any order; build reorders them. nodes: node_count(cells.size()) of them. Both belong to the
+  // caller and must outlive the tree. O(n log n).
   void build(std::span<located_cell> cells, std::span<tree_node> nodes) noexcept;
 
-  // Among the cells that hold a place and are smaller than volume_limit: the smallest, then the lowest number. no_cell
-  // when there is none. O(log n) where few boxes overlap; one comparison when no cell at all is smaller than
-  // volume_limit. out is set only when a cell is found.
-  [[nodiscard]] std::uint32_t find(const rounded_point& place, double volume_limit, format::box& out) const noexcept;
+  // Of the cells that contain a position and are smaller than volume_limit: the smallest, then the lowest number;
+  // no_cell if there is none. O(log n) where few boxes overlap; one comparison if no cell at all is smaller than
+  // volume_limit. out is set only if a cell is found.
+  [[nodiscard]] std::uint32_t find(const rounded_point& position, double volume_limit, format::box& out) const noexcept;
 
-  // True when some cell smaller than volume_limit has a point in common with bounds. Where it is false, a place inside
-  // bounds needs no search for a smaller cell.
+  // True if a cell smaller than volume_limit intersects bounds. If false, a position inside bounds needs no search for
+  // a smaller cell.
   [[nodiscard]] bool has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept;
 
-  // Writes the cells that a closed box touches, as many as dst has room for, in no order; returns how many that are, or
-  // dst.size() + 1 as soon as there is no more room.
+  // Writes the cells that a closed box touches, up to dst.size(), in no order. Returns their number, or dst.size() + 1
+  // where dst is too small.
   [[nodiscard]] std::size_t touching(const wide_box& closed, std::span<located_cell> dst) const noexcept;
 
-  // Shows the search what may be nearest. O(log n) where few boxes overlap.
+  // Passes the cells that may be nearest to the search. O(log n) where few boxes overlap.
   void nearest(nearest_search& search) const noexcept;
 
   // In the order of the tree.

@@ -1,4 +1,4 @@
-// The C functions: checks arguments, then hands over. Statuses of format have the numbers of the C API.
+// The C functions: each checks its arguments and calls the implementation. Statuses of format have the same numbers.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -42,7 +42,7 @@ bool take_allocator(const sightcell_allocator* given, sightcell_allocator& out) 
   return out.alloc != nullptr && out.release != nullptr;
 }
 
-// What all list functions have in common. OK: dst has room for need elements.
+// The checks of all list functions. OK: dst has room for need elements.
 sightcell_status check_room(const void* dst, std::size_t capacity, std::uint64_t need, std::size_t* count) noexcept {
   if (count == nullptr || (dst == nullptr && capacity > 0)) return SIGHTCELL_ERR_ARGUMENT;
   if (need > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_LIMIT;
@@ -50,7 +50,7 @@ sightcell_status check_room(const void* dst, std::size_t capacity, std::uint64_t
   return need > capacity ? SIGHTCELL_ERR_CAPACITY : SIGHTCELL_OK;
 }
 
-// Source ids of a range.
+// Writes the source ids of a range. Returns the end.
 std::uint32_t* write_sources(const sightcell_db& db, std::uint32_t draw, std::uint32_t first, std::uint32_t count,
                              std::uint32_t* dst) noexcept {
   const std::uint32_t first_source = db.first_source(draw);
@@ -106,14 +106,14 @@ sightcell_status sightcell_db_prefetch(sightcell_db* db, const float eye[3], con
   if (db == nullptr || eye == nullptr || velocity == nullptr || !(seconds >= 0.0f) || !std::isfinite(seconds)) {
     return SIGHTCELL_ERR_ARGUMENT;
   }
-  runtime::point place{};
+  runtime::point position{};
   runtime::point speed{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(eye[axis]) || !std::isfinite(velocity[axis])) return SIGHTCELL_ERR_ARGUMENT;
-    place[axis] = static_cast<double>(eye[axis]);
+    position[axis] = static_cast<double>(eye[axis]);
     speed[axis] = static_cast<double>(velocity[axis]);
   }
-  if (db->is_paged()) runtime::prefetch(*db, place, speed, static_cast<double>(seconds));
+  if (db->is_paged()) runtime::prefetch(*db, position, speed, static_cast<double>(seconds));
   return SIGHTCELL_OK;
 }
 
@@ -227,7 +227,7 @@ sightcell_status sightcell_db_draws(const sightcell_db* db, sightcell_draw* dst,
     if (const format::status s = db->file().draw(number, d); s != format::status::ok) {
       return static_cast<sightcell_status>(s);
     }
-    const std::size_t unit = merged ? d.group : number;  // read anew: the bytes may have changed
+    const std::size_t unit = merged ? d.group : number;  // read again: the bytes may have changed
     if (unit >= borders.size()) return SIGHTCELL_ERR_CORRUPT;
     dst[number] = {d.node,         d.mesh,          d.primitive,   d.instance,    d.material, d.group,
                    d.first_source, d.polygon_count, borders[unit], d.base_vertex, d.host_tag};
@@ -261,7 +261,7 @@ sightcell_status sightcell_view_move(sightcell_view* view, const float eye[3], s
   if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   sightcell_frame unread;
   if (frame != nullptr) return view->move(eye, *frame);
-  // The host cannot see the flags, so the view goes to where nothing can be missed.
+  // The host cannot read the flags, so the view shows everything.
   static_cast<void>(view->move(nullptr, unread));
   return SIGHTCELL_ERR_ARGUMENT;
 }

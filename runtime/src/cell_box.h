@@ -1,6 +1,6 @@
 #pragma once
-// Boxes of view cells in double precision, where every float of a file and every border of a grown box is exact
-// enough: a camera's place is a sum of its view's origin and the eye, and so is no float.
+// Boxes of view cells in double precision. Floats of a file and borders of grown boxes are exact enough in it; the
+// position of a camera is the sum of the view's origin and the eye, so it is not a float.
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace sightcell::runtime {
 inline constexpr std::uint32_t no_cell = 0xFFFFFFFFu;
 inline constexpr double any_volume = std::numeric_limits<double>::infinity();
 
-using point = std::array<double, 3>;  // metres, world space
+using point = std::array<double, 3>;  // meters, world space
 
-// Half-open for places: min <= p < max.
+// Half-open for positions: min <= p < max.
 struct wide_box {
   point min{}, max{};
 };
@@ -30,8 +30,8 @@ struct wide_box {
   return w;
 }
 
-// The neighbors of a number among floats or doubles, as std::nextafter finds them, without the mathematics library. Not
-// for NaN, nor for the last number of either end.
+// The neighbors of a number among floats or doubles, as std::nextafter returns them, without the mathematics library.
+// Not for NaN, and not for the last number at either end.
 [[nodiscard]] constexpr float next_below(float v) noexcept {
   const auto bits = std::bit_cast<std::uint32_t>(v);
   if (v == 0.0f) return std::bit_cast<float>(std::uint32_t{0x80000001u});
@@ -43,8 +43,8 @@ struct wide_box {
   return std::bit_cast<double>(v > 0.0 ? bits + 1 : bits - 1);
 }
 
-// The largest floats that are not above a place: it is in a box of floats exactly where they are, since both ends of a
-// half-open box are floats. NaN stays NaN.
+// The largest floats that are not above a position. They are inside a box of floats exactly where the position is,
+// since both ends of a half-open box are floats. NaN stays NaN.
 using rounded_point = std::array<float, 3>;
 [[nodiscard]] inline rounded_point rounded_down(const point& p) noexcept {
   rounded_point r;
@@ -65,7 +65,7 @@ using rounded_point = std::array<float, 3>;
          p[2] < b.max[2];
 }
 
-// Cubic metres. Above 0 for a valid box.
+// Cubic meters. Above 0 for a valid box.
 [[nodiscard]] constexpr double volume_of(const format::box& b) noexcept {
   double volume = 1.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -74,7 +74,7 @@ using rounded_point = std::array<float, 3>;
   return volume;
 }
 
-// Half-open boxes that only touch have no point in common.
+// Half-open boxes that only touch do not intersect.
 [[nodiscard]] constexpr bool boxes_meet(const wide_box& a, const wide_box& b) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(a.min[axis] < b.max[axis] && b.min[axis] < a.max[axis])) return false;
@@ -82,7 +82,7 @@ using rounded_point = std::array<float, 3>;
   return true;
 }
 
-// Does a closed box, maybe a single place, have a point in common with a half-open one?
+// Whether a closed box, which may be a single point, intersects a half-open one.
 [[nodiscard]] constexpr bool touches(const wide_box& closed, const wide_box& half_open) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(closed.min[axis] < half_open.max[axis] && half_open.min[axis] <= closed.max[axis])) return false;
@@ -90,7 +90,7 @@ using rounded_point = std::array<float, 3>;
   return true;
 }
 
-// Square metres: squared distance from a place to a box, 0 inside.
+// Squared distance from a position to a box in square meters, 0 inside.
 [[nodiscard]] constexpr double squared_distance(const wide_box& b, const point& p) noexcept {
   double sum = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {

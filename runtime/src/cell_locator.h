@@ -1,5 +1,5 @@
 #pragma once
-// Place -> view cell, whichever way a file has its cells: the smallest volume wins, then the lowest number.
+// Finds the view cell of a position, for cells on a lattice and for boxes: the smallest volume, then the lowest number.
 #include <cstdint>
 #include <span>
 
@@ -10,7 +10,7 @@
 
 namespace sightcell::runtime {
 
-// What the locator lives in; belongs to whoever builds it, and must outlive it.
+// Memory of the locator. Belongs to the caller and must outlive the locator.
 struct locator_memory {
   std::span<lattice_slot> slots;  // lattice_index::slot_count(); none without a lattice
   std::span<located_cell> cells;  // one per cell; none with a lattice
@@ -19,13 +19,13 @@ struct locator_memory {
 
 class cell_locator {
  public:
-  // False when the file's bytes changed since it was opened, or somebody chose its cells so that they cannot be looked
-  // up quickly.
+  // False if the bytes of the file changed since it was opened, or if its cells were constructed to make lookups slow.
   [[nodiscard]] bool build(const format::reader& file, const locator_memory& memory) noexcept;
 
-  // As box_tree has them.
-  [[nodiscard]] std::uint32_t find(const rounded_point& place, double volume_limit, format::box& out) const noexcept {
-    return on_lattice_ ? lattice_.find(place, volume_limit, out) : tree_.find(place, volume_limit, out);
+  // As in box_tree.
+  [[nodiscard]] std::uint32_t find(const rounded_point& position, double volume_limit,
+                                   format::box& out) const noexcept {
+    return on_lattice_ ? lattice_.find(position, volume_limit, out) : tree_.find(position, volume_limit, out);
   }
   [[nodiscard]] bool has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept {
     return on_lattice_ ? lattice_.has_smaller_inside(bounds, volume_limit)
@@ -42,7 +42,7 @@ class cell_locator {
     }
   }
 
-  // Calls emit(box, first cell, cells) for groups of cells that follow each other and all lie in the box.
+  // Calls emit(box, first cell, cells) for groups of consecutive cells that are all inside the box.
   template <class Emit>
   void for_each_group(const Emit& emit) const noexcept {
     for (const lattice_slot& slot : lattice_.slots()) {

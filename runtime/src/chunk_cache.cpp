@@ -28,7 +28,7 @@ chunk_presence chunk_cache::pin(std::uint32_t chunk, std::span<const std::byte>&
   if (c.presence != chunk_presence::resident) return c.presence;
   c.last_use = ++clock_;
   ++c.pins;
-  bytes = room_.subspan(static_cast<std::size_t>(c.place), c.size);
+  bytes = room_.subspan(static_cast<std::size_t>(c.offset), c.size);
   return chunk_presence::resident;
 }
 
@@ -70,7 +70,7 @@ void chunk_cache::request(std::uint32_t chunk, std::uint64_t stamp) noexcept {
   static_cast<void>(take_request(ticket));
 }
 
-// The chunk that waits for a ticket, which is absent from now on; no_chunk when none does.
+// Finds the chunk that waits for a ticket and makes it absent; no_chunk if there is none.
 std::uint32_t chunk_cache::take_request(std::uint32_t ticket) noexcept {
   for (std::uint32_t& chunk : requests_) {
     if (chunk == no_chunk) continue;
@@ -82,23 +82,23 @@ std::uint32_t chunk_cache::take_request(std::uint32_t ticket) noexcept {
   return no_chunk;
 }
 
-void chunk_cache::remove(std::size_t place_in_order) noexcept {
-  counts_.resident_bytes -= chunks_[sorted_[place_in_order]].size;
+void chunk_cache::remove(std::size_t index) noexcept {
+  counts_.resident_bytes -= chunks_[sorted_[index]].size;
   const auto order = sorted_.first(sorted_count_);
-  std::copy(order.begin() + static_cast<std::ptrdiff_t>(place_in_order) + 1, order.end(),
-            order.begin() + static_cast<std::ptrdiff_t>(place_in_order));
+  std::copy(order.begin() + static_cast<std::ptrdiff_t>(index) + 1, order.end(),
+            order.begin() + static_cast<std::ptrdiff_t>(index));
   --sorted_count_;
 }
 
-// Finds a stretch of the room for a chunk, and gives it to it: of all that are large enough the one whose youngest
-// chunk was used longest ago, and in which fewest chunks lie. None of them may be in use, or wanted later than this
-// one.
+// Finds a range of the memory for a chunk and assigns it. Of the ranges that are large enough it takes the one whose
+// most recently used chunk was used longest ago, then the one with the fewest chunks. No chunk in it may be in use, or
+// wanted more recently than the new one.
 bool chunk_cache::make_room(std::uint32_t chunk) noexcept {
   cached_chunk& wanted = chunks_[chunk];
-  const auto begin_of = [this](std::size_t i) { return i < sorted_count_ ? chunks_[sorted_[i]].place : room_.size(); };
+  const auto begin_of = [this](std::size_t i) { return i < sorted_count_ ? chunks_[sorted_[i]].offset : room_.size(); };
   const auto end_of = [this](std::size_t i) {
     const cached_chunk& c = chunks_[sorted_[i]];
-    return c.place + c.size;
+    return c.offset + c.size;
   };
   std::uint64_t best_age = ~std::uint64_t{0};
   std::size_t best_first = 0;
@@ -127,7 +127,7 @@ bool chunk_cache::make_room(std::uint32_t chunk) noexcept {
     remove(best_first);
     ++counts_.evictions;
   }
-  wanted.place = best_first == 0 ? 0 : end_of(best_first - 1);
+  wanted.offset = best_first == 0 ? 0 : end_of(best_first - 1);
   wanted.presence = chunk_presence::arriving;
   const auto order = sorted_.first(sorted_count_ + 1);
   std::copy_backward(order.begin() + static_cast<std::ptrdiff_t>(best_first), order.end() - 1, order.end());
@@ -145,15 +145,15 @@ sightcell_status chunk_cache::deliver(std::uint32_t ticket, const void* bytes, s
     chunk = take_request(ticket);
     const bool failed = bytes == nullptr;
     if (chunk != no_chunk && failed) return SIGHTCELL_OK;
-    ++counts_.refused_deliveries;  // taken back below
+    ++counts_.refused_deliveries;  // undone below
     if (chunk == no_chunk) return SIGHTCELL_ERR_STALE;
     if (size != chunks_[chunk].size)
       return size < chunks_[chunk].size ? SIGHTCELL_ERR_TRUNCATED : SIGHTCELL_ERR_CORRUPT;
     if (!make_room(chunk)) return SIGHTCELL_ERR_CAPACITY;
     --counts_.refused_deliveries;
-    target = room_.subspan(static_cast<std::size_t>(chunks_[chunk].place), size);
+    target = room_.subspan(static_cast<std::size_t>(chunks_[chunk].offset), size);
   }
-  // The copy is checked, not the caller's bytes, which somebody may change.
+  // The copy is checked, because the caller's bytes may change.
   std::memcpy(target.data(), bytes, size);
   const bool good = file_->check_chunk(chunk, target) == format::status::ok;
   const latch_guard guard(latch_);

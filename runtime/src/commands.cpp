@@ -7,7 +7,7 @@ namespace sightcell::runtime {
 namespace {
 
 void write_command(const sightcell_db& db, const sightcell_range& r, std::byte* dst) noexcept {
-  // A group's polygons lie behind those of the groups before it in the one index buffer of the scene.
+  // In the one index buffer of a merged scene, the polygons of a group follow those of the groups before it.
   const std::uint32_t first = db.is_merged() ? db.range_borders()[r.draw] + r.first : r.first;
   const sightcell_command command{3 * r.count, 1, 3 * first, db.base_vertex(r.draw), r.draw};
   std::memcpy(dst, &command, sizeof command);

@@ -1,5 +1,5 @@
 #pragma once
-// Draw ranges -> indirect draw commands.
+// Converts draw ranges to indirect draw commands.
 #include <cstddef>
 #include <cstdint>
 
@@ -7,9 +7,10 @@
 
 namespace sightcell::runtime {
 
-// Commands of a view's set, where fewer than min_gap polygons of a draw between two of its ranges are drawn as well.
+// The number of commands for the set of a view. Two ranges of a draw with fewer than min_gap polygons between them
+// become one command, which draws these polygons too.
 [[nodiscard]] std::uint64_t count_commands(const sightcell_view& view, std::uint32_t min_gap) noexcept;
-// Writes as many, one every `stride` bytes from dst on, which may lie anywhere.
+// Writes these commands, one every `stride` bytes from dst on, at any alignment.
 void write_commands(const sightcell_view& view, std::uint32_t min_gap, std::byte* dst, std::size_t stride) noexcept;
 
 }  // namespace sightcell::runtime

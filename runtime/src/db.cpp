@@ -19,15 +19,15 @@ bool sightcell_db::is_merged() const noexcept {
   return file_.facts().layout == format::host_layout::merged;
 }
 
-// room_ comes with its size.
+// The size of room_ is set before.
 std::uint64_t sightcell_db::carve(void* block) noexcept {
   carver space(block);
   space.take<sightcell_db>(1);
   const auto give = [&]<class T>(std::span<T>& target, std::uint64_t count) {
-    T* place = space.take<T>(count);
-    if (place == nullptr) return;
-    std::uninitialized_value_construct_n(place, static_cast<std::size_t>(count));
-    target = {place, static_cast<std::size_t>(count)};
+    T* first = space.take<T>(count);
+    if (first == nullptr) return;
+    std::uninitialized_value_construct_n(first, static_cast<std::size_t>(count));
+    target = {first, static_cast<std::size_t>(count)};
   };
   const format::cell_lattice* lattice = file_.lattice();
   const std::uint32_t boxes = lattice == nullptr ? file_.cell_count() : 0;
@@ -43,7 +43,7 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   give(chunks_, is_paged() ? 0 : file_.chunk_count());
   give(cached_, is_paged() ? file_.chunk_count() : 0);
   give(cached_order_, is_paged() ? file_.chunk_count() : 0);
-  std::span<std::uint64_t> codes;  // so that they lie at a multiple of 8
+  std::span<std::uint64_t> codes;  // for their alignment of 8
   give(codes, (file_.codes_size() + 7) / 8);
   codes_memory_ = std::as_writable_bytes(codes);
   volumes_.carve(space);
@@ -51,7 +51,7 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   return space.used();
 }
 
-// Copies what every frame needs, checking each value again: the bytes may have changed since they were opened.
+// Copies what every frame needs. Checks each value again: the bytes may have changed since they were opened.
 sightcell_status sightcell_db::fill() noexcept {
   if (!locator_.build(file_, cells_)) return SIGHTCELL_ERR_CORRUPT;
   if (!fill_ranges() || !fill_draws_of_groups() || !fill_named_groups()) return SIGHTCELL_ERR_CORRUPT;
@@ -84,7 +84,7 @@ bool sightcell_db::fill_ranges() noexcept {
 
 bool sightcell_db::fill_draws_of_groups() noexcept {
   if (!is_merged()) return true;
-  std::uint32_t group = 0;  // the next one to begin
+  std::uint32_t group = 0;  // the next group to begin
   for (std::uint32_t number = 0; number < draw_sources_.size(); ++number) {
     format::draw_record draw;
     if (file_.draw(number, draw) != format::status::ok || draw.group >= range_sources_.size()) return false;
@@ -96,7 +96,7 @@ bool sightcell_db::fill_draws_of_groups() noexcept {
   return group == range_sources_.size();
 }
 
-// All draws of a draw group are in the same one.
+// All draws of a draw group are in the same named group.
 bool sightcell_db::fill_named_groups() noexcept {
   for (std::uint32_t number = 0; number < named_groups_.size(); ++number) {
     std::uint32_t& group = named_groups_[number];
@@ -106,8 +106,8 @@ bool sightcell_db::fill_named_groups() noexcept {
   return true;
 }
 
-// Polygons that follow each other mostly belong to the same draw. A draw without polygons begins where the next one
-// does, and is passed over.
+// Tests near first, since consecutive polygons mostly belong to one draw. A draw without polygons begins where the next
+// one does, and is skipped.
 void sightcell_db::find_draw(std::uint32_t group, std::uint32_t source, std::uint32_t& near) const noexcept {
   const std::uint32_t begin = group_draws_[group];
   const std::uint32_t end = group_draws_[group + 1];
@@ -137,7 +137,7 @@ sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sigh
     close(db);
     return s;
   }
-  // Only now: a failed open leaves the bytes to the caller.
+  // Only now: if open fails, the caller keeps the bytes.
   db->owned_bytes_ = owned_bytes;
   db->owned_size_ = bytes.size();
   *out = db;
@@ -199,7 +199,7 @@ sightcell_status sightcell_db::open_pages(std::uint64_t resident_bytes) noexcept
   return cache_.open(file_, source_, cached_, cached_order_, room_) ? SIGHTCELL_OK : SIGHTCELL_ERR_CORRUPT;
 }
 
-// The first bytes of the file, which are there when the host's request returns.
+// Requests the first bytes of the file, which must be delivered before the host's request returns.
 sightcell_status sightcell_db::fetch(std::span<std::byte> target) noexcept {
   opening_ = {target, opening_.ticket + 1, true};
   const auto size = static_cast<std::uint32_t>(target.size());
@@ -257,7 +257,7 @@ row_outcome sightcell_db::decode(std::uint32_t cell, std::span<format::run> out,
   chunk_presence presence = cache_.pin(chunk, bytes);
   if (presence == chunk_presence::absent) {
     cache_.request(chunk);
-    presence = cache_.pin(chunk, bytes);  // a host that reads at once has brought it
+    presence = cache_.pin(chunk, bytes);  // a host that reads at once has delivered it
   }
   if (presence == chunk_presence::damaged) return row_outcome::damaged;
   if (presence != chunk_presence::resident) return row_outcome::pending;

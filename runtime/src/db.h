@@ -1,6 +1,6 @@
 #pragma once
-// One open file and what is derived from it at open: the cell locator, the borders of ranges, and which chunks of
-// rows have been checked or are in memory. Shared by threads; only the states of chunks change after open.
+// One open file with the tables that open derives from it: the cell locator, the borders of ranges, and the states of
+// the chunks of rows. Shared by threads; only the states of chunks change after open.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -14,28 +14,28 @@
 
 namespace sightcell::runtime {
 
-// Of a file that lies in memory.
+// Of a file that is in memory.
 enum class chunk_state : std::uint8_t { unknown, good, damaged };
 
-// What became of decoding a row.
+// Result of decoding a row.
 enum class row_outcome : std::uint8_t { good, damaged, pending };
 
-// Where the polygons of a draw, or draw group of a merged file, come from.
+// The source of the polygons of a draw, or draw group of a merged file.
 struct range_source {
   std::uint32_t first_source = 0;
-  std::uint32_t order_begin = 0;  // place of its order among all orders
-  std::uint32_t base_vertex = 0;  // vertices of all draws before it; 0 for draw groups
+  std::uint32_t order_begin = 0;  // offset of its order in orders_
+  std::uint32_t base_vertex = 0;  // vertices of all draws before it in source order; 0 for draw groups
 };
 
 }  // namespace sightcell::runtime
 
-// In the global namespace since the C API names it.
+// In the global namespace, because the C API declares it.
 struct sightcell_db {
  public:
-  // bytes: viewed. owned_bytes: a block of mem that holds them and goes with the db, or null.
+  // bytes: not copied. owned_bytes: a block of mem that contains them and is released with the db, or null.
   static sightcell_status open(std::span<const std::byte> bytes, const sightcell_allocator& mem, void* owned_bytes,
                                sightcell_db** out) noexcept;
-  // out is set at once, for deliver, and null again on failure.
+  // out is set before the first request, for deliver, and set to null on failure.
   static sightcell_status open_source(const sightcell_source& source, const sightcell_allocator& mem,
                                       std::uint64_t resident_bytes, sightcell_db** out) noexcept;
   static void close(sightcell_db* db) noexcept;
@@ -46,25 +46,25 @@ struct sightcell_db {
   [[nodiscard]] std::uint32_t polygon_count() const noexcept { return file_.polygon_count(); }
 
   // Stored number of the first polygon of each draw, or draw group of a merged file, ascending, then polygon_count. A
-  // checked copy: the file's bytes may change.
+  // checked copy: the bytes of the file may change.
   [[nodiscard]] std::span<const std::uint32_t> range_borders() const noexcept { return range_borders_; }
-  // Of a draw, or draw group of a merged file; format::no_named_group for most.
+  // The named group of a draw, or draw group of a merged file; format::no_named_group for most.
   [[nodiscard]] std::uint32_t named_group_of(std::uint32_t draw) const noexcept {
     return named_groups_.empty() ? sightcell::format::no_named_group : named_groups_[draw];
   }
-  // Of these, how many are in one: the most stretches of stored polygons that named groups are.
+  // The number of draws, or draw groups, in named groups: the most runs of stored polygons that can be hidden.
   [[nodiscard]] std::uint32_t named_range_count() const noexcept { return named_ranges_; }
-  // The most ranges any answer has, everything included.
+  // The most ranges of any output, that of everything included.
   [[nodiscard]] std::uint32_t range_bound() const noexcept;
 
   // The code tables of the file; null in version 0.
   [[nodiscard]] const sightcell::format::row_codes* codes() const noexcept { return codes_; }
-  // The polygons of a range, as numbers that first_source of its draw, or draw group, is to be added to.
+  // The polygons of a range, as numbers to which first_source of their draw, or draw group, is added.
   [[nodiscard]] std::span<const std::uint32_t> sources_in(std::uint32_t draw, std::uint32_t first,
                                                           std::uint32_t count) const noexcept {
     return orders_.subspan(range_sources_[draw].order_begin + first, count);
   }
-  // 0 for draw groups, whose polygons do not follow each other in the source.
+  // 0 for draw groups, whose polygons are not consecutive in the source.
   [[nodiscard]] std::uint32_t first_source(std::uint32_t draw) const noexcept {
     return range_sources_[draw].first_source;
   }
@@ -73,32 +73,32 @@ struct sightcell_db {
     return range_sources_[draw].base_vertex;
   }
   [[nodiscard]] bool is_merged() const noexcept;
-  // Of a merged file: the draw that a polygon of a draw group belongs to. near: where to look first, and the answer.
+  // Finds the draw of a polygon of a draw group in a merged file. near: tested first, and receives the result.
   void find_draw(std::uint32_t group, std::uint32_t source, std::uint32_t& near) const noexcept;
-  // The draws of a draw group, which lie one behind the other: first, and behind the last.
+  // The draws of draw group g are draws_begin(g) .. draws_begin(g + 1) - 1.
   [[nodiscard]] std::uint32_t draws_begin(std::uint32_t group) const noexcept { return group_draws_[group]; }
 
-  // The set of a cell. Checks its chunk at the first use and remembers the answer; asks for it where it is not in
-  // memory. out, scratch, parts: as reader::decode_row has them. Damaged: or not what a row may be.
+  // Decodes the set of a cell. Checks its chunk at the first use and remembers the result; requests it if it is not in
+  // memory. out, scratch, parts: as in reader::decode_row. Damaged: a wrong checksum, or bytes that are not a row.
   [[nodiscard]] sightcell::runtime::row_outcome decode(std::uint32_t cell, std::span<sightcell::format::run> out,
                                                        std::span<std::byte> scratch,
                                                        sightcell::format::row_parts& parts) const noexcept;
-  // Of the volumes of the file; without any where there are none.
+  // Empty for a file without volumes.
   [[nodiscard]] const sightcell::runtime::volume_index& volumes() const noexcept { return volumes_; }
 
   [[nodiscard]] bool is_paged() const noexcept { return source_.request != nullptr; }
-  // Only where paged.
+  // Only if is_paged().
   [[nodiscard]] sightcell::runtime::chunk_cache& cache() const noexcept { return cache_; }
   sightcell_status deliver(std::uint32_t ticket, const void* bytes, std::uint32_t size) noexcept;
 
   [[nodiscard]] sightcell_status check() const noexcept;
-  // Of the allocator, for as long as the db is open.
+  // Bytes of the allocator that the db holds until it is closed.
   [[nodiscard]] std::uint64_t memory_bytes() const noexcept {
     return block_size_ + tables_size_ + (owned_bytes_ == nullptr ? 0 : owned_size_);
   }
 
  private:
-  // Bytes that open_source waits for.
+  // The bytes that open_source waits for.
   struct opening_request {
     std::span<std::byte> target;
     std::uint32_t ticket = 0;
@@ -122,26 +122,27 @@ struct sightcell_db {
   sightcell::runtime::volume_index volumes_;
   std::span<std::uint32_t> range_borders_;
   std::span<sightcell::runtime::range_source> range_sources_;
-  // All orders, one behind the other, which instances share; of a merged file, where nothing does, source ids.
+  // All orders, one after the other; instances share them. Source ids in a merged file, where nothing is shared.
   std::span<std::uint32_t> orders_;
-  // Of a merged file: first draw of each group, then the draw count; source id of each draw's first polygon.
+  // For a merged file: first draw of each group, then the draw count; source id of each draw's first polygon.
   std::span<std::uint32_t> group_draws_, draw_sources_;
-  // By draw, or draw group; empty where the file has no named groups.
+  // By draw, or draw group; empty if the file has no named groups.
   std::span<std::uint32_t> named_groups_;
   std::span<std::byte> codes_memory_;
   const sightcell::format::row_codes* codes_ = nullptr;
-  // Threads may check the same chunk at once and write the same answer: no lock needed. Of a file that lies in memory.
+  // For a file that is in memory. Threads that check the same chunk at once write the same result, so no lock is
+  // needed.
   std::span<std::atomic<sightcell::runtime::chunk_state>> chunks_;
   std::uint32_t whole_ranges_ = 0;  // draws, or draw groups, that have polygons: the ranges of everything
   std::uint32_t named_ranges_ = 0;
-  // Of a file that is read piece by piece.
+  // For a paged file.
   sightcell_source source_{};
   opening_request opening_;
   mutable sightcell::runtime::chunk_cache cache_;
   std::span<sightcell::runtime::cached_chunk> cached_;
   std::span<std::uint32_t> cached_order_;
   std::span<std::byte> room_;
-  // What goes with the db: itself with its tables, or, of a file that is read piece by piece, the tables apart.
+  // Blocks that close releases: the db with its tables, or, for a paged file, the tables apart.
   std::uint64_t block_size_ = 0;
   void* tables_ = nullptr;
   std::uint64_t tables_size_ = 0;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t most_neighbors = 64;
 
-// Calls emit(box, kind, number) for every box.
+// Calls emit(box, kind, number) for each box.
 template <class Emit>
 void for_each_box(const sightcell_view& view, std::uint32_t kinds, const Emit& emit) {
   const sightcell_db& db = view.db();
@@ -18,10 +18,10 @@ void for_each_box(const sightcell_view& view, std::uint32_t kinds, const Emit& e
     if ((kinds & SIGHTCELL_DEBUG_CELL) != 0) emit(widened(view.cell_bounds()), SIGHTCELL_DEBUG_CELL, cell);
     if ((kinds & SIGHTCELL_DEBUG_KEPT) != 0) emit(kept, SIGHTCELL_DEBUG_KEPT, cell);
     if ((kinds & SIGHTCELL_DEBUG_NEIGHBORS) != 0) {
-      std::array<located_cell, most_neighbors + 1> near;  // the cell itself besides
+      std::array<located_cell, most_neighbors + 1> near;  // one more, for the cell itself
       const std::size_t count = std::min(db.locator().touching(kept, near), near.size());
       sort_by_number({near.data(), count});
-      std::size_t left = most_neighbors;  // the cell itself may be none of those that were found
+      std::size_t left = most_neighbors;  // touching may not return the cell itself
       for (std::size_t i = 0; i < count; ++i) {
         if (near[i].cell == cell || left == 0) continue;
         emit(widened(near[i].bounds), SIGHTCELL_DEBUG_NEIGHBORS, near[i].cell);
@@ -37,7 +37,7 @@ void for_each_box(const sightcell_view& view, std::uint32_t kinds, const Emit& e
   }
 }
 
-// Edge e goes along axis e / 4; where it lies on the two others e's lowest bits say.
+// Edge e is parallel to axis e / 4; its two lowest bits select the ends of the other two axes.
 sightcell_debug_line edge_of(const wide_box& b, const point& origin, std::size_t edge) noexcept {
   sightcell_debug_line line{};
   const std::size_t along = edge / 4;

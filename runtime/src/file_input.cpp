@@ -16,7 +16,7 @@ namespace {
 
 #if defined(_WIN32)
 
-// path as Windows takes it. The system allows 32,767 letters: too many for the stacks of some hosts.
+// Converts path to Windows' encoding. The system allows 32,767 characters: too many for the stacks of some hosts.
 sightcell_status open_for_reading(const char* path, const sightcell_allocator& mem, std::FILE*& out) noexcept {
   const int letters = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, nullptr, 0);
   if (letters <= 0) return SIGHTCELL_ERR_IO;
@@ -32,7 +32,7 @@ sightcell_status open_for_reading(const char* path, const sightcell_allocator& m
 bool seek_end(std::FILE* file) noexcept {
   return _fseeki64(file, 0, SEEK_END) == 0;
 }
-std::int64_t place_in(std::FILE* file) noexcept {
+std::int64_t position_in(std::FILE* file) noexcept {
   return _ftelli64(file);
 }
 
@@ -45,17 +45,17 @@ sightcell_status open_for_reading(const char* path, const sightcell_allocator&, 
 bool seek_end(std::FILE* file) noexcept {
   return fseeko(file, 0, SEEK_END) == 0;
 }
-std::int64_t place_in(std::FILE* file) noexcept {
+std::int64_t position_in(std::FILE* file) noexcept {
   return ftello(file);
 }
 
 #endif
 
 sightcell_status read_open_file(std::FILE* file, const sightcell_allocator& mem, file_block& out) noexcept {
-  // A folder opens as a file on some systems and claims to be huge; only reading tells.
+  // On some systems a folder opens as a file of enormous size; only reading shows that it is none.
   if (std::fgetc(file) == EOF) return std::ferror(file) != 0 ? SIGHTCELL_ERR_IO : SIGHTCELL_ERR_TRUNCATED;
   if (!seek_end(file)) return SIGHTCELL_ERR_IO;
-  const std::int64_t size = place_in(file);
+  const std::int64_t size = position_in(file);
   if (size <= 0) return SIGHTCELL_ERR_IO;
   if (static_cast<std::uint64_t>(size) > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_LIMIT;
   std::rewind(file);

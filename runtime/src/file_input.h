@@ -11,8 +11,8 @@ struct file_block {
   std::uint64_t size = 0;
 };
 
-// The whole file; the block is the caller's to release. IO: cannot be opened or read; TRUNCATED: it is empty; LIMIT:
-// larger than the machine's address space; MEMORY. path is UTF-8.
+// Reads the whole file; the caller releases the block. IO: cannot be opened or read; TRUNCATED: empty; LIMIT: larger
+// than the address space; MEMORY. path is UTF-8.
 sightcell_status read_file(const char* path, const sightcell_allocator& mem, file_block& out) noexcept;
 
 }  // namespace sightcell::runtime

@@ -1,5 +1,5 @@
 #pragma once
-// Gathers the host's indices of the polygons to draw.
+// Copies the host's indices of the polygons to draw.
 #include <cstdint>
 #include <span>
 
@@ -7,8 +7,8 @@
 
 namespace sightcell::runtime {
 
-// Copies the 3 indices of every polygon of runs to dst, one behind the other. dst is written front to back, never read,
-// and does not overlap stored_indices.
+// Copies the 3 indices of each polygon of runs to dst, without gaps. dst is written front to back, never read, and does
+// not overlap stored_indices.
 void copy_indices(std::span<const format::run> runs, const std::uint32_t* stored_indices, std::uint32_t* dst) noexcept;
 
 }  // namespace sightcell::runtime

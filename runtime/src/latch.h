@@ -1,5 +1,5 @@
 #pragma once
-// A lock for a few dozen instructions. std::mutex would do, but not every C++ library that engines build with has one.
+// A spin lock for a few dozen instructions. std::mutex is missing in some C++ libraries that engines build with.
 #include <atomic>
 
 namespace sightcell::runtime {

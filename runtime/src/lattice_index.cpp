@@ -10,34 +10,35 @@ namespace {
 constexpr std::int32_t chunk_width = format::lattice_chunk_width;
 constexpr double most_places = 1 << 30;  // in either direction from the origin
 
-// Where borders are rounded by a 16th of a cell at most, the volumes of two levels never change places.
+// Up to here borders are rounded by at most a 16th of a cell, so that a cell of a finer level has the smaller volume.
 constexpr std::int32_t nearby_places = 1 << 20;
 
-// At half load a table of places that nobody chose against it has clusters of a few dozen slots at most: that one
-// reaches this length has a chance below 10^-40.
+// At half load, a table of chunks that were not chosen to collide has clusters of a few dozen slots. The probability of
+// one of this length is below 10^-40.
 constexpr std::uint32_t longest_probe = 1024;
 
 float border(std::int32_t place, double width) noexcept {
   return static_cast<float>(place * width);
 }
 
-// A place on one axis and the ends of its cell.
+// A lattice coordinate on one axis and the ends of its cell.
 struct axis_place {
   std::int32_t place = 0;
   float low = 0.0f, high = 0.0f;
 };
 
-// The place whose cell, with ends rounded to float, holds a coordinate. False: beyond all places, or NaN.
+// Finds the lattice coordinate whose cell, with ends rounded to float, contains a position. False: beyond the lattice,
+// or NaN.
 bool place_on_axis(float coordinate, double width, double per_width, axis_place& out) noexcept {
   const double estimate = static_cast<double>(coordinate) * per_width;
   if (!(estimate >= -most_places && estimate < most_places)) return false;
   auto place = static_cast<std::int32_t>(estimate);
   place -=
-      static_cast<std::int32_t>(place > estimate);  // rounds down; without a branch, since signs are anyone's guess
+      static_cast<std::int32_t>(place > estimate);  // rounds down, without a branch, since signs cannot be predicted
   float low = border(place, width);
   float high = border(place + 1, width);
-  // Borders differ from the exact ones by half a step of floats, which is below 64 widths for any place that is
-  // numbered: these loops end soon, and mostly at once.
+  // Borders differ from the exact ones by half a step of floats, which is below 64 widths for any coordinate that is
+  // numbered: these loops are short, and mostly empty.
   while (coordinate < low) {
     high = low;
     low = border(--place, width);
@@ -50,7 +51,7 @@ bool place_on_axis(float coordinate, double width, double per_width, axis_place&
   return true;
 }
 
-// Of a place that is in no chunk the caller finds out.
+// The caller checks that the position is in the chunk.
 unsigned bit_of(std::int32_t x, std::int32_t z) noexcept {
   return static_cast<unsigned>((z & (chunk_width - 1)) * chunk_width + (x & (chunk_width - 1)));
 }
@@ -68,15 +69,15 @@ struct place_range {
   }
 };
 
-// Those that may have cells with a border between two coordinates, rounded borders included; a few more do no harm.
-// per_chunk: places of a chunk on this axis.
+// The chunks whose cells may have a border between two positions, rounded borders included. A few more are harmless.
+// per_chunk: cells of a chunk on this axis.
 place_range chunks_between(double low, double high, double per_width, std::int32_t per_chunk) noexcept {
-  constexpr double rounding = 1.0 / (1 << 23);  // twice what a border is moved by, relatively
-  constexpr double more = 1e-6;                 // of a place: what products are rounded by
+  constexpr double rounding = 1.0 / (1 << 23);  // twice the relative rounding of a border
+  constexpr double more = 1e-6;                 // of a cell: rounding of products
   const double most = most_places / per_chunk;
   const auto chunk = [&](double places) {
     double near = places / per_chunk;
-    if (!(near < most - 1.0)) near = most - 1.0;  // also where infinite ends made it no number
+    if (!(near < most - 1.0)) near = most - 1.0;  // also for the NaN of infinite ends
     if (near < -most) near = -most;
     const auto whole = static_cast<std::int32_t>(near);
     return whole - static_cast<std::int32_t>(whole > near);  // rounds down
@@ -89,7 +90,7 @@ place_range chunks_between(double low, double high, double per_width, std::int32
 
 std::uint64_t lattice_index::slot_of(std::int32_t x, std::int32_t y, std::int32_t z,
                                      std::uint32_t level) const noexcept {
-  // Two rounds of multiply and fold: neighbors, which are asked for together, fall far apart, and so do all others.
+  // Two rounds of multiplication and folding: neighbors, which are looked up together, get distant slots.
   std::uint64_t h =
       (std::uint64_t{static_cast<std::uint32_t>(x)} << 32 | static_cast<std::uint32_t>(z)) * 0x9E3779B97F4A7C15u;
   h ^= h >> 32;
@@ -102,7 +103,7 @@ const lattice_slot* lattice_index::chunk_at(std::int32_t x, std::int32_t y, std:
   std::uint64_t at = slot_of(x, y, z, level);
   for (;;) {
     const lattice_slot& slot = slots_[static_cast<std::size_t>(at)];
-    if (slot.mask == 0) return nullptr;  // half of all slots are empty, so there is an end
+    if (slot.mask == 0) return nullptr;  // ends: half of all slots are empty
     if (slot.x == x && slot.z == z && slot.y == y && slot.level() == level) return &slot;
     if (++at == slots_.size()) at = 0;
   }
@@ -146,16 +147,16 @@ bool lattice_index::build(const format::cell_lattice& lattice, std::uint32_t cel
   return next == cells;
 }
 
-std::uint32_t lattice_index::find(const rounded_point& place, double volume_limit, format::box& out) const noexcept {
+std::uint32_t lattice_index::find(const rounded_point& position, double volume_limit, format::box& out) const noexcept {
   std::uint32_t best = no_cell;
   double best_volume = volume_limit;
   for (const level_shape& level : levels()) {
     axis_place x;
     axis_place y;
     axis_place z;
-    if (!place_on_axis(place[0], level.width, level.per_width, x) ||
-        !place_on_axis(place[2], level.width, level.per_width, z) ||
-        !place_on_axis(place[1], level.height, level.per_height, y)) {
+    if (!place_on_axis(position[0], level.width, level.per_width, x) ||
+        !place_on_axis(position[2], level.width, level.per_width, z) ||
+        !place_on_axis(position[1], level.height, level.per_height, y)) {
       continue;
     }
     const lattice_slot* chunk = chunk_at(chunk_of(x.place), y.place, chunk_of(z.place), level.level);
@@ -176,7 +177,7 @@ std::uint32_t lattice_index::find(const rounded_point& place, double volume_limi
   return best;
 }
 
-// Counts on from found, and ends when there is no more room in dst.
+// Adds to found. Ends when dst is full.
 template <class Test>
 std::size_t lattice_index::touching_level(const level_shape& level, const wide_box& within, const Test& test,
                                           std::span<located_cell> dst, std::size_t found) const noexcept {
@@ -193,7 +194,7 @@ std::size_t lattice_index::touching_level(const level_shape& level, const wide_b
   const place_range x = chunks_between(within.min[0], within.max[0], level.per_width, chunk_width);
   const place_range y = chunks_between(within.min[1], within.max[1], level.per_height, 1);
   const place_range z = chunks_between(within.min[2], within.max[2], level.per_width, chunk_width);
-  // More chunks than there are: those that there are instead.
+  // If the range has more chunks than the table, the table is scanned instead.
   if (x.count() * y.count() > slots_.size() || x.count() * y.count() * z.count() > slots_.size()) {
     for (const lattice_slot& slot : slots_) {
       if (slot.mask != 0 && slot.level() == level.level) take(slot);
@@ -215,9 +216,9 @@ bool lattice_index::has_smaller_inside(const format::box& bounds, double volume_
   if (!finer_is_smaller_) return level_count_ > 1;
   const wide_box inside = widened(bounds);
   for (const level_shape& level : levels()) {
-    // Between two levels lies a factor of 8, of which rounding takes or adds a third at most.
+    // The volumes of two levels differ by a factor of 8, of which rounding changes at most a third.
     if (level.width * level.width * level.height > 0.5 * volume_limit) continue;
-    if (inside.max[0] - inside.min[0] > chunk_width * level.width) return true;  // not worth a search
+    if (inside.max[0] - inside.min[0] > chunk_width * level.width) return true;  // too many chunks to search
     const auto reaches_in = [&](const wide_box& cell) { return boxes_meet(cell, inside); };
     if (touching_level(level, inside, reaches_in, {}, 0) > 0) return true;
   }

@@ -1,6 +1,6 @@
 #pragma once
-// Place -> view cell where cells lie on a lattice (SPEC.md, "Cells"): a hash table of its chunks of 8 x 8 places, 24
-// bytes each at half load, so 0.75 bytes a cell where chunks are full. Built once; nothing here allocates.
+// Finds the view cell of a position where cells are on a lattice (SPEC.md, "Cells"): a hash table of chunks of 8 x 8
+// cells, 24 bytes each at half load, so 0.75 bytes per cell where chunks are full. Built once; nothing here allocates.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace sightcell::runtime {
 
-// std::popcount is a call, and one into another library, where a processor may lack an instruction for it.
+// std::popcount is a call into another library where the processor may lack an instruction for it.
 [[nodiscard]] constexpr std::uint32_t count_bits(std::uint64_t v) noexcept {
   v -= v >> 1 & 0x5555555555555555u;
   v = (v & 0x3333333333333333u) + (v >> 2 & 0x3333333333333333u);
@@ -21,7 +21,7 @@ namespace sightcell::runtime {
   return static_cast<std::uint32_t>(v * 0x0101010101010101u >> 56);
 }
 
-// A chunk in the table; mask 0: there is none.
+// An entry of the table. An empty slot has mask 0.
 struct lattice_slot {
   std::uint64_t mask = 0;
   std::int32_t x = 0, y = 0, z = 0;
@@ -33,33 +33,32 @@ struct lattice_slot {
 
 class lattice_index {
  public:
-  // Slots that build needs for so many chunks.
+  // The number of slots that build needs for this number of chunks.
   [[nodiscard]] static std::uint64_t slot_count(std::uint32_t chunks) noexcept { return std::uint64_t{2} * chunks; }
 
-  // slots: slot_count(lattice.chunk_count()) of them, all empty; they stay the caller's and must outlive the index.
-  // False when the bytes changed since they were opened, or when somebody chose places that all fall together in the
-  // table.
+  // slots: slot_count(lattice.chunk_count()) empty slots; they belong to the caller and must outlive the index. False
+  // if the bytes changed since they were opened, or if the cells were chosen to collide in the table.
   [[nodiscard]] bool build(const format::cell_lattice& lattice, std::uint32_t cells,
                            std::span<lattice_slot> slots) noexcept;
 
-  // As box_tree has them. find takes one probe for each level that has cells.
-  [[nodiscard]] std::uint32_t find(const rounded_point& place, double volume_limit, format::box& out) const noexcept;
-  // May say true where levels are far apart, or far from the origin, and nothing is inside.
+  // As in box_tree. find takes one probe for each level that has cells.
+  [[nodiscard]] std::uint32_t find(const rounded_point& position, double volume_limit, format::box& out) const noexcept;
+  // May return true without reason where levels are far apart, or far from the origin.
   [[nodiscard]] bool has_smaller_inside(const format::box& bounds, double volume_limit) const noexcept;
   [[nodiscard]] std::size_t touching(const wide_box& closed, std::span<located_cell> dst) const noexcept;
-  // O(chunks), with little to do for each.
+  // O(chunks), with little work for each.
   void nearest(nearest_search& search) const noexcept;
 
-  // The whole table, empty slots too, for who goes over all chunks.
+  // The whole table, with empty slots.
   [[nodiscard]] std::span<const lattice_slot> slots() const noexcept { return slots_; }
-  // The box around all places of a chunk.
+  // The box around all positions of a chunk, with or without a cell.
   [[nodiscard]] wide_box bounds_of(const lattice_slot& chunk) const noexcept;
   [[nodiscard]] format::box box_of(const lattice_slot& chunk, unsigned bit) const noexcept;
 
  private:
   struct level_shape {
     std::uint32_t level = 0;
-    double width = 0.0, height = 0.0;          // metres
+    double width = 0.0, height = 0.0;          // meters
     double per_width = 0.0, per_height = 0.0;  // their reciprocals
   };
 
@@ -75,10 +74,10 @@ class lattice_index {
 
   format::lattice_shape shape_;
   std::span<lattice_slot> slots_;
-  // Those that have cells, finest first.
+  // The levels that have cells, finest first.
   std::array<level_shape, format::max_lattice_level + 1> levels_;
   std::size_t level_count_ = 0;
-  // Borders are rounded by little beside the width of a cell, so that a coarser cell is never the smaller one.
+  // The rounding of borders is small compared with a cell, so that a coarser cell never has the smaller volume.
   bool finer_is_smaller_ = true;
 };
 

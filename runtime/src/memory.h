@@ -8,19 +8,18 @@
 
 namespace sightcell::runtime {
 
-// Every block is aligned to this; alloc is never asked for more. 16, or less on the machines where malloc promises less
-// (8 on s390x).
+// Alignment of all blocks, the most that alloc is asked for: 16, or less where malloc guarantees less (8 on s390x).
 inline constexpr std::size_t block_alignment = std::min<std::size_t>(16, alignof(std::max_align_t));
 
 // malloc and free.
 sightcell_allocator default_allocator() noexcept;
 
-// Null when out of memory, or when size does not fit the machine. size: above 0.
+// Null if out of memory, or if size exceeds size_t. size: above 0.
 void* allocate(const sightcell_allocator& mem, std::uint64_t size) noexcept;
-// Null is fine. size: as given to allocate.
+// block: may be null. size: as given to allocate.
 void release(const sightcell_allocator& mem, void* block, std::uint64_t size) noexcept;
 
-// Cuts one block into arrays. Run once with a null block to learn the size, then again with the block.
+// Divides one block into arrays. Run once with a null block to get the size, then again with the block.
 class carver {
  public:
   explicit carver(void* block) noexcept : block_(static_cast<std::byte*>(block)) {}
@@ -29,9 +28,9 @@ class carver {
   T* take(std::uint64_t count) noexcept {
     static_assert(alignof(T) <= block_alignment);
     used_ = (used_ + alignof(T) - 1) / alignof(T) * alignof(T);
-    T* place = block_ == nullptr ? nullptr : reinterpret_cast<T*>(block_ + used_);
+    T* first = block_ == nullptr ? nullptr : reinterpret_cast<T*>(block_ + used_);
     used_ += count * sizeof(T);
-    return place;
+    return first;
   }
 
   [[nodiscard]] std::uint64_t used() const noexcept { return used_; }

@@ -7,11 +7,11 @@
 namespace sightcell::runtime {
 namespace {
 
-constexpr double most_metres = 1e9;
-constexpr std::uint64_t per_metre = 1'000'000'000;
+constexpr double most_meters = 1e9;
+constexpr std::uint64_t per_meter = 1'000'000'000;
 
-// Text that goes on beyond its room without being written. printf would ask the locale how a number looks, and to_chars
-// of a double takes more code than the rest of the runtime.
+// Text that counts on beyond its room without being written. printf would depend on the locale, and to_chars of a
+// double takes more code than the rest of the runtime.
 class text_sink {
  public:
   explicit text_sink(std::span<char> room) noexcept : room_(room) {}
@@ -30,12 +30,12 @@ class text_sink {
       digits[static_cast<std::size_t>(count++)] = "0123456789"[value % 10];
     while (count > 0) add(digits[static_cast<std::size_t>(--count)]);
   }
-  void add_metres(double metres) noexcept {
-    const auto steps = static_cast<std::uint64_t>(std::abs(metres) * static_cast<double>(per_metre) + 0.5);
-    if (metres < 0.0 && steps != 0) add('-');
-    add_number(steps / per_metre);
+  void add_meters(double meters) noexcept {
+    const auto steps = static_cast<std::uint64_t>(std::abs(meters) * static_cast<double>(per_meter) + 0.5);
+    if (meters < 0.0 && steps != 0) add('-');
+    add_number(steps / per_meter);
     add('.');
-    add_number(steps % per_metre, 9);
+    add_number(steps % per_meter, 9);
   }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
 
@@ -48,7 +48,7 @@ class text_sink {
 
 bool can_be_written(const sightcell_miss& miss, std::uint32_t polygon_count) noexcept {
   bool near = miss.polygon < polygon_count;
-  for (const double e : miss.eye) near = near && std::abs(e) <= most_metres;  // no for NaN
+  for (const double e : miss.eye) near = near && std::abs(e) <= most_meters;  // false for NaN
   return near;
 }
 
@@ -66,7 +66,7 @@ std::size_t write_misses(std::span<const std::uint8_t, 16> scene_fingerprint, st
     text.add("  {\"eye\": [");
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (axis > 0) text.add(", ");
-      text.add_metres(miss.eye[axis]);
+      text.add_meters(miss.eye[axis]);
     }
     text.add("], \"polygon\": ");
     text.add_number(miss.polygon);

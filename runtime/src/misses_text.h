@@ -1,5 +1,5 @@
 #pragma once
-// Missing polygons -> JSON text.
+// JSON text of reported misses.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace sightcell::runtime {
 
-// Writes to dst as far as it has room and returns how many bytes the text has. All misses are valid (can_be_written).
+// Writes up to dst.size() bytes and returns the size of the text. All misses must satisfy can_be_written.
 [[nodiscard]] std::size_t write_misses(std::span<const std::uint8_t, 16> scene_fingerprint,
                                        std::span<const sightcell_miss> misses, std::span<char> dst) noexcept;
 [[nodiscard]] bool can_be_written(const sightcell_miss& miss, std::uint32_t polygon_count) noexcept;

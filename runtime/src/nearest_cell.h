@@ -1,5 +1,5 @@
 #pragma once
-// The cell that lies nearest to a place outside all cells, and how far the place may go before that can change.
+// The cell nearest to a position outside all cells, and how far the position may move before another one can be nearer.
 #include <cmath>
 #include <cstdint>
 
@@ -7,13 +7,13 @@
 
 namespace sightcell::runtime {
 
-// Cells are shown to it one by one, in any order. Of those at the same distance the lowest number is the nearest.
+// Takes cells one by one, in any order. Of several at the same distance the lowest number is the nearest.
 class nearest_search {
  public:
-  explicit nearest_search(const point& place) noexcept : place_(place) {}
+  explicit nearest_search(const point& position) noexcept : position_(position) {}
 
   void take(const format::box& bounds, std::uint32_t cell) noexcept {
-    const double away = squared_distance(widened(bounds), place_);
+    const double away = squared_distance(widened(bounds), position_);
     if (away < best_ || (away == best_ && cell < cell_)) {
       second_ = best_;
       best_ = away;
@@ -23,27 +23,27 @@ class nearest_search {
       second_ = away;
     }
   }
-  // Square metres.
-  [[nodiscard]] double distance_to(const wide_box& b) const noexcept { return squared_distance(b, place_); }
-  // Nothing as far away as that can change the answer.
+  // Square meters.
+  [[nodiscard]] double distance_to(const wide_box& b) const noexcept { return squared_distance(b, position_); }
+  // True if a cell at this distance cannot change the result.
   [[nodiscard]] bool out_of_reach(double squared) const noexcept { return squared > second_; }
 
-  // no_cell when none was shown.
+  // no_cell if no cell was taken.
   [[nodiscard]] std::uint32_t cell() const noexcept { return cell_; }
   [[nodiscard]] const format::box& bounds() const noexcept { return bounds_; }
-  // Metres.
+  // Meters.
   [[nodiscard]] double distance() const noexcept { return std::sqrt(best_); }
-  // Metres by which the place may move in any direction while the cell stays the nearest: a distance changes by no more
-  // than the place moves, so half of what the second one is farther away. A little less, for rounding.
+  // Meters that the position may move in any direction while the cell stays the nearest. A distance changes by at most
+  // the movement, so this is half of the difference to the second nearest cell, less a little for rounding.
   [[nodiscard]] double slack() const noexcept {
     const double gap = (std::sqrt(second_) - std::sqrt(best_)) * 0.499 - 1e-9 * std::sqrt(best_);
     return gap > 0.0 ? gap : 0.0;
   }
 
  private:
-  point place_;
+  point position_;
   format::box bounds_;
-  double best_ = any_volume;  // square metres; infinite
+  double best_ = any_volume;  // square meters; infinite
   double second_ = any_volume;
   std::uint32_t cell_ = no_cell;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Draws that have a polygon in a view's set -> one bit each.
+// A bit for each draw that has a polygon in the set of a view.
 #include <cstdint>
 #include <span>
 
@@ -7,7 +7,7 @@
 
 namespace sightcell::runtime {
 
-// Writes all words; there are enough for all draws.
+// Writes all words, of which there are enough for all draws.
 void write_object_bits(const sightcell_view& view, std::span<std::uint64_t> words) noexcept;
 
 }  // namespace sightcell::runtime

@@ -9,12 +9,12 @@ namespace sightcell::runtime {
 namespace {
 
 constexpr int time_steps = 16;
-constexpr double turn = 0.5;  // of the way that a camera has gone, it may be aside
+constexpr double turn = 0.5;  // sideways distance per distance traveled
 constexpr std::size_t most_wishes = 64;
 
 struct wish {
-  int step = 0;          // of time, at which it may be reached
-  double squared = 0.0;  // how far it is from the way then, square metres
+  int step = 0;          // time step at which it may be reached
+  double squared = 0.0;  // distance from the predicted position at that time, square meters
   std::uint32_t chunk = 0;
 
   [[nodiscard]] bool before(const wish& other) const noexcept {
@@ -23,25 +23,25 @@ struct wish {
   }
 };
 
-// The way of a camera: where it is, and how far aside it may be, at each step of time.
+// The predicted path of a camera: a position and a sideways reach for each time step.
 class way_ahead {
  public:
   way_ahead(const point& eye, const point& velocity, double seconds, double margin) noexcept {
     const double speed = std::sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]);
     for (int step = 0; step <= time_steps; ++step) {
       const double time = seconds * step / time_steps;
-      // Half of a step's way besides, so that steps leave no gap between them.
+      // Plus half the distance of a step, so that consecutive steps leave no gap.
       const double reach = margin + turn * speed * time + 0.5 * speed * seconds / time_steps;
       const auto at = static_cast<std::size_t>(step);
-      for (std::size_t axis = 0; axis < 3; ++axis) places_[at][axis] = eye[axis] + velocity[axis] * time;
+      for (std::size_t axis = 0; axis < 3; ++axis) positions_[at][axis] = eye[axis] + velocity[axis] * time;
       squared_reach_[at] = reach * reach;
     }
   }
 
-  // False when the box is not reached.
+  // False if the box is not reached.
   [[nodiscard]] bool reaches(const wide_box& b, wish& out) const noexcept {
     for (std::size_t step = 0; step <= time_steps; ++step) {
-      const double away = squared_distance(b, places_[step]);
+      const double away = squared_distance(b, positions_[step]);
       if (away > squared_reach_[step]) continue;
       out.step = static_cast<int>(step);
       out.squared = away;
@@ -51,11 +51,11 @@ class way_ahead {
   }
 
  private:
-  std::array<point, time_steps + 1> places_;
+  std::array<point, time_steps + 1> positions_;
   std::array<double, time_steps + 1> squared_reach_;
 };
 
-// The chunks that come first, each once.
+// The chunks that may be reached first, each once.
 class first_wishes {
  public:
   void take(const wish& w) noexcept {

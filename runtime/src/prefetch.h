@@ -1,10 +1,10 @@
 #pragma once
-// Which chunks of rows a camera may need soon.
+// Requests the chunks of rows that a camera may need soon.
 #include "db.h"
 
 namespace sightcell::runtime {
 
-// What sightcell_db_prefetch does, for numbers that are finite.
+// Implements sightcell_db_prefetch for finite numbers.
 void prefetch(const sightcell_db& db, const point& eye, const point& velocity, double seconds) noexcept;
 
 }  // namespace sightcell::runtime

@@ -3,24 +3,24 @@
 namespace sightcell::runtime {
 namespace {
 
-// Calls emit(run) for every stretch of a that is not in b, ascending.
+// Calls emit(run) for each run of a without b, ascending.
 template <class Emit>
 void for_each_missing(run_span a, run_span b, const Emit& emit) {
   std::size_t at = 0;
   for (const format::run& r : a) {
-    std::uint32_t place = r.first;
+    std::uint32_t next = r.first;
     const std::uint32_t end = r.first + r.count;
-    while (at < b.size() && b[at].first + b[at].count <= place) ++at;
+    while (at < b.size() && b[at].first + b[at].count <= next) ++at;
     for (std::size_t i = at; i < b.size() && b[i].first < end; ++i) {
-      if (b[i].first > place) emit(format::run{place, b[i].first - place});
-      place = b[i].first + b[i].count;
+      if (b[i].first > next) emit(format::run{next, b[i].first - next});
+      next = b[i].first + b[i].count;
     }
-    if (place < end) emit(format::run{place, end - place});
+    if (next < end) emit(format::run{next, end - next});
   }
 }
 
-// Counts the ranges of a without b, and writes them unless dst is null. One run at a time, each looked for from the
-// draw on in which the one before ended.
+// Counts the ranges of a without b, and writes them unless dst is null. Searches for the draw of each run from the draw
+// in which the one before ended.
 std::uint64_t list_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept {
   std::uint64_t ranges = 0;
   std::uint32_t draw = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Runs of stored polygons -> draw ranges of the C API, and the difference of two sets in ranges.
+// Converts runs of stored polygons to draw ranges of the C API; the difference of two sets in ranges.
 #include <cstdint>
 #include <span>
 
@@ -9,11 +9,11 @@
 namespace sightcell::runtime {
 
 // Stored number of the first polygon of each draw, or draw group of a merged file, then the polygon count; ascending.
-// The functions below say draw for both.
+// "draw" means either one below.
 using range_borders = std::span<const std::uint32_t>;
 using run_span = std::span<const format::run>;
 
-// Calls emit(draw, first, count) for every range of a set.
+// Calls emit(draw, first, count) for each range of a set.
 template <class Emit>
 void for_each_range(run_span set, range_borders borders, const Emit& emit) {
   const auto draws = static_cast<std::uint32_t>(borders.size() - 1);
@@ -21,14 +21,14 @@ void for_each_range(run_span set, range_borders borders, const Emit& emit) {
       set, draws, borders.back(), [borders](std::uint32_t d) { return borders[d]; }, emit);
 }
 
-// The ranges of a set, as many as dst has room for. Returns how many there are.
+// Writes the ranges of a set, up to dst.size(). Returns their number.
 [[nodiscard]] std::size_t write_ranges(run_span set, range_borders borders, std::span<sightcell_range> dst) noexcept;
 
-// Ranges of a without b.
+// The number of ranges of a without b.
 [[nodiscard]] std::uint64_t count_difference(run_span a, run_span b, range_borders borders) noexcept;
-// Writes as many.
+// Writes count_difference ranges.
 void write_difference(run_span a, run_span b, range_borders borders, sightcell_range* dst) noexcept;
-// The runs of a without b, as many as dst has room for. Returns how many there are.
+// Writes the runs of a without b, up to dst.size(). Returns their number.
 [[nodiscard]] std::size_t write_difference(run_span a, run_span b, std::span<format::run> dst) noexcept;
 
 }  // namespace sightcell::runtime

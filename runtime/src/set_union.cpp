@@ -7,7 +7,7 @@
 namespace sightcell::runtime {
 namespace {
 
-// Calls emit(run) for every run of both sets together, ascending, not touching.
+// Calls emit(run) for each run of the union, ascending, not touching.
 template <class Emit>
 void for_each_of_both(run_span a, run_span b, const Emit& emit) {
   std::size_t i = 0;
@@ -24,14 +24,14 @@ void for_each_of_both(run_span a, run_span b, const Emit& emit) {
   }
 }
 
-// Gaps of fewer than min_gap polygons between two runs in one draw are closed. Returns whether the runs fit out, and
-// the ranges most_ranges.
+// Closes gaps of fewer than min_gap polygons between two runs in one draw. Returns whether out has room for the runs
+// and there are at most most_ranges ranges.
 bool write_closed(run_span a, run_span b, range_borders borders, std::uint32_t min_gap, std::uint64_t most_ranges,
                   std::span<format::run> out, std::size_t& count) noexcept {
   std::size_t runs = 0;
   std::uint64_t ranges = 0;
   std::size_t draw = 0;
-  std::uint32_t draw_end = 0;  // of the draw in which the last run ends
+  std::uint32_t draw_end = 0;  // end of the draw in which the last run ends
   for_each_of_both(a, b, [&](const format::run& r) {
     const std::uint32_t end = r.first + r.count;
     const bool close = runs > 0 && runs <= out.size() && r.first < draw_end &&

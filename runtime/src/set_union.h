@@ -1,5 +1,5 @@
 #pragma once
-// What one of two sets holds, in room for no more runs and ranges than hosts have prepared for.
+// The union of two sets within given numbers of runs and ranges.
 #include <cstddef>
 #include <span>
 
@@ -7,9 +7,9 @@
 
 namespace sightcell::runtime {
 
-// Writes a and b together to out, which overlaps neither; count: of its runs. Where it were more runs than out has room
-// for, or more ranges than most_ranges, gaps inside draws are closed, the smallest first. Both numbers are at least
-// that of the draws that have polygons, so that it always fits; false where they are not.
+// Writes the union of a and b to out, which overlaps neither; count: its runs. If out has not enough room for the runs,
+// or there are more than most_ranges ranges, gaps inside draws are closed, the smallest first. This always succeeds if
+// both limits are at least the number of draws with polygons; else the function may return false.
 [[nodiscard]] bool write_union(run_span a, run_span b, range_borders borders, std::uint32_t most_ranges,
                                std::span<format::run> out, std::size_t& count) noexcept;
 

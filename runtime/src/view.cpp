@@ -21,7 +21,7 @@ std::uint64_t sightcell_view::carve(void* block) noexcept {
     first = space.take<T>(count);
     if (first != nullptr) std::uninitialized_value_construct_n(first, static_cast<std::size_t>(count));
   };
-  // A row has at most run_bound() runs, and several rows together no more than there are ranges.
+  // A row has at most run_bound() runs, and a union of rows at most range_bound().
   const std::size_t room = std::max<std::size_t>(db_->range_bound(), db_->file().row_room());
   for (polygon_set* set : {&current_, &previous_, &next_, &joined_, &other_}) {
     format::run* runs = nullptr;
@@ -42,7 +42,7 @@ std::uint64_t sightcell_view::carve(void* block) noexcept {
   format::run* hidden = nullptr;
   take(db_->named_range_count(), hidden);
   hidden_.buffer = {hidden, hidden == nullptr ? 0 : db_->named_range_count()};
-  static_cast<void>(space.take<std::uint32_t>(0));  // scratch lies at a multiple of 4
+  static_cast<void>(space.take<std::uint32_t>(0));  // aligns scratch to 4
   auto* scratch = space.take<std::byte>(db_->file().scratch_size());
   if (scratch != nullptr) scratch_ = {scratch, db_->file().scratch_size()};
   return space.used();
@@ -75,10 +75,11 @@ sightcell_status sightcell_view::set_policy(std::uint32_t outside, float max_dis
 
 sightcell_status sightcell_view::set_origin(const double origin[3]) noexcept {
   if (origin == nullptr) return SIGHTCELL_ERR_ARGUMENT;
-  const point place{origin[0], origin[1], origin[2]};
-  if (!std::isfinite(place[0]) || !std::isfinite(place[1]) || !std::isfinite(place[2])) return SIGHTCELL_ERR_ARGUMENT;
-  origin_ = place;
-  at_origin_ = place == point{};
+  const point position{origin[0], origin[1], origin[2]};
+  if (!std::isfinite(position[0]) || !std::isfinite(position[1]) || !std::isfinite(position[2]))
+    return SIGHTCELL_ERR_ARGUMENT;
+  origin_ = position;
+  at_origin_ = position == point{};
   return SIGHTCELL_OK;
 }
 
@@ -91,7 +92,7 @@ sightcell_status sightcell_view::show_named_group(std::uint32_t group, bool show
   hidden_.count = 0;
   const std::span<const std::uint32_t> borders = db_->range_borders();
   for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
-    if (hides(draw) && borders[draw] < borders[draw + 1]) {
+    if (is_hidden(draw) && borders[draw] < borders[draw + 1]) {
       hidden_.buffer[hidden_.count++] = {borders[draw], borders[draw + 1] - borders[draw]};
     }
   }
@@ -100,7 +101,7 @@ sightcell_status sightcell_view::show_named_group(std::uint32_t group, bool show
   return SIGHTCELL_OK;
 }
 
-bool sightcell_view::world_place(const float* eye, point& out) const noexcept {
+bool sightcell_view::world_position(const float* eye, point& out) const noexcept {
   if (eye == nullptr) return false;
   for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = origin_[axis] + static_cast<double>(eye[axis]);
   return !std::isnan(out[0]) && !std::isnan(out[1]) && !std::isnan(out[2]);
@@ -108,14 +109,14 @@ bool sightcell_view::world_place(const float* eye, point& out) const noexcept {
 
 sightcell_status sightcell_view::move(const float* eye, sightcell_frame& frame) noexcept {
   const std::uint32_t before = revision_;
-  point place;
-  if (!world_place(eye, place)) {
-    stand_in({});
+  point position;
+  if (!world_position(eye, position)) {
+    enter({});
     show_all(SIGHTCELL_FRAME_DRAW_ALL);
     report(before, frame);
     return SIGHTCELL_ERR_ARGUMENT;
   }
-  if (!settled_ || !holds(rest_, place)) go_to(place);  // most frames do not
+  if (!settled_ || !holds(rest_, position)) go_to(position);  // most frames do not call it
   report(before, frame);
   return SIGHTCELL_OK;
 }
@@ -123,9 +124,9 @@ sightcell_status sightcell_view::move(const float* eye, sightcell_frame& frame) 
 sightcell_status sightcell_view::move_box(const float* min, const float* max, sightcell_frame& frame) noexcept {
   const std::uint32_t before = revision_;
   wide_box closed;
-  if (!world_place(min, closed.min) || !world_place(max, closed.max) || min[0] > max[0] || min[1] > max[1] ||
+  if (!world_position(min, closed.min) || !world_position(max, closed.max) || min[0] > max[0] || min[1] > max[1] ||
       min[2] > max[2]) {
-    stand_in({});
+    enter({});
     show_all(SIGHTCELL_FRAME_DRAW_ALL);
     report(before, frame);
     return SIGHTCELL_ERR_ARGUMENT;
@@ -135,20 +136,20 @@ sightcell_status sightcell_view::move_box(const float* min, const float* max, si
   return SIGHTCELL_OK;
 }
 
-// In the grown box of the old cell, and where smaller cells reach into it, a smaller one is looked for.
-sightcell_view::placed_cell sightcell_view::locate(const point& place) const noexcept {
+// Keeps the old cell inside its grown box, and searches for a smaller one only where one reaches into that box.
+sightcell_view::placed_cell sightcell_view::locate(const point& position) const noexcept {
   const cell_locator& locator = db_->locator();
   placed_cell found;
-  if (at_.cell == no_cell || !holds(kept_, place)) {
-    found.cell = locator.find(rounded_down(place), any_volume, found.bounds);
+  if (at_.cell == no_cell || !holds(kept_, position)) {
+    found.cell = locator.find(rounded_down(position), any_volume, found.bounds);
     return found;
   }
-  if (!shares_box_ && holds(inside_, place)) return at_;
-  found.cell = locator.find(rounded_down(place), volume_of(at_.bounds), found.bounds);
+  if (!shares_box_ && holds(inside_, position)) return at_;
+  found.cell = locator.find(rounded_down(position), volume_of(at_.bounds), found.bounds);
   return found.cell == no_cell ? at_ : found;
 }
 
-void sightcell_view::stand_in(const placed_cell& where) noexcept {
+void sightcell_view::enter(const placed_cell& where) noexcept {
   if (where.cell != no_cell && where.cell != at_.cell) {
     inside_ = widened(where.bounds);
     kept_ = widened(where.bounds, db_->file().facts().margin);
@@ -158,38 +159,38 @@ void sightcell_view::stand_in(const placed_cell& where) noexcept {
   settled_ = false;
 }
 
-void sightcell_view::go_to(const point& place) noexcept {
+void sightcell_view::go_to(const point& position) noexcept {
   const std::uint32_t cell_before = at_.cell;
-  stand_in(locate(place));
-  if (at_.cell == no_cell) return go_outside(place);
+  enter(locate(position));
+  if (at_.cell == no_cell) return go_outside(position);
   show_cell(at_, 0);
   last_ = at_;
   if (data_flags_ != 0) return;
-  if (!shares_box_ && holds(inside_, place)) {
+  if (!shares_box_ && holds(inside_, position)) {
     rest_ = inside_;
     settled_ = true;
   } else if (at_.cell == cell_before) {
-    // A camera too fast to rest for a few moves does not look for a place to, for a while.
+    // A camera that left its last resting boxes after few moves does not search for one for a while.
     constexpr std::uint64_t few = 4;
     constexpr std::uint64_t a_while = 32;
     if (counts_.moves - rested_from_ < few) resting_again_ = counts_.moves + a_while;
     if (counts_.moves < resting_again_) return;
     rested_from_ = counts_.moves;
-    settled_ = find_rest(place);
+    settled_ = find_rest(position);
   }
 }
 
 namespace {
 
-// Cuts off a region what a box is in, where that is furthest from a place, which is in the region and not in the box.
-// False when it is in the box.
-bool cut_off(wide_box& region, const wide_box& away, const point& place) noexcept {
+// Cuts off the part of a region that intersects a box, along the axis on which the box is furthest from a position. The
+// position is inside the region. False if it is inside the box.
+bool cut_off(wide_box& region, const wide_box& away, const point& position) noexcept {
   std::size_t best = 3;
-  bool above = false;  // the box is above the place on that axis
+  bool above = false;  // the box is above the position on that axis
   double most = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double up = away.min[axis] - place[axis];
-    const double down = place[axis] - away.max[axis];
+    const double up = away.min[axis] - position[axis];
+    const double down = position[axis] - away.max[axis];
     if (up <= 0.0 && down < 0.0) continue;
     const double apart = std::max(up, down);
     if (best < 3 && apart <= most) continue;
@@ -208,14 +209,14 @@ bool cut_off(wide_box& region, const wide_box& away, const point& place) noexcep
 
 }  // namespace
 
-// Around a place in the grown box of its cell, that no smaller cell is in. A part of the grown box, so that few cells
-// are nearby.
-bool sightcell_view::find_rest(const point& place) noexcept {
+// Sets rest_ to a box around a position inside the grown box of its cell that no smaller cell intersects. It covers
+// only a part of the grown box, so that few cells have to be tested.
+bool sightcell_view::find_rest(const point& position) noexcept {
   rest_ = kept_;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double reach = 0.25 * (inside_.max[axis] - inside_.min[axis]);
-    rest_.min[axis] = std::max(rest_.min[axis], place[axis] - reach);
-    rest_.max[axis] = std::min(rest_.max[axis], place[axis] + reach);
+    rest_.min[axis] = std::max(rest_.min[axis], position[axis] - reach);
+    rest_.max[axis] = std::min(rest_.max[axis], position[axis] + reach);
   }
   std::array<located_cell, most_cells> cells;
   const std::size_t count = db_->locator().touching(rest_, cells);
@@ -223,26 +224,27 @@ bool sightcell_view::find_rest(const point& place) noexcept {
   const double volume = volume_of(at_.bounds);
   const auto nearby = std::span(cells).first(count);
   return std::all_of(nearby.begin(), nearby.end(), [&](const located_cell& c) {
-    return volume_of(c.bounds) >= volume || cut_off(rest_, widened(c.bounds), place);
+    return volume_of(c.bounds) >= volume || cut_off(rest_, widened(c.bounds), position);
   });
 }
 
-void sightcell_view::go_outside(const point& place) noexcept {
-  const placed_cell& stand_in_for = outside_ == SIGHTCELL_OUTSIDE_LAST      ? last_
-                                    : outside_ == SIGHTCELL_OUTSIDE_NEAREST ? nearest_to(place)
-                                                                            : at_;
-  const bool near = stand_in_for.cell != no_cell &&
-                    squared_distance(widened(stand_in_for.bounds), place) <= max_distance_ * max_distance_;
+void sightcell_view::go_outside(const point& position) noexcept {
+  const placed_cell& substitute = outside_ == SIGHTCELL_OUTSIDE_LAST      ? last_
+                                  : outside_ == SIGHTCELL_OUTSIDE_NEAREST ? nearest_to(position)
+                                                                          : at_;
+  const bool near = substitute.cell != no_cell &&
+                    squared_distance(widened(substitute.bounds), position) <= max_distance_ * max_distance_;
   if (!near) return show_all(SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE);
-  show_cell(stand_in_for, SIGHTCELL_FRAME_OUTSIDE);
+  show_cell(substitute, SIGHTCELL_FRAME_OUTSIDE);
 }
 
-const sightcell_view::placed_cell& sightcell_view::nearest_to(const point& place) noexcept {
-  const wide_box known{nearest_.place, nearest_.place};
-  if (squared_distance(known, place) <= nearest_.slack * nearest_.slack && nearest_.slack >= 0.0) return nearest_.found;
-  nearest_search search(place);
+const sightcell_view::placed_cell& sightcell_view::nearest_to(const point& position) noexcept {
+  const wide_box known{nearest_.position, nearest_.position};
+  if (squared_distance(known, position) <= nearest_.slack * nearest_.slack && nearest_.slack >= 0.0)
+    return nearest_.found;
+  nearest_search search(position);
   db_->locator().nearest(search);
-  nearest_ = {{search.cell(), search.bounds()}, place, search.slack()};
+  nearest_ = {{search.cell(), search.bounds()}, position, search.slack()};
   return nearest_.found;
 }
 
@@ -250,8 +252,8 @@ void sightcell_view::go_into(const wide_box& closed) noexcept {
   point center;
   for (std::size_t axis = 0; axis < 3; ++axis) center[axis] = 0.5 * closed.min[axis] + 0.5 * closed.max[axis];
   if (closed.min == closed.max) return go_to(closed.min);
-  stand_in(locate(center));
-  // Both ends of the box, so that it is inside of a half-open one.
+  enter(locate(center));
+  // Both ends of the box, because kept_ is half-open.
   if (at_.cell != no_cell && holds(kept_, closed.min) && holds(kept_, closed.max)) {
     show_cell(at_, 0);
     last_ = at_;
@@ -269,9 +271,9 @@ void sightcell_view::go_into(const wide_box& closed) noexcept {
   show_cells(touched, covered ? 0u : std::uint32_t{SIGHTCELL_FRAME_OUTSIDE});
 }
 
-// The set of a cell, unless it is shown already. What is on its way is asked for again.
+// Shows the set of a cell, unless it is shown already. Requests a pending one again.
 void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags) noexcept {
-  place_flags_ = flags;
+  eye_flags_ = flags;
   const bool as_before = !regrouped_ && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0;
   if (moved_ && shown_.cell == what.cell && as_before) return;
   std::span<const format::run> volumes;
@@ -283,9 +285,9 @@ void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags) noe
   show_next(data_flags, db_->file().range_bound());
 }
 
-// The sets of several cells together, in the order of their numbers whatever order they were found in.
+// Shows the union of several sets, in the order of the cells' numbers, so that it does not depend on the search.
 void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t flags) noexcept {
-  place_flags_ = flags;
+  eye_flags_ = flags;
   sort_by_number(cells);
   const bool same = shown_cell_count_ == cells.size() &&
                     std::equal(cells.begin(), cells.end(), shown_cells_.begin(),
@@ -296,7 +298,7 @@ void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t fla
   std::fill(visible_.begin(), visible_.end(), 0);
   for (const located_cell& c : cells) {
     std::span<const format::run> volumes;
-    data_flags |= decode(c.cell, other_, volumes);  // all of them, so that all are asked for
+    data_flags |= decode(c.cell, other_, volumes);  // also after a failure, so that all are requested
     db_->volumes().show(volumes, more_visible_);
     for (std::size_t i = 0; i < visible_.size(); ++i) visible_[i] |= more_visible_[i];
     if (data_flags != 0) continue;
@@ -314,7 +316,7 @@ void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t fla
 }
 
 void sightcell_view::show_all(std::uint32_t flags) noexcept {
-  place_flags_ = flags;
+  eye_flags_ = flags;
   shown_ = {};
   shown_cell_count_ = 0;
   if (moved_ && current_.everything && !regrouped_) {  // as in most frames outside
@@ -325,12 +327,12 @@ void sightcell_view::show_all(std::uint32_t flags) noexcept {
   show_next(0, db_->range_bound());
 }
 
-// 0, or the flags that say why there is no set.
+// Returns 0, or the flags that explain why there is no set.
 std::uint32_t sightcell_view::decode(std::uint32_t cell, polygon_set& out,
                                      std::span<const format::run>& volumes) noexcept {
   format::row_parts parts;
   const row_outcome outcome = db_->decode(cell, out.buffer, scratch_, parts);
-  out.count = parts.polygons.size();  // they are the first in the buffer
+  out.count = parts.polygons.size();  // they are at the begin of the buffer
   volumes = parts.volumes;
   counts_.rows_decoded += outcome == row_outcome::good ? 1 : 0;
   if (outcome == row_outcome::good) return 0;
@@ -341,18 +343,18 @@ std::uint32_t sightcell_view::decode(std::uint32_t cell, polygon_set& out,
 bool sightcell_view::box_visible(const float min[3], const float max[3]) const noexcept {
   if (draws_all()) return true;
   if (at_origin_) return db_->volumes().box_visible(min, max, visible_);
-  // Rounded outwards: of what lies beyond by less than a float, more is seen, not less.
+  // Rounded outward: the box may only become larger.
   point low;
   point high;
-  if (!world_place(min, low) || !world_place(max, high)) return true;
+  if (!world_position(min, low) || !world_position(max, high)) return true;
   const rounded_point from = rounded_down(low);
   rounded_point to = rounded_down({-high[0], -high[1], -high[2]});
   for (float& end : to) end = -end;
   return db_->volumes().box_visible(from.data(), to.data(), visible_);
 }
 
-// Takes what is hidden out of next_. False where there is no room, as of no row that the file could have: what is left
-// has no more runs than the set has ranges, since whole draws are hidden.
+// Removes hidden named groups from next_. False if joined_ has not enough room, which no valid row causes: whole draws
+// are removed, so that the rest has no more runs than the set has ranges.
 bool sightcell_view::leave_out_hidden() noexcept {
   if (hidden_.count == 0) return true;
   const bool everything = next_.everything;
@@ -371,7 +373,7 @@ void sightcell_view::find_everything() noexcept {
   static_cast<void>(leave_out_hidden());
 }
 
-// Makes next_ the current set, unless it is the same.
+// Makes next_ the current set, unless both are equal.
 void sightcell_view::show_next(std::uint32_t data_flags, std::uint32_t most_ranges) noexcept {
   data_flags_ = data_flags;
   regrouped_ = false;
@@ -380,7 +382,7 @@ void sightcell_view::show_next(std::uint32_t data_flags, std::uint32_t most_rang
         static_cast<std::uint32_t>(write_ranges(next_.runs(), db_->range_borders(), {next_ranges_, most}));
     return next_.range_count <= most;
   };
-  if (!next_.everything && !(leave_out_hidden() && find_ranges(most_ranges))) {  // no row that the file could have
+  if (!next_.everything && !(leave_out_hidden() && find_ranges(most_ranges))) {  // not a row that the file can have
     data_flags_ = SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_DAMAGED;
     next_.everything = true;
   }
@@ -409,7 +411,7 @@ void sightcell_view::show_next(std::uint32_t data_flags, std::uint32_t most_rang
 void sightcell_view::report(std::uint32_t revision_before, sightcell_frame& frame) noexcept {
   frame = sightcell_frame{};
   frame.cell = at_.cell;
-  frame.flags = place_flags_ | data_flags_;
+  frame.flags = eye_flags_ | data_flags_;
   if (revision_ != revision_before) frame.flags |= SIGHTCELL_FRAME_CHANGED;
   frame.polygon_count = polygon_count_;
   frame.revision = revision_;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int32_t chunk_width = 4;
 
-// What is found where there is no chunk.
+// The result of a search for a chunk that does not exist.
 constexpr volume_chunk free_chunk;
 
 std::int32_t chunk_of(std::int32_t place) noexcept {
@@ -23,7 +23,7 @@ unsigned bit_of(const format::lattice_place& p) noexcept {
   return static_cast<unsigned>((p.x & 3) + 4 * (p.z & 3) + 16 * (p.y & 3));
 }
 
-// Neighbors lie far apart.
+// Gives neighbors distant values.
 std::uint64_t hash_of(std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
   const auto wide = [](std::int32_t value) { return std::uint64_t{static_cast<std::uint32_t>(value)}; };
   const std::uint64_t sum =
@@ -31,7 +31,7 @@ std::uint64_t hash_of(std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
   return (sum ^ sum >> 32) * 0xD6E8FEB86659FD93u;
 }
 
-// Of four bits, each `stride` behind the one before, those from `from` on: one, and `more`.
+// Bit `from` of four bits that are `stride` apart, and the `more` bits after it.
 std::uint64_t range_bits(std::int32_t more, std::int32_t from, std::uint64_t four_bits, std::int32_t stride) noexcept {
   return four_bits >> (stride * (chunk_width - 1 - more)) << (stride * from);
 }
@@ -46,10 +46,10 @@ volume_index::lattice_axes::lattice_axes(double width, double height) noexcept {
   }
 }
 
-// A border is off by half of what lies between two floats there. Where that is a place at most, the number that is
-// asked for is the one that the division gives, rounded down, or the next. Where it is more, further places may be
-// touched; but of the one that the division gives, or the next, both borders are the same float: it is no volume, and
-// touched. There are no jumps: where in a place a box ends no processor can foresee.
+// A border is rounded by up to half the distance of two floats. Where that is less than one position, the result is the
+// quotient rounded down, or the next one. Where it is more, further positions may be touched; but then the position of
+// the quotient, or the next one, has two equal borders: it is no volume, and touched. There are no branches, because no
+// processor can predict where in a position the end of a box is.
 inline void volume_index::lattice_axes::last_begun(const lane_floats& at, lane_places& out) const noexcept {
   for (std::size_t i = 0; i < lanes; ++i) {
     const auto toward_zero = static_cast<std::int32_t>(static_cast<double>(at[i]) * inverse[i]);
@@ -58,15 +58,15 @@ inline void volume_index::lattice_axes::last_begun(const lane_floats& at, lane_p
   }
 }
 
-// How many chunks there are is known when they are found; but volumes of a chunk mostly follow each other, or those of
-// some neighboring ones in turn.
+// The number of chunks is known only after a search, so this is an upper bound: volumes of one chunk are mostly
+// consecutive, or alternate with those of a few neighboring ones.
 void volume_index::measure(const format::volume_table& volumes) noexcept {
   *this = volume_index{};
   std::array<volume_chunk, 256> met{};
-  std::uint64_t most = 0;  // or fewer
+  std::uint64_t most = 0;  // an upper bound
   format::lattice_place p;
   for (std::uint32_t volume = 0; volume < volumes.count(); ++volume) {
-    if (!volumes.place(volume, p)) continue;  // build will say so
+    if (!volumes.place(volume, p)) continue;  // build reports it
     const std::int32_t x = chunk_of(p.x), y = chunk_of(p.y), z = chunk_of(p.z);
     volume_chunk& last = met[hash_of(x, y, z) >> 56];
     if (last.is_at(x, y, z)) continue;
@@ -140,7 +140,7 @@ void volume_index::show(std::span<const format::run> volumes, std::span<std::uin
   }
 }
 
-// A place is touched from its begin to the next one's: mirrored, the first one is the last one too.
+// A position is touched from its begin to the begin of the next one. Mirrored at 0, the first one becomes the last one.
 inline bool volume_index::touched(const float min[3], const float max[3], touched_places& out) const noexcept {
   const lane_floats low{-min[0], -min[1], -min[2], -min[2]};
   const lane_floats high{max[0], max[1], max[2], max[2]};
@@ -157,7 +157,7 @@ inline bool volume_index::touched(const float min[3], const float max[3], touche
   return true;
 }
 
-// Most boxes lie in one chunk.
+// Most boxes are in one chunk.
 bool volume_index::box_visible(const float min[3], const float max[3],
                                std::span<const std::uint64_t> visible) const noexcept {
   touched_places box;
@@ -173,7 +173,7 @@ bool volume_index::box_visible(const float min[3], const float max[3],
 }
 
 bool volume_index::several_visible(const touched_places& box, std::span<const std::uint64_t> visible) const noexcept {
-  // Bits of an axis of the chunk that begins at a place.
+  // The bits on one axis, of the chunk that begins at a position.
   const auto bits_of = [&](std::size_t axis, std::int32_t begin, std::uint64_t four_bits, std::int32_t stride) {
     const std::int32_t from = std::max(box.first[axis] - begin, 0);
     const std::int32_t to = std::min(box.last[axis] - begin, chunk_width - 1);

@@ -1,30 +1,30 @@
-// malloc and free of the module, for the runtime and for the page that puts bytes in. First fit in a list of free
-// blocks in the order of their addresses, of which neighbors are joined: a page holds a few dozen blocks, and takes
-// none while it draws. The C library's malloc would be a seventh of all code.
+// malloc and free of the module, for the runtime and for the page, which passes bytes in. First fit in a list of free
+// blocks sorted by address, in which neighbors are joined: a page has a few dozen blocks, and allocates none while it
+// draws. The C library's malloc would be a seventh of all code.
 #include <cstddef>
 #include <cstdint>
 
 extern "C" {
-extern std::byte __heap_base;  // the linker's: where data and stack end
+extern std::byte __heap_base;  // set by the linker: the end of data and stack
 void* malloc(std::size_t size);
-void free(void* place);
+void free(void* address);
 }
 
 namespace {
 
 constexpr std::size_t page_size = 65536;
 
-// In front of its bytes, which begin at a multiple of 16.
+// The header in front of a block's bytes, which begin at a multiple of 16.
 struct alignas(16) block {
-  std::size_t size = 0;   // with this head; a multiple of 16
-  block* next = nullptr;  // only of free blocks
+  std::size_t size = 0;   // with this header; a multiple of 16
+  block* next = nullptr;  // only for free blocks
 };
 
 block* first_free = nullptr;
 bool begun = false;
 
-std::uintptr_t address_of(const void* place) noexcept {
-  return reinterpret_cast<std::uintptr_t>(place);
+std::uintptr_t address_of(const void* address) noexcept {
+  return reinterpret_cast<std::uintptr_t>(address);
 }
 std::uintptr_t end_of(const block* b) noexcept {
   return address_of(b) + b->size;
@@ -55,7 +55,7 @@ void put_memory(std::uintptr_t begin, std::uintptr_t end) noexcept {
   put_back(b);
 }
 
-// Whole pages behind all memory there is; false where there are no more.
+// Adds whole pages at the end of the memory. False if there are no more.
 bool grow(std::size_t size) noexcept {
   const std::size_t pages = (size + page_size - 1) / page_size;
   const std::size_t before = __builtin_wasm_memory_grow(0, pages);
@@ -64,7 +64,7 @@ bool grow(std::size_t size) noexcept {
   return true;
 }
 
-// The block's end, so that the rest stays where it is in the list.
+// Takes the end of a free block, so that the rest keeps its entry in the list.
 block* take(std::size_t size) noexcept {
   for (block** link = &first_free; *link != nullptr; link = &(*link)->next) {
     block* b = *link;
@@ -97,6 +97,6 @@ void* malloc(std::size_t size) {
   return b == nullptr ? nullptr : b + 1;
 }
 
-void free(void* place) {
-  if (place != nullptr) put_back(static_cast<block*>(place) - 1);
+void free(void* address) {
+  if (address != nullptr) put_back(static_cast<block*>(address) - 1);
 }

@@ -1,4 +1,4 @@
-// A page has no files to name: it fetches bytes and opens these with sightcell_db_open.
+// A page has no files: it fetches bytes and opens them with sightcell_db_open.
 #include "file_input.h"
 
 namespace sightcell::runtime {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "draft.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::city {
 namespace {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "textures.h"
 
 namespace sightcell::city {

@@ -6,7 +6,7 @@
 
 #include "city.h"
 #include "glb_writer.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "draft.h"
 #include "dressing.h"
 #include "ground.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::city {
 namespace {

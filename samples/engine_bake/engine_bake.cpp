@@ -11,7 +11,8 @@
 
 #include "level.h"
 #include "sightcell/bake/bake.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/bake/verify.h"
+#include "sightcell/base/error.h"
 #include "sightcell/sightcell.hpp"
 
 namespace {

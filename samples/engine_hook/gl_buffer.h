@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace engine_hook {
 

@@ -12,8 +12,8 @@
 
 #include "free_place.h"
 #include "overview.h"
+#include "sightcell/base/error.h"
 #include "sightcell/picture/picture.h"
-#include "sightcell/scene/error.h"
 #include "sightcell/scene/scene.h"
 #include "sightcell/sightcell.hpp"
 #include "walk_path.h"

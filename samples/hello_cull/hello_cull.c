@@ -1,4 +1,5 @@
-/* Opens a .pvs file, moves an eye through its view cells and prints what there is to draw. No window, no scene file. */
+/* Opens a .pvs file, moves an eye through its view cells and prints how much there is to draw. Needs no window and no
+ * scene file. */
 #include <sightcell/sightcell.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,8 +9,9 @@ static int fail(const char *what, sightcell_status status) {
   return 1;
 }
 
-/* One frame: move, then take the draw ranges. A host would now draw, for every range, 3 * count indices of the draw's
- * index buffer from 3 * first on; of a merged file, of the scene's index buffer from where the draw group begins. */
+/* One frame: moves the eye and takes the draw ranges. A renderer would draw each range here: 3 * count indices of the
+ * index buffer of its draw, starting at index 3 * first. For a merged file it would draw them from the one index buffer
+ * of the scene, counted from the first index of the draw group. */
 static sightcell_status show(sightcell_view *view, uint32_t all, const float eye[3], sightcell_range *ranges,
                              size_t capacity) {
   sightcell_frame frame;
@@ -31,7 +33,7 @@ static sightcell_status show(sightcell_view *view, uint32_t all, const float eye
   return SIGHTCELL_OK;
 }
 
-/* The middle of every cell. */
+/* Moves the eye to the center of each cell. */
 static sightcell_status walk_cells(const sightcell_db *db, sightcell_view *view, uint32_t all, sightcell_range *ranges,
                                    size_t capacity) {
   sightcell_status status = SIGHTCELL_OK;
@@ -44,6 +46,7 @@ static sightcell_status walk_cells(const sightcell_db *db, sightcell_view *view,
   return status;
 }
 
+/* Moves the eye to each of the positions given on the command line, three numbers each. */
 static sightcell_status walk_positions(sightcell_view *view, uint32_t all, int count, char **numbers,
                                        sightcell_range *ranges, size_t capacity) {
   sightcell_status status = SIGHTCELL_OK;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "crowd.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/sightcell.h"
 
 namespace relevance_server {

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "sightcell/scene/error.h"
-#include "sightcell/scene/json_text.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/json_text.h"
 
 namespace viewer {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "viewer.h"
 
 namespace {

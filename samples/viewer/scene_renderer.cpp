@@ -8,9 +8,9 @@
 #include <string>
 
 #include "shader_text.h"
+#include "sightcell/base/error.h"
 #include "sightcell/picture/gl_program.h"
 #include "sightcell/picture/textures.h"
-#include "sightcell/scene/error.h"
 
 namespace viewer {
 namespace {

@@ -17,8 +17,8 @@
 #include "draw_lists.h"
 #include "hud.h"
 #include "scene_renderer.h"
+#include "sightcell/base/error.h"
 #include "sightcell/picture/picture.h"
-#include "sightcell/scene/error.h"
 #include "visible_lists.h"
 #include "window.h"
 

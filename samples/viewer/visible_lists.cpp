@@ -4,7 +4,7 @@
 #include <array>
 #include <chrono>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace viewer {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace viewer {
 namespace {

@@ -2,8 +2,7 @@
 #include "shared/hemicube_layout.h"
 
 // Moves the found polygons, their pixel counts and first pixels into the result and leaves all counts 0 for the next
-// hemicube. While a union is kept, polygons that are in it already are left out. The first work group adds up the
-// importance.
+// hemicube. The first work group adds up the importance.
 layout(local_size_x = hemicube_collect_size) in;
 
 layout(std140, binding = hemicube_block_gather) uniform gather_block { hemicube_gather settings; };
@@ -14,18 +13,8 @@ layout(std430, binding = hemicube_buffer_found) readonly buffer found_buffer {
 };
 layout(std430, binding = hemicube_buffer_result) buffer result_buffer { uint result[]; };
 layout(std430, binding = hemicube_buffer_sums) readonly buffer sums_buffer { vec4 group_sums[]; };
-layout(std430, binding = hemicube_buffer_union) buffer union_buffer {
-  uint union_kept;
-  uint union_bits[];
-};
 
 shared vec4 sums[hemicube_collect_size];
-
-bool is_new(uint id) {
-  if (union_kept == 0u) return true;
-  uint bit = 1u << (id % 32u);
-  return (atomicOr(union_bits[id / 32u], bit) & bit) == 0u;
-}
 
 void list_polygons() {
   uint stride = gl_NumWorkGroups.x * hemicube_collect_size;
@@ -33,7 +22,6 @@ void list_polygons() {
     uint id = found[i];
     hemicube_count seen = counts[id];
     counts[id] = hemicube_count(0u, 0u);
-    if (!is_new(id)) continue;
     uint at = hemicube_result_header + 3u * atomicAdd(result[0], 1u);
     result[at] = id;
     result[at + 1u] = seen.pixels;

@@ -14,7 +14,7 @@ vec3 reach_of(hemicube_cluster c) {
 
 bool outside(vec3 plane, vec3 from_eye, vec3 reach) { return dot(plane, from_eye) + dot(abs(plane), reach) < 0.0; }
 
-// The formula is that of bake/src/source/gpu_culling.cpp.
+// The formula is that of bake/src/hemicube/gpu/gpu_culling.cpp.
 bool in_frustum(hemicube_cluster c, hemicube_cull_face face) {
   vec3 from_eye = c.center.xyz - view.eye.xyz, reach = reach_of(c);
   vec3 forward = face.forward.xyz, right = face.right.xyz, up = face.up.xyz;

@@ -3,7 +3,7 @@
 #include "hemicube/mark.glsl"
 
 // One invocation per atlas pixel: counts its polygon and adds its importance. The formulas are those of
-// bake/src/source/gather_read_back.cpp.
+// bake/src/hemicube/gpu/gather_read_back.cpp.
 layout(local_size_x = hemicube_group_width, local_size_y = hemicube_group_height) in;
 
 layout(binding = hemicube_texture_ids) uniform usampler2D ids;

@@ -14,7 +14,8 @@ const uint hemicube_collect_size = 256u;
 
 // Culling on the device: invocations of cull.comp and compact.comp.
 const uint hemicube_cull_size = 64u;
-// The first pass draws what one of so many hemicubes before this one saw: a cell's samples look in turns out of six faces.
+// The first pass draws what one of so many hemicubes before this one saw: a cell's samples look in turns out of six
+// faces.
 const uint hemicube_memory = 8u;
 const uint hemicube_compact_size = 256u;
 // Levels of the hierarchical depth below the full size; a work group of depth_levels.comp makes all of one block of
@@ -23,14 +24,15 @@ const uint hemicube_depth_levels = 5u;
 const uint hemicube_depth_block = 32u;
 
 const uint hemicube_faces = 5u;
-const uint hemicube_classes = 8u;      // source/gpu_geometry.h: polygon_class
-const uint hemicube_command_words = 5u;  // of an indirect draw: count, instances, first index, base vertex, base instance
+const uint hemicube_classes = 8u;  // hemicube/gpu/gpu_geometry.h: polygon_class
+const uint hemicube_command_words =
+    5u;  // of an indirect draw: count, instances, first index, base vertex, base instance
 
 // Vertex attributes.
 const uint hemicube_attribute_position = 0u;
 const uint hemicube_attribute_source_id = 1u;
-const uint hemicube_attribute_uv = 2u;    // of masked polygons
-const uint hemicube_attribute_mask = 3u;  // which mask
+const uint hemicube_attribute_uv = 2u;     // of masked polygons
+const uint hemicube_attribute_mask = 3u;   // which mask
 const uint hemicube_attribute_alpha = 4u;  // of the corner's color
 
 // Uniform blocks.
@@ -66,8 +68,7 @@ const uint hemicube_buffer_packed_counts = 7u;  // how many, per face and class
 const uint hemicube_buffer_cluster_of = 5u;     // resolve.comp: cluster per source id
 
 // Of the gather, after the draws.
-const uint hemicube_buffer_sums = 5u;   // a vec4 per work group of gather.comp: its sum of importance
-const uint hemicube_buffer_union = 6u;  // is a union kept?, then a bit per source id seen since it was begun
+const uint hemicube_buffer_sums = 5u;  // a vec4 per work group of gather.comp: its sum of importance
 
 // The result, in 32-bit words: number of polygons, three unused, four sums of importance as floats, then (id, pixels,
 // first pixel) per polygon in any order.

@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "rays/triangle_math.h"
+#include "hemicube/hemicube_faces.h"
 #include "sightcell/scene/scene.h"
-#include "source/hemicube_faces.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::test {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "rays/ray_scene.h"
-#include "source/hemicube_source.h"
+#include "hemicube/hemicube_source.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::test {
 

@@ -13,9 +13,9 @@
 
 #include "cells/view_cell.h"
 #include "city.h"
-#include "free_space.h"
 #include "glb_writer.h"
-#include "source/rays_source.h"
+#include "hemicube/rays/rays_source.h"
+#include "trace/free_space.h"
 #include "unit/bake/all_sources.h"
 
 namespace {

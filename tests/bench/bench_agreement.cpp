@@ -14,8 +14,8 @@
 #include "bench/hemicube/poses.h"
 #include "bench/hemicube/scenes.h"
 #include "bench/hemicube/world.h"
-#include "sightcell/scene/error.h"
-#include "source/rays_source.h"
+#include "hemicube/rays/rays_source.h"
+#include "sightcell/base/error.h"
 
 namespace {
 

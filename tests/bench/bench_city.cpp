@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 
 namespace {

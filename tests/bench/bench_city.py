@@ -2,7 +2,7 @@
 """Makes the city's presets, checks them and measures how much their cells see: the calibration of samples/city.
 
 usage: bench_city.py --bin FOLDER [--preset NAME ...] [--seed N ...] [--cheap | --fine] [--cell-limit N]
-                     [--converge CELL] [--quick] [--json-file OUT.json]
+                     [--converge CELL] [--quick] [--results DIR] [--json-file OUT.json]
 
 --bin: the folder with sightcell, sightcell-city and bench_city. For each preset and seed: makes the scene twice and
 compares the bytes, checks the number of polygons, imports it, prints histograms (bench_city), and bakes its cells as a
@@ -24,6 +24,8 @@ import resource
 import subprocess
 import sys
 import time
+
+import result_files
 
 POLYGONS = {"vienna800k": 865_979, "vienna8m": 7_928_519, "hongkong": 2_164_567}
 THESIS = {"vienna800k": 3.2, "vienna8m": 0.43, "hongkong": 1.9}  # % visible, mean of its 20 cells
@@ -242,6 +244,27 @@ def print_tables(results, converged):
                   f" {row['bound']:.1e} | {row['cpu']:.0f} |")
 
 
+def write_results(folder, results, converged):
+    gib = 2.0**30
+    result_files.write(folder, "city_presets", "The presets of samples/city beside the published scenes they stand in for: visible share "
+                       "per cell.", [{
+                           "preset": r["preset"], "seed": r["seed"], "polygons": r["polygons"], "visible_percent_mean": r["mean"],
+                           "visible_percent_smallest": r["min"], "visible_percent_largest": r["max"], "thesis_percent": r["thesis"],
+                           "ratio": r["ratio"], "largest_cell_bound": r["bake"]["max_upper_bound"],
+                           "bake_cpu_seconds": r["bake_cpu"], "make_cpu_seconds": r["made"]["make_cpu"],
+                           "import_cpu_seconds": r["import"]["cpu"], "import_wall_seconds": r["import"]["wall"],
+                           "import_peak_gib": r["import"]["memory"] / gib, "bake_peak_gib": r["bake_memory"] / gib}
+                           for r in results])
+    result_files.write(folder, "city_cells", "Cell sets of the presets.", [
+        {"preset": r["preset"], "seed": r["seed"], "cell": name, "polygons": count}
+        for r in results for name, count in sorted(r["sets"].items())])
+    result_files.write(folder, "city_composition", "What the presets of samples/city are made of.", [
+        {"measure": name, "scene": r["preset"], "seed": r["seed"], "value": 100.0 * value if is_share else value,
+         "unit": "percent" if is_share else ""} for r in results for name, value, is_share in r["histograms"]])
+    if converged:
+        result_files.write(folder, "city_reference", "How far the reference bake of the presets still moves.", converged)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", required=True)
@@ -252,6 +275,7 @@ def main():
     parser.add_argument("--cell-limit", type=int, default=0)
     parser.add_argument("--converge", metavar="CELL")
     parser.add_argument("--quick", action="store_true")
+    result_files.add_option(parser)
     parser.add_argument("--json-file")
     options = parser.parse_args()
     if options.quick:
@@ -269,6 +293,7 @@ def main():
     print_tables(results, converged)
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     print(f"\n{used.ru_utime + used.ru_stime:.0f} CPU seconds in this run; what was remembered is not counted again")
+    write_results(options.results, results, converged)
     if options.json_file:
         with open(options.json_file, "w", encoding="utf-8") as stream:
             json.dump({"results": results, "converged": converged}, stream, indent=1)

@@ -2,11 +2,12 @@
 """Bakes every scene of $SIGHTCELL_DATA (malformed/ aside) at a small budget, and compares pairs that should be the same.
 
 usage: bench_data.py --bin FOLDER [--lib libsightcell.so] [--only TEXT] [--no-table] [--no-pairs] [--cell-limit 12]
+                     [--results DIR]
 
 --bin: programs sightcell, and for the pairs dump_triangles and sightcell-test-polygon-shares. --only: files whose path
 contains the text. Results are kept in $SIGHTCELL_CACHE (default: sightcell-cache in the folder for temporary files)
 under the hash of scene, program and settings; a second run takes from there what is done.
-Table: polygons must be those of the data's README.md, the upper bound of `verify` at most 1e-3. Pairs: see pair_sets.py;
+Table: polygons must be as many as in tests/bench/results/real_scenes.csv, the upper bound of `verify` at most 1e-3. Pairs: see pair_sets.py;
 sets of a converged bake of the same cells, and of another seed of the same file as the noise floor.
 Exit code 1 when something is over its bound, 77 without data.
 """
@@ -14,7 +15,6 @@ import argparse
 import hashlib
 import json
 import os
-import re
 import struct
 import subprocess
 import sys
@@ -22,6 +22,7 @@ import tempfile
 
 import instances_as_nodes
 import pair_sets
+import result_files
 
 BOUND = 1e-3
 # first, second, tolerance of corners in metres (of the quantisation), bound of the difference in percent
@@ -41,7 +42,7 @@ def sha256(path):
     return digest.hexdigest()
 
 
-class Workshop:
+class RunCache:
     """Runs programs once: what they gave lies under the hash of scene, program and settings."""
 
     def __init__(self, folder, cache):
@@ -124,21 +125,10 @@ class Failed(Exception):
     pass
 
 
-def promised_polygons(data):
-    """From the tables of the data's README.md: path -> polygons."""
-    found = {}
-    with open(os.path.join(data, "README.md"), encoding="utf-8") as source:
-        for line in source:
-            columns = [column.strip() for column in line.split("|")]
-            if len(columns) < 4 or ".glb" not in columns[1]:
-                continue
-            path = columns[1].split(" ")[0]
-            braces = re.fullmatch(r"(.*)\{(.*)\}(.*)", path)
-            paths = [braces[1] + name + braces[3] for name in braces[2].split(",")] if braces else [path]
-            counts = [int(number.replace(",", "")) for number in re.findall(r"\d[\d,]*", columns[2])]
-            if len(counts) == len(paths):
-                found.update(zip(paths, counts))
-    return found
+def recorded_polygons():
+    """Of the published table: path -> polygons."""
+    _, rows = result_files.read(os.path.join(result_files.FOLDER, "real_scenes.csv"))
+    return {row["file"]: int(row["polygons"]) for row in rows}
 
 
 def extensions_of(path):
@@ -158,57 +148,65 @@ def small_budget(options):
     return ["--cell-limit", str(options.cell_limit), "--max-pixel-error", "1e-3", "--seed", "1"]
 
 
-def table_row(workshop, options, path, promised):
-    """The row's text and what is wrong with it."""
+def table_row(runs, options, path, recorded):
+    """The row and what is wrong with it."""
     scene = os.path.join(options.data, path)
     try:
-        pvs, baked = workshop.bake(scene, small_budget(options))
-        proof = workshop.verify(scene, pvs, options.rays)
+        pvs, baked = runs.bake(scene, small_budget(options))
+        proof = runs.verify(scene, pvs, options.rays)
     except Failed as failed:
-        return f"| {path} | | | | | | | {failed} |", [f"{path}: {failed}"]
+        return None, [f"{path}: {failed}"]
     wrong = []
-    if promised is not None and baked["polygons"] != promised:
-        wrong.append(f"{path}: {baked['polygons']} polygons, README.md says {promised}")
+    if recorded is not None and baked["polygons"] != recorded:
+        wrong.append(f"{path}: {baked['polygons']} polygons, real_scenes.csv has {recorded}")
     if not proof["upper_bound"] <= BOUND:
         wrong.append(f"{path}: pixel error up to {proof['upper_bound']:.2e}")
-    extensions = ", ".join(name for name in extensions_of(scene)) or "none"
-    known = "" if promised is None else " =" if baked["polygons"] == promised else f" (not {promised:,})"
-    return (f"| {path} | {baked['polygons']:,}{known} | {extensions} | {baked['cells']} "
-            f"| {baked['visible_set_percent']:.2f} | {proof['upper_bound']:.1e} | {baked['cpu']:.1f} "
-            f"| {baked['memory'] / (1 << 20):.0f} |"), wrong
+    return {"file": path, "polygons": baked["polygons"], "extensions": ", ".join(extensions_of(scene)) or "none",
+            "cells": baked["cells"], "visible_percent": baked["visible_set_percent"], "upper_bound": proof["upper_bound"],
+            "cpu_seconds": baked["cpu"], "peak_mib": baked["memory"] / (1 << 20)}, wrong
 
 
-def write_table(workshop, options, files):
-    promised = promised_polygons(options.data)
-    wrong = [f"{path}: in README.md but not there" for path in promised if path not in files and not options.only]
-    print("| file | polygons (= as promised) | extensions used | cells | drawn % | upper bound | CPU s | peak MiB |")
+def write_table(runs, options, files):
+    recorded = recorded_polygons()
+    wrong = [f"{path}: in real_scenes.csv but not there" for path in recorded if path not in files and not options.only]
+    print("| file | polygons | extensions used | cells | drawn % | upper bound | CPU s | peak MiB |")
     print("|---|---|---|---|---|---|---|---|")
+    rows = []
     for path in files:
-        row, problems = table_row(workshop, options, path, promised.get(path))
-        print(row, flush=True)
+        row, problems = table_row(runs, options, path, recorded.get(path))
         wrong += problems
+        if row is None:
+            print(f"| {path} | | | | | | | {problems[0]} |", flush=True)
+            continue
+        rows.append(row)
+        print(f"| {path} | {row['polygons']:,} | {row['extensions']} | {row['cells']} | {row['visible_percent']:.2f} "
+              f"| {row['upper_bound']:.1e} | {row['cpu_seconds']:.1f} | {row['peak_mib']:.0f} |", flush=True)
+    if rows:
+        result_files.write(options.results, "real_scenes", f"Every real scene: {' '.join(small_budget(options))}, verified with "
+                           f"{options.rays:,} rays.", rows)
     return wrong
 
 
-def pair_row(workshop, options, first, second, tolerance, bound):
+def pair_row(runs, options, first, second, tolerance, bound):
+    """The row and what is wrong with it."""
     paths = [os.path.join(options.data, path) for path in (first, second)]
     if second == NODES:
-        paths[1] = os.path.join(workshop.place("sightcell", paths[0], [NODES]), "nodes.glb")
+        paths[1] = os.path.join(runs.place("sightcell", paths[0], [NODES]), "nodes.glb")
         instances_as_nodes.write_with_nodes(paths[0], paths[1])
-    a, b = (workshop.triangles(path) for path in paths)
+    a, b = (runs.triangles(path) for path in paths)
     partner = pair_sets.match(a, b, tolerance)
-    pvs, _ = workshop.bake(paths[0], ["--cell-limit", str(options.pair_cells), "--max-pixel-error", "1e-3", "--seed", "1"])
+    pvs, _ = runs.bake(paths[0], ["--cell-limit", str(options.pair_cells), "--max-pixel-error", "1e-3", "--seed", "1"])
     boxes = pair_sets.Sets(options.lib, pvs).boxes
     cells = os.path.join(os.path.dirname(pvs), "cells.json")
     keep(cells, {"cells": [{"name": f"c{i}", "min": box[0].tolist(), "max": box[1].tolist()}
                            for i, box in enumerate(boxes)]})
     settings = ["--max-pixel-error", options.pair_error, "--samples", str(options.pair_samples)]
-    files = [workshop.bake(path, settings + ["--seed", str(seed)], cells)[0]
+    files = [runs.bake(path, settings + ["--seed", str(seed)], cells)[0]
              for path, seed in ((paths[0], 1), (paths[0], 2), (paths[1], 1))]
     one, again, other = (pair_sets.Sets(options.lib, file) for file in files)
 
     def shares(cell):
-        return workshop.shares(paths[0], files[0], cell, options.pair_rays)
+        return runs.shares(paths[0], files[0], cell, options.pair_rays)
     noise = pair_sets.compare(one, again, pair_sets.np.arange(len(a)), shares)
     difference = pair_sets.compare(one, other, partner, shares)
     by_polygons, by_rays = pair_sets.percent(difference)
@@ -221,17 +219,26 @@ def pair_row(workshop, options, first, second, tolerance, bound):
     if by_polygons > bound:
         wrong.append(f"{first}, {second}: sets differ by {by_polygons:.3f} % of their polygons, {by_rays:.5f} % of the rays; "
                      f"another seed of the first by {noise_polygons:.3f} % and {noise_rays:.5f} %")
-    return wrong
+    return {"first": first, "second": second, "settings": f"{options.pair_error}, {options.pair_samples} samples",
+            "polygons_first": len(a), "polygons_second": len(b), "unmatched": int((partner < 0).sum()),
+            "cells": difference["cells"], "differ_percent_of_polygons": by_polygons,
+            "other_seed_percent_of_polygons": noise_polygons, "differ_percent_of_rays": by_rays,
+            "other_seed_percent_of_rays": noise_rays}, wrong
 
 
-def write_pairs(workshop, options):
+def write_pairs(runs, options):
     print("\n| pair | polygons | unmatched | cells | differ, % of polygons | another seed | differ, % of rays | another seed "
           "| bound |")
     print("|---|---|---|---|---|---|---|---|---|")
-    wrong = []
+    rows, wrong = [], []
     for first, second, tolerance, bound in PAIRS:
         if options.only in first + ", " + second:
-            wrong += pair_row(workshop, options, first, second, tolerance, bound)
+            row, problems = pair_row(runs, options, first, second, tolerance, bound)
+            rows.append(row)
+            wrong += problems
+    if rows:
+        result_files.write(options.results, "pairs", "Two files of one scene: by how much their cell sets differ, beside two seeds of the "
+                           "first file.", rows)
     return wrong
 
 
@@ -249,6 +256,7 @@ def main():
     parser.add_argument("--pair-error", default="1e-5")
     parser.add_argument("--pair-samples", type=int, default=200)
     parser.add_argument("--pair-rays", type=int, default=1_000_000)
+    result_files.add_option(parser)
     options = parser.parse_args()
     options.lib = options.lib or os.path.join(options.bin, "..", "lib", "libsightcell.so")
     all_files = scene_files(options.data) if options.data else []
@@ -257,10 +265,10 @@ def main():
         print("skipped: no scenes; SIGHTCELL_DATA names the folder of real scenes")
         return 77
     cache = os.environ.get("SIGHTCELL_CACHE") or os.path.join(tempfile.gettempdir(), "sightcell-cache")
-    workshop = Workshop(options.bin, cache)
-    wrong = [] if options.no_table else write_table(workshop, options, files)
+    runs = RunCache(options.bin, cache)
+    wrong = [] if options.no_table else write_table(runs, options, files)
     if not options.no_pairs:
-        wrong += write_pairs(workshop, options)
+        wrong += write_pairs(runs, options)
     for line in wrong:
         print(f"FAILED {line}", file=sys.stderr)
     return 1 if wrong else 0

@@ -2,7 +2,7 @@
 """Bytes and decode times of .pvs files beside CRoaring, varint runs and zstd, on frozen cell sets.
 
 usage: bench_format.py --bin FOLDER [--scene NAME ...] [--file NAME=PATH ...] [--repeat N] [--again] [--quick]
-                       [--json OUT.json]
+                       [--results DIR] [--json OUT.json]
 
 --bin: the folder with sightcell, sightcell-city, bench_format, bench_format_parts and bench_vertex_cache. Eight corpora: what the default sampler finds at an error
 of 1e-4 in six real scenes under SIGHTCELL_DATA (said so where one is missing), in the city's preset vienna800k (seed 2) and
@@ -38,6 +38,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "sam
 import bench_samplers  # noqa: E402
 import bench_targets  # noqa: E402
 import plan  # noqa: E402
+import result_files  # noqa: E402
 from bench_samplers import ROOT, hash_of  # noqa: E402
 
 # Cells that are baked, spread evenly; 0: all.
@@ -49,7 +50,7 @@ OPTIONS = ["--max-pixel-error", "1e-4", "--source", "cpu"]
 SIDE = {"settings", "certificate", "draws", "cells"}
 ROWS = {"rows", "row directory", "codes"}
 WRITERS = ["format/include", "format/src", "bake/src/order", *("bake/src/" + name for name in (
-    "pvs_output.cpp", "merge.cpp", "file_order.cpp", "find_lattice.cpp", "stored_draws.cpp"))]
+    "file/pvs_output.cpp", "shards/merge.cpp"))]
 PROFILES = ("balanced", "small")
 PEERS = {"roaring": "CRoaring", "roaring_zstd": "CRoaring + zstd", "varint": "varint runs",
          "varint_zstd_dictionary": "varint + zstd + dictionary", "varint_zstd_whole": "varint, whole-file zstd",
@@ -69,9 +70,9 @@ def digest(*words):
 
 
 def bake_version():
-    with open(os.path.join(ROOT, "bake", "src", "workshop.cpp"), encoding="utf-8") as stream:
+    with open(os.path.join(ROOT, "bake", "src", "job", "workshop.cpp"), encoding="utf-8") as stream:
         found = re.search(r"bake_version = (\d+);", stream.read())
-    return found[1] if found else fail("bake/src/workshop.cpp says no bake_version")
+    return found[1] if found else fail("bake/src/job/workshop.cpp says no bake_version")
 
 
 def writer_code():
@@ -335,6 +336,64 @@ def vertex_table(results):
                for r in found for v in [r["vertex_cache"]]])
 
 
+def bytes_row(r):
+    facts, sizes = r["facts"], peer_bytes(r, False)
+    row = {"scene": r["name"], "cells": facts["cells"], "bits_per_visible_polygon": r["info"]["bits_per_visible_polygon"],
+           "runs_per_cell": r["info"]["runs_per_cell"], "ranges_per_cell": facts["ranges_per_cell"],
+           "difference_rows_percent": r["info"]["delta_row_percent"], "row_bytes": r["row_bytes"], "file_bytes": facts["file_bytes"]}
+    for name, peer in (("roaring_zstd", "roaring_zstd"), ("dictionary", "varint_zstd_dictionary"), ("whole_file", "whole")):
+        row[name + "_over_rows"] = sizes[peer] / r["row_bytes"]
+        row[name + "_over_file"] = sizes[peer] / facts["file_bytes"]
+    return row
+
+
+def parts_row(r):
+    source, stored = r["parts"]["source_order"], r["parts"]["stored_order"]
+    ours = stored["differences"]
+    return {"scene": r["name"], "source_order_no_differences": source["own"] / ours, "source_order": source["differences"] / ours,
+            "no_differences": stored["own"] / ours, "slack_5_percent": stored["slack"] / ours,
+            "source_order_slack_5_percent": source["slack"] / ours}
+
+
+def profile_row(r, profile):
+    exact, other = r["info"], r["profiles"][profile]
+    return {"scene": r["name"], "profile": profile, "rows": row_bytes(other) / row_bytes(exact), "file": other["bytes"] / exact["bytes"],
+            "ranges": other["ranges_per_cell"] / exact["ranges_per_cell"], "false_visible_percent": other["false_visible_percent"]}
+
+
+def decoding_row(r):
+    warm, cold = r["times"]["shuffled"], r["times"]["cold"]["calls"]
+
+    def us(call):
+        return warm[call]["ns_per_cell"] / 1000.0
+
+    own, depth_1, depth_2 = warm["to_ranges"]["ns_per_run_of_depth"]
+    return {"scene": r["name"], "to_ranges_us": us("to_ranges"), "own_rows_ns_per_range": own, "depth_1_ns_per_range": depth_1,
+            "depth_2_ns_per_range": depth_2, "move_cold_us": cold["move"]["ns_per_cell"] / 1000.0,
+            "to_index_list_us": us("to_indices"), "memcpy_us": us("memcpy_of_indices"), "ids_after_us": us("polygons"),
+            "roaring_us": us("roaring"), "roaring_zstd_us": us("roaring_zstd"),
+            "runs_zstd_dictionary_us": us("varint_zstd_dictionary")}
+
+
+def write_results(folder, results):
+    frozen = "on frozen cell sets of the default sampler at 1e-4."
+    result_files.write(folder, "format_bytes", f"Bytes of exact files beside other codecs, {frozen}", [bytes_row(r) for r in results])
+    result_files.write(folder, "format_parts", f"Bytes of rows without parts of the format, over those with stored order and differences, "
+                       f"{frozen}", [parts_row(r) for r in results])
+    profiles = [profile_row(r, p) for r in results for p in PROFILES if r["profiles"][p]]
+    if profiles:
+        result_files.write(folder, "format_profiles", f"Files of the profiles balanced and small, over exact ones, {frozen}", profiles)
+    result_files.write(folder, "decoding", "Decoding of exact files, microseconds per cell: means over cells of medians, cells in shuffled "
+                       "order.", [decoding_row(r) for r in results])
+    found = [(r["name"], r["vertex_cache"]) for r in results if r["vertex_cache"]]
+    if found:
+        keys = {"stored_order": "acmr_stored", "source_order": "acmr_source", "meshoptimizer": "acmr_optimized",
+                "stored_over_meshoptimizer": "stored_by_optimized", "worst_cell": "worst_cell_stored_by_optimized"}
+        result_files.write(folder, "vertex_cache", f"Vertices transformed per polygon of a cell's list, draw by draw, cache of "
+                           f"{found[0][1]['cache']} vertices, first in first out.",
+                           [{"scene": name, **{key: v[own] for key, own in keys.items()}} for name, v in found])
+
+
 def ready_file(text):
     name, _, path = text.partition("=")
     if not path:
@@ -350,6 +409,7 @@ def main():
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--quick", action="store_true")
+    result_files.add_option(parser)
     parser.add_argument("--json")
     options = parser.parse_args()
     options.file = dict(options.file)
@@ -370,6 +430,7 @@ def main():
     times_tables(results)
     depths_table(results)
     vertex_table(results)
+    write_results(options.results, results)
     if options.json:
         with open(options.json, "w", encoding="utf-8") as stream:
             json.dump(results, stream, indent=1)

@@ -2,7 +2,7 @@
 """Frames of whole scenes along a recorded path: full draw, frustum by cluster, cell sets, and cell sets in the frustum.
 
 usage: bench_frames.py --bin FOLDER [--scene NAME ...] [--frames N] [--cluster N] [--set-cluster N] [--again]
-                       [--json OUT.json]
+                       [--results DIR] [--json OUT.json]
 
 --bin: the folder with sightcell, sightcell-city and bench_frames. Scenes: intel_castle and candela_city under
 SIGHTCELL_DATA (said so where they are missing) and the city's preset vienna800k (seed 2); small-town when it is named.
@@ -35,6 +35,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "samplers"))
 import bench_format  # noqa: E402
 import plan  # noqa: E402
+import result_files  # noqa: E402
 from bench_format import OPTIONS, bake_version, digest, fail, table, writer_code  # noqa: E402
 from bench_samplers import hash_of  # noqa: E402
 
@@ -140,29 +141,36 @@ def percentile(values, share):
 
 def row_of(result, way):
     frames, pixels = [f[way] for f in result["frames"]], result["pixels"]
-    submit = [f["cull_ms"] + f["issue_ms"] for f in frames]
     changes = [f["cull_ms"] for f in frames if f["changed"]]
+    row = {"scene": result["name"], "method": way}
+    row.update((key, statistics.fmean(f[key] for f in frames)) for key in ("polygons", "draws", "calls"))
+    for name, values in (("cull", [f["cull_ms"] for f in frames]), ("submit", [f["cull_ms"] + f["issue_ms"] for f in frames]),
+                         ("frame", [f["frame_ms"] for f in frames])):
+        row.update({name + "_ms_median": statistics.median(values), name + "_ms_99": percentile(values, 0.99)})
+    compared = way != "full"
+    row.update({"cull_ms_at_change": statistics.median(changes) if changes else None,
+                "pixel_error_mean": statistics.fmean(f["differing"] for f in frames) / pixels if compared else None,
+                "pixel_error_max": max(f["differing"] for f in frames) / pixels if compared else None,
+                "in_place": statistics.fmean(f["in_place"] for f in frames) / pixels if compared else None})
+    return row
 
-    def both(values):
-        return f"{statistics.median(values):.3f} / {percentile(values, 0.99):.3f}"
 
-    def share(key, of):
-        return f"{of(f[key] for f in frames) / pixels:.1e}" if way != "full" else ""
+def frames_table(result, rows):
+    def both(row, name):
+        return f"{row[name + '_ms_median']:.3f} / {row[name + '_ms_99']:.3f}"
 
-    return [way, f"{statistics.fmean(f['polygons'] for f in frames):,.0f}",
-            f"{statistics.fmean(f['draws'] for f in frames):,.0f}", f"{statistics.fmean(f['calls'] for f in frames):,.0f}",
-            both([f["cull_ms"] for f in frames]), f"{statistics.median(changes):.3f}" if changes else "", both(submit),
-            both([f["frame_ms"] for f in frames]), share("differing", statistics.fmean), share("differing", max),
-            share("in_place", statistics.fmean)]
+    def written(row):
+        change, shares = row["cull_ms_at_change"], [row[key] for key in ("pixel_error_mean", "pixel_error_max", "in_place")]
+        return [row["method"], *(f"{row[key]:,.0f}" for key in ("polygons", "draws", "calls")), both(row, "cull"),
+                "" if change is None else f"{change:.3f}", both(row, "submit"), both(row, "frame"),
+                *("" if share is None else f"{share:.1e}" for share in shares)]
 
-
-def frames_table(result):
     frames = result["frames"]
     table(f"{result['name']}: {result['polygons']:,} polygons in {result['groups']} draw groups, {len(frames)} frames through "
           f"{result['cells']} cells, {sum(f['outside'] for f in frames)} of them outside; {result['device']}; bake "
           f"{result['bake_cpu_seconds']:.0f} CPU s, frames {result['cpu_seconds']:.0f}",
           ["", "polygons", "draws", "calls", "cull ms: median / 99 %", "at a change", "submit ms", "frame ms", "pixel error: mean",
-           "max", "in place"], [row_of(result, way) for way in WAYS])
+           "max", "in place"], [written(row) for row in rows])
 
 
 def main():
@@ -173,6 +181,7 @@ def main():
     parser.add_argument("--cluster", type=int, default=256)
     parser.add_argument("--set-cluster", type=int, default=256)
     parser.add_argument("--again", action="store_true")
+    result_files.add_option(parser)
     parser.add_argument("--json")
     options = parser.parse_args()
     bench = Bench(options)
@@ -182,8 +191,12 @@ def main():
         fail("stopped; the next run goes on from here")
     if not results:
         fail("no scene is there")
+    rows = []
     for result in results:
-        frames_table(result)
+        rows += (own := [row_of(result, way) for way in WAYS])
+        frames_table(result, own)
+    result_files.write(options.results, "frames", f"Frames along a recorded path of {options.frames} frames.", rows,
+                       [f"device: {results[0]['device']}"])
     if options.json:
         with open(options.json, "w", encoding="utf-8") as stream:
             json.dump(results, stream, indent=1)

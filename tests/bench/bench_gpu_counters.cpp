@@ -8,7 +8,7 @@
 
 #include "bench/gpu_counters/counters.h"
 #include "bench/gpu_counters/pace.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // bench_hemicube: what a hemicube costs: CPU time of one core per sample, by scene, height and source, against the
-// floor of writing the pixels and reading the seen polygons; memory by source; the targets and whether they are
-// reached. It judges nothing: it prints.
+// floor of writing the pixels and reading the seen polygons; memory by source.
+// It judges nothing: it prints.
 //
 // The program plans, prints and keeps results; what is measured runs in workers: itself with --worker JOB.json.
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 #include "bench/hemicube/report.h"
 #include "bench/hemicube/scenes.h"
 #include "bench/hemicube/world.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace {
 
@@ -221,10 +221,14 @@ class bench {
 
 void declare(CLI::App& app, options& how) {
   const std::vector<std::string> known(std::begin(all_heights), std::end(all_heights));
+  std::vector<std::string> known_sources = kernel_names();
+  known_sources.insert(known_sources.end(), source_names().begin(), source_names().end());
   app.add_option("--scenes,--scene", how.scenes, "names or files");
   app.add_option("--heights", how.heights, "street, or metres above the street: 20, 70, 200")
       ->check(CLI::IsMember(known));
-  app.add_option("--sources", how.sources, "cpu, gpu, rays")->check(CLI::IsMember(source_names()));
+  app.add_option("--sources", how.sources,
+                 "cpu, gpu, rays; cpu-avx2 and so on: the rasterizer with that instruction set")
+      ->check(CLI::IsMember(known_sources));
   app.add_option("--poses", how.poses, "per scene and height")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_option("--rounds", how.rounds, "over all poses, beside the warm-up")
       ->check(CLI::Range(1, 1000))
@@ -271,17 +275,15 @@ int run(options& how) {
   if (all.all().results.empty())
     throw sightcell::error(sightcell::error_kind::failed, "bench.nothing", "scenes", "none was there",
                            "set SIGHTCELL_DATA or name a file with --scene");
-  const json facts = all.facts(), found = targets(all.all());
+  const json facts = all.facts();
   fmt::print("{}; {}; {} pixels along a face, {} poses, {} rounds\n\n", facts.at("code").get<std::string>(),
              facts.at("processor").get<std::string>(), how.resolution, how.poses, how.rounds);
   print_tables(all.all());
-  print_targets(found);
   if (!how.json_file.empty())
     write_json(how.json_file, {{"facts", facts},
                                {"results", all.all().results},
                                {"memory", all.all().memory},
-                               {"threads", all.all().threads},
-                               {"targets", found}});
+                               {"threads", all.all().threads}});
   return 0;
 }
 

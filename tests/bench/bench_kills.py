@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Kills a bake again and again, fills its disk and damages its checkpoint: what is lost, and is any file wrong?
 
-usage: bench_kills.py --bin FOLDER [--kills N] [--damaged N] [--seed N] [--quick] [--json-file OUT.json] [-- OPTION ...]
+usage: bench_kills.py --bin FOLDER [--kills N] [--damaged N] [--seed N] [--quick] [--results DIR] [--json-file OUT.json]
+                      [-- OPTION ...]
 
 --bin: the folder with sightcell and sightcell-city. After -- options of the bake that is killed. --quick: smaller bakes
 and fewer of everything. The seed decides moments and damages; where a kill by the clock lands is up to the machine.
@@ -31,6 +32,7 @@ import tempfile
 import time
 
 sys.dont_write_bytecode = True  # nothing is written into the sources
+import result_files  # noqa: E402
 from kills.victim import SmallDisk, Victim, own_mounts  # noqa: E402
 
 PAGE = 4096
@@ -363,6 +365,7 @@ def main():
     parser.add_argument("--damaged", type=int)
     parser.add_argument("--seed", type=int)
     parser.add_argument("--quick", action="store_true")
+    result_files.add_option(parser)
     parser.add_argument("--json-file")
     parser.add_argument("options", nargs="*", metavar="-- OPTION")
     options = parser.parse_args()
@@ -400,6 +403,8 @@ def main():
         shutil.rmtree(folder, ignore_errors=True)
 
     rows = {name: {sort: tally.row() for sort, tally in bench.tallies.items()} for name, bench in benches.items()}
+    result_files.write(options.results, "kills", "Bakes that are killed, run out of disk or find a damaged checkpoint: lost cells and "
+                       "wrong files.", [{"event": f"{name}: {sort}", **tally.row()} for name, bench in benches.items() for sort, tally in sorted(bench.tallies.items())])
     if options.json_file:
         with open(options.json_file, "w", encoding="utf-8") as out:
             json.dump({"seed": seed, "seconds": benches["kills"].seconds, **rows}, out, indent=2)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs sightcell info, and a tiny bake, on every broken scene of $SIGHTCELL_DATA/malformed and prints a table.
 
-usage: bench_malformed.py --bin FOLDER [--data FOLDER] [--info-only] [--program PROGRAM] [--table OUT.md]
+usage: bench_malformed.py --bin FOLDER [--data FOLDER] [--info-only] [--program PROGRAM] [--results DIR]
 
 --bin: the folder with the program sightcell, of any build; --program: the program itself. --info-only: no bakes.
 Fails (exit code 1) when a run is ended by a signal, takes more than 1 GiB or 60 s, ends with a code that is not for such
@@ -14,6 +14,9 @@ import subprocess
 import sys
 import tempfile
 import threading
+
+sys.dont_write_bytecode = True  # nothing is written into the sources
+import result_files  # noqa: E402
 
 MEMORY_BOUND = 1 << 30  # bytes
 HANG_BOUND = 60         # seconds
@@ -109,7 +112,7 @@ def main():
     parser.add_argument("--data", default=os.environ.get("SIGHTCELL_DATA", ""))
     parser.add_argument("--default-data", default="")
     parser.add_argument("--info-only", action="store_true")
-    parser.add_argument("--table")
+    result_files.add_option(parser)
     options = parser.parse_args()
     program = options.program or os.path.join(options.bin or ".", "sightcell")
     folder = os.path.join(options.data or options.default_data, "malformed")
@@ -133,15 +136,15 @@ def main():
             else:
                 kind, message = message_of(info, runs[1] if len(runs) > 1 else None)
             counts[kind] = counts.get(kind, 0) + 1
-            message = message.replace("|", "\\|")
-            rows.append(f"| {name} | {kind} | {message} | {sum(run.cpu for run in runs):.2f} "
-                        f"| {max(run.memory for run in runs) / (1 << 20):.0f} |")
-    table = ["| file | outcome | message | CPU s | peak MiB |", "|---|---|---|---|---|"] + rows
-    print("\n".join(table))
+            rows.append({"file": name, "outcome": kind, "message": message, "cpu_seconds": sum(run.cpu for run in runs),
+                         "peak_mib": max(run.memory for run in runs) / (1 << 20)})
+    print("| file | outcome | message | CPU s | peak MiB |\n|---|---|---|---|---|")
+    for row in rows:
+        message = row["message"].replace("|", "\\|")
+        print(f"| {row['file']} | {row['outcome']} | {message} | {row['cpu_seconds']:.2f} | {row['peak_mib']:.0f} |")
     print(f"\n{len(files)} files: " + ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items())))
-    if options.table:
-        with open(options.table, "w", encoding="utf-8") as out:
-            out.write("\n".join(table) + "\n")
+    result_files.write(options.results, "malformed", "Every broken scene through sightcell info" +
+                       ("." if options.info_only else " and sightcell bake --cell-limit 2 --max-pixel-error 1e-2."), rows)
     for failure in failures:
         print(f"FAILED {failure}", file=sys.stderr)
     return 1 if failures else 0

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""bench_runtime on small cells and on a golden file: every figure that RESULTS.md shows is there. No timings are judged.
+"""bench_runtime on small cells and on a golden file: every figure of tests/bench/results is there. No timings are judged.
 
 usage: bench_runtime_test.py BENCH_RUNTIME FILE.pvs
 """

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Every sampler on the city's presets and on real scenes: the thesis's tables 5.1 to 5.3 and figures 5.4 to 5.13.
 
-usage: bench_samplers.py --bin FOLDER [--scene NAME ...] [--quick] [--threads N] [--out FOLDER] [--csv OUT.csv]
+usage: bench_samplers.py --bin FOLDER [--scene NAME ...] [--quick] [--threads N] [--out FOLDER] [--results DIR]
                          [--no-pictures]
 
 --bin: the folder with sightcell-city and bench_samplers. Prints Markdown tables; writes the figures into one HTML page,
@@ -22,6 +22,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "samplers"))
 import plan  # noqa: E402
 import report  # noqa: E402
+import result_files  # noqa: E402
 import tables  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -131,7 +132,7 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--out", default=os.path.join("build", "samplers"))
-    parser.add_argument("--csv")
+    result_files.add_option(parser)
     parser.add_argument("--no-pictures", action="store_true")
     options = parser.parse_args()
     plan.check_code(ROOT)
@@ -143,8 +144,10 @@ def main():
     print(tables.markdown(results))
     print("### Pixel error of rivals (the better of published and best) over that of importance-depth\n")
     print(tables.rival_ratios(results))
-    if options.csv:
-        tables.write_csv(options.csv, results)
+    result_files.write(options.results, "samplers", "Samplers against each other: every cell of every setting; means are in "
+                       "samplers_pooled.csv.", tables.cell_rows(results))
+    result_files.write(options.results, "samplers_pooled", "Samplers against each other: means over the cells of each scene, with the "
+                       "published rows of the thesis.", tables.pooled_rows(results))
     report.write(bench, results, options.out, pictures=not options.no_pictures)
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     print(f"{(used.ru_utime + used.ru_stime) / 60:.1f} CPU minutes in this run, of which truth "

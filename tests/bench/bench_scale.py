@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """How a bake grows: with cells, with polygons, and what a farm would take.
 
-usage: bench_scale.py --bin FOLDER [--part cells city polygons stages sets farm ...] [--quick] [--json-file OUT.json]
+usage: bench_scale.py --bin FOLDER [--part cells city polygons stages sets farm ...] [--quick] [--results DIR]
+                      [--json-file OUT.json]
 
 --bin: the folder with sightcell, sightcell-city, bench_stages and bench_sets. Everything is baked with --source cpu.
 
@@ -30,9 +31,14 @@ import tempfile
 import threading
 import time
 
+import result_files
+
 CHEAP = ["--samples", "6", "--resolution", "64", "--max-pixel-error", "1e-2"]
 POLYGONS = {"town5k": 5_000, "town100k": 100_000, "vienna800k": 865_979, "vienna8m": 7_928_519}
 QUICK = {"vienna8m": "town100k", "vienna800k": "town5k"}  # what stands for what with --quick
+# Parts with rows that are written as CSV files; stages and sets have steps inside their rows.
+WHAT = {"cells": "How CPU time and memory grow with cells, 5,000 polygons.", "city": "The same with 7,928,519 polygons.",
+        "polygons": "One block of cells by polygons of the scene.", "farm": "What a farm would take, computed from the others."}
 PARTS = ["cells", "city", "polygons", "stages", "sets", "farm"]
 
 
@@ -312,10 +318,14 @@ def main():
     parser.add_argument("--bin", required=True)
     parser.add_argument("--part", nargs="+", choices=PARTS, default=PARTS)
     parser.add_argument("--quick", action="store_true")
+    result_files.add_option(parser)
     parser.add_argument("--json-file")
     options = parser.parse_args()
     bench = Bench(options)
     found = {part: globals()["part_" + part](bench) for part in PARTS if part in options.part}
+    for part, rows in found.items():
+        if part in WHAT:
+            result_files.write(options.results, "growth_" + part, WHAT[part], rows)
     if options.json_file:
         with open(options.json_file, "w", encoding="utf-8") as stream:
             json.dump(found, stream, indent=1)

@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-#include "cell_record.h"
+#include "cell_set/cell_record.h"
 #include "cells/lattice.h"
 #include "cells/view_cell.h"
-#include "checkpoint.h"
-#include "process_time.h"
-#include "pvs_output.h"
-#include "random.h"
-#include "sightcell/scene/error.h"
+#include "checkpoint/checkpoint.h"
+#include "file/pvs_output.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/process_time.h"
+#include "sightcell/base/random.h"
 #include "sightcell/scene/scene.h"
 
 namespace {

@@ -16,14 +16,14 @@
 #include <string>
 #include <vector>
 
-#include "cell_set.h"
-#include "finish/near_polygons.h"
-#include "process_time.h"
-#include "rays/ray_scene.h"
-#include "seeing/duplicates.h"
-#include "sightcell/scene/error.h"
+#include "cell_set/cell_set.h"
+#include "hemicube/cpu/cpu_source.h"
+#include "search/near_polygons.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/process_time.h"
 #include "sightcell/scene/scene.h"
-#include "source/cpu_source.h"
+#include "trace/duplicates.h"
+#include "trace/ray_scene.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The default sampler at the errors that are asked of it, and beside all others at equal time.
 
-usage: bench_targets.py --bin FOLDER [--scene NAME ...] [--cells N] [--threads N] [--json OUT.json]
+usage: bench_targets.py --bin FOLDER [--scene NAME ...] [--cells N] [--threads N] [--results DIR] [--json OUT.json]
 
 --bin: the folder with sightcell-city and bench_samplers. Eleven scenes: the city's presets (made with seed 2) and eight
 real ones under SIGHTCELL_DATA (said so where they are missing), N cells of each, 8 unless told, spread evenly over all:
@@ -21,6 +21,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "samplers"))
 import bench_samplers  # noqa: E402
 import plan  # noqa: E402
+import result_files  # noqa: E402
 
 REAL = {**plan.REAL, "denhaag_01": "city/denhaag_01.glb", "colosseum": "building/ancient_colosseum_labyrinth.glb",
         "temple": "foliage/temple.glb", "oacmpctf3": "levels/oacmpctf3.glb"}
@@ -55,37 +56,45 @@ def row(*columns):
     return "| " + " | ".join(columns) + " |"
 
 
-def target_table(results):
+def target_rows(results):
+    """A row for each scene and target, then one for all scenes together."""
+    rows, pooled = [], {t: [] for t in TARGETS}
+    for result in results:
+        for job in result["jobs"]:
+            if "target" in job:
+                pooled[job["target"]] += job["cells"]
+                rows.append(target_row(result["name"], job["target"], job["cells"]))
+    return rows + [target_row("all", target, cells) for target, cells in pooled.items()]
+
+
+def target_row(name, target, cells):
+    seconds = [c["cpu_seconds"] for c in cells]
+    each = [1e6 * c["cpu_seconds"] / max(c["set"], 1) for c in cells]
+    return {"scene": name, "target": target, "cells": len(cells),
+            "met_by_truth": sum(c["pixel_error"] <= target for c in cells),
+            "bound_met": sum(c["upper_bound"] <= target for c in cells),
+            "hemicubes": round(statistics.fmean(c["samples"] for c in cells)),
+            "million_rays": statistics.fmean(c["rays"] for c in cells) / 1e6,
+            "cpu_seconds_mean": statistics.fmean(seconds), "cpu_seconds_median": statistics.median(seconds),
+            "cpu_seconds_worst": max(seconds), "pixel_error_mean": statistics.fmean(c["pixel_error"] for c in cells),
+            "polygons_in_set": round(statistics.fmean(c["set"] for c in cells)),
+            "us_per_polygon_median": statistics.median(each), "us_per_polygon_worst": max(each)}
+
+
+def print_targets(rows):
     print(row("scene", "target", "met by truth", "bound met", "samples", "rays, M", "CPU s: mean, median, worst",
               "E: mean", "seen", "us per polygon: median, worst"))
     print("|---|---|---|---|---|---|---|---|---|---|")
-    pooled = {t: [] for t in TARGETS}
-    for result in results:
-        for job in result["jobs"]:
-            if "target" not in job:
-                continue
-            target, cells = job["target"], job["cells"]
-            pooled[target] += cells
-            print(row(result["name"], f"{target:g}", *target_columns(target, cells)))
-    for target, cells in pooled.items():
-        print(row("**all**", f"{target:g}", *target_columns(target, cells)))
-
-
-def target_columns(target, cells):
-    seconds = [c["cpu_seconds"] for c in cells]
-    each = [1e6 * c["cpu_seconds"] / max(c["set"], 1) for c in cells]
-    return (f"{sum(c['pixel_error'] <= target for c in cells)} of {len(cells)}",
-            f"{sum(c['upper_bound'] <= target for c in cells)}",
-            f"{statistics.fmean(c['samples'] for c in cells):.0f}",
-            f"{statistics.fmean(c['rays'] for c in cells) / 1e6:.2f}",
-            f"{statistics.fmean(seconds):.2f}, {statistics.median(seconds):.2f}, {max(seconds):.1f}",
-            f"{statistics.fmean(c['pixel_error'] for c in cells):.1e}",
-            f"{statistics.fmean(c['set'] for c in cells):,.0f}",
-            f"{statistics.median(each):.0f}, {max(each):,.0f}")
+    for r in rows:
+        print(row(r["scene"], f"{r['target']:g}", f"{r['met_by_truth']} of {r['cells']}", f"{r['bound_met']}",
+                  f"{r['hemicubes']}", f"{r['million_rays']:.2f}",
+                  f"{r['cpu_seconds_mean']:.2f}, {r['cpu_seconds_median']:.2f}, {r['cpu_seconds_worst']:.1f}",
+                  f"{r['pixel_error_mean']:.1e}", f"{r['polygons_in_set']:,}",
+                  f"{r['us_per_polygon_median']:.0f}, {r['us_per_polygon_worst']:,.0f}"))
 
 
 def time_table(results, seconds):
-    """Geometric means over the cells of a scene, and of all, of E; below how often E is that of guided."""
+    """Geometric means over the cells of a scene, and of all, of E; below how often E is that of guided. Gives rows."""
     groups = {}
     for result in results:
         for job in result["jobs"]:
@@ -97,17 +106,24 @@ def time_table(results, seconds):
     print(row("", *names, "all cells", "over guided", "CPU s"))
     print("|---" * (len(names) + 4) + "|")
     own = [e for n in names for e in errors(groups[ours][n])]
+    rows = []
     best = [math.inf] * len(own)
     for label, of in groups.items():
         every = [e for n in names for e in errors(of[n])]
         if label != ours:
             best = [min(a, b) for a, b in zip(best, every)]
         spent = [c["cpu_seconds"] for n in names for c in of[n]["cells"]]
-        print(row(label, *(f"{geometric(errors(of[n])):.1e}" for n in names), f"{geometric(every):.1e}",
-                  f"{geometric(every) / geometric(own):.2f}", f"{statistics.fmean(spent):.2f}"))
+        means, total = [geometric(errors(of[n])) for n in names], geometric(every)
+        print(row(label, *(f"{mean:.1e}" for mean in means), f"{total:.1e}", f"{total / geometric(own):.2f}",
+                  f"{statistics.fmean(spent):.2f}"))
+        rows += [{"seconds": seconds, "setting": label, "scene": name, "pixel_error": mean, "over_guided": None,
+                  "cpu_seconds": None} for name, mean in zip(names, means)]
+        rows.append({"seconds": seconds, "setting": label, "scene": "all", "pixel_error": total,
+                     "over_guided": total / geometric(own), "cpu_seconds": statistics.fmean(spent)})
     ratios = sorted(b / o for b, o in zip(best, own))
     print(f"\nBest rival of each cell over guided: median {statistics.median(ratios):.2f}, least {ratios[0]:.2f}, "
           f"greatest {ratios[-1]:.2f}; below 1 in {sum(r < 1.0 for r in ratios)} of {len(ratios)} cells.")
+    return rows
 
 
 def main():
@@ -117,6 +133,7 @@ def main():
     parser.add_argument("--scene", nargs="+", choices=names + [plan.TOWN], metavar="NAME", default=names)
     parser.add_argument("--cells", type=int, default=8)
     parser.add_argument("--threads", type=int, default=1)
+    result_files.add_option(parser)
     parser.add_argument("--json")
     options = parser.parse_args()
     plan.check_code(bench_samplers.ROOT)
@@ -124,9 +141,13 @@ def main():
     results = [r for r in (bench.measure(name, jobs()) for name in options.scene) if r]
     if not results:
         sys.exit("bench_targets: no scene is there")
-    target_table(results)
-    for seconds in SECONDS:
-        time_table(results, seconds)
+    targets = target_rows(results)
+    print_targets(targets)
+    result_files.write(options.results, "targets", f"The default sampler at bounds that are asked for: {options.cells} cells of each "
+                       "scene, truth of 8,000,000 rays per cell.", targets)
+    times = [one for seconds in SECONDS for one in time_table(results, seconds)]
+    result_files.write(options.results, "equal_time", "Samplers at equal time of one core: geometric mean of the pixel error over "
+                       "the cells of a scene.", times, ["Errors below 1e-8 count as 1e-8."])
     if options.json:
         with open(options.json, "w", encoding="utf-8") as stream:
             json.dump(results, stream, indent=1)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Bakes scenes with one thread and with two in turn: what the second thread costs, and how much of a bake is parallel.
 
-usage: bench_threads.py --bin FOLDER [--source NAME] [--rounds N] [--cell-limit N] [--quick] [--json-file OUT.json]
+usage: bench_threads.py --bin FOLDER [--source NAME] [--rounds N] [--cell-limit N] [--quick] [--results DIR] [--json-file OUT.json]
                         [SCENE.glb[=CELLS.json] ...] [-- OPTION ...]
 
 --bin: the folder with sightcell and sightcell-city. Without a scene: the city's preset vienna800k with its twenty cells,
@@ -27,6 +27,10 @@ import sys
 import tempfile
 import threading
 import time
+
+sys.dont_write_bytecode = True  # nothing is written into the sources
+import result_files  # noqa: E402
+
 
 def fail(text):
     sys.exit(f"bench_threads: {text}")
@@ -149,6 +153,14 @@ def town(options):
     return scene, None if options.quick else cells
 
 
+def published(row, options):
+    return {"scene": os.path.splitext(row["scene"])[0], "cells": options.cell_limit or "all", "options": " ".join(options.more),
+            "cpu_seconds_1": row["cpu_1"], "cpu_seconds_2": row["cpu_2"], "ratio": row["ratio"],
+            "parallel_percent": row["parallel"] and 100.0 * row["parallel"],
+            "parallel_percent_of_cells": row["cells"] and 100.0 * row["cells"],
+            "peak_mib_1": row["memory_1"] / 2**20, "peak_mib_2": row["memory_2"] / 2**20}
+
+
 def percent(value):
     return "-" if value is None else f"{100.0 * value:.1f} %"
 
@@ -160,6 +172,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--cell-limit", type=int, default=0)
     parser.add_argument("--quick", action="store_true")
+    result_files.add_option(parser)
     parser.add_argument("--json-file")
     parser.add_argument("scenes", nargs="*")
     own, more = sys.argv[1:], []
@@ -180,6 +193,8 @@ def main():
         print(f"| {r['scene']} | {r['cpu_1']:.1f} | {r['cpu_2']:.1f} | {r['ratio']:.2f} | {r['speedup']:.2f} |"
               f" {r['busy']:.2f} | {percent(r['parallel'])} | {percent(r['cells'])} |"
               f" {r['memory_1'] / 2**20:.0f} MiB | {r['memory_2'] / 2**20:.0f} MiB |")
+    result_files.write(options.results, "threads", "A bake with one thread and with two, in turns; the bytes of the files are equal.",
+                       [published(r, options) for r in rows], [f"--source {options.source}, medians of {options.rounds} pairs."])
     if options.json_file:
         with open(options.json_file, "w", encoding="utf-8") as stream:
             json.dump(rows, stream, indent=1)

@@ -127,7 +127,7 @@ class Stopped(InFolder):
 
     def command(self, output, *more):
         return ['bake', self.city, '-o', output, '--cell-limit', '8', '--samples', str(self.SAMPLES), '--resolution',
-                str(self.RESOLUTION), '--threads', '1', '--progress', 'json', *more]
+                str(self.RESOLUTION), '--quality', 'draft', '--threads', '1', '--progress', 'json', *more]
 
     def start(self, output, *more, before=None):
         """A running bake with at least one cell finished by this very run; before: called in its process first."""

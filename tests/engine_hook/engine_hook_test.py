@@ -37,7 +37,7 @@ class InFolder(sample_program.InFolder):
         out = cls.path(name)
         if not os.path.exists(out):
             cls.must(PROGRAMS.sightcell, 'bake', scene, '-o', out, '--cells-file', cells, '--cell-limit', 4,
-                     '--progress', 'none', *more)
+                     '--quality', 'draft', '--progress', 'none', *more)
         return out
 
     def packed(self, scene, cells, name):

@@ -7,8 +7,10 @@ import base64
 import dataclasses
 import json
 import os
+import shutil
 import sqlite3
 import struct
+import subprocess
 
 UNIT_TESTS = {
     'bake.disk-space': 'tests/unit/bake/disk_space_test.cpp',
@@ -52,7 +54,10 @@ class Call:
     environment: dict = dataclasses.field(default_factory=dict)
     memory: int = 0  # limit of the address space, bytes; 0: none
     stdout: str = ''  # a file that standard output goes to
+    program: str = ''  # another copy of the program
     keep: object = None  # lives until the program has ended
+    runner: tuple = ()  # a command that starts the program
+    skip: str = ''  # why this case cannot be provoked here
 
 
 # --- inputs
@@ -105,6 +110,13 @@ def cells(folder, content=None, name='cells.json', low=(-0.5, -0.5, -0.5), high=
 
 
 # --- calls
+
+def view_without_viewer(folder, program):
+    """A copy of the program in a folder without a viewer, and no other folder to search."""
+    return Call(['view', 'x.glb'], 'sightcell-viewer', environment={'PATH': folder},
+                program=shutil.copy(program, os.path.join(folder, 'sightcell')))
+
+
 
 def info(make):
     """`info` of what make(folder) writes."""
@@ -322,6 +334,20 @@ def in_folder(*arguments, named):
     return lambda folder: Call([*arguments], named)
 
 
+# The superuser reads every file, unless these capabilities are taken away.
+NO_OVERRIDE = ('setpriv', '--bounding-set=-dac_override,-dac_read_search', '--inh-caps=-dac_override,-dac_read_search')
+
+
+def unreadable(folder):
+    path = write(folder, 'unreadable.glb', 'glTF')
+    os.chmod(path, 0)
+    if os.geteuid() != 0:
+        return Call(['info', path], path)
+    may = subprocess.run([*NO_OVERRIDE, 'true'], stderr=subprocess.PIPE, text=True)
+    skip = '' if may.returncode == 0 else f'as the superuser it needs setpriv: {may.stderr.strip()}'
+    return Call(['info', path], path, runner=NO_OVERRIDE, skip=skip)
+
+
 CASES = [
     ('bake.memory', 1, lambda f: Call(bake(f, '--memory', '1M'), 'room.gltf')),
     ('bake.no-free-cell', 1, lambda f: Call(bake(f, cells_file=cells(f, low=(90, 90, 90), high=(91, 91, 91)),
@@ -353,7 +379,7 @@ CASES = [
     ('cli.not-writable', 1, lambda f: Call(['info', room(f)], 'standard output', stdout='/dev/full')),
     ('cli.output-is-input', 2, lambda f: Call(['bake', room(f), '-o', os.path.join(f, 'room.gltf')], 'room.gltf')),
     ('cli.unreadable', 4, info(lambda f: os.path.join(f, 'missing.pvs'))),
-    ('cli.wrong-use', 2, in_folder('fly', named='subcommand')),
+    ('cli.wrong-use', 2, in_folder('fly', named='fly')),
     ('cli.wrong-use', 2, in_folder('bake', 'x.glb', '-o', 'x.pvs', '--samples', 'many', named='--samples')),
     ('diff.other-scene', 4, diff_of_two_scenes),
     ('gl.no-context', 1, lambda f: Call(bake(f, '--source', 'gpu'), 'OpenGL', environment={
@@ -406,8 +432,7 @@ CASES = [
     ('scene.not-gltf', 4, info(lambda f: write(f, 'text.glb', 'hello'))),
     ('scene.out-of-memory', 1, out_of_memory),
     ('scene.outside-folder', 4, info_of(outside)),
-    # Files of sysfs say that they have 4096 bytes and give fewer.
-    ('scene.read', 4, in_folder('info', '/sys/devices/system/cpu/online', named='/sys/devices/system/cpu/online')),
+    ('scene.read', 4, unreadable),
     ('scene.too-large', 4, info_of(huge)),
     ('scene.truncated', 4, info(lambda f: write(f, 'short.glb', glb((b'JSON', b'{}  '), length=999)))),
     ('scene.version', 4, info(lambda f: write(f, 'old.glb', glb((b'JSON', b'{}  '), version=1)))),
@@ -424,6 +449,7 @@ CASES = [
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--sampler', 'halton')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--shard', '0/2')),
     ('settings.volumes', 2, options('--volumes', '--volumes', '2', '--max-pixel-error', '0')),
+    ('view.not-installed', 1, view_without_viewer),
     ('volumes.too-many', 2, options('--volumes', '--volumes', '0.25', '--cells-grid', '0,0,0,999,499,999', '--cell-size',
                                     '1000')),
 ]

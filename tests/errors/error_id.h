@@ -2,7 +2,7 @@
 // Which of our errors an action ends with.
 #include <string>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::test {
 

@@ -36,9 +36,11 @@ class Provoke(unittest.TestCase):
         call = prepare(folder, SIGHTCELL) if wants_program else prepare(folder)
         if call.memory and os.environ.get('SIGHTCELL_SANITIZE'):
             self.skipTest('sanitizers reserve more memory than this case may have')
+        if call.skip:
+            self.skipTest(f'{identifier}: {call.skip}')
         with open(call.stdout or os.devnull, 'w', encoding='utf-8') as out:
-            done = subprocess.run([SIGHTCELL, *call.arguments], stdin=subprocess.DEVNULL, stdout=out,
-                                  stderr=subprocess.PIPE, text=True, timeout=TIMEOUT, cwd=folder,
+            done = subprocess.run([*call.runner, call.program or SIGHTCELL, *call.arguments], stdin=subprocess.DEVNULL,
+                                  stdout=out, stderr=subprocess.PIPE, text=True, timeout=TIMEOUT, cwd=folder,
                                   env={**os.environ, **call.environment},
                                   preexec_fn=lambda: limit_memory(call.memory))
         # Notes of a bake (its device, its cells) and warnings are no errors.

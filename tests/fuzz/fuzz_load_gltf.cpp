@@ -9,7 +9,7 @@
 #include <string>
 
 #include "gltf_mutation.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 
 namespace {

@@ -54,8 +54,8 @@ class Bundle(unittest.TestCase):
                     self.assertTrue(any(map(os.path.exists, places)), f'{path} needs {library}')
         self.assertGreater(count, 20 if installed.ARGS.bake else 1)
 
-    def test_licences_are_there(self):
-        self.assertNotIn('licence', self.said)  # a warning when one is missing
+    def test_licenses_are_there(self):
+        self.assertNotIn('license', self.said)  # a warning when one is missing
         if installed.ARGS.bake:
             names = os.listdir(os.path.join(self.prefix, 'share/doc/sightcell-bundle'))
             self.assertIn('libstdc++6', names)

@@ -121,13 +121,12 @@ class RuntimeAlone(Prefix):
         self.assertIn('found=1 TRUE FALSE', text)
 
 
-class Readme(unittest.TestCase):
+class Document(unittest.TestCase):
     def test_it_shows_the_project_that_is_built_here(self):
         with open(os.path.join(installed.ARGS.source, 'tests/install/cpp/CMakeLists.txt'), encoding='utf-8') as file:
             lines = file.read().split('\n# [tests')[0]
-        for page in ('README.md', 'runtime/README.md'):
-            with open(os.path.join(installed.ARGS.source, page), encoding='utf-8') as file:
-                self.assertIn('```cmake\n' + lines + '```', file.read(), page)
+        with open(os.path.join(installed.ARGS.source, 'docs/packaging.md'), encoding='utf-8') as file:
+            self.assertIn('```cmake\n' + lines + '```', file.read())
 
 
 def write_project(folder, lines):

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 
 unsigned polygons_of(const char* path) {

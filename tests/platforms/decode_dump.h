@@ -1,9 +1,8 @@
 #pragma once
 // Everything that the C runtime says about a file, as text that is the same on every platform.
-#include <cstdint>
 #include <string>
-#include <string_view>
 
+#include "fnv_hash.h"
 #include "sightcell/sightcell.h"
 
 namespace sightcell::test {
@@ -12,22 +11,5 @@ namespace sightcell::test {
 // fingerprint, polygons, margin, max_pixel_error, confidence, draw and cell are those of tests/golden/decode_pvs.py.
 // Where the runtime contradicts itself (ranges that are not the set, an error), a line begins with "WRONG".
 std::string dump(const sightcell_db* db);
-
-// FNV-1a of 64 bits: which of two platforms says what, in one number.
-class fnv_hash {
- public:
-  void add(std::string_view text) noexcept {
-    for (const char letter : text) add_byte(static_cast<unsigned char>(letter));
-  }
-  void add(std::uint32_t number) noexcept {
-    for (unsigned shift = 0; shift < 32; shift += 8) add_byte(static_cast<unsigned char>(number >> shift & 0xFFu));
-  }
-  [[nodiscard]] std::uint64_t value() const noexcept { return value_; }
-
- private:
-  void add_byte(unsigned char byte) noexcept { value_ = (value_ ^ byte) * 0x100000001B3u; }
-
-  std::uint64_t value_ = 0xCBF29CE484222325u;
-};
 
 }  // namespace sightcell::test

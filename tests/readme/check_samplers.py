@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""bake/SAMPLERS.md is what the program prints. usage: check_samplers.py sightcell SAMPLERS.md"""
+"""docs/sampler-settings.md is what the program prints. usage: check_samplers.py sightcell PAGE"""
 import difflib
 import subprocess
 import sys

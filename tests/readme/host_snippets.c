@@ -1,6 +1,5 @@
-/* What runtime/README.md shows beyond the ten lines, with a host around it that writes down what it is asked to draw:
- * every way must draw the same polygons. usage: readme_host_snippets FILE_WITH_A_DOOR.pvs
- * FILE.pvs ... */
+/* The snippets of docs/hosting.md and docs/streaming.md, with a host around them that records what it is asked to draw:
+ * every way must draw the same polygons. usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE.pvs ... */
 #include <sightcell/sightcell.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +20,7 @@ static sightcell_frame frame;
 static sightcell_draw* draws;
 static uint32_t polygon_total, bound_draw;
 static unsigned char* drawn; /* of each stored polygon: how often */
-static uint32_t *source_indices, *stored_indices, *mapped;
+static uint32_t *source_id_of_stored, *source_indices, *stored_indices, *mapped;
 static size_t draw_total, range_bound, mapped_count;
 
 static void require(int good, const char* what) {
@@ -63,16 +62,52 @@ static void draw_object(uint32_t draw) {
   for (uint32_t i = 0; i < draws[draw].polygon_count; ++i) ++drawn[draws[draw].first_stored + i];
 }
 
-/* --- What the README shows. ---------------------------------------------------------------------------------------- */
+/* --- What the documents show. --------------------------------------------------------------------------------------- */
 
-static void permute_index_buffers(uint32_t* source_id_of_stored) {
-  /* [order */
-  size_t n = polygon_total;
-  sightcell_db_order(db, source_id_of_stored, n, &n);
-  for (size_t s = 0; s < n; ++s) {  /* three indices of each polygon, as the source has them and as the file stores them */
+/* [draws in source order */
+static int by_first_source(const void* a, const void* b) {
+  const sightcell_draw* x = &draws[*(const uint32_t*)a];
+  const sightcell_draw* y = &draws[*(const uint32_t*)b];
+  if (x->first_source != y->first_source) return x->first_source < y->first_source ? -1 : 1;
+  return (x->polygon_count > y->polygon_count) - (x->polygon_count < y->polygon_count); /* empty draws first */
+}
+
+static void find_objects(uint32_t* sorted, uint32_t* object_of_draw) {
+  for (uint32_t i = 0; i < draw_total; ++i) sorted[i] = i;
+  qsort(sorted, draw_total, sizeof *sorted, by_first_source);
+  for (uint32_t i = 0; i < draw_total; ++i) object_of_draw[sorted[i]] = i; /* draw sorted[i] is the host's object i */
+}
+/* draws in source order] */
+
+static void permute_primitive(const sightcell_draw* d, const uint32_t* indices, uint32_t* permuted) {
+  /* [permute a primitive */
+  for (uint32_t i = 0; i < d->polygon_count; ++i) {
+    const uint32_t triangle = source_id_of_stored[d->first_stored + i] - d->first_source;
+    memcpy(permuted + 3 * (size_t)i, indices + 3 * (size_t)triangle, 3 * sizeof(uint32_t));
+  }
+  /* permute a primitive] */
+}
+
+static void permute_all(void) {
+  /* [permute all */
+  for (size_t s = 0; s < polygon_total; ++s) {
     memcpy(stored_indices + 3 * s, source_indices + 3 * (size_t)source_id_of_stored[s], 3 * sizeof(uint32_t));
   }
-  /* order] */
+  /* permute all] */
+}
+
+static void mark_clusters(const sightcell_range* ranges, size_t count, const uint32_t* cluster_of_source,
+                          uint64_t* cluster_bits, size_t words) {
+  /* [clusters */
+  memset(cluster_bits, 0, words * sizeof *cluster_bits);
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t first = draws[ranges[i].draw].first_stored + ranges[i].first;
+    for (uint32_t s = first; s < first + ranges[i].count; ++s) {
+      const uint32_t cluster = cluster_of_source[source_id_of_stored[s]];
+      cluster_bits[cluster / 64] |= (uint64_t)1 << (cluster % 64);
+    }
+  }
+  /* clusters] */
 }
 
 static void multi_draw(sightcell_range* ranges, GLsizei* counts, const void** offsets) {
@@ -278,13 +313,57 @@ static void open_file(const char* path) {
   source_indices = malloc(3 * sizeof(uint32_t) * polygon_total);
   stored_indices = malloc(3 * sizeof(uint32_t) * polygon_total);
   mapped = malloc(3 * sizeof(uint32_t) * polygon_total);
-  uint32_t* order = malloc(polygon_total * sizeof *order);
+  source_id_of_stored = malloc(polygon_total * sizeof *source_id_of_stored);
   size_t n;
-  sightcell_db_order(db, order, polygon_total, &n);
+  sightcell_db_order(db, source_id_of_stored, polygon_total, &n);
   for (uint32_t s = 0; s < polygon_total; ++s)
-    for (uint32_t k = 0; k < 3; ++k) source_indices[3 * (size_t)order[s] + k] = 3 * s + k;
-  permute_index_buffers(order);
-  free(order);
+    for (uint32_t k = 0; k < 3; ++k) source_indices[3 * (size_t)source_id_of_stored[s] + k] = 3 * s + k;
+  permute_all();
+}
+
+/* Source ids ascend from object to object of the host without a gap. */
+static void expect_objects_in_source_order(void) {
+  uint32_t* sorted = malloc((draw_total + 1) * sizeof *sorted);
+  uint32_t* object_of_draw = malloc((draw_total + 1) * sizeof *object_of_draw);
+  find_objects(sorted, object_of_draw);
+  uint32_t next = 0;
+  for (uint32_t object = 0; object < draw_total; ++object) {
+    const sightcell_draw* d = &draws[sorted[object]];
+    require(object_of_draw[sorted[object]] == object && d->first_source == next, "objects in source order");
+    next += d->polygon_count;
+  }
+  require(next == polygon_total, "all objects");
+  free(sorted);
+  free(object_of_draw);
+}
+
+/* Each draw by itself gives what permute_all gives for all of them. */
+static void expect_permuted_primitives(void) {
+  uint32_t* permuted = malloc(3 * sizeof(uint32_t) * polygon_total);
+  for (size_t d = 0; d < draw_total; ++d) {
+    permute_primitive(&draws[d], source_indices + 3 * (size_t)draws[d].first_source, permuted);
+    require(memcmp(permuted, stored_indices + 3 * (size_t)draws[d].first_stored,
+                   3 * sizeof(uint32_t) * draws[d].polygon_count) == 0, "permuted primitive");
+  }
+  free(permuted);
+}
+
+/* Clusters of five polygons in source order: those with a polygon to draw, and no others. */
+static void expect_clusters(const sightcell_range* drawn_ranges, size_t count, const unsigned char* to_draw) {
+  const size_t words = polygon_total / 5 / 64 + 1;
+  uint64_t* bits = malloc(words * sizeof *bits);
+  uint64_t* wanted = calloc(words, sizeof *wanted);
+  uint32_t* cluster_of_source = malloc((polygon_total + 1) * sizeof *cluster_of_source);
+  for (uint32_t id = 0; id < polygon_total; ++id) cluster_of_source[id] = id / 5;
+  for (uint32_t s = 0; s < polygon_total; ++s) {
+    const uint32_t cluster = source_id_of_stored[s] / 5;
+    if (to_draw[s]) wanted[cluster / 64] |= (uint64_t)1 << (cluster % 64);
+  }
+  mark_clusters(drawn_ranges, count, cluster_of_source, bits, words);
+  require(memcmp(bits, wanted, words * sizeof *bits) == 0, "clusters");
+  free(bits);
+  free(wanted);
+  free(cluster_of_source);
 }
 
 static void close_file(void) {
@@ -295,6 +374,7 @@ static void close_file(void) {
   free(expected);
   free(of_objects);
   free(ranges);
+  free(source_id_of_stored);
   free(source_indices);
   free(stored_indices);
   free(mapped);
@@ -311,6 +391,7 @@ static void expect_ranges(void) {
     memset(expected + d->first_stored + ranges[i].first, 1, ranges[i].count);
     memset(of_objects + d->first_stored, 1, d->polygon_count);
   }
+  expect_clusters(ranges, n, expected);
 }
 
 static void draw_in_every_way(void) {
@@ -339,6 +420,8 @@ int main(int argc, char** argv) {
   doors(argv[1]);
   for (int file = 2; file < argc; ++file) {
     open_file(argv[file]);
+    expect_objects_in_source_order();
+    expect_permuted_primitives();
     for (uint32_t cell = 0; cell < sightcell_db_cell_count(db); ++cell) {
       float min[3], max[3];
       sightcell_db_cell_box(db, cell, min, max);

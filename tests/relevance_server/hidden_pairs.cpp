@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "rays/ray_scene.h"
 #include "sightcell/scene/scene.h"
+#include "trace/ray_scene.h"
 
 namespace {
 

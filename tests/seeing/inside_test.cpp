@@ -1,6 +1,6 @@
 // Rules 4 and 5: geometry inside the cell, solids.
 #include "seeing_test.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::test {
 namespace {

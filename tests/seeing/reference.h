@@ -1,6 +1,7 @@
 #pragma once
-// Which polygons a cell sees, by brute force: design.md's rules of seeing written down once more, in double precision,
-// with plain loops over all polygons and nothing of the bake. Slow and meant to be: for scenes of some fifty polygons.
+// Which polygons a cell sees, by brute force: the rules of docs/method/visibility-rules.md written down once more, in
+// double precision, with plain loops over all polygons and nothing of the bake. Slow and meant to be: for scenes of
+// some fifty polygons.
 #include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>

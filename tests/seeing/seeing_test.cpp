@@ -7,11 +7,12 @@
 #include <numeric>
 
 #include "sightcell/bake/bake.h"
+#include "sightcell/bake/verify.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/picture/gl_context.h"
-#include "sightcell/scene/error.h"
 #include "unit/bake/file_bytes.h"
 #include "unit/bake/stored_file.h"
 

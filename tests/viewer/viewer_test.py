@@ -29,7 +29,7 @@ from sample_program import PROGRAMS, TIMEOUT, main, run  # noqa: E402
 from surfaces_scene import write_surfaces  # noqa: E402
 
 SIZE = '320x240'
-SAME = 0.001  # of all pixels: the bound that a bake keeps by default
+SAME = 0.001  # of all pixels: the bound of the bakes here
 
 
 class InFolder(sample_program.InFolder):
@@ -49,7 +49,8 @@ class InFolder(sample_program.InFolder):
 
     @classmethod
     def bake(cls, scene, out, cells, *more):
-        cls.must(PROGRAMS.sightcell, 'bake', scene, '-o', out, '--cells-file', cells, '--progress', 'none', *more)
+        cls.must(PROGRAMS.sightcell, 'bake', scene, '-o', out, '--cells-file', cells, '--quality', 'draft',
+                 '--progress', 'none', *more)
 
 
 class UnderX(InFolder):

@@ -1,8 +1,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "sightcell/base/error.h"
 #include "sightcell/picture/picture.h"
-#include "sightcell/scene/error.h"
 
 namespace sightcell::picture {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bundled_driver.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::picture {
 namespace {

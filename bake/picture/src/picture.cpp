@@ -11,16 +11,16 @@
 #include "polygon_lists.h"
 #include "shaders/sources.h"
 #include "shared/picture_layout.h"
+#include "sightcell/base/error.h"
 #include "sightcell/picture/gl_program.h"
 #include "sightcell/picture/textures.h"
-#include "sightcell/scene/error.h"
 
 namespace sightcell::picture {
 namespace {
 
-constexpr float near_plane = 0.001f;                 // metres; as near as the bake looks
-constexpr float haze_over_scene = 0.35f;             // optical depth across the scene's diagonal, but at most
-constexpr float thickest_haze = 0.001f;              // this per metre: none inside a room
+constexpr float near_plane = 0.001f;      // metres; as near as the bake looks
+constexpr float haze_over_scene = 0.35f;  // optical depth across the scene's diagonal, but at most
+constexpr float thickest_haze = 0.001f;   // this per metre: none inside a room
 
 shaders::vec4 with_w(const glm::vec3& v, float w) {
   return {v.x, v.y, v.z, w};

@@ -4,7 +4,7 @@
 #include <string>
 #include <tuple>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::picture {
 namespace {

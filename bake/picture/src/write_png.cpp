@@ -4,8 +4,8 @@
 #include <string>
 #include <system_error>
 
+#include "sightcell/base/error.h"
 #include "sightcell/picture/picture.h"
-#include "sightcell/scene/error.h"
 
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION

@@ -5,7 +5,7 @@
 #include <set>
 #include <string_view>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::scene {
 namespace {

@@ -14,7 +14,7 @@
 #include "gltf_file.h"
 #include "gltf_materials.h"
 #include "json_object.h"
-#include "sightcell/scene/json_text.h"
+#include "sightcell/base/json_text.h"
 
 namespace sightcell::scene {
 namespace {

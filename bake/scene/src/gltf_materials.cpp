@@ -3,7 +3,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::scene {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::scene {
 

@@ -18,7 +18,7 @@
 #include "json_object.h"
 #include "lod_levels.h"
 #include "pose.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 #include "triangle_modes.h"
 

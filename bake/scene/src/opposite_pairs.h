@@ -4,9 +4,9 @@
 
 namespace sightcell::scene {
 
-// Rule 1 of design.md section 4: single-sided MASK polygons with the same three corners of which some are wound one way
-// and some the other are taken as double-sided, all of them. Otherwise rays and pixels that meet both at the same
-// distance choose by rounding.
+// Rule 1 of docs/method/visibility-rules.md: single-sided MASK polygons with the same three corners of which some are
+// wound one way and some the other are taken as double-sided, all of them. Otherwise rays and pixels that meet both at
+// the same distance choose by rounding.
 void join_opposite_pairs(world_geometry& geometry);
 
 }  // namespace sightcell::scene

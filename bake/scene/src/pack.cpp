@@ -19,7 +19,7 @@
 #include "json_object.h"
 #include "packed_document.h"
 #include "packed_vertices.h"
-#include "sightcell/scene/json_text.h"
+#include "sightcell/base/json_text.h"
 #include "world_point.h"
 
 namespace sightcell::scene {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <new>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::scene {
 namespace {

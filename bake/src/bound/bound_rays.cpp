@@ -10,7 +10,7 @@
 
 #include "bound/free_count.h"
 #include "bound/ray_trial.h"
-#include "rays/direction_code.h"
+#include "trace/direction_code.h"
 
 namespace sightcell::bake {
 namespace {

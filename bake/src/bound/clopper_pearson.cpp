@@ -6,13 +6,14 @@
 namespace sightcell::bake {
 namespace {
 
-// P(X <= k) for X ~ Binomial(n, p). Terms are summed downwards from k, each from the one before it, relative to the
-// first: below the mean they only fall, so the sum stops when they no longer count. Called only with k < n p or near
-// it.
+// P(X <= k) for X ~ Binomial(n, p). The sum goes down from the term of k, each term relative to that one. Below the
+// mean terms decrease, so the sum ends when they no longer count.
 double cumulative(std::uint64_t k, std::uint64_t n, double p) {
   const double dn = static_cast<double>(n), dk = static_cast<double>(k);
   const double log_first = std::lgamma(dn + 1.0) - std::lgamma(dk + 1.0) - std::lgamma(dn - dk + 1.0) +
                            dk * std::log(p) + (dn - dk) * std::log1p(-p);
+  // Far above the mean the sum is 1, of terms too small for a double.
+  if (log_first < -700.0 && dk > dn * p) return 1.0;
   double sum = 1.0, term = 1.0;
   const double odds = (1.0 - p) / p;
   for (std::uint64_t i = k; i > 0; --i) {

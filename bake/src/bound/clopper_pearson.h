@@ -4,9 +4,10 @@
 
 namespace sightcell::bake {
 
-// One-sided upper Clopper-Pearson bound (Clopper and Pearson 1934): the largest p for which seeing at most `misses` in
-// `trials` independent trials still has a probability of at least 1 - confidence. 1 when trials is 0 or all missed.
-// confidence in (0, 1). Relative accuracy about 1e-10; exact in the sense that no normal approximation is made.
+// One-sided upper Clopper-Pearson bound (Clopper and Pearson 1934): the largest p for which at most `misses` in
+// `trials` independent trials still have a probability of at least 1 - confidence. 1 when trials is 0 or all missed.
+// confidence in (0, 1). Exact in the sense that no normal approximation is made. The relative error of the result grows
+// with the trials, because large logarithms of factorials cancel: 1e-10 with 10,000 trials, 1e-6 with 10 million.
 double clopper_pearson_upper(std::uint64_t misses, std::uint64_t trials, double confidence);
 
 // The fewest trials whose bound is at or below target when none misses: ln(1 - confidence) / ln(1 - target).

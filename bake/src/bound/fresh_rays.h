@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "bound/metric.h"
-#include "free_space.h"
-#include "random.h"
-#include "rays/ray_scene.h"
+#include "sightcell/base/random.h"
+#include "trace/free_space.h"
+#include "trace/ray_scene.h"
 #include "volumes/volume_trial.h"
 
 namespace sightcell::bake {
@@ -38,7 +38,7 @@ struct fresh_source {
   std::uint64_t round = 0;
 };
 
-// What a ray is wrong about: rules 2 and 3 of seeing excuse (design.md section 3, pixel error). And what that means.
+// What a ray is wrong about: rules 2 and 3 of seeing excuse (docs/method/error-certificate.md). And what that means.
 // Where there are volumes a ray that passes one which the set lacks is wrong and counts, whatever the metric.
 struct fresh_rules {
   float player_radius = 0.05f;

@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "rays/triangle_math.h"
-#include "source/surface_colors.h"
+#include "hemicube/surface_colors.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 namespace {

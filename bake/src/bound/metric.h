@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "random.h"
-#include "rays/ray_scene.h"
 #include "sightcell/bake/settings.h"
+#include "sightcell/base/random.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

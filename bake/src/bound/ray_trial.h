@@ -8,7 +8,7 @@
 
 #include "bound/fresh_rays.h"
 #include "bound/metric.h"
-#include "rays/ray_scene.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

@@ -1,6 +1,7 @@
 #pragma once
-// Cells in blocks: the unit of work that is shared between cells, and between machines (design.md section 4). A block
-// is an aligned chunk of 8 x 8 lattice cells and all layers of them; a box given by hand is a block by itself.
+// Cells in blocks: the unit of work that is shared between cells, and between machines
+// (docs/method/determinism-and-sharding.md). A block is an aligned chunk of 8 x 8 lattice cells and all layers of them;
+// a box given by hand is a block by itself.
 //
 // In phase 1 cells of one block see what each other found, and nothing crosses a block's border; phase 2 reads what
 // phase 1 found in the blocks around.

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cells/explicit_cells.h"
-#include "sightcell/scene/error.h"
-#include "sightcell/scene/json_text.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/json_text.h"
 
 namespace sightcell::bake {
 

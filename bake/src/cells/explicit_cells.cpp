@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "cells/lattice.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 

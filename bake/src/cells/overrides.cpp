@@ -11,9 +11,9 @@
 #include <unordered_map>
 
 #include "cells/cells_file.h"
-#include "sightcell/bake/bake.h"
-#include "sightcell/scene/error.h"
-#include "sightcell/scene/json_text.h"
+#include "sightcell/bake/stored_overrides.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/json_text.h"
 
 namespace sightcell::bake {
 namespace {

@@ -6,7 +6,7 @@
 #include "cells/explicit_cells.h"
 #include "cells/lattice.h"
 #include "cells/walkable.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 

@@ -4,9 +4,9 @@
 #include <span>
 
 #include "bound/fresh_rays.h"
-#include "cell_set.h"
+#include "cell_set/cell_set.h"
 #include "misses/misses_file.h"
-#include "rays/ray_scene.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

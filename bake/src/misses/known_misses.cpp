@@ -11,7 +11,7 @@
 #include <tuple>
 #include <utility>
 
-#include "sightcell/scene/json_text.h"
+#include "sightcell/base/json_text.h"
 
 namespace sightcell::bake {
 namespace {

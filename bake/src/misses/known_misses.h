@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cell_record.h"
+#include "cell_set/cell_record.h"
 #include "cells/cell_blocks.h"
 #include "cells/view_cell.h"
 #include "misses/misses_file.h"

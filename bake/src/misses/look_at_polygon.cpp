@@ -8,8 +8,8 @@
 #include <tuple>
 #include <vector>
 
-#include "free_space.h"
-#include "rays/triangle_math.h"
+#include "trace/free_space.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <glm/vec3.hpp>
 
-#include "rays/ray_scene.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "sightcell/scene/error.h"
-#include "sightcell/scene/json_text.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/json_text.h"
 
 namespace sightcell::bake {
 namespace {

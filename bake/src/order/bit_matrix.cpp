@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "random.h"
+#include "sightcell/base/random.h"
 
 #if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
 #define SIGHTCELL_HAS_POPCNT_CHOICE

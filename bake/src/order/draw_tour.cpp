@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "order/in_blocks.h"
+#include "sightcell/base/in_blocks.h"
 
 namespace sightcell::bake {
 namespace {

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "order/in_blocks.h"
-#include "random.h"
+#include "sightcell/base/in_blocks.h"
+#include "sightcell/base/random.h"
 
 namespace sightcell::bake {
 namespace {

@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "order/draw_tour.h"
-#include "order/in_blocks.h"
 #include "order/signatures.h"
 #include "order/tour.h"
+#include "sightcell/base/in_blocks.h"
 
 namespace sightcell::bake {
 namespace {

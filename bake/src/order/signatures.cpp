@@ -5,8 +5,8 @@
 #include <tuple>
 #include <utility>
 
-#include "order/in_blocks.h"
-#include "random.h"
+#include "sightcell/base/in_blocks.h"
+#include "sightcell/base/random.h"
 #include "sightcell/format/draw_ranges.h"
 
 namespace sightcell::bake {

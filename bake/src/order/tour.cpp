@@ -6,9 +6,9 @@
 
 #include "order/disjoint_sets.h"
 #include "order/improve_tour.h"
-#include "order/in_blocks.h"
 #include "order/neighbor_lists.h"
 #include "order/tour_links.h"
+#include "sightcell/base/in_blocks.h"
 
 namespace sightcell::bake {
 namespace {

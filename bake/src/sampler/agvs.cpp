@@ -10,7 +10,7 @@
 #include <tuple>
 #include <utility>
 
-#include "process_time.h"
+#include "sightcell/base/process_time.h"
 
 namespace sightcell::bake {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
-// agvs: rays for all cells of the bake at once (Bittner, Mattausch, Wonka, Havran, Wimmer 2009). METHOD.md says how it
-// is read here.
+// agvs: rays for all cells of the bake at once (Bittner, Mattausch, Wonka, Havran, Wimmer 2009). docs/method/
+// samplers.md has how it is read here.
 #include <array>
 #include <cstdint>
 #include <functional>

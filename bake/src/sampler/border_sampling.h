@@ -6,7 +6,7 @@
 #include <functional>
 #include <glm/vec3.hpp>
 
-#include "rays/triangle_math.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 

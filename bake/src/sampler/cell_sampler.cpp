@@ -6,9 +6,9 @@
 #include "sampler/guided.h"
 #include "sampler/gvs.h"
 #include "sampler/gvs_plus_plus.h"
-#include "sampler/hemicubes.h"
 #include "sampler/nir04.h"
-#include "seeing/gap_filter.h"
+#include "search/gap_filter.h"
+#include "search/hemicubes.h"
 
 namespace sightcell::bake {
 namespace {
@@ -39,7 +39,7 @@ class hemicube_sampler final : public cell_sampler {
   }
 
  private:
-  // C = 1 where nothing is new, so that depth still speaks when the set is nearly complete (METHOD.md).
+  // C = 1 where nothing is new, so that depth still speaks when the set is nearly complete (docs/method/samplers.md).
   importance_weight weight_with(hemicube_source& source, const cell_set& set) const {
     if (how_.sampler != "importance-depth-color") return nullptr;
     return [&](const pose& where, const hemicube_view& view) {

@@ -7,13 +7,13 @@
 #include <optional>
 #include <span>
 
-#include "cell_set.h"
+#include "cell_set/cell_set.h"
 #include "cells/view_cell.h"
-#include "finish/cell_search.h"
-#include "free_space.h"
-#include "rays/ray_scene.h"
+#include "hemicube/hemicube_source.h"
+#include "search/cell_search.h"
 #include "sightcell/bake/settings.h"
-#include "source/hemicube_source.h"
+#include "trace/free_space.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <functional>
 
-#include "source/hemicube_faces.h"
+#include "hemicube/hemicube_faces.h"
 
 namespace sightcell::bake {
 

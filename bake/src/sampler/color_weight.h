@@ -1,10 +1,10 @@
 #pragma once
 // C of importance-depth-color: how much the textured picture of the whole scene differs from that of the cell set found
 // so far, as one hemicube shows both.
-#include "cell_set.h"
-#include "rays/ray_scene.h"
-#include "source/hemicube_source.h"
-#include "source/surface_colors.h"
+#include "cell_set/cell_set.h"
+#include "hemicube/hemicube_source.h"
+#include "hemicube/surface_colors.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

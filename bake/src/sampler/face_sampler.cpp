@@ -5,7 +5,7 @@
 #include "sampler/halton.h"
 #include "sampler/importance_depth.h"
 #include "sampler/uniform_grid.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 

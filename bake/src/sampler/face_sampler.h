@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
-#include "random.h"
-#include "sampler/boundary_face.h"
+#include "search/boundary_face.h"
+#include "sightcell/base/random.h"
 
 namespace sightcell::bake {
 

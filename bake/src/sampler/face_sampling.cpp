@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "sampler/boundary_face.h"
+#include "search/boundary_face.h"
 
 namespace sightcell::bake {
 namespace {

@@ -4,9 +4,9 @@
 #include <glm/vec3.hpp>
 #include <string_view>
 
-#include "free_space.h"
 #include "sampler/face_sampler.h"
-#include "sampler/hemicubes.h"
+#include "search/hemicubes.h"
+#include "trace/free_space.h"
 
 namespace sightcell::bake {
 

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "finish/aim.h"
+#include "search/aim.h"
 
 namespace sightcell::bake {
 namespace {

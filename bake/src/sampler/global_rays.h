@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "free_space.h"
-#include "random.h"
-#include "rays/ray_scene.h"
-#include "rays/triangle_math.h"
+#include "sightcell/base/random.h"
+#include "trace/free_space.h"
+#include "trace/ray_scene.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 

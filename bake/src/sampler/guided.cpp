@@ -1,7 +1,7 @@
 #include "sampler/guided.h"
 
-#include "finish/cell_search.h"
-#include "time_budget.h"
+#include "input/time_budget.h"
+#include "search/cell_search.h"
 
 namespace sightcell::bake {
 namespace {

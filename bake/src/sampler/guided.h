@@ -1,6 +1,6 @@
 #pragma once
 // The default: few hemicubes from evenly spread places, then rays beside what they saw and more hemicubes, whichever
-// finds more for what it costs (finish/cell_search.h).
+// finds more for what it costs (search/cell_search.h).
 #include "sampler/cell_sampler.h"
 
 namespace sightcell::bake {

@@ -4,11 +4,11 @@
 #include <functional>
 #include <vector>
 
-#include "cell_set.h"
+#include "cell_set/cell_set.h"
 #include "sampler/cell_sampler.h"
 #include "sampler/random_rays.h"
 #include "sampler/ray_finds.h"
-#include "sampler/time_limit.h"
+#include "sightcell/base/time_limit.h"
 
 namespace sightcell::bake {
 

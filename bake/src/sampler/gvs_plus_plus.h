@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "free_space.h"
-#include "rays/triangle_math.h"
 #include "sampler/cell_sampler.h"
+#include "trace/free_space.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 

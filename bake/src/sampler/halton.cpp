@@ -2,7 +2,7 @@
 
 #include <glm/common.hpp>
 
-#include "sampler/radical_inverse.h"
+#include "search/radical_inverse.h"
 
 namespace sightcell::bake {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-// The thesis's importance sampler (design.md section 5): a map of reliability over the face, raised around every
+// The thesis's importance sampler (docs/method/samplers.md): a map of reliability over the face, raised around every
 // sample, less far toward the sides where the sample saw gaps; the next sample goes where reliability is lowest.
 #include <array>
 #include <cstdint>

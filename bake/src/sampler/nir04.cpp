@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "sampler/boundary_face.h"
+#include "search/boundary_face.h"
 
 namespace sightcell::bake {
 namespace {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "free_space.h"
-#include "sampler/hemicubes.h"
+#include "search/hemicubes.h"
+#include "trace/free_space.h"
 
 namespace sightcell::bake {
 

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "random.h"
-#include "rays/ray_scene.h"
-#include "sampler/boundary_face.h"
 #include "sampler/cell_sampler.h"
+#include "search/boundary_face.h"
+#include "sightcell/base/random.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "free_space.h"
-#include "random.h"
+#include "sightcell/base/random.h"
+#include "trace/free_space.h"
 
 namespace sightcell::bake {
 namespace {

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "rays/ray_scene.h"
 #include "sampler/free_memory.h"
 #include "sampler/global_rays.h"
 #include "sampler/seen_pairs.h"
 #include "sampler/segment_cells.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

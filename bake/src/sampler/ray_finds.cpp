@@ -9,9 +9,9 @@
 #include <optional>
 #include <tuple>
 
-#include "finish/aim.h"
-#include "random.h"
-#include "rays/triangle_math.h"
+#include "search/aim.h"
+#include "sightcell/base/random.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bound/fresh_rays.h"
-#include "cell_set.h"
-#include "rays/ray_scene.h"
+#include "cell_set/cell_set.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <optional>
 
-#include "rays/line_box.h"
 #include "sampler/border_sampling.h"
+#include "trace/line_box.h"
 
 namespace sightcell::bake {
 namespace {

@@ -4,8 +4,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "free_space.h"
-#include "rays/triangle_math.h"
+#include "trace/free_space.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 

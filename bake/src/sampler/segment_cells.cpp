@@ -5,7 +5,7 @@
 #include <glm/common.hpp>
 #include <limits>
 
-#include "rays/line_box.h"
+#include "trace/line_box.h"
 
 namespace sightcell::bake {
 namespace {

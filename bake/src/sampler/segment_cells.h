@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "free_space.h"
+#include "trace/free_space.h"
 
 namespace sightcell::bake {
 

@@ -6,7 +6,7 @@
 #include <glm/vector_relational.hpp>
 #include <limits>
 
-#include "random.h"
+#include "sightcell/base/random.h"
 
 namespace sightcell::bake {
 

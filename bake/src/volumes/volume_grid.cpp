@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "cells/walkable.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 namespace {

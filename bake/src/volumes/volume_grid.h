@@ -1,5 +1,5 @@
 #pragma once
-// Volumes: places of a coarse cubic lattice where things that move can be (design.md section 8). Each is an item of
+// Volumes: places of a coarse cubic lattice where things that move can be. Each is an item of
 // cell sets, with a number behind the last polygon: seen where a line from the cell passes it before anything hides it.
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "cells/view_cell.h"
-#include "free_space.h"
-#include "rays/ray_scene.h"
+#include "trace/free_space.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 

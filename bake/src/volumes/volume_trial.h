@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "rays/ray_scene.h"
+#include "trace/ray_scene.h"
 #include "volumes/volume_grid.h"
 #include "volumes/volume_set.h"
 

@@ -1,6 +1,12 @@
 #pragma once
-// C++20 skin over sightcell.h, header only: db and view close themselves, lists take spans, failures come back as
-// values. No exceptions, no allocation of its own. What the functions do, and when they fail, is said in sightcell.h.
+// C++20 wrapper over sightcell.h, header only. The conventions of sightcell.h (coordinates, units, polygon numbers, the
+// draw table, fail-open frames, memory, threads) hold here too. Most members call the C function of the same name,
+// where its parameters, failures and cost are documented. What the wrapper adds:
+//   - db and view are move-only and release their handles.
+//   - A function that makes something returns result<T>: the value, or the status of the failure.
+//   - A function that fills a list takes a span and returns a list_result.
+// It throws no exceptions and allocates nothing of its own. An object without a handle (default-constructed) returns
+// SIGHTCELL_ERR_ARGUMENT, counts of 0, and true for box_visible.
 #include <array>
 #include <cassert>
 #include <cstddef>
@@ -12,7 +18,7 @@
 
 namespace sightcell {
 
-// A value, or the status that says why there is none.
+// A value, or the status of the failure.
 template <class T>
 class [[nodiscard]] result {
  public:
@@ -21,11 +27,15 @@ class [[nodiscard]] result {
     assert(failure != SIGHTCELL_OK);
   }
 
+  // True on success.
   explicit operator bool() const noexcept { return status_ == SIGHTCELL_OK; }
+
   [[nodiscard]] sightcell_status status() const noexcept { return status_; }
+
+  // One English line for the status, never null.
   [[nodiscard]] const char* text() const noexcept { return sightcell_status_text(status_); }
 
-  // Only after success.
+  // The value. Valid only after success; after a failure it is default-constructed.
   [[nodiscard]] T& operator*() noexcept { return value_; }
   [[nodiscard]] const T& operator*() const noexcept { return value_; }
   T* operator->() noexcept { return &value_; }
@@ -36,27 +46,28 @@ class [[nodiscard]] result {
   sightcell_status status_ = SIGHTCELL_OK;
 };
 
+// A box in meters of world space: min <= p < max on each axis.
 struct cell_bounds {
   std::array<float, 3> min{};
   std::array<float, 3> max{};
 };
 
-// How a list call ended: how many elements there are, and whether they fitted. After ERR_CAPACITY nothing was written
-// and count says how much room to bring.
+// Result of a function that fills a list.
 struct [[nodiscard]] list_result {
   sightcell_status status = SIGHTCELL_OK;
-  std::size_t count = 0;
+  std::size_t count = 0;  // elements that there are; after ERR_CAPACITY nothing was written
   explicit operator bool() const noexcept { return status == SIGHTCELL_OK; }
 };
 
+// Result of view::changes.
 struct [[nodiscard]] changes_result {
   sightcell_status status = SIGHTCELL_OK;
-  std::size_t added = 0;
-  std::size_t removed = 0;
+  std::size_t added = 0;    // ranges, as list_result::count
+  std::size_t removed = 0;  // ranges
   explicit operator bool() const noexcept { return status == SIGHTCELL_OK; }
 };
 
-// One file. Move-only; a default-made one is closed and sees nothing. Const functions may run on any number of threads.
+// An open file. Any number of threads may use one db at a time.
 class db {
  public:
   db() noexcept = default;
@@ -69,20 +80,22 @@ class db {
   db(const db&) = delete;
   db& operator=(const db&) = delete;
 
-  // bytes stay the caller's and must outlive the db.
+  // Opens a file that is in memory. The db refers to bytes: the caller keeps them for as long as the db exists.
   static result<db> open(std::span<const std::byte> bytes, const sightcell_allocator* mem = nullptr) noexcept {
     db file;
     const sightcell_status s = sightcell_db_open(bytes.data(), bytes.size(), mem, &file.handle_);
     return s == SIGHTCELL_OK ? result<db>(std::move(file)) : result<db>(s);
   }
+
+  // Opens a file on disk. path: UTF-8.
   static result<db> open_file(const char* path, const sightcell_allocator* mem = nullptr) noexcept {
     db file;
     const sightcell_status s = sightcell_db_open_file(path, mem, &file.handle_);
     return s == SIGHTCELL_OK ? result<db>(std::move(file)) : result<db>(s);
   }
 
-  // Reads the file piece by piece. The source delivers to the C handle that sightcell_db_open_source sets: keep is
-  // where, before the first request, that is put for it.
+  // Opens a paged file, of which at most resident_bytes of sets are in memory.
+  // keep: receives the C handle before the first request, so that source.request can deliver to it.
   static result<db> open_source(const sightcell_source& source, std::uint64_t resident_bytes, sightcell_db*& keep,
                                 const sightcell_allocator* mem = nullptr) noexcept {
     const sightcell_status s = sightcell_db_open_source(&source, mem, resident_bytes, &keep);
@@ -91,69 +104,92 @@ class db {
     file.handle_ = keep;
     return result<db>(std::move(file));
   }
+
+  // Delivers the bytes of a request. Any thread. An empty span without data reports that they could not be read.
   sightcell_status deliver(std::uint32_t ticket, std::span<const std::byte> bytes) noexcept {
     return sightcell_db_deliver(handle_, ticket, bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   }
+
+  // Requests what a camera at eye (meters) with velocity (meters per second) may need within the seconds ahead.
   sightcell_status prefetch(std::span<const float, 3> eye, std::span<const float, 3> velocity, float seconds) noexcept {
     return sightcell_db_prefetch(handle_, eye.data(), velocity.data(), seconds);
   }
 
+  // Counts of the file. Cells, volumes and named groups are numbered 0 .. count - 1.
   [[nodiscard]] std::uint32_t polygon_count() const noexcept { return sightcell_db_polygon_count(handle_); }
   [[nodiscard]] std::uint32_t volume_count() const noexcept { return sightcell_db_volume_count(handle_); }
   [[nodiscard]] std::uint32_t cell_count() const noexcept { return sightcell_db_cell_count(handle_); }
+  [[nodiscard]] std::uint32_t named_group_count() const noexcept { return sightcell_db_named_group_count(handle_); }
+
+  // The box of a cell, without the margin.
   [[nodiscard]] result<cell_bounds> cell_box(std::uint32_t cell) const noexcept {
     cell_bounds box;
     const sightcell_status s = sightcell_db_cell_box(handle_, cell, box.min.data(), box.max.data());
     return s == SIGHTCELL_OK ? result<cell_bounds>(box) : result<cell_bounds>(s);
   }
-  [[nodiscard]] std::uint32_t named_group_count() const noexcept { return sightcell_db_named_group_count(handle_); }
-  // name: with a zero at the end. SIGHTCELL_NO_NAMED_GROUP where there is none.
+
+  // The number of a named group, SIGHTCELL_NO_NAMED_GROUP if there is none. name: UTF-8, with a zero at the end.
   [[nodiscard]] std::uint32_t find_named_group(const char* name) const noexcept {
     std::uint32_t group = SIGHTCELL_NO_NAMED_GROUP;
     static_cast<void>(sightcell_db_find_named_group(handle_, name, &group));
     return group;
   }
+
+  // The name of a named group. dst: UTF-8 bytes, without a zero at the end.
   list_result named_group_name(std::uint32_t group, std::span<char> dst) const noexcept {
     list_result out;
     out.status = sightcell_db_named_group_name(handle_, group, dst.data(), dst.size(), &out.count);
     return out;
   }
+
+  // The named group of each draw, or SIGHTCELL_NO_NAMED_GROUP.
   list_result named_groups_of_draws(std::span<std::uint32_t> dst) const noexcept {
     list_result out;
     out.status = sightcell_db_named_groups_of_draws(handle_, dst.data(), dst.size(), &out.count);
     return out;
   }
+
+  // Facts about the file, such as range_bound and the largest error bound.
   [[nodiscard]] result<sightcell_info> info() const noexcept {
     sightcell_info info{};
     info.struct_size = sizeof(info);
     const sightcell_status s = sightcell_db_info(handle_, &info);
     return s == SIGHTCELL_OK ? result<sightcell_info>(info) : result<sightcell_info>(s);
   }
+
+  // Memory and paging so far.
   [[nodiscard]] sightcell_db_stats statistics() const noexcept {
     sightcell_db_stats stats{};
     stats.struct_size = sizeof(stats);
     static_cast<void>(sightcell_db_statistics(handle_, &stats));
     return stats;
   }
+
+  // Checks the whole file: for tools. Allocates while it runs.
   [[nodiscard]] sightcell_status check() const noexcept { return sightcell_db_check(handle_); }
+
+  // The draw table, which is not in source order.
   list_result draws(std::span<sightcell_draw> dst) const noexcept {
     list_result out;
     out.status = sightcell_db_draws(handle_, dst.data(), dst.size(), &out.count);
     return out;
   }
+
+  // The source id of each stored polygon: index buffers are permuted by it once.
   list_result order(std::span<std::uint32_t> source_id_of_stored) const noexcept {
     list_result out;
     out.status = sightcell_db_order(handle_, source_id_of_stored.data(), source_id_of_stored.size(), &out.count);
     return out;
   }
 
+  // The C handle, null without one.
   [[nodiscard]] const sightcell_db* get() const noexcept { return handle_; }
 
  private:
   sightcell_db* handle_ = nullptr;
 };
 
-// One camera of one db. Move-only; the db must outlive it. One thread at a time.
+// A camera in the scene of a db, which must outlive it. One thread at a time.
 class view {
  public:
   view() noexcept = default;
@@ -166,72 +202,89 @@ class view {
   view(const view&) = delete;
   view& operator=(const view&) = delete;
 
+  // Creates a view. All memory that it will ever need is allocated here.
   static result<view> create(const db& file) noexcept {
     view camera;
     const sightcell_status s = sightcell_view_create(file.get(), &camera.handle_);
     return s == SIGHTCELL_OK ? result<view>(std::move(camera)) : result<view>(s);
   }
 
-  // frame is filled even when the status is ARGUMENT (a NaN): it says DRAW_ALL then.
+  // Moves the camera. frame is filled also when the status is ARGUMENT (a NaN): it has DRAW_ALL then.
   sightcell_status move(std::span<const float, 3> eye, sightcell_frame& frame) noexcept {
     return sightcell_view_move(handle_, eye.data(), &frame);
   }
 
-  // Likewise.
+  // Moves the camera to an unknown position in a box, whose corners belong to it. frame: as move.
   sightcell_status move_box(std::span<const float, 3> min, std::span<const float, 3> max,
                             sightcell_frame& frame) noexcept {
     return sightcell_view_move_box(handle_, min.data(), max.data(), &frame);
   }
+
+  // What later moves show outside all cells: SIGHTCELL_OUTSIDE_*, up to max_distance meters from the box of a cell.
   sightcell_status policy(std::uint32_t outside, float max_distance) noexcept {
     return sightcell_view_policy(handle_, outside, max_distance);
   }
+
+  // The point that positions of later calls are relative to, in meters of world space.
   sightcell_status origin(std::span<const double, 3> origin) noexcept {
     return sightcell_view_origin(handle_, origin.data());
   }
 
+  // Shows or hides a named group from the next move on.
   sightcell_status show_named_group(std::uint32_t group, bool shown) noexcept {
     return sightcell_view_show_named_group(handle_, group, shown ? 1 : 0);
   }
 
-  // One bit per draw.
+  // One bit per draw: 1 if it has a polygon to draw.
   sightcell_status objects(std::span<std::uint64_t> bits_by_draw) const noexcept {
     return sightcell_view_objects(handle_, bits_by_draw.data(), bits_by_draw.size());
   }
-  // True also for what is no box.
+
+  // False if nothing in a box can be visible. True in all other cases, also for a NaN or if min is above max.
   [[nodiscard]] bool box_visible(std::span<const float, 3> min, std::span<const float, 3> max) const noexcept {
     std::uint32_t visible = 1;
     static_cast<void>(sightcell_view_box_visible(handle_, min.data(), max.data(), &visible));
     return visible != 0;
   }
+
+  // Counts since the view was created.
   [[nodiscard]] sightcell_view_stats statistics() const noexcept {
     sightcell_view_stats stats{};
     stats.struct_size = sizeof(stats);
     static_cast<void>(sightcell_view_statistics(handle_, &stats));
     return stats;
   }
+
+  // Source ids of the polygons to draw.
   list_result polygons(std::span<std::uint32_t> source_ids) const noexcept {
     list_result out;
     out.status = sightcell_view_polygons(handle_, source_ids.data(), source_ids.size(), &out.count);
     return out;
   }
+
+  // The polygons to draw as draw ranges: at most sightcell_info.range_bound.
   list_result ranges(std::span<sightcell_range> dst) const noexcept {
     list_result out;
     out.status = sightcell_view_ranges(handle_, dst.data(), dst.size(), &out.count);
     return out;
   }
-  // stored_indices: 3 per stored polygon of the db, all of them.
+
+  // The indices of the polygons to draw. stored_indices: 3 per stored polygon of the db, all of them.
   list_result indices(std::span<const std::uint32_t> stored_indices, std::span<std::uint32_t> dst) const noexcept {
     list_result out;
     out.status = sightcell_view_indices(handle_, stored_indices.data(), dst.data(), dst.size(), &out.count);
     return out;
   }
-  // One behind the other. min_gap: as sightcell_view_commands has it.
+
+  // The polygons to draw as indirect draws, without space between them. min_gap: see sightcell_view_commands.
   list_result commands(std::uint32_t min_gap, std::span<sightcell_command> dst) const noexcept {
     list_result out;
     out.status =
         sightcell_view_commands(handle_, min_gap, dst.data(), sizeof(sightcell_command), dst.size(), &out.count);
     return out;
   }
+
+  // The ranges that were added and removed since a revision: the current one or the one before.
   changes_result changes(std::uint32_t since_revision, std::span<sightcell_range> added,
                          std::span<sightcell_range> removed) const noexcept {
     changes_result out;
@@ -240,6 +293,7 @@ class view {
     return out;
   }
 
+  // The C handle, null without one.
   [[nodiscard]] const sightcell_view* get() const noexcept { return handle_; }
 
  private:

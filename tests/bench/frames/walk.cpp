@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "cells/walkable.h"
-#include "free_space.h"
-#include "rays/ray_scene.h"
+#include "trace/free_space.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "hemicube/gpu/gpu_objects.h"
 #include "sightcell/picture/gl_program.h"
-#include "source/gpu_objects.h"
 
 namespace sightcell::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "cells/cells_file.h"
-#include "process_time.h"
+#include "sightcell/base/process_time.h"
 
 namespace sightcell::bench {
 namespace {

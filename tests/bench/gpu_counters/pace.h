@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "hemicube/gpu/gpu_source.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/scene.h"
-#include "source/gpu_source.h"
 
 namespace sightcell::bench {
 

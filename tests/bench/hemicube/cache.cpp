@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "bench/hemicube/child.h"
-#include "sightcell/scene/error.h"
-#include "sightcell/scene/json_text.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/json_text.h"
 
 namespace sightcell::bench {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bench {
 namespace {

@@ -11,8 +11,8 @@
 #include "bench/hemicube/plain_draw.h"
 #include "bench/hemicube/poses.h"
 #include "bench/hemicube/world.h"
-#include "process_time.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/process_time.h"
 
 namespace sightcell::bench {
 namespace {

@@ -1,8 +1,8 @@
 #include "bench/hemicube/plain_draw.h"
 
+#include "hemicube/gpu/gpu_objects.h"
+#include "hemicube/hemicube_faces.h"
 #include "sightcell/picture/gl_program.h"
-#include "source/gpu_objects.h"
-#include "source/hemicube_faces.h"
 
 namespace sightcell::bench {
 namespace {

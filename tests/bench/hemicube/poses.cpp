@@ -10,8 +10,8 @@
 #include "bench/hemicube/world.h"
 #include "cells/view_cell.h"
 #include "cells/walkable.h"
-#include "free_space.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
+#include "trace/free_space.h"
 
 namespace sightcell::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/hemicube/cache.h"
-#include "source/hemicube_source.h"
+#include "hemicube/hemicube_source.h"
 
 namespace sightcell::bench {
 

@@ -21,12 +21,6 @@ std::optional<double> ms_of(const json& result, const std::string& source) {
   return sources.at(source).at("ms").get<double>();
 }
 
-std::optional<double> ms_at(const measured& all, const std::string& scene, const std::string& height,
-                            const std::string& source) {
-  const json* r = result_at(all, scene, height);
-  return r == nullptr ? std::nullopt : ms_of(*r, source);
-}
-
 std::optional<double> ratio(std::optional<double> a, std::optional<double> b) {
   if (!a || !b || *b <= 0.0) return std::nullopt;
   return *a / *b;
@@ -134,54 +128,14 @@ void print_gpu_settings(const measured& all) {
   }
 }
 
-// What a hardware GPU did, with its name; else which device drew.
-std::string hardware_text(const measured& all) {
-  std::string text, device = "none";
-  bool software = false;
-  for (const json& r : all.results) {
-    const json& sources = r.at("sources");
-    if (!sources.contains("gpu")) continue;
-    const json& gpu = sources.at("gpu");
-    device = gpu.at("device").get<std::string>();
-    software = gpu.at("software").get<bool>();
-    if (gpu.contains("samples_per_second"))
-      text += fmt::format("{}{} {} {:.0f}/s (plain draws of everything {:.0f}/s)", text.empty() ? "" : ", ",
-                          r.at("scene").get<std::string>(), r.at("height").get<std::string>(),
-                          gpu.at("samples_per_second").get<double>(), gpu.at("plain_draws_per_second").get<double>());
-  }
-  if (software && !text.empty()) text += " (a software rasteriser: no hardware GPU at hand)";
-  return text.empty() ? "no hardware GPU at hand; device: " + device : device + ": " + text;
+void print_threads(const measured& all) {
+  if (all.threads.is_null()) return;
+  const auto of = [&](const char* key) { return all.threads.at(key).get<double>(); };
+  fmt::print(
+      "\ncpu, hemicubes of one call: {:.2f} times the CPU seconds with two threads, {:.2f} % of them in parallel "
+      "sections.\n",
+      of("cpu_2") / of("cpu_1"), of("parallel_percent"));
 }
-
-// One target: measured against a limit, smaller or larger being better.
-class target_list {
- public:
-  void at_most(const std::string& text, std::optional<double> value, double limit, const char* unit) {
-    add(text, value, unit, value && *value <= limit);
-  }
-  void at_least(const std::string& text, std::optional<double> value, double limit, const char* unit) {
-    add(text, value, unit, value && *value >= limit);
-  }
-  // The same against rays, with what their tracing alone would give.
-  void quicker_than_rays(const std::string& text, const json* result, double limit) {
-    const auto whole = result == nullptr ? std::nullopt : ratio(ms_of(*result, "rays"), ms_of(*result, "cpu"));
-    if (!whole) return not_here(text, "not measured in this run");
-    const json& draw = result->at("sources").at("rays").at("draw_ms");
-    const auto traced = draw.is_null() ? std::nullopt : ratio(draw.get<double>(), ms_of(*result, "cpu"));
-    add(text, whole, traced ? fmt::format("x ({:.2f}x of tracing alone)", *traced) : "x", *whole >= limit);
-  }
-  void not_here(const std::string& text, const std::string& why) {
-    list_.push_back({{"target", text}, {"measured", why}, {"reached", nullptr}});
-  }
-  json list() const { return list_; }
-
- private:
-  void add(const std::string& text, std::optional<double> value, const std::string& unit, bool reached) {
-    if (!value) return not_here(text, "not measured in this run");
-    list_.push_back({{"target", text}, {"measured", fmt::format("{:.2f}{}", *value, unit)}, {"reached", reached}});
-  }
-  json list_ = json::array();
-};
 
 }  // namespace
 
@@ -211,53 +165,7 @@ void print_tables(const measured& all) {
   print_growth(all);
   print_memory(all);
   print_gpu_settings(all);
-}
-
-json targets(const measured& all) {
-  target_list list;
-  const auto ms = [&](const char* scene, const char* height, const char* source) {
-    return ms_at(all, scene, height, source);
-  };
-  const auto small = ms("vienna800k", "street", "cpu"), large = ms("vienna8m", "street", "cpu");
-  list.at_most("cpu, 865,979 polygons, street: at most 8 ms (ambition 5)", small, 8.0, " ms");
-  list.at_most("cpu, 7,928,519 polygons, street: at most 15 ms (ambition 10)", large, 15.0, " ms");
-  const json* street = result_at(all, "vienna800k", "street");
-  list.quicker_than_rays("865,979 polygons, street: at least 6x quicker than rays", street, 6.0);
-  const bool llvmpipe = street != nullptr && street->at("sources").contains("gpu") &&
-                        street->at("sources").at("gpu").at("software").get<bool>();
-  list.at_least("865,979 polygons, street: at least 15x quicker than llvmpipe",
-                llvmpipe ? ratio(ms("vienna800k", "street", "gpu"), small) : std::nullopt, 15.0, "x");
-  list.at_most("cpu, street, from 0.87 to 7.9 M polygons: growth at most 2.5x", ratio(large, small), 2.5, "x");
-  list.at_most("7,928,519 polygons, 200 m: cpu no slower than rays",
-               ratio(ms("vienna8m", "200", "cpu"), ms("vienna8m", "200", "rays")), 1.0, "x of rays");
-  std::vector<double> found;
-  for (const char* scene : {"intel_castle", "candela_city", "oacmpctf3", "denhaag_01"}) {
-    const auto quicker = ratio(ms(scene, "street", "rays"), ms(scene, "street", "cpu"));
-    list.quicker_than_rays(fmt::format("{}, walkable places: at least 3.5x quicker than rays", scene),
-                           result_at(all, scene, "street"), 3.5);
-    if (quicker) found.push_back(*quicker);
-  }
-  list.at_least("these four, geometric mean: at least 6x quicker than rays",
-                found.size() == 4 ? std::optional(geometric_mean(found)) : std::nullopt, 6.0, "x");
-  const bool threads = !all.threads.is_null();
-  const auto of_threads = [&](const char* key) { return all.threads.at(key).get<double>(); };
-  list.at_most("cpu, hemicubes of one call: CPU seconds with 2 threads at most 1.12x of one",
-               threads ? ratio(of_threads("cpu_2"), of_threads("cpu_1")) : std::nullopt, 1.12, "x");
-  list.at_least("cpu, hemicubes of one call: at least 95 % of the CPU seconds in parallel sections",
-                threads ? std::optional(of_threads("parallel_percent")) : std::nullopt, 95.0, " %");
-  list.not_here("cpu against rays: at most 1e-5 of the pixels differ", "bench_agreement measures it");
-  list.not_here("gpu (llvmpipe) against rays: at most 1e-4 of the pixels differ", "bench_agreement measures it");
-  list.not_here("a hardware GPU: samples per second on the presets", hardware_text(all));
-  return list.list();
-}
-
-void print_targets(const json& list) {
-  fmt::print("\n| target | measured | reached |\n|---|---|---|\n");
-  for (const json& t : list)
-    fmt::print("| {} | {} | {} |\n", t.at("target").get<std::string>(), t.at("measured").get<std::string>(),
-               t.at("reached").is_null()     ? "-"
-               : t.at("reached").get<bool>() ? "yes"
-                                             : "NO");
+  print_threads(all);
 }
 
 }  // namespace sightcell::bench

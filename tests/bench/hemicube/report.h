@@ -1,5 +1,5 @@
 #pragma once
-// Tables and targets from what was measured.
+// Tables from what was measured.
 #include <string>
 #include <vector>
 
@@ -15,9 +15,5 @@ struct measured {
 
 // Markdown on standard output.
 void print_tables(const measured& all);
-
-// The targets of hemicubes: [{target, measured, reached}]; reached is null where it was not measured.
-json targets(const measured& all);
-void print_targets(const json& list);
 
 }  // namespace sightcell::bench

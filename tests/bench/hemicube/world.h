@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "hemicube/hemicube_source.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/scene.h"
-#include "source/hemicube_source.h"
 
 namespace sightcell::bench {
 
@@ -19,8 +19,9 @@ struct world {
   std::uint32_t polygons() const { return static_cast<std::uint32_t>(geometry.kinds.size()); }
 };
 
-// All there are.
 const std::vector<std::string>& source_names();
+// The rasterizer with one instruction set, for example cpu-sse4. cpu is the fastest of them.
+std::vector<std::string> kernel_names();
 
 struct named_source {
   std::string name;

@@ -4,12 +4,14 @@ nothing. bench_coverage.py there: every bound is counted and holds. No timings a
 
 usage: driver_test.py BIN
 """
-import csv
 import os
 import re
 import subprocess
 import sys
 import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import result_files  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SAMPLERS = ["guided", "importance-depth", "importance-depth-color", "uniform", "halton", "nir04", "gvs", "gvs++", "agvs"]
@@ -17,16 +19,18 @@ SAMPLERS = ["guided", "importance-depth", "importance-depth-color", "uniform", "
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        out, numbers = os.path.join(folder, "page"), os.path.join(folder, "numbers.csv")
+        out, numbers = os.path.join(folder, "page"), os.path.join(folder, "results")
 
         def run():
             done = subprocess.run([os.path.join(HERE, "..", "bench_samplers.py"), "--bin", sys.argv[1], "--scene",
-                                   "small-town", "--quick", "--out", out, "--csv", numbers], capture_output=True,
+                                   "small-town", "--quick", "--out", out, "--results", numbers], capture_output=True,
                                   text=True, check=False, env={**os.environ, "SIGHTCELL_CACHE": folder})
             if done.returncode != 0:
                 sys.exit(f"bench_samplers.py ended with {done.returncode}:\n{done.stderr}")
-            with open(numbers, encoding="utf-8") as stream:
-                return done.stdout, list(csv.DictReader(stream))
+            _, pooled = result_files.read(os.path.join(numbers, "samplers_pooled.csv"))
+            if {(row["kind"], row["method"]) for row in pooled} != {(k, m) for k in ("samples", "time") for m in SAMPLERS}:
+                sys.exit(f"samplers_pooled.csv has other rows than a quick run: {pooled}")
+            return done.stdout, result_files.read(os.path.join(numbers, "samplers.csv"))[1]
 
         text, rows = run()
         for heading in ("Equal samples", "Equal time"):

@@ -8,10 +8,10 @@
 
 #include "bench/samplers/jobs.h"
 #include "cells/view_cell.h"
-#include "free_space.h"
-#include "rays/ray_scene.h"
+#include "hemicube/surface_colors.h"
 #include "sightcell/scene/scene.h"
-#include "source/surface_colors.h"
+#include "trace/free_space.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bench {
 

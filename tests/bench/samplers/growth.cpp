@@ -6,8 +6,8 @@
 
 #include "bench/hemicube/cache.h"
 #include "bench/samplers/commands.h"
+#include "hemicube/choice/choose_source.h"
 #include "sampler/cell_sampler.h"
-#include "source/choose_source.h"
 
 namespace sightcell::bench {
 namespace {

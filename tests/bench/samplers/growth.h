@@ -6,7 +6,7 @@
 
 #include "bench/samplers/ground.h"
 #include "bench/samplers/jobs.h"
-#include "sampler/boundary_face.h"
+#include "search/boundary_face.h"
 
 namespace sightcell::bench {
 

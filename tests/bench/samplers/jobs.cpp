@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "sightcell/bake/sampler_options.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bench/hemicube/cache.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bench {
 namespace {

@@ -43,30 +43,31 @@ RAY_METHODS = ["gvs", "gvs++", "agvs"]
 EXPLAINED = ["vienna800k", "czest3ctf"]  # where experiments say why
 
 # What a method's result depends on, so that a change to one method measures that one anew: files under bake/src.
-SHARED_CODE = ["rays", "seeing", "cell_bake.", "cell_set.cpp", "cell_set.h", "free_space.cpp", "free_space.h", "random.h",
-               "sampler/cell_sampler.h", "sampler/time_limit.h"]
-HEMICUBE_CODE = ["source/cpu", "source/cpu_source.cpp", "source/hemicube_faces.cpp", "sampler/hemicubes.",
-                 "sampler/boundary_face.h"]
+BASE = "../base/include/sightcell/base/"
+SHARED_CODE = ["trace", "job/cell_bake.", "cell_set/cell_set.cpp", "cell_set/cell_set.h", BASE + "random.h",
+               "sampler/cell_sampler.h", BASE + "time_limit.h", "search/gap_filter."]
+HEMICUBE_CODE = ["hemicube/cpu", "hemicube/hemicube_faces.cpp", "search/hemicubes.",
+                 "search/boundary_face.h"]
 FACE_CODE = HEMICUBE_CODE + ["sampler/face_sampl"]
 DEPTH_CODE = FACE_CODE + ["sampler/importance_depth."]
-RAY_CODE = ["finish/aim.", "sampler/boundary_face.h", "sampler/border_sampling.", "sampler/guided_search.",
+RAY_CODE = ["search/aim.", "search/boundary_face.h", "sampler/border_sampling.", "sampler/guided_search.",
                "sampler/random_rays.", "sampler/ray_finds.", "sampler/reverse_sampling."]
 METHOD_CODE = {
-    "guided": HEMICUBE_CODE + ["finish/aim.", "finish/cell_search.", "finish/near_polygons.h", "finish/refinement.",
-                               "finish/vertex_neighbors.", "sampler/guided.", "sampler/guided_views.",
-                               "sampler/radical_inverse.h"],
+    "guided": HEMICUBE_CODE + ["search/aim.", "search/cell_search.", "search/near_polygons.h", "search/refinement.",
+                               "search/vertex_neighbors.", "sampler/guided.", "search/guided_views.",
+                               "search/radical_inverse.h"],
     "importance-depth": DEPTH_CODE,
-    "importance-depth-color": DEPTH_CODE + ["sampler/color_weight.", "source/surface_colors."],
+    "importance-depth-color": DEPTH_CODE + ["sampler/color_weight.", "hemicube/surface_colors."],
     "uniform": FACE_CODE + ["sampler/uniform_grid."],
-    "halton": FACE_CODE + ["sampler/halton.", "sampler/radical_inverse.h"],
+    "halton": FACE_CODE + ["sampler/halton.", "search/radical_inverse.h"],
     "nir04": HEMICUBE_CODE + ["sampler/nir04."],
     "gvs": RAY_CODE + ["sampler/gvs."],
     "gvs++": RAY_CODE + ["sampler/gvs_plus_plus."],
-    "agvs": ["finish/aim.", "sampler/agvs.", "sampler/global_rays.", "sampler/ray_feed.", "sampler/seen_pairs.",
+    "agvs": ["search/aim.", "sampler/agvs.", "sampler/global_rays.", "sampler/ray_feed.", "sampler/seen_pairs.",
              "sampler/segment_cells."],
 }
 # They decide nothing of what a method finds.
-NO_CODE = ["sampler/cell_sampler.cpp", "sampler/free_memory.h", "sampler_options."]
+NO_CODE = ["sampler/cell_sampler.cpp", "sampler/free_memory.h", "input/sampler_options."]
 
 
 def files_of(source, name):

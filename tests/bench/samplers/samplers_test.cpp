@@ -16,8 +16,8 @@
 #include "bench/samplers/pictures.h"
 #include "bench/samplers/truth.h"
 #include "bound/fresh_rays.h"
-#include "sightcell/scene/error.h"
-#include "source/choose_source.h"
+#include "hemicube/choice/choose_source.h"
+#include "sightcell/base/error.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace {

@@ -11,8 +11,8 @@
 
 #include "bench/hemicube/cache.h"
 #include "bench/samplers/bytes.h"
-#include "process_time.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/process_time.h"
 
 namespace sightcell::bench {
 namespace {
@@ -96,10 +96,7 @@ struct sampling_bench::clocked_sampler final : bake::cell_sampler {
 };
 
 sampling_bench::sampling_bench(const ground& g, const kept_files& kept, unsigned threads)
-    : ground_(g),
-      kept_(kept),
-      threads_(std::max(threads, 1u)),
-      sampler_(std::make_unique<clocked_sampler>()) {}
+    : ground_(g), kept_(kept), threads_(std::max(threads, 1u)), sampler_(std::make_unique<clocked_sampler>()) {}
 
 sampling_bench::~sampling_bench() = default;
 

@@ -10,10 +10,10 @@
 #include "bench/samplers/ground.h"
 #include "bench/samplers/jobs.h"
 #include "bench/samplers/kept_files.h"
-#include "cell_bake.h"
-#include "finish/near_polygons.h"
+#include "hemicube/choice/choose_source.h"
+#include "job/cell_bake.h"
 #include "sampler/cell_sampler.h"
-#include "source/choose_source.h"
+#include "search/near_polygons.h"
 
 namespace sightcell::bench {
 

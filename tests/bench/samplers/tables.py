@@ -1,5 +1,4 @@
-"""The tables of bench_samplers as Markdown and CSV, from what the measuring program wrote."""
-import csv
+"""The tables of bench_samplers as Markdown and as rows, from what the measuring program wrote."""
 import statistics
 
 from plan import PUBLISHED, RAY_METHODS, RIVALS, TABLE_OF
@@ -154,19 +153,43 @@ def rival_ratios(results):
     return table(head, rows)
 
 
-def write_csv(path, results):
-    with open(path, "w", encoding="utf-8", newline="") as stream:
-        out = csv.writer(stream, lineterminator="\n")
-        out.writerow(["scene", "kind", "method", "resolution", "jitter", "filter", "cell", "samples", "rays",
-                      "cpu_seconds", "polygons", "visible_percent", "pixel_error", "low", "high", "misses",
-                      "color_error"])
-        for result in results:
-            for job in result["jobs"]:
-                s = job["settings"]
-                front = [result["name"], "+".join(sorted(set(kinds(job)))), s["sampler"], s.get("resolution", ""),
-                         int(s.get("jitter", False)), s.get("filter", "")]
-                for cell, c in zip(result["cells"], job["cells"]):
-                    out.writerow(front + [cell["name"], c["samples"], c["rays"], f"{c['cpu_seconds']:.4g}", c["set"],
-                                          f"{100 * c['set'] / result['polygons']:.5g}", f"{c['pixel_error']:.4g}",
-                                          f"{c['low']:.4g}", f"{c['high']:.4g}", f"{c['misses']:.4g}",
-                                          f"{c['color_error']:.4g}"])
+def front_of(result, job):
+    s = job["settings"]
+    return {"scene": result["name"], "kind": "+".join(sorted(set(kinds(job)))), "method": s["sampler"],
+            "resolution": s.get("resolution", ""), "jitter": int(s.get("jitter", False)), "filter": s.get("filter", "")}
+
+
+def cell_rows(results):
+    """A row for every cell of every setting."""
+    return [{**front_of(result, job), "cell": cell["name"], "samples": c["samples"], "rays": c["rays"],
+             "cpu_seconds": f"{c['cpu_seconds']:.4g}", "polygons": c["set"],
+             "visible_percent": f"{100 * c['set'] / result['polygons']:.5g}", "pixel_error": f"{c['pixel_error']:.4g}",
+             "low": f"{c['low']:.4g}", "high": f"{c['high']:.4g}", "misses": f"{c['misses']:.4g}",
+             "color_error": f"{c['color_error']:.4g}"}
+            for result in results for job in result["jobs"] for cell, c in zip(result["cells"], job["cells"])]
+
+
+def pooled_row(result, job, kind, setting, best):
+    p, thesis = job["pooled"], job.get("thesis", ("",) * 4) if kind == "thesis" else ("",) * 4
+    rays = method(job) in RAY_METHODS
+    return {"scene": result["name"], "kind": kind, "method": method(job), "setting": setting, "best": int(best),
+            "hemicubes": "" if rays else f"{p['samples']:.0f}", "million_rays": f"{p['rays'] / 1e6:.3g}" if rays else "",
+            "cpu_seconds": number(p["cpu_seconds"]), "visible_percent": number(p["visible_percent"]),
+            "pixel_error": number(p["pixel_error"]), "low": number(p["low"]), "high": number(p["high"]),
+            "color_error": number(p["color_error"]), "in_empty_cells": number(mean_of(result, job, False)),
+            "in_others": number(mean_of(result, job, True)),
+            **{"thesis_" + key: value if value == "" else number(value)
+               for key, value in zip(("seconds", "visible_percent", "pixel_error", "color_error"), thesis)}}
+
+
+def pooled_rows(results):
+    """A row for every setting, in the order of the printed tables."""
+    rows = []
+    for result in results:
+        rows += [pooled_row(result, job, "thesis", variant_text(job), False) for job in result["jobs"] if "thesis" in job]
+        for kind in ("samples", "time"):
+            published, best = compared(result, kind)
+            rows += [pooled_row(result, job, kind, variant_text(job), job in best) for job in published + best]
+        rows += [pooled_row(result, job, "why", " ".join(job["label"].split()[1:]), False) for job in result["jobs"]
+                 if "why" in kinds(job)]
+    return rows

@@ -6,7 +6,7 @@
 
 #include "bench/hemicube/cache.h"
 #include "bench/samplers/bytes.h"
-#include "process_time.h"
+#include "sightcell/base/process_time.h"
 
 namespace sightcell::bench {
 namespace {

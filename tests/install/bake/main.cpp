@@ -2,7 +2,7 @@
 // OpenGL; naming the call is enough to link all of the bake half.
 #include <sightcell/bake/bake.h>
 #include <sightcell/bake/settings.h>
-#include <sightcell/scene/error.h>
+#include <sightcell/base/error.h>
 #include <sightcell/scene/scene.h>
 #include <cstdio>
 

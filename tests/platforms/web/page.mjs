@@ -1,4 +1,4 @@
-// What runtime/README.md shows of a page, with a page around it: check_readme.py holds the text against what lies between
+// What docs/hosting.md shows of a page, with a page around it: check_readme.py holds the text against what lies between
 // the markers. page_test.mjs runs it.
 
 /* [page */

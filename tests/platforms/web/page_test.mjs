@@ -1,4 +1,4 @@
-// The page of runtime/README.md, served and run: its index lists are those of the cells it walks through.
+// The page of docs/hosting.md, served and run: its index lists are those of the cells it walks through.
 // usage: page_test.mjs MODULE.wasm FILE.pvs FILE.txt
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";

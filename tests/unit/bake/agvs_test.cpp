@@ -14,7 +14,8 @@
 
 #include "file_bytes.h"
 #include "fresh_folder.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/shards.h"
+#include "sightcell/bake/verify.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {

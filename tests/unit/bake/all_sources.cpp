@@ -5,10 +5,10 @@
 #include <random>
 #include <stdexcept>
 
-#include "sightcell/scene/error.h"
-#include "source/cpu_source.h"
-#include "source/gpu_source.h"
-#include "source/rays_source.h"
+#include "hemicube/cpu/cpu_source.h"
+#include "hemicube/gpu/gpu_source.h"
+#include "hemicube/rays/rays_source.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::test {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "hemicube/hemicube_source.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/scene.h"
-#include "source/hemicube_source.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace sightcell::test {

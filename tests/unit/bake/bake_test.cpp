@@ -1,5 +1,6 @@
 // The whole bake as a library call, on rooms of a few polygons.
 #include "sightcell/bake/bake.h"
+#include "sightcell/bake/verify.h"
 
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
@@ -17,9 +18,9 @@
 #include "errors/error_id.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/picture/gl_context.h"
-#include "sightcell/scene/error.h"
 #include "stored_file.h"
 #include "tiny_scene.h"
 

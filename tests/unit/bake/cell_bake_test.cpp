@@ -1,5 +1,5 @@
 // Whole cells on scenes of a few polygons: what the set has to hold, and what it must not.
-#include "cell_bake.h"
+#include "job/cell_bake.h"
 
 #include <gtest/gtest.h>
 
@@ -8,13 +8,13 @@
 #include <memory>
 #include <set>
 
-#include "finish/near_polygons.h"
-#include "free_space.h"
-#include "random.h"
+#include "hemicube/gpu/gpu_source.h"
+#include "search/near_polygons.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/random.h"
 #include "sightcell/picture/gl_context.h"
-#include "sightcell/scene/error.h"
-#include "source/gpu_source.h"
 #include "tiny_scene.h"
+#include "trace/free_space.h"
 
 namespace sightcell::bake {
 namespace {

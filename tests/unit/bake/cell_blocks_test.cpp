@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
-#include "cell_steps.h"
 #include "cells/lattice.h"
+#include "job/cell_steps.h"
 
 namespace sightcell::bake {
 namespace {

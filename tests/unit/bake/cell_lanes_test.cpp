@@ -1,5 +1,5 @@
 // Several cells in work at once: the same records, every cell told of once, and an orderly end whatever ends it.
-#include "cell_lanes.h"
+#include "job/cell_lanes.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -14,9 +14,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "cell_bake.h"
-#include "sightcell/scene/error.h"
-#include "source/hemicube_faces.h"
+#include "hemicube/hemicube_faces.h"
+#include "job/cell_bake.h"
+#include "sightcell/base/error.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {

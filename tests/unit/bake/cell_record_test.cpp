@@ -1,11 +1,11 @@
 // Records as bytes: what goes in comes out, and no byte can be wrong unseen.
-#include "cell_record.h"
+#include "cell_set/cell_record.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "cell_set.h"
+#include "cell_set/cell_set.h"
 
 namespace sightcell::bake {
 namespace {

@@ -1,4 +1,4 @@
-#include "cell_set.h"
+#include "cell_set/cell_set.h"
 
 #include <gtest/gtest.h>
 

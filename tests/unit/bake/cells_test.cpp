@@ -12,7 +12,7 @@
 #include "cells/lattice.h"
 #include "cells/view_cell.h"
 #include "errors/error_id.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 namespace {

@@ -1,4 +1,4 @@
-#include "checkpoint.h"
+#include "checkpoint/checkpoint.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <sstream>
 
 #include "fresh_folder.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 namespace {

@@ -1,4 +1,4 @@
-#include "seeing/coincident.h"
+#include "trace/coincident.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

@@ -6,8 +6,8 @@
 
 #include <cstdlib>
 
+#include "hemicube/cpu/cpu_source.h"
 #include "sightcell/scene/scene.h"
-#include "source/cpu_source.h"
 
 namespace sightcell::bake {
 namespace {

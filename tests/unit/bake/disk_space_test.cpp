@@ -1,4 +1,4 @@
-#include "disk_space.h"
+#include "job/disk_space.h"
 
 #include <gtest/gtest.h>
 #include <sys/statvfs.h>

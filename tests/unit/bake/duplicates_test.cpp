@@ -1,4 +1,4 @@
-#include "seeing/duplicates.h"
+#include "trace/duplicates.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <map>
 
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/inspect.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {

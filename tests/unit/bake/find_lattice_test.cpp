@@ -1,4 +1,4 @@
-#include "find_lattice.h"
+#include "order/find_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
 #include "bound/fresh_rays.h"
-#include "finish/ray_finish.h"
-#include "finish/refinement.h"
-#include "rays/triangle_math.h"
+#include "search/ray_finish.h"
+#include "search/refinement.h"
 #include "tiny_scene.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 namespace {

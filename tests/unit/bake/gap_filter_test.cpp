@@ -1,11 +1,11 @@
 // The filter between hemicubes and set: what of a batch is tested for cracks, and what stays.
-#include "seeing/gap_filter.h"
+#include "search/gap_filter.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include "source/hemicube_faces.h"
+#include "hemicube/hemicube_faces.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {

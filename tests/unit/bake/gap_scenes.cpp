@@ -3,7 +3,7 @@
 #include <array>
 #include <glm/vec3.hpp>
 
-#include "random.h"
+#include "sightcell/base/random.h"
 #include "tiny_scene.h"
 
 namespace sightcell::test {

@@ -1,5 +1,6 @@
 // What each sampler finds, and with how much: every sampler has to find what is hidden within the effort that
-// bake/METHOD.md tells, and must not be able to with far less, or the scene would show nothing of the method.
+// tests/bench/results/gap_scenes.csv tells, and must not be able to with far less, or the scene would show nothing of
+// the method.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,12 +8,12 @@
 #include <ostream>
 #include <string>
 
-#include "finish/near_polygons.h"
 #include "gap_scenes.h"
-#include "rays/ray_scene.h"
+#include "hemicube/choice/choose_source.h"
+#include "hemicube/surface_colors.h"
 #include "sampler/cell_sampler.h"
-#include "source/choose_source.h"
-#include "source/surface_colors.h"
+#include "search/near_polygons.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 namespace {
@@ -74,14 +75,14 @@ class gap_scenes_of : public testing::TestWithParam<finding> {};
 TEST_P(gap_scenes_of, are_found_with_the_documented_effort_and_not_with_far_less) {
   const finding& f = GetParam();
   const int enough = found(f, f.effort), little = found(f, f.effort / 16);
-  // In what --gtest_output writes: for the table in bake/METHOD.md.
+  // In what --gtest_output writes: for tests/bench/results/gap_scenes.csv.
   RecordProperty("with_effort", enough);
   RecordProperty("with_a_sixteenth", little);
   EXPECT_GE(enough, variants - 1) << f.effort << " find it";
   EXPECT_LE(little, f.few) << f.effort / 16 << " do not";
 }
 
-// A sampler joins by rows here and in the table of bake/METHOD.md.
+// A sampler joins by rows here and in tests/bench/results/gap_scenes.csv.
 constexpr finding findings[] = {
     {"importance-depth", "slit", test::slit, 192, 3},
     {"importance-depth", "window", test::window, 192, 3},

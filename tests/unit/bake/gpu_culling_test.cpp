@@ -1,4 +1,4 @@
-#include "source/gpu_culling.h"
+#include "hemicube/gpu/gpu_culling.h"
 
 #include <epoxy/gl.h>
 

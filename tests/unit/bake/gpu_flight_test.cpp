@@ -1,11 +1,10 @@
-// Several hemicubes on their way at once, and what the device keeps between them: counts and the union of a cell.
+// Several hemicubes on their way at once, and the counts that the device keeps between them.
 #include <algorithm>
-#include <set>
 
-#include "cell_set.h"
+#include "cell_set/cell_set.h"
 #include "gpu_scene.h"
+#include "hemicube/gpu/polygon_counts.h"
 #include "sample_cell.h"
-#include "source/polygon_counts.h"
 
 namespace {
 
@@ -123,77 +122,6 @@ TEST_F(gpu_flight_test, the_parts_of_the_cost_are_told) {
     EXPECT_GT(split->gather, 0.0);
     expect_same_view(view, split_view, "split");
   }
-}
-
-std::set<std::uint32_t> ids_of(const bake::hemicube_view& view) {
-  std::set<std::uint32_t> ids;
-  for (const bake::seen_polygon& p : view.seen) ids.insert(p.id);
-  return ids;
-}
-
-TEST_F(gpu_flight_test, while_a_union_is_kept_views_hold_what_is_new) {
-  const scene::world_geometry world = rooms().world();
-  const std::vector<bake::pose> walk = rooms::walk(12);
-  const auto all = source(world, bake::gather::compute), tested = source(world, bake::gather::compute);
-  ASSERT_TRUE(tested->keeps_union());
-  std::vector<bake::hemicube_view> whole(walk.size()), fresh(walk.size());
-  all->render(walk, whole);
-  for (int cell = 0; cell < 2; ++cell) {
-    tested->begin_union();
-    tested->render(std::span(walk).first(5), std::span(fresh).first(5));
-    tested->render(std::span(walk).subspan(5), std::span(fresh).subspan(5));
-    std::set<std::uint32_t> known;
-    std::size_t left_out = 0;
-    for (std::size_t i = 0; i < walk.size(); ++i) {
-      bake::hemicube_view expected = whole[i];
-      std::erase_if(expected.seen, [&](const bake::seen_polygon& p) { return known.count(p.id) > 0; });
-      left_out += whole[i].seen.size() - expected.seen.size();
-      expect_same_view(expected, fresh[i], "pose " + std::to_string(i));
-      known.merge(ids_of(whole[i]));
-    }
-    EXPECT_GT(left_out, 100u);
-    const std::vector<std::uint32_t> met = tested->collect_union();
-    EXPECT_TRUE(std::equal(met.begin(), met.end(), known.begin(), known.end()));
-  }
-  tested->end_union();
-  bake::hemicube_view view;
-  tested->render(walk[0], view);
-  expect_same_view(whole[0], view, "after the union");
-}
-
-TEST_F(gpu_flight_test, what_a_union_was_asked_to_show_again) {
-  const scene::world_geometry world = rooms().world();
-  const bake::pose from = rooms::walk(1)[0];
-  const auto tested = source(world, bake::gather::compute);
-  bake::hemicube_view first, again;
-  tested->begin_union();
-  tested->render(from, first);
-  ASSERT_GT(first.seen.size(), 40u);
-  const std::vector<std::uint32_t> refused{first.seen[3].id, first.seen[4].id, first.seen[39].id};
-  tested->render(from, again);
-  EXPECT_TRUE(again.seen.empty());
-  tested->show_again(refused);
-  EXPECT_EQ(tested->collect_union().size(), first.seen.size() - 3);
-  tested->render(from, again);
-  ASSERT_EQ(again.seen.size(), 3u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(again.seen[i].id, refused[i]);
-  EXPECT_EQ(again.importance, first.importance);
-}
-
-TEST_F(gpu_flight_test, sources_that_keep_no_union_show_everything) {
-  const scene::world_geometry world = rooms().world();
-  const bake::pose from = rooms::walk(1)[0];
-  const auto tested = source(world, bake::gather::read_back);
-  bake::hemicube_view first, again;
-  EXPECT_FALSE(tested->keeps_union());
-  tested->begin_union();
-  tested->render(from, first);
-  tested->show_again({});
-  tested->render(from, again);
-  EXPECT_GT(first.seen.size(), 40u);
-  expect_same_view(first, again, "no union");
-  EXPECT_TRUE(tested->collect_union().empty());
-  tested->end_union();
 }
 
 }  // namespace

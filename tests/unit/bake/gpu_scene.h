@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "hemicube/gpu/gpu_source.h"
+#include "sightcell/base/error.h"
 #include "sightcell/picture/gl_context.h"
-#include "sightcell/scene/error.h"
-#include "source/gpu_source.h"
 #include "tiny_scene.h"
 
 namespace sightcell::test {

@@ -10,17 +10,17 @@
 #include <glm/geometric.hpp>
 #include <set>
 
-#include "finish/aim.h"
-#include "random.h"
-#include "rays/ray_scene.h"
-#include "rays/triangle_math.h"
 #include "sampler/border_sampling.h"
 #include "sampler/cell_sampler.h"
 #include "sampler/gvs_plus_plus.h"
 #include "sampler/random_rays.h"
 #include "sampler/ray_finds.h"
 #include "sampler/reverse_sampling.h"
+#include "search/aim.h"
+#include "sightcell/base/random.h"
 #include "tiny_scene.h"
+#include "trace/ray_scene.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 namespace {

@@ -1,4 +1,4 @@
-#include "host_scene.h"
+#include "input/host_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,11 @@
 
 #include "errors/error_id.h"
 #include "file_bytes.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/host_scene.h"
+#include "sightcell/bake/shards.h"
+#include "sightcell/bake/verify.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/reader.h"
-#include "sightcell/scene/error.h"
 #include "stored_file.h"
 #include "tiny_scene.h"
 

@@ -8,12 +8,13 @@
 #include <string>
 
 #include "errors/error_id.h"
+#include "file/importance_meter.h"
+#include "file/pvs_output.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
-#include "importance_meter.h"
-#include "pvs_output.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/patch.h"
 #include "sightcell/bake/recode.h"
+#include "sightcell/bake/shards.h"
 #include "sightcell/format/importance_classes.h"
 #include "sightcell/format/set_reader.h"
 #include "stored_file.h"

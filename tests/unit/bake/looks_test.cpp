@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bound/clopper_pearson.h"
-#include "random.h"
+#include "sightcell/base/random.h"
 
 namespace sightcell::bake {
 namespace {

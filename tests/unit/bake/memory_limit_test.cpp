@@ -1,11 +1,11 @@
-#include "memory_limit.h"
+#include "job/memory_limit.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "errors/error_id.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace sightcell::bake {

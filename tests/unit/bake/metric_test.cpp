@@ -12,8 +12,8 @@
 
 #include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
-#include "finish/ray_finish.h"
-#include "source/surface_colors.h"
+#include "hemicube/surface_colors.h"
+#include "search/ray_finish.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {

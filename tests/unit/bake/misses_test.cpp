@@ -10,16 +10,16 @@
 #include <string>
 #include <vector>
 
-#include "cell_bake.h"
 #include "errors/error_id.h"
+#include "file/pvs_output.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
+#include "job/cell_bake.h"
 #include "misses/known_misses.h"
 #include "misses/look_at_polygon.h"
 #include "misses/misses_file.h"
-#include "pvs_output.h"
-#include "sightcell/bake/bake.h"
 #include "sightcell/bake/misses.h"
+#include "sightcell/bake/shards.h"
 #include "stored_file.h"
 #include "tiny_scene.h"
 
@@ -153,7 +153,7 @@ TEST(known_misses, tell_which_blocks_have_others) {
   EXPECT_TRUE(is_stale(99, cell_stage::bounded)) << "there is no such cell";
 }
 
-class looks : public testing::Test {
+class aimed_rays : public testing::Test {
  protected:
   polygon_sight look(tiny_scene& tiny, const glm::vec3& eye, std::uint32_t polygon, float gap = 0.0f,
                      const std::vector<std::uint32_t>& set = {}) {
@@ -165,7 +165,7 @@ class looks : public testing::Test {
   }
 };
 
-TEST_F(looks, find_a_polygon_through_a_hole_of_a_few_pixels) {
+TEST_F(aimed_rays, find_a_polygon_through_a_hole_of_a_few_pixels) {
   // 9 x 9 m of a wall 4 m behind another one, which leaves a hole of 12 x 12 mm open: 3e-5 of 1.6 sr.
   tiny_scene tiny;
   constexpr float low = 0.7f, high = 0.712f, left = 0.3f, right = 0.312f;
@@ -183,7 +183,7 @@ TEST_F(looks, find_a_polygon_through_a_hole_of_a_few_pixels) {
   EXPECT_LE(hidden.rays, 1u << 18);
 }
 
-TEST_F(looks, know_the_rules_of_seeing) {
+TEST_F(aimed_rays, know_the_rules_of_seeing) {
   tiny_scene tiny;
   const auto wall = tiny.wall_x(4, -1, 3), hidden = tiny.wall_x(5, -1, 1),
              glass = tiny.wall_x(3, -1, 1, {scene::alpha_mode::blend, false});

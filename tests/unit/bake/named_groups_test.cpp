@@ -4,10 +4,11 @@
 #include <fstream>
 #include <map>
 
+#include "file/pvs_output.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
-#include "pvs_output.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/bake/patch.h"
 #include "sightcell/bake/recode.h"
 #include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"

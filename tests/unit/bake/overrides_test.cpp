@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "errors/error_id.h"
-#include "sightcell/bake/bake.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {

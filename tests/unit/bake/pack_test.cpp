@@ -8,9 +8,9 @@
 #include <numeric>
 
 #include "errors/error_id.h"
+#include "file/pvs_output.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
-#include "pvs_output.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/scene/scene.h"
 #include "sightcell/sightcell.h"

@@ -7,11 +7,11 @@
 
 #include "errors/error_id.h"
 #include "file_bytes.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/patch.h"
+#include "sightcell/base/json_text.h"
 #include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
-#include "sightcell/scene/json_text.h"
 #include "sightcell/sightcell.h"
 #include "stored_file.h"
 

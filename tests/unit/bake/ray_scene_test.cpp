@@ -1,4 +1,4 @@
-#include "rays/ray_scene.h"
+#include "trace/ray_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
-#include "free_space.h"
-#include "random.h"
-#include "rays/triangle_math.h"
+#include "sightcell/base/random.h"
 #include "tiny_scene.h"
+#include "trace/free_space.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 namespace {

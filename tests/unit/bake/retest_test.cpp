@@ -1,6 +1,6 @@
 // What neighbors see is tried from this cell's places: what is seen from a few of them joins, what is seen from none
 // does not.
-#include "finish/retest.h"
+#include "search/retest.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "cell_record.h"
-#include "cell_set.h"
-#include "rays/ray_scene.h"
+#include "cell_set/cell_record.h"
+#include "cell_set/cell_set.h"
 #include "tiny_scene.h"
+#include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 namespace {
@@ -19,8 +19,8 @@ namespace {
 constexpr int eye_count = 16;
 constexpr box cell{{-0.5f, -1.0f, -1.0f}, {0.5f, 1.0f, 1.0f}};
 
-// Eyes in a row along z, a wall at x = 2 with a slit at z = 1, and behind it a row of tiles. Through the slit an eye sees
-// one or two of them: each is seen from a few eyes and from no others.
+// Eyes in a row along z, a wall at x = 2 with a slit at z = 1, and behind it a row of tiles. Through the slit an eye
+// sees one or two of them: each is seen from a few eyes and from no others.
 struct slit_and_tiles {
   std::vector<std::uint32_t> tiles;  // their first polygons, of two each
   std::uint32_t hidden = 0;

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "cell_bake.h"
 #include "file_bytes.h"
-#include "finish/ring_polygons.h"
 #include "fresh_folder.h"
+#include "job/cell_bake.h"
+#include "search/ring_polygons.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "stored_file.h"

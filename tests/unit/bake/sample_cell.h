@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "sampler/face_sampling.h"
-#include "sampler/hemicubes.h"
 #include "sampler/nir04.h"
+#include "search/hemicubes.h"
 
 namespace sightcell::bake {
 

@@ -11,7 +11,7 @@
 #include "sample_cell.h"
 #include "sampler/face_sampler.h"
 #include "sampler/importance_depth.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 namespace {

@@ -5,10 +5,10 @@
 #include <set>
 #include <tuple>
 
-#include "finish/cell_search.h"
-#include "sampler/guided_views.h"
-#include "source/choose_source.h"
-#include "source/surface_colors.h"
+#include "hemicube/choice/choose_source.h"
+#include "hemicube/surface_colors.h"
+#include "search/cell_search.h"
+#include "search/guided_views.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {

@@ -8,7 +8,7 @@
 
 #include "errors/error_id.h"
 #include "sightcell/bake/sampler_options.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::bake {
 namespace {
@@ -147,8 +147,13 @@ TEST(settings, ends_of_the_ranges_are_inside) {
 
 TEST(settings, description_is_one_line_of_json_in_fixed_order) {
   EXPECT_EQ(describe({}), R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,)"
-                          R"("sampler":"guided","samples":24,"resolution":512,"max_pixel_error":0.001,"seed":1,)"
+                          R"("sampler":"guided","samples":24,"resolution":512,"max_pixel_error":0.0001,"seed":1,)"
                           R"("all_double_sided":false,"smallest_gap":0.002,"profile":"balanced"})");
+}
+
+TEST(settings, the_default_is_the_normal_quality) {
+  EXPECT_EQ(settings().max_pixel_error, max_pixel_error_of_quality[static_cast<std::size_t>(quality::normal)]);
+  EXPECT_EQ(kind_of<quality>(quality_names, "final"), quality::final);
 }
 
 TEST(settings, a_metric_other_than_pixel_stands_in_the_description) {

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "checkpoint.h"
+#include "checkpoint/checkpoint.h"
 #include "errors/error_id.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
-#include "shard_files.h"
-#include "sightcell/bake/bake.h"
+#include "shards/shard_files.h"
+#include "sightcell/bake/shards.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/reader.h"
-#include "sightcell/scene/error.h"
 #include "stored_file.h"
 #include "tiny_scene.h"
 

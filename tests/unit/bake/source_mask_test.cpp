@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "rays/ray_scene.h"
+#include "trace/ray_scene.h"
 #include "unit/bake/all_sources.h"
 
 namespace {

@@ -10,10 +10,10 @@
 #include <map>
 
 #include "errors/error_id.h"
-#include "rays/ray_scene.h"
-#include "source/hemicube_faces.h"
-#include "source/polygon_counts.h"
-#include "source/rays_source.h"
+#include "hemicube/gpu/polygon_counts.h"
+#include "hemicube/hemicube_faces.h"
+#include "hemicube/rays/rays_source.h"
+#include "trace/ray_scene.h"
 #include "unit/bake/all_sources.h"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "stored_draws.h"
+#include "order/stored_draws.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "source/surface_colors.h"
+#include "hemicube/surface_colors.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -11,10 +11,10 @@
 #include <memory>
 #include <utility>
 
+#include "hemicube/cpu/cpu_source.h"
+#include "hemicube/hemicube_faces.h"
+#include "sightcell/base/error.h"
 #include "sightcell/picture/picture.h"
-#include "sightcell/scene/error.h"
-#include "source/cpu_source.h"
-#include "source/hemicube_faces.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // Bakes that spend a time budget: whatever the clock says, sets only grow, bounds only fall, and what is printed holds.
 // No test asks how long something took.
-#include "time_budget.h"
+#include "input/time_budget.h"
 
 #include <gtest/gtest.h>
 
@@ -14,19 +14,20 @@
 #include <thread>
 #include <vector>
 
-#include "cell_bake.h"
-#include "checkpoint.h"
+#include "checkpoint/checkpoint.h"
 #include "errors/error_id.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
-#include "phases.h"
+#include "job/cell_bake.h"
+#include "job/phases.h"
+#include "job/timed_ledger.h"
+#include "job/workshop.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/bake/verify.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/reader.h"
-#include "sightcell/scene/error.h"
 #include "stored_file.h"
-#include "timed_ledger.h"
 #include "tiny_scene.h"
-#include "workshop.h"
 
 namespace sightcell::bake {
 namespace {

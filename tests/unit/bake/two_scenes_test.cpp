@@ -12,15 +12,16 @@
 #include "errors/error_id.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
-#include "sightcell/bake/bake.h"
+#include "input/two_scenes.h"
 #include "sightcell/bake/misses.h"
 #include "sightcell/bake/recode.h"
+#include "sightcell/bake/shards.h"
+#include "sightcell/bake/verify.h"
 #include "sightcell/format/file_parts.h"
 #include "sightcell/format/writer.h"
 #include "sightcell/sightcell.h"
 #include "stored_file.h"
 #include "tiny_scene.h"
-#include "two_scenes.h"
 
 namespace sightcell::bake {
 namespace {

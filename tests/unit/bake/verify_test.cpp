@@ -6,12 +6,13 @@
 #include <numeric>
 
 #include "errors/error_id.h"
+#include "file/pvs_output.h"
 #include "file_bytes.h"
-#include "pvs_output.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/bake/verify.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
-#include "sightcell/scene/error.h"
 #include "tiny_scene.h"
 
 namespace sightcell::bake {

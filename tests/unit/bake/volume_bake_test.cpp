@@ -12,13 +12,16 @@
 #include "errors/error_id.h"
 #include "file_bytes.h"
 #include "fresh_folder.h"
-#include "sightcell/bake/bake.h"
+#include "sightcell/bake/inspect.h"
+#include "sightcell/bake/patch.h"
 #include "sightcell/bake/recode.h"
+#include "sightcell/bake/shards.h"
+#include "sightcell/bake/verify.h"
+#include "sightcell/base/error.h"
 #include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/set_reader.h"
 #include "sightcell/format/writer.h"
-#include "sightcell/scene/error.h"
 #include "two_rooms.h"
 
 namespace sightcell::bake {

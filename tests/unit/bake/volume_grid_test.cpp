@@ -11,9 +11,9 @@
 
 #include "cells/walkable.h"
 #include "errors/error_id.h"
-#include "random.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/random.h"
 #include "sightcell/format/records.h"
-#include "sightcell/scene/error.h"
 #include "volumes/stored_volumes.h"
 
 namespace sightcell::bake {

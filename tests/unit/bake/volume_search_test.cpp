@@ -1,5 +1,5 @@
 // Which volumes a cell sees, against what is seen in truth.
-#include "volumes/volume_search.h"
+#include "search/volume_search.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "bound/fresh_rays.h"
-#include "finish/ray_finish.h"
+#include "search/ray_finish.h"
 #include "two_rooms.h"
 
 namespace sightcell::bake {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "exit_codes.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::cli {
 namespace {

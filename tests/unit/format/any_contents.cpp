@@ -31,7 +31,7 @@ std::vector<std::byte> any_contents::write() const {
 
 namespace {
 
-// Choices that come out the same everywhere, which those of the standard library do not.
+// Random choices that are the same on every machine, unlike those of the standard library.
 class choices {
  public:
   explicit choices(std::uint32_t seed) : random_(seed) {}
@@ -70,7 +70,7 @@ void choose_facts(choices& choose, any_contents& out) {
   out.settings += "\"}";
 }
 
-// The draws as the source has them: instances of a few meshes, some without polygons.
+// The draws in source order: instances of a few meshes, some without polygons.
 void choose_draws(choices& choose, any_contents& out) {
   std::vector<std::uint32_t> meshes(1 + choose.below(5));
   for (std::uint32_t& polygons : meshes) {
@@ -97,7 +97,7 @@ void choose_draws(choices& choose, any_contents& out) {
   }
 }
 
-// Each draw where the one before it ends.
+// Each draw begins where the one before it ends.
 void lay_out(any_contents& out) {
   std::uint32_t next = 0;
   for (format::draw_record& d : out.draws) {
@@ -106,7 +106,7 @@ void lay_out(any_contents& out) {
   }
 }
 
-// Near the source's, far from it, or anything.
+// Near the source order, far from it, or any order.
 std::vector<std::uint32_t> choose_order(choices& choose, std::uint32_t polygons) {
   std::vector<std::uint32_t> order(polygons);
   std::iota(order.begin(), order.end(), 0u);
@@ -122,7 +122,7 @@ std::vector<std::uint32_t> choose_order(choices& choose, std::uint32_t polygons)
   return order;
 }
 
-// Draws of a mesh share an order, or none do, or some that are equally long.
+// Draws of a mesh share an order, or none do, or some of equal length.
 void order_draws(choices& choose, any_contents& out) {
   enum class sharing { per_mesh, per_draw, free };
   const sharing how = choose.one_of({sharing::per_mesh, sharing::per_draw, sharing::free});
@@ -141,7 +141,7 @@ void order_draws(choices& choose, any_contents& out) {
   }
 }
 
-// Groups of one material each, and each draw that moves by itself; some of the groups may have the same material.
+// Groups of one material each, and each draw that moves in a group of its own; some groups may have the same material.
 void order_groups(choices& choose, any_contents& out) {
   std::vector<std::vector<format::draw_record>> groups(1 + choose.below(4));
   const auto fixed = static_cast<std::uint32_t>(groups.size());
@@ -169,7 +169,7 @@ void order_groups(choices& choose, any_contents& out) {
   }
 }
 
-// Any bytes are a name. All draws of a draw group are in the same one.
+// A name may have any bytes. All draws of a draw group are in the same named group.
 void choose_named_groups(choices& choose, any_contents& out) {
   const std::uint32_t count = 1 + choose.below(choose.one_of({1u, 5u, 300u}));
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -187,7 +187,7 @@ void choose_named_groups(choices& choose, any_contents& out) {
   }
 }
 
-// Without orders, each draw or draw group has one of its own that is the source's.
+// Without orders, each draw or draw group has its source order.
 void leave_orders_out(any_contents& out) {
   out.orders_left_out = true;
   if (out.facts.layout == format::host_layout::instanced) {
@@ -232,7 +232,7 @@ format::box grid_box(std::uint32_t number) {
   return {{x, y, z}, {x + 1, y + 1, z + 1}};
 }
 
-// A grid; boxes anyhow; or a grid in which boxes of another size lie. Some are there twice.
+// A grid; arbitrary boxes; or a grid that contains boxes of another size. Some occur twice.
 void choose_boxes(choices& choose, std::uint32_t cells, any_contents& out) {
   const std::uint32_t free_in = choose.one_of({1u, 4u, 1000u});
   for (std::uint32_t i = 0; i < cells; ++i) {
@@ -263,7 +263,7 @@ void choose_certificate(choices& choose, any_contents& out) {
   for (std::uint32_t cell = 0; cell < out.cells.size(); ++cell) {
     const std::uint64_t rays = choose.one_of<std::uint64_t>({0, choose.below(100000), choose.wide()});
     const std::uint64_t misses = choose.one_in(5) ? rays : std::min<std::uint64_t>(rays, choose.below(4));
-    // Floats, since a file has no others.
+    // Floats, since a file has no other values here.
     const double bound = static_cast<double>(choose.one_of({0.0f, 0.001f, 1.0f}));
     const double confidence = static_cast<double>(choose.one_of({0.0f, 0.95f, 1.0f}));
     out.certificate.push_back({cell, rays, misses, bound, confidence, choose.one_in(2) ? choose.wide() : cell});
@@ -305,8 +305,8 @@ members choose_set(choices& choose, std::uint32_t polygons, std::uint32_t strang
   return choose.one_in(6) ? near : like(choose, near);
 }
 
-// Neighbors, so that rows are differences to others that are differences too. Runs are of stored polygons or of those
-// of the source.
+// Sets that resemble each other, so that rows are differences to rows that are differences too. Runs are of stored
+// polygons or in source order.
 void choose_sets(choices& choose, any_contents& out) {
   const std::uint32_t polygons = out.facts.polygon_count;
   const std::uint32_t strange_in = choose.one_of({2u, 8u, 30u, 1000u});
@@ -322,7 +322,7 @@ void choose_sets(choices& choose, any_contents& out) {
   }
 }
 
-// Around the origin or far away; seen as polygons are.
+// Around the origin or far away; in sets like polygons.
 void choose_volumes(choices& choose, any_contents& out) {
   out.volume_shape = {choose.one_of({4.0, 0.75, 1.0 / 3.0}), choose.one_of({2.0, 1.5, 0.7})};
   const std::int32_t middle = choose.one_of({0, 0, 5, -100000, 1 << 20});

@@ -1,6 +1,6 @@
 #pragma once
-// Contents of .pvs files of every kind that the format has, drawn from a seed: what is true of all files is tried on
-// these. Same seed, same contents, on every machine.
+// Contents of .pvs files of every kind that the format allows, from a seed: general properties are tested on these.
+// Equal seeds give equal contents on every machine.
 #include <cstdint>
 #include <vector>
 
@@ -9,18 +9,18 @@
 namespace sightcell::test {
 
 struct any_contents : sample_contents {
-  // Of the orders: none are given to the writer, which then takes those of the source.
+  // Whether the writer gets no orders, and then uses the source order.
   bool orders_left_out = false;
-  // That the writer may add to each set.
+  // The slack that the writer may add to each set.
   double slack_to_add = 0.0;
-  // The source id of every stored polygon, worked out from draws and orders as SPEC.md says.
+  // The source id of every stored polygon, computed from draws and orders by SPEC.md.
   std::vector<std::uint32_t> source_of_stored;
-  // Stored number of the first polygon of every draw, or draw group of the merged layout, and of none behind the last.
+  // Stored number of the first polygon of every draw, or draw group of the merged layout, then the end of the last one.
   std::vector<std::uint32_t> unit_begins;
 
-  // For encode(). Valid as long as this is.
+  // For encode(). Valid as long as this object.
   [[nodiscard]] format::file_contents contents_to_write() const;
-  // Fails the running test, and gives no bytes, when the writer refuses.
+  // Fails the running test, and returns no bytes, if the writer fails.
   [[nodiscard]] std::vector<std::byte> write() const;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 using namespace sightcell::format;
 
-// In memory of exactly that size, so that the sanitizer sees a load behind it.
+// In memory of exactly this size, so that the sanitizer detects a load after its end.
 std::vector<std::byte> padded(std::vector<std::byte> bytes) {
   bytes.resize(bytes.size() + bit_reader::padding);
   bytes.shrink_to_fit();
@@ -110,7 +110,7 @@ TEST(bit_buffer, gives_the_bits_of_the_reader) {
   }
 }
 
-TEST(bit_buffer, behind_the_end_come_zeros_and_the_place_says_so) {
+TEST(bit_buffer, after_the_end_come_zeros_and_the_position_is_beyond_it) {
   const auto bytes = padded({std::byte{0xFF}, std::byte{0xFF}});
   bit_buffer held{bit_reader(bytes)};
   for (int i = 0; i < 100; ++i) {

@@ -42,7 +42,7 @@ std::vector<lattice_place> random_places(std::uint32_t seed, std::size_t count) 
   return places;
 }
 
-// In memory of exactly that size, so that the sanitizer sees a load behind it.
+// In memory of exactly this size, so that the sanitizer detects a load after its end.
 std::vector<std::byte> written(const std::vector<lattice_place>& places) {
   std::vector<std::byte> bytes;
   EXPECT_TRUE(put_lattice(shape, places, bytes));
@@ -61,7 +61,7 @@ TEST(cell_lattice, boxes_of_places) {
   const box b = box_of(shape, {-1, 3, 2, 0});
   EXPECT_TRUE(same(b, {{-4, 6, 8}, {0, 8, 12}}));
   EXPECT_TRUE(same(box_of(shape, {-1, 3, 2, 2}), {{-1, 1.5, 2}, {0, 2, 3}}));
-  // Neighbors share the very same floats, whatever the width.
+  // Adjacent cells share exact floats, for any width.
   const lattice_shape odd{0.7, 0.31};
   for (std::int32_t x = -1000; x < 1000; ++x) {
     ASSERT_EQ(box_of(odd, {x, 0, 0, 0}).max[0], box_of(odd, {x + 1, 0, 0, 0}).min[0]);
@@ -90,7 +90,7 @@ TEST(cell_lattice, chunks_are_eight_by_eight) {
     for (std::int32_t x = -8; x < 8; ++x) places.push_back({x, 0, z, 0});
   std::sort(places.begin(), places.end(), lattice_comes_before);
   const auto bytes = written(places);
-  EXPECT_LT(bytes.size(), 20u + 7 * packed_columns::descriptor_size + 8);  // four full chunks: next to nothing
+  EXPECT_LT(bytes.size(), 20u + 7 * packed_columns::descriptor_size + 8);  // four full chunks: almost no bytes
   cell_lattice lattice;
   ASSERT_TRUE(lattice.open(bytes, 256));
   ASSERT_EQ(lattice.chunk_count(), 4u);
@@ -157,7 +157,7 @@ TEST(cell_lattice, other_shapes_and_counts_are_refused) {
   }
 }
 
-// Whatever the bytes: refused, or as many boxes as cells, none twice.
+// For any bytes: rejected, or as many different boxes as cells.
 TEST(cell_lattice, changed_bytes_make_boxes_or_errors) {
   random_source random(5);
   auto places = random_places(4, 150);
@@ -181,7 +181,7 @@ TEST(cell_lattice, changed_bytes_make_boxes_or_errors) {
       for (std::size_t axis = 0; axis < 3; ++axis) ASSERT_LT(b.min[axis], b.max[axis]);
       corners.push_back({b.min[0], b.min[1], b.min[2]});
     }
-    if (lattice.chunk(lattice.chunk_count() - 1).level > 0) continue;  // a place and its half may share a corner
+    if (lattice.chunk(lattice.chunk_count() - 1).level > 0) continue;  // a position and its half may share a corner
     std::sort(corners.begin(), corners.end());
     ASSERT_EQ(std::adjacent_find(corners.begin(), corners.end()), corners.end());
   }

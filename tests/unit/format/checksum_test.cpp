@@ -13,7 +13,7 @@ std::uint32_t of_text(const char* text) {
   return crc32c(std::as_bytes(std::span(text, std::strlen(text))));
 }
 
-// One bit at a time, as the polynomial says.
+// One bit at a time, by the definition of the polynomial.
 std::uint32_t slow(std::span<const std::byte> bytes) {
   std::uint32_t crc = 0xFFFFFFFFu;
   for (const std::byte b : bytes) {

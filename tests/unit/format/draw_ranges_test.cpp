@@ -56,7 +56,7 @@ TEST(draw_ranges, against_one_polygon_at_a_time) {
   }
 }
 
-// The reader asks a file that may change under it.
+// The reader calls it with a file that may change at any time.
 TEST(draw_ranges, nonsense_borders_end_and_stay_inside) {
   sightcell::test::random_source random(9);
   for (int round = 0; round < 20000; ++round) {

@@ -74,7 +74,7 @@ TEST_F(file_output, names_are_utf8) {
   EXPECT_TRUE(fs::directory_iterator(folder_)->path().filename().u8string() == u8"\u00E9\u20AC.pvs");
 }
 
-// A line feed stays one byte, and what follows a control-Z is there.
+// A line feed stays one byte, and the bytes after a control-Z are kept.
 TEST_F(file_output, bytes_are_not_text) {
   const std::string name = path("a.pvs");
   std::vector<std::byte> bytes;
@@ -83,7 +83,8 @@ TEST_F(file_output, bytes_are_not_text) {
   EXPECT_EQ(read(name), bytes);
 }
 
-// Somebody has the old file open. He goes on reading the old bytes; Windows then refuses the new ones, others do not.
+// Another process has the old file open and continues to read the old bytes. Windows rejects the new ones then, other
+// systems do not.
 TEST_F(file_output, a_file_that_is_being_read) {
   const std::string name = path("a.pvs");
   ASSERT_EQ(write_file(name.c_str(), some_bytes(100, 1)), status::ok);
@@ -159,7 +160,7 @@ TEST_F(file_output, what_killed_writers_left_goes_and_nothing_else) {
   EXPECT_EQ(files(), 0u);
 }
 
-// A disk that fills up, played by the limit on file sizes.
+// A full disk, simulated by the limit on file sizes.
 TEST_F(file_output, a_full_disk_keeps_the_old_file) {
 #if !defined(__linux__)
   GTEST_SKIP() << "no limit on file sizes to play a full disk with";

@@ -9,7 +9,7 @@ namespace {
 using namespace sightcell::format;
 using namespace sightcell::test;
 
-// Encoding the parts with the sets gives the very same file.
+// Encoding the parts with the sets gives exactly the same file.
 void expect_same_file(const sample_contents& contents) {
   const auto bytes = contents.encode();
   reader file;
@@ -51,7 +51,7 @@ TEST(file_parts, of_version_0_are_those_it_was_written_from) {
   EXPECT_EQ(parts.cells.size(), 67u);
   EXPECT_EQ(parts.settings, contents.settings);
   ASSERT_EQ(parts.certificate.size(), 67u);
-  contents.certificate = parts.certificate;  // more exact than version 1 has them
+  contents.certificate = parts.certificate;  // more exact than in version 1
   std::vector<std::byte> now;
   ASSERT_EQ(encode(parts.contents(sets_of(contents.sets)), now), status::ok);
   EXPECT_TRUE(now == contents.encode());

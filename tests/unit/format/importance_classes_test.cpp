@@ -67,14 +67,14 @@ TEST(importance_classes, change_nothing_else_of_a_file) {
   EXPECT_TRUE(again == without);
   ASSERT_EQ(remove_importance(without, again), status::ok);
   EXPECT_TRUE(again == without);
-  // In place of what was there.
+  // Replaces what was there.
   const bytes other = with_importance(without, [](std::uint32_t, std::uint32_t) { return std::uint8_t{3}; });
   EXPECT_TRUE(with_importance(other, sample_class) == with);
   importance_classes none;
   EXPECT_EQ(opened(without).importance(none), status::argument);
 }
 
-// A bit for each polygon at most where all are alike, none of the last class, and a few bytes for each cell.
+// At most a bit per polygon where all are equal, none for the last class, and a few bytes per cell.
 TEST(importance_classes, are_small_where_they_follow_from_those_before) {
   const sample_contents contents = some_contents();
   std::size_t polygons = 0;
@@ -86,13 +86,13 @@ TEST(importance_classes, are_small_where_they_follow_from_those_before) {
   EXPECT_LE(section_size(unknown), 6 * contents.sets.size() + 100);
 }
 
-// Counts of which the best codes would be longer than the decoder takes.
+// Counts whose best codes would be longer than the decoder accepts.
 TEST(importance_classes, that_are_rare_have_short_codes_too) {
   sample_contents contents = random_contents(5, {.polygons = 70000, .draws = 1, .cells = 1, .visible = 0.9});
   contents.sets[0].clear();
   for (std::uint32_t i = 0; i < 70000; ++i) contents.sets[0].push_back(i);
   const auto rare = [](std::uint32_t, std::uint32_t polygon) {
-    // Class k behind class 15 in one of 2^(k + 1) places.
+    // Class k after class 15 once in 2^(k + 1) polygons.
     const auto k = static_cast<std::uint32_t>(std::countr_zero(polygon / 2 + 1));
     return static_cast<std::uint8_t>(polygon % 2 == 0 ? 15 : std::min(k, 14u));
   };
@@ -102,7 +102,7 @@ TEST(importance_classes, that_are_rare_have_short_codes_too) {
   for (std::uint32_t polygon = 0; polygon < 70000; ++polygon) ASSERT_EQ(classes[polygon], rare(0, polygon));
 }
 
-TEST(importance_classes, of_cells_that_see_nothing_or_of_no_cells) {
+TEST(importance_classes, of_empty_sets_or_no_cells) {
   sample_contents blind = tiny_contents();
   for (auto& set : blind.sets) set.clear();
   const bytes file = with_importance(blind.encode(), sample_class);
@@ -135,7 +135,7 @@ TEST(importance_writer, refuses_what_is_none) {
   EXPECT_EQ(put({}, {0, 1, 2, 15}), status::truncated);
 }
 
-TEST(importance_classes, decode_asks_for_cells_and_polygons_that_there_are) {
+TEST(importance_classes, decode_needs_existing_cells_and_polygons) {
   const bytes file = with_importance(tiny_contents().encode(), sample_class);
   importance_classes all;
   ASSERT_EQ(opened(file).importance(all), status::ok);
@@ -160,7 +160,7 @@ std::unique_ptr<std::byte[]> exact(const bytes& file) {
   return block;
 }
 
-// Of a file of which nothing but the importance is damaged. A host that does not ask for it never knows.
+// The importance is the only damage of the file. A host that does not use it does not notice.
 status check_importance(const bytes& file) {
   const auto block = exact(file);
   reader in;
@@ -189,7 +189,7 @@ TEST(importance_hostile, every_byte_flipped_is_found) {
     bytes file = whole;
     file[at] ^= std::byte{0x10};
     ASSERT_EQ(check_importance(file), status::checksum) << at;
-    reseal(file);  // the section's checksum fits: those inside it do not
+    reseal(file);  // the section's checksum fits, those inside it do not
     ASSERT_NE(check_importance(file), status::ok) << at;
   }
 }

@@ -71,7 +71,7 @@ status use_importance(const format::reader& file) {
   }
   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
     for (const std::size_t size : {std::size_t{0}, std::size_t{7}, std::size_t{300}}) {
-      // Room of exactly that size: the sanitizers see a step outside.
+      // Memory of exactly this size: the sanitizers detect an access outside.
       const auto classes = std::make_unique<std::uint8_t[]>(size);
       if (importance.decode(cell, {classes.get(), size}) != status::ok) continue;
       for (std::size_t i = 0; i < size; ++i) EXPECT_LT(classes[i], format::importance_class_count);

@@ -12,16 +12,16 @@ namespace sightcell::test {
 // The class of a polygon (source id) in the set of a cell.
 using class_function = std::function<std::uint8_t(std::uint32_t cell, std::uint32_t polygon)>;
 
-// All classes, some more often than others, in stretches.
+// All classes, some more often than others, in runs.
 std::uint8_t sample_class(std::uint32_t cell, std::uint32_t polygon);
 
-// Fails the running test, and gives no bytes, when the writer refuses.
+// Fails the running test, and returns no bytes, if the writer fails.
 std::vector<std::byte> with_importance(const std::vector<std::byte>& file, const class_function& class_of);
 
-// The class of each polygon that a cell sees, by ascending source id. Fails the running test when there are none.
+// The class of each polygon of a set, by ascending source id. Fails the running test if there are none.
 std::vector<std::uint8_t> classes_of(const format::reader& file, std::uint32_t cell);
 
-// Decodes all chunks and classes; what comes of it is for the sanitizers.
+// Decodes all chunks and classes, for the sanitizers.
 format::status use_importance(const format::reader& file);
 
 // reseal(), and the checksums inside the importance section too, as far as it can be followed.

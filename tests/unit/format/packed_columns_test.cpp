@@ -12,7 +12,7 @@ namespace {
 using namespace sightcell::format;
 using table = std::vector<std::vector<std::uint32_t>>;
 
-// In memory of exactly that size, so that the sanitizer sees a load behind it.
+// In memory of exactly this size, so that the sanitizer detects a load after its end.
 std::vector<std::byte> written(const table& columns) {
   std::vector<std::byte> bytes;
   put_columns(columns, bytes);
@@ -86,7 +86,7 @@ TEST(packed_columns, what_there_is_not_is_zero) {
   EXPECT_EQ(packed_column()[0], 0u);
 }
 
-// Somebody writes into the bytes while they are open.
+// The bytes change while they are open.
 TEST(packed_columns, bytes_that_change_stay_inside) {
   sightcell::test::random_source random(3);
   for (int round = 0; round < 3000; ++round) {

@@ -22,7 +22,7 @@ using sightcell::test::random_source;
 
 using order_list = std::vector<std::vector<std::uint32_t>>;
 
-// Stretches of the source's order, mixed.
+// Parts of the source order, mixed.
 std::vector<std::uint32_t> random_order(random_source& random, std::uint32_t polygons) {
   std::vector<std::uint32_t> order(polygons);
   std::iota(order.begin(), order.end(), 0u);
@@ -40,7 +40,7 @@ order_list some_orders(std::uint32_t seed) {
   return orders;
 }
 
-// In memory of exactly that size, so that the sanitizer sees a load behind it.
+// In memory of exactly this size, so that the sanitizer detects a load after its end.
 std::vector<std::byte> written(const order_list& orders) {
   std::vector<std::byte> bytes;
   put_orders(orders, bytes);
@@ -122,7 +122,7 @@ TEST(polygon_orders, cut_at_every_length) {
   EXPECT_FALSE(polygon_orders(longer, 100).good());
 }
 
-// A host makes room for orders before it reads them: few bytes must not name many polygons.
+// A host allocates memory for orders before it reads them: few bytes must not claim many polygons.
 TEST(polygon_orders, polygons_without_bits_are_refused) {
   const auto named = [](std::uint32_t polygons, std::uint32_t bytes_of_first) {
     std::vector<std::byte> bytes;
@@ -140,7 +140,7 @@ TEST(polygon_orders, polygons_without_bits_are_refused) {
   EXPECT_FALSE(named(8, 101)) << "an order begins behind the end";
 }
 
-// Whatever the bytes: refused, or orders that follow each other and name polygons that there are.
+// For any bytes: rejected, or orders that follow each other and name existing polygons.
 TEST(polygon_orders, changed_bytes_make_orders_or_errors) {
   random_source random(4);
   const auto bytes = written(some_orders(4));

@@ -32,7 +32,7 @@ TEST(prefix_code, canonical_codes) {
   prefix_code code;
   const std::vector<std::uint8_t> lengths{2, 0, 1, 3, 3};
   ASSERT_TRUE(code.assign(lengths));
-  // Shorter first, then by symbol: 2 is 0, 0 is 10, 3 is 110, 4 is 111; the first bit is the lowest of a file's.
+  // Shorter first, then by symbol: 2 is 0, 0 is 10, 3 is 110, 4 is 111; the first bit is the lowest one of a file.
   unsigned length = 0;
   EXPECT_EQ(code.decode(0b0, length), 2u);
   EXPECT_EQ(length, 1u);
@@ -47,11 +47,11 @@ TEST(prefix_code, only_whole_codes) {
   const auto good = [](std::vector<std::uint8_t> lengths) { return prefix_code().assign(lengths); };
   EXPECT_TRUE(good({}));
   EXPECT_TRUE(good({0, 0, 0}));
-  EXPECT_TRUE(good({0, 1}));   // one alone
-  EXPECT_FALSE(good({0, 2}));  // one alone, and it is longer than it need be
+  EXPECT_TRUE(good({0, 1}));   // a single one
+  EXPECT_FALSE(good({0, 2}));  // a single one, longer than necessary
   EXPECT_TRUE(good({1, 1}));
   EXPECT_FALSE(good({1, 1, 1}));         // too many
-  EXPECT_FALSE(good({1, 2}));            // 11 begins nothing
+  EXPECT_FALSE(good({1, 2}));            // no code begins with 11
   EXPECT_FALSE(good({1, 2, 3, 4, 16}));  // too long
   EXPECT_FALSE(good(std::vector<std::uint8_t>(symbol_count + 1, 7)));
   std::vector<std::uint8_t> all(symbol_count, 6);
@@ -71,7 +71,7 @@ TEST(prefix_code, a_code_without_symbols_decodes_nothing) {
   EXPECT_EQ(code.decode(0, length), prefix_code::no_symbol);
 }
 
-// Kraft's sum, and what each symbol costs.
+// Kraft's sum, and the bits of each symbol.
 struct measured {
   std::uint64_t kraft = 0;  // in units of 2^-longest_code
   std::uint64_t bits = 0;
@@ -99,7 +99,7 @@ TEST(code_lengths, small_codes) {
   EXPECT_EQ(lengths[4], 2);
 }
 
-// Counts that grow like Fibonacci's numbers make Huffman's codes as deep as can be; ours stop at the longest.
+// Counts that grow like Fibonacci numbers give the longest Huffman codes; ours stop at longest_code.
 TEST(code_lengths, never_longer_than_the_longest) {
   symbol_counts counts{};
   std::uint64_t a = 1, b = 1;
@@ -115,7 +115,7 @@ TEST(code_lengths, never_longer_than_the_longest) {
   EXPECT_TRUE(prefix_code().assign(lengths));
 }
 
-// Huffman's own construction, which is the best there is, where it does not need long codes.
+// Huffman's own construction, which is optimal, where it needs no long codes.
 std::uint64_t huffman_bits(const symbol_counts& counts) {
   std::vector<std::uint64_t> heap;
   for (const std::uint64_t c : counts) {
@@ -143,7 +143,7 @@ TEST(code_lengths, as_short_as_huffmans) {
     ASSERT_EQ(m.bits, huffman_bits(counts));
     prefix_code code;
     ASSERT_TRUE(code.assign(lengths));
-    // Every code comes back, with anything behind it.
+    // Every code is decoded, with any bits after it.
     code.for_each([&](std::uint32_t symbol, std::uint32_t bits, unsigned length) {
       unsigned taken = 0;
       EXPECT_EQ(code.decode(bits | std::uint64_t{random()} << length, taken), symbol);

@@ -1,6 +1,6 @@
 #pragma once
-// Random numbers for tests that are the same everywhere: std::mt19937 gives the same everywhere, but in a wider type, and
-// the distributions of the standard library are other ones in each.
+// Random numbers for tests that are the same on every machine. std::mt19937 is the same everywhere, but its result type
+// may be wider, and the distributions of the standard library differ.
 #include <cstddef>
 #include <cstdint>
 #include <random>
@@ -15,7 +15,9 @@ class random_source {
   explicit random_source(std::uint32_t seed) : engine_(seed) {}
   result_type operator()() { return static_cast<result_type>(engine_()); }
   // From 0 to count - 1; and from 0 to below 1.
-  std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>((std::uint64_t{(*this)()} * count) >> 32); }
+  std::uint32_t below(std::uint32_t count) {
+    return static_cast<std::uint32_t>((std::uint64_t{(*this)()} * count) >> 32);
+  }
   double share() { return (*this)() * 0x1p-32; }
 
   static constexpr result_type min() { return 0; }

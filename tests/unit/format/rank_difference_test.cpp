@@ -18,7 +18,7 @@ struct applied {
   std::vector<std::uint32_t> borders;
 };
 
-// Into memory of exactly the room that is asked for.
+// Into memory of exactly the required size.
 applied apply(const std::vector<run>& reference, const std::vector<run>& removed, const std::vector<run>& added,
               std::uint32_t limit) {
   const auto r = borders_of(reference), gone = closed_borders_of(removed), come = closed_borders_of(added);
@@ -87,8 +87,8 @@ TEST(rank_difference, what_was_made_comes_back) {
   }
 }
 
-// Lists that are none: nothing is read or written that should not be (the sanitizer watches), and what is accepted has
-// an even number of borders.
+// Invalid lists: no access outside of the buffers (the sanitizer checks that), and a result that is accepted has an
+// even number of borders.
 TEST(rank_difference, lists_of_any_numbers) {
   random_source random(12);
   for (int round = 0; round < 50000; ++round) {

@@ -1,5 +1,5 @@
-// Every byte of a file is hostile. Each test hands the reader an exact-size heap block, so that the sanitizers see a
-// step outside, and then calls everything.
+// Every byte of a file is hostile. Each test passes the reader an exact-size heap block, so that the sanitizers detect
+// an access outside, and then calls everything.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,14 +18,14 @@ namespace {
 using namespace sightcell::format;
 using namespace sightcell::test;
 
-// How many bytes or rounds the long loops below step at once: 1, or what an emulated platform's tree asks for. An odd
-// step still meets every byte of some record of each kind.
+// The step of the long loops below, in bytes or rounds: 1, or what the tree of an emulated platform sets. An odd step
+// still changes every byte of some record of each kind.
 std::size_t case_step() {
   const char* text = std::getenv("SIGHTCELL_TEST_STEP");
   return text == nullptr ? 1 : static_cast<std::size_t>(std::max(1, std::atoi(text)));
 }
 
-// A fresh block of exactly the file's size at an odd address as often as an even one.
+// A new block of exactly the file's size, at an odd address as often as at an even one.
 class exact_block {
  public:
   explicit exact_block(std::span<const std::byte> bytes)
@@ -39,7 +39,7 @@ class exact_block {
   std::size_t size_;
 };
 
-// An accepted row has volumes that there are.
+// An accepted row has only existing volumes.
 void expect_volumes(const reader& file, std::uint32_t cell, const row_codes* codes, std::span<run> out,
                     std::span<std::byte> scratch) {
   row_parts parts;
@@ -53,7 +53,7 @@ void expect_volumes(const reader& file, std::uint32_t cell, const row_codes* cod
   EXPECT_LE(next, std::uint64_t{file.volumes().count()} + 1);
 }
 
-// Calls everything there is. An accepted row must be a set inside the scene. Returns what check says.
+// Calls all functions. An accepted row must be a set inside the scene. Returns the result of check.
 status use_everything(const reader& file) {
   box b;
   draw_record d;
@@ -89,7 +89,7 @@ status use_everything(const reader& file) {
   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
     static_cast<void>(file.cell_box(cell, b));
     static_cast<void>(file.certificate(cell, c));
-    if (cell % 8 == 1) static_cast<void>(file.row(cell, r));  // looks at the whole chunk: slow
+    if (cell % 8 == 1) static_cast<void>(file.row(cell, r));  // reads the whole chunk: slow
     std::size_t count = 0;
     if (file.decode_row(cell, codes, out, scratch, count) != status::ok) {
       EXPECT_EQ(count, 0u);
@@ -129,7 +129,7 @@ status open_only(const std::vector<std::byte>& bytes) {
   return reader::open(bytes, file);
 }
 
-// One file of each version, of each kind of cells and of each host layout, with all that they can hold.
+// One file of each version, of each kind of cells and of each host layout, with all sections.
 std::vector<std::vector<std::byte>> all_kinds() {
   sample_contents on_lattice = small_contents();
   put_in_order(on_lattice, 8);
@@ -185,7 +185,7 @@ TEST(reader_hostile, every_byte_flipped_is_found) {
   }
 }
 
-// Behind the checksums: the file may be refused or be another valid file, but never leaves its bounds.
+// With fitting checksums, the file may be rejected or be another valid file, but no access leaves its bounds.
 TEST(reader_hostile, every_byte_changed_with_fitting_checksums) {
   for (const auto& whole : all_kinds()) {
     std::size_t refused = 0;
@@ -219,7 +219,7 @@ TEST(reader_hostile, random_damage_with_fitting_checksums) {
   }
 }
 
-// The bytes of an open file change: what was checked at open is not true any more.
+// The bytes of an open file change: the checks of open no longer hold.
 TEST(reader_hostile, bytes_that_change_after_open) {
   random_source random(12);
   const auto kinds = all_kinds();
@@ -279,7 +279,7 @@ TEST(reader_hostile, missing_and_doubled_sections) {
     bytes = whole;
     set_u32(bytes, section_place(bytes, 6), id);
     reseal(bytes);
-    EXPECT_EQ(open_only(bytes), status::corrupt) << id;  // there twice
+    EXPECT_EQ(open_only(bytes), status::corrupt) << id;  // it occurs twice
   }
 }
 
@@ -292,7 +292,7 @@ TEST(reader_hostile, unknown_optional_sections_are_skipped) {
   reader file;
   ASSERT_EQ(reader::open(bytes, file), status::ok);
   EXPECT_EQ(file.settings(), "");
-  // Skipped at open, but check looks at its checksum too.
+  // Skipped at open, but check tests its checksum too.
   bytes[get_u64(bytes, place + 8)] ^= std::byte{1};
   EXPECT_EQ(open_only(bytes), status::ok);
   EXPECT_EQ(open_and_use(bytes), status::checksum);
@@ -306,7 +306,7 @@ void expect_after(std::size_t at, std::uint32_t value, status expected) {
 }
 
 TEST(reader_hostile, counts_at_and_above_their_limits) {
-  expect_after(layout::header_polygon_count, layout::max_polygons, status::corrupt);  // draws say 300
+  expect_after(layout::header_polygon_count, layout::max_polygons, status::corrupt);  // the draws have 300
   expect_after(layout::header_polygon_count, layout::max_polygons + 1, status::limit);
   expect_after(layout::header_cell_count, layout::max_cells, status::corrupt);
   expect_after(layout::header_cell_count, layout::max_cells + 1, status::limit);

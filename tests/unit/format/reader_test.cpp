@@ -12,7 +12,7 @@ namespace {
 using namespace sightcell::format;
 using namespace sightcell::test;
 
-// What decode_row needs, with room in runs and bytes of scratch.
+// The memory that decode_row needs, with room in runs and bytes of scratch.
 struct decoding {
   explicit decoding(const reader& file)
       : memory(file.codes_size()), runs(file.run_bound()), scratch(file.scratch_size()), stored(file.polygon_count()) {
@@ -205,7 +205,7 @@ TEST(reader, numbers_out_of_range_are_arguments) {
   EXPECT_EQ(outcome, status::argument);
 }
 
-TEST(reader, too_little_room_is_said) {
+TEST(reader, too_little_room_is_a_status) {
   const auto bytes = small_contents().encode();
   reader file;
   ASSERT_EQ(reader::open(bytes, file), status::ok);
@@ -229,7 +229,7 @@ TEST(reader, too_little_room_is_said) {
   EXPECT_EQ(codes, nullptr);
 }
 
-TEST(reader, sections_lie_one_behind_the_other) {
+TEST(reader, sections_follow_each_other) {
   const auto bytes = small_contents().encode();
   reader file;
   ASSERT_EQ(reader::open(bytes, file), status::ok);
@@ -276,7 +276,7 @@ TEST(reader, statistics_are_the_sums) {
   EXPECT_EQ(sums.delta_rows, expected.delta_rows);
   EXPECT_GT(sums.delta_rows, 30u);
   EXPECT_EQ(sums.shared_rows, 1u);
-  // Of each chunk besides: where its rows begin, and bytes behind the last one.
+  // Also of each chunk: where its rows begin, and the bytes after the last one.
   const std::uint64_t more = sums.row_bytes - expected.row_bytes;
   EXPECT_GT(sums.row_bytes, expected.row_bytes);
   EXPECT_LT(more, 67 * 2 + 2 * 16);

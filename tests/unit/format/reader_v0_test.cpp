@@ -1,4 +1,5 @@
-// Files of version 0, which nobody writes any more: the golden ones are read as what they were written from.
+// Files of version 0, which no writer makes any more: the golden ones are read with the contents that they were written
+// from.
 #include <gtest/gtest.h>
 
 #include "sample_contents.h"
@@ -72,7 +73,7 @@ TEST(reader_v0, a_damaged_chunk_leaves_the_other_alone) {
   EXPECT_EQ(file.check_chunk(1), status::ok);
 }
 
-// What the header of version 1 has at the end, version 0 has not.
+// The fields at the end of version 1's header do not exist in version 0.
 TEST(reader_v0, what_was_reserved_is_zero) {
   for (const std::size_t at : {layout::header_list_bound, layout::header_slack}) {
     auto bytes = golden_file("v0_tiny");
@@ -83,13 +84,13 @@ TEST(reader_v0, what_was_reserved_is_zero) {
   }
 }
 
-// Three differences in a row, and two that stand on each other.
+// Three differences in a row, and two that refer to each other.
 TEST(reader_v0, references_too_deep_or_closed) {
   const auto whole = golden_file("v0_small");
   const std::size_t rows = section_offset(whole, layout::section_rows);
   const std::size_t directory = section_offset(whole, layout::section_row_directory) + 2 * layout::chunk_record_size;
-  // A row of version 0 as a difference that changes nothing but who it stands on: {no runs removed, reference, no runs
-  // added, no bytes of the removed}.
+  // A row of version 0 as a difference that changes nothing: {no runs removed, reference, no runs added, no bytes of
+  // the removed}.
   const auto refer = [&](std::vector<std::byte>& bytes, std::uint32_t cell, std::uint32_t reference) {
     const std::size_t record = directory + layout::v0_row_record_size * cell;
     ASSERT_GE(get_u32(bytes, record + 4), 4u);
@@ -104,7 +105,7 @@ TEST(reader_v0, references_too_deep_or_closed) {
     decode_set(file, cell, s);
     return s;
   };
-  // A cell whose row stands alone.
+  // A cell with an own row.
   reader file;
   ASSERT_EQ(reader::open(whole, file), status::ok);
   std::uint32_t own = 0;

@@ -1,5 +1,5 @@
-// Refusals that no damaged file of tests/golden can show: files that are too large for it, files of version 0, memory
-// that is too small, and callers that go wrong.
+// Rejections that no damaged file of tests/golden can show: files that are too large for it, files of version 0, too
+// little memory, and wrong calls.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -23,7 +23,7 @@ status opened(const bytes& file_bytes) {
   return reader::open(file_bytes, file);
 }
 
-// A section grows at its end, or shrinks; those behind it move.
+// Changes the size of a section at its end; the sections after it move.
 bytes resized(const bytes& whole, std::uint32_t id, std::int64_t more) {
   bytes out = whole;
   const std::size_t record = section_place(out, id);
@@ -77,7 +77,7 @@ TEST(refusals, version_0_records) {
   refused(layout::section_draws, 28, 1000);     // polygons leave the scene
   refused(layout::section_certificate, 12, 1);  // more misses than rays
   const std::size_t rows = 2 * layout::chunk_record_size;
-  refused(layout::section_row_directory, rows, 1u << 20);      // a row begins behind its chunk
+  refused(layout::section_row_directory, rows, 1u << 20);      // a row begins after its chunk
   refused(layout::section_row_directory, rows + 4, 1u << 20);  // and ends there
   refused(layout::section_row_directory, rows + 4, 0);         // or has no bytes
 }
@@ -135,9 +135,9 @@ TEST(refusals, version_0_rows) {
   EXPECT_EQ(outcome(0, {2, 0xAB, 2, 0}), status::ok);           // polygon 299
   EXPECT_EQ(outcome(0, {2, 0xAB, 2, 1}), status::corrupt);      // and 300
   EXPECT_EQ(outcome(0, {0x80}), status::corrupt);               // no whole number
-  EXPECT_EQ(outcome(0, {1, 11, 0, 0}), status::ok);             // as cell 11, which sees nothing
-  EXPECT_EQ(outcome(0, {3, 11, 0, 2, 0, 0}), status::corrupt);  // without what that does not see
-  // The last of three cells of its chunk, as the first one and as one that there is not.
+  EXPECT_EQ(outcome(0, {1, 11, 0, 0}), status::ok);             // as cell 11, whose set is empty
+  EXPECT_EQ(outcome(0, {3, 11, 0, 2, 0, 0}), status::corrupt);  // removes what the reference does not have
+  // The last of three cells of its chunk, as the first one and as one that does not exist.
   EXPECT_EQ(outcome(66, {1, 0, 0, 0}), status::ok);
   EXPECT_EQ(outcome(66, {1, 3, 0, 0}), status::corrupt);
 }
@@ -154,12 +154,12 @@ TEST(refusals, version_0_rows_that_do_not_fill_their_chunk) {
   EXPECT_EQ(outcome(0, 1, -1), status::corrupt);   // a gap before it
   EXPECT_EQ(outcome(20, 0, -1), status::corrupt);  // shared with another, but not whole
 
-  // A row of no polygons is one byte, 0. Behind the last one of the chunk are bytes then.
+  // A row without polygons is one byte, 0. This leaves bytes after the last row of the chunk.
   rows_of_version_0 shorter("v0_tiny");
   shorter.put_row(1, {0});
   EXPECT_EQ(shorter.decode(1), status::ok);
   EXPECT_EQ(shorter.check(), status::corrupt);
-  // And cell 20, whose row is that of another, may not take one from the middle of a third.
+  // And cell 20, whose row is that of another cell, may not have one from the middle of a third.
   rows_of_version_0 inside;
   const std::uint32_t zero = inside.zero_byte_behind(inside.get(inside.record(0)) + 1);
   inside.set(inside.record(20), zero);
@@ -168,8 +168,8 @@ TEST(refusals, version_0_rows_that_do_not_fill_their_chunk) {
   EXPECT_EQ(inside.check(), status::corrupt);
 }
 
-// Draws without polygons that are all alike take no bit of the table, and a reader wants one for each. What it would
-// refuse is not written.
+// Draws without polygons that are equal in all columns take no bit of the table, and a reader needs one for each. The
+// writer does not write a file that the reader would reject.
 TEST(refusals, more_draws_alike_than_bytes_have_bits) {
   sample_contents contents;
   contents.orders = {{}};
@@ -184,7 +184,7 @@ TEST(refusals, more_draws_alike_than_bytes_have_bits) {
   EXPECT_EQ(opened(contents.encode()), status::ok);
 }
 
-// Memory for all that decoding takes, of which one part may be too small.
+// Memory for all that decoding needs, of which one part may be too small.
 struct room {
   explicit room(const reader& file)
       : code_memory(file.codes_size() / 8),

@@ -1,5 +1,5 @@
-// What is written comes back, of contents of every kind: from the reader, from the tools' classes and from the runtime.
-// SIGHTCELL_TEST_ROUNDS: how many contents are tried (300); SIGHTCELL_TEST_SEED: the seed of the first one (1).
+// Contents of every kind are read as they were written: by the reader, by the classes for tools and by the runtime.
+// SIGHTCELL_TEST_ROUNDS: the number of contents (300); SIGHTCELL_TEST_SEED: the seed of the first one (1).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ std::uint32_t number_in_environment(const char* name, std::uint32_t otherwise) {
   return text == nullptr ? otherwise : static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
 }
 
-// How often each kind was met, so that none is left out unseen.
+// Counts each kind, so that a missing one is noticed.
 struct kinds_met {
   std::uint32_t merged = 0, on_lattice = 0, shared_orders = 0, source_orders = 0, moving = 0, no_polygons = 0;
   std::uint32_t own = 0, first_differences = 0, second_differences = 0, shared_rows = 0;
@@ -127,7 +127,7 @@ void expect_volumes(const any_contents& in, const reader& file) {
   }
 }
 
-// The set of a cell by the reader alone, in memory that held other things.
+// The set of a cell by the reader alone, in memory with other contents before.
 numbers stored_set(const reader& file, std::uint32_t cell, std::uint64_t& runs, std::uint64_t& ranges) {
   std::vector<std::uint64_t> code_memory(file.codes_size() / 8 + 1);
   std::vector<std::uint32_t> scratch(file.scratch_size() / 4 + 1, 0xAAAAAAAAu);
@@ -148,7 +148,7 @@ numbers stored_set(const reader& file, std::uint32_t cell, std::uint64_t& runs, 
   return polygons;
 }
 
-// Stretches of stored polygons inside one draw or draw group, counted one by one.
+// Counts the runs inside each draw or draw group, one polygon at a time.
 std::uint64_t ranges_of(const any_contents& in, const numbers& stored) {
   std::uint64_t ranges = 0;
   for (std::size_t i = 0; i < stored.size(); ++i) {
@@ -162,12 +162,12 @@ std::uint64_t ranges_of(const any_contents& in, const numbers& stored) {
 // All ascending.
 struct read_sets {
   std::vector<numbers> stored;  // polygons
-  std::vector<numbers> ids;     // of these
-  std::vector<numbers> items;   // ids and volumes
+  std::vector<numbers> ids;     // source ids
+  std::vector<numbers> items;   // source ids and volumes
 };
 
-// The volumes of a cell: its items but the polygons. Counts their runs, and whether the first one is that of the last
-// polygons.
+// The volumes of a cell: its items without the polygons. Counts their runs, and whether the first one continues the run
+// of the last polygons.
 std::uint64_t expect_volumes_of(set_reader& sets, std::uint32_t cell, const numbers& stored, const numbers& items,
                                 bool& from_polygons_on) {
   row_parts parts;
@@ -191,7 +191,7 @@ std::uint64_t expect_volumes_of(set_reader& sets, std::uint32_t cell, const numb
   return parts.volumes.size();
 }
 
-// All sets, which all classes must say alike.
+// All sets, which must be equal through all classes.
 read_sets expect_sets_agree(const any_contents& in, const reader& file) {
   read_sets out;
   set_reader sets;
@@ -240,7 +240,7 @@ read_sets expect_sets_agree(const any_contents& in, const reader& file) {
   return out;
 }
 
-// Exact, or each a superset within its budget; and the header says how much was added to all together.
+// Exact sets, or supersets within the budget; and the header has the slack of all together.
 void expect_sets(const any_contents& in, const reader& file, const read_sets& out, kinds_met& met) {
   const double share = in.slack_to_add;
   std::uint64_t seen = 0;
@@ -266,13 +266,13 @@ void expect_sets(const any_contents& in, const reader& file, const read_sets& ou
   const double added = seen == 0 ? 0.0 : static_cast<double>(held - seen) / static_cast<double>(seen);
   const double together = (1.0 + static_cast<double>(in.facts.slack)) * (1.0 + added) - 1.0;
   EXPECT_NEAR(static_cast<double>(file.facts().slack), together, 1e-7);
-  EXPECT_GE(static_cast<double>(file.facts().slack), together - 1e-12) << "what is said is not too little";
+  EXPECT_GE(static_cast<double>(file.facts().slack), together - 1e-12) << "never rounded down";
 }
 
-// Sets that are asked for give the same bytes, however often that is done and whatever memory they come in.
+// Decoding gives the same bytes, however often it is done and whatever the memory contains.
 void expect_asking_makes_no_difference(const any_contents& in, const std::vector<std::byte>& bytes) {
   std::uint32_t passes = 0;
-  std::uint32_t expected = 0;  // the lowest cell that may be asked for next
+  std::uint32_t expected = 0;  // the lowest cell that may come next
   std::vector<bool> asked(in.sets.size(), false);
   file_contents all = in.contents_to_write();
   all.cell_sets.get = [&](std::uint32_t cell, numbers& set) {
@@ -290,7 +290,7 @@ void expect_asking_makes_no_difference(const any_contents& in, const std::vector
   EXPECT_EQ(std::count(asked.begin(), asked.end(), false), 0);
 }
 
-// What tools take out of a file makes it again; with slack only where none is added a second time.
+// The parts that tools take out of a file make it again; with slack only if none is added a second time.
 void expect_parts_make_the_file(const any_contents& in, const reader& file, const read_sets& sets,
                                 const std::vector<std::byte>& bytes) {
   file_parts parts;
@@ -351,7 +351,7 @@ double volume_of(const box& b) {
   return volume;
 }
 
-// By trying all: the smallest, then the lowest number.
+// By testing all: the smallest, then the lowest number.
 std::uint32_t cell_at(const any_contents& in, const std::array<float, 3>& eye) {
   std::uint32_t found = SIGHTCELL_NO_CELL;
   for (std::uint32_t cell = 0; cell < in.cells.size(); ++cell) {
@@ -363,7 +363,7 @@ std::uint32_t cell_at(const any_contents& in, const std::array<float, 3>& eye) {
   return found;
 }
 
-// Ids in stored order, ranges and indices all say these stored polygons.
+// Ids in stored order, ranges and indices all give these stored polygons.
 void expect_outputs(const any_contents& in, const test_view& view, const numbers& stored) {
   numbers ids;
   numbers indices;
@@ -380,8 +380,8 @@ void expect_outputs(const any_contents& in, const test_view& view, const numbers
   EXPECT_EQ(view.indices(host), indices);
 }
 
-// From the middle of cells: those that other cells cover there are not met. Each by a view of its own, as the margin
-// may keep an old cell for ever.
+// From the center of each cell that no other cell covers. Each with a view of its own, as the margin may keep an old
+// cell.
 void expect_runtime(const any_contents& in, const reader& file, const read_sets& sets,
                     const std::vector<std::byte>& bytes, kinds_met& met) {
   const loaded_file loaded(bytes);
@@ -442,7 +442,7 @@ void expect_round_trip(std::uint32_t seed, kinds_met& met) {
   const any_contents in = make_any_contents(seed);
   const std::vector<std::byte> bytes = in.write();
   EXPECT_TRUE(bytes == in.write()) << "same contents, same bytes";
-  EXPECT_TRUE(bytes == make_any_contents(seed).write()) << "whatever memory they lie in";
+  EXPECT_TRUE(bytes == make_any_contents(seed).write()) << "in any memory";
   expect_asking_makes_no_difference(in, bytes);
   reader file;
   ASSERT_EQ(reader::open(bytes, file), status::ok);
@@ -475,7 +475,7 @@ TEST(round_trip, contents_of_any_kind_come_back) {
         met.widened_sets, met.overlapping, met.volumes, met.from_polygons_on, met.widened_with_volumes}) {
     EXPECT_GT(count, 5u);
   }
-  EXPECT_GT(met.chunks, 3u) << "with slack, not all are looked at first";
+  EXPECT_GT(met.chunks, 3u) << "with slack, not all are sampled";
 }
 
 }  // namespace

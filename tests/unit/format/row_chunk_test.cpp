@@ -18,7 +18,7 @@ using set_list = std::vector<std::vector<run>>;
 
 constexpr std::uint32_t limit = 2000;
 
-// Sets like the one before, a few equal, one empty and one full.
+// Sets that resemble the one before, a few equal, one empty and one full.
 set_list like_sets(std::uint32_t seed, std::size_t count) {
   random_source random(seed);
   std::vector<bool> members(limit);
@@ -35,7 +35,7 @@ set_list like_sets(std::uint32_t seed, std::size_t count) {
   return sets;
 }
 
-// A chunk and all that decodes it.
+// A chunk with everything that decoding needs.
 struct coded {
   chunk_plan plan;
   row_codes codes;
@@ -164,7 +164,7 @@ TEST(row_chunk, bounds_are_kept) {
   EXPECT_EQ(chunk.decode(0, c.codes, right, scratch, borders, end), status::capacity);
 }
 
-// The room of a set is larger than its bound where there are lists; the bound holds all the same.
+// With lists, the room of a set is larger than its bound; the bound still holds.
 TEST(row_chunk, own_rows_keep_the_bound_of_runs) {
   coded c = encode({{{0, 1}, {5, 2}, {9, 1}}});
   c.bounds.list_runs = 5;
@@ -174,7 +174,7 @@ TEST(row_chunk, own_rows_keep_the_bound_of_runs) {
 }
 
 TEST(row_chunk, chains_and_circles_of_references) {
-  // Rows that are nothing but differences without lists: 1, place, no runs, no runs.
+  // Rows that are differences without lists: 1, index, no runs, no runs.
   const auto chunk_of = [](const std::vector<std::uint32_t>& references) {
     std::vector<std::byte> rows, bytes;
     bit_sink bits(rows);
@@ -221,7 +221,7 @@ TEST(row_chunk, cut_at_every_length) {
   }
 }
 
-// Whatever the bytes, what is accepted is a set that keeps the bounds.
+// For any bytes, an accepted row is a set that keeps the bounds.
 TEST(row_chunk, changed_bytes_make_sets_or_errors) {
   const set_list sets = like_sets(8, 20);
   const coded c = encode(sets);

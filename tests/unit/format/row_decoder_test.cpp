@@ -21,7 +21,7 @@ struct decoded {
   std::vector<run> runs;
 };
 
-// Decodes into a buffer of exactly room runs, so that the sanitizer sees any write behind it.
+// Decodes into a buffer of exactly room runs, so that the sanitizer detects any write after it.
 decoded decode(std::span<const std::byte> bytes, std::uint32_t polygons, std::span<const run> reference,
                std::size_t room) {
   decoded answer;
@@ -38,7 +38,7 @@ decoded decode(std::span<const std::byte> bytes, std::uint32_t polygons, std::sp
 }
 
 TEST(row_decoder, own_row) {
-  // Two runs: gap 0 length 3, then (one between) gap 0 more, length 1.
+  // Two runs: gap 0, length 3; then (one polygon between) gap 0, length 1.
   const decoded row = decode(bytes_of({2 << 1, 0, 2, 0, 0}), 10, {}, 2);
   ASSERT_EQ(row.outcome, status::ok);
   ASSERT_EQ(row.runs.size(), 2u);
@@ -52,7 +52,7 @@ TEST(row_decoder, own_row_faults) {
   EXPECT_EQ(decode({}, 10, {}, 9).outcome, status::corrupt);                              // no header
   EXPECT_EQ(decode(bytes_of({2 << 1, 0, 2}), 10, {}, 9).outcome, status::corrupt);        // a run is missing
   EXPECT_EQ(decode(bytes_of({1 << 1, 0, 2, 0}), 10, {}, 9).outcome, status::corrupt);     // a byte too many
-  EXPECT_EQ(decode(bytes_of({1 << 1, 0, 10}), 10, {}, 9).outcome, status::corrupt);       // behind the last polygon
+  EXPECT_EQ(decode(bytes_of({1 << 1, 0, 10}), 10, {}, 9).outcome, status::corrupt);       // after the last polygon
   EXPECT_EQ(decode(bytes_of({1 << 1, 0, 9}), 10, {}, 9).outcome, status::ok);             // all polygons
   EXPECT_EQ(decode(bytes_of({2 << 1, 0, 2, 0, 0}), 10, {}, 1).outcome, status::corrupt);  // more runs than room
   EXPECT_EQ(decode(bytes_of({1 << 1, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F}), 0xFFFFFFFEu, {}, 9)
@@ -77,7 +77,7 @@ TEST(row_decoder, delta_row_faults) {
   const std::vector<run> reference{{2, 3}};
   EXPECT_EQ(decode(bytes_of({1 << 1 | 1, 0, 0, 2, 2, 2}), 10, reference, 9).outcome, status::ok);
   EXPECT_EQ(decode(bytes_of({1 << 1 | 1, 64, 0, 2, 2, 2}), 10, reference, 9).outcome,
-            status::corrupt);                                                                           // no such place
+            status::corrupt);                                                                           // no such cell
   EXPECT_EQ(decode(bytes_of({1 << 1 | 1, 0, 0, 2, 1, 2}), 10, reference, 9).outcome, status::corrupt);  // removes 1
   EXPECT_EQ(decode(bytes_of({1 << 1 | 1, 0, 0, 2, 2, 3}), 10, reference, 9).outcome, status::corrupt);  // removes 5
   EXPECT_EQ(decode(bytes_of({1 << 1 | 1, 0, 0, 2, 7, 0}), 10, reference, 9).outcome, status::corrupt);  // removes 7
@@ -88,7 +88,7 @@ TEST(row_decoder, delta_row_faults) {
   EXPECT_EQ(decode(bytes_of({1 << 1 | 1, 0, 0, 2, 2, 2, 0}), 10, reference, 9).outcome, status::corrupt);  // byte left
 }
 
-// Whatever the bytes, an accepted row is a set inside the scene.
+// For any bytes, an accepted row is a set inside the scene.
 TEST(row_decoder, random_bytes_make_sets_or_errors) {
   sightcell::test::random_source random(5);
   const std::vector<run> reference{{3, 4}, {20, 30}, {60, 1}};

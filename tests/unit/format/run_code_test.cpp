@@ -13,7 +13,7 @@ namespace {
 using namespace sightcell::format;
 using namespace sightcell::test;
 
-// Ascending, disjoint, not touching; scale: how large gaps and lengths may be.
+// Ascending, disjoint, not touching. scale: the size of gaps and lengths.
 std::vector<run> random_runs(random_source& random, std::size_t count, std::uint32_t scale) {
   std::vector<run> runs;
   std::uint64_t next = 0;
@@ -69,7 +69,7 @@ TEST(run_code, what_was_encoded_comes_back) {
   }
 }
 
-// Two lists one behind the other, from a place inside a byte.
+// Two lists in sequence, starting inside a byte.
 TEST(run_code, lists_follow_each_other) {
   random_source random(2);
   const std::vector<run> a = random_runs(random, 50, 40), b = random_runs(random, 31, 9000);
@@ -139,7 +139,7 @@ TEST(run_code, codes_that_are_none) {
   EXPECT_FALSE(code.decode(in, 1, 10, out));
 }
 
-// Whatever the bits, what is accepted is a set below the limit.
+// For any bits, an accepted list is a set below the limit.
 TEST(run_code, random_bits_make_sets_or_errors) {
   random_source random(4);
   int accepted = 0;

@@ -8,7 +8,7 @@
 
 namespace sightcell::test {
 
-// The runs of the places that are true.
+// The runs of the elements that are true.
 inline std::vector<format::run> runs_of(const std::vector<bool>& members) {
   std::vector<format::run> runs;
   for (std::uint32_t i = 0; i < members.size(); ++i) {
@@ -22,7 +22,7 @@ inline std::vector<format::run> runs_of(const std::vector<bool>& members) {
   return runs;
 }
 
-// The first number of each run, and the one behind its last.
+// The first number of each run, and the one after its last.
 inline std::vector<std::uint32_t> borders_of(const std::vector<format::run>& runs) {
   std::vector<std::uint32_t> borders;
   for (const format::run& r : runs) {
@@ -32,7 +32,7 @@ inline std::vector<std::uint32_t> borders_of(const std::vector<format::run>& run
   return borders;
 }
 
-// The same as apply_rank_difference wants a list.
+// The same as a list for apply_rank_difference.
 inline std::vector<std::uint32_t> closed_borders_of(const std::vector<format::run>& runs) {
   std::vector<std::uint32_t> borders = borders_of(runs);
   borders.insert(borders.end(), format::list_padding, format::no_border);

@@ -48,7 +48,7 @@ void add_draws(sample_contents& contents, std::uint32_t polygons, std::uint32_t 
 
 namespace {
 
-// A file has floats here: what it gives back is what it was given only where that was one.
+// A file has floats here, so only values of a float are read back exactly.
 double as_stored(double value) {
   return static_cast<double>(static_cast<float>(value));
 }
@@ -187,7 +187,7 @@ void add_volumes(sample_contents& contents, std::uint32_t count, std::uint32_t s
   const std::uint32_t polygons = contents.facts.polygon_count;
   contents.volume_shape = {1.5, 2.0};
   contents.volumes.clear();
-  // Every second place of a block, row by row.
+  // Every second position of a block, row by row.
   for (std::int32_t i = 0; contents.volumes.size() < count; ++i) {
     if (random() % 2 == 0) contents.volumes.push_back({i % 9 - 4, i / 9 % 3 - 1, i / 27 - 3, 0});
   }
@@ -239,9 +239,9 @@ sample_contents small_contents() {
     contents.cells.push_back(grid_box(cell));
     std::vector<std::uint32_t> set;
     for (std::uint32_t p = 0; p < 300; ++p) {
-      const bool common = p % 12 < 5 && p > 30;   // what nearly all cells see, so that differences pay
-      const bool own = p / 4 % 67 == cell;        // what only this cell sees
-      const bool lost = p / 7 % 35 == cell % 35;  // what few cells do not see
+      const bool common = p % 12 < 5 && p > 30;   // visible from nearly all cells, so that differences save bits
+      const bool own = p / 4 % 67 == cell;        // visible from this cell only
+      const bool lost = p / 7 % 35 == cell % 35;  // not visible from a few cells
       if (cell == 12 || (cell != 11 && ((common && !lost) || own))) set.push_back(p);
     }
     contents.sets.push_back(cell == 20 ? contents.sets[19] : set);

@@ -1,5 +1,5 @@
 #pragma once
-// Contents of .pvs files for tests: small hand-made ones and random ones, kept with the vectors they point into.
+// Contents of .pvs files for tests: small hand-made ones and random ones, with the vectors that they point into.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -13,25 +13,25 @@ namespace sightcell::test {
 struct sample_contents : format::file_parts {
   std::vector<std::vector<std::uint32_t>> sets;
 
-  // Valid as long as this is.
+  // Valid as long as this object.
   [[nodiscard]] format::file_contents view() const;
-  // Fails the running test, and gives no bytes, when the writer refuses.
+  // Fails the running test, and returns no bytes, if the writer fails.
   [[nodiscard]] std::vector<std::byte> encode() const;
 };
 
-// polygons shared out over draws; every fifth draw is empty.
+// Distributes polygons over draws; every fifth draw is empty.
 void add_draws(sample_contents& contents, std::uint32_t polygons, std::uint32_t draws);
 
 struct random_options {
   std::uint32_t polygons = 1000;
   std::uint32_t draws = 7;
   std::uint32_t cells = 150;
-  double visible = 0.1;      // share of the scene that a cell sees
+  double visible = 0.1;      // share of the scene in a set
   double changed = 0.2;      // share of runs that differ from the cell before
   bool overlapping = false;  // explicit boxes of different sizes; else a grid of 1 m cells
 };
 
-// Sets that resemble their neighbors, some equal, some empty, some full. Same seed, same contents.
+// Sets that resemble their neighbors, some equal, some empty, some full. Equal seeds give equal contents.
 sample_contents random_contents(std::uint32_t seed, const random_options& options);
 
 // Two cells, one draw, six polygons: the worked example of SPEC.md.
@@ -40,19 +40,19 @@ sample_contents tiny_contents();
 void put_in_order(sample_contents& contents, std::uint32_t seed);
 // The draws of some contents in the merged layout: groups of a few materials, some draws that move, random orders.
 void put_in_groups(sample_contents& contents, std::uint32_t seed);
-// The cells of some contents, as many as they are, on a lattice: cells of 4 m around the origin, then of half the size.
+// Moves the cells of some contents to a lattice: cells of 4 m around the origin, then of half the size.
 void put_on_lattice(sample_contents& contents);
-// So many volumes around the origin, some of which each cell sees: none, all, or such as the cell before.
+// Adds volumes around the origin. The set of each cell has none of them, all, or mostly those of the cell before.
 void add_volumes(sample_contents& contents, std::uint32_t count, std::uint32_t seed);
-// Everything the format has in one small file: three draws (one empty), 67 cells in two chunks, own, delta and shared
+// All features of the format in one small file: three draws (one empty), 67 cells in two chunks, own, delta and shared
 // rows, an empty set and a full one, certificate and settings.
 sample_contents small_contents();
 
-// The bytes of a golden file, of which name.pvs lies in tests/golden.
+// The bytes of the golden file tests/golden/NAME.pvs.
 std::vector<std::byte> golden_file(const std::string& name);
 
-// Makes all checksums of a damaged file fit its bytes again, as far as its directory can be followed: what a clever
-// attacker would do, and the way to test the decoder behind the checksums.
+// Corrects all checksums of a damaged file, as far as its directory can be followed: as an attacker would, and to test
+// the decoder below the checksums.
 void reseal(std::vector<std::byte>& file);
 
 // Little-endian access for tests that change files.
@@ -61,14 +61,14 @@ std::uint64_t get_u64(const std::vector<std::byte>& file, std::size_t at);
 void set_u32(std::vector<std::byte>& file, std::size_t at, std::uint32_t value);
 void set_u64(std::vector<std::byte>& file, std::size_t at, std::uint64_t value);
 
-// Where the record of section id lies in the table; fails the test when there is none.
+// The offset of the record of section id in the table; fails the test if there is none.
 std::size_t section_place(const std::vector<std::byte>& file, std::uint32_t id);
-// Where the section's bytes begin.
+// The offset of the section's bytes.
 std::size_t section_offset(const std::vector<std::byte>& file, std::uint32_t id);
 
-// Source ids of a cell, and volumes behind them, ascending. s: status of decoding.
+// Source ids of a cell, then its volumes, ascending. s: status of decoding.
 std::vector<std::uint32_t> decode_set(const format::reader& file, std::uint32_t cell, format::status& s);
-// What reader::check says.
+// The result of reader::check.
 format::status check_all(const format::reader& file);
 
 }  // namespace sightcell::test

@@ -47,7 +47,7 @@ TEST(set_reader, gives_runs_in_stored_order_and_ids_of_the_source) {
   expect_runs_and_ids(contents);
 }
 
-TEST(set_reader, says_what_the_reader_says) {
+TEST(set_reader, agrees_with_the_reader) {
   auto bytes = small_contents().encode();
   reader file;
   set_reader sets;

@@ -39,7 +39,7 @@ std::vector<std::uint32_t> some_borders() {
   return range_borders(some_draws(), host_layout::instanced);
 }
 
-// Sets like the one before, with holes; a few equal, some empty, one full.
+// Sets that resemble the one before, with gaps; a few equal, some empty, one full.
 set_list like_sets(std::uint32_t seed, std::size_t count) {
   random_source random(seed);
   std::vector<bool> members(limit);
@@ -94,7 +94,7 @@ bool holds_all_of(const std::vector<run>& large, const std::vector<run>& small) 
   });
 }
 
-// Each cell keeps what it sees and its budget.
+// Each cell keeps its polygons and its budget.
 void expect_supersets(const set_list& widened, const set_list& sets, std::uint64_t share) {
   ASSERT_EQ(widened.size(), sets.size());
   for (std::size_t cell = 0; cell < sets.size(); ++cell) {
@@ -115,7 +115,7 @@ slack_column gap(std::uint32_t size) {
 
 constexpr slack_prices flat{10 * slack_price_unit, 10 * slack_price_unit, 10 * slack_price_unit, 0};
 
-// The polygons of the columns that are drawn though not seen.
+// The polygons of the columns that are drawn without being in the set.
 std::uint64_t chosen(const std::vector<slack_column>& columns, bool alone, std::uint64_t budget,
                      const slack_prices& prices, std::vector<bool>& drawn) {
   slack_path(prices).choose(columns, alone, budget, drawn);
@@ -141,7 +141,7 @@ TEST(slack_path, fills_the_smallest_gaps) {
   EXPECT_FALSE(drawn[0]) << "saves nothing";
 }
 
-// All gaps have the same price: none is low enough for some of them and too high for the others.
+// All gaps have the same price: no price is low enough for some of them and too high for the others.
 TEST(slack_path, fills_as_many_equal_gaps_as_it_may) {
   std::vector<slack_column> columns;
   for (int i = 0; i < 50; ++i) {
@@ -169,7 +169,7 @@ TEST(slack_path, keeps_what_the_reference_draws) {
   EXPECT_TRUE(drawn[1]);
 }
 
-// Ranks count members of the reference: what lies between two runs to remove, and is not in it, does not part them.
+// Ranks count members of the reference: numbers between two runs to remove that are not in it do not separate them.
 TEST(slack_path, counts_runs_in_rank_space) {
   std::vector<slack_column> columns{seen(4), gap(2), gap(9), gap(2), seen(4)};
   for (const std::size_t i : {0u, 1u, 3u, 4u}) columns[i].in_reference = true;
@@ -179,7 +179,7 @@ TEST(slack_path, counts_runs_in_rank_space) {
   EXPECT_FALSE(drawn[2]);
 }
 
-TEST(slack_path, gains_what_several_heirs_see) {
+TEST(slack_path, gains_what_several_heirs_have) {
   std::vector<slack_column> columns{seen(4), gap(50), gap(1), gap(50), seen(4)};
   std::vector<bool> drawn;
   columns.front().heirs = columns.back().heirs = 7;
@@ -205,7 +205,7 @@ TEST(slack_path, ranges_end_where_draws_begin) {
   EXPECT_EQ(chosen(columns, true, plenty, ranges_only, drawn), 0u);
 }
 
-// What a choice costs, counted list by list, at the lowest price of a polygon.
+// The cost of a choice, counted list by list, at the lowest price of a polygon.
 std::uint64_t cost_of(const std::vector<slack_column>& columns, bool alone, const slack_prices& prices,
                       const std::vector<bool>& drawn) {
   std::uint64_t cost = 0;
@@ -336,8 +336,8 @@ TEST(slack, equal_sets_stay_equal_and_empty_and_full_ones_as_they_are) {
   EXPECT_EQ(borders_of(w.sets[6]), (std::vector<std::uint32_t>{0, limit}));
 }
 
-// Far from all that the reference sees, one polygon that all its heirs do.
-TEST(slack, references_gain_what_their_heirs_see) {
+// Far from all that the reference has, one polygon that all its heirs have.
+TEST(slack, references_gain_what_their_heirs_have) {
   chunk_plan plan;
   set_list sets;
   for (std::uint8_t cell = 0; cell < 6; ++cell) {
@@ -353,7 +353,7 @@ TEST(slack, references_gain_what_their_heirs_see) {
   EXPECT_EQ(sums.added, 1u);
 }
 
-// The heir has no reason to fill the hole before its reference does; then it saves a run to remove.
+// The heir gains nothing from filling the gap before its reference does; then this saves a run to remove.
 TEST(slack, heirs_know_what_their_reference_gained) {
   const chunk_plan plan{{0, 1}, {1, chunk_plan::alone}};
   set_list sets{{{100, 20}, {121, 20}, {900, 30}}, {{100, 20}, {121, 20}}};
@@ -363,8 +363,8 @@ TEST(slack, heirs_know_what_their_reference_gained) {
   EXPECT_EQ(borders_of(sets[0]), (std::vector<std::uint32_t>{100, 141, 900, 930}));
 }
 
-// What saves little without slack may save much with it. The more runs two sets have in common, the more a difference
-// saves: first nothing, then too little, then enough.
+// A difference that saves little without slack may save much with it. The more runs two sets have in common, the more
+// it saves: first nothing, then too little, then enough.
 TEST(slack, is_planned_with_any_difference_that_saves) {
   std::vector<std::uint32_t> first_saving;
   for (const least_saving least : {least_saving::anything, least_saving::an_eighth}) {
@@ -395,7 +395,7 @@ TEST(slack, knows_where_draws_begin) {
   std::vector<draw_record> draws;
   for (std::uint32_t d = 0; d < 10; ++d) draws.push_back({.polygon_count = 100, .first_stored = 100 * d});
   draws.insert(draws.begin() + 6, draw_record{.polygon_count = 0, .first_stored = 600});
-  // Gaps: inside a draw; around a border; up to one; from one; inside a draw, behind an empty one.
+  // Gaps: inside a draw; around a border; up to one; from one; inside a draw, after an empty one.
   set_list sets{{{10, 30}, {44, 50}, {104, 94}, {202, 94}, {300, 98}, {400, 10}, {500, 100}, {604, 10}, {618, 2}},
                 {{42, 54}, {100, 99}, {298, 104}, {600, 16}}};
   const chunk_plan plan{{0, 1}, {chunk_plan::alone, chunk_plan::alone}};
@@ -407,7 +407,7 @@ TEST(slack, knows_where_draws_begin) {
 
 TEST(slack, prices_are_bits_per_run) {
   row_counts counts;
-  // Gaps 1 and lengths 1, each a code of one bit; and in what is removed, gaps of 100 have five raw bits behind it.
+  // Gaps 1 and lengths 1, each a code of one bit; in removed runs, gaps of 100 have five raw bits more.
   counts.own.gap[1] = counts.own.more[0] = 7;
   counts.removed.gap[symbol_of(100).symbol] = counts.removed.more[0] = 3;
   const slack_prices prices = slack_prices_of(counts, row_encoders(counts));
@@ -422,7 +422,7 @@ TEST(slack, prices_are_bits_per_run) {
 class slack_file : public testing::Test {
  protected:
   slack_file() {
-    // Stored backwards, draw by draw, so that stored numbers are no source ids.
+    // Stored in reverse, draw by draw, so that stored numbers differ from source ids.
     for (std::size_t d = 0; d < draws_.size(); ++d) {
       order_of_draw_.push_back(static_cast<std::uint32_t>(d));
       orders_.emplace_back(draws_[d].polygon_count);
@@ -457,7 +457,7 @@ class slack_file : public testing::Test {
     return bytes;
   }
 
-  // The sets of a file in stored order, of which everything is checked.
+  // The sets of a file in stored order, after a check of the whole file.
   static set_list sets_in(const std::vector<std::byte>& bytes, float& slack) {
     reader file;
     EXPECT_EQ(reader::open(bytes, file), status::ok);
@@ -474,7 +474,7 @@ class slack_file : public testing::Test {
     return all;
   }
 
-  set_list exact_ = like_sets(6, 400);  // of which a sample is looked at first
+  set_list exact_ = like_sets(6, 400);  // of which a sample is planned first
   std::vector<draw_record> draws_ = some_draws();
   std::vector<std::uint32_t> order_of_draw_;
   std::vector<std::vector<std::uint32_t>> orders_;
@@ -491,7 +491,7 @@ TEST_F(slack_file, without_slack_sets_are_exact) {
   }
 }
 
-TEST_F(slack_file, every_cell_keeps_what_it_sees_and_its_budget) {
+TEST_F(slack_file, every_cell_keeps_its_polygons_and_its_budget) {
   const std::size_t exact_size = encoded(contents(0.0)).size();
   std::size_t last_size = exact_size;
   for (const double share : {0.05, 0.1}) {
@@ -507,7 +507,7 @@ TEST_F(slack_file, every_cell_keeps_what_it_sees_and_its_budget) {
   EXPECT_LT(last_size, exact_size * 9 / 10);
 }
 
-TEST_F(slack_file, header_says_what_was_added) {
+TEST_F(slack_file, header_has_the_added_share) {
   float slack = 0.0f;
   const set_list sets = sets_in(encoded(contents(0.05)), slack);
   std::uint64_t before = 0, after = 0;
@@ -530,7 +530,7 @@ TEST_F(slack_file, header_says_what_was_added) {
   EXPECT_EQ(both, 0.1f) << "nothing was added";
 }
 
-// As one draw group there are no borders between draws: the same polygons are added for fewer ranges.
+// A single draw group has no borders between draws: the same polygons are added for fewer ranges.
 TEST_F(slack_file, of_a_draw_group_knows_no_draws) {
   const auto ranges_at = [&](const std::vector<std::byte>& bytes) {
     reader file;
@@ -571,7 +571,7 @@ TEST_F(slack_file, shares_that_are_none) {
   }
   file_contents full = contents(0.05);
   full.facts.slack = 1.0f;
-  EXPECT_EQ(encode(full, bytes), status::limit) << "more than the header can say";
+  EXPECT_EQ(encode(full, bytes), status::limit) << "more than the header can hold";
   EXPECT_TRUE(bytes.empty());
 }
 

@@ -13,7 +13,7 @@ namespace {
 using namespace sightcell::format;
 using sightcell::test::random_source;
 
-// Draws that are laid end to end in another order than that of the source; three share an order, one is empty.
+// Draws that are stored in another order than that of the source; three share an order, one is empty.
 struct scene {
   std::vector<draw_record> draws;
   std::vector<std::uint32_t> order_of_draw{1, 0, 2, 0, 3, 0};
@@ -52,7 +52,7 @@ std::vector<std::uint32_t> source_of_stored(const scene& s) {
   return source;
 }
 
-// Sets whose members are likely to be neighbors in the stored order; an empty one and a full one.
+// Sets whose members are likely to be neighbors in stored order; an empty one and a full one.
 std::vector<std::vector<std::uint32_t>> random_sets(random_source& random, const scene& s, int count) {
   std::vector<std::vector<std::uint32_t>> sets;
   for (int i = 0; i < count; ++i) {
@@ -95,7 +95,7 @@ TEST(stored_sets, sets_become_runs_of_stored_polygons) {
   }
 }
 
-// One draw group: its draws in the order of the source, its polygons in any.
+// One draw group: its draws in source order, its polygons in any order.
 TEST(stored_sets, draws_of_a_group_are_permuted_together) {
   const std::vector<draw_record> draws{{.group = 0, .first_source = 3, .polygon_count = 2},
                                        {.group = 0, .first_source = 5, .polygon_count = 0, .first_stored = 2},
@@ -118,8 +118,8 @@ TEST(stored_sets, draws_of_a_group_are_permuted_together) {
   EXPECT_EQ(runs_of({4, 5, 8}), (std::vector<std::uint32_t>{3, 3}));
 }
 
-// Whose numbers stay, behind those of polygons in any order.
-TEST(stored_sets, volumes_lie_behind_the_polygons) {
+// The numbers of volumes stay, after those of polygons in any order.
+TEST(stored_sets, volumes_follow_the_polygons) {
   const std::vector<draw_record> draws{{.polygon_count = 4}};
   const std::vector<std::uint32_t> order_of_draw{0};
   const std::vector<std::vector<std::uint32_t>> orders{{3, 2, 1, 0}};

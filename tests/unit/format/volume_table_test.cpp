@@ -19,7 +19,7 @@ using namespace sightcell::format;
 using namespace sightcell::test;
 using numbers = std::vector<std::uint32_t>;
 
-// Six polygons, of which cell 1 sees the last two, and three volumes, of which it sees the first two.
+// Six polygons, of which cell 1 has the last two, and three volumes, of which it has the first two.
 sample_contents few_volumes() {
   sample_contents contents = tiny_contents();
   contents.volume_shape = {1.5, 2.0};
@@ -28,7 +28,7 @@ sample_contents few_volumes() {
   return contents;
 }
 
-// Of the parts of a row.
+// A row, divided into its parts.
 struct split_row {
   numbers polygons, volumes;  // stored numbers; numbers of volumes
   std::size_t runs = 0;
@@ -72,7 +72,7 @@ std::vector<sample_contents> several_contents() {
   return all;
 }
 
-TEST(volume_table, places_and_boxes_come_back) {
+TEST(volume_table, positions_and_boxes_come_back) {
   for (const sample_contents& contents : several_contents()) {
     const auto bytes = contents.encode();
     reader file;
@@ -145,7 +145,7 @@ TEST(volume_table, sets_come_back_in_their_parts) {
   }
 }
 
-// A run from polygons on to volumes is one where it is stored, and two ranges.
+// A run from polygons into volumes is one stored run, and two ranges.
 TEST(volume_table, bounds_count_volumes_as_one_more_draw) {
   const auto bytes = few_volumes().encode();
   reader file;
@@ -257,7 +257,7 @@ TEST(volume_table, importance_is_of_polygons) {
 status outcome(const sample_contents& contents) {
   std::vector<std::byte> bytes{std::byte{42}};
   const status s = encode(contents.view(), bytes);
-  EXPECT_EQ(bytes.size() == 1, s != status::ok) << "out is left alone on failure";
+  EXPECT_EQ(bytes.size() == 1, s != status::ok) << "out is unchanged on failure";
   return s;
 }
 
@@ -280,7 +280,7 @@ TEST(volume_table, volumes_that_the_writer_refuses) {
   refused([](sample_contents& c) { c.volume_shape.width = -1.0; });
   refused([](sample_contents& c) { c.sets[0].push_back(6 + 3); });
   refused([](sample_contents& c) { c.facts.polygon_count = layout::max_polygons - 2; }, status::limit);
-  refused([](sample_contents& c) { c.volumes.clear(); });  // of which sets have some
+  refused([](sample_contents& c) { c.volumes.clear(); });  // of which some sets have members
 }
 
 TEST(volume_table, few_bytes_promise_few_volumes) {
@@ -296,7 +296,7 @@ TEST(volume_table, few_bytes_promise_few_volumes) {
     set_u32(section, 16, count);
     return volume_table::open(section, 0, table);
   };
-  // All of them at one place: to be found by who checks everything.
+  // All of them at one position, which only a check of the whole file finds.
   EXPECT_EQ(with_count(8 * 44), status::ok);
   numbers room(table.differ_room());
   EXPECT_FALSE(table.places_differ(room));
@@ -304,7 +304,7 @@ TEST(volume_table, few_bytes_promise_few_volumes) {
   EXPECT_EQ(with_count(layout::max_volumes), status::corrupt);
   EXPECT_EQ(with_count(layout::max_volumes + 1), status::limit);
   EXPECT_EQ(with_count(0), status::corrupt);
-  EXPECT_EQ(table.count(), 8u * 44u) << "out is left alone on failure";
+  EXPECT_EQ(table.count(), 8u * 44u) << "out is unchanged on failure";
 }
 
 }  // namespace

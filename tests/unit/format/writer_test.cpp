@@ -20,7 +20,7 @@ status outcome(const sample_contents& contents) {
   std::vector<std::byte> bytes{std::byte{42}};
   const status s = encode(contents.view(), bytes);
   if (s != status::ok) {
-    EXPECT_EQ(bytes.size(), 1u) << "out is left alone on failure";
+    EXPECT_EQ(bytes.size(), 1u) << "out is unchanged on failure";
   }
   return s;
 }
@@ -59,7 +59,7 @@ TEST(writer, random_sets_come_back) {
   }
 }
 
-// Sets of contents that come one at a time, like those of a bake.
+// A source that returns the sets of contents one at a time, like a bake.
 struct asked_sets {
   explicit asked_sets(const sample_contents& from) : contents(from), changed(from.view()) {
     changed.cell_sets.get = [this](std::uint32_t cell, std::vector<std::uint32_t>& set) {
@@ -76,7 +76,7 @@ struct asked_sets {
   std::uint32_t failing = 0xFFFFFFFFu;
 };
 
-TEST(writer, asks_for_every_set_in_order_each_time) {
+TEST(writer, reads_every_set_in_order_each_time) {
   const auto contents = random_contents(9, {.polygons = 300, .cells = 150});
   asked_sets sets(contents);
   std::vector<std::byte> bytes;
@@ -85,13 +85,13 @@ TEST(writer, asks_for_every_set_in_order_each_time) {
   EXPECT_EQ(bytes, contents.encode());
 }
 
-TEST(writer, ends_with_what_a_set_says) {
+TEST(writer, ends_with_the_status_of_a_set) {
   const auto contents = random_contents(9, {.polygons = 300, .cells = 150});
   asked_sets sets(contents);
   sets.failing = 70;
   std::vector<std::byte> bytes{std::byte{42}};
   EXPECT_EQ(encode(sets.changed, bytes), status::io);
-  EXPECT_EQ(bytes.size(), 1u) << "out is left alone on failure";
+  EXPECT_EQ(bytes.size(), 1u) << "out is unchanged on failure";
   EXPECT_EQ(sets.asked, 71u);
   sets.changed.cell_sets.get = nullptr;
   EXPECT_EQ(encode(sets.changed, bytes), status::argument);
@@ -184,7 +184,7 @@ TEST(writer, orders_that_are_none) {
   refused([](sample_contents& c) { c.order_of_draw[0] = 99; });
   refused([](sample_contents& c) { c.orders.clear(); });
   refused([](sample_contents& c) { c.orders.emplace_back(7); });  // that no draw has
-  refused([](sample_contents& c) {                                // numbered in another turn than draws name them
+  refused([](sample_contents& c) {                                // not numbered in the order in which draws name them
     std::swap(c.orders[0], c.orders[1]);
     for (std::uint32_t& number : c.order_of_draw) number = number < 2 ? 1 - number : number;
   });
@@ -227,7 +227,7 @@ TEST(writer, draw_groups_that_are_none) {
   });
 }
 
-// Without orders, a group has its polygons as the source does.
+// Without orders, the polygons of a group are in source order.
 TEST(writer, draw_groups_without_orders) {
   sample_contents contents = small_contents();
   add_draws(contents, 300, 12);

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "errors/error_id.h"
+#include "sightcell/base/error.h"
 #include "sightcell/picture/picture.h"
-#include "sightcell/scene/error.h"
 
 namespace {
 

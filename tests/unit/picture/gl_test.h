@@ -4,8 +4,8 @@
 
 #include <memory>
 
+#include "sightcell/base/error.h"
 #include "sightcell/picture/gl_context.h"
-#include "sightcell/scene/error.h"
 
 namespace sightcell::test {
 

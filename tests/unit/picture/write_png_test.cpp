@@ -7,8 +7,8 @@
 #include <string>
 
 #include "errors/error_id.h"
+#include "sightcell/base/error.h"
 #include "sightcell/picture/picture.h"
-#include "sightcell/scene/error.h"
 
 namespace {
 

@@ -4,9 +4,9 @@
 
 namespace sightcell::test {
 
-// Calls of operator new and, where the C library lets us see them, of malloc, calloc and realloc so far.
+// Calls of operator new and, where the C library allows it, of malloc, calloc and realloc so far.
 std::size_t allocation_count();
-// Sanitizers bring their own allocators, which must not be replaced: nothing is counted then.
+// Sanitizers have their own allocators, which must not be replaced: then nothing is counted.
 bool counts_new();
 bool counts_malloc();
 

@@ -1,5 +1,5 @@
 // Per-frame calls allocate nothing: counted over 10,000 moves in the given allocator, in operator new and, where the C
-// library lets us, in malloc itself.
+// library allows it, in malloc itself.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -72,16 +72,16 @@ TEST(allocation, none_over_10000_moves) {
     EXPECT_EQ(failures, 0);
     EXPECT_GT(changes, 5000u);
   }
-  EXPECT_EQ(memory.bytes, 0u) << "every block came back with its size";
+  EXPECT_EQ(memory.bytes, 0u) << "every block was released with its size";
 }
 
-TEST(allocation, none_while_a_file_is_read_piece_by_piece) {
+TEST(allocation, none_for_a_paged_file) {
   sample_contents contents = random_contents(53, {.polygons = 3000, .draws = 40, .cells = 512});
   add_volumes(contents, 200, 53);
   const auto bytes = contents.encode();
   counting_allocator memory;
   {
-    // The host reads at once.
+    // A host that reads and delivers at once.
     struct reading_host {
       const std::vector<std::byte>& bytes;
       sightcell_db* db = nullptr;
@@ -140,7 +140,7 @@ TEST(allocation, none_while_a_file_is_read_piece_by_piece) {
     sightcell_view_destroy(view);
     sightcell_db_close(host.db);
   }
-  EXPECT_EQ(memory.bytes, 0u) << "every block came back with its size";
+  EXPECT_EQ(memory.bytes, 0u) << "every block was released with its size";
 }
 
 TEST(allocation, the_counter_counts) {

@@ -39,7 +39,7 @@ TEST(box_tree, agrees_with_trying_every_box) {
     const auto boxes = random_boxes(random, count);
     const built_tree built(boxes);
     for (int round = 0; round < 3000; ++round) {
-      // Multiples of a quarter lie on borders as often as inside.
+      // Multiples of a quarter are on borders as often as inside.
       point eye;
       for (double& e : eye) e = (random() % 80) * 0.25 - 8.0;
       const double limit = round % 3 == 0 ? static_cast<double>(random() % 40) / 8.0 : any_volume;
@@ -51,7 +51,8 @@ TEST(box_tree, agrees_with_trying_every_box) {
   }
 }
 
-// Boxes in a row are in its order but for those of a leaf, wherever their ends lie; those at one place by number.
+// Boxes in a row are in its order except inside a leaf, wherever their ends are; boxes at one position are in the order
+// of their numbers.
 TEST(box_tree, parts_are_the_first_and_the_last_along_an_axis) {
   random_source random(47);
   const auto even = [&] { return static_cast<float>(random() % 1000); };

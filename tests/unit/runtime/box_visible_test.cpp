@@ -1,4 +1,4 @@
-// Boxes asked for through a view: what a cell sees of the volumes, under every way to be somewhere.
+// Visibility of boxes through a view: which volumes a cell sees, for every kind of move.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,19 +33,19 @@ std::vector<box> volumes_of(const sightcell_db* db) {
   return boxes;
 }
 
-// Touches no other place.
+// Touches no other position.
 corner middle_of(const box& b) {
   return {(b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2, (b.min[2] + b.max[2]) / 2};
 }
 
-// Closed boxes.
+// Whether two closed boxes intersect.
 bool meet(const box& b, const corner& min, const corner& max) {
   bool meets = true;
   for (std::size_t axis = 0; axis < 3; ++axis) meets = meets && b.min[axis] <= max[axis] && min[axis] <= b.max[axis];
   return meets;
 }
 
-// Places of the volumes' lattice that a closed box touches, on its border too.
+// Positions of the volumes' lattice that a closed box touches, on its border too.
 std::size_t places_touched(const box& volume, const corner& min, const corner& max) {
   std::size_t places = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -62,7 +62,7 @@ std::size_t places_touched(const box& volume, const corner& min, const corner& m
   return places;
 }
 
-// What the sets say: seen when a volume of one of the cells is touched, or a place that is no volume.
+// The result by the sets: visible if the box touches a volume of one of the cells, or a position that is no volume.
 bool expected(const sample_contents& contents, const std::vector<box>& volumes, const std::vector<std::uint32_t>& cells,
               const corner& min, const corner& max) {
   std::vector<bool> seen(volumes.size());
@@ -80,7 +80,7 @@ bool expected(const sample_contents& contents, const std::vector<box>& volumes, 
   return touched < places_touched(volumes[0], min, max);
 }
 
-// Within four volumes on each axis.
+// A box within four volumes on each axis.
 void some_box(random_source& random, const std::vector<box>& volumes, corner& min, corner& max) {
   const box& near = volumes[random() % volumes.size()];
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -98,7 +98,7 @@ sample_contents with_volumes(std::uint32_t seed) {
   return contents;
 }
 
-TEST(box_visible, as_the_sets_say) {
+TEST(box_visible, as_in_the_sets) {
   const sample_contents contents = with_volumes(41);
   const loaded_file file(contents);
   test_view view(file.db());
@@ -113,14 +113,14 @@ TEST(box_visible, as_the_sets_say) {
     ASSERT_EQ(frame.cell, cell);
     std::vector<std::uint32_t> polygons = contents.sets[cell];
     std::erase_if(polygons, [](std::uint32_t item) { return item >= 300; });
-    ASSERT_EQ(view.polygons(), polygons) << "volumes are no polygons";
+    ASSERT_EQ(view.polygons(), polygons) << "volumes are not polygons";
     for (int round = 0; round < 60; ++round) {
       corner min, max;
       some_box(random, volumes, min, max);
-      const bool said = visible(view.get(), min, max);
-      ASSERT_EQ(said, expected(contents, volumes, {cell}, min, max)) << "cell " << cell;
-      hidden += said ? 0 : 1;
-      seen += said ? 1 : 0;
+      const bool answer = visible(view.get(), min, max);
+      ASSERT_EQ(answer, expected(contents, volumes, {cell}, min, max)) << "cell " << cell;
+      hidden += answer ? 0 : 1;
+      seen += answer ? 1 : 0;
     }
   }
   EXPECT_GT(hidden, 200);
@@ -182,20 +182,20 @@ TEST(box_visible, changes_though_the_polygons_do_not) {
   const loaded_file file(contents);
   test_view view(file.db());
   const box seen = volumes_of(file.db())[0];
-  const auto stand_in = [&](std::uint32_t cell) {
+  const auto move_into = [&](std::uint32_t cell) {
     const auto& b = contents.cells[cell];
     return view.move((b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2, (b.min[2] + b.max[2]) / 2);
   };
   const corner middle = middle_of(seen);
-  static_cast<void>(stand_in(0));
+  static_cast<void>(move_into(0));
   EXPECT_FALSE(visible(view.get(), middle, middle));
-  EXPECT_EQ(stand_in(1).flags, 0u) << "the same polygons";
+  EXPECT_EQ(move_into(1).flags, 0u) << "the same polygons";
   EXPECT_TRUE(visible(view.get(), middle, middle));
-  static_cast<void>(stand_in(2));
+  static_cast<void>(move_into(2));
   EXPECT_FALSE(visible(view.get(), middle, middle));
   const double origin[3] = {1000.0, 0.0, 0.0};
   ASSERT_EQ(sightcell_view_origin(view.get(), origin), SIGHTCELL_OK);
-  EXPECT_TRUE(visible(view.get(), middle, middle)) << "no volumes over there";
+  EXPECT_TRUE(visible(view.get(), middle, middle)) << "no volumes there";
   EXPECT_FALSE(
       visible(view.get(), {middle[0] - 1000.0f, middle[1], middle[2]}, {middle[0] - 1000.0f, middle[1], middle[2]}));
 }
@@ -250,7 +250,7 @@ TEST(box_visible, without_volumes_everything_is) {
   EXPECT_TRUE(visible(view.get(), {0, 0, 0}, {1, 1, 1}));
 }
 
-TEST(box_visible, of_a_file_that_is_read_piece_by_piece) {
+TEST(box_visible, of_a_paged_file) {
   const sample_contents contents = with_volumes(48);
   paged_host host(contents.encode());
   ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);

@@ -18,7 +18,7 @@ struct built_tree {
   runtime::box_tree tree;
 };
 
-// Tries every box.
+// Tests every box.
 inline std::uint32_t slow_find(const std::vector<format::box>& boxes, const runtime::point& eye, double limit) {
   std::uint32_t best = runtime::no_cell;
   double volume = limit;

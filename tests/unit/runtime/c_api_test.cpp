@@ -1,4 +1,4 @@
-// Opening, facts, arguments and statuses. What a view answers: view_test.cpp.
+// Opening, facts, arguments and statuses. The results of views: view_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -80,7 +80,7 @@ TEST(c_api, draws_and_order) {
   EXPECT_EQ(order, all_polygons(300));
 }
 
-// From any draw of a group a host finds where the group is stored.
+// A host finds from any draw of a group where the group is stored.
 TEST(c_api, draws_of_a_merged_file) {
   sample_contents contents = random_contents(2, {.polygons = 500, .draws = 20, .cells = 3});
   put_in_groups(contents, 1);
@@ -162,7 +162,7 @@ TEST(c_api, nulls_are_arguments) {
   EXPECT_EQ(sightcell_view_changes(nullptr, 0, nullptr, 0, &count, nullptr, 0, &count), argument);
   EXPECT_EQ(sightcell_view_changes(view.get(), 0, nullptr, 0, nullptr, nullptr, 0, &count), argument);
   EXPECT_EQ(sightcell_view_changes(view.get(), 0, nullptr, 1, &count, nullptr, 0, &count), argument);
-  EXPECT_EQ(count, 7u) << "outputs are left alone";
+  EXPECT_EQ(count, 7u) << "outputs are unchanged";
   sightcell_db_close(nullptr);
   sightcell_view_destroy(nullptr);
 }
@@ -198,7 +198,7 @@ TEST(c_api, check_finds_what_open_leaves_out) {
 }
 
 struct failing_allocator {
-  int left = 0;  // blocks it still gives
+  int left = 0;  // number of blocks that it still returns
   int given = 0;
   sightcell_allocator interface {
     [](void* user, std::size_t size, std::size_t) -> void* {
@@ -237,7 +237,7 @@ class c_api_file : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  // What the C API takes, whatever the system's own names are made of.
+  // The encoding that the C API takes, independent of the system.
   static std::string utf8(const std::filesystem::path& path) {
     const std::u8string name = path.u8string();
     return {name.begin(), name.end()};
@@ -268,7 +268,7 @@ TEST_F(c_api_file, opens_from_disk) {
   }
 }
 
-// The name is given to the system as the standard library does it (wide on Windows) and to us as UTF-8.
+// The standard library passes the name to the system (wide on Windows); the C API takes it as UTF-8.
 TEST_F(c_api_file, names_are_utf8) {
   const auto bytes = small_contents().encode();
   const std::filesystem::path path = folder_ / std::u8string(u8"\u00E9\u20AC\u4E2D\U0001F3D9.pvs");
@@ -281,7 +281,7 @@ TEST_F(c_api_file, names_are_utf8) {
 
 TEST_F(c_api_file, long_names) {
 #if defined(_WIN32)
-  // Windows takes more than 260 letters only in this form.
+  // Windows accepts more than 260 characters only in this form.
   std::filesystem::path path = L"\\\\?\\" + std::filesystem::absolute(folder_).make_preferred().wstring();
 #else
   std::filesystem::path path = folder_;
@@ -307,7 +307,7 @@ TEST_F(c_api_file, long_names) {
   for (; !made.empty(); made.pop_back()) EXPECT_TRUE(std::filesystem::remove(made.back()));
 }
 
-// Sizes above 4 GB survive the C library's file functions: the allocator is asked for as much, and has no more to give.
+// Sizes above 4 GB survive the C library's file functions: the allocator is asked for the whole size, and returns NULL.
 TEST_F(c_api_file, size_of_a_file_above_4_gb) {
   const std::string name = write(small_contents().encode());
   constexpr std::uint64_t size = 5'000'000'000u;
@@ -337,7 +337,7 @@ TEST_F(c_api_file, files_that_are_none) {
   EXPECT_EQ(sightcell_db_open_file("/dev/null", nullptr, &db), SIGHTCELL_ERR_TRUNCATED);
   EXPECT_EQ(sightcell_db_open_file("/dev/zero", nullptr, &db), SIGHTCELL_ERR_IO);
 #endif
-  EXPECT_EQ(sightcell_db_open_file(utf8(folder_ / "nobody").c_str(), nullptr, &db), SIGHTCELL_ERR_IO);
+  EXPECT_EQ(sightcell_db_open_file(utf8(folder_ / "missing").c_str(), nullptr, &db), SIGHTCELL_ERR_IO);
   EXPECT_EQ(sightcell_db_open_file(utf8(folder_).c_str(), nullptr, &db), SIGHTCELL_ERR_IO);
   EXPECT_EQ(sightcell_db_open_file("", nullptr, &db), SIGHTCELL_ERR_IO);
   EXPECT_EQ(sightcell_db_open_file(write({}).c_str(), nullptr, &db), SIGHTCELL_ERR_TRUNCATED);

@@ -50,7 +50,7 @@ class oracle {
   std::uint32_t cell_ = SIGHTCELL_NO_CELL;
 };
 
-// A place on, or a float beside, a border of a box or of a grown box.
+// A coordinate on, or a float next to, a border of a box or of a grown box.
 float border_place(const sample_contents& contents, random_source& random, std::size_t axis) {
   const box& b = contents.cells[random() % contents.cells.size()];
   float place = random() % 2 == 0 ? b.min[axis] : b.max[axis];
@@ -108,8 +108,8 @@ TEST(cell_walk, overlapping_boxes) {
   }
 }
 
-// Slowly, as a camera walks, so that most moves are done without looking for cells: among few small ones, and among so
-// many that the view does not look at all of them.
+// Slowly, as a camera walks, so that most moves need no search for cells: among few small cells, and among more than
+// the view tests.
 TEST(cell_walk, slowly_among_small_boxes) {
   for (const std::uint32_t small : {40u, 400u}) {
     random_source random(small);

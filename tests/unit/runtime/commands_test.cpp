@@ -1,4 +1,4 @@
-// Indirect draws of a view: the same polygons as its ranges, and what small gaps hold.
+// Indirect draws of a view: the polygons of its ranges, and those of small gaps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ std::vector<sightcell_command> commands_of(const test_view& view, std::uint32_t 
   return commands;
 }
 
-// What commands say, in the words of ranges.
+// The ranges that commands draw.
 std::vector<sightcell_range> ranges_of(const std::vector<sightcell_command>& commands,
                                        const sample_contents& contents) {
   const bool merged = contents.facts.layout == host_layout::merged;
-  std::vector<std::uint32_t> begins;  // in the index buffer that a command counts in
+  std::vector<std::uint32_t> begins;  // in the index buffer of a command
   std::vector<std::uint32_t> base_vertices;
   for (const auto& d : contents.draws) {
     if (merged && d.group < begins.size()) continue;
@@ -92,7 +92,7 @@ TEST(commands, are_the_ranges_and_what_small_gaps_hold) {
   EXPECT_GT(most_saved, 10u);
 }
 
-TEST(commands, lie_where_the_host_wants_them) {
+TEST(commands, are_written_at_any_stride_and_alignment) {
   const sample_contents contents = contents_in(host_layout::instanced, 6);
   const loaded_file file(contents);
   test_view view(file.db());

@@ -1,5 +1,5 @@
 #pragma once
-// An allocator that knows how much it gave and did not get back; for any number of threads.
+// An allocator that counts the bytes that it has not got back; for any number of threads.
 #include <atomic>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
-// A new bake comes while the game runs: a loader opens it, makes views and hands them over; cameras on threads of their
-// own go on asking the old views until then, and give them back. Only then the old file is closed. Meant for the
+// A new bake replaces a file while the game runs: a loader opens it, creates views and passes them to the cameras.
+// Cameras on their own threads use the old views until then, and return them. Only then the old file is closed. For the
 // address and the thread sanitizer.
 #include <gtest/gtest.h>
 
@@ -27,12 +27,11 @@ constexpr std::uint32_t polygons = 400;
 // One bake of the scene, opened, with a view for each camera.
 class opened_bake {
  public:
-  opened_bake(std::uint32_t number_of_bake, bool piece_by_piece, const std::string& name,
-              const sightcell_allocator& mem)
+  opened_bake(std::uint32_t number_of_bake, bool paged, const std::string& name, const sightcell_allocator& mem)
       : number(number_of_bake),
         contents(random_contents(70 + number_of_bake, {.polygons = polygons, .draws = 9, .cells = cells})) {
     bytes_ = contents.encode();
-    if (piece_by_piece) {
+    if (paged) {
       const sightcell_source source{this, bytes_.size(),
                                     [](void* user, std::uint64_t offset, std::uint32_t size, std::uint32_t ticket) {
                                       const auto& self = *static_cast<opened_bake*>(user);
@@ -40,7 +39,7 @@ class opened_bake {
                                     }};
       EXPECT_EQ(sightcell_db_open_source(&source, &mem, 12'000, &db_), SIGHTCELL_OK);
     } else {
-      // In the place of the one that the game runs with.
+      // Replaces the file that the game has open.
       EXPECT_EQ(sightcell::format::write_file(name.c_str(), bytes_), sightcell::format::status::ok);
       EXPECT_EQ(sightcell_db_open_file(name.c_str(), &mem, &db_), SIGHTCELL_OK);
     }
@@ -64,13 +63,13 @@ class opened_bake {
 
 // What a camera and the loader share.
 struct camera_desk {
-  std::atomic<const opened_bake*> next{nullptr};  // to be asked from the next frame on
-  std::atomic<std::uint32_t> taken{0};            // bakes; all before the last one are given back
+  std::atomic<const opened_bake*> next{nullptr};  // to be used from the next frame on
+  std::atomic<std::uint32_t> taken{0};            // number of bakes; all before the last one are returned
   std::atomic<std::uint32_t> frames{0};
   std::atomic<std::uint32_t> wrong{0};
 };
 
-// One frame, in a cell of its choice.
+// Runs one frame in a given cell.
 bool is_right(const opened_bake& bake, sightcell_view* view, std::uint32_t cell, bool first) {
   const auto& b = bake.contents.cells[cell];
   const float eye[3] = {b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f};
@@ -89,18 +88,18 @@ void fly(camera_desk& desk, std::size_t number) {
   random_source random(static_cast<std::uint32_t>(number));
   const opened_bake* bake = nullptr;
   while (desk.taken < bakes || desk.frames < 150 * bakes) {
-    const opened_bake* fresh = desk.next.exchange(nullptr);
-    if (fresh != nullptr) {
-      bake = fresh;
+    const opened_bake* newer = desk.next.exchange(nullptr);
+    if (newer != nullptr) {
+      bake = newer;
       desk.taken = bake->number + 1;
     }
     if (bake == nullptr) continue;
-    if (!is_right(*bake, bake->views[number], random() % cells, fresh != nullptr)) ++desk.wrong;
+    if (!is_right(*bake, bake->views[number], random() % cells, newer != nullptr)) ++desk.wrong;
     ++desk.frames;
   }
 }
 
-void reload(bool piece_by_piece, const std::string& name) {
+void reload(bool paged, const std::string& name) {
   held_memory memory;
   std::array<camera_desk, cameras> desks;
   std::vector<std::thread> threads;
@@ -112,11 +111,11 @@ void reload(bool piece_by_piece, const std::string& name) {
   };
   std::unique_ptr<opened_bake> bake;
   for (std::uint32_t number = 0; number < bakes; ++number) {
-    auto fresh = std::make_unique<opened_bake>(number, piece_by_piece, name, memory.interface);
+    auto newer = std::make_unique<opened_bake>(number, paged, name, memory.interface);
     wait_for_all([number](const camera_desk& desk) { return desk.frames >= 100 * number; });  // of the old one
-    for (camera_desk& desk : desks) desk.next = fresh.get();
+    for (camera_desk& desk : desks) desk.next = newer.get();
     wait_for_all([number](const camera_desk& desk) { return desk.taken == number + 1; });
-    bake = std::move(fresh);  // closes the old one
+    bake = std::move(newer);  // closes the old one
   }
   for (std::thread& t : threads) t.join();
   for (const camera_desk& desk : desks) EXPECT_EQ(desk.wrong, 0u);
@@ -131,7 +130,7 @@ TEST(hot_reload, of_a_file_that_is_replaced) {
   std::remove(name.c_str());
 }
 
-TEST(hot_reload, of_files_that_are_read_piece_by_piece) {
+TEST(hot_reload, of_paged_files) {
   reload(true, {});
 }
 

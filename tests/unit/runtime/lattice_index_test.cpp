@@ -49,7 +49,7 @@ struct built_lattice {
   lattice_index index;
 };
 
-// Places of several levels around a middle; those of different levels overlap.
+// Positions of several levels around a center; those of different levels overlap.
 std::vector<lattice_place> random_places(random_source& random, int count, std::uint32_t levels, int middle) {
   std::set<std::tuple<std::uint32_t, int, int, int>> taken;
   std::vector<lattice_place> places;
@@ -66,7 +66,7 @@ std::vector<lattice_place> random_places(random_source& random, int count, std::
   return places;
 }
 
-// A place near some cell: on its border, a float beside it, or anywhere in it.
+// A position near some cell: on its border, a float next to it, or anywhere in it.
 point place_near(random_source& random, const std::vector<box>& boxes) {
   const box& b = boxes[random() % boxes.size()];
   point p;
@@ -86,7 +86,7 @@ point place_near(random_source& random, const std::vector<box>& boxes) {
 struct lattice_case {
   lattice_shape shape;
   std::uint32_t levels;
-  int middle;  // place of level 0
+  int middle;  // position on level 0
 };
 
 // The last two: borders that rounding moves by up to a fifth of a cell, and by more than whole cells of level 2.
@@ -127,11 +127,11 @@ TEST(lattice_index, smaller_cells_inside_a_cell) {
       for (const box& other : built.boxes) {
         expected = expected || (volume_of(other) < volume_of(b) && boxes_meet(widened(other), widened(b)));
       }
-      // Never no where there is one; yes for nothing only where rounding is coarse.
-      const bool said = built.index.has_smaller_inside(b, volume_of(b));
-      ASSERT_TRUE(said || !expected);
+      // Never false where there is one; true without one only where rounding is coarse.
+      const bool answer = built.index.has_smaller_inside(b, volume_of(b));
+      ASSERT_TRUE(answer || !expected);
       if (c.shape.width > 1.0) {
-        ASSERT_EQ(said, expected);
+        ASSERT_EQ(answer, expected);
       }
     }
   }
@@ -169,7 +169,7 @@ TEST(lattice_index, cells_that_a_box_touches) {
   }
 }
 
-TEST(lattice_index, nearest_cell_and_how_long_it_is) {
+TEST(lattice_index, nearest_cell_and_its_slack) {
   random_source random(74);
   for (const lattice_case& c : {cases[0], cases[1], cases[2], cases[3]}) {
     const built_lattice built(c.shape, random_places(random, 200, c.levels, c.middle));
@@ -192,7 +192,7 @@ TEST(lattice_index, nearest_cell_and_how_long_it_is) {
       ASSERT_EQ(by_index.distance(), expected.distance());
       ASSERT_EQ(by_index.slack(), expected.slack());
       ASSERT_EQ(by_tree.slack(), expected.slack());
-      // However far the slack goes, no other cell is nearer there.
+      // Within the slack, no other cell is nearer.
       for (int turn = 0; turn < 4; ++turn) {
         point moved = eye;
         const std::size_t axis = random() % 3;
@@ -204,7 +204,7 @@ TEST(lattice_index, nearest_cell_and_how_long_it_is) {
   }
 }
 
-TEST(lattice_index, places_far_away_and_numbers_that_are_none) {
+TEST(lattice_index, positions_far_away_and_nan) {
   const built_lattice built({4.0, 2.0}, {{0, 0, 0, 0}, {(1 << 23) - 8, 0, 0, 0}, {-(1 << 23), 5, 0, 0}});
   box found;
   EXPECT_EQ(built.index.find({1, 1, 1}, any_volume, found), slow_find(built.boxes, {1, 1, 1}, any_volume));
@@ -217,8 +217,8 @@ TEST(lattice_index, places_far_away_and_numbers_that_are_none) {
   }
 }
 
-// So far away that borders are rounded by more than a cell of level 0, whose box is that of a cell of level 1: of boxes
-// of one size the lowest number wins, not the finer level.
+// So far from the origin that borders are rounded by more than a cell of level 0, whose box equals that of a cell of
+// level 1. Of boxes of one size the lowest number wins, not the finer level.
 TEST(lattice_index, where_rounding_makes_levels_equal) {
   constexpr int far = 1 << 24;
   const built_lattice built({1.0, 1.0}, {{far + 1, far + 1, far + 1, 0}, {2 * far + 2, 2 * far + 2, 2 * far + 2, 1}});
@@ -242,7 +242,7 @@ TEST(lattice_index, bytes_that_changed_since_open) {
   const std::size_t at = sightcell::test::section_offset(built.bytes, 2);
   const std::size_t end =
       at + sightcell::test::get_u64(built.bytes, sightcell::test::section_place(built.bytes, 2) + 16);
-  int refused = 0;
+  int rejected = 0;
   for (std::size_t i = at + 24; i < end; ++i) {
     std::vector<std::byte> bytes = built.bytes;
     sightcell::format::reader file;
@@ -251,7 +251,7 @@ TEST(lattice_index, bytes_that_changed_since_open) {
     std::vector<lattice_slot> slots(lattice_index::slot_count(file.lattice()->chunk_count()));
     lattice_index index;
     if (!index.build(*file.lattice(), file.cell_count(), slots)) {
-      ++refused;
+      ++rejected;
       continue;
     }
     for (int round = 0; round < 20; ++round) {
@@ -260,7 +260,7 @@ TEST(lattice_index, bytes_that_changed_since_open) {
       ASSERT_TRUE(cell == no_cell || cell < file.cell_count());
     }
   }
-  EXPECT_GT(refused, 100);
+  EXPECT_GT(rejected, 100);
 }
 
 }  // namespace

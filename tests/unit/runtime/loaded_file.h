@@ -1,5 +1,5 @@
 #pragma once
-// A .pvs file made from sample contents, opened through the C API, and what the C API says about a view in plain sets.
+// A .pvs file made from sample contents, opened through the C API, and the outputs of a view as plain sets.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -36,7 +36,7 @@ class loaded_file {
   sightcell_db* db_ = nullptr;
 };
 
-// Owns a view; asks it for lists the way a careful host does: size first.
+// Owns a view; calls its list functions for the size first.
 class test_view {
  public:
   explicit test_view(const sightcell_db* db) { EXPECT_EQ(sightcell_view_create(db, &view_), SIGHTCELL_OK); }
@@ -78,7 +78,7 @@ class test_view {
   sightcell_view* view_ = nullptr;
 };
 
-// The polygons that ranges stand for, as stored numbers, in the order of the ranges.
+// The polygons of ranges, as stored numbers, in the order of the ranges.
 inline std::vector<std::uint32_t> polygons_of(std::span<const sightcell_range> ranges,
                                               const sample_contents& contents) {
   const bool merged = contents.facts.layout == format::host_layout::merged;

@@ -1,5 +1,5 @@
-// A million random steps, many of them on exact borders, edges and corners of boxes and grown boxes: the cell that is
-// used always has the eye in its grown box, and nothing that is seen from the very place is missing.
+// A million random steps, many of them on exact borders, edges and corners of boxes and grown boxes: the grown box of
+// the chosen cell always contains the eye, and no polygon that is visible from the exact position is missing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,11 +19,11 @@ constexpr std::uint32_t polygons = 256;
 using polygon_bits = std::bitset<polygons>;
 
 struct region {
-  std::array<double, 3> min, max;  // both ends are in it
+  std::array<double, 3> min, max;  // both ends belong to it
 };
 
-// Polygon p is seen from every place in region p and from nowhere else: what a camera sees is known exactly, and so is
-// what a cell must hold, which is baked over its grown box.
+// Polygon p is visible from every position in region p and from no other. So the polygons that a camera sees are known
+// exactly, and the set of a cell is that of its grown box.
 class known_world {
  public:
   known_world(sample_contents& contents, std::uint32_t seed) {
@@ -81,7 +81,7 @@ class known_world {
   std::array<region, polygons> regions_;
 };
 
-// One coordinate of the next place: on a border of a box or of a grown box, a float beside one, or a small step.
+// One coordinate of the next position: on a border of a box or of a grown box, a float next to one, or a small step.
 float next_coordinate(const sample_contents& contents, random_source& random, std::size_t axis, float now) {
   if (random() % 4 != 0) return now + (static_cast<float>(random() % 1001) / 1000.0f - 0.5f) * 0.4f;
   const box& b = contents.cells[random() % contents.cells.size()];
@@ -127,7 +127,7 @@ void walk(sample_contents contents, std::uint32_t seed, int steps) {
   }
   EXPECT_GT(inside_cells, steps / 3) << "the walk must be inside cells";
   EXPECT_GT(kept, steps / 100) << "and in grown boxes";
-  EXPECT_GT(seen, static_cast<std::size_t>(steps) / 10) << "and see something";
+  EXPECT_GT(seen, static_cast<std::size_t>(steps) / 10) << "and some polygons must be visible";
 }
 
 sample_contents world_of(std::uint32_t seed, std::uint32_t cells, bool overlapping) {
@@ -148,7 +148,7 @@ TEST(margin_walk, lattice_of_two_levels) {
   walk(contents, 13, 250'000);
 }
 
-// Widths that are no floats, so that every border is rounded.
+// Widths that are not floats, so that every border is rounded.
 TEST(margin_walk, lattice_with_rounded_borders) {
   sample_contents contents = world_of(4, 27 * 9, false);
   contents.facts.margin = 0.1f;

@@ -1,4 +1,4 @@
-// Named groups: what the scene has a name for, and what a view leaves out when the host hides it.
+// Named groups: the names in the scene, and what a view omits when the host hides one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ sample_contents contents_in(host_layout layout) {
   return contents;
 }
 
-// Source ids of a set but those of hidden groups.
+// Source ids of a set without those of hidden groups.
 numbers without(const sample_contents& contents, const numbers& set, const std::set<std::uint32_t>& hidden) {
   numbers left;
   for (const std::uint32_t polygon : set) {
@@ -45,7 +45,7 @@ void show(const test_view& view, std::uint32_t group, bool shown) {
   EXPECT_EQ(sightcell_view_show_named_group(view.get(), group, shown ? 1 : 0), SIGHTCELL_OK);
 }
 
-// All outputs say the same polygons: those of a set but what is hidden.
+// All outputs return the same polygons: those of a set without the hidden ones.
 void expect_shows(const test_view& view, const loaded_file& file, const sample_contents& contents,
                   const sightcell_frame& frame, const numbers& set, const std::set<std::uint32_t>& hidden) {
   const numbers expected = without(contents, set, hidden);
@@ -151,7 +151,7 @@ TEST_P(named_groups, change_where_the_eye_stays) {
   const auto stay = [&] { return view.move(b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f); };
   const sightcell_frame before = stay();
   const numbers with = polygons_of(view.ranges(), contents);
-  show(view, 3, true);  // as it is
+  show(view, 3, true);  // it is shown already
   EXPECT_EQ(stay().flags, 0u);
   show(view, 3, false);
   EXPECT_EQ(view.polygons().size(), with.size()) << "not before the next move";
@@ -183,7 +183,7 @@ TEST_P(named_groups, change_where_the_eye_stays) {
   EXPECT_EQ(polygons_of(view.ranges(), contents), with);
 }
 
-// Of two cells at once, and outside by the nearest cell.
+// For two cells at once, and outside by the nearest cell.
 TEST_P(named_groups, are_hidden_however_the_view_moves) {
   const sample_contents contents = contents_in(GetParam());
   const loaded_file file(contents);

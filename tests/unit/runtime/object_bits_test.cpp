@@ -1,4 +1,4 @@
-// One bit per draw, in both layouts, against the polygons that the view says it sees.
+// One bit per draw, in both layouts, compared with the polygons of the view.
 #include <gtest/gtest.h>
 
 #include "loaded_file.h"

@@ -1,5 +1,5 @@
 #pragma once
-// A host that reads a file piece by piece: at once, or when the test says so.
+// A host of a paged file that delivers at once, or when the test calls for it.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -36,7 +36,7 @@ class paged_host {
   sightcell_status deliver(const page_request& r) {
     return sightcell_db_deliver(db_, r.ticket, bytes_.data() + r.offset, r.size);
   }
-  // All that waits, in the order in which it was asked for.
+  // Delivers all open requests, in their order.
   void deliver_all() {
     while (!waiting.empty()) {
       const page_request r = waiting.front();
@@ -48,7 +48,7 @@ class paged_host {
   [[nodiscard]] sightcell_db* db() const { return db_; }
   [[nodiscard]] std::vector<std::byte>& bytes() { return bytes_; }
 
-  bool at_once = false;  // else requests wait
+  bool at_once = false;  // else requests stay open
   sightcell_status answer = SIGHTCELL_OK;
   std::size_t requests = 0;
   std::size_t opening_requests = 0;

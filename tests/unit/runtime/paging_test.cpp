@@ -1,4 +1,4 @@
-// Files that are read piece by piece: what comes when, what goes, and what a host may do wrong.
+// Paged files: what is requested, delivered and evicted, and the mistakes of a host.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,7 +66,7 @@ TEST(paging, same_sets_as_from_memory_with_room_for_one_chunk) {
   }
 }
 
-TEST(paging, with_room_for_all_each_chunk_is_asked_for_once) {
+TEST(paging, with_room_for_all_each_chunk_is_requested_once) {
   const sample_contents contents = eight_chunks();
   paged_host host(contents.encode());
   host.at_once = true;
@@ -76,7 +76,7 @@ TEST(paging, with_room_for_all_each_chunk_is_asked_for_once) {
   EXPECT_EQ(host.requests, 8u);
 }
 
-TEST(paging, draws_all_until_the_chunk_comes) {
+TEST(paging, draws_all_until_the_chunk_is_delivered) {
   const sample_contents contents = eight_chunks();
   paged_host host(contents.encode());
   ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
@@ -85,7 +85,7 @@ TEST(paging, draws_all_until_the_chunk_comes) {
   EXPECT_EQ(view.polygons().size(), 900u);
   EXPECT_EQ(go_to(view, contents, 70).flags, pending);
   EXPECT_EQ(go_to(view, contents, 71).flags, pending);
-  EXPECT_EQ(host.requests, 1u) << "asked for once";
+  EXPECT_EQ(host.requests, 1u) << "requested once";
   host.deliver_all();
   EXPECT_EQ(go_to(view, contents, 71).flags, static_cast<std::uint32_t>(SIGHTCELL_FRAME_CHANGED));
   EXPECT_EQ(view.polygons(), contents.sets[71]);
@@ -93,7 +93,7 @@ TEST(paging, draws_all_until_the_chunk_comes) {
   EXPECT_EQ(host.requests, 1u);
 }
 
-TEST(paging, a_box_asks_for_all_that_it_needs) {
+TEST(paging, a_box_requests_all_its_chunks) {
   sample_contents contents = eight_chunks();
   paged_host host(contents.encode());
   ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
@@ -111,8 +111,8 @@ TEST(paging, a_box_asks_for_all_that_it_needs) {
   EXPECT_EQ(host.requests, asked);
 }
 
-// Chunks of the same size, so that any can take the place of any other.
-TEST(paging, what_was_used_longest_ago_goes_first) {
+// Chunks of the same size, so that any can replace any other.
+TEST(paging, the_least_recently_used_chunk_is_evicted_first) {
   sample_contents contents = eight_chunks();
   for (std::uint32_t i = 0; i < contents.sets.size(); ++i) contents.sets[i] = {i % 64, 100 + i % 64 * 3};
   const auto sizes = chunk_sizes(contents);
@@ -132,7 +132,7 @@ TEST(paging, what_was_used_longest_ago_goes_first) {
     for (const std::uint32_t chunk : {0u, 1u, 2u}) {
       if (chunk != oldest) static_cast<void>(go_to(view, contents, 64 * chunk + 2));
     }
-    EXPECT_EQ(host.requests, 4u) << "those that were used later are still there";
+    EXPECT_EQ(host.requests, 4u) << "those that were used later are still resident";
     static_cast<void>(go_to(view, contents, 64 * oldest));
     EXPECT_EQ(host.requests, 5u);
   }
@@ -144,7 +144,7 @@ TEST(paging, late_and_doubled_deliveries) {
   ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
   test_view view(host.db());
   static_cast<void>(go_to(view, contents, 0));
-  static_cast<void>(go_to(view, contents, 100));  // the camera has gone on
+  static_cast<void>(go_to(view, contents, 100));  // the camera has moved on
   ASSERT_EQ(host.waiting.size(), 2u);
   const page_request first = host.waiting[0];
   const page_request second = host.waiting[1];
@@ -170,12 +170,12 @@ TEST(paging, a_late_delivery_takes_the_room_of_nothing_newer) {
   EXPECT_EQ(host.deliver(late), SIGHTCELL_ERR_CAPACITY);
   EXPECT_EQ(go_to(view, contents, 100).flags & shown, 0u);
   host.waiting.clear();
-  EXPECT_EQ(go_to(view, contents, 0).flags & shown, pending) << "and it is asked for again";
+  EXPECT_EQ(go_to(view, contents, 0).flags & shown, pending) << "and it is requested again";
   host.deliver_all();
   EXPECT_EQ(go_to(view, contents, 0).flags & shown, 0u);
 }
 
-TEST(paging, wrong_sizes_and_bytes_that_could_not_be_read_are_asked_for_again) {
+TEST(paging, wrong_sizes_and_unreadable_bytes_are_requested_again) {
   const sample_contents contents = eight_chunks();
   paged_host host(contents.encode());
   ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
@@ -196,7 +196,7 @@ TEST(paging, wrong_sizes_and_bytes_that_could_not_be_read_are_asked_for_again) {
   r = ask();
   EXPECT_EQ(sightcell_db_deliver(host.db(), r.ticket, nullptr, 0), SIGHTCELL_OK);
   host.answer = SIGHTCELL_ERR_IO;
-  EXPECT_EQ(go_to(view, contents, 5).flags & shown, pending) << "the host has no time";
+  EXPECT_EQ(go_to(view, contents, 5).flags & shown, pending) << "the host returns an error";
   host.answer = SIGHTCELL_OK;
   r = ask();
   EXPECT_EQ(host.deliver(r), SIGHTCELL_OK);
@@ -219,7 +219,7 @@ TEST(paging, damaged_bytes_cost_their_cells_their_culling) {
   EXPECT_EQ(go_to(view, contents, 5).flags & shown, damaged);
   EXPECT_EQ(go_to(view, contents, 6).flags & shown, damaged);
   EXPECT_EQ(view.polygons().size(), 900u);
-  EXPECT_TRUE(host.waiting.empty()) << "not asked for again";
+  EXPECT_TRUE(host.waiting.empty()) << "not requested again";
   static_cast<void>(go_to(view, contents, 64));
   host.deliver_all();
   EXPECT_EQ(go_to(view, contents, 64).flags & shown, 0u);
@@ -251,7 +251,7 @@ sample_contents long_street() {
   return contents;
 }
 
-TEST(paging, prefetch_asks_for_what_lies_ahead_nearest_first) {
+TEST(paging, prefetch_requests_the_path_ahead_nearest_first) {
   const sample_contents contents = long_street();
   paged_host host(contents.encode());
   ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
@@ -265,17 +265,17 @@ TEST(paging, prefetch_asks_for_what_lies_ahead_nearest_first) {
   for (const page_request& r : host.waiting) {
     chunks.push_back(static_cast<std::size_t>(std::find(begins.begin(), begins.end(), r.offset) - begins.begin()));
   }
-  // At 100 m is chunk 1; in four seconds the camera is at 300 m, give or take 100 m: 200 m to 400 m, and what it
-  // passes.
+  // At 100 m is chunk 1. In four seconds the camera is at 300 m, plus or minus 100 m: the chunks on its path and at 200
+  // m to 400 m.
   ASSERT_GE(chunks.size(), 5u);
   EXPECT_EQ(chunks[0], 1u);
   EXPECT_EQ(chunks[1], 2u) << "then the next one ahead";
   for (const std::size_t wanted : {3u, 4u, 5u})
     EXPECT_TRUE(std::find(chunks.begin(), chunks.end(), wanted) != chunks.end());
-  EXPECT_TRUE(std::find(chunks.begin(), chunks.end(), 8u) == chunks.end()) << "beyond the way";
+  EXPECT_TRUE(std::find(chunks.begin(), chunks.end(), 8u) == chunks.end()) << "beyond the path";
   const std::size_t asked = host.requests;
   ASSERT_EQ(sightcell_db_prefetch(host.db(), eye, velocity, 4.0f), SIGHTCELL_OK);
-  EXPECT_EQ(host.requests, asked) << "they are on their way";
+  EXPECT_EQ(host.requests, asked) << "they are requested already";
 }
 
 TEST(paging, a_camera_that_prefetches_never_waits) {
@@ -295,7 +295,7 @@ TEST(paging, a_camera_that_prefetches_never_waits) {
       }
       if (x == 1.0f) host.deliver_all();
       waits += (view.move(x, 1, 2).flags & SIGHTCELL_FRAME_PENDING) != 0 ? 1 : 0;
-      // What was asked for comes a second later.
+      // Requests are delivered a second later.
       if (static_cast<int>(x * 2) % 60 == 0) host.deliver_all();
     }
     if (prefetches) {
@@ -321,7 +321,7 @@ TEST(paging, prefetch_stays_within_the_room) {
   EXPECT_GE(host.waiting.size(), 3u);
   host.deliver_all();
   ASSERT_EQ(sightcell_db_prefetch(host.db(), eye, velocity, 10.0f), SIGHTCELL_OK);
-  EXPECT_TRUE(host.waiting.empty()) << "none makes room for another";
+  EXPECT_TRUE(host.waiting.empty()) << "none evicts another";
 }
 
 TEST(paging, wrong_arguments) {
@@ -346,13 +346,13 @@ TEST(paging, wrong_arguments) {
   EXPECT_EQ(sightcell_db_check(host.db()), SIGHTCELL_ERR_IO);
 }
 
-// What the source answers while the file is opened.
+// The answers of the source while the file is opened.
 struct opening_host {
   std::vector<std::byte> bytes;
   sightcell_db* db = nullptr;
-  int lies_from = 1000;  // which request is answered wrongly
+  int wrong_from = 1000;  // the first request with a wrong answer
   int requests = 0;
-  sightcell_status (*lie)(opening_host&, const page_request&) = nullptr;
+  sightcell_status (*wrong_answer)(opening_host&, const page_request&) = nullptr;
 
   sightcell_status open(std::uint64_t resident = 1 << 20, const sightcell_allocator* mem = nullptr) {
     requests = 0;
@@ -360,7 +360,7 @@ struct opening_host {
                                   [](void* user, std::uint64_t offset, std::uint32_t size, std::uint32_t ticket) {
                                     auto& self = *static_cast<opening_host*>(user);
                                     const page_request r{offset, size, ticket};
-                                    if (++self.requests >= self.lies_from) return self.lie(self, r);
+                                    if (++self.requests >= self.wrong_from) return self.wrong_answer(self, r);
                                     return sightcell_db_deliver(self.db, ticket, self.bytes.data() + offset, size);
                                   }};
     const sightcell_status s = sightcell_db_open_source(&source, mem, resident, &db);
@@ -377,26 +377,26 @@ TEST(paging, open_fails_with_a_reason) {
   EXPECT_EQ(host.open(), SIGHTCELL_OK);
   EXPECT_EQ(host.open(100), SIGHTCELL_ERR_CAPACITY) << "no room for a chunk";
   for (const int from : {1, 2}) {
-    host.lies_from = from;
-    host.lie = [](opening_host&, const page_request&) { return SIGHTCELL_ERR_IO; };
+    host.wrong_from = from;
+    host.wrong_answer = [](opening_host&, const page_request&) { return SIGHTCELL_ERR_IO; };
     EXPECT_EQ(host.open(), SIGHTCELL_ERR_IO);
-    host.lie = [](opening_host&, const page_request&) { return SIGHTCELL_OK; };
-    EXPECT_EQ(host.open(), SIGHTCELL_ERR_IO) << "nothing came";
-    host.lie = [](opening_host& self, const page_request& r) {
+    host.wrong_answer = [](opening_host&, const page_request&) { return SIGHTCELL_OK; };
+    EXPECT_EQ(host.open(), SIGHTCELL_ERR_IO) << "nothing was delivered";
+    host.wrong_answer = [](opening_host& self, const page_request& r) {
       EXPECT_EQ(sightcell_db_deliver(self.db, r.ticket, self.bytes.data(), r.size - 1), SIGHTCELL_ERR_TRUNCATED);
       EXPECT_EQ(sightcell_db_deliver(self.db, r.ticket + 1, self.bytes.data(), r.size), SIGHTCELL_ERR_STALE);
       EXPECT_EQ(sightcell_db_deliver(self.db, r.ticket, nullptr, 0), SIGHTCELL_OK);
       return SIGHTCELL_OK;
     };
     EXPECT_EQ(host.open(), SIGHTCELL_ERR_IO);
-    host.lie = [](opening_host& self, const page_request& r) {
+    host.wrong_answer = [](opening_host& self, const page_request& r) {
       std::vector<std::byte> other(self.bytes.begin(), self.bytes.begin() + static_cast<std::ptrdiff_t>(r.size));
       other[r.size / 2] ^= std::byte{1};
       return sightcell_db_deliver(self.db, r.ticket, other.data(), r.size);
     };
     EXPECT_EQ(host.open(), SIGHTCELL_ERR_CHECKSUM);
   }
-  host.lies_from = 1000;
+  host.wrong_from = 1000;
   EXPECT_EQ(sightcell_db_open_source(nullptr, nullptr, 1, &host.db), SIGHTCELL_ERR_ARGUMENT);
   const sightcell_source silent{nullptr, 10, nullptr};
   EXPECT_EQ(sightcell_db_open_source(&silent, nullptr, 1, &host.db), SIGHTCELL_ERR_ARGUMENT);
@@ -421,7 +421,7 @@ TEST(paging, files_with_any_byte_changed) {
     opening_host host;
     host.bytes = whole;
     host.bytes[at] ^= std::byte{16};
-    EXPECT_EQ(host.open() == SIGHTCELL_OK, at >= rows) << at << ": rows are looked at when they are used";
+    EXPECT_EQ(host.open() == SIGHTCELL_OK, at >= rows) << at << ": rows are checked when they are used";
   }
 }
 

@@ -1,4 +1,4 @@
-// One db, eight views on eight threads; meant for the thread sanitizer. All threads meet untouched chunks at once.
+// One db, eight views on eight threads, for the thread sanitizer. All threads use unchecked chunks at once.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,9 +50,9 @@ TEST(threads, eight_views_of_one_db) {
   EXPECT_EQ(wrong.load(), 0);
 }
 
-// Rows come from two threads of the host's, in an order of their own, to eight views that need them and a ninth thread
-// that looks ahead; there is room for three chunks of eight.
-TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
+// Two threads of the host deliver rows, in their own order, to eight views and a ninth thread that prefetches; there is
+// room for three chunks of eight.
+TEST(threads, eight_views_of_a_paged_file) {
   const sample_contents contents = random_contents(62, {.polygons = 500, .draws = 20, .cells = 512});
   const auto bytes = contents.encode();
   struct reading_host {
@@ -148,11 +148,11 @@ TEST(threads, eight_views_of_a_file_that_is_read_piece_by_piece) {
   first_reader.join();
   second_reader.join();
   EXPECT_EQ(wrong.load(), 0);
-  EXPECT_EQ(shown.load(), 8 * 200) << "each camera gets what it waits for, however many chunks the others want";
+  EXPECT_EQ(shown.load(), 8 * 200) << "each camera gets its chunks, whatever the others request";
   sightcell_db_close(host.db);
 }
 
-// Two chunks come at the same moment, and there is room for one.
+// Two chunks are delivered at the same moment, and there is room for one.
 TEST(threads, deliveries_at_once) {
   const sample_contents contents =
       random_contents(64, {.polygons = 3000, .draws = 20, .cells = 512, .visible = 0.3, .changed = 0.5});

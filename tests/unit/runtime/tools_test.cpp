@@ -1,4 +1,4 @@
-// What the runtime offers tools and tests: statistics, lines to draw, the text of misses.
+// Functions for tools and tests: statistics, debug lines, the text of reported misses.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -58,7 +58,7 @@ TEST(tools, statistics_of_a_view) {
   EXPECT_EQ(sightcell_view_statistics(view.get(), nullptr), SIGHTCELL_ERR_ARGUMENT);
 }
 
-TEST(tools, statistics_tell_flags_apart) {
+TEST(tools, statistics_distinguish_flags) {
   auto bytes = small_contents().encode();
   bytes.back() ^= std::byte{1};  // cells 64 to 66 are damaged
   const loaded_file file(std::move(bytes));
@@ -77,7 +77,7 @@ TEST(tools, statistics_tell_flags_apart) {
   EXPECT_EQ(stats.moves, 5u);
   EXPECT_EQ(stats.moves_outside, 3u);
   EXPECT_EQ(stats.moves_draw_all, 2u);
-  EXPECT_EQ(stats.rows_decoded, 1u) << "what is damaged is no set";
+  EXPECT_EQ(stats.rows_decoded, 1u) << "a damaged set is not counted";
   EXPECT_EQ(stats.polygons, polygons + 2 * 300);
 }
 
@@ -109,7 +109,7 @@ TEST(tools, statistics_of_a_db) {
   EXPECT_EQ(sightcell_db_statistics(file.db(), nullptr), SIGHTCELL_ERR_ARGUMENT);
 }
 
-TEST(tools, statistics_know_the_memory) {
+TEST(tools, statistics_count_the_memory) {
   const auto bytes = small_contents().encode();
   const std::string name = testing::TempDir() + "sightcell_tools.pvs";
   ASSERT_EQ(sightcell::format::write_file(name.c_str(), bytes), sightcell::format::status::ok);
@@ -129,7 +129,7 @@ TEST(tools, statistics_know_the_memory) {
   EXPECT_EQ(stats_of(host.db()).memory_bytes, memory.bytes);
 }
 
-TEST(tools, statistics_of_little_room) {
+TEST(tools, statistics_with_little_room) {
   const sample_contents contents = random_contents(3, {.polygons = 500, .draws = 5, .cells = 200});
   paged_host host(contents.encode());
   const std::size_t directory = section_offset(host.bytes(), 4);
@@ -154,7 +154,7 @@ TEST(tools, statistics_of_little_room) {
 
   page_request r = ask(1);
   EXPECT_EQ(sightcell_db_deliver(host.db(), r.ticket, nullptr, 0), SIGHTCELL_OK);
-  EXPECT_EQ(stats_of(host.db()).refused_deliveries, 0u) << "what could not be read is nobody's fault";
+  EXPECT_EQ(stats_of(host.db()).refused_deliveries, 0u) << "a read error of the host is not counted";
   r = ask(1);
   EXPECT_EQ(sightcell_db_deliver(host.db(), r.ticket, host.bytes().data() + r.offset, r.size - 1),
             SIGHTCELL_ERR_TRUNCATED);
@@ -163,7 +163,7 @@ TEST(tools, statistics_of_little_room) {
   EXPECT_EQ(host.deliver(r), SIGHTCELL_ERR_CHECKSUM);
   stats = stats_of(host.db());
   EXPECT_EQ(stats.refused_deliveries, 2u);
-  EXPECT_EQ(stats.resident_bytes, 0u) << "the damaged one takes no room, though another one made it";
+  EXPECT_EQ(stats.resident_bytes, 0u) << "the damaged one takes no room, though another one was evicted for it";
   EXPECT_EQ(stats.evictions, 3u);
   EXPECT_EQ(stats.delivered_bytes, std::uint64_t{2} * sizes[0] + sizes[1]);
 }
@@ -238,11 +238,11 @@ TEST(tools, debug_lines_of_volumes) {
   static_cast<void>(view.move(b.min[0] + 0.5f, b.min[1] + 0.5f, b.min[2] + 0.5f));
   const auto lines = lines_of(view, SIGHTCELL_DEBUG_VOLUMES);
   ASSERT_EQ(lines.size(), 24u);
-  EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_CELL).size(), 12u) << "nothing that was not asked for";
+  EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_CELL).size(), 12u) << "no other kind";
   EXPECT_EQ(lines[0].number, 4u);
   EXPECT_EQ(lines[12].number, 29u);
   static_cast<void>(view.move(-1e5f, 0, 0));
-  EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_VOLUMES).size(), 360u) << "everything is seen";
+  EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_VOLUMES).size(), 360u) << "everything is visible";
 }
 
 // A small cell in 80 large ones.

@@ -1,4 +1,4 @@
-// What a view answers after a move: sets, ranges, indices, changes, fail open.
+// The results of a view after a move: sets, ranges, indices, changes, fail open.
 #include "view.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ std::vector<std::uint32_t> stored_indices(std::uint32_t polygons) {
   return indices;
 }
 
-// All outputs say the same set.
+// All outputs return the same set.
 void expect_set(const test_view& view, const sample_contents& contents, const std::vector<std::uint32_t>& set) {
   EXPECT_EQ(view.polygons(), set);
   EXPECT_EQ(polygons_of(view.ranges(), contents), set);
@@ -35,7 +35,7 @@ void expect_set(const test_view& view, const sample_contents& contents, const st
   EXPECT_EQ(view.indices(stored), expected);
 }
 
-// Middle of cell n of the grid of sample contents.
+// Moves to the center of cell n of the grid of sample contents.
 sightcell_frame go_to(test_view& view, const sample_contents& contents, std::uint32_t cell) {
   const auto& b = contents.cells[cell];
   return view.move((b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2, (b.min[2] + b.max[2]) / 2);
@@ -74,7 +74,7 @@ TEST(view, every_cell_shows_its_set) {
   }
 }
 
-// Polygons are source ids in stored order, and db_order says the same.
+// Polygons are source ids in stored order, and db_order returns the same order.
 void expect_sets_in_stored_order(const sample_contents& contents) {
   const loaded_file file(contents);
   EXPECT_EQ(sightcell_db_check(file.db()), SIGHTCELL_OK);
@@ -92,7 +92,7 @@ void expect_sets_in_stored_order(const sample_contents& contents) {
     std::sort(seen.begin(), seen.end());
     EXPECT_EQ(seen, contents.sets[cell]);
   }
-  // Everything, where no set says what to draw.
+  // Everything, where no set is known.
   const sightcell_frame outside = view.move(1000, 1000, 1000);
   EXPECT_NE(outside.flags & SIGHTCELL_FRAME_DRAW_ALL, 0u);
   EXPECT_EQ(view.polygons(), order);
@@ -107,7 +107,7 @@ TEST(view, polygons_in_an_order_of_the_file) {
   expect_sets_in_stored_order(contents);
 }
 
-// Of sets that are whole draw groups, one range for each: draws do not count.
+// Sets of whole draw groups have one range for each: the borders of draws do not count.
 TEST(view, ranges_of_a_merged_file_are_of_draw_groups) {
   sample_contents contents = random_contents(4, {.polygons = 900, .draws = 30, .cells = 2});
   put_in_groups(contents, 8);
@@ -146,7 +146,7 @@ TEST(view, revision_rises_with_each_change_and_only_then) {
   const sample_contents contents = small_contents();
   const loaded_file file(contents);
   test_view view(file.db());
-  sightcell_frame frame = go_to(view, contents, 11);  // sees nothing, as before the first move
+  sightcell_frame frame = go_to(view, contents, 11);  // an empty set, as before the first move
   EXPECT_EQ(frame.revision, 1u);
   EXPECT_EQ(frame.flags, SIGHTCELL_FRAME_CHANGED);
   frame = go_to(view, contents, 11);
@@ -180,7 +180,7 @@ TEST(view, outside_draws_everything) {
   EXPECT_EQ(view.ranges().size(), 2u) << "the empty draw has no range";
 }
 
-TEST(view, no_number_is_an_argument_and_draws_everything) {
+TEST(view, nan_is_a_wrong_argument_and_draws_everything) {
   const sample_contents contents = small_contents();
   const loaded_file file(contents);
   test_view view(file.db());
@@ -204,7 +204,7 @@ TEST(view, no_number_is_an_argument_and_draws_everything) {
   EXPECT_EQ(go_to(view, contents, 3).cell, 3u) << "and works on afterwards";
 }
 
-TEST(view, too_little_room_writes_nothing_and_says_the_need) {
+TEST(view, too_little_room_writes_nothing_and_returns_the_need) {
   const sample_contents contents = small_contents();
   const loaded_file file(contents);
   test_view view(file.db());
@@ -288,7 +288,7 @@ TEST(view, changes_lead_from_one_set_to_the_next) {
   expect_changes_everywhere(contents);
 }
 
-// A cell with the same set changes the cell, not what changed before.
+// A cell with the same set changes the cell, not the previous set.
 TEST(view, changes_outlive_a_cell_with_the_same_set) {
   const sample_contents contents = small_contents();
   const loaded_file file(contents);
@@ -351,7 +351,7 @@ TEST(view, a_damaged_chunk_draws_everything_and_leaves_the_others_alone) {
   }
 }
 
-// Behind the checksums: a row that is none costs its cell the culling; what the host sized by info still fits.
+// Below the checksums: a row that is invalid costs its cell the culling; buffers that the host sized by info still fit.
 TEST(view, hostile_rows_fail_open) {
   const sample_contents contents = small_contents();
   const auto whole = contents.encode();
@@ -379,7 +379,7 @@ TEST(view, hostile_rows_fail_open) {
   EXPECT_GT(damaged, 100u);
 }
 
-// A file that promises fewer ranges than a set has would make a host's buffer too small: that set is not shown.
+// A file that claims fewer ranges than a set has would make a host's buffer too small: that set is not shown.
 TEST(view, a_set_with_more_ranges_than_promised_fails_open) {
   sample_contents contents;
   add_draws(contents, 40, 4);

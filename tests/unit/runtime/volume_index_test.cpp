@@ -80,7 +80,7 @@ class built_index {
   [[nodiscard]] bool asks(const format::box& b) const {
     return index_.box_visible(b.min.data(), b.max.data(), visible_);
   }
-  // The same by trying all places around, of which the boxes of those at the ends must lie outside.
+  // The same by testing all positions around, of which those at the ends must be outside the box.
   [[nodiscard]] bool should_be(const format::box& b) const {
     std::set<place_key> volumes;
     for (const lattice_place& p : places_) volumes.insert(key_of(p));
@@ -131,7 +131,7 @@ class built_index {
   std::set<place_key> shown_;
 };
 
-// A block of places with some holes, also where a place has no box.
+// A block of positions with gaps, also where a position has no box.
 std::vector<lattice_place> block_of(random_source& random, const lattice_shape& shape, const lattice_place& corner,
                                     std::int32_t width, std::uint32_t hole_in) {
   std::vector<lattice_place> places;
@@ -146,7 +146,7 @@ std::vector<lattice_place> block_of(random_source& random, const lattice_shape& 
   return places;
 }
 
-// A number around the places, as often at a border as not, and as often beside it.
+// A number near the positions: at a border as often as not, and next to one as often.
 float number_near(random_source& random, double size, std::int32_t corner, std::int32_t width) {
   const double place = corner - 1 + static_cast<double>(random() % static_cast<std::uint32_t>(width + 3));
   const auto border = static_cast<float>(place * size);
@@ -204,7 +204,7 @@ void expect_as_by_trying_all(std::uint32_t seed, const lattice_shape& shape, con
   EXPECT_GE(hidden, least_hidden);
 }
 
-TEST(volume_index, boxes_are_answered_as_by_trying_all_places) {
+TEST(volume_index, agrees_with_testing_every_position) {
   std::uint32_t seed = 1;
   for (const lattice_shape& shape :
        {lattice_shape{1.0, 1.0}, lattice_shape{1.25, 2.5}, lattice_shape{1.0 / 3.0, 0.7}, lattice_shape{0.1, 3.0e3}}) {
@@ -214,8 +214,8 @@ TEST(volume_index, boxes_are_answered_as_by_trying_all_places) {
   }
 }
 
-// Where floats are as far apart as a fourth of a place, and less: borders lie beside where they belong.
-TEST(volume_index, far_places_are_where_their_floats_are) {
+// Where floats are a fourth of a position apart, and less: borders are rounded.
+TEST(volume_index, far_positions_are_where_their_floats_are) {
   std::uint32_t seed = 100;
   for (const std::int32_t corner : {1 << 20, 1 << 21, -(1 << 21) - 4, 1 << 22}) {
     for (const lattice_shape& shape :
@@ -225,8 +225,8 @@ TEST(volume_index, far_places_are_where_their_floats_are) {
   }
 }
 
-// Further on many places have no box at all, so that none of them is a volume: a box touches several.
-TEST(volume_index, places_without_a_box_are_no_volumes) {
+// Further from the origin many positions have no box, so that none of them is a volume: a box touches several.
+TEST(volume_index, positions_without_a_box_are_no_volumes) {
   std::uint32_t seed = 200;
   for (const std::int32_t corner : {1 << 23, (1 << 24) + 1, -(1 << 24) - 9, (1 << 25) + 3, -(1 << 27)}) {
     for (const lattice_shape& shape : {lattice_shape{1.0, 1.0}, lattice_shape{1.0 / 3.0, 0.7}, lattice_shape{1.1, 0.9}})
@@ -244,7 +244,7 @@ TEST(volume_index, places_without_a_box_are_no_volumes) {
 }
 
 // Borders of subnormal floats.
-TEST(volume_index, places_as_small_as_floats) {
+TEST(volume_index, positions_as_small_as_floats) {
   const auto least = static_cast<double>(std::numeric_limits<float>::denorm_min());
   for (const double size : {least, 1.5 * least, 2.25 * least, 0x1p-126})
     expect_as_by_trying_all(31, {size, size}, {-4, -3, -2, 0});
@@ -252,13 +252,13 @@ TEST(volume_index, places_as_small_as_floats) {
   expect_as_by_trying_all(32, {0x1p100, 0x1p104}, {-4, -3, -2, 0});
 }
 
-TEST(volume_index, a_point_on_a_border_touches_both_places) {
+TEST(volume_index, a_point_on_a_border_touches_both_positions) {
   built_index built({2.0, 3.0}, {{-1, 0, 0, 0}, {0, 0, 0, 0}});
   const auto asks_at = [&](float x, float y, float z) { return built.asks({{x, y, z}, {x, y, z}}); };
   EXPECT_FALSE(asks_at(0.0f, 1.0f, 1.0f)) << "both are hidden";
   EXPECT_FALSE(asks_at(-0.0f, 1.0f, 1.0f));
   EXPECT_FALSE(asks_at(1.0f, 1.0f, 1.0f));
-  EXPECT_TRUE(asks_at(2.0f, 1.0f, 1.0f)) << "the next place is no volume";
+  EXPECT_TRUE(asks_at(2.0f, 1.0f, 1.0f)) << "the next position is no volume";
   EXPECT_TRUE(asks_at(-2.0f, 1.0f, 1.0f));
   EXPECT_TRUE(asks_at(1.0f, 0.0f, 1.0f));
   EXPECT_TRUE(asks_at(1.0f, 3.0f, 1.0f));
@@ -330,7 +330,7 @@ TEST(volume_index, without_volumes_all_is_visible) {
   EXPECT_TRUE(index.box_visible(at, at, {}));
 }
 
-// Which no writer writes, and only who checks everything finds.
+// No writer produces this, and only a check of the whole file finds it.
 TEST(volume_index, two_volumes_at_one_place) {
   built_index built({1.0, 1.0}, {{0, 0, 0, 0}, {5, 0, 0, 0}, {0, 0, 0, 0}});
   const format::box b{{0.25f, 0.25f, 0.25f}, {0.5f, 0.5f, 0.5f}};
@@ -367,7 +367,7 @@ TEST(volume_index, runs_beyond_the_volumes_and_small_views) {
   EXPECT_TRUE(built.index().box_visible(at, at, std::span(visible).first(1))) << "a view of another file";
 }
 
-TEST(volume_index, bytes_that_are_no_places_any_more) {
+TEST(volume_index, bytes_that_are_no_positions_any_more) {
   constexpr std::int32_t most = 1 << 30;
   auto bytes = section_of({1.0, 1.0}, {{-most + 32, 0, 0, 0}, {most - 33, 0, 0, 0}});
   format::volume_table table;
@@ -379,14 +379,14 @@ TEST(volume_index, bytes_that_are_no_places_any_more) {
   const auto memory = std::make_unique<std::byte[]>(counted.used());
   runtime::carver space(memory.get());
   index.carve(space);
-  std::fill_n(bytes.begin() + 44, 8, std::byte{0xFF});  // two x of 31 bits: behind the last place
+  std::fill_n(bytes.begin() + 44, 8, std::byte{0xFF});  // two x of 31 bits: beyond the last position
   EXPECT_FALSE(index.build(table));
   EXPECT_EQ(index.chunk_count(), 0u);
   const float at[3] = {0.5f, 0.5f, 0.5f};
   EXPECT_TRUE(index.box_visible(at, at, {}));
 }
 
-// What is measured stays what is used.
+// The measured sizes are used, whatever the bytes become.
 TEST(volume_index, bytes_that_change_meanwhile) {
   random_source random(5);
   const std::vector<lattice_place> few(400, lattice_place{1, 2, 3, 0});
@@ -409,7 +409,7 @@ TEST(volume_index, bytes_that_change_meanwhile) {
     index.carve(space);
     for (int n = 0; n < 1000; ++n) changing[44 + random() % (changing.size() - 44)] = static_cast<std::byte>(random());
     ASSERT_TRUE(index.build(table));
-    EXPECT_LE(index.chunk_count(), 2u) << "as many as there is room for";
+    EXPECT_LE(index.chunk_count(), 2u) << "no more than there is room for";
     std::vector<std::uint64_t> visible(index.chunk_count());
     const std::vector<format::run> all{{0, 400}};
     index.show(all, visible);

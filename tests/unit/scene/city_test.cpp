@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "glb_writer.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::city {

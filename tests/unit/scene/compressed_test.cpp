@@ -8,7 +8,7 @@
 
 #include "draco_sketch.h"
 #include "loaded_sketch.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {

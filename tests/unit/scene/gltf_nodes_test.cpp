@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "gltf_sketch.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {

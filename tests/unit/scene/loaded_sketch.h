@@ -5,7 +5,7 @@
 #include <string>
 
 #include "gltf_sketch.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "loaded_sketch.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "packed_file.h"
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/pack.h"
 #include "sightcell/scene/scene.h"
 

@@ -8,7 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
-#include "sightcell/scene/error.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::scene {
 namespace {

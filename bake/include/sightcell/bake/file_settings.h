@@ -1,5 +1,6 @@
 #pragma once
-// How a file holds what a bake has found. `sightcell recode` changes it without a bake.
+// How a .pvs file stores the result of a bake. `sightcell recode` changes all of it without a bake. bake.h has the
+// conventions.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -8,40 +9,50 @@
 
 namespace sightcell::bake {
 
-// --profile: how many polygons that nobody sees may be drawn, so that a file is smaller and lists of ranges shorter.
-// Pictures do not change.
-enum class slack_profile : std::uint8_t {
-  exact,     // none
-  balanced,  // 5 % of those that are seen
-  small,     // 10 %
-};
+// ---- Profile --------------------------------------------------------------------------------------------------------
+
+// --profile: how much slack sets may have, which makes files smaller and lists of ranges shorter. Slack is invisible
+// polygons: pictures do not change.
+enum class slack_profile : std::uint8_t { exact, balanced, small };
+
+// As the command line and the settings text call them, in the order of the values.
 inline constexpr std::array<std::string_view, 3> slack_profile_names = {"exact", "balanced", "small"};
+
+// Slack as a share of the visible polygons, at most.
 inline constexpr std::array<double, 3> slack_of_profile = {0.0, 0.05, 0.10};
 
-// --order: what shares one order of polygons.
+// ---- Order ----------------------------------------------------------------------------------------------------------
+
+// --order: which draws share one stored order of polygons.
 enum class polygon_order_kind : std::uint8_t {
-  per_mesh,      // all instances of a primitive, which share an index buffer in the host
-  per_instance,  // nothing: fewer ranges, but each draw needs an index buffer of its own
+  per_mesh,     // all instances of a primitive: they share an index buffer in the host
+  per_instance  // none: fewer ranges, but the host needs an index buffer for each draw
 };
 inline constexpr std::array<std::string_view, 2> polygon_order_names = {"per-mesh", "per-instance"};
 
-// --layout: how the host keeps its polygons.
+// ---- Layout ---------------------------------------------------------------------------------------------------------
+
+// --layout: how the host stores its polygons.
 enum class host_layout : std::uint8_t {
-  instanced,  // draw by draw
-  merged,     // in world space, the static draws of one material as one list, whose polygons are ordered together
+  instanced,  // per primitive, shared by instances; the host issues draws
+  merged      // in world space, in one list for each draw group; the host issues draw groups
 };
 inline constexpr std::array<std::string_view, 2> host_layout_names = {"instanced", "merged"};
 
+// ---- All of it ------------------------------------------------------------------------------------------------------
+
 struct file_settings {
   slack_profile profile = slack_profile::balanced;
-  polygon_order_kind order = polygon_order_kind::per_mesh;
+  polygon_order_kind order = polygon_order_kind::per_mesh;  // per_mesh only, for host_layout::merged
   host_layout layout = host_layout::instanced;
-  // --importance: of each polygon of a cell how much of what is seen it covers. The settings text does not say it, as
-  // it changes nothing else of the file: recode adds it to any file.
+
+  // --importance: stores how large a part of the view from its cell each polygon covers, in 16 classes. Not in the
+  // settings text: the other sections of the file do not depend on it.
   bool importance = false;
 };
 
-// The place of a name in one of the lists above; nothing where it is not there.
+// Returns the value with this name, nothing for an unknown name.
+// names: one of the lists above.
 template <class Kind, std::size_t Count>
 constexpr std::optional<Kind> kind_of(const std::array<std::string_view, Count>& names, std::string_view name) {
   for (std::size_t i = 0; i < Count; ++i)
@@ -49,7 +60,8 @@ constexpr std::optional<Kind> kind_of(const std::array<std::string_view, Count>&
   return std::nullopt;
 }
 
-// What a file's settings text says. Files from before slack are exact; what the text does not say is as above.
+// Returns what the settings text of a file names. What it does not name has the default, except that a file without a
+// profile is exact: it is older than slack.
 file_settings file_settings_of(std::string_view settings);
 
 }  // namespace sightcell::bake

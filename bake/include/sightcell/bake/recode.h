@@ -1,5 +1,6 @@
 #pragma once
-// A .pvs file written anew without a bake: in this version of the format, in another profile, order or layout.
+// Writes a .pvs file again without a bake: in the current version of the format, with another profile, order or layout,
+// or with importance. bake.h has the conventions.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -16,38 +17,48 @@ struct scene;  // sightcell/scene/scene.h
 
 namespace sightcell::bake {
 
-// What shall be other than it is.
+// What to change. Without a value, a property stays as it is.
 struct recode_settings {
-  // Exact cannot be asked of a file that holds slack: which polygons nobody sees is not known any more. Nor can less
-  // slack than it has.
+  // Slack of the sets. It can grow and not shrink: the file does not mark which polygons are slack.
   std::optional<slack_profile> profile;
-  std::optional<polygon_order_kind> order;  // polygons and draws are ordered anew, by the sets that the file holds
-  // Polygons and draws are ordered anew, as for another order. To merged it takes layout_from, the scene that the file
-  // was baked from: a file does not say which draws its host shows when it likes. Outlives the call.
+
+  // Computes the stored order of polygons and draws again, from the sets in the file.
+  std::optional<polygon_order_kind> order;
+
+  // Computes the stored order again. host_layout::merged needs layout_from.
   std::optional<host_layout> layout = {};
+
+  // The scene that was baked: it has the names of groups, which decide what can be merged. The caller keeps it during
+  // the call.
   const scene::scene* layout_from = nullptr;
-  // The scene that the file was baked from, to measure in it how much of what is seen from its cell each polygon covers
-  // (file_settings::importance), as a bake would have done; null: what the file knows of it stays. Outlives the call.
+
+  // The scene that was baked: importance is measured in it, as a bake with file_settings::importance does. Null keeps
+  // the importance that the file has. The caller keeps it during the call.
   const scene::scene* importance_in = nullptr;
-  std::uint32_t threads = 0;  // for that, 0: all
-  // Told while that is measured: cells done, of how many; false cancels. On the calling thread. Optional.
+
+  std::uint32_t threads = 0;  // for importance; 0 for all cores
+
+  // Called while importance is measured, on the calling thread. false cancels. May be empty.
   std::function<bool(std::uint32_t done, std::uint32_t total)> on_progress = {};
 };
 
 struct recode_result {
-  std::uint32_t version_before = 0;
-  std::uint64_t bytes_before = 0, bytes = 0;
-  double slack = 0.0;      // share of polygons that the new file's sets hold though nobody sees them
-  bool cancelled = false;  // nothing was written
+  std::uint32_t version_before = 0;  // format version of the old file
+  std::uint64_t bytes_before = 0;    // size of the old file
+  std::uint64_t bytes = 0;           // size of the new file
+  double slack = 0.0;                // of the new file: polygons of slack as a share of the others, 0 .. 0.1
+  bool cancelled = false;            // by on_progress; no file was written
 };
 
-// Checks the file, then writes it to output by rename: the bytes may come from the same file. Without settings the sets
-// stay what they are, also those of a file of an older version, whose polygons and lattice cells are put in order.
-// Bounds and certificate stay, rounded to the safe side; so does the importance of polygons, but
-// what slack adds is least important. With importance_in alone a file of this version stays what it is besides. The
-// settings text names the new profile, order and layout. file, name: as for verify. Throws sightcell::error when the
-// file is broken, cannot have the profile or the layout, is of another scene than importance_in or layout_from, or
-// cannot be written; then nothing was changed. Runs on all cores.
+// Checks a file and writes it again. Sets stay the same except for slack. Bounds and certificate stay, rounded up where
+// the old version has them more precisely. Importance stays; added slack has the least. The settings text of the new
+// file has the new profile, order and layout. A file of the current version for which only importance is measured keeps
+// all else, byte for byte.
+// file: the bytes of the .pvs file, of any version.
+// name: of the file, for messages.
+// output: the new file; may be the file that was read.
+// Fails with pvs.refused, pvs.broken, pvs.other-scene, recode.*; then no file has changed.
+// Cost: seconds for a file of thousands of cells; with importance, as much as rays of a bake. Uses all cores.
 recode_result recode(std::span<const std::byte> file, const std::string& name, const recode_settings& how,
                      const std::filesystem::path& output);
 

@@ -1,5 +1,5 @@
 #pragma once
-// --safety-ring: what lies beside a cell set joins it, seen or not.
+// --safety-ring: conservative dilation of finished cell sets. bake.h has the conventions.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -8,15 +8,18 @@
 
 namespace sightcell::bake {
 
+// Which polygons join a finished set without a visibility test. Polygons that face away from all of the grown cell do
+// not join.
 enum class safety_ring : std::uint8_t {
   none,
-  edge,    // polygons that share an edge with one of the set
-  vertex,  // that share a vertex with one
+  edge,   // polygons that share an edge with a member
+  vertex  // polygons that share a vertex with a member
 };
 
-// As the command line and the settings in a file call them, in the order of the values.
+// As the command line and the settings text call them, in the order of the values.
 inline constexpr std::array<std::string_view, 3> safety_ring_names = {"none", "edge", "vertex"};
 
+// Returns the value with this name, nothing for an unknown name.
 constexpr std::optional<safety_ring> safety_ring_of(std::string_view name) {
   for (std::size_t i = 0; i < safety_ring_names.size(); ++i)
     if (safety_ring_names[i] == name) return static_cast<safety_ring>(i);

@@ -1,6 +1,6 @@
 #pragma once
-// View cells on a lattice (SPEC.md, "Cells"): chunks of 8 x 8 places of one layer, each with a bit for
-// every place that is a cell. cell_lattice_writer.h is the way back.
+// View cells on a lattice (SPEC.md, "Cells"): chunks of 8 x 8 positions of one layer, each with a bit per position that
+// is a cell. The counterpart for writing is cell_lattice_writer.h.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace sightcell::format {
 
-// Signed numbers in columns: counted from the smallest there is, so that those around 0 take few bits.
+// Signed numbers as columns store them: relative to the smallest one, so that numbers around 0 take few bits.
 [[nodiscard]] constexpr std::uint32_t from_signed(std::int32_t value) noexcept {
   return static_cast<std::uint32_t>(value) ^ 0x80000000u;
 }
@@ -18,37 +18,39 @@ namespace sightcell::format {
   return static_cast<std::int32_t>(value ^ 0x80000000u);
 }
 
-inline constexpr std::int32_t lattice_chunk_width = 8;  // places in x and z
+inline constexpr std::int32_t lattice_chunk_width = 8;  // positions in x and z
 inline constexpr std::uint32_t max_lattice_level = 31;
 
-// The cell at a place: neighbors have the very same floats. What it is not checked for is box_is_valid().
+// The box of the cell at a position. Adjacent cells share exact floats. Not checked by box_is_valid().
 [[nodiscard]] box box_of(const lattice_shape& shape, const lattice_place& place) noexcept;
 
-// 8 x 8 places of one layer. Bit 8 (z mod 8) + x mod 8 of mask: there is a cell.
+// 8 x 8 positions of one layer. Bit 8 (z mod 8) + x mod 8 of mask: there is a cell.
 struct lattice_chunk {
-  std::int32_t x = 0, y = 0, z = 0;  // its first place is at (8 x, y, 8 z)
+  std::int32_t x = 0, y = 0, z = 0;  // its first position is (8 x, y, 8 z)
   std::uint32_t level = 0;
   std::uint32_t first_cell = 0;  // number of its first cell; further ones follow in the order of their bits
   std::uint64_t mask = 0;        // not 0
 };
 
-// The place of the cell that a bit of the chunk's mask stands for.
+// The position of the cell of a bit of chunk.mask.
 [[nodiscard]] lattice_place place_of(const lattice_chunk& chunk, unsigned bit) noexcept;
 
 class cell_lattice {
  public:
   // A lattice without cells.
   cell_lattice() noexcept = default;
-  // bytes: the lattice and nothing behind it; viewed. False when it does not hold exactly `cells` cells with valid
-  // boxes, none twice, in the order that SPEC.md says. O(cells).
+
+  // Opens a lattice. bytes: the lattice and nothing after it; not copied. False unless it has exactly `cells` cells
+  // with valid boxes, all different, in the order of SPEC.md. O(cells).
   [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t cells) noexcept;
 
   [[nodiscard]] const lattice_shape& shape() const noexcept { return shape_; }
   [[nodiscard]] std::uint32_t chunk_count() const noexcept { return chunks_; }
-  // number below chunk_count().
+
+  // number: below chunk_count().
   [[nodiscard]] lattice_chunk chunk(std::uint32_t number) const noexcept;
 
-  // The box of a cell. False when there is no such cell, or somebody changed the bytes and it is no box. O(log chunks).
+  // The box of a cell. False if there is no such cell, or if the bytes changed and the box is invalid. O(log chunks).
   [[nodiscard]] bool cell_box(std::uint32_t cell, box& out) const noexcept;
 
  private:

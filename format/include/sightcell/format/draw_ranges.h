@@ -1,6 +1,6 @@
 #pragma once
-// Cuts runs of stored polygons at the borders of what a host issues: draws, or draw groups of the merged layout. Used
-// by the writer (range bound), the reader (statistics) and the runtime (draw ranges), so that all three count the same.
+// Cuts runs of stored polygons at the borders of draws, or of draw groups in the merged layout. The writer (range
+// bound), the reader (statistics) and the runtime (draw ranges) share it, so that all three count the same.
 #include <algorithm>
 #include <cstdint>
 #include <span>
@@ -9,11 +9,14 @@
 
 namespace sightcell::format {
 
-// A draw may be a draw group here. Calls emit(draw, first, count) for every piece of runs (ascending, disjoint) that
-// lies in one draw; first counts from the draw's first stored polygon. first_of(d) gives that polygon for d <
-// draw_count and must not descend; draws without polygons get no piece. polygon_count is the end of the last draw.
-// Allocates nothing; any thread. O(runs + draws met * log draws between them). Ends and stays inside draw_count even
-// when first_of answers nonsense.
+// Calls emit(draw, first, count) for each part of a run in one draw. A draw may be a draw group.
+// runs: ascending, disjoint.
+// first_of(d): stored number of the first polygon of draw d < draw_count; must not descend. Draws without polygons get
+//   no part.
+// polygon_count: the end of the last draw.
+// first: counted from the first polygon of the draw.
+// Allocates nothing; any thread. O(runs + draws met * log of the draws between them). Ends and stays below draw_count
+// for any result of first_of.
 template <class FirstOf, class Emit>
 void for_each_draw_range(std::span<const run> runs, std::uint32_t draw_count, std::uint32_t polygon_count,
                          const FirstOf& first_of, const Emit& emit) {
@@ -27,14 +30,15 @@ void for_each_draw_range(std::span<const run> runs, std::uint32_t draw_count, st
   for (const run& r : runs) {
     std::uint64_t place = r.first;
     const std::uint64_t end = place + r.count;
-    // Most runs end in the draw that the one before ended in, and then began in it.
+    // Most runs end in the draw in which the run before ended, so they begin in it too.
     while (end > draw_end) {
       if (place < draw_end) {
         emit(draw, static_cast<std::uint32_t>(place - draw_begin), static_cast<std::uint32_t>(draw_end - place));
         place = draw_end;
       }
-      // The last draw that starts at or before place, as the next one does. It is most often near, because what is seen
-      // together is stored together: steps double until they are too far, then halve.
+      // Finds the last draw that starts at or before place, where the next one may start too. It is near in most cases,
+      // because polygons that are visible together are stored together: steps double until they are too far, then
+      // halve.
       if (++draw >= draw_count) return;
       const auto starts_by_place = [&](std::uint64_t d) {
         return d < draw_count && first_of(static_cast<std::uint32_t>(d)) <= place;

@@ -1,6 +1,6 @@
 #pragma once
-// A file taken apart, for tools that encode it again: all it holds but its sets, which set_reader.h gives one at a
-// time, and their importance.
+// The contents of a file without its sets and their importance, for tools that encode it again. set_reader.h returns
+// the sets one at a time.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,16 +19,16 @@ struct file_parts {
   std::vector<std::string> named_groups;
   std::vector<std::uint32_t> order_of_draw;
   std::vector<std::vector<std::uint32_t>> orders;
-  std::vector<box> cells;                // also those on a lattice
-  std::optional<lattice_shape> lattice;  // where cells lie on one
-  std::vector<lattice_place> places;     // one per cell then, else none
-  lattice_shape volume_shape;            // of each volume; only where there are some
+  std::vector<box> cells;                // also for cells on a lattice
+  std::optional<lattice_shape> lattice;  // where cells are on one
+  std::vector<lattice_place> places;     // one per cell on the lattice, else none
+  lattice_shape volume_shape;            // of each volume; set if there are volumes
   std::vector<lattice_place> volumes;
   std::vector<certificate_record> certificate;
   std::string settings;
 
-  // For encode(), with sets that are asked for by the numbers of these cells: where there are volumes, as
-  // set_reader::item_ids gives them. Views the parts.
+  // For encode(). sets: by the numbers of these cells; with volumes, as set_reader::item_ids returns them. The result
+  // refers to the parts.
   [[nodiscard]] file_contents contents(cell_set_source sets) const;
 };
 

@@ -1,10 +1,10 @@
 #pragma once
-// The importance section (SPEC.md, "Importance"): of each polygon of a cell's set a class, by how much of all that is
-// seen from the cell it covers. importance_writer.h is the way back.
+// The importance section (SPEC.md, "Importance"): a class for each polygon of a set, by its share of the view from the
+// cell. The counterpart for writing is importance_writer.h.
 //
 //   importance_classes importance;
 //   if (status s = file.importance(importance); s != status::ok) return s;   // argument: the file has none
-//   // row[0 .. runs): as reader::decode_row gives them; polygons: the sum of their counts
+//   // row[0 .. runs): from reader::decode_row; polygons: the sum of their counts
 //   status s = importance.decode(cell, std::span(classes).first(polygons));   // one per polygon, in stored order
 #include <array>
 #include <cstddef>
@@ -15,29 +15,30 @@
 
 namespace sightcell::format {
 
-// Classes are 0 .. 15, the most important first. Polygons of the last one are tiny, or nothing is known of them.
+// Classes are 0 .. 15, the most important first. Polygons of the last one are tiny, or their importance is unknown.
 inline constexpr std::uint32_t importance_class_count = 16;
 inline constexpr std::uint8_t least_important = importance_class_count - 1;
 
-// A view of one section, of about 9 KiB; valid as long as the bytes are. Bytes are taken as hostile. No exceptions, no
+// A view of one section, about 9 KiB; valid as long as the bytes are. Safe for hostile bytes. No exceptions, no
 // allocation; const functions may run on any number of threads at once.
 class importance_classes {
  public:
   // Bits of the longest code.
   static constexpr unsigned longest_code = 8;
 
-  // Of a file without cells.
+  // The section of a file without cells.
   importance_classes() noexcept = default;
-  // bytes: the section and nothing behind it. cells: of the file. checksum: directory or codes are damaged; corrupt:
-  // they are none, or do not fill the bytes. out is set only on ok. O(cells / 64).
+
+  // Opens a section. bytes: the section and nothing after it. cells: of the file. out: set only on ok. checksum:
+  // directory or codes are damaged; corrupt: invalid codes, or they do not fill the bytes. O(cells / 64).
   static status open(std::span<const std::byte> bytes, std::uint32_t cells, importance_classes& out) noexcept;
 
-  // As reader::check_chunk, of the chunk of the classes: reads all of it. Remember it.
+  // As reader::check_chunk, for the classes of a chunk. Reads all of it: remember the result.
   status check_chunk(std::uint32_t chunk) const noexcept;
 
-  // The class of each polygon of a cell's set, in stored order. out: as many as the set has polygons. Looks at no
-  // checksum: call check_chunk once before. argument: no such cell; corrupt: the bits are not so many classes; out
-  // holds anything then. O(polygons of the cell).
+  // Returns the class of each polygon of a cell's set, in stored order. out: one element per polygon. Checks no
+  // checksum: call check_chunk once before. argument: no such cell; corrupt: the bits are not this number of classes,
+  // out is undefined. O(polygons of the cell).
   status decode(std::uint32_t cell, std::span<std::uint8_t> out) const noexcept;
 
  private:
@@ -45,7 +46,7 @@ class importance_classes {
   [[nodiscard]] bool chunk_of(std::uint32_t chunk, std::span<const std::byte>& out,
                               std::uint32_t& checksum) const noexcept;
 
-  // By the next bits: the symbol, and above it in a byte how many bits its code has; 0: no code.
+  // Indexed by the next bits: the symbol, and in the upper byte the number of bits of its code; 0: no code.
   using code_entries = std::array<std::uint16_t, std::size_t{1} << longest_code>;
   [[nodiscard]] static bool read_code(std::span<const std::byte>& bytes, std::uint32_t symbols,
                                       code_entries& entries) noexcept;
@@ -54,7 +55,7 @@ class importance_classes {
   std::span<const std::byte> chunks_;
   std::uint32_t cells_ = 0;
   std::array<code_entries, importance_class_count> codes_{};  // by the class before
-  code_entries runs_{};                                       // how many more of the last class follow
+  code_entries runs_{};                                       // lengths of runs of the last class
 };
 
 }  // namespace sightcell::format

@@ -1,6 +1,6 @@
 #pragma once
-// Puts an importance section into an encoded file (SPEC.md, "Importance"), or takes it out. It comes after the rows,
-// since which polygons a set holds besides those that are seen is known only when they are encoded.
+// Adds an importance section to an encoded file (SPEC.md, "Importance"), or removes it. It is added after encoding,
+// because slack is chosen then: only then all polygons of a set are known.
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -12,24 +12,25 @@
 
 namespace sightcell::format {
 
-// Classes of the polygons of each cell, asked for one cell at a time. Belongs to the caller, as does all that get
-// refers to.
+// Classes of the polygons of each cell, one cell at a time. Belongs to the caller, with everything that get refers to.
 struct importance_source {
-  // Puts the classes of a cell into classes, which comes empty and keeps its storage from cell to cell: one for each
-  // polygon of the cell's set, in stored order, 0 .. 15. put_importance asks twice for each cell, each time in
-  // ascending order, on the thread that called it, and must be told the same. Anything but ok ends it with the same.
+  // Appends the classes of a cell to classes, which is empty and keeps its storage from cell to cell: one per polygon
+  // of the set, in stored order, 0 .. 15. put_importance calls it twice for each cell, each time in ascending order, on
+  // its own thread, and needs the same result. A status other than ok ends put_importance with this status.
   std::function<status(std::uint32_t cell, std::vector<std::uint8_t>& classes)> get;
 };
 
-// file with an importance section behind its last one, in place of one that it may have, into out (replaced on ok, else
-// left alone; must not be what file views). All else of the file stays what it is. The same classes give the same
-// bytes. Takes the new file's bytes and one set at a time. Allocates; no shared state, any thread.
-// argument: a cell has not as many classes as polygons, or one above 15; version: the file is of an older version;
-// limit: too many sections, or a chunk of classes is too large; what reader::open, decode_row and the source answer;
-// memory: out of memory.
+// Copies a file and adds an importance section at its end, or replaces the one that it has. The rest of the file is
+// unchanged. The same classes give the same bytes.
+// file: an encoded file. Its bytes must not be those of out.
+// out: replaced on ok, else unchanged.
+// Fails with argument (not one class per polygon, or one above 15), version (a file of an older version), limit (too
+//   many sections, or a chunk of classes is too large), memory, and the results of reader::open, decode_row and the
+//   source.
+// Cost: memory for the new file and for one set; no shared state, any thread.
 status put_importance(std::span<const std::byte> file, const importance_source& classes, std::vector<std::byte>& out);
 
-// file without an importance section, into out; the same bytes where it has none. As put_importance.
+// Copies a file without its importance section; the same bytes if it has none. As put_importance.
 status remove_importance(std::span<const std::byte> file, std::vector<std::byte>& out);
 
 }  // namespace sightcell::format

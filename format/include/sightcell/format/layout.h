@@ -1,26 +1,26 @@
 #pragma once
-// The constants of the .pvs file, versions 1 and 0: magic, section ids, record sizes and limits. SPEC.md says what they
-// mean; nothing here touches bytes.
+// The constants of the .pvs file, versions 1 and 0: magic, section ids, record sizes and limits. SPEC.md defines their
+// meaning.
 #include <array>
 #include <cstdint>
 
 namespace sightcell::format::layout {
 
-// 89 "PVS" CR LF 1A LF: the first byte is no ASCII, and the line ends show a transfer that changed line endings.
+// 89 "PVS" CR LF 1A LF: the first byte is not ASCII, and the line ends reveal a transfer that changed line endings.
 inline constexpr std::array<std::uint8_t, 8> magic{0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A};
-inline constexpr std::uint32_t version = 1;         // that the writer writes
-inline constexpr std::uint32_t oldest_version = 0;  // that the reader reads
+inline constexpr std::uint32_t version = 1;         // version that the writer writes
+inline constexpr std::uint32_t oldest_version = 0;  // oldest version that the reader reads
 
 // Sizes of the fixed records, in bytes.
 inline constexpr std::uint64_t header_size = 96;
 inline constexpr std::uint64_t section_record_size = 32;
 inline constexpr std::uint64_t cell_record_size = 24;
 inline constexpr std::uint64_t chunk_record_size = 16;
-// Columns of the packed tables.
+// Numbers of columns of the packed tables.
 inline constexpr std::uint32_t draw_columns = 13;
 inline constexpr std::uint32_t certificate_columns = 8;
 inline constexpr std::uint32_t volume_columns = 3;
-// The fixed records that version 0 has besides.
+// Sizes of further fixed records of version 0.
 inline constexpr std::uint64_t v0_draw_record_size = 48;
 inline constexpr std::uint64_t v0_row_record_size = 8;
 inline constexpr std::uint64_t v0_certificate_record_size = 40;
@@ -40,7 +40,7 @@ inline constexpr std::uint64_t header_cell_count = 64;
 inline constexpr std::uint64_t header_draw_count = 68;
 inline constexpr std::uint64_t header_run_bound = 72;
 inline constexpr std::uint64_t header_range_bound = 76;
-inline constexpr std::uint64_t header_list_bound = 80;  // versions before 1: reserved, as the next
+inline constexpr std::uint64_t header_list_bound = 80;  // from version 1 on, reserved before; the next too
 inline constexpr std::uint64_t header_slack = 84;
 inline constexpr std::uint64_t header_table_checksum = 88;
 inline constexpr std::uint64_t header_checksum = 92;
@@ -58,7 +58,7 @@ inline constexpr std::uint32_t section_settings = 6;
 inline constexpr std::uint32_t section_orders = 7;         // since version 1
 inline constexpr std::uint32_t section_codes = 8;          // since version 1
 inline constexpr std::uint32_t section_importance = 9;     // since version 1; optional
-inline constexpr std::uint32_t section_volumes = 10;       // since version 1; required where it is there
+inline constexpr std::uint32_t section_volumes = 10;       // since version 1; a file with volumes requires it
 inline constexpr std::uint32_t section_named_groups = 11;  // since version 1; optional
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
@@ -73,16 +73,16 @@ inline constexpr std::uint64_t named_groups_head_size = 8;
 inline constexpr std::uint32_t cells_are_boxes = 0;
 inline constexpr std::uint32_t cells_are_on_lattice = 1;
 
-// Limits. A file beyond one of them is refused with status::limit, by the reader and by the writer.
-inline constexpr std::uint32_t max_polygons = 0xFFFFFFFEu;  // with the volumes
+// Limits. The reader and the writer reject a file beyond one of them with status::limit.
+inline constexpr std::uint32_t max_polygons = 0xFFFFFFFEu;  // including the volumes
 inline constexpr std::uint32_t max_volumes = 1u << 24;
 inline constexpr std::uint32_t max_cells = 1u << 24;
 inline constexpr std::uint32_t max_draws = 1u << 26;
 inline constexpr std::uint32_t max_sections = 64;
 inline constexpr std::uint64_t max_settings_size = 1u << 24;
-inline constexpr std::uint64_t max_names_size = 1u << 24;  // of all named groups together
+inline constexpr std::uint64_t max_names_size = 1u << 24;  // all named groups together
 inline constexpr std::uint64_t max_chunk_size = 0xFFFFFFFFu;
-inline constexpr float max_margin = 1.0e6f;  // metres
+inline constexpr float max_margin = 1.0e6f;  // meters
 
 // Rows.
 inline constexpr std::uint32_t cells_per_chunk = 64;     // a chunk is 64 consecutive cells, aligned

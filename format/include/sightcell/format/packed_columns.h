@@ -1,6 +1,7 @@
 #pragma once
-// Tables of u32 in few bits (SPEC.md, "Packed columns"): each column says its smallest value and how many bits the rest
-// of a value has, so that any value is found at once. packed_columns_writer.h is the way back.
+// Tables of u32 in few bits (SPEC.md, "Packed columns"): a column stores its smallest value and, for each row, the
+// difference to it in a fixed number of bits. So each value is found in constant time. The counterpart for writing is
+// packed_columns_writer.h.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -13,10 +14,12 @@ class packed_columns {
 
   // A table without columns.
   packed_columns() noexcept = default;
-  // bytes: the table and nothing behind it, of so many columns with `rows` values each; viewed. False when the size is
-  // not what the descriptors make it, or a column has more than 32 bits.
+
+  // Opens a table. bytes: the table and nothing after it; not copied. columns, rows: its shape. False if the size does
+  // not match the descriptors, or a column has more than 32 bits.
   [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t columns, std::uint32_t rows) noexcept;
-  // Size of the table that bytes begin with. False when they begin none, or it does not end inside them.
+
+  // The size of the table at the begin of bytes. False if there is no valid table, or it does not end inside bytes.
   [[nodiscard]] static bool size_of(std::span<const std::byte> bytes, std::uint32_t columns, std::uint32_t rows,
                                     std::uint64_t& size) noexcept;
 
@@ -29,15 +32,15 @@ class packed_columns {
   std::uint32_t rows_ = 0;
 };
 
-// One column, with what finding a value needs: to be made once for many values.
+// One column, with everything that a lookup needs: made once for many lookups.
 class packed_column {
  public:
   packed_column() noexcept = default;
-  // number: below the table's columns; another one makes a column of zeros.
+
+  // number: below the table's columns; for another one the column has only zeros.
   packed_column(const packed_columns& table, std::uint32_t number) noexcept;
 
-  // Value of a row; wraps around at 2^32, as the sum of smallest value and bits does. 0 for a row there is not, and any
-  // value when somebody changed the bytes.
+  // The value of a row, modulo 2^32. 0 for a row that does not exist; any value if the bytes changed.
   [[nodiscard]] std::uint32_t operator[](std::uint32_t row) const noexcept;
 
  private:

@@ -1,8 +1,8 @@
 #pragma once
-// Reads a .pvs file (format/SPEC.md) that lies in the caller's memory. Every byte is taken as hostile: no value of the
-// file is used before it is checked, and none is trusted when read again, so that nothing here leaves its buffers even
-// when somebody changes the bytes meanwhile. No exceptions, no allocation, no state: every function is const and may
-// run on any number of threads at once.
+// Reads a .pvs file (format/SPEC.md) from the caller's memory. Safe for hostile bytes: each value of the file is
+// checked before it is used, and checked again when it is read again, so that no access leaves its buffers even if the
+// bytes change meanwhile. No exceptions, no allocation, no state: every function is const and may run on any number of
+// threads at once.
 //
 //   reader file;
 //   if (status s = reader::open(bytes, file); s != status::ok) return s;
@@ -12,10 +12,11 @@
 //   std::vector<run> row(file.run_bound());
 //   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
 //     std::size_t runs = 0;
-//     status s = file.decode_row(cell, codes, row, scratch, runs);   // row[0 .. runs): what the cell sees
+//     status s = file.decode_row(cell, codes, row, scratch, runs);   // row[0 .. runs): the set of the cell
 //   }
 //
-// format_write has the same in one object: set_reader.h.
+// The statuses that a function returns besides ok are listed with it. format_write has all of this in one object:
+// set_reader.h.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -32,14 +33,13 @@
 
 namespace sightcell::format {
 
-// The code tables of a file, which lie in the caller's memory. Made by reader::make_codes, read by any number of
-// threads.
+// The code tables of a file, in the caller's memory. Made by reader::make_codes, used by any number of threads.
 struct row_codes;
 class importance_classes;  // importance_classes.h
 
 // One entry of the section table, for tools.
 struct section_record {
-  std::uint32_t id = 0;  // layout.h: section_*; other ids are optional sections that this version does not know
+  std::uint32_t id = 0;  // layout.h: section_*; other ids are optional sections that this reader skips
   bool required = false;
   std::uint64_t offset = 0;  // bytes from the start of the file
   std::uint64_t size = 0;    // bytes
@@ -53,10 +53,10 @@ struct row_record {
   std::uint32_t reference = 0;  // the reference cell; only where delta
 };
 
-// A cell set as its polygons and its volumes.
+// A cell set, divided into polygons and volumes.
 struct row_parts {
   std::span<const run> polygons;  // in stored order: ascending, disjoint, not touching, inside polygon_count
-  std::span<const run> volumes;   // the same of volumes, by their own numbers: inside volumes().count()
+  std::span<const run> volumes;   // the same for volumes, by their own numbers: below volumes().count()
 };
 
 // Sums over all cells. A row shared by several cells counts for each of them, except in row_bytes.
@@ -66,7 +66,7 @@ struct row_statistics {
   std::uint64_t runs = 0;             // sum of runs of polygons in stored order
   std::uint64_t ranges = 0;           // sum of (draw, first, count) ranges
   std::uint64_t volumes = 0;          // sum of the volumes of all cell sets
-  std::uint64_t volume_runs = 0;      // sum of runs of these
+  std::uint64_t volume_runs = 0;      // sum of runs of volumes
   std::uint64_t delta_rows = 0;       // cells whose row is a difference
   std::uint64_t shared_rows = 0;      // cells that use an earlier cell's row
   std::uint64_t row_bytes = 0;        // size of the rows section
@@ -78,8 +78,8 @@ struct row_statistics {
   [[nodiscard]] double shared_row_percent() const { return per_cell(100.0 * static_cast<double>(shared_rows)); }
   [[nodiscard]] double volumes_per_cell() const { return per_cell(static_cast<double>(volumes)); }
   [[nodiscard]] double volume_runs_per_cell() const { return per_cell(static_cast<double>(volume_runs)); }
-  // Bits per (cell, visible polygon): rows, with what volumes take of them, directory and code tables. 0 when no cell
-  // sees anything.
+
+  // Bits per (cell, visible polygon): rows including their volumes, directory and code tables. 0 if all sets are empty.
   [[nodiscard]] double bits_per_visible_polygon() const {
     return polygons == 0 ? 0.0 : 8.0 * static_cast<double>(row_bytes + directory_bytes) / static_cast<double>(polygons);
   }
@@ -88,21 +88,24 @@ struct row_statistics {
   [[nodiscard]] double per_cell(double sum) const { return cells == 0 ? 0.0 : sum / static_cast<double>(cells); }
 };
 
-// A view of one file: cheap to copy, valid as long as the bytes are. A default-made reader is an empty file.
+// A view of one file: cheap to copy, valid as long as the bytes are. A default-constructed reader is an empty file.
 class reader {
  public:
-  // Checks the header, the section table, the draw table, the named groups, the cells, the volumes, the row directory,
-  // the certificate and the settings, with their checksums; rows are left to check_chunk and decode_row. bytes: the
-  // whole file and nothing behind it, any alignment; they stay the caller's and must outlive out. out is set only on
-  // ok. not_ours: no .pvs file; version: a version, or a required section, of another Sightcell; truncated: fewer bytes
-  // than the header says; checksum; corrupt: values that contradict each other, bytes behind the end; limit: a number
-  // above layout.h.
+  // Opens a file. Checks header, section table, draw table, named groups, cells, volumes, row directory, certificate
+  // and settings, with their checksums. check_chunk and decode_row check the rows.
+  // bytes: the whole file and nothing after it, at any alignment. They belong to the caller and must outlive out.
+  // out: set only on ok.
+  // Fails with not_ours (not a .pvs file), version (another version, or a required section that this reader does not
+  //   know), truncated (fewer bytes than the header requires), checksum, corrupt (values that contradict each other,
+  //   bytes after the end), limit (a number above those of layout.h).
   static status open(std::span<const std::byte> bytes, reader& out) noexcept;
 
-  // For who keeps rows elsewhere. front_size: how many bytes from the start of a file hold all that open looks at;
-  // begin: its first bytes, min(total_size, most_header_bytes) of them. open_front: open with these alone, of which no
-  // more is to be asked than facts, tables, chunk_place, and rows whose chunk the caller brings. A file of version 0
-  // has no such front: version. total_size: of the whole file, bytes.
+  // For callers that keep the rows elsewhere.
+  // front_size: the number of bytes from the start of a file that contain everything that open checks. begin: its first
+  //   min(total_size, most_header_bytes) bytes. version: a file of version 0, which has no such front.
+  // open_front: opens a file with these bytes only. The reader then has facts, tables, chunk_place, and rows whose
+  //   chunk the caller passes.
+  // total_size: of the whole file, in bytes.
   static constexpr std::size_t most_header_bytes =
       layout::header_size + std::size_t{layout::max_sections} * layout::section_record_size;
   static status front_size(std::span<const std::byte> begin, std::uint64_t total_size, std::uint64_t& out) noexcept;
@@ -114,106 +117,122 @@ class reader {
   [[nodiscard]] std::uint32_t cell_count() const noexcept { return cell_count_; }
   [[nodiscard]] std::uint32_t draw_count() const noexcept { return draw_count_; }
   [[nodiscard]] std::uint64_t total_size() const noexcept { return total_size_; }
+
   // The most runs of any row, volumes included: the room that decode_row needs for polygons. At most four times the
   // size of the rows section in bytes.
   [[nodiscard]] std::uint32_t run_bound() const noexcept { return run_bound_; }
-  // At least the most (draw, first, count) ranges of any cell set: the most there are where volumes count as the
-  // polygons of one more draw behind the last.
+
+  // At least the most (draw, first, count) ranges of any set. Exact if volumes count as the polygons of one more draw
+  // after the last.
   [[nodiscard]] std::uint32_t range_bound() const noexcept { return range_bound_; }
 
-  // One record, in stored order, read and checked anew. argument: number too high; corrupt: the bytes changed since
-  // open.
+  // One record in stored order, checked again. argument: number too high; corrupt: the bytes changed since open.
   status draw(std::uint32_t number, draw_record& out) const noexcept;
   status cell_box(std::uint32_t cell, box& out) const noexcept;
 
-  // What ranges count in, in stored order: draws, or draw groups of the merged layout.
+  // Range units are draws, or draw groups of the merged layout, in stored order: ranges count in them.
   [[nodiscard]] std::uint32_t range_unit_count() const noexcept { return range_units_; }
-  // Stored number of the first polygon of one, read anew; number may be range_unit_count().
+
+  // Stored number of the first polygon of a range unit, read again. number: up to range_unit_count().
   [[nodiscard]] std::uint32_t range_unit_begin(std::uint32_t number) const noexcept;
 
-  // In which order polygons are stored: draws share orders, numbered 0 .. order_count() - 1. A draw group has the order
-  // of its number.
+  // Draws share polygon orders, numbered 0 .. order_count() - 1. A draw group has the order of its own number.
   [[nodiscard]] std::uint32_t order_count() const noexcept { return order_count_; }
-  // Which order a draw has, and how many polygons all orders before one have together (number may be order_count()).
-  // 0 for numbers that there are not.
+
+  // The order of a draw, and the number of polygons of all orders before one (number: up to order_count()). 0 for
+  // numbers that do not exist.
   [[nodiscard]] std::uint32_t order_of_draw(std::uint32_t draw) const noexcept;
   [[nodiscard]] std::uint32_t order_begin(std::uint32_t number) const noexcept;
-  // All orders, one behind the other: which polygon of its draw, or draw group, as the source has them, is stored at
-  // each place. out: order_begin(order_count()) numbers, all below the count of their order when the answer is ok.
-  // argument: another size; corrupt. That no polygon is there twice is left to check().
+
+  // All orders, one after the other: the polygon of the draw, or draw group, in source order that is stored at each
+  // index.
+  // out: order_begin(order_count()) numbers, each below the count of its order on ok. argument: another size; corrupt.
+  //   check() tests that each polygon is there once.
   status orders(std::span<std::uint32_t> out) const noexcept;
-  // The source id of every stored polygon. out: polygon_count() numbers, all below that when the answer is ok. Else as
+
+  // The source id of each stored polygon. out: polygon_count() numbers, each below polygon_count() on ok. Fails as
   // orders().
   status source_of_stored(std::span<std::uint32_t> out) const noexcept;
 
-  // The cells' lattice, where they lie on one: chunk by chunk for who looks cells up. Null where they do not.
+  // The lattice of the cells, chunk by chunk, for cell lookups. Null if cells are boxes.
   [[nodiscard]] const cell_lattice* lattice() const noexcept { return on_lattice_ ? &lattice_ : nullptr; }
 
-  // What the host shows and hides by name: draw_record::named_group counts in them. None in most files.
+  // The named groups of the file, mostly none. draw_record::named_group is a number in it.
   [[nodiscard]] const named_group_table& named_groups() const noexcept { return named_groups_; }
 
-  // The volumes, which sets hold behind the polygons: volume v is number polygon_count() + v there. None in most files.
+  // The volumes of the file, mostly none. In sets, volume v has the number polygon_count() + v.
   [[nodiscard]] const volume_table& volumes() const noexcept { return volumes_; }
 
   // The section table in file order, for tools. argument: number too high; corrupt: the bytes changed since open.
   [[nodiscard]] std::uint32_t section_count() const noexcept { return section_count_; }
   status section(std::uint32_t number, section_record& out) const noexcept;
 
-  // The settings text (JSON) that made the file, empty when there is none. Points into the caller's bytes.
+  // The settings (JSON text) that made the file, empty if there are none. Points into the caller's bytes.
   [[nodiscard]] std::string_view settings() const noexcept;
 
   // 0 or cell_count(). argument: number too high; corrupt: the bytes changed since open.
   [[nodiscard]] std::uint32_t certificate_count() const noexcept { return certificate_count_; }
   status certificate(std::uint32_t number, certificate_record& out) const noexcept;
 
-  // Rows lie in chunks of 64 consecutive cells; a chunk is decoded without any other and has its own checksum.
+  // Rows are in chunks of 64 consecutive cells. A chunk is decoded without any other and has its own checksum.
   [[nodiscard]] std::uint32_t chunk_count() const noexcept;
   [[nodiscard]] static std::uint32_t chunk_of(std::uint32_t cell) noexcept;
-  // ok, or checksum when the chunk's bytes are damaged; argument: no such chunk. Reads the whole chunk: remember it.
+
+  // ok, or checksum if the chunk's bytes are damaged; argument: no such chunk. Reads the whole chunk: remember the
+  // result.
   status check_chunk(std::uint32_t chunk) const noexcept;
-  // Where a chunk lies in the file, and whether these bytes are its own: for who keeps it elsewhere.
+
+  // For callers that keep chunks elsewhere: where a chunk is in the file, and whether bytes are those of the chunk.
   status chunk_place(std::uint32_t chunk, std::uint64_t& offset, std::uint32_t& size) const noexcept;
   status check_chunk(std::uint32_t chunk, std::span<const std::byte> bytes) const noexcept;
 
   // How a cell's row is stored. argument: no such cell; corrupt.
   status row(std::uint32_t cell, row_record& out) const noexcept;
 
-  // Bytes that the code tables take (about 110,000; 0 in version 0), and making them there: memory of that size at a
-  // multiple of 8, which must outlive their use. capacity: less memory; corrupt: no codes.
+  // The size of the code tables (about 62,000 bytes; 0 in version 0). make_codes makes them in memory of this size at
+  // a multiple of 8, which must outlive their use. capacity: less memory; corrupt: invalid codes.
   [[nodiscard]] std::size_t codes_size() const noexcept;
   status make_codes(std::span<std::byte> memory, const row_codes*& out) const noexcept;
+
   // Bytes of scratch that decode_row needs, at a multiple of 4.
   [[nodiscard]] std::size_t scratch_size() const noexcept;
 
-  // The polygons of the cell set as runs in stored order: ascending, disjoint, not touching, inside polygon_count. out
-  // must hold run_bound() runs, scratch scratch_size() bytes; both are overwritten, out[0 .. count) is the answer.
-  // codes: of this file. Looks at no checksum: call check_chunk once before. O(runs of the row and its references).
-  // argument: no such cell, no codes; capacity: out or scratch too small; corrupt: the row is no row (count is 0 then).
+  // Decodes the polygons of a cell set as runs in stored order: ascending, disjoint, not touching, inside
+  // polygon_count.
+  // codes: of this file.
+  // out: run_bound() runs or more; out[0 .. count) is the result.
+  // scratch: scratch_size() bytes or more. Both buffers are overwritten.
+  // Checks no checksum: call check_chunk once before. O(runs of the row and its references).
+  // Fails with argument (no such cell, no codes), capacity (out or scratch too small), corrupt (not a valid row; count
+  //   is 0).
   status decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                     std::size_t& count) const noexcept;
-  // The same with the volumes of the set, both in out, which must hold row_room() runs: a run may go from polygons on
-  // to volumes, and is two then. parts is empty when the answer is not ok.
+
+  // The same with the volumes of the set. out: row_room() runs or more, one more since a run may extend from polygons
+  // into volumes and is divided. parts is empty on failure.
   [[nodiscard]] std::size_t row_room() const noexcept {
     return std::size_t{run_bound_} + (volumes_.count() > 0 ? 1u : 0u);
   }
   status decode_row(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                     row_parts& parts) const noexcept;
-  // The same with the cell's chunk from elsewhere; not for version 0 (version).
+
+  // The same with the bytes of the cell's chunk. version: for a file of version 0.
   status decode_row(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes, std::span<run> out,
                     std::span<std::byte> scratch, row_parts& parts) const noexcept;
 
-  // How many (draw, first, count) ranges the polygons of runs make. runs: as decode_row gives them.
+  // The number of (draw, first, count) ranges of runs from decode_row.
   [[nodiscard]] std::uint64_t count_ranges(std::span<const run> runs) const noexcept;
 
-  // Is there an importance section, for the order of polygons inside a cell?
+  // Whether there is an importance section, which orders the polygons of each cell.
   [[nodiscard]] bool has_importance() const noexcept { return has_importance_; }
-  // Opens it: open() leaves all of it out, as a file is as good without. argument: there is none; else as
+
+  // Opens the importance section, of which open() checks nothing. argument: there is none; else as
   // importance_classes::open.
   status importance(importance_classes& out) const noexcept;
 
-  // Everything open leaves out: every section's checksum, every chunk and row, that rows fill their chunks without gaps
-  // and keep the bounds, importance, that every source id is stored once, that no two volumes are the same. out,
-  // scratch, codes: as for decode_row; stored: room for check_room() numbers. ok, or the first fault found.
+  // Checks what open leaves out: the checksum of every section, every chunk and row, that rows fill their chunks
+  // without gaps and keep the bounds, the importance, that each source id is stored once, that no two volumes are the
+  // same. Returns ok or the first fault. out, scratch, codes: as for decode_row; stored: room for check_room() numbers.
   [[nodiscard]] std::size_t check_room() const noexcept;
   status check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                std::span<std::uint32_t> stored) const noexcept;
@@ -250,7 +269,8 @@ class reader {
   status check_certificate() const noexcept;
   status check_stored(std::span<std::uint32_t> stored) const noexcept;
   status check_rows(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept;
-  // What sets are of: polygons, and volumes behind them.
+
+  // The numbers in sets: polygons, then volumes.
   [[nodiscard]] std::uint32_t item_count() const noexcept { return facts_.polygon_count + volumes_.count(); }
   status decode_items(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                       std::size_t& count) const noexcept;

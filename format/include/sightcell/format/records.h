@@ -1,28 +1,28 @@
 #pragma once
-// The plain values a .pvs file holds, as the writer takes them and the reader gives them. No bytes are described here:
-// SPEC.md and layout.h do that.
+// The plain values of a .pvs file, as the writer takes them and the reader returns them. SPEC.md and layout.h define
+// their bytes.
 #include <array>
 #include <cstdint>
 
 namespace sightcell::format {
 
-// An axis-aligned box in metres, glTF axes (right-handed, +Y up). Half-open: min <= p < max.
+// An axis-aligned box in meters, glTF axes (right-handed, +Y up). Half-open: min <= p < max.
 struct box {
   std::array<float, 3> min{};
   std::array<float, 3> max{};
 };
 
-// How the host keeps its polygons. instanced: draw by draw; instances of one primitive share an index buffer, and so
-// the order of their polygons. merged: flattened into world space, one list of polygons for each draw group.
+// How the host stores its polygons. instanced: draw by draw; instances of one primitive share an index buffer, and so
+// the order of their polygons. merged: flattened into world space, one list of polygons per draw group.
 enum class host_layout : std::uint32_t { instanced = 0, merged = 1 };
 
-// draw_record::flags. The host moves or transforms the draw itself: a merged file keeps it in a draw group of its own.
+// draw_record::flags: the host moves the draw. A merged file keeps it in a draw group of its own.
 inline constexpr std::uint32_t draw_moves = 1;
 
 // draw_record::named_group of a draw that is in none.
 inline constexpr std::uint32_t no_named_group = 0xFFFFFFFFu;
 
-// One entry of the draw table: what a host issues as one draw, (node, primitive, instance) of the glTF.
+// One entry of the draw table: a (node, primitive, instance) of the glTF scene. A polygon is one triangle of one draw.
 struct draw_record {
   std::uint32_t node = 0;           // glTF node index
   std::uint32_t mesh = 0;           // glTF mesh index
@@ -32,20 +32,20 @@ struct draw_record {
   std::uint32_t group = 0;          // draw group of the merged layout, ascending from 0 without gaps; else 0
   std::uint32_t first_source = 0;   // source id of the draw's first polygon
   std::uint32_t polygon_count = 0;  // polygons of the draw
-  // Polygons of all draws before this one in stored order. instanced: so this is the stored number of its first one. Of
-  // a draw group only all polygons together are stored from that of its first draw on, in an order of their own.
+  // Polygons of all draws before this one in stored order. instanced: the stored number of its first polygon. merged:
+  // all polygons of a draw group together are stored from first_stored of its first draw on, in an order of their own.
   std::uint32_t first_stored = 0;
-  std::uint32_t base_vertex = 0;  // vertices of all draws before this one: base(draw) of the flattening
-  std::uint64_t host_tag = 0;     // the host's own value, carried through untouched
+  std::uint32_t base_vertex = 0;  // vertices of all draws before this one in source order
+  std::uint64_t host_tag = 0;     // the host's own value, carried unchanged
   std::uint32_t flags = 0;        // draw_moves
-  // Which of the file's named groups it is in: what a host shows and hides together, as a door. Draws of one draw group
-  // are in the same one, or in none.
+  // The named group of the draw, which a host shows and hides, such as a door. Draws of one draw group are in the same
+  // one, or all in none.
   std::uint32_t named_group = no_named_group;
 };
 
-// What fresh rays proved about one cell: misses of at least so many rays, and a one-sided upper bound of the pixel
-// error that holds with that confidence: Clopper-Pearson's, or a little above where the number of rays is itself a
-// bound. rays = 0: nothing was measured for this cell and upper_bound is 1.
+// Result of the verification rays of one cell: misses of at least `rays` rays, and a one-sided upper bound of the miss
+// probability ("pixel error") with the given confidence. The bound is Clopper-Pearson's, or a little above where the
+// number of rays is itself a lower bound. rays = 0: nothing was measured for this cell and upper_bound is 1.
 struct certificate_record {
   std::uint32_t cell = 0;
   std::uint64_t rays = 0;
@@ -55,20 +55,21 @@ struct certificate_record {
   std::uint64_t seed = 0;
 };
 
-// A stretch of polygons that follow each other in stored order: first .. first + count - 1. count >= 1.
+// Polygons that are consecutive in stored order: first .. first + count - 1. count >= 1.
 struct run {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
 };
 
-// Where a cell lies on a lattice: cells of level 0 are lattice_shape::width wide and deep and `height` high, those of
-// every further level half as large. The cell at (x, y, z) begins at (x width, y height, z width) / 2^level.
+// Position of a cell on a lattice. Cells of level 0 are lattice_shape::width wide and deep and lattice_shape::height
+// high, those of each further level half as large. The cell at (x, y, z) begins at (x width, y height, z width) /
+// 2^level.
 struct lattice_place {
   std::int32_t x = 0, y = 0, z = 0;
   std::uint32_t level = 0;
 };
 
-// Metres, of cells of level 0, or of volumes. Both finite and above 0.
+// Size of cells of level 0, or of volumes, in meters. Both finite and above 0.
 struct lattice_shape {
   double width = 0.0;
   double height = 0.0;
@@ -78,11 +79,11 @@ struct lattice_shape {
 struct file_facts {
   std::uint32_t polygon_count = 0;
   host_layout layout = host_layout::instanced;
-  float margin = 0.0f;           // metres by which cell boxes were grown for the bake
-  float max_pixel_error = 1.0f;  // largest upper bound of any cell; 1 where a cell has none
+  float margin = 0.0f;           // meters by which cell boxes were grown for the bake
+  float max_pixel_error = 1.0f;  // largest upper bound of any cell; 1 if one has none
   float confidence = 0.95f;
-  bool repeatable = true;  // false: the bake was ended by a clock or a signal
-  float slack = 0.0f;      // share of polygons that sets hold besides those that are seen; 0: none
+  bool repeatable = true;  // false: a time limit or a signal ended the bake
+  float slack = 0.0f;      // invisible polygons in the sets as a share of the visible ones; 0: none
   std::array<std::uint8_t, 16> scene_fingerprint{};
 };
 

@@ -1,6 +1,5 @@
 #pragma once
-// The sets of a file, with the memory that decoding them takes: what tools use of a reader. A runtime, which may not
-// allocate, calls the reader itself.
+// The sets of a file, with the memory for decoding them. For tools; a runtime that must not allocate uses the reader.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,21 +19,26 @@ class set_reader {
   set_reader(set_reader&&) = default;
   set_reader& operator=(set_reader&&) = default;
 
-  // Makes the code tables of a file and the source id of every stored polygon. The file's bytes must outlive its use.
-  // corrupt: there are none. Allocates 4 bytes per polygon, about 30 per run of the largest set, and the code tables.
-  // Not for two threads at once, from here on.
+  // Makes the code tables of a file and the source id of every stored polygon. The bytes of the file must outlive this
+  // object.
+  // corrupt: invalid tables. Allocates 4 bytes per polygon, about 30 per run of the largest set, and the code tables.
+  //   After open, only one thread at a time may use the object.
   status open(const reader& file);
 
   [[nodiscard]] const reader& file() const { return file_; }
 
-  // The polygons of a cell's set as runs in stored order, valid until the next call. As reader::decode_row.
+  // The polygons of a set as runs in stored order, valid until the next call. Fails as reader::decode_row.
   status runs(std::uint32_t cell, std::span<const run>& out);
+
   // The same with its volumes.
   status parts(std::uint32_t cell, row_parts& out);
-  // Its polygons as ascending source ids. out is replaced.
+
+  // The polygons of a set as ascending source ids. out is replaced.
   status source_ids(std::uint32_t cell, std::vector<std::uint32_t>& out);
-  // All of the set as encode() takes it: source ids, then polygon_count + v for each volume v. out is replaced.
+
+  // A set as encode() takes it: source ids, then polygon_count + v for each volume v. out is replaced.
   status item_ids(std::uint32_t cell, std::vector<std::uint32_t>& out);
+
   // The source id of every stored polygon.
   [[nodiscard]] std::span<const std::uint32_t> source_of_stored() const { return source_of_stored_; }
 

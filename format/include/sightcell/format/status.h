@@ -1,6 +1,6 @@
 #pragma once
-// The outcome of reading or writing a .pvs file. Values equal those of sightcell_status in the C API (runtime/), so
-// that a status passes through unchanged; format itself does not know the runtime.
+// Result of reading or writing a .pvs file. Values equal those of sightcell_status in the C API (runtime/), so that a
+// status passes through unchanged. format does not include the runtime.
 #include <cstdint>
 
 namespace sightcell::format {
@@ -10,7 +10,7 @@ enum class [[nodiscard]] status : std::uint32_t{
     version = 21, truncated = 22, checksum = 23, corrupt = 24, limit = 25, other_scene = 26,
 };
 
-// One English line for a status; static storage, never null.
+// One English line for a status, also for a value that is none. Static storage, never null.
 const char* status_text(status s) noexcept;
 
 }  // namespace sightcell::format

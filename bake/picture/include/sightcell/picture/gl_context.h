@@ -1,7 +1,14 @@
 #pragma once
-// A headless OpenGL 4.5 core context on EGL. Device choice: EGL devices are enumerated and one without
-// EGL_MESA_device_software is preferred, then any other device, then the surfaceless platform, then a clear error.
-// (Surfaceless first would silently pick the software rasteriser on a machine with a GPU.)
+// A headless OpenGL 4.5 core context on EGL.
+//
+// DEVICES. EGL devices are enumerated. One without EGL_MESA_device_software is preferred, then any other device, then
+// the surfaceless platform. Asking for the surfaceless platform first would give the software rasterizer on a machine
+// with a GPU.
+//
+// THREADS. A context is current on one thread at a time. All members but renderer, choice and software need it current
+// on the calling thread; make_current moves it there.
+//
+// FAILURES. Functions throw sightcell::error with an id gl.*.
 #include <memory>
 #include <string>
 
@@ -9,23 +16,39 @@ namespace sightcell::picture {
 
 class gl_context {
  public:
-  // Makes the context and binds it to the calling thread. debug: KHR_debug messages of high severity throw at the next
-  // check(). Throws sightcell::error "gl.no-context" saying what was tried.
+  // Creates a context and makes it current on the calling thread.
+  // debug: messages of KHR_debug with high severity fail at the next check().
+  // Fails with gl.no-context, which lists what was tried, and gl.bind.
   explicit gl_context(bool debug = false);
-  // The same on hardware; null where there is none, or no EGL at all. A device that is known to be software is not
-  // opened for this, so asking costs little.
+
+  // As the constructor, on a hardware device only.
+  // Returns null if there is none, or no EGL.
+  // Cost: little without hardware: known software devices are not opened.
   static std::unique_ptr<gl_context> on_hardware(bool debug = false);
+
   ~gl_context();
   gl_context(const gl_context&) = delete;
   gl_context& operator=(const gl_context&) = delete;
 
-  void make_current() const;            // binds to the calling thread
-  const std::string& renderer() const;  // GL_RENDERER
-  const std::string& choice() const;    // how it was found, for logs: "EGL device 1 of 2, hardware"
-  bool software() const;                // true on a software rasteriser such as llvmpipe
-  // Throws sightcell::error when GL reported an error since the last check, "gl.lost" when the device was reset.
+  // Makes the context current on the calling thread. Fails with gl.bind.
+  void make_current() const;
+
+  // Returns GL_RENDERER.
+  const std::string& renderer() const;
+
+  // Returns how the device was found, for logs: "EGL device 1 of 2, hardware".
+  const std::string& choice() const;
+
+  // Returns whether it is a software rasterizer such as llvmpipe.
+  bool software() const;
+
+  // Checks for errors of OpenGL since the last check.
+  // where: for the message.
+  // Fails with gl.error, and gl.lost when the device was reset.
   void check(const char* where) const;
-  // The second half of it, for the current context: what was read back from a device that was reset may be anything.
+
+  // Checks that the device of the current context was not reset: after a reset, data that was read back is undefined.
+  // Fails with gl.lost.
   static void require_device(const char* where);
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// Where a MASK material is there and where it is not: alpha over texture coordinates, one byte per texel. Rays and
-// hemicubes ask the same texels with the same formula.
+// The mask of a material with alpha_mode::mask: alpha over texture coordinates, one byte per texel. Rays and hemicubes
+// use the same texels and the same formula.
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <vector>
@@ -10,20 +10,23 @@
 namespace sightcell::scene {
 
 struct alpha_mask {
-  std::uint32_t width = 0, height = 0;
-  std::vector<std::uint8_t> texels;  // width x height alphas, rows from v = 0 on
-  float cutoff = 0.5f;               // of texel / 255; the material's alphaCutoff divided by its constant alpha
+  std::uint32_t width = 0, height = 0;  // texels
+  std::vector<std::uint8_t> texels;     // width * height, rows from v = 0 on
+  float cutoff = 0.5f;                  // alphaCutoff / constant alpha of the material; compared with texel / 255
+  wrap wrap_u = wrap::repeat;           // outside 0 .. 1
+  wrap wrap_v = wrap::repeat;
 
-  wrap wrap_u = wrap::repeat, wrap_v = wrap::repeat;
-
-  // Bilinear between texel centers, at full resolution. uv is finite.
+  // Returns the alpha at a point, 0 .. 1: bilinear between texel centers, at full resolution.
+  // uv: finite.
   float alpha(glm::vec2 uv) const;
-  // Rule 1 of design.md section 4: the polygon is there, seen and occluding, where this is true. factor: the alpha of
-  // vertex colors at that place.
+
+  // Returns whether a polygon exists at a point: there it is visible and occludes (docs/method/visibility-rules.md,
+  // rule 1).
+  // factor: alpha of the vertex colors at this point.
   bool passes(glm::vec2 uv, float factor = 1.0f) const { return alpha(uv) * factor >= cutoff; }
 };
 
-// The mask at half the size in both directions, 2 x 2 means, rounded up to whole texels.
+// Returns the mask at half the size in both directions, rounded up to whole texels: means of 2 x 2 texels.
 alpha_mask halved(const alpha_mask& mask);
 
 }  // namespace sightcell::scene

@@ -1,12 +1,16 @@
 #pragma once
-// How alpha is treated, in glTF's terms.
+// How alpha decides where a polygon exists, in the terms of glTF.
 #include <cstdint>
 
 namespace sightcell::scene {
 
-enum class alpha_mode : std::uint8_t { opaque, mask, blend };
+enum class alpha_mode : std::uint8_t {
+  opaque,
+  mask,  // exists where alpha reaches the cutoff, and occludes there
+  blend  // visible everywhere, non-occluder
+};
 
-// What a texture shows beyond 0 and 1.
+// What a texture shows outside 0 .. 1.
 enum class wrap : std::uint8_t { repeat, clamp, mirror };
 
 }  // namespace sightcell::scene

@@ -1,5 +1,5 @@
 #pragma once
-// Images as they lie in a file, and their pixels.
+// Images as a file has them, and their pixels.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,18 +7,20 @@
 
 namespace sightcell::scene {
 
-// PNG or JPEG bytes; decoded only by who needs the pixels.
+// An image that is decoded when its pixels are needed.
 struct image {
-  std::string name;
-  std::vector<std::uint8_t> encoded;
+  std::string name;                   // for messages
+  std::vector<std::uint8_t> encoded;  // PNG or JPEG
 };
 
 struct image_pixels {
   std::uint32_t width = 0, height = 0;
-  std::vector<std::uint8_t> rgba;  // 4 x width x height bytes, rows from the top
+  std::vector<std::uint8_t> rgba;  // 4 * width * height bytes, rows from the top
 };
 
-// Nothing when the bytes are neither PNG nor JPEG, are broken, or a side is longer than side_limit.
+// Decodes an image.
+// side_limit: the largest width and height to decode, pixels.
+// Returns nothing if the bytes are neither PNG nor JPEG, are damaged, or a side is longer than side_limit.
 std::optional<image_pixels> decode(const image& source, std::uint32_t side_limit);
 
 }  // namespace sightcell::scene

@@ -1,5 +1,5 @@
 #pragma once
-// Where a polygon lies, to find those that lie in the same place: bit for bit, but -0 is 0.
+// Positions of the corners of a polygon as a key, to find polygons in the same place: equal bits, except that -0 is 0.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,12 +17,13 @@ struct polygon_corners {
 
   auto operator<=>(const polygon_corners&) const = default;
 
-  // The smallest corner first; the winding stays.
+  // Returns the key of the oriented polygon: the smallest corner first, same winding.
   polygon_corners rotated() const {
     const auto smallest = static_cast<std::size_t>(std::min_element(corners.begin(), corners.end()) - corners.begin());
     return {{corners[smallest], corners[(smallest + 1) % 3], corners[(smallest + 2) % 3]}};
   }
-  // Without a winding: the same for both.
+
+  // Returns the key of the polygon with any winding: corners in ascending order.
   polygon_corners sorted() const {
     polygon_corners all = *this;
     std::sort(all.corners.begin(), all.corners.end());
@@ -30,6 +31,8 @@ struct polygon_corners {
   }
 };
 
+// Returns the corners of a polygon, in the order of its indices.
+// polygon: source id.
 inline polygon_corners corners_of(const world_geometry& geometry, std::uint32_t polygon) {
   polygon_corners found;
   for (std::size_t i = 0; i < 3; ++i) {

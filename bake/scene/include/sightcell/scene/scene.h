@@ -1,8 +1,18 @@
 #pragma once
-// A scene as the bake sees it: plain arrays that load_gltf fills and that any engine could fill itself.
-// Units: metres, glTF axes (right-handed, +Y up). A polygon is one triangle of one instance of one primitive; its
-// source id is its position when all draws are walked in order (design: nodes depth-first in array order, per node its
-// mesh's primitives in order, per primitive its instances in order, per instance its triangles in index order).
+// A scene as plain arrays. load_gltf fills them from a file; other code can fill them and call finish. flatten turns
+// them into triangles in world space. The following conventions hold for all headers of sightcell/scene.
+//
+// COORDINATES AND UNITS. Axes are those of glTF: right-handed, +Y up. Lengths are in meters.
+//
+// POLYGONS. A polygon is one triangle of one instance of one primitive. Its source id is its number when all draws are
+// walked in order: nodes depth-first, per node the primitives of its mesh, per primitive its instances
+// (EXT_mesh_gpu_instancing), per instance its triangles in index order.
+//
+// NUMBERS OF GLTF. Nodes, meshes, materials and images keep their glTF indices. no_index means none.
+//
+// FAILURES. Functions throw sightcell::error (sightcell/base/error.h) with an id scene.*; bake/ERRORS.md lists them.
+//
+// THREADS. Functions may be called from any thread, several at once. Arrays belong to the caller.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,68 +35,85 @@ namespace sightcell::scene {
 
 inline constexpr std::uint32_t no_index = 0xFFFFFFFFu;
 
+// ---- Materials ------------------------------------------------------------------------------------------------------
+
+// What of a material decides visibility and the colors of pictures.
 struct material {
   std::string name;
   alpha_mode alpha = alpha_mode::opaque;
-  float alpha_cutoff = 0.5f;  // of alpha_mode::mask
-  // A mask whose image is not there: nobody knows where its holes are, so it is seen all over and never hides.
-  bool alpha_unknown = false;
+  float alpha_cutoff = 0.5f;   // of alpha_mode::mask
+  bool alpha_unknown = false;  // a mask whose image is missing: visible everywhere, non-occluder
   bool double_sided = false;
+
   glm::vec4 base_color{1.0f};                 // linear, multiplied with the texture
-  std::uint32_t base_color_image = no_index;  // into scene::images
-  wrap wrap_u = wrap::repeat, wrap_v = wrap::repeat;
-  std::uint32_t alpha_map = no_index;  // into scene::alpha_maps: takes the place of the image's alpha
+  std::uint32_t base_color_image = no_index;  // in scene::images
+  wrap wrap_u = wrap::repeat;
+  wrap wrap_v = wrap::repeat;
+
+  std::uint32_t alpha_map = no_index;  // in scene::alpha_maps; replaces the alpha of the image
 };
 
-// Alpha that a host gave as bytes or as a function instead of an image.
+// Alpha that a host gave as bytes or as a function.
 struct alpha_map {
-  std::uint32_t width = 0, height = 0;
-  std::vector<std::uint8_t> texels;  // width x height, rows from v = 0 on
+  std::uint32_t width = 0, height = 0;  // texels
+  std::vector<std::uint8_t> texels;     // width * height, rows from v = 0 on
 };
 
-// The triangles of one primitive of one mesh, shared by all its instances.
+// ---- Geometry -------------------------------------------------------------------------------------------------------
+
+// The triangles of one primitive, shared by all its instances.
 struct geometry {
   std::vector<glm::vec3> positions;    // local space
-  std::vector<glm::vec2> uvs;          // of the material's base color, transformed; empty, or one per position
+  std::vector<glm::vec2> uvs;          // of the base color, with its texture transform; empty, or one per position
   std::vector<std::uint32_t> indices;  // three per triangle; strips and fans are expanded
   std::vector<glm::u8vec4> colors{};   // linear, multiplied with the base color; empty, or one per position
 };
 
-// What moves, and what the host knows better (design: rule 6 of seeing). Without any of these a draw is seen and hides.
+// ---- Draws ----------------------------------------------------------------------------------------------------------
+
+// Marks of extras.sightcell (docs/method/visibility-rules.md, rule 6). A draw without any is visible and occludes.
 struct draw_tags {
-  bool occluder = true;            // false: seen, never hides
-  bool dynamic = false;            // left out: in no set, hides nothing; the host draws it itself
-  bool always = false;             // in every set; hides as it would otherwise
-  bool never = false;              // in no set, hides nothing
-  bool animated = false;           // moved by an animation or a skin and without a mark: animated_as decides
-  std::uint32_t group = no_index;  // into scene::groups: seen, never hides, and the host may hide it by that name
+  bool occluder = true;            // false: non-occluder
+  bool dynamic = false;            // left out: in no set, occludes nothing; the host decides when to draw it
+  bool always = false;             // in every set; occludes as it would without this
+  bool never = false;              // in no set, occludes nothing
+  bool animated = false;           // moved by an animation or a skin, without a mark: animated_as decides
+  std::uint32_t group = no_index;  // named group, in scene::groups: non-occluder, and the host can hide it by its name
 
   bool operator==(const draw_tags&) const = default;
 };
 
 // What a host issues as one draw: one instance of one primitive.
 struct draw {
-  std::uint32_t node = 0, mesh = 0, primitive = 0, instance = 0;  // glTF indices; primitive counts inside its mesh
-  std::uint32_t material = no_index;                              // into scene::materials; no_index: glTF's default
-  std::uint32_t geometry = 0;                                     // into scene::geometries
-  std::uint32_t first_source = 0;                                 // source id of its first polygon
+  std::uint32_t node = 0, mesh = 0;   // glTF indices
+  std::uint32_t primitive = 0;        // number in its mesh
+  std::uint32_t instance = 0;         // number in EXT_mesh_gpu_instancing of its node, else 0
+  std::uint32_t material = no_index;  // in scene::materials; no_index for the default material of glTF
+  std::uint32_t geometry = 0;         // in scene::geometries
+
+  // Set by finish.
+  std::uint32_t first_source = 0;  // source id of its first polygon
   std::uint32_t polygon_count = 0;
-  std::uint32_t base_vertex = 0;  // vertices of all draws before this one
-  std::uint64_t host_tag = 0;
+  std::uint32_t base_vertex = 0;  // number of vertices of all draws before it
+
+  std::uint64_t host_tag = 0;  // any value of a host that fills the arrays itself
   glm::dmat4 to_world{1.0};
   draw_tags tags;
-  bool moves =
-      false;  // the host transforms it: marked dynamic, or moved by an animation or a skin and not marked static
-  // Levels of detail: draws of one object share its number. Level 0 is seen and hides; the others hide nothing and are
-  // in a set when any polygon of level 0 is.
-  std::uint32_t lod_object = no_index, lod_level = 0;
+  bool moves = false;  // the host transforms it: marked dynamic, or animated and not marked static
+
+  // Levels of detail (MSFT_lod): the draws of one object have the same lod_object. Level 0 is visible and occludes.
+  // Coarser levels occlude nothing, and are in a set if any polygon of level 0 is.
+  std::uint32_t lod_object = no_index;
+  std::uint32_t lod_level = 0;
 };
 
-// An extension that a file says it uses.
+// ---- Scene ----------------------------------------------------------------------------------------------------------
+
+// An entry of extensionsUsed of a glTF file.
 struct extension_use {
   std::string name;
   bool required = false;
-  bool is_read = false;  // else it is ignored: it changes nothing that is seen, or the warnings name it
+  bool is_read = false;  // false: it changes nothing that is visible, or scene::warnings names it
 };
 
 struct scene {
@@ -96,87 +123,104 @@ struct scene {
   std::vector<alpha_map> alpha_maps;
   std::vector<geometry> geometries;
   std::vector<draw> draws;
-  std::vector<std::string> groups;  // names that draw_tags::group counts in
-  std::uint32_t polygon_count = 0;
-  std::vector<std::string> node_names;         // by glTF node index; for messages
+  std::vector<std::string> groups;  // names of named groups
+
+  std::uint32_t polygon_count = 0;             // of all draws; set by finish
+  std::vector<std::string> node_names;         // by node, for messages
   std::vector<extension_use> extensions;       // of the file, by name
-  std::vector<std::string> warnings;           // one line each, import's findings
-  std::array<std::uint8_t, 16> fingerprint{};  // of all that decides visibility: geometry, transforms, materials' alpha
+  std::vector<std::string> warnings;           // of the import, one line each
+  std::array<std::uint8_t, 16> fingerprint{};  // of all that decides visibility; set by finish
 };
 
-// How a polygon is seen and what it hides.
+// ---- Import ---------------------------------------------------------------------------------------------------------
+
+// Loads a glTF 2.0 file and calls finish.
+// path: .glb or .gltf. Files that it names must be at or below its folder.
+// scene_index: number of the glTF scene, -1 for the default scene of the file.
+// Fails with scene.*; the line names the file and the cause.
+// Cost: memory for the file and for the arrays at once; images stay compressed.
+scene load_gltf(const std::filesystem::path& path, int scene_index = -1);
+
+// As above, for a file that is in memory.
+// bytes: of a .glb or .gltf; read during the call.
+// name: for messages.
+// folder: of the files that it names. Empty: it may name none except data URIs.
+scene load_gltf(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder = {},
+                int scene_index = -1);
+
+// Completes a scene that other code has filled: numbers draws (first_source, polygon_count, base_vertex), counts
+// polygons and computes the fingerprint.
+// s: changed in place.
+// Fails with scene.index-out-of-range, scene.bad-field, scene.too-large (2^32 - 1 polygons or more).
+void finish(scene& s);
+
+// ---- World space ----------------------------------------------------------------------------------------------------
+
+// How one polygon is visible and what it occludes.
 struct polygon_kind {
   alpha_mode alpha : 2 = alpha_mode::opaque;
   bool double_sided : 1 = false;
-  // Counted, never seen, hides nothing: no area, a corner that is not finite, a MASK that is cut away everywhere;
-  // tagged dynamic or never; a level of detail below the finest.
-  bool absent : 1 = false;
-  // MASK whose alpha decides: world_geometry::masked has it. Every other MASK is there all over, like opaque ones.
-  bool alpha_tested : 1 = false;
-  bool never_hides : 1 = false;  // by its tags; what BLEND never does is not said here
-  bool always : 1 = false;       // in every set
 
+  // In no set, occludes nothing: no area, a corner that is not finite, a mask that cuts away all of it, tagged dynamic
+  // or never, or a coarser level of detail. It keeps its source id.
+  bool absent : 1 = false;
+
+  bool alpha_tested : 1 = false;  // world_geometry::masked has its mask; other masked polygons are like opaque ones
+  bool never_hides : 1 = false;   // non-occluder by its tags; alpha_mode::blend is one too, without this
+  bool always : 1 = false;        // in every set
+
+  // Returns whether it is an occluder.
   bool hides() const { return !absent && !never_hides && alpha != alpha_mode::blend; }
 };
 static_assert(sizeof(polygon_kind) == 1);
 
-// Source ids first to first + count - 1.
+// Source ids first .. first + count - 1.
 struct polygon_range {
   std::uint32_t first = 0, count = 0;
 };
 
-// The levels of detail of one object: when any polygon of the finest is in a set, so are all of the coarser ones.
+// Levels of detail of one object: if any polygon of `finest` is in a set, all of `coarser` are.
 struct lod_object {
   std::vector<polygon_range> finest, coarser;
 };
 
-// Why polygons are absent.
+// Numbers of absent polygons by reason.
 struct absent_counts {
   std::uint32_t not_finite = 0, no_area = 0, cut_away = 0, tagged = 0, coarser_level = 0;
 };
 
-// A polygon that is there only where its mask passes.
+// A polygon that exists only where its mask passes.
 struct masked_polygon {
   std::uint32_t id = 0;                           // source id
-  std::uint32_t mask = 0;                         // into world_geometry::masks
+  std::uint32_t mask = 0;                         // in world_geometry::masks
   std::array<glm::vec2, 3> uvs;                   // of its corners, in the order of world_geometry::indices; finite
-  std::array<float, 3> alphas{1.0f, 1.0f, 1.0f};  // of its corners' colors, multiplied with the mask's
+  std::array<float, 3> alphas{1.0f, 1.0f, 1.0f};  // of the vertex colors of its corners, multiplied with the mask
 };
 
-// The scene flattened into world space: vertices are numbered by flattening (draws in source order, base_vertex + local
-// index), polygons by source id. Front faces are counter-clockwise; mirrored draws have two corners swapped for that.
+// A scene in world space. Vertices are numbered draw by draw (base_vertex + local index), polygons by source id. Front
+// faces are counter-clockwise: mirrored draws have two corners swapped.
 struct world_geometry {
   std::vector<glm::vec3> positions;
   std::vector<std::uint32_t> indices;  // three per polygon
   std::vector<polygon_kind> kinds;     // one per polygon
-  std::vector<masked_polygon> masked;  // those whose alpha is tested, ascending ids
-  std::vector<alpha_mask> masks;       // what they are tested with
-  std::vector<lod_object> lods;        // objects that have coarser levels
+  std::vector<masked_polygon> masked;  // ascending ids
+  std::vector<alpha_mask> masks;
+  std::vector<lod_object> lods;  // objects that have coarser levels
   absent_counts absent;
-  std::vector<std::string> warnings;  // one line each: images that could not be used
+  std::vector<std::string> warnings;  // images that could not be used, one line each
   glm::vec3 min{0.0f}, max{0.0f};     // bounds of all polygons that are not absent
 };
 
-// Reads .glb or .gltf. scene_index: the glTF scene, -1 for the file's default. Throws sightcell::error (bad_input) with
-// one line that names file and cause.
-scene load_gltf(const std::filesystem::path& path, int scene_index = -1);
-
-// The same from memory. name: for messages. folder: where the files lie that it names; empty: those of data URIs and of
-// the .glb are all there may be.
-scene load_gltf(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder = {},
-                int scene_index = -1);
-
-// Numbers draws (first_source, polygon_count, base_vertex), sums polygon_count and computes the fingerprint. load_gltf
-// has done this; a host that fills a scene itself calls it once at the end. Throws sightcell::error (bad_input) when an
-// index is out of range or there are 2^32 - 1 polygons or more.
-void finish(scene& s);
-
-// Transforms in double precision, rounds once to float. Decodes the images of MASK materials, and no others; where all
-// masks together have more than 64 Mi texels the largest are halved, which is said in the warnings.
-// Single-sided MASK polygons in exactly the same place that face both ways are double-sided: a leaf and its back.
+// Flattens a scene. Transforms in double precision and rounds once to float. Two single-sided masked polygons in the
+// same place that face both ways (a leaf and its back) become double-sided. s: completed by load_gltf or finish.
+// animated: what becomes of animated draws without a mark.
+// Cost: memory for all vertices of all instances. Decodes the images of masks, and halves the largest ones until all
+//   have 2^26 texels or less together; `warnings` lists these.
 world_geometry flatten(const scene& s, animated_as animated = animated_as::always);
 
-// The draw a polygon belongs to: index into scene::draws. O(log draws).
+// Returns the number of the draw that has a polygon.
+// source_id: less than s.polygon_count.
+// Cost: O(log draws).
 std::uint32_t draw_of(const scene& s, std::uint32_t source_id);
 
 }  // namespace sightcell::scene

@@ -1,0 +1,234 @@
+#include "bake_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <type_traits>
+#include <variant>
+
+#include "help.h"
+#include "one_of.h"
+#include "sightcell/bake/sampler_options.h"
+
+namespace sightcell::cli {
+namespace {
+
+constexpr std::array<std::string_view, 3> progress_names{"auto", "json", "none"};
+
+void add_output_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Output";
+  add_plain_option(verb, group, "-o", o.output, "FILE.pvs", "The file to write.")->required();
+  add_option(verb, group, "--profile", o.profile, "NAME",
+             "How many invisible polygons a set may have where that makes the file smaller: exact (none), balanced (up "
+             "to 5 % of the visible ones) or small (up to 10 %). Pictures stay the same.")
+      ->check(one_of(bake::slack_profile_names));
+  add_option(verb, group, "--layout", o.layout, "NAME",
+             "How the host stores its polygons: instanced (its own meshes, drawn one by one) or merged (in world "
+             "space, all static draws of a material as one list).")
+      ->check(one_of(bake::host_layout_names));
+  add_option(verb, group, "--volumes", o.settings.volumes, "M",
+             "Also computes which boxes of space are visible from each cell, so that a host can cull objects that "
+             "move. Width of the boxes in meters; 0: none. Range: 0.25 to 1000.");
+  verb.add_flag("--importance", o.settings.file.importance,
+                "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
+                "largest polygons first.")
+      ->group(group);
+}
+
+void add_cell_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Cells";
+  bake::settings& s = o.settings;
+  CLI::Option* file =
+      add_plain_option(verb, group, "--cells-file", o.cells_file, "FILE.json",
+                       "View cells from a file: {\"cells\": [{\"name\", \"min\", \"max\"}]}, in meters. Without this "
+                       "option and --cells-grid, the bake places cells over all walkable floor.");
+  add_plain_option(verb, group, "--cells-grid", o.cells_grid, "x0,y0,z0,x1,y1,z1",
+                   "All lattice cells that intersect this box. Meters, the lower corner first.")
+      ->delimiter(',')
+      ->expected(6)
+      ->excludes(file);
+  add_option(verb, group, "--cell-size", s.cell_size, "M",
+             "Width of lattice cells in meters. They are half as high. Range: 0.25 to 1000.");
+  add_option(verb, group, "--cell-limit", s.cell_limit, "N",
+             "Bakes this many cells only, spread evenly over the scene, as a trial. 0: all cells.");
+  add_option(verb, group, "--margin", s.margin, "M",
+             "Meters by which the bake grows each cell on all sides. The runtime keeps a cell while the camera is in "
+             "the grown cell. Range: 0 to 10.");
+}
+
+void add_quality_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Quality";
+  add_option(verb, group, "--quality", o.quality, "NAME",
+             "Bound of the pixel error of each cell: draft (1e-3), normal (1e-4) or final (1e-5). The pixel error is "
+             "the probability that a ray from a random valid viewpoint of the cell, in a random direction, meets a "
+             "polygon that the set lacks. A smaller bound takes more time.")
+      ->check(one_of(bake::quality_names));
+  add_plain_option(verb, group, "--max-pixel-error", o.max_pixel_error, "E",
+                   "Another bound than that of --quality. 0: no verification rays and no bound. Range: 1e-7 to 0.5. "
+                   "Default: that of --quality.");
+  add_option(verb, group, "--safety-ring", o.safety_ring, "NAME",
+             "Adds to each set, without a visibility test, the polygons that share an edge (edge) or a vertex (vertex) "
+             "with a member: fewer misses, more polygons to draw. none: adds nothing.")
+      ->check(one_of(bake::safety_ring_names));
+}
+
+void add_rule_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Scene rules";
+  bake::settings& s = o.settings;
+  add_option(verb, group, "--player-radius", s.player_radius, "M",
+             "Meters that the camera keeps from every surface. Sets hold for viewpoints that keep it. Range: 0.001 to "
+             "1.");
+  add_option(verb, group, "--smallest-gap", s.smallest_gap, "M",
+             "Light-leak tolerance in meters: gaps between polygons that are narrower let no line of sight through. "
+             "Range: 0 to 0.1.");
+  add_option(verb, group, "--animated", o.animated, "NAME",
+             "Draws that an animation or a skin moves, without a mark in the scene: always (in every set, occlude "
+             "nothing), rest (static, in the pose of the file) or dynamic (left out; the host draws them).")
+      ->check(one_of(scene::animated_as_names));
+  verb.add_flag("--all-double-sided", s.all_double_sided, "All polygons are visible and occlude from both sides.")
+      ->group(group);
+}
+
+void add_machine_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Time and machines";
+  bake::settings& s = o.settings;
+  add_option(verb, group, "--time-budget", s.time_budget, "S",
+             "Wall-clock seconds for the whole bake, spent on the cells with the largest bounds. It ends earlier when "
+             "all cells have the bound of --quality. The result depends on the machine. 0: no limit. Range: 0 to 1e7.");
+  add_option(verb, group, "--threads", s.threads, "N", "Threads to use. 0: one per core. Changes no byte of the file.");
+  add_option(verb, group, "--memory", s.memory, "BYTES",
+             "Memory that the process may use: a number, or one with K, M or G (powers of 1024). 0: no limit. Changes "
+             "no byte of the file.")
+      ->transform(CLI::AsSizeValue(false));
+  add_plain_option(verb, group, "--shard", o.shard, "I/N",
+                   "Bakes part I of N on this machine, with I from 0 to N - 1; sightcell merge joins the parts. array "
+                   "and array/N take I from the array of a Slurm, Kubernetes or AWS Batch job.");
+  verb.add_flag("--fresh", o.fresh, "Discards an unfinished bake of the same output instead of resuming it.")
+      ->group(group);
+}
+
+// ---- With --help-all only
+
+void add_expert_output_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Expert: output";
+  add_option(verb, group, "--order", o.order, "NAME",
+             "Which draws share a stored order of polygons: per-mesh (all instances of a mesh, which share an index "
+             "buffer) or per-instance (none: fewer ranges, but the host needs an index buffer for each draw).")
+      ->check(one_of(bake::polygon_order_names));
+  add_option(verb, group, "--progress", o.progress, "NAME",
+             "Progress on standard error: auto (a line that rewrites itself on a terminal, else a line now and then), "
+             "json (one object per line) or none.")
+      ->check(one_of(progress_names));
+  verb.add_flag("--json", o.json, "Prints the summary as one JSON object on standard output.")->group(group);
+  add_plain_option(verb, group, "--json-file", o.json_file, "FILE.json", "Writes the summary to this file too.");
+}
+
+void add_expert_scene_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Expert: scenes";
+  add_two_scene_options(verb, o.scenes, group);
+  add_plain_option(verb, group, "--scene", o.settings.scene, "N",
+                   "Number of the glTF scene in the file, from 0. Without it: the default scene of the file.")
+      ->check(CLI::Range(0, INT32_MAX))
+      ->excludes("--polygons-from");
+  add_plain_option(verb, group, "--misses", o.misses_file, "FILE.json",
+                   "Misses that a host reported: {\"misses\": [{\"eye\": [x, y, z], \"polygon\": 1234}]}. A polygon "
+                   "joins the sets of the cells that the eye may be in if a ray from there hits it.");
+}
+
+std::string sentence(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text + ".";
+}
+
+void add_sampler_option(CLI::App& verb, const bake::sampler_option& option, bake::settings& s) {
+  const char* const group = "Expert: sampling";
+  const std::string whose = option.samplers.size() == bake::samplers().size()
+                                ? std::string()
+                                : fmt::format(" Samplers: {}.", fmt::join(option.samplers, ", "));
+  std::visit(
+      [&](auto member) {
+        if constexpr (std::is_same_v<decltype(member), bool bake::settings::*>)
+          verb.add_flag(option.name, s.*member, sentence(option.meaning) + whose)->group(group);
+        else
+          add_option(verb, group, option.name, s.*member, option.unit,
+                     fmt::format("{} Range: {} to {}.{}", sentence(option.meaning), option.low, option.high, whose));
+      },
+      option.value);
+}
+
+void add_expert_sampling_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Expert: sampling";
+  bake::settings& s = o.settings;
+  std::vector<std::string_view> names;
+  for (const bake::sampler_info& one : bake::samplers()) names.emplace_back(one.name);
+  add_option(verb, group, "--sampler", s.sampler, "NAME",
+             fmt::format("The method that finds visible polygons: {}. guided is the one for releases; the others are "
+                         "methods of the literature, to compare with. sightcell samplers describes them.",
+                         fmt::join(names, ", ")));
+  for (const bake::sampler_option& option : bake::sampler_options()) add_sampler_option(verb, option, s);
+  add_option(verb, group, "--source", s.source, "NAME",
+             "What renders hemicubes: gpu (OpenGL), cpu (a rasterizer on the CPU), rays (one ray per pixel, slow, to "
+             "check the others) or auto (gpu on a machine with a hardware GPU, else cpu).");
+  add_option(verb, group, "--resolution", s.resolution, "N",
+             "Pixels along an edge of a hemicube face, an even number. Range: 16 to 4096.");
+  add_option(verb, group, "--seed", s.seed, "N", "Seed of all random numbers.");
+}
+
+void add_expert_machine_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Expert: machines";
+  add_option(
+      verb, group, "--phase", o.phase, "N",
+      "Phase of a shard: 1 (sets and bounds), or 2 (the check with neighboring cells, once phase 1 of all shards "
+      "is beside the output).")
+      ->check(CLI::Range(1, 2))
+      ->needs("--shard");
+  add_plain_option(verb, group, "--scratch", o.settings.scratch, "FOLDER",
+                   "A folder on a local disk for the unfinished bake. A copy is left beside the output every few "
+                   "minutes and when the bake ends early. Without it: the unfinished bake is beside the output.");
+}
+
+template <class Kind, std::size_t Count>
+Kind value_of(const std::array<std::string_view, Count>& names, const std::string& name) {
+  return *bake::kind_of<Kind>(names, name);  // the parser has checked it
+}
+
+}  // namespace
+
+void add_bake_options(CLI::App& verb, bake_options& options) {
+  add_scene_argument(verb, options.scenes, "The scene to bake: a .glb or .gltf file, in meters.");
+  add_output_options(verb, options);
+  add_cell_options(verb, options);
+  add_quality_options(verb, options);
+  add_rule_options(verb, options);
+  add_machine_options(verb, options);
+  add_expert_output_options(verb, options);
+  add_expert_scene_options(verb, options);
+  add_metric_options(verb, options.metric, "Expert: metric");
+  add_expert_sampling_options(verb, options);
+  add_expert_machine_options(verb, options);
+}
+
+bake::settings settings_of(const bake_options& options) {
+  bake::settings how = options.settings;
+  if (!options.cells_file.empty()) how.cells_file = options.cells_file;
+  if (!options.misses_file.empty()) how.misses_file = options.misses_file;
+  if (!options.cells_grid.empty()) {
+    how.cells_grid.emplace();
+    std::copy_n(options.cells_grid.begin(), how.cells_grid->size(), how.cells_grid->begin());
+  }
+  const auto quality = value_of<bake::quality>(bake::quality_names, options.quality);
+  how.max_pixel_error =
+      options.max_pixel_error.value_or(bake::max_pixel_error_of_quality[static_cast<std::size_t>(quality)]);
+  how.metric = metric_of(options.metric);
+  how.animated = *scene::animated_as_of(options.animated);
+  how.safety_ring = *bake::safety_ring_of(options.safety_ring);
+  how.file.profile = value_of<bake::slack_profile>(bake::slack_profile_names, options.profile);
+  how.file.order = value_of<bake::polygon_order_kind>(bake::polygon_order_names, options.order);
+  how.file.layout = value_of<bake::host_layout>(bake::host_layout_names, options.layout);
+  bake::validate(how);
+  return how;
+}
+
+}  // namespace sightcell::cli

@@ -1,0 +1,46 @@
+#pragma once
+// The options of `sightcell bake`.
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "metric_options.h"
+#include "scene_options.h"
+#include "sightcell/bake/settings.h"
+#include "sightcell/scene/animated_as.h"
+
+namespace sightcell::cli {
+
+struct bake_options {
+  bake::settings settings;  // what is not below as text or list
+
+  scene_options scenes;
+  std::filesystem::path cells_file, misses_file;
+  std::vector<float> cells_grid;
+  std::string quality = std::string(bake::quality_names[static_cast<std::size_t>(bake::quality::normal)]);
+  std::optional<double> max_pixel_error;  // instead of the bound of the quality
+  metric_options metric;
+  std::string animated = std::string(scene::animated_as_names.front());
+  std::string safety_ring = std::string(bake::safety_ring_names.front());
+  std::string profile = std::string(bake::slack_profile_names[static_cast<std::size_t>(settings.file.profile)]);
+  std::string order = std::string(bake::polygon_order_names[static_cast<std::size_t>(settings.file.order)]);
+  std::string layout = std::string(bake::host_layout_names[static_cast<std::size_t>(settings.file.layout)]);
+
+  std::filesystem::path output, json_file;
+  bool fresh = false, json = false;
+  std::string shard, progress = "auto";
+  std::uint32_t phase = 1;
+};
+
+// Adds all options to the verb.
+// options: must outlive the verb.
+void add_bake_options(CLI::App& verb, bake_options& options);
+
+// Returns what was asked for.
+// Fails with settings.*; the line names the option.
+bake::settings settings_of(const bake_options& options);
+
+}  // namespace sightcell::cli

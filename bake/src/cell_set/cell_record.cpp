@@ -1,0 +1,203 @@
+#include "cell_set/cell_record.h"
+
+#include <xxhash.h>
+
+#include <bit>
+#include <limits>
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::uint8_t record_version = 4;
+constexpr std::size_t checksum_size = 8;
+
+void put_bytes(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+}
+
+void put_varint(std::vector<std::uint8_t>& out, std::uint64_t value) {
+  for (; value >= 0x80; value >>= 7) out.push_back(static_cast<std::uint8_t>(value | 0x80));
+  out.push_back(static_cast<std::uint8_t>(value));
+}
+
+// Where the stretch of equal or of consecutive values that begins at first ends.
+template <typename Follows>
+std::size_t end_of_run(const std::vector<std::uint32_t>& values, std::size_t first, Follows follows) {
+  std::size_t end = first + 1;
+  while (end < values.size() && follows(values[end - 1], values[end])) ++end;
+  return end;
+}
+
+// Runs of consecutive ids: the gap before each and its length - 1.
+void put_set(std::vector<std::uint8_t>& out, const std::vector<std::uint32_t>& set) {
+  put_varint(out, set.size());
+  std::uint64_t next = 0;
+  for (std::size_t i = 0; i < set.size();) {
+    const std::size_t end = end_of_run(set, i, [](std::uint32_t a, std::uint32_t b) { return b - a == 1; });
+    put_varint(out, set[i] - next);
+    put_varint(out, end - i - 1);
+    next = std::uint64_t{set[end - 1]} + 1;
+    i = end;
+  }
+}
+
+void put_witnesses(std::vector<std::uint8_t>& out, const cell_record& record) {
+  put_varint(out, record.witnesses.size());
+  for (const glm::vec3& eye : record.witnesses)
+    for (int axis = 0; axis < 3; ++axis) put_bytes(out, std::bit_cast<std::uint32_t>(eye[axis]), 4);
+  const std::vector<std::uint32_t>& of = record.witness_of;
+  put_varint(out, of.size());
+  for (std::size_t i = 0; i < of.size();) {
+    const std::size_t end = end_of_run(of, i, [](std::uint32_t a, std::uint32_t b) { return a == b; });
+    put_varint(out, of[i]);
+    put_varint(out, end - i - 1);
+    i = end;
+  }
+}
+
+// Every read is checked; after the first one past the end all answer 0 and good is false.
+struct reader {
+  std::span<const std::uint8_t> bytes;
+  bool good = true;
+
+  std::uint64_t take(int count) {
+    std::uint64_t value = 0;
+    if (bytes.size() < static_cast<std::size_t>(count)) return fail();
+    for (int i = 0; i < count; ++i) value |= std::uint64_t{bytes[static_cast<std::size_t>(i)]} << (8 * i);
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    return value;
+  }
+  std::uint64_t take_varint() {
+    std::uint64_t value = 0;
+    for (int shift = 0; shift < 63; shift += 7) {
+      const std::uint64_t part = take(1);
+      value |= (part & 0x7F) << shift;
+      if (part < 0x80) return value;
+    }
+    return fail();
+  }
+  double take_double() { return std::bit_cast<double>(take(8)); }
+
+  std::uint64_t fail() {
+    good = false;
+    bytes = {};
+    return 0;
+  }
+};
+
+// Whoever decodes runs may be asked for at most so many values by bytes that lie: ids are 32 bits.
+constexpr std::uint64_t most_values = std::uint64_t{1} << 32;
+
+void take_set(reader& in, std::vector<std::uint32_t>& set) {
+  const std::uint64_t count = in.take_varint();
+  if (count > most_values) in.fail();
+  std::uint64_t next = 0;
+  while (in.good && set.size() < count) {
+    next += in.take_varint();
+    const std::uint64_t length = in.take_varint() + 1;
+    if (next > std::numeric_limits<std::uint32_t>::max() || length > most_values - next || length > count - set.size())
+      in.fail();
+    for (std::uint64_t i = 0; in.good && i < length; ++i) set.push_back(static_cast<std::uint32_t>(next++));
+  }
+}
+
+void take_witnesses(reader& in, cell_record& record) {
+  const std::uint64_t eyes = in.take_varint();
+  for (std::uint64_t i = 0; in.good && i < eyes; ++i) {
+    glm::vec3 eye{0.0f};
+    for (int axis = 0; axis < 3; ++axis) eye[axis] = std::bit_cast<float>(static_cast<std::uint32_t>(in.take(4)));
+    record.witnesses.push_back(eye);
+  }
+  const std::uint64_t count = in.take_varint();
+  if (count != 0 && count != record.set.size()) in.fail();
+  while (in.good && record.witness_of.size() < count) {
+    const std::uint64_t eye = in.take_varint(), length = in.take_varint() + 1;
+    if (eye >= eyes || length > count - record.witness_of.size()) in.fail();
+    if (in.good) record.witness_of.insert(record.witness_of.end(), length, static_cast<std::uint32_t>(eye));
+  }
+}
+
+// The bytes between version and checksum; nothing where one of the two is wrong.
+std::optional<reader> body_of(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < checksum_size) return std::nullopt;
+  const std::span<const std::uint8_t> body = bytes.first(bytes.size() - checksum_size);
+  reader tail{bytes.last(checksum_size)};
+  if (tail.take(checksum_size) != XXH3_64bits(body.data(), body.size())) return std::nullopt;
+  reader in{body};
+  if (in.take(1) != record_version) return std::nullopt;
+  return in;
+}
+
+constexpr std::uint64_t has_volumes = 8;  // of the flags
+
+// Answers the flags.
+std::uint64_t take_plain_fields(reader& in, cell_record& record) {
+  const std::uint64_t flags = in.take(1);
+  record.stored = (flags & 1) != 0;
+  record.bound_met = (flags & 2) != 0;
+  record.geometry_inside = (flags & 4) != 0;
+  record.rays = in.take(8);
+  record.misses = in.take(8);
+  record.upper_bound = in.take_double();
+  record.confidence = in.take_double();
+  record.rays_spent = in.take(8);
+  record.samples = static_cast<std::uint32_t>(in.take(4));
+  record.free_share = in.take_double();
+  record.batches = static_cast<std::uint32_t>(in.take(4));
+  record.unseen = in.take_varint();
+  return flags;
+}
+
+}  // namespace
+
+cell_summary summary_of(const cell_record& record) {
+  return {record.stored, record.geometry_inside, record.bound_met, record.rays,
+          record.misses, record.upper_bound,     record.set.size()};
+}
+
+std::vector<std::uint8_t> encode(const cell_record& record) {
+  std::vector<std::uint8_t> out;
+  out.push_back(record_version);
+  out.push_back(static_cast<std::uint8_t>((record.stored ? 1 : 0) | (record.bound_met ? 2 : 0) |
+                                          (record.geometry_inside ? 4 : 0) |
+                                          (record.volumes.empty() ? 0 : has_volumes)));
+  put_bytes(out, record.rays, 8);
+  put_bytes(out, record.misses, 8);
+  put_bytes(out, std::bit_cast<std::uint64_t>(record.upper_bound), 8);
+  put_bytes(out, std::bit_cast<std::uint64_t>(record.confidence), 8);
+  put_bytes(out, record.rays_spent, 8);
+  put_bytes(out, record.samples, 4);
+  put_bytes(out, std::bit_cast<std::uint64_t>(record.free_share), 8);
+  put_bytes(out, record.batches, 4);
+  put_varint(out, record.unseen);
+  put_set(out, record.set);
+  put_witnesses(out, record);
+  if (!record.volumes.empty()) put_set(out, record.volumes);
+  put_bytes(out, XXH3_64bits(out.data(), out.size()), checksum_size);
+  return out;
+}
+
+std::optional<cell_record> decode(std::span<const std::uint8_t> bytes) {
+  std::optional<reader> in = body_of(bytes);
+  if (!in) return std::nullopt;
+  cell_record record;
+  const std::uint64_t flags = take_plain_fields(*in, record);
+  take_set(*in, record.set);
+  take_witnesses(*in, record);
+  if ((flags & has_volumes) != 0) take_set(*in, record.volumes);
+  if (!in->good || !in->bytes.empty()) return std::nullopt;
+  return record;
+}
+
+std::optional<cell_summary> decode_summary(std::span<const std::uint8_t> bytes) {
+  std::optional<reader> in = body_of(bytes);
+  if (!in) return std::nullopt;
+  cell_record record;
+  take_plain_fields(*in, record);
+  cell_summary summary = summary_of(record);
+  summary.polygons = in->take_varint();
+  if (!in->good) return std::nullopt;
+  return summary;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,86 @@
+#include "cell_set/cell_set.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace sightcell::bake {
+
+void cell_set::clear() {
+  for (const std::uint32_t polygon : members_) entries_[polygon] = {};
+  members_.clear();
+  eyes_.clear();
+  volumes_.clear();
+}
+
+void cell_set::add_view(const glm::vec3& eye, const std::vector<seen_polygon>& seen) {
+  const auto eye_index = static_cast<std::uint32_t>(eyes_.size());
+  eyes_.push_back(eye);
+  for (const seen_polygon& s : seen) {
+    entry& e = entries_[s.id];
+    if (s.pixels <= e.pixels) continue;
+    if (e.pixels == 0) join(s.id, {s.pixels, eye_index});
+    e = {s.pixels, eye_index};
+  }
+}
+
+bool cell_set::add(std::uint32_t polygon, const glm::vec3& eye) {
+  if (contains(polygon)) return false;
+  const auto eye_index = static_cast<std::uint32_t>(eyes_.size());
+  eyes_.push_back(eye);
+  join(polygon, {1, eye_index});
+  return true;
+}
+
+void cell_set::join(std::uint32_t polygon, const entry& as) {
+  entries_[polygon] = as;
+  members_.push_back(polygon);
+  if (!duplicates_) return;
+  for (const std::uint32_t same : duplicates_->class_of(polygon)) {
+    if (contains(same)) continue;
+    entries_[same] = {1, as.eye};
+    members_.push_back(same);
+  }
+}
+
+std::vector<std::uint32_t> cell_set::sorted() const {
+  std::vector<std::uint32_t> ids = members_;
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+void cell_set::save(cell_record& record) const {
+  record.set = sorted();
+  record.volumes = volumes_.members();
+  // Each place once, in an order that does not depend on who joined first.
+  const auto below = [](const glm::vec3& a, const glm::vec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
+  std::vector<glm::vec3>& places = record.witnesses;
+  places.clear();
+  std::vector<bool> used(eyes_.size());
+  for (const std::uint32_t polygon : members_) {
+    const std::uint32_t eye = entries_[polygon].eye;
+    if (!used[eye]) places.push_back(eyes_[eye]);
+    used[eye] = true;
+  }
+  std::sort(places.begin(), places.end(), below);
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  std::vector<std::uint32_t> place_of(eyes_.size());
+  for (std::size_t eye = 0; eye < eyes_.size(); ++eye)
+    if (used[eye])
+      place_of[eye] = static_cast<std::uint32_t>(std::lower_bound(places.begin(), places.end(), eyes_[eye], below) -
+                                                 places.begin());
+  record.witness_of.clear();
+  record.witness_of.reserve(record.set.size());
+  for (const std::uint32_t polygon : record.set) record.witness_of.push_back(place_of[entries_[polygon].eye]);
+}
+
+void cell_set::load(const cell_record& record) {
+  clear();
+  eyes_ = record.witnesses;
+  members_ = record.set;
+  for (std::size_t i = 0; i < members_.size(); ++i) entries_[members_[i]] = {1, record.witness_of[i]};
+  for (const std::uint32_t volume : record.volumes) volumes_.add(volume);
+}
+
+}  // namespace sightcell::bake

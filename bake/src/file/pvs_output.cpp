@@ -1,0 +1,182 @@
+#include "file/pvs_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "order/draw_table.h"
+#include "order/file_order.h"
+#include "order/stored_draws.h"
+#include "sightcell/base/error.h"
+#include "sightcell/format/reader.h"
+#include "sightcell/format/writer.h"
+#include "volumes/volume_order.h"
+
+namespace sightcell::bake {
+namespace {
+
+// A bound may only be rounded upwards.
+float rounded_up(double bound) {
+  const auto nearest = static_cast<float>(bound);
+  return static_cast<double>(nearest) < bound ? std::nextafter(nearest, 2.0f) : nearest;
+}
+
+void require_ok(format::status outcome, const std::filesystem::path& output, const char* doing) {
+  if (outcome == format::status::ok) return;
+  const bool disk = outcome == format::status::io;
+  throw error(
+      error_kind::failed, disk ? "output.io" : "output.encode", output.string(),
+      fmt::format("{} failed: {}", doing, format::status_text(outcome)),
+      disk ? "free space or choose another folder, then run the same command: it resumes" : "report this scene");
+}
+
+struct stored_cells {
+  format::file_parts parts;                     // what the file says of its cells besides their sets
+  std::vector<std::uint32_t> places;            // in the list of all cells
+  double polygons = 0.0;                        // of all sets together
+  double unseen = 0.0;                          // of these, what the safety ring added
+  double volumes = 0.0;                         // of all sets together
+  std::vector<std::uint32_t> number_of_volume;  // in the file, by the number that records have
+};
+
+stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
+  stored_cells out;
+  sum.max_upper_bound = 0.0;
+  for (std::uint32_t i = 0; i < frame.cells.size(); ++i) {
+    const cell_record record = record_of(i);
+    if (!record.stored) {
+      ++sum.cells_left_out;
+      continue;
+    }
+    out.parts.certificate.push_back({.cell = static_cast<std::uint32_t>(out.places.size()),
+                                     .rays = record.rays,
+                                     .misses = record.misses,
+                                     .upper_bound = record.upper_bound,
+                                     .confidence = record.confidence,
+                                     .seed = frame.seed});
+    out.parts.cells.push_back(frame.cells[i]);
+    out.places.push_back(i);
+    out.polygons += static_cast<double>(record.set.size());
+    out.unseen += static_cast<double>(record.unseen);
+    out.volumes += static_cast<double>(record.volumes.size());
+    sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
+    if (!record.bound_met) ++sum.cells_over_bound;
+  }
+  return out;
+}
+
+// As the file says it.
+double slack_of(std::span<const std::byte> bytes) {
+  format::reader file;
+  return format::reader::open(bytes, file) == format::status::ok ? static_cast<double>(file.facts().slack) : 0.0;
+}
+
+// Cells and polygons in the order of the file.
+void put_in_order(const pvs_frame& frame, const record_source& record_of, stored_cells& stored) {
+  format::file_parts& parts = stored.parts;
+  if (const std::vector<std::uint32_t> before = order_cells(parts); !before.empty()) {
+    std::vector<std::uint32_t> places;
+    for (const std::uint32_t cell : before) places.push_back(stored.places[cell]);
+    stored.places = std::move(places);
+  }
+  parts.draws = frame.draws;
+  parts.named_groups = frame.named_groups;
+  order_polygons_of(
+      parts, file_settings_of(frame.settings).order,
+      [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { set = record_of(stored.places[cell]).set; });
+}
+
+void put_volumes_in_order(const pvs_frame& frame, const record_source& record_of, stored_cells& stored) {
+  if (frame.volumes.empty()) return;
+  const std::vector<std::uint32_t> order =
+      order_volumes(static_cast<std::uint32_t>(frame.volumes.size()), static_cast<std::uint32_t>(stored.places.size()),
+                    [&](std::uint32_t cell, std::vector<std::uint32_t>& volumes) {
+                      volumes = record_of(stored.places[cell]).volumes;
+                    });
+  stored.number_of_volume.resize(order.size());
+  for (const std::uint32_t volume : order) {
+    stored.number_of_volume[volume] = static_cast<std::uint32_t>(stored.parts.volumes.size());
+    stored.parts.volumes.push_back(frame.volumes[volume]);
+  }
+  stored.parts.volume_shape = {frame.volume_width, frame.volume_width};
+}
+
+// As the writer takes them: volumes behind the polygons.
+std::vector<std::uint32_t> items_of(cell_record record, const stored_cells& stored) {
+  std::vector<std::uint32_t> items = std::move(record.set);
+  const auto volumes = static_cast<std::ptrdiff_t>(items.size());
+  for (const std::uint32_t volume : record.volumes)
+    items.push_back(stored.parts.facts.polygon_count + stored.number_of_volume[volume]);
+  std::sort(items.begin() + volumes, items.end());
+  return items;
+}
+
+}  // namespace
+
+pvs_frame frame_of(const scene::scene& s, const settings& how, std::string settings_text,
+                   const std::vector<view_cell>& cells, const volume_grid* volumes) {
+  pvs_frame frame;
+  frame.scene_name = s.name;
+  frame.facts.polygon_count = s.polygon_count;
+  frame.facts.layout = static_cast<format::host_layout>(how.file.layout);
+  frame.facts.margin = how.margin;
+  frame.facts.scene_fingerprint = s.fingerprint;
+  frame.facts.repeatable = how.time_budget == 0.0 && how.seconds_per_cell == 0.0;
+  frame.seed = how.seed;
+  frame.draws = draw_table(s, frame.facts.layout);
+  frame.named_groups = s.groups;
+  for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
+  if (volumes != nullptr) {
+    frame.volume_width = volumes->width();
+    for (const volume_place& p : volumes->places()) frame.volumes.push_back({p.x, p.y, p.z, 0});
+  }
+  frame.settings = std::move(settings_text);
+  return frame;
+}
+
+bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
+               const callbacks& tell, summary& sum, const file_completion& complete) {
+  stored_cells stored = first_pass(frame, record_of, sum);
+  if (stored.places.empty())
+    throw error(error_kind::failed, "bake.no-free-cell", frame.scene_name, "no cell has a place where an eye can be",
+                "give boxes with --cells-file or --cells-grid, or a smaller --player-radius");
+  if (sum.cells_left_out > 0 && tell.on_message)
+    tell.on_message(severity::warning,
+                    fmt::format("{} of {} cells have no free point and are left out; an eye there is outside",
+                                sum.cells_left_out, frame.cells.size()));
+  stored.parts.facts = frame.facts;
+  stored.parts.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
+  stored.parts.settings = frame.settings;
+  put_in_order(frame, record_of, stored);
+  put_volumes_in_order(frame, record_of, stored);
+  format::file_contents contents =
+      stored.parts.contents({stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+                               set = items_of(record_of(stored.places[cell]), stored);
+                               return format::status::ok;
+                             }});
+  contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
+  std::vector<std::byte> bytes;
+  // What a bake of this output that was killed here had written: it takes room, and nobody else will look for it.
+  format::remove_unfinished(output.string().c_str());
+  require_ok(format::encode(contents, bytes), output, "encoding");
+  if (complete && !complete(bytes)) return false;
+  require_ok(format::write_file(output.string().c_str(), bytes), output, "writing");
+
+  const auto cells_written = static_cast<std::uint32_t>(stored.places.size());
+  sum.cells = cells_written;
+  sum.visible_percent =
+      100.0 * stored.polygons / (static_cast<double>(cells_written) * std::max(frame.facts.polygon_count, 1u));
+  sum.unseen_per_cell = stored.unseen / cells_written;
+  sum.unseen_percent = 100.0 * stored.unseen / std::max(stored.polygons - stored.unseen, 1.0);
+  sum.volumes = static_cast<std::uint32_t>(frame.volumes.size());
+  sum.volumes_per_cell = stored.volumes / cells_written;
+  sum.slack = slack_of(bytes);
+  sum.bytes = bytes.size();
+  if (sum.cells_over_bound > 0) sum.result = outcome::bound_not_met;
+  return true;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,196 @@
+#include "sightcell/bake/recode.h"
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <tuple>
+#include <vector>
+
+#include "file/importance_section.h"
+#include "file/stored_rules.h"
+#include "input/two_scenes.h"
+#include "order/draw_table.h"
+#include "order/file_order.h"
+#include "sightcell/bake/stored_overrides.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/json_text.h"
+#include "sightcell/format/file_parts.h"
+#include "sightcell/format/layout.h"
+#include "sightcell/format/reader.h"
+#include "sightcell/format/set_reader.h"
+#include "sightcell/format/writer.h"
+#include "sightcell/scene/scene.h"
+#include "trace/ray_scene.h"
+
+namespace sightcell::bake {
+namespace {
+
+void require_ok(format::status outcome, const std::string& name) {
+  if (outcome != format::status::ok)
+    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
+}
+
+// What may be added to sets that hold some slack already.
+double slack_left(const format::file_facts& facts, slack_profile profile, const std::string& name) {
+  const double most = slack_of_profile[static_cast<std::size_t>(profile)];
+  const auto has = static_cast<double>(facts.slack);
+  if (has > most + 1e-6)  // the file says it as a float, rounded up
+    throw error(error_kind::wrong_use, "recode.has-slack", name,
+                fmt::format("holds {:.1f} % of polygons that nobody sees, more than {} allows", 100.0 * has,
+                            slack_profile_names[static_cast<std::size_t>(profile)]),
+                "recode a file of less slack: what was added once cannot be told from what is seen");
+  return std::max((1.0 + most) / (1.0 + has) - 1.0, 0.0);
+}
+
+// The settings text of the file with other names in it, where a bake has them. A text that is no JSON object stays what
+// it is.
+std::string with_names(const std::string& settings, const file_settings& how) {
+  const auto text = scene::parse_ordered_json(settings, false);
+  if (!text.is_object()) return settings;
+  auto made = nlohmann::ordered_json::object();
+  const auto put_names = [&] {
+    made["profile"] = slack_profile_names[static_cast<std::size_t>(how.profile)];
+    if (how.order != polygon_order_kind::per_mesh)
+      made["order"] = polygon_order_names[static_cast<std::size_t>(how.order)];
+    if (how.layout != host_layout::instanced) made["layout"] = host_layout_names[static_cast<std::size_t>(how.layout)];
+  };
+  for (const auto& [key, value] : text.items()) {
+    if (key == "profile")
+      put_names();
+    else if (key != "order" && key != "layout")
+      made[key] = value;
+  }
+  if (!made.contains("profile")) put_names();
+  return made.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+void require_same_scene(const format::reader& opened, const std::string& name, const scene::scene* s) {
+  if (s == nullptr ||
+      (opened.polygon_count() == s->polygon_count && opened.facts().scene_fingerprint == s->fingerprint))
+    return;
+  throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s->name,
+              "give the scene it was baked from, or bake again");
+}
+
+// Draws of the other layout, not in order yet. What a host put into the table stays.
+void change_layout(format::file_parts& parts, const std::string& name, format::host_layout layout,
+                   const scene::scene* s) {
+  if (layout == format::host_layout::merged && s == nullptr)
+    throw error(error_kind::wrong_use, "recode.no-scene", name, "does not say which draws its host shows together",
+                "name the scene it was baked from: --scene SCENE");
+  const auto place_of = [](const format::draw_record& d) {
+    return std::tuple(d.first_source, d.node, d.mesh, d.primitive, d.instance);
+  };
+  std::map<decltype(place_of({})), format::draw_record> found;
+  if (s != nullptr)
+    for (const format::draw_record& d : draw_table(*s, layout)) found.emplace(place_of(d), d);
+  for (format::draw_record& d : parts.draws) {
+    d.group = 0;
+    if (s != nullptr) d.named_group = format::no_named_group;  // names are the scene's from here on
+    if (const auto same = found.find(place_of(d)); same != found.end()) {
+      d.group = same->second.group;
+      d.flags = same->second.flags;  // which version 0 did not have
+      d.named_group = same->second.named_group;
+    }
+  }
+  if (s != nullptr) parts.named_groups = s->groups;
+  parts.facts.layout = layout;
+}
+
+// The file's bytes in this version, with what is asked for.
+std::vector<std::byte> encoded(const format::reader& opened, format::set_reader& sets, const std::string& name,
+                               const recode_settings& how, const std::filesystem::path& output) {
+  format::file_parts parts;
+  require_ok(format::take_apart(opened, parts), name);
+  const double slack = how.profile ? slack_left(parts.facts, *how.profile, name) : 0.0;
+
+  const auto layout = how.layout ? static_cast<format::host_layout>(*how.layout) : parts.facts.layout;
+  const bool other_layout = layout != parts.facts.layout;
+  if (layout == format::host_layout::merged && how.order == polygon_order_kind::per_instance)
+    throw error(error_kind::wrong_use, "recode.merged", name, "is of the merged layout, where instances share nothing",
+                "leave out --order per-instance");
+  if (other_layout) change_layout(parts, name, layout, how.layout_from);
+
+  const bool old = opened.format_version() != format::layout::version;
+  file_settings now = file_settings_of(parts.settings);
+  now.profile = how.profile.value_or(now.profile);
+  now.order = layout == format::host_layout::merged ? polygon_order_kind::per_mesh : how.order.value_or(now.order);
+  now.layout = static_cast<host_layout>(layout);
+  parts.settings = with_names(parts.settings, now);
+  // Of each cell its number in the file that is read.
+  std::vector<std::uint32_t> before = old ? order_cells(parts) : std::vector<std::uint32_t>();
+  const auto number_before = [&](std::uint32_t cell) { return before.empty() ? cell : before[cell]; };
+  if (old || how.order || other_layout)
+    order_polygons_of(parts, now.order, [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+      require_ok(sets.source_ids(number_before(cell), set), name);
+    });
+
+  format::file_contents contents =
+      parts.contents({parts.cells.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+                        return sets.item_ids(number_before(cell), set);
+                      }});
+  contents.slack = slack;
+  std::vector<std::byte> bytes;
+  if (format::encode(contents, bytes) != format::status::ok)
+    throw error(error_kind::failed, "output.encode", output.string(), "the file does not fit into this format",
+                "report this file");
+  return bytes;
+}
+
+// False when the user has had enough.
+bool measure_importance(const format::reader& opened, const std::string& name, const recode_settings& how,
+                        std::vector<std::byte>& bytes) {
+  const scene::scene& s = *how.importance_in;
+  const stored_rules rules = stored_rules_of(opened.settings());
+  bool done = false;
+  tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
+  arena.execute([&] {
+    scene::world_geometry geometry = scene::flatten(s, rules.animated);
+    apply_stored_overrides(opened.settings(), geometry);
+    const ray_scene rays(geometry, rules.all_double_sided);
+    done = add_importance(bytes, name, rays, how.on_progress);
+  });
+  return done;
+}
+
+}  // namespace
+
+recode_result recode(std::span<const std::byte> file, const std::string& name, const recode_settings& how,
+                     const std::filesystem::path& output) {
+  format::reader opened;
+  format::set_reader sets;
+  require_ok(format::reader::open(file, opened), name);
+  const scene::scene* s = how.importance_in;
+  require_same_scene(opened, name, s);
+  require_same_scene(opened, name, how.layout_from);
+  if (s != nullptr && stored_cells_from(opened.settings()))
+    throw error(error_kind::wrong_use, "recode.two-scenes", name,
+                "says what the cells of another scene see, which hides some of this one",
+                "bake with --importance: that knows both");
+  require_ok(sets.open(opened), name);
+  require_ok(sets.check(), name);
+  // With importance alone all else stays, also what encoding sets with their slack anew would do otherwise.
+  const bool stays =
+      s != nullptr && !how.profile && !how.order && !how.layout && opened.format_version() == format::layout::version;
+  std::vector<std::byte> bytes =
+      stays ? std::vector<std::byte>(file.begin(), file.end()) : encoded(opened, sets, name, how, output);
+  format::reader made;
+  recode_result result{opened.format_version(), file.size()};
+  if (s != nullptr)
+    result.cancelled = !measure_importance(opened, output.string(), how, bytes);
+  else
+    carry_importance(opened, bytes, output.string());
+  if (result.cancelled) return result;
+  require_ok(format::reader::open(bytes, made), output.string());
+  if (format::write_file(output.string().c_str(), bytes) != format::status::ok)
+    throw error(error_kind::failed, "recode.not-written", output.string(), "cannot be written",
+                "free space or choose another -o; the file is what it was");
+  result.bytes = bytes.size();
+  result.slack = static_cast<double>(made.facts().slack);
+  return result;
+}
+
+}  // namespace sightcell::bake

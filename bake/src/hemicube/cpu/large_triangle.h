@@ -1,0 +1,146 @@
+#pragma once
+// Triangles that reach behind the eye, out of the guard band, or over much of the image: edges and depth plane in
+// double precision from homogeneous coordinates, which need no clipping. An edge through the eye-space corners P and Q
+// is (P x Q) . (x, y, 1), the volume that the line of sight spans with both; the three together are also the weights of
+// the corners (Olano and Greer, "Triangle scan conversion using 2D homogeneous coordinates", 1997).
+#include "hemicube/cpu/walk.h"
+
+namespace sightcell::bake::cpu {
+namespace {
+
+struct corner3 {
+  double x, y, z;
+};
+
+inline corner3 cross(const corner3& p, const corner3& q) {
+  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
+}
+inline double dot(const corner3& p, const corner3& q) {
+  return p.x * q.x + p.y * q.y + p.z * q.z;
+}
+inline corner3 minus(const corner3& p, const corner3& q) {
+  return {p.x - q.x, p.y - q.y, p.z - q.z};
+}
+
+struct double_plane {
+  double a, b, c;  // per pixel, and at the image's lower left corner
+};
+
+// f . (x, y, 1) at distance 1 becomes a function of pixels.
+inline double_plane per_pixel(const face_frame& face, const corner3& f) {
+  const double half = static_cast<double>(face.half);
+  const double_plane p{f.x / half, f.y / half, 0.0};
+  return {p.a, p.b, f.z - p.a * face.center_x - p.b * face.center_y};
+}
+
+// So that one of a and b is +-1: then a margin can be given in pixels.
+inline double_plane normalized(const double_plane& p) {
+  const double a = __builtin_fabs(p.a), b = __builtin_fabs(p.b);
+  const double most = a > b ? a : b;
+  if (!(most > 0.0)) return {0.0, 0.0, p.c < 0.0 ? -1.0 : 1.0};
+  return {p.a / most, p.b / most, p.c / most};
+}
+
+inline corner_weights weights_of(const face_frame& face, const corner3 (&v)[3]) {
+  corner_weights w;
+  for (int k = 0; k < 3; ++k) {
+    const double_plane p = per_pixel(face, cross(v[(k + 1) % 3], v[(k + 2) % 3]));
+    w.a[k] = p.a;
+    w.b[k] = p.b;
+    w.c[k] = p.c;
+  }
+  return w;
+}
+
+// The box of what lies in front of the near plane, in tiles; false: nothing of it is in the image.
+inline bool tiles_of(const face_frame& face, const tile_image& image, const corner3 (&v)[3], tile_rect& rect) {
+  double low_x = 1e30, low_y = 1e30, high_x = -1e30, high_y = -1e30;
+  const auto add = [&](double x, double y, double z) {
+    const double px = x / z * static_cast<double>(face.half) + face.center_x;
+    const double py = y / z * static_cast<double>(face.half) + face.center_y;
+    low_x = px < low_x ? px : low_x;
+    high_x = px > high_x ? px : high_x;
+    low_y = py < low_y ? py : low_y;
+    high_y = py > high_y ? py : high_y;
+  };
+  // Well before the near plane, which cuts nothing away.
+  constexpr double front = 1e-6;
+  for (int k = 0; k < 3; ++k) {
+    const corner3 &p = v[k], &q = v[(k + 1) % 3];
+    if (p.z >= front) add(p.x, p.y, p.z);
+    if ((p.z >= front) != (q.z >= front)) {
+      const double t = (front - p.z) / (q.z - p.z);
+      add(p.x + (q.x - p.x) * t, p.y + (q.y - p.y) * t, front);
+    }
+  }
+  const double width = image.tiles_x * double{tile_size}, height = image.tiles_y * double{tile_size};
+  if (!(low_x < width && high_x > 0.0 && low_y < height && high_y > 0.0)) return false;
+  const auto tile = [](double at, double limit) {
+    at = at < 0.0 ? 0.0 : at > limit - 1.0 ? limit - 1.0 : at;
+    return static_cast<std::int32_t>(at) >> 3;
+  };
+  // A pixel more on all sides: edges are widened a little.
+  rect = {tile(low_x - 1.0, width), tile(low_y - 1.0, height), tile(high_x + 1.0, width), tile(high_y + 1.0, height)};
+  return true;
+}
+
+// Pixels by which edges are widened, so that no crack opens to a neighbor that was drawn with snapped corners.
+constexpr double widening = 4e-5;
+
+template <pass kind>
+inline void draw_large(draw_state& s, const corner3 (&v)[3], bool both_sides) {
+  const corner3 normal = cross(minus(v[1], v[0]), minus(v[2], v[0]));
+  double volume = dot(normal, v[0]);
+  if (volume == 0.0 || (volume < 0.0 && !both_sides)) return;
+  tile_rect rect;
+  if (!tiles_of(s.face, s.image, v, rect)) return;
+
+  double nearest = 0.0, furthest = 0.0;  // of the corners' depths
+  for (int k = 0; k < 3; ++k) {
+    nearest = k == 0 || v[k].z < nearest ? v[k].z : nearest;
+    furthest = k == 0 || v[k].z > furthest ? v[k].z : furthest;
+  }
+  constexpr double near = static_cast<double>(near_plane);
+  const float most = static_cast<float>(1.0 / (nearest > near ? nearest : near));
+  const float least = static_cast<float>(1.0 / (furthest > near ? furthest : near));
+  const double_plane depth =
+      per_pixel(s.face, {normal.x / volume, normal.y / volume, normal.z / volume});  // 1/Z along (x, y, 1)
+
+  const double sign = volume < 0.0 ? -1.0 : 1.0;
+  double_plane edges[3];
+  for (int k = 0; k < 3; ++k) {
+    const corner3 e = cross(v[k], v[(k + 1) % 3]);
+    edges[k] = normalized(per_pixel(s.face, {sign * e.x, sign * e.y, sign * e.z}));
+    edges[k].c += widening;
+  }
+  const auto at = [](const double_plane& p, std::int32_t tx, std::int32_t ty) {
+    return static_cast<float>(p.a * (tx * 8 + 0.5) + p.b * (ty * 8 + 0.5) + p.c);
+  };
+  const auto plane_at = [&](std::int32_t tx, std::int32_t ty) {
+    return depth_plane{at(depth, tx, ty), static_cast<float>(depth.a), static_cast<float>(depth.b), least, most};
+  };
+  float_edge f[3];
+  for (int k = 0; k < 3; ++k)
+    f[k] = {static_cast<float>(edges[k].a), static_cast<float>(edges[k].b), at(edges[k], rect.x0, rect.y0)};
+
+  if (s.masked != nothing) s.weights = weights_of(s.face, v);
+  const floats lanes = to_floats(count_up());
+  walk_tiles<kind>(s.image, rect, f, plane_at(rect.x0, rect.y0), [&](std::int32_t tx, std::int32_t ty, bool covered) {
+    const auto x = static_cast<std::uint32_t>(tx), y = static_cast<std::uint32_t>(ty);
+    const std::uint32_t tile = y * s.image.stride + x;
+    if (covered) return cover_all<kind>(s, tile, x, y, plane_at(tx, ty));
+    floats e0 = all(at(edges[0], tx, ty)) + all(f[0].a) * lanes, e1 = all(at(edges[1], tx, ty)) + all(f[1].a) * lanes,
+           e2 = all(at(edges[2], tx, ty)) + all(f[2].a) * lanes;
+    const floats b0 = all(f[0].b), b1 = all(f[1].b), b2 = all(f[2].b);
+    cover_rows<kind>(s, tile, x, y, 0, tile_size - 1, plane_at(tx, ty), [&](std::uint32_t) {
+      const ints out = all(0.0f) > smaller(smaller(e0, e1), e2);
+      e0 = e0 + b0;
+      e1 = e1 + b1;
+      e2 = e2 + b2;
+      return out;
+    });
+  });
+}
+
+}  // namespace
+}  // namespace sightcell::bake::cpu

@@ -1,0 +1,153 @@
+#pragma once
+// What becomes of the pixels of a tile that a triangle covers, by the kind of pass: they are drawn, drawn where the
+// alpha passes, or counted where nothing that hides is in front.
+#include "hemicube/cpu/alpha_test.h"
+#include "hemicube/cpu/tiles.h"
+
+namespace sightcell::bake::cpu {
+namespace {
+
+enum class pass { opaque, masked, see_through };
+
+constexpr std::int32_t sub_pixel = 1 << 16;  // fixed-point units per pixel
+constexpr float near_plane = 0.001f;         // metres: nothing that an eye can stand next to is cut away
+
+// A plane of inverse depths over an image: value at the center of the tile's first pixel, steps per pixel. Values are
+// held between those of the corners: a sliver's slopes are all rounding.
+struct depth_plane {
+  float base, step_x, step_y, least, most;
+};
+
+// Where on the triangle a pixel lies, from edges of homogeneous coordinates: weight k = weight[k] . (px, py, 1) over
+// their sum. Made only when a pixel needs it.
+struct corner_weights {
+  double a[3], b[3], c[3];
+};
+
+struct draw_state {
+  const face_frame& face;
+  const tile_image& image;
+  const polygon_counter& counter;
+  const scene_view& scene;
+  std::uint32_t id = 0;            // of the triangle in work
+  std::uint32_t masked = nothing;  // its number in world_geometry::masked
+  corner_weights weights{};        // where it is masked
+};
+
+// Rule 1 of seeing: of the pixels of one row of a tile (bits), those whose alpha passes.
+inline std::uint32_t passing(const draw_state& s, std::uint32_t bits, std::uint32_t x, std::uint32_t y) {
+  floats w[3];
+  for (int k = 0; k < 3; ++k) {
+    const double first = s.weights.a[k] * (static_cast<double>(x) + 0.5) +
+                         s.weights.b[k] * (static_cast<double>(y) + 0.5) + s.weights.c[k];
+    w[k] = all(static_cast<float>(first)) + all(static_cast<float>(s.weights.a[k])) * to_floats(count_up());
+  }
+  const floats sum = w[0] + w[1] + w[2];
+  const masked_triangle& t = s.scene.masked_triangles[s.masked];
+  return bits & alpha_passes(t, s.scene.masks[t.mask], s.scene.texels, w[1] / sum, w[2] / sum);
+}
+
+inline ints mask_of(std::uint32_t bits) {
+  alignas(32) static constexpr std::int32_t powers[8] = {1, 2, 4, 8, 16, 32, 64, 128};
+  const ints bit = load(powers);
+  return (all(static_cast<std::int32_t>(bits)) & bit) == bit;
+}
+
+// Rule 2 of seeing: a see-through polygon within this of the surface behind it is seen, here at its least, for a line
+// of sight in the corner of an image: 0.2 mm / sqrt(3) along the axis, 2e-5 of the depth.
+inline floats behind_by_reach(floats q) {
+  const floats reach = larger(all(1.15e-4f) * q, all(2e-5f));
+  return q / (all(1.0f) + reach);
+}
+
+inline void count_row(const draw_state& s, std::uint32_t bits, std::uint32_t x, std::uint32_t y) {
+  if (y >= s.face.height || x >= s.face.width) return;
+  if (x + tile_size > s.face.width) bits &= 0xFFu >> (x + tile_size - s.face.width);
+  if (bits != 0 && s.masked != nothing) bits = passing(s, bits, x, y);
+  if (bits == 0) return;
+  count(s.counter, s.id, static_cast<std::uint32_t>(__builtin_popcount(bits)),
+        atlas_pixel(s.face, x + static_cast<std::uint32_t>(__builtin_ctz(bits)), y));
+}
+
+// Rows j0 to j1 of a tile. outside(j): a vector whose sign bits tell the pixels that the triangle does not cover.
+template <pass kind, class Outside>
+inline void cover_rows(const draw_state& s, std::uint32_t tile, std::uint32_t tile_x, std::uint32_t tile_y,
+                       std::uint32_t j0, std::uint32_t j1, const depth_plane& plane, Outside&& outside) {
+  float* depths = s.image.inverse_depths + std::size_t{tile} * tile_pixels;
+  std::uint32_t* ids = s.image.ids + std::size_t{tile} * tile_pixels;
+  tile_state& state = s.image.states[tile];
+  if (state == tile_state::empty) {
+    open_tile(s.image, tile);
+    state = tile_state::exact;
+  }
+  const floats least = all(plane.least), most = all(plane.most), step_y = all(plane.step_y);
+  const ints id = all(static_cast<std::int32_t>(s.id));
+  floats q = all(plane.base + plane.step_y * static_cast<float>(j0)) + all(plane.step_x) * to_floats(count_up());
+  ints any = all(0);
+  for (std::uint32_t j = j0; j <= j1; ++j) {
+    const ints out = outside(j);
+    const floats clamped = smaller(larger(q, least), most);
+    const floats old = load(depths + j * tile_size);
+    if constexpr (kind == pass::see_through) {
+      const std::uint32_t bits = sign_bits(without(clamped >= behind_by_reach(old), out));
+      if (bits != 0) count_row(s, bits, tile_x * tile_size, tile_y * tile_size + j);
+    } else {
+      ints in = without(clamped > old, out);  // only the sign bits count
+      if constexpr (kind == pass::masked) {
+        std::uint32_t bits = sign_bits(in);
+        if (bits == 0) {
+          q = q + step_y;
+          continue;
+        }
+        bits = passing(s, bits, tile_x * tile_size, tile_y * tile_size + j);
+        in = mask_of(bits);
+      }
+      any = any | in;
+      store(depths + j * tile_size, choose(in, clamped, old));
+      store(ids + j * tile_size, choose(in, id, load(ids + j * tile_size)));
+    }
+    q = q + step_y;
+  }
+  if (sign_bits(any) != 0) state = tile_state::stale;
+}
+
+// A tile that the triangle covers all over.
+template <pass kind>
+inline void cover_all(const draw_state& s, std::uint32_t tile, std::uint32_t tile_x, std::uint32_t tile_y,
+                      const depth_plane& plane) {
+  if constexpr (kind == pass::opaque) {
+    float* depths = s.image.inverse_depths + std::size_t{tile} * tile_pixels;
+    std::uint32_t* ids = s.image.ids + std::size_t{tile} * tile_pixels;
+    const floats lowest = all(plane.least), most = all(plane.most), step_y = all(plane.step_y);
+    const ints id = all(static_cast<std::int32_t>(s.id));
+    floats q = all(plane.base) + all(plane.step_x) * to_floats(count_up());
+    floats least = most;
+    if (s.image.states[tile] == tile_state::empty) {
+      for (std::uint32_t j = 0; j < tile_pixels; j += tile_size) {
+        const floats clamped = smaller(larger(q, lowest), most);
+        store(depths + j, clamped);
+        store(ids + j, id);
+        least = smaller(least, clamped);
+        q = q + step_y;
+      }
+    } else {
+      for (std::uint32_t j = 0; j < tile_pixels; j += tile_size) {
+        const floats clamped = smaller(larger(q, lowest), most);
+        const floats old = load(depths + j);
+        const ints in = clamped > old;
+        const floats now = choose(in, clamped, old);
+        store(depths + j, now);
+        store(ids + j, choose(in, id, load(ids + j)));
+        least = smaller(least, now);
+        q = q + step_y;
+      }
+    }
+    s.image.farthest[tile] = smallest_lane(least);
+    s.image.states[tile] = tile_state::exact;
+  } else {
+    cover_rows<kind>(s, tile, tile_x, tile_y, 0, tile_size - 1, plane, [](std::uint32_t) { return all(0); });
+  }
+}
+
+}  // namespace
+}  // namespace sightcell::bake::cpu

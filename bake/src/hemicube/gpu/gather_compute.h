@@ -1,0 +1,27 @@
+#pragma once
+// Counts pixels and sums importance in compute shaders; several hemicubes can be on their way.
+#include "hemicube/gpu/gpu_gather.h"
+#include "sightcell/picture/gl_program.h"
+
+namespace sightcell::bake {
+
+// Work groups of gather.comp for a resolution.
+std::array<std::uint32_t, 2> gather_compute_groups(std::uint32_t resolution);
+
+class gather_compute final : public gpu_gather {
+ public:
+  // counted: made for gather_compute_groups().
+  explicit gather_compute(polygon_counts& counted);
+
+  void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view,
+           sample_split* spent = nullptr) override;
+  // The two halves of run(); between them the atlas may be drawn again.
+  void send(const hemicube_atlas& atlas, std::uint32_t slot);
+  void receive(std::uint32_t slot, hemicube_view& view);
+
+ private:
+  polygon_counts& counted_;
+  picture::gl_program program_;
+};
+
+}  // namespace sightcell::bake

@@ -1,0 +1,77 @@
+#pragma once
+// The flattened scene on the device, cut into clusters (gpu_culling.h finds those that a face can see).
+//
+// Polygons are put in device order: by class (how they are drawn), inside a class by a recursive split in space, so
+// that a cluster has a tight box. Corners of masked polygons come first among the vertices and share none. Absent
+// polygons are left out. Corners at the same place share a vertex, but the last (provoking) corner of each polygon is a
+// vertex of its own that carries the source id as a flat attribute: with gl_PrimitiveID in the fragment shader llvmpipe
+// takes indexed triangles apart one by one, 1.5 times the cost in all.
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hemicube/gpu/gpu_objects.h"
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::bake {
+
+enum polygon_class : std::uint32_t {
+  opaque_single_sided = 0,
+  opaque_double_sided,
+  masked_single_sided,  // there where their alpha passes
+  masked_double_sided,
+  see_through_single_sided,  // BLEND, or tagged so: seen, never hiding
+  see_through_double_sided,
+  see_through_masked_single_sided,
+  see_through_masked_double_sided,
+  polygon_class_count
+};
+
+class gpu_geometry {
+ public:
+  explicit gpu_geometry(const scene::world_geometry& world);
+  ~gpu_geometry();
+  gpu_geometry(const gpu_geometry&) = delete;
+  gpu_geometry& operator=(const gpu_geometry&) = delete;
+
+  bool has(polygon_class single_sided, polygon_class double_sided) const;
+  bool has_see_through() const;  // any of the four classes
+  std::uint32_t see_through_polygons() const;
+  std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, absent ones included
+
+  // Clusters, grouped by class; polygons in device order, which is that of the clusters.
+  struct cluster {
+    glm::vec3 center, extent;  // half size
+    std::uint32_t first_polygon, polygon_count;
+  };
+  struct index_range {
+    std::uint32_t first = 0, count = 0;
+  };
+  std::span<const cluster> clusters() const { return clusters_; }
+  index_range clusters_of(polygon_class which) const { return clusters_of_class_[which]; }
+  // Cluster by source id; 0 for polygons that are not drawn.
+  std::vector<std::uint32_t> cluster_of_polygons() const;
+
+  // Sets what all draws share; needed once before a row of draws.
+  void bind() const;
+  // Binds vertices and indices (three 32-bit ones per polygon, in device order) of one class.
+  void bind_vertices(polygon_class which) const;
+
+ private:
+  void upload(const scene::world_geometry& world);
+  void upload_masks(const scene::world_geometry& world);
+  GLuint make_vertex_array() const;
+  void add_mask_attributes(GLuint vertex_array) const;
+
+  std::uint32_t polygon_count_ = 0;
+  std::vector<cluster> clusters_;  // grouped by class
+  std::array<index_range, polygon_class_count> clusters_of_class_;
+  std::vector<std::uint32_t> source_ids_;  // in device order
+  std::optional<gl_buffer> vertices_, indices_;
+  std::optional<gl_buffer> mask_vertices_, masks_, texels_;  // only where something is masked
+  GLuint vertex_array_ = 0, masked_array_ = 0;
+};
+
+}  // namespace sightcell::bake

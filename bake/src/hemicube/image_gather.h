@@ -1,0 +1,51 @@
+#pragma once
+// From the pixels of a hemicube to polygon list and importance sums, on the CPU: for sources that have ids and depths
+// of a whole atlas in memory.
+//
+// Importance of a pixel with d = depth along the face's axis / far plane, at most 1 (background 1):
+//   I = 1/d * [ w_r (d(x_r) - d), w_u (d(x_u) - d), w_l (d(x_l) - d), w_d (d(x_d) - d) ], positive parts only,
+// neighbors inside the face's own image, w_r = (x + 0.5) / W, w_u = (y + 0.5) / H with y up, w_l = 1 - w_r,
+// w_d = 1 - w_u, in image axes of each face.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hemicube/hemicube_faces.h"
+#include "hemicube/hemicube_source.h"
+
+namespace sightcell::bake {
+
+// Scratch of one thread: 8 bytes per polygon and a few rows of pixels. Nothing is kept from one hemicube to the next.
+class image_gather {
+ public:
+  explicit image_gather(std::uint32_t polygon_count);
+
+  // Pixels of polygons that hide nothing and are not in the image, before run(). first: the first of them.
+  void add(std::uint32_t id, std::uint32_t pixels, std::uint32_t first);
+
+  // Fills view. ids: 3 S x S, row by row, scene::no_index where there is nothing. depths: any constant / depth along
+  // the face's axis, 0 where there is nothing; at_far_plane: the same constant / far plane. False, and view is of no
+  // use, where an id is not below polygon_count.
+  bool run(std::span<const face_view, face_count> faces, std::span<const std::uint32_t> ids,
+           std::span<const float> depths, float at_far_plane, hemicube_view& view);
+  // Its two parts.
+  bool list(std::span<const std::uint32_t> ids, std::vector<seen_polygon>& seen);
+  void sum(std::span<const face_view, face_count> faces, std::span<const float> depths, float at_far_plane,
+           std::array<double, 4>& importance);
+
+ private:
+  struct count {
+    std::uint32_t pixels = 0, first = 0;
+  };
+
+  bool count_pixels(std::span<const std::uint32_t> ids);
+  void list_found(std::vector<seen_polygon>& seen);
+  void add_importance(const float* depths, std::size_t stride, const face_view& face, float at_far_plane,
+                      std::array<double, 4>& importance);
+
+  std::vector<count> counts_;                                          // by source id; all 0 between hemicubes
+  std::vector<std::uint64_t> found_;                                   // a bit per source id with pixels
+  std::vector<float> q_, inverse_, q_below_, inverse_below_, weight_;  // a row of pixels, and the one below it
+};
+
+}  // namespace sightcell::bake

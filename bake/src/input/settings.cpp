@@ -1,0 +1,235 @@
+#include "sightcell/bake/settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "input/two_scenes.h"
+#include "sightcell/bake/sampler_options.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/json_text.h"
+#include "sightcell/base/nearest_name.h"
+
+namespace sightcell::bake {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> source_names{"auto", "gpu", "cpu", "rays"};
+
+[[noreturn]] void refuse(const char* option, const std::string& value, const std::string& range) {
+  throw error(error_kind::wrong_use, "settings.out-of-range", option, "is " + value, "give " + range);
+}
+
+[[noreturn]] void refuse_name(const char* option, const std::string& value, std::span<const std::string_view> names) {
+  refuse(option, "\"" + value + "\"", fmt::format("one of {}{}", fmt::join(names, ", "), did_you_mean(value, names)));
+}
+
+// Written so that NaN is refused.
+template <typename T>
+void check(const char* option, T value, T low, T high, const char* unit) {
+  if (!(value >= low && value <= high))
+    refuse(option, fmt::format("{}", value), fmt::format("{} to {}{}", low, high, unit));
+}
+
+void check_grid(const std::array<float, 6>& grid) {
+  for (const float value : grid) {
+    if (!(std::abs(value) <= 1e7f)) refuse("--cells-grid", fmt::format("{}", value), "metres within 1e7 of the origin");
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(grid[axis] < grid[axis + 3]))
+      refuse("--cells-grid", fmt::format("{} to {} on {}", grid[axis], grid[axis + 3], "xyz"[axis]),
+             "x0,y0,z0,x1,y1,z1 with the first corner below the second");
+  }
+}
+
+// Shortest text that reads back as the same number; valid JSON because nothing here is infinite.
+template <typename T>
+std::string number(T value) {
+  return fmt::format("{}", value);
+}
+
+void check_sampler(const settings& s) {
+  const auto all = samplers();
+  if (std::none_of(all.begin(), all.end(), [&](const sampler_info& one) { return s.sampler == one.name; })) {
+    std::vector<std::string_view> names;
+    for (const sampler_info& one : all) names.emplace_back(one.name);
+    refuse_name("--sampler", s.sampler, names);
+  }
+  for (const sampler_option& option : sampler_options())
+    std::visit(
+        [&](auto member) {
+          const auto value = static_cast<double>(s.*member);
+          if (!(value >= option.low && value <= option.high))
+            refuse(option.name, value_text(option, s), fmt::format("{} to {}", option.low, option.high));
+        },
+        option.value);
+}
+
+// What the sampler was told other than its defaults.
+std::string sampler_text(const settings& s) {
+  std::string text;
+  const settings defaults;
+  for (const sampler_option& option : sampler_options()) {
+    const std::string value = value_text(option, s);
+    if (!option.of(s.sampler) || value == value_text(option, defaults)) continue;
+    std::string key = option.name + 2;  // without its dashes
+    std::replace(key.begin(), key.end(), '-', '_');
+    if (key != "samples") text += fmt::format(R"(,"{}":{})", key, value);
+  }
+  return text;
+}
+
+// What the error means, where it is another one than the pixel error.
+std::string metric_text(const metric_settings& s) {
+  if (s.kind == metric_kind::pixel) return {};
+  std::string text = fmt::format(R"(,"metric":"{}")", metric_names[static_cast<std::size_t>(s.kind)]);
+  if (s.kind == metric_kind::view)
+    text += fmt::format(R"(,"view_resolution":[{},{}],"view_fov":{},"view_pitch":[{},{}],"view_least":{})",
+                        s.view_width, s.view_height, s.view_fov, s.view_pitch[0], s.view_pitch[1], s.view_least);
+  return text;
+}
+
+// Only a search that goes on where it ended can be done by turns, and only a bound says whose turn it is.
+void check_time_budget(const settings& s) {
+  if (!(s.time_budget >= 0.0 && s.time_budget <= 1e7)) refuse("--time-budget", number(s.time_budget), "0 to 1e+07");
+  if (s.time_budget == 0.0) return;
+  const auto refuse_with = [](const char* cause, const char* remedy) {
+    throw error(error_kind::wrong_use, "settings.time-budget", "--time-budget", cause, remedy);
+  };
+  if (s.sampler != "guided") refuse_with("is for the sampler guided alone", "leave out --sampler, or --time-budget");
+  if (s.max_pixel_error == 0.0)
+    refuse_with("is spent by bounds, and --max-pixel-error 0 has none", "give the smallest bound that is worth time");
+  if (s.seconds_per_cell > 0.0) refuse_with("is given together with --seconds-per-cell", "give one of them");
+}
+
+void check_two_scenes(const settings& s) {
+  if (s.cells_from == nullptr) return;
+  if (s.metric.kind == metric_kind::color) refuse_colors_of_two_scenes("--metric color");
+  if (s.sampler == "importance-depth-color") refuse_colors_of_two_scenes("--sampler importance-depth-color");
+}
+
+void check_volumes(const settings& s) {
+  if (s.volumes == 0.0) return;
+  if (!(s.volumes >= 0.25 && s.volumes <= 1000.0)) refuse("--volumes", number(s.volumes), "0 (none) or 0.25 to 1000 m");
+  if (s.max_pixel_error == 0.0)
+    throw error(error_kind::wrong_use, "settings.volumes", "--volumes",
+                "are found by rays, and --max-pixel-error 0 casts none",
+                "give a --max-pixel-error, or leave --volumes out");
+  if (s.cells_from != nullptr)
+    throw error(error_kind::wrong_use, "settings.volumes", "--volumes",
+                "are of one scene, and --cells-from names another", "bake them with the cells' own scene");
+}
+
+const char* kind_of_cells(const settings& s) {
+  if (!s.cells.empty()) return "given";
+  if (s.cells_file) return "file";
+  return s.cells_grid ? "grid" : "automatic";
+}
+
+}  // namespace
+
+void validate_metric(const metric_settings& s) {
+  if (static_cast<std::size_t>(s.kind) >= metric_names.size())
+    refuse("--metric", number(static_cast<int>(s.kind)), "pixel, view or color");
+  check<std::uint32_t>("--view-resolution", s.view_width, 16, 65536, " pixels");
+  check<std::uint32_t>("--view-resolution", s.view_height, 16, 65536, " pixels");
+  check("--view-fov", s.view_fov, 1.0, 170.0, " degrees");
+  for (const double pitch : s.view_pitch) check("--view-pitch", pitch, -90.0, 90.0, " degrees");
+  if (!(s.view_pitch[0] <= s.view_pitch[1]))
+    refuse("--view-pitch", fmt::format("{},{}", s.view_pitch[0], s.view_pitch[1]), "the lower angle first");
+  check("--view-least", s.view_least, 0.0, 1e6, "");
+}
+
+void validate(const settings& s) {
+  if (s.cells_file && s.cells_grid)
+    throw error(error_kind::wrong_use, "settings.two-kinds-of-cells", "--cells-grid",
+                "is given together with --cells-file", "give one of them");
+  if (!s.cells.empty() && (s.cells_file || s.cells_grid))
+    throw error(error_kind::wrong_use, "settings.two-kinds-of-cells", "settings.cells",
+                "is given together with a file or a grid of cells", "give one of them");
+  if (s.cells_grid) check_grid(*s.cells_grid);
+  check("--cell-size", s.cell_size, 0.25f, 1000.0f, " m");
+  check("--margin", s.margin, 0.0f, 10.0f, " m");
+  check("--player-radius", s.player_radius, 0.001f, 1.0f, " m");
+  check("--smallest-gap", s.smallest_gap, 0.0f, 0.1f, " m");
+  check_sampler(s);
+  if (std::find(source_names.begin(), source_names.end(), s.source) == source_names.end())
+    refuse_name("--source", s.source, source_names);
+  check<std::uint32_t>("--resolution", s.resolution, 16, 4096, " pixels");
+  if (s.resolution % 2 != 0) refuse("--resolution", number(s.resolution), "an even number, 16 to 4096");
+  if (s.max_pixel_error != 0.0 && !(s.max_pixel_error >= 1e-7 && s.max_pixel_error <= 0.5))
+    refuse("--max-pixel-error", number(s.max_pixel_error), "0 (no rays) or 1e-07 to 0.5");
+  validate_metric(s.metric);
+  check_two_scenes(s);
+  check_time_budget(s);
+  check_volumes(s);
+  if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
+    refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
+  if (static_cast<std::size_t>(s.safety_ring) >= safety_ring_names.size())
+    refuse("--safety-ring", number(static_cast<int>(s.safety_ring)), "none, edge or vertex");
+  if (static_cast<std::size_t>(s.file.profile) >= slack_profile_names.size())
+    refuse("--profile", number(static_cast<int>(s.file.profile)), "exact, balanced or small");
+  if (static_cast<std::size_t>(s.file.order) >= polygon_order_names.size())
+    refuse("--order", number(static_cast<int>(s.file.order)), "per-mesh or per-instance");
+  if (static_cast<std::size_t>(s.file.layout) >= host_layout_names.size())
+    refuse("--layout", number(static_cast<int>(s.file.layout)), "instanced or merged");
+  if (s.file.layout == host_layout::merged && s.file.order != polygon_order_kind::per_mesh)
+    refuse("--order", "per-instance",
+           "per-mesh with --layout merged, where polygons of all draws of a material share an order");
+}
+
+std::string describe(const settings& s) {
+  // The source that was asked for is left out: auto may be either, and what it was is told by who made it (bake.cpp).
+  // The path of a cells file is left out: where it lies changes nothing, and the boxes are in the file anyway.
+  std::string text = fmt::format(R"({{"cells":"{}")", kind_of_cells(s));
+  if (s.cells_grid) {
+    const std::array<float, 6>& g = *s.cells_grid;
+    text += fmt::format(R"(,"cells_grid":[{},{},{},{},{},{}])", g[0], g[1], g[2], g[3], g[4], g[5]);
+  }
+  text += fmt::format(R"(,"cell_size":{},"cell_limit":{},"margin":{},"player_radius":{})", number(s.cell_size),
+                      s.cell_limit, number(s.margin), number(s.player_radius));
+  text += fmt::format(R"(,"sampler":{},"samples":{},"resolution":{},"max_pixel_error":{},"seed":{})",
+                      nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);
+  text += sampler_text(s);
+  if (s.time_budget > 0.0) text += fmt::format(R"(,"time_budget":{})", number(s.time_budget));
+  text += fmt::format(R"(,"all_double_sided":{})", s.all_double_sided);
+  text += fmt::format(R"(,"smallest_gap":{})", number(s.smallest_gap));
+  text += metric_text(s.metric);
+  if (s.animated != scene::animated_as::always)
+    text += fmt::format(R"(,"animated":"{}")", scene::animated_as_names[static_cast<std::size_t>(s.animated)]);
+  if (s.safety_ring != safety_ring::none)
+    text += fmt::format(R"(,"safety_ring":"{}")", safety_ring_names[static_cast<std::size_t>(s.safety_ring)]);
+  if (s.volumes != 0.0) text += fmt::format(R"(,"volumes":{})", number(s.volumes));
+  text += fmt::format(R"(,"profile":"{}")", slack_profile_names[static_cast<std::size_t>(s.file.profile)]);
+  if (s.file.order != polygon_order_kind::per_mesh)
+    text += fmt::format(R"(,"order":"{}")", polygon_order_names[static_cast<std::size_t>(s.file.order)]);
+  if (s.file.layout != host_layout::instanced)
+    text += fmt::format(R"(,"layout":"{}")", host_layout_names[static_cast<std::size_t>(s.file.layout)]);
+  if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
+  if (s.cells_from != nullptr) text += fmt::format(R"(,"{}":"{}")", cells_from_member, fingerprint_text(*s.cells_from));
+  text += "}";
+  return text;
+}
+
+file_settings file_settings_of(std::string_view settings) {
+  file_settings how{.profile = slack_profile::exact};
+  const auto text = scene::parse_json(settings, false);
+  if (!text.is_object()) return how;
+  const auto named = [&](const char* key) {
+    const auto found = text.find(key);
+    return found != text.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  how.profile = kind_of<slack_profile>(slack_profile_names, named("profile")).value_or(how.profile);
+  how.order = kind_of<polygon_order_kind>(polygon_order_names, named("order")).value_or(how.order);
+  how.layout = kind_of<host_layout>(host_layout_names, named("layout")).value_or(how.layout);
+  return how;
+}
+
+}  // namespace sightcell::bake

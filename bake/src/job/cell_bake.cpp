@@ -1,0 +1,280 @@
+#include "job/cell_bake.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include "misses/join_misses.h"
+#include "search/refinement.h"
+#include "search/retest.h"
+#include "search/ring_polygons.h"
+#include "search/volume_search.h"
+#include "trace/triangle_math.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::uint64_t free_point_tries = 4096;  // a cell in which all of them fail is not stored
+constexpr std::size_t free_points_wanted = 128;   // for interior cubes, and to tell which polygons inside are faced
+
+// Levels of detail: where any polygon of the finest is in the set, all of the coarser ones are. set: ascending.
+void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vector<std::uint32_t>& set) {
+  const std::size_t seen = set.size();
+  const auto any_in = [&](const scene::polygon_range& range) {
+    const auto end = set.begin() + static_cast<std::ptrdiff_t>(seen);
+    const auto first = std::lower_bound(set.begin(), end, range.first);
+    return first != end && *first - range.first < range.count;
+  };
+  for (const scene::lod_object& object : objects) {
+    if (std::none_of(object.finest.begin(), object.finest.end(), any_in)) continue;
+    for (const scene::polygon_range& range : object.coarser)
+      for (std::uint32_t i = 0; i < range.count; ++i) set.push_back(range.first + i);
+  }
+  std::sort(set.begin(), set.end());
+  set.erase(std::unique(set.begin(), set.end()), set.end());
+}
+
+void take_bound(const finish_result& proof, cell_record& record) {
+  record.rays = proof.rays;
+  record.misses = proof.misses;
+  record.upper_bound = proof.upper_bound;
+  record.confidence = proof.confidence;
+  record.bound_met = proof.bound_met;
+}
+
+}  // namespace
+
+cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
+                       const near_polygons* neighbors, const cell_sampler& sampler, const error_metric& metric,
+                       const known_misses* misses, std::uint32_t own_polygons, const volume_grid* volumes)
+    : how_(how),
+      given_(given),
+      rays_(rays),
+      neighbors_(neighbors),
+      sampler_(sampler),
+      metric_(metric),
+      misses_(misses),
+      own_polygons_(own_polygons),
+      volumes_(volumes),
+      duplicates_(rays.geometry(), how.all_double_sided) {
+  const auto& kinds = rays.geometry().kinds;
+  for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
+    if (kinds[polygon].always) always_.push_back(polygon);
+}
+
+cell_set cell_baker::make_set() const {
+  return cell_set(static_cast<std::uint32_t>(rays_.geometry().kinds.size()), &duplicates_, own_polygons_,
+                  volumes_ ? volumes_->count() : 0);
+}
+
+std::size_t cell_baker::set_bytes() const {
+  return cell_set::bytes_for(rays_.geometry().kinds.size()) + (volumes_ ? volume_search_bytes(*volumes_) : 0);
+}
+
+bool cell_baker::find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const {
+  // An eye comes into the cell's own box before the margin ever matters, so the own box decides whether it is stored.
+  std::uint64_t tries = 0;
+  random_stream random(how_.seed, cell.place, purpose::free_points);
+  if (draw_free_points(rays_, {cell.min, cell.max}, how_.player_radius, 1, free_point_tries, random, tries).empty())
+    return false;
+  tries = 0;
+  const auto wanted =
+      std::max<std::size_t>(free_points_wanted, static_cast<std::size_t>(how_.samples * how_.interior_share / 2.0));
+  free = draw_free_points(rays_, grown(cell), how_.player_radius, wanted, 16 * free_point_tries, random, tries);
+  free_share = static_cast<double>(free.size()) / static_cast<double>(tries);
+  return !free.empty();
+}
+
+cell_record cell_baker::sample(const view_cell& cell, cell_set& set) const {
+  cell_record record;
+  std::vector<glm::vec3> free;
+  set.clear();
+  if (!find_free_points(cell, free, record.free_share)) {
+    record.stored = false;
+    return record;
+  }
+  for (const std::uint32_t polygon : always_) set.add(polygon, free.front());
+  const auto inside = rays_.touching(grown(cell).min, grown(cell).max);
+  record.geometry_inside = !inside.empty();
+  const sampling_effort effort = sampler_.sample({grown(cell), cell.place, record.geometry_inside, free}, set);
+  record.samples = effort.samples;
+  record.rays_spent = effort.rays;
+
+  add_inside(cell, inside, free, set);
+  set.save(record);
+  return record;
+}
+
+// Rule 4: what touches the cell and faces a free point of it is in its set.
+void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside,
+                            const std::vector<glm::vec3>& free, cell_set& set) const {
+  // Whom no point faces may still show itself to who comes near, like the underside of a shelf just above the floor:
+  // the place before its middle is asked too.
+  const box where = grown(cell);
+  std::vector<glm::vec3> before;
+  std::vector<std::uint32_t> whose;
+  for (const std::uint32_t polygon : inside) {
+    const auto facing =
+        std::find_if(free.begin(), free.end(), [&](const glm::vec3& eye) { return faces(rays_, polygon, eye); });
+    if (facing != free.end()) {
+      set.add(polygon, *facing);
+      continue;
+    }
+    const triangle t = corners_of(rays_.geometry(), polygon);
+    const glm::vec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+    const float length = glm::length(normal);
+    if (!(length > 0.0f)) continue;
+    // Nobody faces it, so it is single-sided.
+    const glm::vec3 eye = (t[0] + t[1] + t[2]) / 3.0f + normal * (1.1f * how_.player_radius / length);
+    if (glm::any(glm::lessThan(eye, where.min)) || glm::any(glm::greaterThan(eye, where.max))) continue;
+    before.push_back(eye);
+    whose.push_back(polygon);
+  }
+  std::vector<std::uint8_t> is_free(before.size());
+  rays_.find_free(before, how_.player_radius, is_free);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (is_free[i]) set.add(whose[i], before[i]);
+}
+
+// A miss is the best hint: it joins before rays go beside what is known, and so they go beside it from its eye.
+void cell_baker::add_misses(const view_cell& cell, cell_set& set, cell_record& record) const {
+  if (!misses_) return;
+  std::vector<known_miss> own;
+  for (const std::uint32_t place : misses_->in(cell.min, cell.max, how_.margin)) own.push_back(misses_->all()[place]);
+  if (own.empty()) return;
+  record.rays_spent += join_misses(rays_, {how_.player_radius, how_.smallest_gap}, own, set);
+  set.save(record);
+}
+
+std::optional<search_views> cell_baker::views_of(const view_cell& cell, const cell_record& record) const {
+  return sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
+}
+
+// The set is what the cell has so far; goes into the record with what it took, but for the bound.
+finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views,
+                                 cell_set& set, cell_record& record) const {
+  how.rules = {how_.player_radius, how_.smallest_gap, &metric_};
+  how.free_share = record.free_share;
+  how.seed = how_.seed;
+  how.place = cell.place;
+  how.volumes = volumes_;
+  const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), how, set, views ? &*views : nullptr);
+  if (views) record.samples = views->places.taken();
+  record.batches = static_cast<std::uint32_t>(proof.batches);
+  record.rays_spent += proof.rays_spent;
+  set.save(record);
+  return proof;
+}
+
+// The set is what the cell has so far; the sampler found the first `known` members.
+void cell_baker::bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const {
+  auto views = views_of(cell, record);
+  const time_limit limit(views ? how_.seconds_per_cell : 0.0, views && views->source.shared());
+  const finish_settings how{
+      .max_pixel_error = how_.max_pixel_error, .limit = &limit, .known = known, .known_to = how_.max_pixel_error};
+  take_bound(finish(cell, how, views, set, record), record);
+}
+
+cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& own,
+                                    std::span<const cell_record> neighbors, cell_set& set) const {
+  cell_record record = own;
+  if (!record.stored) return record;
+  set.load(record);
+  const std::size_t known = set.members().size();
+  record.rays_spent +=
+      retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest, {how_.player_radius, how_.smallest_gap}},
+             neighbors, set);
+  add_misses(cell, set, record);
+  bound(cell, known, set, record);
+  return record;
+}
+
+cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set) const {
+  cell_record record = sample(cell, set);
+  if (!record.stored) return record;
+  const std::size_t known = set.members().size();
+  add_misses(cell, set, record);
+  if (shares()) bound(cell, known, set, record);
+  return record;
+}
+
+cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
+                              cell_set& set, const time_limit* limit) const {
+  cell_record record = own;
+  if (!record.stored) return record;
+  set.load(record);
+  const std::size_t before = set.members().size();
+  record.rays_spent +=
+      retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest_all, {how_.player_radius, how_.smallest_gap}},
+             neighbors, set);
+  refinement beside(rays_, *neighbors_,
+                    {.seed = how_.seed,
+                     .place = cell.place,
+                     .smallest_gap = how_.smallest_gap,
+                     .use = purpose::dilation_of_finds,
+                     .limit = limit,
+                     .known = before},
+                    set);
+  record.rays_spent += beside.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays);
+  set.save(record);
+  return record;
+}
+
+cell_record cell_baker::improve(const view_cell& cell, const cell_record* before,
+                                std::span<const cell_record> neighbors, const cell_turn& turn, cell_set& set) const {
+  if (turn.limit->reached()) return before ? *before : cell_record();
+  cell_record record = before ? *before : sample(cell, set);
+  if (!record.stored) return record;
+  if (before) set.load(record);
+  const std::size_t known = set.members().size();
+  if (before) {
+    const retest_settings how{seed_after(record.batches, how_.seed),
+                              cell.place,
+                              purpose::retest_all,
+                              {how_.player_radius, how_.smallest_gap}};
+    record.rays_spent += retest(rays_, grown(cell), how, neighbors, set);
+  } else {
+    add_misses(cell, set, record);
+  }
+  auto views = views_of(cell, record);
+  const finish_settings how{.max_pixel_error = turn.target,
+                            .max_rays = turn.max_rays,
+                            .limit = turn.limit,
+                            .limit_ends_batches = true,
+                            .batches_before = record.batches,
+                            .known = known,
+                            // What met a bound had gone about as far as for that.
+                            .known_to = before ? before->upper_bound : turn.target};
+  const finish_result proof = finish(cell, how, views, set, record);
+  // All bounds hold together, each of a set that was smaller than this one.
+  if (proof.upper_bound < record.upper_bound) take_bound(proof, record);
+  record.bound_met = record.upper_bound <= how_.max_pixel_error;
+  return record;
+}
+
+// What belongs to a set though nothing of it was looked for.
+void cell_baker::complete(const view_cell& cell, std::vector<std::uint32_t>& set) const {
+  add_coarser_levels(rays_.geometry().lods, set);
+  add_polygons(given_, cell.number, set);
+}
+
+cell_record cell_baker::finished(const view_cell& cell, cell_record last) const {
+  last.witnesses.clear();
+  last.witness_of.clear();
+  last.free_share = 1.0;
+  if (!last.stored) return last;
+  std::vector<std::uint32_t> with_ring = last.set;
+  complete(cell, last.set);
+  if (how_.safety_ring == safety_ring::none) return last;
+  // Around what was found, and not around what joins by hand; what joins with it does so with the ring as well.
+  auto ring = ring_of(rays_, neighbors_->sharing, how_.safety_ring, grown(cell), with_ring);
+  ring.erase(std::lower_bound(ring.begin(), ring.end(), own_polygons_), ring.end());
+  const auto begin_of_ring = with_ring.insert(with_ring.end(), ring.begin(), ring.end());
+  std::inplace_merge(with_ring.begin(), begin_of_ring, with_ring.end());
+  complete(cell, with_ring);
+  last.unseen = with_ring.size() - last.set.size();
+  last.set = std::move(with_ring);
+  return last;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,141 @@
+#include "job/phases.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "job/cell_lanes.h"
+#include "job/memory_limit.h"
+#include "search/retest.h"
+#include "sightcell/base/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::chrono::milliseconds tell_pause{200};  // of progress before the first cell
+
+void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {
+  take_steps(
+      queue, [&] { return baker.make_set(); }, take, lanes_of(work.shop, baker, work.arena), work.arena,
+      [&](std::span<const stage_record> ended, std::size_t in_work) {
+        const bool go_on = work.book.close(ended, in_work, work.file.records());
+        work.file.copy_if_due();
+        return go_on;
+      });
+}
+
+// What the sampler does for all cells together, where any of them is still to be sampled. How many those are changes
+// nothing: every resume and every shard does all of it. False: the user has had enough.
+bool prepare(const phase_work& work) {
+  const cell_blocks& all = work.plan.blocks();
+  const auto sampled = [&](std::uint32_t cell) {
+    return work.book.have().has(cell, cell_stage::sampled) || work.plan.through_phase_1(work.book.have(), cell);
+  };
+  if (std::all_of(work.blocks.begin(), work.blocks.end(), [&](std::uint32_t block) {
+        const auto cells = all.cells_of(block);
+        return std::all_of(cells.begin(), cells.end(), sampled);
+      }))
+    return true;
+  using clock = std::chrono::steady_clock;
+  clock::time_point told = clock::now();
+  work.arena.execute([&] {
+    work.shop.sampler->prepare([&](double share) {
+      if (clock::now() - told < tell_pause) return true;
+      told = clock::now();
+      return work.book.preparing(share);
+    });
+  });
+  return !work.book.stopped();
+}
+
+}  // namespace
+
+cell_baker baker_of(const workshop& shop) {
+  return {shop.how,    shop.given,   *shop.rays,           shop.neighbors ? &*shop.neighbors : nullptr, *shop.sampler,
+          shop.metric, &shop.misses, shop.s.polygon_count, shop.volumes ? &*shop.volumes : nullptr};
+}
+
+std::size_t lanes_of(const workshop& shop, const cell_baker& baker, const tbb::task_arena& arena) {
+  const std::size_t most = lane_count(shop.eyes.source->shared(), arena.max_concurrency(), baker.set_bytes());
+  const std::uint64_t of_lane = memory_of_lane(shop.geometry.kinds.size(), baker.set_bytes(), shop.how);
+  return lanes_that_fit(most, of_lane, shop.how);
+}
+
+std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
+                                      const record_of_phase_1& record_of) {
+  std::vector<cell_record> neighbors;
+  for (const std::uint32_t other : others) drop_known(own.set, neighbors.emplace_back(record_of(other)));
+  return neighbors;
+}
+
+void resume(checkpoint& done, ledger& book, const callbacks& tell) {
+  const std::uint32_t damaged = done.survey(
+      [&](std::uint32_t cell, cell_stage stage, const cell_summary& record) { book.resume(cell, stage, record); });
+  tell_of_resume(damaged, book.resumed(), book.cells_total(), tell);
+}
+
+void tell_of_resume(std::uint32_t damaged, std::uint32_t resumed, std::uint32_t cells, const callbacks& tell) {
+  if (!tell.on_message) return;
+  if (damaged > 0)
+    tell.on_message(severity::warning,
+                    fmt::format("{} records of the unfinished bake are damaged: their cells are baked anew", damaged));
+  if (resumed > 0) tell.on_message(severity::note, fmt::format("resuming: {} of {} cells are done", resumed, cells));
+}
+
+cell_record required(const checkpoint& done, std::uint32_t cell, cell_stage stage) {
+  std::optional<cell_record> record = done.load(cell, stage);
+  if (!record)
+    throw error(error_kind::failed, "checkpoint.failed", fmt::format("cell {}", cell), "its record is gone",
+                "run the same command again");
+  return std::move(*record);
+}
+
+void keeping(work_file& file, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (...) {
+    try {
+      file.copy();
+    } catch (const error&) {
+      // What ended the work is what the user is told; the scratch disk has it all.
+    }
+    throw;
+  }
+}
+
+void run_phase_1(const phase_work& work) {
+  if (work.book.stopped() || !prepare(work)) return;
+  const cell_baker baker = baker_of(work.shop);
+  const auto sampled = [&](std::uint32_t cell) { return required(work.file.records(), cell, cell_stage::sampled); };
+  const take_step take = [&](const cell_step& step, cell_set& set) {
+    const view_cell& cell = work.shop.list.cells[step.cell];
+    if (step.to == cell_stage::sampled) return baker.sample(cell, set);
+    if (work.plan.shares_in_block(step.cell)) {
+      const cell_record own = sampled(step.cell);
+      const auto around = work.plan.blocks().neighbors_in_block(step.cell);
+      return baker.finish_rays(cell, own, neighbors_of(own, around, sampled), set);
+    }
+    cell_record record = baker.sample_and_finish(cell, set);
+    return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
+  };
+  run(work, baker, step_queue::phase_1(work.plan, work.book.have(), work.blocks), take);
+}
+
+void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
+  if (work.book.stopped()) return;
+  const cell_baker baker = baker_of(work.shop);
+  const take_step take = [&](const cell_step& step, cell_set& set) {
+    const view_cell& cell = work.shop.list.cells[step.cell];
+    cell_record own = before(step.cell);
+    if (work.plan.end_of_phase_1(step.cell) == cell_stage::finished) return own;  // nobody is beside it
+    const auto around = work.plan.blocks().neighbors_of(step.cell);
+    return baker.finished(cell, baker.check(cell, own, neighbors_of(own, around, before), set));
+  };
+  run(work, baker, step_queue::phase_2(work.plan, work.book.have(), work.blocks), take);
+}
+
+}  // namespace sightcell::bake

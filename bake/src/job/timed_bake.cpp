@@ -1,0 +1,207 @@
+#include "job/timed_bake.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "file/importance_section.h"
+#include "file/pvs_output.h"
+#include "job/cell_bake.h"
+#include "job/cell_lanes.h"
+#include "job/phases.h"
+#include "job/timed_ledger.h"
+#include "sightcell/base/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr double next_target = 0.25;  // of the one before
+// Of a turn. A cell that takes many times what others do to reach a target waits for its next turn.
+constexpr double rays_times_target = 4e3, fewest_rays = 2e6, most_rays = 1e8;
+constexpr double share_between_files = 0.1, seconds_between_files = 60.0;
+constexpr double work_to_writing = 10.0;  // at least, of their times
+constexpr double writing_grows = 1.5;     // from one file to the next, at most
+
+std::vector<double> targets_of(const settings& how) {
+  const double last = how.max_pixel_error;
+  std::vector<double> targets{first_target(how)};
+  while (targets.back() > last) {
+    const double next = targets.back() * next_target;
+    targets.push_back(next < 2.0 * last ? last : next);
+  }
+  return targets;
+}
+
+class timed_bake {
+ public:
+  explicit timed_bake(const timed_work& work);
+
+  void resume();
+  void run();
+  void end(summary& sum);
+
+ private:
+  const settings& how() const { return work_.shop.how; }
+  std::optional<cell_record> load(std::uint32_t cell) const;
+  std::vector<cell_record> neighbors_of_now(std::uint32_t cell, const cell_record& own) const;
+  bool take_turns(const std::vector<std::uint32_t>& cells, const take_step& take);
+  void write_if_due();
+  file_completion last_completion() const;
+  void write(const callbacks& tell, summary& sum, const file_completion& complete = {});
+
+  const timed_work& work_;
+  const cell_baker baker_;
+  const pvs_frame frame_;
+  timed_ledger book_;
+  const double pause_;  // between files
+  double next_file_;    // on the clock
+};
+
+timed_bake::timed_bake(const timed_work& work)
+    : work_(work),
+      baker_(baker_of(work.shop)),
+      frame_(frame_of(work.shop.s, work.shop.how, with_overrides(work.shop.settings_text, work.shop.given),
+                      work.shop.list.cells, work.shop.volumes ? &*work.shop.volumes : nullptr)),
+      book_(work.shop.s.polygon_count, work.shop.list.cells.size(), work.shop.how.max_pixel_error, work.clock,
+            work.tell),
+      pause_(std::min(share_between_files * work.shop.how.time_budget, seconds_between_files)),
+      next_file_(pause_) {}
+
+void timed_bake::resume() {
+  const std::uint32_t damaged =
+      work_.file.records().survey([&](std::uint32_t cell, cell_stage stage, const cell_summary& record) {
+        if (stage == cell_stage::bounded) book_.resume(cell, record);
+      });
+  tell_of_resume(damaged, book_.resumed(), static_cast<std::uint32_t>(frame_.cells.size()), work_.tell);
+}
+
+// What the cell has come to. A turn that had no time for a hemicube has left nothing.
+std::optional<cell_record> timed_bake::load(std::uint32_t cell) const {
+  std::optional<cell_record> record = work_.file.records().load(cell, cell_stage::bounded);
+  if (record && record->stored && record->samples == 0) record.reset();
+  return record;
+}
+
+// What others have found by now; of one that had no turn yet nothing.
+std::vector<cell_record> timed_bake::neighbors_of_now(std::uint32_t cell, const cell_record& own) const {
+  return neighbors_of(own, work_.plan.blocks().neighbors_of(cell),
+                      [&](std::uint32_t other) { return load(other).value_or(cell_record()); });
+}
+
+// False: no further turn may begin.
+bool timed_bake::take_turns(const std::vector<std::uint32_t>& cells, const take_step& take) {
+  std::vector<cell_step> steps;
+  for (const std::uint32_t cell : cells) steps.push_back({cell, cell_stage::bounded});
+  step_queue queue = step_queue::listed(work_.plan, steps);
+  bool go_on = true;
+  take_steps(
+      queue, [&] { return baker_.make_set(); }, take, lanes_of(work_.shop, baker_, work_.arena), work_.arena,
+      [&](std::span<const stage_record> ended, std::size_t) {
+        go_on = book_.close(ended, work_.file.records()) && go_on;
+        work_.file.copy_if_due();
+        if (go_on) write_if_due();
+        return go_on;
+      });
+  return go_on;
+}
+
+void timed_bake::run() {
+  const std::vector<view_cell>& cells = work_.shop.list.cells;
+  for (const double target : targets_of(how())) {
+    if (!book_.open(target) || work_.clock.over()) return;
+    const auto max_rays = static_cast<std::uint64_t>(std::clamp(rays_times_target / target, fewest_rays, most_rays));
+    const bool go_on = take_turns(book_.above(target), [&](const cell_step& step, cell_set& set) {
+      const time_limit limit = work_.clock.limit();
+      const std::optional<cell_record> before = load(step.cell);
+      std::vector<cell_record> neighbors;
+      if (before) neighbors = neighbors_of_now(step.cell, *before);
+      return baker_.improve(cells[step.cell], before ? &*before : nullptr, neighbors, {target, max_rays, &limit}, set);
+    });
+    if (!go_on) return;
+  }
+  // The cross-cell check of all others: it finds what no bound asks for.
+  (void)take_turns(book_.known(), [&](const cell_step& step, cell_set& set) {
+    const time_limit limit = work_.clock.limit();
+    const cell_record before = required(work_.file.records(), step.cell, cell_stage::bounded);
+    if (limit.reached()) return before;
+    return baker_.check(cells[step.cell], before, neighbors_of_now(step.cell, before), set, &limit);
+  });
+}
+
+void timed_bake::write_if_due() {
+  if (work_.clock.spent() < next_file_ || book_.bounded() == 0) return;
+  summary unread;
+  write({}, unread);
+}
+
+void timed_bake::write(const callbacks& tell, summary& sum, const file_completion& complete) {
+  const double began = work_.clock.spent();
+  const std::vector<std::uint32_t> cells = book_.known();
+  pvs_frame frame = frame_;
+  frame.cells.clear();
+  for (const std::uint32_t cell : cells) frame.cells.push_back(frame_.cells[cell]);
+  write_pvs(
+      frame,
+      [&](std::uint32_t i) {
+        return baker_.finished(work_.shop.list.cells[cells[i]],
+                               required(work_.file.records(), cells[i], cell_stage::bounded));
+      },
+      work_.output, tell, sum, complete);
+  const double took = work_.clock.spent() - began;
+  work_.clock.keep_back(writing_grows * took);
+  next_file_ = work_.clock.spent() + std::max(pause_, work_to_writing * took);
+}
+
+// Files on the way do without importance, as measuring it may take as long as a turn; so does one that the user has no
+// time for, since what was found is worth more.
+file_completion timed_bake::last_completion() const {
+  if (!how().file.importance) return {};
+  return [this](std::vector<std::byte>& file) {
+    const file_completion measure = importance_of(how(), *work_.shop.rays, work_.output, work_.tell);
+    if ((book_.stopped() || !measure(file)) && work_.tell.on_message)
+      work_.tell.on_message(severity::warning,
+                            "the file has no importance, which was not waited for; sightcell recode FILE --importance "
+                            "SCENE adds it");
+    return true;
+  };
+}
+
+void timed_bake::end(summary& sum) {
+  sum.cells_resumed = book_.resumed();
+  sum.cells_unreached = book_.unreached();
+  const bool nothing = book_.bounded() == 0 && book_.unreached() > 0;
+  if (!book_.stopped() && nothing)
+    throw error(error_kind::failed, "bake.time-budget", frame_.scene_name,
+                fmt::format("no cell has come to a bound in {:g} s", how().time_budget),
+                "give a larger --time-budget: the bake goes on with what was found");
+  if (!nothing) write(book_.stopped() ? callbacks() : work_.tell, sum, last_completion());
+  if (book_.stopped()) {
+    sum.result = outcome::cancelled;
+    work_.file.copy();
+    return;
+  }
+  sum.cells_out_of_time = sum.cells_over_bound - std::min(sum.cells_over_bound, book_.out_of_rays());
+  if (sum.cells_unreached > 0) {
+    sum.result = outcome::bound_not_met;
+    if (work_.tell.on_message)
+      work_.tell.on_message(severity::warning,
+                            fmt::format("{} of {} cells have no bound yet and are left out; an eye there is outside",
+                                        sum.cells_unreached, frame_.cells.size()));
+  }
+  work_.file.remove();
+}
+
+}  // namespace
+
+void bake_in_time(const timed_work& work, summary& sum) {
+  timed_bake one(work);
+  one.resume();
+  keeping(work.file, [&] {
+    one.run();
+    one.end(sum);
+  });
+}
+
+}  // namespace sightcell::bake

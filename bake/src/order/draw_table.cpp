@@ -1,0 +1,55 @@
+#include "order/draw_table.h"
+
+#include <cstdint>
+#include <map>
+#include <tuple>
+
+#include "order/stored_draws.h"
+
+namespace sightcell::bake {
+namespace {
+
+// Draws may be merged where the host draws them with one state and always shows them together: of one material, and not
+// one by itself because of a group that it shows when it likes, or a level of detail. What moves is alone.
+class group_numbers {
+ public:
+  // The draws of a scene one after the other.
+  std::uint32_t next(const scene::draw& d) {
+    ++draws_;
+    const std::tuple key(d.material, d.tags.group, d.lod_object, d.lod_level, d.moves ? draws_ : 0);
+    return numbers_.try_emplace(key, static_cast<std::uint32_t>(numbers_.size())).first->second;
+  }
+
+ private:
+  using number = std::uint32_t;
+  number draws_ = 0;
+  std::map<std::tuple<number, number, number, number, number>, number> numbers_;
+};
+
+}  // namespace
+
+static_assert(scene::no_index == format::no_named_group);
+
+std::vector<format::draw_record> draw_table(const scene::scene& s, format::host_layout layout) {
+  const bool merged = layout == format::host_layout::merged;
+  group_numbers groups;
+  std::vector<format::draw_record> table;
+  table.reserve(s.draws.size());
+  for (const scene::draw& d : s.draws)
+    table.push_back({.node = d.node,
+                     .mesh = d.mesh,
+                     .primitive = d.primitive,
+                     .instance = d.instance,
+                     .material = d.material,
+                     .group = merged ? groups.next(d) : 0,
+                     .first_source = d.first_source,
+                     .polygon_count = d.polygon_count,
+                     .first_stored = d.first_source,  // until the draws are put in order
+                     .base_vertex = d.base_vertex,
+                     .host_tag = d.host_tag,
+                     .flags = d.moves ? format::draw_moves : 0,
+                     .named_group = d.tags.group});
+  return merged ? in_groups(table) : table;
+}
+
+}  // namespace sightcell::bake

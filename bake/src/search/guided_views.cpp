@@ -1,0 +1,93 @@
+#include "search/guided_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+
+#include "search/hemicubes.h"
+#include "search/radical_inverse.h"
+
+namespace sightcell::bake {
+namespace {
+
+// Places in a row that are not free: the face lies in a wall, or nearly all of the inside does.
+constexpr std::uint32_t give_up_after = 64;
+constexpr std::uint64_t most_tests = 16'384;  // then the inside has no place left
+
+pose rotated(const pose& where) {
+  const float half = std::sqrt(0.5f);
+  return {where.eye, where.forward, (where.right + where.up) * half, (where.up - where.right) * half};
+}
+
+}  // namespace
+
+guided_views::guided_views(const ray_scene& rays, const box& grown, const guided_places& how)
+    : rays_(rays),
+      grown_(grown),
+      how_(how),
+      faces_(faces_of(grown.min, grown.max)),
+      used_inside_(how.taken),
+      anywhere_(how.seed, how.place, purpose::interior, 1, how.taken) {
+  random_stream on_faces(how.seed, how.place, purpose::boundary), in_the_middle(how.seed, how.place, purpose::interior);
+  for (glm::vec2& shift : shifts_) {
+    shift.x = on_faces.uniform();
+    shift.y = on_faces.uniform();
+  }
+  shift_inside_ = in_the_middle.in_box(glm::vec3{0.0f}, glm::vec3{1.0f});
+  used_.fill(how.taken);
+}
+
+std::optional<pose> guided_views::on_a_face() {
+  while (std::find(walled_.begin(), walled_.end(), false) != walled_.end()) {
+    const std::uint32_t face = turns_ % 6, turn = turns_ / 6;
+    ++turns_;
+    if (walled_[face]) continue;
+    for (std::uint32_t tries = 0; tries < give_up_after; ++tries) {
+      const std::uint32_t i = ++used_[face];
+      const glm::vec2 halton{radical_inverse(i, 2), radical_inverse(i, 3)};
+      const pose where = faces_[face].at(glm::fract(halton + shifts_[face]));
+      if (may_look_from(where.eye)) return turn % 2 == 1 ? rotated(where) : where;
+    }
+    walled_[face] = true;
+  }
+  return std::nullopt;
+}
+
+std::optional<glm::vec3> guided_views::inside() {
+  for (std::uint32_t tries = 0; tries < give_up_after; ++tries) {
+    const std::uint32_t i = ++used_inside_;
+    const glm::vec3 halton{radical_inverse(i, 2), radical_inverse(i, 3), radical_inverse(i, 5)};
+    const glm::vec3 eye = grown_.min + (grown_.max - grown_.min) * glm::fract(halton + shift_inside_);
+    if (may_look_from(eye)) return eye;
+  }
+  std::uint64_t tested = 0;
+  const auto found = draw_free_points(rays_, grown_, how_.player_radius, 1, most_tests, anywhere_, tested);
+  return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
+std::vector<pose> guided_views::next(std::uint32_t count) {
+  std::vector<pose> poses;
+  const auto add_cube = [&] {
+    const auto eye = inside();
+    if (!eye) return false;
+    for (const float side : {1.0f, -1.0f})
+      poses.push_back({*eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
+    return true;
+  };
+  while (poses.size() < count) {
+    if (how_.geometry_inside) owed_inside_ += how_.interior_share;
+    if (owed_inside_ >= 2.0 && poses.size() + 2 <= count) {
+      owed_inside_ += how_.interior_share - 2.0;  // a cube is two hemicubes
+      if (add_cube()) continue;
+    }
+    if (const auto where = on_a_face())
+      poses.push_back(*where);
+    else if (poses.size() + 2 > count || !add_cube())
+      break;
+  }
+  for (pose& where : poses)
+    where = jittered(where, how_.resolution, random_stream(how_.seed, how_.place, purpose::jitter, 0, how_.taken++));
+  return poses;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,186 @@
+#include "search/volume_search.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <tuple>
+
+#include "search/aim.h"
+#include "sightcell/base/random.h"
+#include "trace/direction_code.h"
+#include "trace/triangle_math.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::size_t places_wanted = 256;  // a place costs as much as some thirty rays from it
+constexpr std::uint64_t most_place_tries = 16384;
+constexpr int rays_all_around = 64;        // from each place
+constexpr std::size_t wave = 2048;         // lines that are cast from one state of the set
+constexpr std::size_t stretch = 64;        // of them, by one thread
+constexpr std::uint8_t not_beside = 0xFF;  // of tries_: no member is beside it
+// Of a volume under a floor in plain sight, which is worth much and never seen, no more.
+constexpr std::uint8_t most_tries = 254;
+
+std::array<volume_place, 6> beside(const volume_place& at) {
+  return {{{at.x - 1, at.y, at.z},
+           {at.x + 1, at.y, at.z},
+           {at.x, at.y - 1, at.z},
+           {at.x, at.y + 1, at.z},
+           {at.x, at.y, at.z - 1},
+           {at.x, at.y, at.z + 1}}};
+}
+
+}  // namespace
+
+volume_search::volume_search(const ray_scene& rays, const volume_grid& grid, const box& grown,
+                             const volume_search_settings& how, cell_set& set)
+    : rays_(rays),
+      grid_(grid),
+      grown_(grown),
+      how_(how),
+      set_(set),
+      eye_of_(grid.count(), volume_grid::none),
+      tries_(grid.count(), not_beside) {
+  random_stream random(how.seed, how.place, purpose::volumes);
+  places_ = draw_free_points(rays, grown, how.player_radius, places_wanted, most_place_tries, random, spent_);
+  if (places_.empty()) places_ = set.eyes();
+  if (places_.empty()) return;
+  for (const std::uint32_t volume : grid.touching(grown)) set_.volumes().add(volume);
+  // Who saw what an earlier run found is not known any more.
+  for (const std::uint32_t volume : set_.volumes().members()) join(volume, places_.front());
+}
+
+void volume_search::join(std::uint32_t volume, const glm::vec3& eye) {
+  set_.volumes().add(volume);
+  if (eye_of_[volume] != volume_grid::none) return;
+  if (eyes_.empty() || eyes_.back() != eye) eyes_.push_back(eye);
+  eye_of_[volume] = static_cast<std::uint32_t>(eyes_.size() - 1);
+  for (const volume_place& place : beside(grid_.places()[volume])) {
+    const std::uint32_t other = grid_.at(place);
+    if (other == volume_grid::none || tries_[other] != not_beside || set_.volumes().contains(other)) continue;
+    tries_[other] = 0;
+    candidates_.push_back(other);
+  }
+}
+
+void volume_search::add(std::span<const found_volume> found) {
+  for (const found_volume& f : found) join(f.volume, f.eye);
+}
+
+// The solid angle of its square face from the place of the cell that is nearest to it.
+double volume_search::worth_of(std::uint32_t volume) const {
+  const box where = grid_.box_of(volume);
+  const glm::vec3 middle = 0.5f * (where.min + where.max);
+  const double distance = glm::distance(middle, glm::clamp(middle, grown_.min, grown_.max));
+  const double least = 0.5 * grid_.width();
+  return grid_.width() * grid_.width() / std::max(distance * distance, least * least);
+}
+
+// Beside what hemicubes and rays saw there is room before it.
+std::vector<volume_search::line_to_cast> volume_search::first_lines() const {
+  std::vector<line_to_cast> lines;
+  lines.reserve(set_.members().size() + places_.size() * rays_all_around);
+  random_stream random(how_.seed, how_.place, purpose::volumes, 1);
+  for (const glm::vec3& eye : places_)
+    for (int i = 0; i < rays_all_around; ++i) lines.push_back({{eye, random.on_sphere()}});
+  for (const std::uint32_t polygon : set_.members()) {
+    const triangle corners = corners_of(rays_.geometry(), polygon);
+    random_stream of_polygon(how_.seed, how_.place, purpose::volumes, 2, name_of(corners));
+    const glm::vec3 toward = random_point(corners, of_polygon) - set_.witness(polygon);
+    const float length = glm::length(toward);
+    if (length > 0.0f && std::isfinite(length)) lines.push_back({{set_.witness(polygon), toward / length}});
+  }
+  return lines;
+}
+
+// That saw a neighbor of a candidate.
+const glm::vec3& volume_search::eye_beside(std::uint32_t volume) const {
+  for (const volume_place& place : beside(grid_.places()[volume])) {
+    const std::uint32_t other = grid_.at(place);
+    if (other != volume_grid::none && eye_of_[other] != volume_grid::none) return eyes_[eye_of_[other]];
+  }
+  return places_.front();
+}
+
+// One try for each volume beside what is seen that is worth it: from where its neighbor was seen, then from others.
+std::vector<volume_search::line_to_cast> volume_search::next_lines(double worth) {
+  std::vector<line_to_cast> lines;
+  std::erase_if(candidates_, [&](std::uint32_t volume) { return set_.volumes().contains(volume); });
+  std::sort(candidates_.begin(), candidates_.end());
+  for (const std::uint32_t volume : candidates_) {
+    std::uint8_t& tries = tries_[volume];
+    if (tries == most_tries || worth_of(volume) / (tries + 1.0) < worth) continue;
+    random_stream random(how_.seed, how_.place, purpose::volumes, 3 + std::uint64_t{tries}, volume);
+    glm::vec3 eye = places_[random.bits() % places_.size()];
+    if (tries == 0) eye = eye_beside(volume);
+    ++tries;
+    const box where = grid_.box_of(volume);
+    const glm::vec3 toward = random.in_box(where.min, where.max) - eye;
+    const float length = glm::length(toward);
+    if (length > 0.0f) lines.push_back({{eye, toward / length}, 0, volume});
+  }
+  return lines;
+}
+
+void volume_search::cast_wave(std::span<const line_to_cast> lines) {
+  std::vector<std::vector<found_volume>> found((lines.size() + stretch - 1) / stretch);
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t k) {
+    const std::span<const line_to_cast> some =
+        lines.subspan(k * stretch, std::min(stretch, lines.size() - k * stretch));
+    const grid_trial trial(grid_, set_.volumes());
+    std::array<sight_line, stretch> sent;
+    std::vector<sight> seen(some.size());
+    for (std::size_t i = 0; i < some.size(); ++i) sent[i] = some[i].line;
+    rays_.look(std::span(sent).first(some.size()), seen);
+    std::vector<passed_volume> fresh;
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      trial.lacking(sent[i], free_length(seen[i]), fresh);
+      drop_hidden_by_gaps(rays_, sent[i], how_.smallest_gap, fresh);
+      for (const passed_volume& p : fresh) found[k].push_back({p.volume, sent[i].eye});
+    }
+  });
+  spent_ += lines.size();
+  std::vector<found_volume> all;
+  for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
+  // Of several eyes that saw a volume the lowest stands for it.
+  std::sort(all.begin(), all.end());
+  for (const found_volume& f : all) join(f.volume, f.eye);
+}
+
+// Every wave goes in all directions: what one found the next need not ask about (rule 3 takes several rays).
+void volume_search::cast(std::vector<line_to_cast> lines) {
+  for (line_to_cast& one : lines) one.code = direction_code(one.line.direction);
+  tbb::parallel_sort(lines.begin(), lines.end(), [](const line_to_cast& a, const line_to_cast& b) {
+    if (a.line.eye != b.line.eye) return is_lower(a.line.eye, b.line.eye);
+    if (a.code != b.code) return a.code < b.code;
+    if (a.line.direction != b.line.direction) return is_lower(a.line.direction, b.line.direction);
+    return a.target < b.target;
+  });
+  const std::size_t waves = (lines.size() + wave - 1) / wave;
+  std::vector<line_to_cast> now;
+  for (std::size_t first = 0; first < waves && !over(); ++first) {
+    now.clear();
+    for (std::size_t i = first; i < lines.size(); i += waves)
+      if (lines[i].target == volume_grid::none || !set_.volumes().contains(lines[i].target)) now.push_back(lines[i]);
+    cast_wave(now);
+  }
+}
+
+void volume_search::look_for(double worth) {
+  if (places_.empty()) return;
+  if (!began_) cast(first_lines());
+  began_ = true;
+  for (;;) {
+    std::vector<line_to_cast> lines = next_lines(worth);
+    if (lines.empty() || over()) return;
+    cast(std::move(lines));
+  }
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,25 @@
+#pragma once
+// What a shard's file says of the whole bake, so that shards can be joined without the scene.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cells/cell_blocks.h"
+#include "file/pvs_output.h"
+
+namespace sightcell::bake {
+
+struct bake_plan {
+  pvs_frame frame;
+  std::vector<std::uint32_t> block_of;  // by cell
+  std::vector<std::string> block_names;
+};
+
+bake_plan plan_of(pvs_frame frame, const cell_blocks& blocks);
+
+std::string encode(const bake_plan& plan);
+// Throws sightcell::error "shard.damaged" that names the file where the bytes are not those of a plan.
+bake_plan decode_plan(std::string_view bytes, const std::string& file);
+
+}  // namespace sightcell::bake

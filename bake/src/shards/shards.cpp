@@ -1,0 +1,196 @@
+// A bake on several machines: whole blocks for each, and files that are joined at the end.
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "checkpoint/work_file.h"
+#include "file/pvs_output.h"
+#include "input/host_scene.h"
+#include "job/disk_space.h"
+#include "job/ledger.h"
+#include "job/phases.h"
+#include "job/workshop.h"
+#include "shards/shard_files.h"
+#include "sightcell/bake/shards.h"
+#include "sightcell/base/disk.h"
+#include "sightcell/base/error.h"
+#include "sightcell/base/process_time.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::uint32_t shard_limit = 100'000;
+
+void validate(const shard& part) {
+  if (part.count == 0 || part.count > shard_limit || part.index >= part.count)
+    throw error(error_kind::wrong_use, "shard.out-of-range", "--shard", fmt::format("is {}/{}", part.index, part.count),
+                fmt::format("give i/n with i from 0 to n - 1 and n at most {}", shard_limit));
+  if (part.phase != 1 && part.phase != 2)
+    throw error(error_kind::wrong_use, "shard.out-of-range", "--phase", fmt::format("is {}", part.phase),
+                "give 1 or 2");
+}
+
+// It is one clock for cells of all blocks.
+void refuse_time_budget(const settings& how) {
+  if (how.time_budget > 0.0)
+    throw error(error_kind::wrong_use, "settings.time-budget", "--time-budget", "is for a bake on one machine",
+                "leave out --shard, or --time-budget");
+}
+
+// It is measured when all sets are known, and who joins shards has no scene.
+void refuse_importance(const settings& how) {
+  if (how.file.importance)
+    throw error(error_kind::wrong_use, "shard.importance", "--importance", "is for a bake on one machine",
+                "leave it out, and add it to the merged file: sightcell recode FILE --importance SCENE");
+}
+
+std::vector<std::uint32_t> blocks_of(const shard& part, const cell_blocks& all) {
+  std::vector<std::uint32_t> own;
+  for (std::uint32_t block = part.index; block < all.count(); block += part.count) own.push_back(block);
+  return own;
+}
+
+std::uint32_t cells_in(const std::vector<std::uint32_t>& blocks, const cell_blocks& all) {
+  std::size_t cells = 0;
+  for (const std::uint32_t block : blocks) cells += all.cells_of(block).size();
+  return static_cast<std::uint32_t>(cells);
+}
+
+// Is the shard's file there, of this bake?
+bool is_there(const std::filesystem::path& path, const std::string& key) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return false;
+  const std::filesystem::path one[] = {path};
+  const shard_files opened(one, key);
+  return true;
+}
+
+// What phase 2 of these blocks reads: it must all be there.
+shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& plan,
+                       const std::vector<std::uint32_t>& blocks, const std::string& key) {
+  std::vector<std::filesystem::path> files = find_shard_files(output);
+  std::erase_if(files, [](const auto& path) { return path.extension() != ".phase-1"; });
+  shard_files found(files, key);
+  std::vector<std::uint32_t> missing;
+  const cell_blocks& all = plan.blocks();
+  const auto need = [&](std::uint32_t cell) {
+    if (!found.file_with(cell, plan.end_of_phase_1(cell))) missing.push_back(all.block_of(cell));
+  };
+  for (const std::uint32_t block : blocks)
+    for (const std::uint32_t cell : all.cells_of(block)) {
+      need(cell);
+      for (const std::uint32_t other : all.neighbors_of(cell)) need(other);
+    }
+  std::sort(missing.begin(), missing.end());
+  missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+  if (missing.empty()) return found;
+  std::vector<std::string> names;
+  for (const std::uint32_t block : missing) names.push_back(all.name_of(block));
+  refuse_missing(names, output, fmt::format("phase 1 of {} blocks is not there", names.size()),
+                 "bake phase 1 of all shards first");
+}
+
+// For the records while they come, and for the file that they end in. How long cells take is said of phase 1 alone.
+void check_room(const workshop& shop, unsigned phase, std::size_t cells, const std::filesystem::path& work,
+                const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
+  double seen = 0.0;
+  arena.execute([&] { seen = print_estimate(shop, cells, phase == 1 ? tell : callbacks()); });
+  const std::uint64_t bytes = cells * checkpoint_bytes_of_cell(seen);
+  check_disk_space({{folder_of(work), bytes}, {folder_of(output), bytes}}, tell);
+}
+
+// One shard, from its first cell to its file.
+void bake_blocks(const workshop& shop, const stage_plan& plan, const std::vector<std::uint32_t>& blocks,
+                 const shard& part, const std::filesystem::path& output, tbb::task_arena& arena, bool fresh,
+                 const callbacks& tell, summary& sum) {
+  const std::filesystem::path target = shard_file(output, part);
+  std::optional<shard_files> before;
+  if (part.phase == 2) before.emplace(phase_1_of(output, plan, blocks, shop.key));
+  const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells,
+                                   shop.volumes ? &*shop.volumes : nullptr);
+  work_file file(target, shop.how.scratch, shop.key, fresh, encode(plan_of(frame, *shop.blocks)), shop.judge());
+  ledger book(shop.s.polygon_count, plan, sum.cells, tell, static_cast<int>(part.phase));
+  resume(file.records(), book, tell);
+  sum.cells_resumed = book.resumed();
+  check_room(shop, part.phase, book.cells_left(), file.path(), output, arena, tell);
+  const phase_work work{shop, plan, blocks, arena, book, file};
+  keeping(file, [&] {
+    book.open();
+    if (part.phase == 1)
+      run_phase_1(work);
+    else
+      run_phase_2(work, [&](std::uint32_t cell) { return before->load(cell, plan.end_of_phase_1(cell)); });
+  });
+  sum.visible_percent = book.visible_percent();
+  sum.max_upper_bound = book.worst_bound();
+  if (book.stopped()) {
+    sum.result = outcome::cancelled;
+    file.copy();
+    return;
+  }
+  file.records().copy_to(target);
+  file.remove();
+  sum.bytes = std::filesystem::file_size(target);
+}
+
+}  // namespace
+
+std::filesystem::path shard_file(const std::filesystem::path& output, const shard& part) {
+  std::filesystem::path path = output;
+  return path += fmt::format(".shard-{}-of-{}.phase-{}", part.index, part.count, part.phase);
+}
+
+std::vector<std::filesystem::path> find_shard_files(const std::filesystem::path& output) {
+  const std::string start = output.filename().string() + ".shard-";
+  std::vector<std::filesystem::path> found;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_of(output), none)) {
+    const std::string name = entry.path().filename().string();
+    const std::string ending = entry.path().extension().string();
+    if (name.starts_with(start) && (ending == ".phase-1" || ending == ".phase-2")) found.push_back(entry.path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+summary bake_shard(const scene::scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
+                   bool fresh, const callbacks& tell) {
+  validate(how);
+  refuse_time_budget(how);
+  refuse_importance(how);
+  validate(part);
+  const double began = process_cpu_seconds();
+  summary sum;
+  tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
+  std::optional<workshop> shop;
+  arena.execute([&] { shop.emplace(s, how, tell); });
+  sum.source = shop->eyes.name;
+  sum.device = shop->eyes.source->device();
+  const stage_plan plan(*shop->blocks, shop->bounds());
+  const std::vector<std::uint32_t> blocks = blocks_of(part, *shop->blocks);
+  sum.cells = cells_in(blocks, *shop->blocks);
+  if (tell.on_message)
+    tell.on_message(severity::note,
+                    fmt::format("shard {} of {}, phase {}: {} cells in {} of {} blocks", part.index, part.count,
+                                part.phase, sum.cells, blocks.size(), shop->blocks->count()));
+  if (!fresh && is_there(shard_file(output, part), shop->key)) {
+    if (tell.on_message) tell.on_message(severity::note, "it is there already, and complete");
+    sum.cells_resumed = sum.cells;
+  } else {
+    bake_blocks(*shop, plan, blocks, part, output, arena, fresh, tell, sum);
+  }
+  sum.cpu_seconds = process_cpu_seconds() - began;
+  return sum;
+}
+
+summary bake_shard(const host_scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
+                   bool fresh, const callbacks& tell) {
+  validate(how);  // before alpha functions are called
+  require_no_colors(how.metric);
+  return bake_shard(scene_of(s), how, output, part, fresh, tell);
+}
+
+}  // namespace sightcell::bake

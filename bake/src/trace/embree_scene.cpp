@@ -1,0 +1,171 @@
+#include "trace/embree_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/vec2.hpp>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "trace/ray_scene.h"
+
+namespace sightcell::bake {
+namespace {
+
+unsigned geometry_of(scene::polygon_kind kind) {
+  if (kind.never_hides) return kind.alpha_tested ? open_tested : open_untested;
+  if (kind.alpha == scene::alpha_mode::blend) return blend_standing;
+  return kind.alpha_tested ? tested_standing : opaque_standing;
+}
+
+// Whether a masked polygon is there at a hit.
+bool passes(const scene::world_geometry& world, const scene::masked_polygon& p, float u, float v) {
+  const glm::vec2 uv = p.uvs[0] + (p.uvs[1] - p.uvs[0]) * u + (p.uvs[2] - p.uvs[0]) * v;
+  const float alpha = p.alphas[0] + (p.alphas[1] - p.alphas[0]) * u + (p.alphas[2] - p.alphas[0]) * v;
+  return world.masks[p.mask].passes(uv, alpha);
+}
+
+// Rule 1: backs of single-sided polygons are not there, nor is a MASK where its alpha is below the cutoff; what never
+// hides is noted and lets the ray on.
+void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
+  const RTCFilterFunctionNArguments& a = *arguments;
+  const auto* context = reinterpret_cast<const look_context*>(a.context);
+  for (unsigned i = 0; i < a.N; ++i) {
+    if (a.valid[i] != -1) continue;
+    const bool there = (!context->only || (*context->only)(context->scene->polygon_of(a, i))) &&
+                       context->scene->is_there(a, i, context->all_double_sided);
+    if (there && hides(RTCHitN_geomID(a.hit, a.N, i)) && !context->pass_all) continue;
+    if (there && context->passed)
+      context->passed[RTCRayN_id(a.ray, a.N, i) - context->first_id].push_back(
+          {context->scene->polygon_of(a, i), RTCRayN_tfar(a.ray, a.N, i)});
+    a.valid[i] = 0;
+  }
+}
+
+// Of the masked geometry alone, so that rays that meet none of it pay for no filter.
+void keep_where_masks_pass(const RTCFilterFunctionNArguments* arguments) {
+  const RTCFilterFunctionNArguments& a = *arguments;
+  const auto& scene = *static_cast<const embree_scene*>(a.geometryUserPtr);
+  for (unsigned i = 0; i < a.N; ++i) {
+    if (a.valid[i] != -1 || RTCRayN_id(a.ray, a.N, i) != ray_tests_masks) continue;
+    if (!scene.is_there(a, i, scene.all_double_sided)) a.valid[i] = 0;
+  }
+}
+
+bool has_avx512() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+#else
+  return false;
+#endif
+}
+
+}  // namespace
+
+embree_scene::embree_scene(const scene::world_geometry& world, bool double_sided, embree_width width)
+    : embree_scene(world, double_sided) {
+  if (width == embree_width::widest && has_avx512()) device = rtcNewDevice("isa=avx512");
+  if (!device) device = rtcNewDevice("isa=avx2");
+  if (!device) device = rtcNewDevice(nullptr);
+  if (!device) throw std::runtime_error("there is no Embree device");
+  std::uint32_t test = 0;
+  for (std::uint32_t polygon = 0; polygon < world.kinds.size(); ++polygon) {
+    const scene::polygon_kind kind = world.kinds[polygon];
+    if (!kind.absent) ids[geometry_of(kind)].push_back(polygon);
+    if (!kind.alpha_tested) continue;
+    while (test < world.masked.size() && world.masked[test].id < polygon) ++test;
+    if (!kind.absent) tests[geometry_of(kind)].push_back(test);
+  }
+  solid = make_scene();
+  RTCBuffer vertices = make_vertices();
+  std::array<RTCGeometry, embree_geometry_count> parts{};
+  bool all_hide = true;
+  for (unsigned i = 0; i < embree_geometry_count; ++i) {
+    if (ids[i].empty() && i != opaque_standing) continue;
+    parts[i] = make_geometry(i, vertices);
+    if (hides(i)) rtcAttachGeometryByID(solid, parts[i], i);
+    all_hide = all_hide && hides(i);
+  }
+  rtcCommitScene(solid);
+  all = solid;
+  if (!all_hide) {
+    all = make_scene();
+    for (unsigned i = 0; i < embree_geometry_count; ++i)
+      if (parts[i]) rtcAttachGeometryByID(all, parts[i], i);
+    rtcCommitScene(all);
+  }
+  for (const RTCGeometry part : parts)
+    if (part) rtcReleaseGeometry(part);
+  rtcReleaseBuffer(vertices);
+  check("building the ray scene");
+}
+
+embree_scene::~embree_scene() {
+  if (all && all != solid) rtcReleaseScene(all);
+  if (solid) rtcReleaseScene(solid);
+  if (device) rtcReleaseDevice(device);
+}
+
+void embree_scene::check(const char* doing) const {
+  const RTCError failure = rtcGetDeviceError(device);
+  if (failure == RTC_ERROR_NONE) return;
+  if (failure == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw std::runtime_error(std::string(doing) + " failed with Embree error " +
+                           std::to_string(static_cast<int>(failure)));
+}
+
+bool embree_scene::is_there(const RTCFilterFunctionNArguments& a, unsigned i, bool double_sided) const {
+  const unsigned number = RTCHitN_geomID(a.hit, a.N, i), primitive = RTCHitN_primID(a.hit, a.N, i);
+  const scene::polygon_kind kind = geometry.kinds[ids[number][primitive]];
+  if (!kind.double_sided && !double_sided) {
+    const float facing = RTCHitN_Ng_x(a.hit, a.N, i) * RTCRayN_dir_x(a.ray, a.N, i) +
+                         RTCHitN_Ng_y(a.hit, a.N, i) * RTCRayN_dir_y(a.ray, a.N, i) +
+                         RTCHitN_Ng_z(a.hit, a.N, i) * RTCRayN_dir_z(a.ray, a.N, i);
+    if (facing > 0.0f) return false;
+  }
+  return !is_tested(number) || passes(geometry, geometry.masked[tests[number][primitive]], RTCHitN_u(a.hit, a.N, i),
+                                      RTCHitN_v(a.hit, a.N, i));
+}
+
+// All vertices, once for all geometries; Embree's own memory, because it reads a few bytes past the last one.
+RTCBuffer embree_scene::make_vertices() const {
+  RTCBuffer buffer = rtcNewBuffer(device, std::max<std::size_t>(geometry.positions.size(), 1) * sizeof(glm::vec3) + 16);
+  check("allocating vertices");
+  auto* vertex = static_cast<glm::vec3*>(rtcGetBufferData(buffer));
+  // No NaN may reach Embree, whoever made the geometry.
+  for (const glm::vec3& p : geometry.positions)
+    *vertex++ = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) ? p : glm::vec3{0.0f};
+  return buffer;
+}
+
+RTCGeometry embree_scene::make_geometry(unsigned number, RTCBuffer vertices) {
+  RTCGeometry made = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(made, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                    3 * sizeof(std::uint32_t), ids[number].size()));
+  rtcSetGeometryBuffer(made, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, sizeof(glm::vec3),
+                       geometry.positions.size());
+  check("allocating geometry");
+  for (const std::uint32_t polygon : ids[number])
+    for (std::size_t k = 0; k < 3; ++k) *index++ = geometry.indices[3 * std::size_t{polygon} + k];
+  rtcSetGeometryUserData(made, this);
+  if (number == tested_standing) rtcSetGeometryIntersectFilterFunction(made, keep_where_masks_pass);
+  rtcCommitGeometry(made);
+  return made;
+}
+
+RTCScene embree_scene::make_scene() const {
+  RTCScene made = rtcNewScene(device);
+  // Robust: no ray slips between two triangles that share an edge. Never HIGH quality: its spatial splits depend on
+  // threads, and a bake has to repeat.
+  rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  rtcSetSceneBuildQuality(made, RTC_BUILD_QUALITY_MEDIUM);
+  return made;
+}
+
+look_context::look_context(const embree_scene& where) : scene(&where), all_double_sided(where.all_double_sided) {
+  rtcInitIntersectContext(&base);
+  base.filter = keep_what_occludes;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,227 @@
+#!/usr/bin/python3
+"""Generates BENCHMARKS.md from the rows in tests/bench/results and the text in results/benchmarks.template.md.
+
+usage: make_benchmarks.py [--check]
+
+A line "@table NAME" of the template becomes the table that the function NAME below makes, and "@source FILE" the command,
+commit and machine of results/FILE.csv. --check: writes nothing; exit code 1 where BENCHMARKS.md is not what it should be.
+"""
+import argparse
+import difflib
+import os
+import statistics
+import sys
+
+sys.dont_write_bytecode = True  # nothing is written into the sources
+import result_files  # noqa: E402
+
+TEMPLATE = os.path.join(result_files.FOLDER, "benchmarks.template.md")
+USUAL_MACHINE = "AMD EPYC, 2 cores shared with other work"  # the template names it once
+PAGE = os.path.join(result_files.ROOT, "BENCHMARKS.md")
+
+
+def rows_of(name, **wanted):
+    """Rows of a file, those with the wanted values."""
+    _, rows = result_files.read(os.path.join(result_files.FOLDER, name + ".csv"))
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+
+
+def grouped(text):
+    return f"{float(text):,.0f}"
+
+
+def scientific(text):
+    """1.9e-05 as 1.9e-5, 1e-05 as 1e-5."""
+    mantissa, exponent = f"{float(text):.1e}".split("e")
+    return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
+
+
+def fixed(digits):
+    return lambda text: f"{float(text):.{digits}f}"
+
+
+def plain(text):
+    return text
+
+
+def columns(rows, *asked):
+    """A table of some columns: (heading, column of the file, how it is written)."""
+    return [[heading for heading, _, _ in asked]] + [[shown(row[key]) if row[key] else "" for _, key, shown in asked] for row in rows]
+
+
+def scenes():
+    return columns(rows_of("scenes"), ("scene", "scene", plain), ("polygons", "polygons", grouped), ("cells", "cells", plain),
+                   ("visible %", "visible_percent", fixed(2)), ("pixel error", "pixel_error", scientific),
+                   ("95 % upper bound", "upper_bound", scientific), ("CPU s per cell", "bake_cpu_seconds_per_cell", fixed(2)),
+                   ("bits per visible polygon", "bits_per_visible_polygon", fixed(2)))
+
+
+def frames():
+    """A row per scene: what is drawn, and frames, for frustum culling alone and with the PVS."""
+    table = [["scene", "polygons", "in the frustum", "in the frustum and the PVS", "times fewer", "frame ms, frustum", "frame ms, both",
+              "times less", "wrong pixels, mean", "most"]]
+    for everything in rows_of("frames", method="full"):
+        frustum, = rows_of("frames", method="frustum", scene=everything["scene"])
+        ours, = rows_of("frames", method="pvs_frustum", scene=everything["scene"])
+
+        def times(key):
+            return f"{float(frustum[key]) / float(ours[key]):.1f}"
+
+        table.append([everything["scene"], *(grouped(row["polygons"]) for row in (everything, frustum, ours)), times("polygons"),
+                      *(fixed(1)(row["frame_ms_median"]) for row in (frustum, ours)), times("frame_ms_median"),
+                      scientific(ours["pixel_error_mean"]), scientific(ours["pixel_error_max"])])
+    return table
+
+
+def q3map2():
+    return columns(rows_of("q3map2"), ("level", "level", plain), ("cells", "cells", plain),
+                   ("faces of our sets", "faces", grouped), ("outside q3map2's sets", "outside", plain),
+                   ("size over q3map2's", "size_ratio", fixed(2)))
+
+
+def targets():
+    return columns(rows_of("targets", scene="all"), ("bound", "target", scientific), ("cells", "cells", plain),
+                   ("met", "met_by_truth", plain), ("hemicubes", "hemicubes", plain), ("M rays", "million_rays", fixed(1)),
+                   ("CPU s, median", "cpu_seconds_median", fixed(2)), ("most", "cpu_seconds_worst", fixed(1)),
+                   ("pixel error", "pixel_error_mean", scientific), ("polygons seen", "polygons_in_set", grouped))
+
+
+def coverage():
+    return columns(rows_of("coverage"), ("scene", "scene", plain), ("bound", "target", scientific), ("bounds", "bounds", plain),
+                   ("above the truth", "hold", plain), ("error / bound, largest", "error_over_bound_largest", fixed(2)))
+
+
+def equal_time():
+    """All cells; a setting's best number of pixels at each time."""
+    best = {}
+    for row in rows_of("equal_time", scene="all"):
+        name = row["setting"].split()[0]
+        known = best.setdefault(name, {})
+        if row["seconds"] not in known or float(row["pixel_error"]) < float(known[row["seconds"]]):
+            known[row["seconds"]] = row["pixel_error"]
+    times = ["0.5", "1", "2"]
+    return [["sampler"] + [f"{t} s" for t in times]] + [[name] + [scientific(of[t]) for t in times] for name, of in best.items()]
+
+
+def samplers():
+    rows = rows_of("samplers_pooled", scene="vienna800k", kind="samples")
+    rows = [dict(row, method=row["method"] + (", jittered" if row["best"] == "1" else ""),
+                 spent=row["hemicubes"] or row["million_rays"] + " M rays") for row in rows]
+    return columns(rows, ("sampler", "method", plain), ("hemicubes or rays", "spent", plain), ("CPU s per cell", "cpu_seconds", fixed(2)),
+                   ("visible %", "visible_percent", fixed(2)), ("pixel error", "pixel_error", scientific))
+
+
+def hemicubes():
+    return columns(rows_of("hemicubes_street"), ("scene", "scene", plain), ("polygons seen", "polygons_seen", grouped), ("cpu, ms", "cpu_ms", fixed(1)),
+                   ("llvmpipe, ms", "gpu_ms", fixed(1)), ("Embree, ms", "rays_ms", fixed(1)))
+
+
+def agreement():
+    table = [["source", "pixels", "other polygon than the ray", "of these in the same place", "rest", "share"]]
+    for source in ("cpu", "gpu"):
+        rows = rows_of("agreement", source=source)
+        sums = [sum(int(row[key]) for row in rows) for key in ("pixels", "differ", "same_place", "rest")]
+        table.append([source, *(f"{v:,}" for v in sums), scientific(sums[3] / sums[0])])
+    return table
+
+
+def files():
+    return columns(rows_of("format_bytes"), ("scene", "scene", plain), ("cells", "cells", grouped),
+                   ("bits per visible polygon", "bits_per_visible_polygon", fixed(2)), ("file, bytes", "file_bytes", grouped),
+                   ("CRoaring + zstd", "roaring_zstd_over_rows", fixed(1)), ("runs + zstd + dictionary", "dictionary_over_rows", fixed(1)),
+                   ("zstd of all sets", "whole_file_over_rows", fixed(1)))
+
+
+def profiles():
+    table = [["profile", "file over exact, median", "ranges over exact, median", "invisible polygons added"]]
+    for name, most in (("balanced", "up to 5 %"), ("small", "up to 10 %")):
+        rows = rows_of("format_profiles", profile=name)
+        table.append([name, *(f"{statistics.median(float(row[key]) for row in rows):.2f}" for key in ("file", "ranges")), most])
+    return table
+
+
+def decoding():
+    return columns(rows_of("decoding"), ("scene", "scene", plain), ("to ranges, us", "to_ranges_us", fixed(1)),
+                   ("to index list, us", "to_index_list_us", fixed(1)), ("memcpy of the list, us", "memcpy_us", fixed(1)),
+                   ("CRoaring to ids, us", "roaring_us", fixed(1)))
+
+
+def lookups():
+    rows = [row for row in rows_of("lookups") if int(row["cells"]) > 100_000]
+    return columns(rows, ("cells are", "cells_are", plain), ("cells", "cells", grouped), ("bytes per cell", "bytes_per_cell", fixed(1)),
+                   ("random viewpoint, ns", "random_ns", fixed(0)), ("along a path, ns", "along_a_path_ns", fixed(0)),
+                   ("frame in its cell, ns", "frame_in_its_cell_ns", fixed(0)))
+
+
+def kills():
+    """All kills together."""
+    table, kinds = [["event", "times", "cells reported", "cells lost", "wrong files"]], {}
+    for row in rows_of("kills"):
+        kinds.setdefault("SIGKILL" if row["event"].startswith("SIGKILL") else row["event"], []).append(row)
+    for kind, rows in kinds.items():
+        table.append([kind, *(f"{sum(int(row[key] or 0) for row in rows):,}" for key in ("times", "cells_reported", "cells_lost", "wrong"))])
+    return table
+
+
+def malformed():
+    outcomes = {}
+    for row in rows_of("malformed"):
+        outcomes[row["outcome"]] = outcomes.get(row["outcome"], 0) + 1
+    found = sorted(outcomes.items(), key=lambda outcome: -outcome[1])
+    return [[name for name, _ in found], [str(count) for _, count in found]]
+
+
+def threads():
+    return columns(rows_of("threads", options=""), ("scene", "scene", plain), ("CPU s, 1 thread", "cpu_seconds_1", fixed(1)), ("2 threads", "cpu_seconds_2", fixed(1)),
+                   ("in parallel sections, %", "parallel_percent", fixed(1)))
+
+
+def growth():
+    return columns(rows_of("growth"), ("scene", "scene", plain), ("cells", "cells_stored", grouped), ("CPU s", "cpu_seconds", fixed(1)),
+                   ("peak memory, MiB", "peak_mib", grouped))
+
+
+def markdown(table):
+    lines = ["| " + " | ".join(row) + " |" for row in table]
+    return "\n".join([lines[0], "|" + "---|" * len(table[0]), *lines[1:]])
+
+
+def source(name):
+    facts, _ = result_files.read(os.path.join(result_files.FOLDER, name + ".csv"))
+    machine = "" if facts["machine"] == USUAL_MACHINE else f", {facts['machine']}"
+    return f"`{facts['command']}`, commit {facts['commit']}{machine}."
+
+
+def page():
+    out = []
+    with open(TEMPLATE, encoding="utf-8") as stream:
+        for line in stream.read().splitlines():
+            kind, _, name = line.partition(" ")
+            if kind == "@table":
+                out.append(markdown(globals()[name]()))
+            elif kind == "@source":
+                out.append(source(name))
+            else:
+                out.append(line)
+    return "\n".join(out) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true")
+    options = parser.parse_args()
+    wanted = page()
+    if not options.check:
+        with open(PAGE, "w", encoding="utf-8") as stream:
+            stream.write(wanted)
+        return 0
+    with open(PAGE, encoding="utf-8") as stream:
+        found = stream.read()
+    sys.stdout.writelines(difflib.unified_diff(found.splitlines(True), wanted.splitlines(True), "BENCHMARKS.md", "generated"))
+    if found != wanted:
+        print("BENCHMARKS.md differs; write it again: tests/bench/make_benchmarks.py")
+    return int(found != wanted)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

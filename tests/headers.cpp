@@ -1,2 +1,0 @@
-// Nothing of its own: the target that the tests share precompiled headers with (SIGHTCELL_QUICK_BUILD).
-int main() {}

@@ -1,0 +1,2 @@
+#pragma once
+#include "hemicube/gpu/gpu_source.h"
