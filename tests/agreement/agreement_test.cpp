@@ -16,7 +16,7 @@
 #include "glb_writer.h"
 #include "hemicube/rays/rays_source.h"
 #include "trace/free_space.h"
-#include "unit/bake/all_sources.h"
+#include "unit/bake/hemicube/all_sources.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Two rooms with a door between them, for who asks what can be seen through it.
-#include "tiny_scene.h"
+#include "unit/bake/tiny_scene.h"
 
 namespace sightcell::test {
 
