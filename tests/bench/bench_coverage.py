@@ -15,10 +15,10 @@ import os
 import statistics
 import sys
 
-import bench_samplers
-import bench_targets  # finds plan
-import plan
+import bench_targets
 import result_files
+import sampler_plan as plan
+import sampler_runs
 
 TARGETS = (1e-4, 1e-5)
 CONFIDENCE = 0.95
@@ -43,8 +43,8 @@ def main():
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     result_files.add_option(parser)
     options = parser.parse_args()
-    plan.check_code(bench_samplers.ROOT)
-    bench = bench_samplers.Bench(options.bin, options.threads, lambda name: options.cells, bench_targets.TRUTH,
+    plan.check_code(sampler_runs.ROOT)
+    bench = sampler_runs.Bench(options.bin, options.threads, lambda name: options.cells, bench_targets.TRUTH,
                                  "-coverage", bench_targets.REAL)
     print("| scene | target | bounds | hold | at least | met | E over bound: mean, largest |\n|---|---|---|---|---|---|---|")
     short, rows = 0, []

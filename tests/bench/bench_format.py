@@ -34,12 +34,11 @@ import statistics
 import subprocess
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "samplers"))
-import bench_samplers  # noqa: E402
-import bench_targets  # noqa: E402
-import plan  # noqa: E402
-import result_files  # noqa: E402
-from bench_samplers import ROOT, hash_of  # noqa: E402
+import bench_targets
+import result_files
+import sampler_plan as plan
+import sampler_runs
+from sampler_runs import ROOT, hash_of
 
 # Cells that are baked, spread evenly; 0: all.
 CELLS = {"czest3ctf": 0, "oacmpctf3": 600, "accident": 1000, "denhaag_01": 1000, "intel_castle": 700, "candela_city": 500,
@@ -89,7 +88,7 @@ class Bench:
         self.options = options
         self.cache = os.path.abspath(os.path.join(os.environ.get("SIGHTCELL_CACHE", "build/cache"), "bench_format"))
         os.makedirs(self.cache, exist_ok=True)
-        self.samplers = bench_samplers.Bench(options.bin, 1, lambda name: 0, {}, real=bench_targets.REAL)
+        self.samplers = sampler_runs.Bench(options.bin, 1, lambda name: 0, {}, real=bench_targets.REAL)
 
     def program(self, name):
         return self.samplers.program(name)

@@ -32,12 +32,11 @@ import resource
 import statistics
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "samplers"))
-import bench_format  # noqa: E402
-import plan  # noqa: E402
-import result_files  # noqa: E402
-from bench_format import OPTIONS, bake_version, digest, fail, table, writer_code  # noqa: E402
-from bench_samplers import hash_of  # noqa: E402
+import bench_format
+import result_files
+import sampler_plan as plan
+from bench_format import OPTIONS, bake_version, digest, fail, table, writer_code
+from sampler_runs import hash_of
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = ["intel_castle", "candela_city", "vienna800k"]

@@ -1,6 +1,7 @@
 // bench_samplers: the samplers against each other: what each finds in the cells of a scene, in how much CPU time, and
-// what independent rays see that it missed. It judges nothing; bench_samplers.py plans, and makes tables and figures of
-// what this writes. One process per scene, Linux alone.
+// what independent rays see that it missed. It judges nothing; bench_targets.py, bench_coverage.py and
+// tests/research/bench_samplers.py plan, and make tables and figures of what this writes. One process per scene, Linux
+// alone.
 //
 //   measure   all jobs over all cells; what was measured before is taken from the cache
 //   growth    how a cell's set grows with hemicubes on one face

@@ -6,7 +6,7 @@ usage: bench_targets.py --bin FOLDER [--scene NAME ...] [--cells N] [--threads N
 --bin: the folder with sightcell-city and bench_samplers. Eleven scenes: the city's presets (made with seed 2) and eight
 real ones under SIGHTCELL_DATA (said so where they are missing), N cells of each, 8 unless told, spread evenly over all:
 open ones, ones with geometry inside, ones that lie in walls in part. Prints Markdown tables. Truth and results are kept
-under $SIGHTCELL_CACHE (default build/cache) as those of bench_samplers.py are; a rerun does what changed.
+under $SIGHTCELL_CACHE (default build/cache) as those of tests/research/bench_samplers.py are; a rerun does what changed.
 
 Errors of a cell below 1e-8 count as 1e-8. Rivals have jitter, and 512 pixels, at which they do best in most cells; at one
 second those of 256 are there as well.
@@ -18,10 +18,9 @@ import os
 import statistics
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "samplers"))
-import bench_samplers  # noqa: E402
-import plan  # noqa: E402
-import result_files  # noqa: E402
+import result_files
+import sampler_plan as plan
+import sampler_runs
 
 REAL = {**plan.REAL, "denhaag_01": "city/denhaag_01.glb", "colosseum": "building/ancient_colosseum_labyrinth.glb",
         "temple": "foliage/temple.glb", "oacmpctf3": "levels/oacmpctf3.glb"}
@@ -136,8 +135,8 @@ def main():
     result_files.add_option(parser)
     parser.add_argument("--json")
     options = parser.parse_args()
-    plan.check_code(bench_samplers.ROOT)
-    bench = bench_samplers.Bench(options.bin, options.threads, lambda name: options.cells, TRUTH, "-targets", REAL)
+    plan.check_code(sampler_runs.ROOT)
+    bench = sampler_runs.Bench(options.bin, options.threads, lambda name: options.cells, TRUTH, "-targets", REAL)
     results = [r for r in (bench.measure(name, jobs()) for name in options.scene) if r]
     if not results:
         sys.exit("bench_targets: no scene is there")

@@ -1,7 +1,8 @@
 """The tables of bench_samplers as Markdown and as rows, from what the measuring program wrote."""
 import statistics
 
-from plan import PUBLISHED, RAY_METHODS, RIVALS, TABLE_OF
+from sampler_plan import PUBLISHED
+from thesis import RAY_METHODS, RIVALS, TABLE_OF
 
 
 def number(value, digits=3):

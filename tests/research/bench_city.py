@@ -25,7 +25,8 @@ import subprocess
 import sys
 import time
 
-import result_files
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bench"))
+import result_files  # noqa: E402
 
 POLYGONS = {"vienna800k": 865_979, "vienna8m": 7_928_519, "hongkong": 2_164_567}
 THESIS = {"vienna800k": 3.2, "vienna8m": 0.43, "hongkong": 1.9}  # % visible, mean of its 20 cells

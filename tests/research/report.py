@@ -3,8 +3,9 @@ import html
 import json
 import os
 
-from plan import HEMICUBES, MAIN, REAL_MAIN, TOWN
+from sampler_plan import TOWN
 from tables import comparison_table, kinds, method, number, thesis_table
+from thesis import HEMICUBES, MAIN, REAL_MAIN
 
 COLORS = {"importance-depth": "#0b5fa5", "importance-depth-color": "#2f9fd8", "nir04": "#c1440e", "uniform": "#888888",
           "halton": "#3f8f3f", "gvs": "#7a3fa0", "gvs++": "#b07fd0", "agvs": "#c7a008"}
