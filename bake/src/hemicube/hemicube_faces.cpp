@@ -27,7 +27,7 @@ void check_hemicube(std::uint32_t resolution, float far_plane) {
   if (!(far_plane > hemicube_near) || !std::isfinite(far_plane))
     throw error(error_kind::bad_input, "hemicube.far-plane", "scene",
                 "its box is " + std::to_string(far_plane) + " m across, which is too small or too large to be drawn",
-                "export it in metres");
+                "export it in meters");
 }
 
 glm::vec3 pixel_direction(const pose& where, std::uint32_t resolution, std::uint32_t pixel) {
@@ -40,7 +40,7 @@ glm::vec3 pixel_direction(const pose& where, std::uint32_t resolution, std::uint
     return glm::normalize(face.forward + part(x, face.x, face.width, face.min_x, face.max_x) * face.right +
                           part(y, face.y, face.height, face.min_y, face.max_y) * face.up);
   }
-  return where.forward;  // no pixel of the atlas
+  return where.forward;  // the atlas has no such pixel
 }
 
 }  // namespace sightcell::bake

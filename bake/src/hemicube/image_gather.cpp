@@ -8,7 +8,8 @@
 namespace sightcell::bake {
 namespace {
 
-// Sums in eight lanes: short enough chains to be exact to about 1e-6, and the compiler can use vector registers.
+// Eight partial sums. The chains of additions are short enough for an accuracy of about 1e-6, and the compiler can use
+// SIMD.
 struct lane_sum {
   static constexpr std::uint32_t lanes = 8;
   float lane[lanes] = {};
@@ -19,7 +20,7 @@ struct lane_sum {
   }
 };
 
-// Calls term(x, lane) for all x, lane by lane.
+// Calls term(x, lane) for all x below count. Consecutive x go to consecutive lanes.
 template <class Term>
 void over_row(std::uint32_t count, const Term& term) {
   std::uint32_t x = 0;
@@ -49,7 +50,7 @@ bool image_gather::run(std::span<const face_view, face_count> faces, std::span<c
 
 bool image_gather::list(std::span<const std::uint32_t> ids, std::vector<seen_polygon>& seen) {
   const bool known = count_pixels(ids);
-  list_found(seen);  // in any case: it empties the counts
+  list_found(seen);  // after a failure too, because it clears the counts
   return known;
 }
 
@@ -75,7 +76,7 @@ bool image_gather::count_pixels(std::span<const std::uint32_t> ids) {
   return true;
 }
 
-// The bits give ascending ids without sorting. Leaves everything 0 for the next hemicube.
+// Lists the counted polygons and clears the counts for the next hemicube. The bits give ascending ids without sorting.
 void image_gather::list_found(std::vector<seen_polygon>& seen) {
   seen.clear();
   for (std::size_t word = 0; word < found_.size(); ++word) {
@@ -88,8 +89,8 @@ void image_gather::list_found(std::vector<seen_polygon>& seen) {
   }
 }
 
-// One face; depths points at its lower left pixel. With q = constant / depth, at least that of the far plane, the gap
-// (d(n) - d) / d becomes (1/q(n) - 1/q) q, whatever the constant.
+// Adds the importance of one face. depths points at its lower left pixel. With q = c / depth, clamped to at_far_plane,
+// the gap (d(n) - d) / d is (1/q(n) - 1/q) q for any constant c.
 void image_gather::add_importance(const float* depths, std::size_t stride, const face_view& face, float at_far_plane,
                                   std::array<double, 4>& importance) {
   const std::uint32_t width = face.width, height = face.height;

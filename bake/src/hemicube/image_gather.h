@@ -1,6 +1,6 @@
 #pragma once
-// From the pixels of a hemicube to polygon list and importance sums, on the CPU: for sources that have ids and depths
-// of a whole atlas in memory.
+// Computes the polygon list and the importance sums of a hemicube on the CPU, for sources that have ids and depths of a
+// whole atlas in memory.
 //
 // Importance of a pixel with d = depth along the face's axis / far plane, at most 1 (background 1):
 //   I = 1/d * [ w_r (d(x_r) - d), w_u (d(x_u) - d), w_l (d(x_l) - d), w_d (d(x_d) - d) ], positive parts only,
@@ -15,20 +15,21 @@
 
 namespace sightcell::bake {
 
-// Scratch of one thread: 8 bytes per polygon and a few rows of pixels. Nothing is kept from one hemicube to the next.
+// Scratch memory of one thread: 8 bytes per polygon and a few rows of pixels. It keeps nothing from one hemicube to the
+// next.
 class image_gather {
  public:
   explicit image_gather(std::uint32_t polygon_count);
 
-  // Pixels of polygons that hide nothing and are not in the image, before run(). first: the first of them.
+  // Adds pixels of a non-occluder, which is not in the image. Call it before run(). first: the first of these pixels.
   void add(std::uint32_t id, std::uint32_t pixels, std::uint32_t first);
 
-  // Fills view. ids: 3 S x S, row by row, scene::no_index where there is nothing. depths: any constant / depth along
-  // the face's axis, 0 where there is nothing; at_far_plane: the same constant / far plane. False, and view is of no
-  // use, where an id is not below polygon_count.
+  // Fills view. ids: 3 S x S source ids, row by row; scene::no_index in the background. depths: c / depth along the
+  // axis of the face, for any constant c; 0 in the background. at_far_plane: c / far plane. Returns false, with an
+  // invalid view, where an id is not below polygon_count.
   bool run(std::span<const face_view, face_count> faces, std::span<const std::uint32_t> ids,
            std::span<const float> depths, float at_far_plane, hemicube_view& view);
-  // Its two parts.
+  // The two parts of run().
   bool list(std::span<const std::uint32_t> ids, std::vector<seen_polygon>& seen);
   void sum(std::span<const face_view, face_count> faces, std::span<const float> depths, float at_far_plane,
            std::array<double, 4>& importance);

@@ -23,10 +23,10 @@ double linear_of(double srgb) {
   return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
 }
 
-// Both ways between linear light and sRGB bytes.
+// Converts sRGB bytes to linear light and back.
 struct srgb_tables {
-  std::array<double, 256> linear;  // of a byte
-  std::array<double, 255> up_to;   // linear values from which on the next byte is the nearest
+  std::array<double, 256> linear;  // linear value of each byte
+  std::array<double, 255> up_to;   // linear values from which on byte i + 1 is the nearest
   srgb_tables() {
     for (std::size_t i = 0; i < linear.size(); ++i) linear[i] = linear_of(static_cast<double>(i) / 255.0);
     for (std::size_t i = 0; i < up_to.size(); ++i) up_to[i] = linear_of((static_cast<double>(i) + 0.5) / 255.0);
@@ -42,7 +42,7 @@ const srgb_tables& srgb() {
   return tables;
 }
 
-// The texel that shows at a place, counted from one before the first.
+// Index of the texel at an integer texel coordinate, which may be outside of the texture.
 std::size_t texel_at(std::int64_t place, std::int64_t size, scene::wrap mode) {
   if (mode == scene::wrap::clamp) return static_cast<std::size_t>(std::clamp<std::int64_t>(place, 0, size - 1));
   const std::int64_t period = mode == scene::wrap::mirror ? 2 * size : size;
@@ -50,7 +50,7 @@ std::size_t texel_at(std::int64_t place, std::int64_t size, scene::wrap mode) {
   return static_cast<std::size_t>(inside < size ? inside : period - 1 - inside);
 }
 
-// The two texels that a coordinate lies between, and how far it is toward the second.
+// The two texels around a coordinate, and the weight of the second.
 struct between {
   std::size_t first, second;
   double toward_second;
@@ -58,7 +58,7 @@ struct between {
 
 between texels_at(double coordinate, std::uint32_t size, scene::wrap mode) {
   if (!std::isfinite(coordinate)) coordinate = 0.0;
-  // Folded first, so that no coordinate is too large for an integer.
+  // Wrapped first, so that each coordinate fits into an integer.
   if (mode == scene::wrap::clamp) coordinate = std::clamp(coordinate, 0.0, 1.0);
   if (mode == scene::wrap::repeat) coordinate -= std::floor(coordinate);
   if (mode == scene::wrap::mirror) coordinate -= 2.0 * std::floor(0.5 * coordinate);
@@ -84,7 +84,8 @@ glm::dvec3 bilinear(const scene::image_pixels& texture, const glm::dvec2& uv, co
 }  // namespace
 
 struct surface_colors::surface {
-  // A direction's products with these are the corners' weights where it meets the polygon's plane, but for a factor.
+  // The dot products of a direction with these vectors are, up to a common factor, the barycentric weights of the point
+  // where it meets the plane of the polygon.
   std::array<glm::dvec3, 3> opposite;
   std::array<glm::dvec2, 3> uvs{};
   std::array<glm::dvec3, 3> colors;  // vertex colors times base color, linear
@@ -128,7 +129,7 @@ glm::u8vec3 surface_colors::color_at(const surface& seen, const glm::dvec3& dire
   std::array<double, 3> weights;
   for (std::size_t i = 0; i < 3; ++i) weights[i] = glm::dot(seen.opposite[i], direction);
   const double side = weights[0] + weights[1] + weights[2] < 0.0 ? -1.0 : 1.0;
-  // A line of sight that just misses the polygon its source drew there takes it at its edge.
+  // A line of sight can narrowly miss the polygon that the source drew in its pixel. It gets a color of the edge.
   for (double& w : weights) w = std::max(0.0, w * side);
   const double sum = weights[0] + weights[1] + weights[2];
   for (double& w : weights) w = sum > 0.0 ? w / sum : 1.0 / 3.0;
@@ -165,7 +166,7 @@ void surface_colors::color(const pose& where, const hemicube_image& image, std::
     const glm::dvec3 row =
         glm::dvec3(face.forward) + part(y, face.y, face.height, face.min_y, face.max_y) * glm::dvec3(face.up);
     surface seen;
-    std::uint32_t last = scene::no_index;  // neighbors mostly show the same polygon
+    std::uint32_t last = scene::no_index;  // adjacent pixels mostly show the same polygon
     for (std::size_t x = face.x; x < face.x + face.width; ++x) {
       const std::size_t pixel = y * stride + x;
       const std::uint32_t id = image.ids[pixel];

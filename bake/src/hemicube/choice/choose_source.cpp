@@ -12,18 +12,18 @@
 namespace sightcell::bake {
 namespace {
 
-// Stands where the sampler takes no hemicubes.
+// The source of samplers that use no hemicubes.
 class no_source final : public hemicube_source {
  public:
   using hemicube_source::render;
-  void render(std::span<const pose>, std::span<hemicube_view>) override { refuse(); }
-  void render_image(const pose&, hemicube_image&) override { refuse(); }
+  void render(std::span<const pose>, std::span<hemicube_view>) override { fail(); }
+  void render_image(const pose&, hemicube_image&) override { fail(); }
   bool shared() const override { return true; }
   std::uint32_t resolution() const override { return 0; }
   std::string device() const override { return "rays alone"; }
 
  private:
-  [[noreturn]] static void refuse() { throw std::logic_error("this sampler takes no hemicubes"); }
+  [[noreturn]] static void fail() { throw std::logic_error("this sampler takes no hemicubes"); }
 };
 
 void resolve(const settings& how, chosen_source& chosen) {
@@ -45,7 +45,7 @@ chosen_source choose_source(const settings& how, const scene::world_geometry& ge
     return chosen;
   }
   resolve(how, chosen);
-  // The far plane of the importance: the diagonal of the scene's box.
+  // The far plane of the importance is the diagonal of the scene's box.
   const float diagonal = glm::distance(geometry.min, geometry.max);
   if (chosen.name == "rays") {
     chosen.source = make_rays_source(rays, {.resolution = how.resolution, .far_plane = diagonal});

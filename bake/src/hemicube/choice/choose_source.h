@@ -1,5 +1,5 @@
 #pragma once
-// Which hemicube source a bake uses: --source.
+// Chooses the hemicube source of a bake (option --source).
 #include <memory>
 #include <string>
 
@@ -11,20 +11,20 @@
 
 namespace sightcell::bake {
 
-// A source and what has to live as long as it does.
+// A source and the objects that it refers to.
 struct chosen_source {
-  std::string name;     // gpu, cpu, rays or none; with the device's, it decides the bytes of a bake
-  std::string because;  // why auto took it; empty where the user named it
-  std::unique_ptr<scene::world_geometry> both_sides;  // with all_double_sided, what is drawn
-  std::unique_ptr<picture::gl_context> context;       // of gpu alone, current on the calling thread
+  std::string name;     // gpu, cpu, rays or none; the bytes of a bake depend on it and on the device
+  std::string because;  // the reason for the choice of auto; empty where the user named the source
+  std::unique_ptr<scene::world_geometry> both_sides;  // the geometry that is drawn, with all_double_sided
+  std::unique_ptr<picture::gl_context> context;       // for gpu only; current on the calling thread
   std::unique_ptr<hemicube_source> source;
 };
 
-// Makes the source that settings ask for. auto is gpu where EGL has a hardware device, else cpu. cpu and rays do not
-// touch EGL, nor does none, which is taken whatever was asked for where the sampler looks with rays alone: it holds
-// nothing and must not be asked; auto makes no context on a software rasteriser, and takes a machine without EGL as one
-// without a GPU. geometry and rays must outlive what is returned. Throws sightcell::error: "gl.no-context" where gpu
-// was asked for and there is no OpenGL; what the sources throw.
+// Makes the source that the settings name. auto is gpu where EGL has a hardware device, otherwise cpu; it makes no
+// context on a software rasterizer, and treats a machine without EGL as one without a GPU. A sampler that uses rays
+// only gets the source none whatever the settings name, and must not render with it. cpu, rays and none do not use EGL.
+// geometry and rays must outlive the result. Throws sightcell::error: "gl.no-context" where gpu is named and there is
+// no OpenGL; the errors of the sources.
 chosen_source choose_source(const settings& how, const scene::world_geometry& geometry, const ray_scene& rays);
 
 }  // namespace sightcell::bake

@@ -1,6 +1,6 @@
 #pragma once
-// The alpha test of eight places at a time: the formula of bake/scene/src/alpha_mask.cpp in the same order, so that
-// rays and hemicubes ask the same question.
+// Alpha test of eight pixels at a time. It computes the formula of bake/scene/src/alpha_mask.cpp in the same order, so
+// that rays and hemicubes get the same result.
 #include "hemicube/cpu/kernel.h"
 #include "hemicube/cpu/lanes.h"
 
@@ -19,7 +19,7 @@ inline floats folded(floats coordinate, scene::wrap mode) {
   return coordinate - floor_of(coordinate);
 }
 
-// Lanes beside the triangle may hold anything, infinities and NaN too: texels are inside all the same.
+// Lanes outside of the triangle may have any coordinate, also infinity and NaN. The texels are inside the mask anyway.
 inline between texels_at(floats coordinate, std::uint32_t size, scene::wrap mode) {
   const floats place = folded(coordinate, mode) * all(static_cast<float>(size)) - all(0.5f);
   const floats below = floor_of(place);
@@ -32,7 +32,7 @@ inline between texels_at(floats coordinate, std::uint32_t size, scene::wrap mode
   return {first, second, place - below};
 }
 
-// u, v: weights of the second and the third corner. A bit per lane.
+// Returns a bit per lane whose alpha passes. u, v: weights of the second and the third corner.
 inline std::uint32_t alpha_passes(const masked_triangle& t, const mask_texels& mask, const std::uint8_t* texels,
                                   floats u, floats v) {
   const auto at = [&](const float(&corner)[3]) {

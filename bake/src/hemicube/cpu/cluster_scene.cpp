@@ -20,7 +20,7 @@ struct bounds {
     low = glm::min(low, b.low);
     high = glm::max(high, b.high);
   }
-  // Half the surface. In double precision: sides may be up to 1e38.
+  // Half the surface area. In double precision, because sides may be up to 1e38.
   double area() const {
     const glm::dvec3 s = glm::max(glm::dvec3(high) - glm::dvec3(low), 0.0);
     return s.x * s.y + s.y * s.z + s.z * s.x;
@@ -35,7 +35,7 @@ struct placed {
 
 struct branch {
   bounds box;
-  std::size_t first = 0, last = 0;  // a leaf's triangles
+  std::size_t first = 0, last = 0;  // triangles of a leaf
   std::unique_ptr<branch> left, right;
 };
 
@@ -47,8 +47,8 @@ bounds bounds_of(const std::span<const placed> triangles) {
 
 constexpr std::size_t bins = 16;
 
-// Where to cut: the axis and the bin border with the smallest sum of surface times triangles. Bins are equal parts of
-// the box of the centers.
+// The best split of triangles: the axis and the bin border with the smallest sum of surface area times number of
+// triangles. Bins divide the box of the centers into equal parts.
 struct cut {
   int axis = -1;
   float low = 0.0f, scale = 0.0f;
@@ -134,7 +134,7 @@ class tree_writer {
   tree_writer(const scene::world_geometry& world, const std::vector<placed>& triangles, cluster_tree& tree)
       : world_(world), triangles_(triangles), tree_(tree) {}
 
-  // The children of a node: the branch opened up where the boxes are largest, until there are eight.
+  // Writes a node. To choose its children, the largest branch is replaced by its two parts until there are eight.
   std::int32_t write(const branch& from) {
     const auto number = static_cast<std::int32_t>(tree_.nodes.size());
     tree_.nodes.emplace_back();
@@ -216,7 +216,7 @@ void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tre
   std::vector<placed> triangles;
   for (std::uint32_t id = 0; id < world.kinds.size(); ++id) {
     const scene::polygon_kind kind = world.kinds[id];
-    // What is in every set and hides nothing need not be drawn.
+    // A non-occluder that is in every set need not be drawn.
     if (kind.absent || (kind.always && !kind.hides()) || !wanted(kind)) continue;
     placed t;
     t.id = id;

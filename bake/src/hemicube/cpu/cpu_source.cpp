@@ -36,15 +36,15 @@ const cpu::kernel& kernel_of(cpu_instructions wanted) {
   }
 }
 
-// Aligned for eight lanes, and nothing is written before it is needed: an empty tile's memory is never touched.
+// Memory aligned for vectors of eight lanes. It is not initialized, so the memory of empty tiles is never touched.
 template <class T>
-class lane_array {
+class aligned_array {
  public:
-  explicit lane_array(std::size_t size)
+  explicit aligned_array(std::size_t size)
       : data_(static_cast<T*>(::operator new (size * sizeof(T), std::align_val_t{64}))) {}
-  ~lane_array() { ::operator delete (data_, std::align_val_t{64}); }
-  lane_array(const lane_array&) = delete;
-  lane_array& operator=(const lane_array&) = delete;
+  ~aligned_array() { ::operator delete (data_, std::align_val_t{64}); }
+  aligned_array(const aligned_array&) = delete;
+  aligned_array& operator=(const aligned_array&) = delete;
   T* data() const { return data_; }
 
  private:
@@ -58,9 +58,9 @@ constexpr std::uint32_t row_stride(std::uint32_t pixels) {
   return (tiles_along(pixels) + 7) / 8 * 8;
 }
 
-// What drawing one hemicube needs. The faces use the same memory one after the other.
-struct workplace {
-  workplace(std::uint32_t resolution, std::uint32_t polygon_count)
+// Memory for drawing one hemicube. Its faces use it one after the other.
+struct image_buffers {
+  image_buffers(std::uint32_t resolution, std::uint32_t polygon_count)
       : inverse_depths(std::size_t{row_stride(resolution)} * tiles_along(resolution) * cpu::tile_pixels),
         ids(std::size_t{row_stride(resolution)} * tiles_along(resolution) * cpu::tile_pixels),
         farthest(std::size_t{row_stride(resolution)} * tiles_along(resolution)),
@@ -80,7 +80,7 @@ struct workplace {
   }
   cpu::polygon_counter counter() { return {pixels.data(), found.data()}; }
 
-  // Ascending ids; leaves all zeros for the next hemicube.
+  // Lists the counted polygons by ascending id, and clears the counts for the next hemicube.
   void take_found(std::vector<seen_polygon>& seen) {
     seen.clear();
     for (std::size_t word = 0; word < found.size(); ++word) {
@@ -93,11 +93,11 @@ struct workplace {
     }
   }
 
-  lane_array<float> inverse_depths;
-  lane_array<std::uint32_t> ids;
-  lane_array<float> farthest;
-  lane_array<cpu::tile_state> states;
-  lane_array<float> row_below;
+  aligned_array<float> inverse_depths;
+  aligned_array<std::uint32_t> ids;
+  aligned_array<float> farthest;
+  aligned_array<cpu::tile_state> states;
+  aligned_array<float> row_below;
   std::vector<cpu::polygon_pixels> pixels;
   std::vector<std::uint64_t> found;
 };
@@ -116,7 +116,7 @@ cpu::face_frame frame_of(const glm::vec3& eye, const face_view& face, std::uint3
   f.center_y = half - static_cast<std::int32_t>((face.min_y + 1.0f) * f.half);
   f.width = face.width;
   f.height = face.height;
-  // Tiles are drawn to their ends.
+  // The kept part grows to whole tiles.
   const auto reach = [&](std::uint32_t pixels, std::int32_t center) {
     return static_cast<float>(static_cast<std::int32_t>(tiles_along(pixels) * cpu::tile_size) - center) / f.half;
   };
@@ -148,20 +148,20 @@ class cpu_source final : public hemicube_source {
 
   using hemicube_source::render;
   void render(std::span<const pose> poses, std::span<hemicube_view> views) override {
-    if (poses.size() == 1) return with_workplace([&](workplace& at) { render_one(at, poses[0], views[0]); });
+    if (poses.size() == 1) return with_buffers([&](image_buffers& at) { render_one(at, poses[0], views[0]); });
     tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
-      with_workplace([&](workplace& at) { render_one(at, poses[i], views[i]); });
+      with_buffers([&](image_buffers& at) { render_one(at, poses[i], views[i]); });
     });
   }
 
   std::optional<sample_split> render_split(const pose& where, hemicube_view& view) override {
     sample_split spent;
-    with_workplace([&](workplace& at) { render_one(at, where, view, &spent); });
+    with_buffers([&](image_buffers& at) { render_one(at, where, view, &spent); });
     return spent;
   }
 
   void render_image(const pose& where, hemicube_image& image) override {
-    with_workplace([&](workplace& at) {
+    with_buffers([&](image_buffers& at) {
       const std::size_t width = 3 * std::size_t{resolution_};
       image.resolution = resolution_;
       image.ids.assign(width * resolution_, scene::no_index);
@@ -190,8 +190,8 @@ class cpu_source final : public hemicube_source {
   std::string device() const override { return std::string("CPU rasteriser (") + kernel_.name + ")"; }
 
  private:
-  // spent: null, or where the CPU seconds of the parts are added up.
-  void render_one(workplace& at, const pose& where, hemicube_view& view, sample_split* spent = nullptr) {
+  // spent: if not null, the CPU seconds of the parts are added to it.
+  void render_one(image_buffers& at, const pose& where, hemicube_view& view, sample_split* spent = nullptr) {
     const auto now = [&] { return spent != nullptr ? thread_cpu_seconds() : 0.0; };
     sample_split none;
     sample_split& sum = spent != nullptr ? *spent : none;
@@ -221,11 +221,11 @@ class cpu_source final : public hemicube_source {
     view.importance[toward_down] = sums.down;
   }
 
-  // One of the workplaces that nobody uses: as many come to be as calls run at a time.
+  // Calls work with buffers that no other call uses. Makes new buffers if all are in use.
   template <class Work>
-  void with_workplace(const Work& work) {
-    std::unique_ptr<workplace> at;
-    if (!free_.try_pop(at)) at = std::make_unique<workplace>(resolution_, polygon_count_);
+  void with_buffers(const Work& work) {
+    std::unique_ptr<image_buffers> at;
+    if (!free_.try_pop(at)) at = std::make_unique<image_buffers>(resolution_, polygon_count_);
     work(*at);
     free_.push(std::move(at));
   }
@@ -236,7 +236,7 @@ class cpu_source final : public hemicube_source {
   const cpu::kernel& kernel_;
   cpu::cluster_scene scene_;
   cpu::scene_view view_;
-  tbb::concurrent_queue<std::unique_ptr<workplace>> free_;
+  tbb::concurrent_queue<std::unique_ptr<image_buffers>> free_;
 };
 
 }  // namespace
@@ -251,7 +251,7 @@ std::vector<cpu_instructions> available_instructions() {
   if (__builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt")) sets.push_back(cpu_instructions::sse4);
 #endif
 #if defined(SIGHTCELL_HAS_NEON_KERNEL)
-  sets.push_back(cpu_instructions::neon);  // part of every ARM64 processor
+  sets.push_back(cpu_instructions::neon);  // every ARM64 processor has it
 #endif
   sets.push_back(cpu_instructions::portable);
   return sets;

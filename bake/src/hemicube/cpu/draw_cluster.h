@@ -1,13 +1,14 @@
 #pragma once
-// A cluster: eight triangles at a time are moved to the image, told apart and drawn.
+// Draws the triangles of a cluster: transforms eight at a time, sorts them into small and large ones, and draws them.
 #include "hemicube/cpu/large_triangle.h"
 #include "hemicube/cpu/small_triangle.h"
 
 namespace sightcell::bake::cpu {
 namespace {
 
-// Further from the image's center than this many half images, or larger than this many pixels, is for draw_large; so is
-// what reaches from some depth to more than so many times that depth, where differences of 1/Z lose digits.
+// A triangle is drawn by draw_large if it reaches further from the image's center than guard_band half images, if it is
+// larger than largest_small pixels, or if its largest depth is more than depth_range times its smallest depth, where
+// differences of 1/Z lose precision.
 constexpr float guard_band = 7.5f;
 constexpr std::int32_t largest_small = 500;
 constexpr float depth_range = 4.0f;
@@ -24,7 +25,8 @@ inline floats3 to_eye_space(const face_frame& face, floats x, floats y, floats z
   return {along(face.right), along(face.up), along(face.forward)};
 }
 
-// Lanes whose three corners lie outside of one side of the frustum. Right also for corners behind the eye.
+// Returns the lanes whose three corners are outside of one side of the frustum. Also correct for corners behind the
+// eye.
 inline std::uint32_t outside_frustum(const face_frame& face, const floats3 (&v)[3]) {
   ints left = all(-1), right = left, below = left, above = left;
   for (const floats3& p : v) {
@@ -49,7 +51,7 @@ inline void draw_large_lane(draw_state& s, const floats3 (&v)[3], std::uint32_t 
   draw_large<kind>(s, corners, both_sides);
 }
 
-// Fills b for the lanes that it returns.
+// Returns the lanes that can cover a pixel center, and fills b for them.
 HWY_INLINE std::uint32_t set_up(const tile_image& image, const floats (&inverse)[3], const ints (&fixed_x)[3],
                                 const ints (&fixed_y)[3], std::uint32_t wanted, std::uint32_t both_sides,
                                 block_setup& b) {
@@ -57,7 +59,7 @@ HWY_INLINE std::uint32_t set_up(const tile_image& image, const floats (&inverse)
   const ints high_x = larger(larger(fixed_x[0], fixed_x[1]), fixed_x[2]);
   const ints low_y = smaller(smaller(fixed_y[0], fixed_y[1]), fixed_y[2]);
   const ints high_y = larger(larger(fixed_y[0], fixed_y[1]), fixed_y[2]);
-  // The first center at or after the low end, the last at or before the high one.
+  // The first pixel center at or after the low end, and the last one at or before the high end.
   const ints before = all(sub_pixel / 2 - 1), half = all(sub_pixel / 2);
   const ints px0 = larger(shift_right<16>(low_x + before), all(0));
   const ints py0 = larger(shift_right<16>(low_y + before), all(0));
@@ -72,7 +74,7 @@ HWY_INLINE std::uint32_t set_up(const tile_image& image, const floats (&inverse)
   const ints back = all(0.0f) > area;
   wanted &= sign_bits(area > all(0.0f)) | (sign_bits(back) & both_sides);
   if (wanted == 0) return 0;
-  // Seen from behind: corners 1 and 2 change places.
+  // Of back sides, corners 1 and 2 are swapped.
   const floats q1 = choose(back, inverse[2], inverse[1]), q2 = choose(back, inverse[1], inverse[2]);
   store(b.x[0], fixed_x[0]);
   store(b.y[0], fixed_y[0]);

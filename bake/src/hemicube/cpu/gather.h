@@ -1,5 +1,5 @@
 #pragma once
-// From the tiles of a face to pixels per polygon and sums of importance.
+// Counts the pixels per polygon of a face and sums its importance.
 #include "hemicube/cpu/tiles.h"
 
 namespace sightcell::bake::cpu {
@@ -39,7 +39,7 @@ inline void gather_tile(const face_frame& face, const polygon_counter& counter, 
     if (ids[0] != nothing) add(ids[0], left);
     return;
   }
-  // Most tiles show a few polygons; where there are many, pixels come one by one.
+  // Most tiles show a few polygons. In tiles with many, the remaining pixels are counted one by one.
   for (int found = 0; found < 12 && left != 0; ++found) {
     const std::uint32_t id = ids[__builtin_ctzll(left)];
     const std::uint64_t bits = pixels_equal(rows, id) & left;
@@ -67,8 +67,9 @@ inline float sum_of(const floats& a) {
   return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
 }
 
-// Importance of neighbors. With d = depth / far the gap of a pixel is max(0, d(neighbor) - d) / d: of two neighbors
-// only the nearer one has a gap, towards the other. In inverse depths q, at least 1 / far: (1/q(neighbor) - 1/q) q.
+// Sums the importance of a face. With d = depth / far, the gap between a pixel and its neighbor is
+// max(0, d(neighbor) - d) / d, so of two neighbors only the nearer one has a gap. With inverse depths q, clamped to
+// 1 / far, the gap is (1/q(neighbor) - 1/q) q.
 class importance_walk {
  public:
   importance_walk(const face_frame& face, const tile_image& image, float far_plane, importance_sums& sums)
@@ -88,7 +89,7 @@ class importance_walk {
         left_inverse_[j] = all(1.0f) / left_q_[j];
       }
       for (std::uint32_t tile_x = 0; tile_x < image_.tiles_x; ++tile_x) run_tile(tile_x, tile_y);
-      // Floats for a row of tiles, doubles for the face.
+      // Sums of a row of tiles are floats, sums of the face are doubles.
       sums_.right += static_cast<double>(sum_of(row_.right));
       sums_.up += static_cast<double>(sum_of(row_.up));
       sums_.left += static_cast<double>(sum_of(row_.left));
@@ -105,13 +106,13 @@ class importance_walk {
     const std::uint32_t tile = tile_y * image_.stride + tile_x;
     const bool empty = image_.states[tile] == tile_state::empty;
     const bool below_empty = tile_y > 0 && image_.states[tile - image_.stride] == tile_state::empty;
-    if (empty && left_empty_ && below_empty) return;  // the rows below and beside are as this tile would leave them
+    if (empty && left_empty_ && below_empty) return;  // the stored rows are the same as those of this tile
     left_empty_ = empty;
     const std::uint32_t x = tile_x * tile_size, y = tile_y * tile_size;
     const std::uint32_t rows = y + tile_size <= face_.height ? tile_size : face_.height - y;
     const float* depths = image_.inverse_depths + std::size_t{tile} * tile_pixels;
 
-    // A pair of neighbors is named by its right or upper pixel. Weights are 0 where it is not inside the kept part.
+    // A pair of neighbors is processed at its right or upper pixel. Its weights are 0 outside of the kept part.
     const floats at = to_floats(count_up() + all(static_cast<std::int32_t>(x)));
     const floats zero = all(0.0f), one = all(1.0f), width = all(static_cast<float>(face_.width));
     const ints inside = width > at, has_left = inside & (at > zero);
@@ -147,7 +148,7 @@ class importance_walk {
   const tile_image& image_;
   float least_q_;
   importance_sums& sums_;
-  // The last row of pixels of the tiles below; the rows of the tile on the left.
+  // The top row of pixels of the tiles below, and all rows of the tile on the left.
   float *below_q_, *below_inverse_;
   floats left_q_[tile_size], left_inverse_[tile_size];
   bool left_empty_ = true;

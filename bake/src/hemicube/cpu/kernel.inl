@@ -1,8 +1,9 @@
-// The kernel for the instruction set that the including file is compiled for, under the names that it defines before:
-// SIGHTCELL_KERNEL and SIGHTCELL_KERNEL_NAME.
+// Defines the kernel for the instruction set that the including file is compiled for. That file defines the names
+// SIGHTCELL_KERNEL and SIGHTCELL_KERNEL_NAME first.
 //
-// No function here may be one that other files share, because the linker keeps one copy of a shared function: with the
-// wrong copy a processor would run instructions that it does not have. tests/unit/bake checks the object files.
+// The rule for kernel files: they contain no function that other files share, such as an inline function of a library.
+// The linker keeps one copy of a shared function, and with the wrong copy a processor would run instructions that it
+// does not have. tests/unit/bake checks the object files.
 #include "hemicube/cpu/gather.h"
 #include "hemicube/cpu/traversal.h"
 

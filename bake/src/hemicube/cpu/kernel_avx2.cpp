@@ -1,4 +1,4 @@
-// The kernel for x86 processors with AVX2. kernel.inl has the rule that this file follows.
+// The kernel for x86 processors with AVX2. kernel.inl has the rule for this file.
 #define SIGHTCELL_KERNEL avx2_kernel
 #define SIGHTCELL_KERNEL_NAME "AVX2"
 #include "hemicube/cpu/kernel.inl"

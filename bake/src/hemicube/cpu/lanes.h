@@ -1,20 +1,21 @@
 #pragma once
 // Vectors of eight floats or eight 32-bit integers on top of Google Highway. The instruction set that the file is
-// compiled for sets how many Highway vectors make up eight lanes: one of eight lanes with AVX2, two of four with SSE4
-// and NEON, eight of one in the portable kernel.
+// compiled for determines how many Highway vectors make up eight lanes: one of eight lanes with AVX2, two of four with
+// SSE4 and NEON, eight of one in the portable kernel.
 //
 // Every operation rounds once per lane as IEEE 754 prescribes, and no multiplication is fused with an addition, so all
-// instruction sets give the same bits. Where Highway leaves a result to the instruction set (minimum of NaN or of two
-// zeros), this file decides.
+// instruction sets give the same bits. Where the result of a Highway function depends on the instruction set (minimum
+// of NaN or of two zeros), this file defines the result.
 //
 // Everything here is in an unnamed namespace: files compiled for different instruction sets include it, and the linker
 // must not replace a function of one by that of another.
-// Highway's AVX2, SSE4 and NEON targets without what is not needed: -mavx2 and -msse4.2 suffice to compile, and no
-// processor is asked for more. The first line also keeps fused multiply-add out.
+// Highway's AVX2, SSE4 and NEON targets without the extensions that the kernels do not use. So -mavx2 and -msse4.2
+// suffice as compiler flags, and a kernel runs on each processor with that instruction set. The first line also keeps
+// fused multiply-add out.
 #define HWY_DISABLE_BMI2_FMA
 #define HWY_DISABLE_F16C
 #define HWY_DISABLE_PCLMUL_AES
-#define TOOLCHAIN_MISS_SYS_AUXV_H  // no target attribute for AES on ARM64, where functions without it could not inline
+#define TOOLCHAIN_MISS_SYS_AUXV_H  // ARM64: no target attribute for AES, which prevents inlining
 #include <hwy/highway.h>
 
 #include <cstddef>
@@ -36,12 +37,12 @@ constexpr bool is_x86_vector = HWY_ARCH_X86 && vector_lanes > 1;
 struct floats {
   hn::Vec<float_tag> v[parts];
 };
-// Integers, and masks: comparisons set all bits of a lane or none. choose() and sign_bits() look at the sign bit alone.
+// Integers, and masks: comparisons set all bits of a lane or none. choose() and sign_bits() use the sign bit only.
 struct ints {
   hn::Vec<int_tag> v[parts];
 };
 
-// make(p) for every Highway vector. No loop, because compilers keep arrays with loops over them in memory.
+// Calls make(p) for each Highway vector. No loop, because compilers would keep the array in memory.
 template <class Out, class Make, std::size_t... p>
 HWY_INLINE Out each(const Make& make, std::index_sequence<p...>) {
   return {{make(p)...}};
@@ -96,8 +97,8 @@ HWY_INLINE floats operator*(const floats& a, const floats& b) {
 HWY_INLINE floats operator/(const floats& a, const floats& b) {
   return each<floats>([&](std::size_t p) { return hn::Div(a.v[p], b.v[p]); });
 }
-// a < b ? a : b, hence b where one of them is NaN. x86 has this as one instruction, which Highway's Min is; elsewhere
-// Min treats NaN and the signs of zeros otherwise.
+// a < b ? a : b, hence b where one of them is NaN. On x86 this is one instruction, to which Highway's Min compiles. On
+// other targets Min treats NaN and the signs of zeros differently.
 HWY_INLINE floats smaller(const floats& a, const floats& b) {
   return each<floats>([&](std::size_t p) {
     if constexpr (is_x86_vector) return hn::Min(a.v[p], b.v[p]);
@@ -161,11 +162,11 @@ HWY_INLINE ints shift_right(const ints& a) {  // keeps the sign
   return each<ints>([&](std::size_t p) { return hn::ShiftRight<bits>(a.v[p]); });
 }
 
-// Conversions to integers. What does not fit becomes some integer that depends on the instruction set: callers either
-// leave such lanes out or clamp before.
+// Conversions to integers. The result of a value that is out of range depends on the instruction set. Callers ignore
+// such lanes or clamp the values first.
 HWY_INLINE ints rounded(const floats& a) {  // to nearest, halves to even
   return each<ints>([&](std::size_t p) {
-// Highway's NearestInt saturates, with four more instructions on x86.
+// Highway's NearestInt saturates, which costs four more instructions on x86.
 #if HWY_TARGET == HWY_AVX2
     return hn::Vec<int_tag>{_mm256_cvtps_epi32(a.v[p].raw)};
 #elif HWY_TARGET == HWY_SSE4
@@ -182,7 +183,7 @@ HWY_INLINE floats to_floats(const ints& a) {
   return each<floats>([&](std::size_t p) { return hn::ConvertTo(float_tag(), a.v[p]); });
 }
 
-// The mask of the lanes whose sign bit is set. Masks on x86 consist of sign bits; elsewhere of whole lanes.
+// The mask of the lanes whose sign bit is set. Masks are sign bits on x86, and whole lanes elsewhere.
 HWY_INLINE hn::Mask<float_tag> signs(hn::Vec<int_tag> a) {
   if constexpr (!is_x86_vector) a = hn::BroadcastSignBit(a);
   return hn::MaskFromVec(hn::BitCast(float_tag(), a));

@@ -1,8 +1,8 @@
 #pragma once
-// Triangles that reach behind the eye, out of the guard band, or over much of the image: edges and depth plane in
-// double precision from homogeneous coordinates, which need no clipping. An edge through the eye-space corners P and Q
-// is (P x Q) . (x, y, 1), the volume that the line of sight spans with both; the three together are also the weights of
-// the corners (Olano and Greer, "Triangle scan conversion using 2D homogeneous coordinates", 1997).
+// Draws triangles that reach behind the eye, out of the guard band, or over much of the image. Edges and depth plane
+// are computed in double precision from homogeneous coordinates, which need no clipping. The edge through the eye-space
+// corners P and Q is (P x Q) . (x, y, 1), the volume that the line of sight spans with both. The three edges are also
+// the weights of the corners (Olano and Greer, "Triangle scan conversion using 2D homogeneous coordinates", 1997).
 #include "hemicube/cpu/walk.h"
 
 namespace sightcell::bake::cpu {
@@ -26,14 +26,14 @@ struct double_plane {
   double a, b, c;  // per pixel, and at the image's lower left corner
 };
 
-// f . (x, y, 1) at distance 1 becomes a function of pixels.
+// Converts f . (x, y, 1) on the image plane at distance 1 to a function of pixels.
 inline double_plane per_pixel(const face_frame& face, const corner3& f) {
   const double half = static_cast<double>(face.half);
   const double_plane p{f.x / half, f.y / half, 0.0};
   return {p.a, p.b, f.z - p.a * face.center_x - p.b * face.center_y};
 }
 
-// So that one of a and b is +-1: then a margin can be given in pixels.
+// Scales a plane so that one of a and b is +-1. Then a margin can be given in pixels.
 inline double_plane normalized(const double_plane& p) {
   const double a = __builtin_fabs(p.a), b = __builtin_fabs(p.b);
   const double most = a > b ? a : b;
@@ -52,7 +52,7 @@ inline corner_weights weights_of(const face_frame& face, const corner3 (&v)[3]) 
   return w;
 }
 
-// The box of what lies in front of the near plane, in tiles; false: nothing of it is in the image.
+// Computes the tiles that the part in front of the near plane can touch. Returns false if the image contains no part.
 inline bool tiles_of(const face_frame& face, const tile_image& image, const corner3 (&v)[3], tile_rect& rect) {
   double low_x = 1e30, low_y = 1e30, high_x = -1e30, high_y = -1e30;
   const auto add = [&](double x, double y, double z) {
@@ -63,7 +63,7 @@ inline bool tiles_of(const face_frame& face, const tile_image& image, const corn
     low_y = py < low_y ? py : low_y;
     high_y = py > high_y ? py : high_y;
   };
-  // Well before the near plane, which cuts nothing away.
+  // Well in front of the near plane, so that no drawn part is missing.
   constexpr double front = 1e-6;
   for (int k = 0; k < 3; ++k) {
     const corner3 &p = v[k], &q = v[(k + 1) % 3];
@@ -79,12 +79,13 @@ inline bool tiles_of(const face_frame& face, const tile_image& image, const corn
     at = at < 0.0 ? 0.0 : at > limit - 1.0 ? limit - 1.0 : at;
     return static_cast<std::int32_t>(at) >> 3;
   };
-  // A pixel more on all sides: edges are widened a little.
+  // One pixel more on all sides, because edges are widened.
   rect = {tile(low_x - 1.0, width), tile(low_y - 1.0, height), tile(high_x + 1.0, width), tile(high_y + 1.0, height)};
   return true;
 }
 
-// Pixels by which edges are widened, so that no crack opens to a neighbor that was drawn with snapped corners.
+// Pixels by which edges are widened, so that there is no gap to an adjacent triangle that is drawn with snapped
+// corners.
 constexpr double widening = 4e-5;
 
 template <pass kind>

@@ -1,6 +1,6 @@
 #pragma once
-// What becomes of the pixels of a tile that a triangle covers, by the kind of pass: they are drawn, drawn where the
-// alpha passes, or counted where nothing that hides is in front.
+// Processes the pixels of a tile that a triangle covers. Depending on the pass they are drawn, drawn where the alpha
+// test passes, or counted where no occluder is in front.
 #include "hemicube/cpu/alpha_test.h"
 #include "hemicube/cpu/tiles.h"
 
@@ -10,16 +10,16 @@ namespace {
 enum class pass { opaque, masked, see_through };
 
 constexpr std::int32_t sub_pixel = 1 << 16;  // fixed-point units per pixel
-constexpr float near_plane = 0.001f;         // metres: nothing that an eye can stand next to is cut away
+constexpr float near_plane = 0.001f;         // meters; the same as hemicube_near
 
-// A plane of inverse depths over an image: value at the center of the tile's first pixel, steps per pixel. Values are
-// held between those of the corners: a sliver's slopes are all rounding.
+// A plane of inverse depths: value at the center of the tile's first pixel, and steps per pixel. Values are clamped to
+// the range of the corners, because the slopes of a sliver are rounding noise.
 struct depth_plane {
   float base, step_x, step_y, least, most;
 };
 
-// Where on the triangle a pixel lies, from edges of homogeneous coordinates: weight k = weight[k] . (px, py, 1) over
-// their sum. Made only when a pixel needs it.
+// Barycentric weights of a pixel, from edges in homogeneous coordinates: weight k is (a[k], b[k], c[k]) . (px, py, 1),
+// divided by the sum of all three. Computed for masked triangles only.
 struct corner_weights {
   double a[3], b[3], c[3];
 };
@@ -29,12 +29,12 @@ struct draw_state {
   const tile_image& image;
   const polygon_counter& counter;
   const scene_view& scene;
-  std::uint32_t id = 0;            // of the triangle in work
-  std::uint32_t masked = nothing;  // its number in world_geometry::masked
-  corner_weights weights{};        // where it is masked
+  std::uint32_t id = 0;            // of the current triangle
+  std::uint32_t masked = nothing;  // index of the triangle in world_geometry::masked
+  corner_weights weights{};        // only if it is masked
 };
 
-// Rule 1 of seeing: of the pixels of one row of a tile (bits), those whose alpha passes.
+// Rule 1 (docs/method/visibility-rules.md). Returns the pixels of bits, a row of a tile, whose alpha test passes.
 inline std::uint32_t passing(const draw_state& s, std::uint32_t bits, std::uint32_t x, std::uint32_t y) {
   floats w[3];
   for (int k = 0; k < 3; ++k) {
@@ -53,8 +53,8 @@ inline ints mask_of(std::uint32_t bits) {
   return (all(static_cast<std::int32_t>(bits)) & bit) == bit;
 }
 
-// Rule 2 of seeing: a see-through polygon within this of the surface behind it is seen, here at its least, for a line
-// of sight in the corner of an image: 0.2 mm / sqrt(3) along the axis, 2e-5 of the depth.
+// Rule 2: a see-through polygon is visible up to a certain distance behind an occluder. This is the smallest such
+// distance, for a line of sight in the corner of an image: 0.2 mm / sqrt(3) along the axis, or 2e-5 of the depth.
 inline floats behind_by_reach(floats q) {
   const floats reach = larger(all(1.15e-4f) * q, all(2e-5f));
   return q / (all(1.0f) + reach);
@@ -69,7 +69,7 @@ inline void count_row(const draw_state& s, std::uint32_t bits, std::uint32_t x, 
         atlas_pixel(s.face, x + static_cast<std::uint32_t>(__builtin_ctz(bits)), y));
 }
 
-// Rows j0 to j1 of a tile. outside(j): a vector whose sign bits tell the pixels that the triangle does not cover.
+// Processes rows j0 to j1 of a tile. The sign bits of outside(j) mark the pixels that the triangle does not cover.
 template <pass kind, class Outside>
 inline void cover_rows(const draw_state& s, std::uint32_t tile, std::uint32_t tile_x, std::uint32_t tile_y,
                        std::uint32_t j0, std::uint32_t j1, const depth_plane& plane, Outside&& outside) {
@@ -92,7 +92,7 @@ inline void cover_rows(const draw_state& s, std::uint32_t tile, std::uint32_t ti
       const std::uint32_t bits = sign_bits(without(clamped >= behind_by_reach(old), out));
       if (bits != 0) count_row(s, bits, tile_x * tile_size, tile_y * tile_size + j);
     } else {
-      ints in = without(clamped > old, out);  // only the sign bits count
+      ints in = without(clamped > old, out);  // only the sign bits are used
       if constexpr (kind == pass::masked) {
         std::uint32_t bits = sign_bits(in);
         if (bits == 0) {
@@ -111,7 +111,7 @@ inline void cover_rows(const draw_state& s, std::uint32_t tile, std::uint32_t ti
   if (sign_bits(any) != 0) state = tile_state::stale;
 }
 
-// A tile that the triangle covers all over.
+// Processes a tile that the triangle covers completely.
 template <pass kind>
 inline void cover_all(const draw_state& s, std::uint32_t tile, std::uint32_t tile_x, std::uint32_t tile_y,
                       const depth_plane& plane) {

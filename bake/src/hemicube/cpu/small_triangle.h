@@ -1,12 +1,12 @@
 #pragma once
-// Triangles of a block that lie well in front of the eye and inside the guard band: corners snapped to 1/65536 pixel,
-// exact edges in integers (64 bits at the start of each tile, 32-bit steps inside), top-left rule.
+// Draws triangles that are well in front of the eye and inside the guard band: corners snapped to 1/65536 pixel, exact
+// edges in integers (64 bits at the start of each tile, 32-bit steps inside), top-left rule.
 #include "hemicube/cpu/walk.h"
 
 namespace sightcell::bake::cpu {
 namespace {
 
-// Of eight triangles, what drawing one needs. Fixed-point numbers count from the image's lower left corner.
+// Setup of eight triangles. The origin of the fixed-point numbers is the image's lower left corner.
 struct alignas(32) block_setup {
   std::int32_t x[3][8], y[3][8];
   std::int32_t px0[8], px1[8], py0[8], py1[8];  // pixels whose centers can be covered, inside the image
@@ -18,8 +18,9 @@ struct edge {
   std::int64_t c;     // at the center of the first pixel of the first tile; covered where a x + b y + c >= 0
 };
 
-// From p to r, covered on the left. With E(x, y) in units of 2^-32 pixel^2 at pixel centers, E = 65536 (a x + b y) + C:
-// E >= 0 is a x + b y + floor(C / 65536) >= 0. An edge that is not a left or top one gives a center on it away.
+// The edge from p to r; the triangle is on its left. With E(x, y) in units of 2^-32 pixel^2 at pixel centers,
+// E = 65536 (a x + b y) + C, so E >= 0 is a x + b y + floor(C / 65536) >= 0. A pixel center on the edge is covered only
+// if it is a left or top edge.
 inline edge edge_of(std::int32_t px, std::int32_t py, std::int32_t rx, std::int32_t ry, std::int32_t at_x,
                     std::int32_t at_y) {
   edge e;
@@ -42,10 +43,10 @@ inline void draw_small(draw_state& s, const block_setup& b, std::uint32_t k) {
   const std::int32_t tx0 = b.px0[k] >> 3, tx1 = b.px1[k] >> 3, ty0 = b.py0[k] >> 3, ty1 = b.py1[k] >> 3;
   const auto first_tile = static_cast<std::uint32_t>(ty0) * s.image.stride + static_cast<std::uint32_t>(tx0);
   const bool one_tile = tx0 == tx1 && ty0 == ty1;
-  const auto hidden = [&](std::uint32_t tile) {
+  const auto occluded = [&](std::uint32_t tile) {
     return kind != pass::see_through && b.most[k] <= s.image.farthest[tile];
   };
-  if (one_tile && hidden(first_tile)) return;
+  if (one_tile && occluded(first_tile)) return;
   const std::int32_t at_x = tx0 * 8 * sub_pixel + sub_pixel / 2, at_y = ty0 * 8 * sub_pixel + sub_pixel / 2;
   const edge e[3] = {edge_of(b.x[0][k], b.y[0][k], b.x[1][k], b.y[1][k], at_x, at_y),
                      edge_of(b.x[1][k], b.y[1][k], b.x[2][k], b.y[2][k], at_x, at_y),
@@ -57,7 +58,7 @@ inline void draw_small(draw_state& s, const block_setup& b, std::uint32_t k) {
   const ints lanes = count_up();
   const ints a0 = all(e[0].a) * lanes, a1 = all(e[1].a) * lanes, a2 = all(e[2].a) * lanes;
   const ints b0 = all(e[0].b), b1 = all(e[1].b), b2 = all(e[2].b);
-  // Inlined at all three calls: as a function it would read what it captures from memory.
+  // Inlined at all three calls, because a function would read the captured values from memory.
   const auto cover = [&](std::int32_t tx, std::int32_t ty) __attribute__((always_inline)) {
     const std::int32_t dx = (tx - tx0) * 8, dy = (ty - ty0) * 8;
     const std::uint32_t j0 = ty == ty0 ? static_cast<std::uint32_t>(b.py0[k] & 7) : 0;
@@ -82,7 +83,7 @@ inline void draw_small(draw_state& s, const block_setup& b, std::uint32_t k) {
   if (tx1 - tx0 <= 1 && ty1 - ty0 <= 1) {
     for (std::int32_t ty = ty0; ty <= ty1; ++ty)
       for (std::int32_t tx = tx0; tx <= tx1; ++tx)
-        if (!hidden(static_cast<std::uint32_t>(ty) * s.image.stride + static_cast<std::uint32_t>(tx))) cover(tx, ty);
+        if (!occluded(static_cast<std::uint32_t>(ty) * s.image.stride + static_cast<std::uint32_t>(tx))) cover(tx, ty);
     return;
   }
   float_edge f[3];

@@ -1,5 +1,5 @@
 #pragma once
-// Tiles of an image: filling them, and asking the hierarchical depth.
+// Clears the tiles of an image and tests against its hierarchical depth.
 #include "hemicube/cpu/kernel.h"
 #include "hemicube/cpu/lanes.h"
 
@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint32_t nothing = 0xFFFFFFFFu;  // scene::no_index
 
 struct tile_rect {
-  std::int32_t x0, y0, x1, y1;  // both ends included
+  std::int32_t x0, y0, x1, y1;  // inclusive
 };
 
 inline void clear(const tile_image& image) {
@@ -18,7 +18,7 @@ inline void clear(const tile_image& image) {
   for (std::uint32_t i = 0; i < count; ++i) image.states[i] = tile_state::empty;
 }
 
-// Memory of an empty tile becomes valid.
+// Initializes the memory of an empty tile.
 inline void open_tile(const tile_image& image, std::uint32_t tile) {
   float* q = image.inverse_depths + std::size_t{tile} * tile_pixels;
   std::uint32_t* ids = image.ids + std::size_t{tile} * tile_pixels;
@@ -36,8 +36,8 @@ inline void refresh(const tile_image& image, std::uint32_t tile) {
   image.states[tile] = tile_state::exact;
 }
 
-// Is everything as near as nearest, or further, hidden all over the rectangle?
-inline bool is_hidden(const tile_image& image, const tile_rect& rect, float nearest) {
+// Returns true if everything at the inverse depth nearest or further away is occluded in the whole rectangle.
+inline bool is_occluded(const tile_image& image, const tile_rect& rect, float nearest) {
   const floats limit = all(nearest);
   for (std::int32_t y = rect.y0; y <= rect.y1; ++y) {
     const std::uint32_t row = static_cast<std::uint32_t>(y) * image.stride;

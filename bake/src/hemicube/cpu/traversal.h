@@ -1,6 +1,6 @@
 #pragma once
-// The tree of clusters, front to back: nodes whose box is outside of the frustum, between pixel centers or behind what
-// the tiles already hold are left out.
+// Traverses the tree of clusters front to back. Skips nodes whose box is outside of the frustum, between pixel centers
+// or behind the polygons already drawn.
 #include "hemicube/cpu/draw_cluster.h"
 
 namespace sightcell::bake::cpu {
@@ -9,11 +9,11 @@ namespace {
 struct open_child {
   std::int32_t child;
   float nearest;   // largest inverse depth of the box
-  float distance;  // of its center, squared: what is walked first
+  float distance;  // of its center, squared; the nearest child is first
   tile_rect rect;
 };
 
-// A plane through the eye as weights of the world axes: d . (p - eye) >= 0 inside.
+// A plane through the eye. A point p is inside where d . (p - eye) >= 0.
 struct frustum_plane {
   float d[3];
 };
@@ -39,7 +39,7 @@ struct child_boxes {
   alignas(32) float nearest[8], distance[8];
 };
 
-// The children of a node that may be seen, a bit each.
+// Returns a bit per child of a node that may be visible, and fills out for these children.
 inline std::uint32_t children_in_view(const face_frame& face, const tile_image& image, const frustum& view,
                                       const tree_node& node, child_boxes& out) {
   floats center[3], extent[3];
@@ -47,7 +47,7 @@ inline std::uint32_t children_in_view(const face_frame& face, const tile_image& 
     const floats low = load(node.low[i]), high = load(node.high[i]), half = all(0.5f);
     const floats middle = low * half + high * half;
     center[i] = middle - all(face.eye[i]);
-    // A little more than the box, for rounding here and in the corners.
+    // Slightly more than the box, because of rounding here and in the corners.
     extent[i] = (high * half - low * half) +
                 all(1e-6f) * (magnitude(center[i]) + magnitude(middle) + all(__builtin_fabsf(face.eye[i])));
   }
@@ -86,8 +86,8 @@ inline std::uint32_t children_in_view(const face_frame& face, const tile_image& 
     low_y = smaller(low_y, cy);
     high_y = larger(high_y, cy);
   }
-  // First pixel center at or after the low end, last at or before the high one, with a twentieth of a pixel to spare.
-  // What reaches to the near plane is taken to fill the image.
+  // The first pixel center at or after the low end and the last one at or before the high end, with a margin of a
+  // twentieth of a pixel. A box that reaches the near plane is assumed to fill the image.
   const auto limit = [](floats v) { return smaller(larger(v, all(-1e6f)), all(1e6f)); };
   const auto first = [&](floats v, std::int32_t middle) {
     return choose(in_front, rounded(limit(v * all(face.half) - all(0.05f + 1e-6f))) + all(middle), all(0));
@@ -108,7 +108,7 @@ inline std::uint32_t children_in_view(const face_frame& face, const tile_image& 
   return seen;
 }
 
-// Rule 2: what hides nothing is seen a little behind a surface too.
+// Rule 2: a see-through polygon is also visible a short distance behind an occluder.
 template <pass kind>
 inline float as_near_as(float nearest) {
   if (kind != pass::see_through) return nearest;
@@ -126,7 +126,7 @@ inline void draw_tree(draw_state& s, const tree_view& tree) {
   stack[size++] = {0, 1e9f, 0, {0, 0, 0, 0}};
   while (size > 0) {
     const open_child next = stack[--size];
-    if (next.nearest < 1e8f && is_hidden(s.image, next.rect, as_near_as<kind>(next.nearest))) continue;
+    if (next.nearest < 1e8f && is_occluded(s.image, next.rect, as_near_as<kind>(next.nearest))) continue;
     if (next.child < 0) {
       draw_cluster<kind>(s, tree, tree.clusters[~next.child]);
       continue;
@@ -138,7 +138,7 @@ inline void draw_tree(draw_state& s, const tree_view& tree) {
       const auto k = static_cast<std::uint32_t>(__builtin_ctz(seen));
       const open_child made{
           node.child[k], boxes.nearest[k], boxes.distance[k], {boxes.x0[k], boxes.y0[k], boxes.x1[k], boxes.y1[k]}};
-      // The nearest ends on top of the stack.
+      // The nearest child ends up on top of the stack.
       std::uint32_t at = size++;
       for (; at > first && stack[at - 1].distance < made.distance; --at) stack[at] = stack[at - 1];
       stack[at] = made;

@@ -1,18 +1,19 @@
 #pragma once
-// The tiles of a rectangle that a triangle can change: inside all edges and in front of what is there, eight at a time.
+// Finds the tiles of a rectangle that a triangle can change, eight at a time: tiles inside all edges where the triangle
+// is not behind all pixels.
 #include "hemicube/cpu/pixels.h"
 
 namespace sightcell::bake::cpu {
 namespace {
 
 // a x + b y + c per pixel, x = y = 0 at the center of the first pixel of the first tile; not negative where covered.
-// Rounded: only for telling tiles apart, with a margin of a thousandth of a pixel.
+// Rounded, so it serves to classify tiles only, with a margin of a thousandth of a pixel.
 struct float_edge {
   float a, b, c;
 };
 
-// Calls draw(tile_x, tile_y, covered) for the tiles that are left, row by row; covered: surely all over. plane.base
-// belongs to the first tile.
+// Calls draw(tile_x, tile_y, covered) for these tiles, row by row. covered: the triangle certainly covers the whole
+// tile. plane.base is the value in the first tile of the rectangle.
 template <pass kind, class Draw>
 inline void walk_tiles(const tile_image& image, const tile_rect& rect, const float_edge (&edges)[3],
                        const depth_plane& plane, const Draw& draw) {
@@ -26,7 +27,7 @@ inline void walk_tiles(const tile_image& image, const tile_rect& rect, const flo
   }
   const float nearest = plane.base + (plane.step_x > 0.0f ? last * plane.step_x : 0.0f) +
                         (plane.step_y > 0.0f ? last * plane.step_y : 0.0f);
-  // What the plane may be wrong by, far from the first tile.
+  // Bound of the rounding error of the plane far from the first tile.
   const float slack = 1e-6f * __builtin_fabsf(plane.base);
   const floats lanes = to_floats(count_up()) * all(static_cast<float>(tile_size));
   for (std::int32_t ty = rect.y0; ty <= rect.y1; ++ty) {

@@ -16,7 +16,7 @@ void gather_compute::run(const hemicube_atlas& atlas, std::span<const face_view,
   const double start = thread_cpu_seconds();
   send(atlas, 0);
   receive(0, view);
-  if (spent != nullptr) spent->gather = thread_cpu_seconds() - start;  // with the statistics
+  if (spent != nullptr) spent->gather = thread_cpu_seconds() - start;  // includes the statistics
 }
 
 void gather_compute::send(const hemicube_atlas& atlas, std::uint32_t slot) {
@@ -25,7 +25,7 @@ void gather_compute::send(const hemicube_atlas& atlas, std::uint32_t slot) {
   glBindTextureUnit(shaders::hemicube_texture_ids, atlas.ids);
   glBindTextureUnit(shaders::hemicube_texture_depth, atlas.depths);
   counted_.bind();
-  // The see-through pass has already counted into the same list.
+  // Orders this after the see-through pass, which has counted into the same list.
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glDispatchCompute(columns, rows, 1);
   counted_.send(slot);

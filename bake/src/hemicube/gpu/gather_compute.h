@@ -1,5 +1,5 @@
 #pragma once
-// Counts pixels and sums importance in compute shaders; several hemicubes can be on their way.
+// Counts pixels and sums importance in compute shaders; several hemicubes can be in flight.
 #include "hemicube/gpu/gpu_gather.h"
 #include "sightcell/picture/gl_program.h"
 
@@ -10,12 +10,12 @@ std::array<std::uint32_t, 2> gather_compute_groups(std::uint32_t resolution);
 
 class gather_compute final : public gpu_gather {
  public:
-  // counted: made for gather_compute_groups().
+  // counted: made with the number of groups of gather_compute_groups().
   explicit gather_compute(polygon_counts& counted);
 
   void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view,
            sample_split* spent = nullptr) override;
-  // The two halves of run(); between them the atlas may be drawn again.
+  // The two halves of run(). The atlas may be drawn again between them.
   void send(const hemicube_atlas& atlas, std::uint32_t slot);
   void receive(std::uint32_t slot, hemicube_view& view);
 

@@ -40,20 +40,20 @@ class frustum_culling final : public gpu_culling {
   }
 
  private:
-  // The formula of in_frustum in shaders/hemicube/cull.glsl.
+  // The same formula as in_frustum in shaders/hemicube/cull.glsl.
   void cull_class(const glm::vec3& eye, const face_view& face, polygon_class which) {
     // Planes through the eye; their normals point inside.
     const std::array<glm::vec3, 5> planes{face.right - face.min_x * face.forward,
                                           face.max_x * face.forward - face.right, face.up - face.min_y * face.forward,
                                           face.max_y * face.forward - face.up, face.forward};
     const gpu_geometry::index_range clusters = geometry_.clusters_of(which);
-    std::uint32_t end_of_last = 0xFFFFFFFFu;  // device number after the last draw of this list
+    std::uint32_t end_of_last = 0xFFFFFFFFu;  // device number of the polygon after the last draw of this list
     for (const gpu_geometry::cluster& c : geometry_.clusters().subspan(clusters.first, clusters.count)) {
       const glm::vec3 from_eye = c.center - eye;
       bool outside = false;
       for (const glm::vec3& plane : planes) {
         const glm::vec3 size = glm::abs(plane);
-        // A little more than the box, for rounding here and in the vertex shader.
+        // Slightly more than the box, because of rounding here and in the vertex shader.
         const float reach = glm::dot(size, c.extent + 1e-5f * (glm::abs(from_eye) + glm::abs(eye)));
         outside = outside || glm::dot(plane, from_eye) + reach < 0.0f;
       }
@@ -71,7 +71,7 @@ class frustum_culling final : public gpu_culling {
 
   const gpu_geometry& geometry_;
   bool frustum_;
-  // Draws of all faces and classes, as glMultiDrawElements wants them, and the part of each face and class.
+  // Draws of all faces and classes, as arguments of glMultiDrawElements, and the part of each face and class.
   std::vector<GLsizei> index_counts_;
   std::vector<const void*> index_offsets_;
   std::array<std::array<gpu_geometry::index_range, polygon_class_count>, face_count> draws_;

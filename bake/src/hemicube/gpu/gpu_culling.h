@@ -1,9 +1,9 @@
 #pragma once
-// Which clusters are drawn for a hemicube, in three ways that show the same image: all; those in a face's frustum,
-// found on the CPU; or, found on the device in two passes, those that are not hidden either.
+// Selects the clusters that are drawn for a hemicube. There are three ways, with the same image: all clusters; those in
+// the frustum of a face, selected on the CPU; those that are not occluded either, selected on the device in two passes.
 //
-// Of polygons at the same depth the last one drawn is kept, and clusters are drawn in the order of their numbers, so
-// the image depends on nothing but the pose: leaving out what is hidden changes no pixel.
+// Of polygons at the same depth the last one drawn is kept, and clusters are drawn in the order of their numbers. So
+// the image depends on the pose only, and leaving out occluded clusters changes no pixel.
 #include <memory>
 #include <span>
 
@@ -13,36 +13,39 @@
 
 namespace sightcell::bake {
 
-// automatic: frustum on a software rasteriser, else occlusion, which is frustum where the device cannot do it.
+// automatic: frustum on a software rasterizer, otherwise occlusion. occlusion: frustum where the device lacks a
+// feature.
 enum class culling { automatic, none, frustum, occlusion };
 
 class gpu_culling {
  public:
   virtual ~gpu_culling() = default;
-  // Finds what the first pass draws.
+  // Selects the clusters of the first pass.
   virtual void start(const glm::vec3& eye, std::span<const face_view, face_count> faces) = 0;
-  // When everything that hides has been drawn: finds what the second pass draws, and binds the framebuffer that it
-  // draws into. False: there is no second pass.
+  // To be called when the first pass has drawn the occluders. Selects the clusters of the second pass and binds its
+  // framebuffer. Returns false if there is no second pass.
   virtual bool start_second() = 0;
-  // When the second pass has been drawn: its pixels join those of the first, whose framebuffer is bound again.
+  // To be called when the second pass has been drawn. Merges its pixels into those of the first pass and binds the
+  // framebuffer of the first pass again.
   virtual void finish_second() = 0;
-  // Draws the clusters of one class that were found for one face.
+  // Draws the clusters of one class that are selected for one face.
   virtual void draw(std::uint32_t face, polygon_class which) const = 0;
 };
 
-// frustum: only clusters that each face can see; else all.
+// frustum: selects the clusters in the frustum of each face; otherwise all.
 std::unique_ptr<gpu_culling> make_frustum_culling(const gpu_geometry& geometry, bool frustum);
 
-// What is drawn into, 3 S x S each, and what is attached to it.
+// The framebuffer that is drawn into, and its attachments, 3 S x S pixels each.
 struct culling_target {
   std::uint32_t resolution;
   GLuint framebuffer, ids, depths;
 };
 
-// The first pass draws what the last hemicubes saw; the hierarchical depth of that hides much of the rest.
+// The first pass draws the clusters that were visible in the last hemicubes. Their hierarchical depth occludes most of
+// the others.
 std::unique_ptr<gpu_culling> make_occlusion_culling(const gpu_geometry& geometry, const culling_target& target);
 
-// Can the device be told by itself how much to draw? (GL_ARB_indirect_parameters: OpenGL 4.6 has it, 4.5 need not.)
+// True if the device can read the number of draws from a buffer (GL_ARB_indirect_parameters, optional in OpenGL 4.5).
 bool can_cull_on_device();
 
 }  // namespace sightcell::bake

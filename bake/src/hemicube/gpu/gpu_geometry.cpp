@@ -11,7 +11,7 @@
 namespace sightcell::bake {
 namespace {
 
-// Polygons per cluster at most. Smaller ones are culled more tightly but cost more commands.
+// Maximum number of polygons per cluster. Smaller clusters are culled more tightly but need more commands.
 constexpr std::size_t cluster_size = 128;
 
 struct placed_polygon {
@@ -67,11 +67,11 @@ void split_in_space(std::vector<placed_polygon>& polygons, const Leaf& leaf) {
 
 struct device_vertex {
   glm::vec3 position;
-  std::uint32_t source_id;  // of the polygon whose last corner it is; else no_index
+  std::uint32_t source_id;  // of the polygon whose last corner this is, or no_index
 };
 static_assert(sizeof(device_vertex) == 16);
 
-// What the corner of a masked polygon has besides.
+// Further attributes of the corners of masked polygons.
 struct mask_vertex {
   glm::vec2 uv;
   std::uint32_t mask;
@@ -79,13 +79,13 @@ struct mask_vertex {
 };
 static_assert(sizeof(mask_vertex) == 16);
 
-// Collects the corners of polygons: equal positions become one vertex, numbered in order of first use, but no two
-// polygons end in the same vertex.
+// Collects the corners of polygons. Equal positions become one vertex, numbered in order of first use, except that no
+// two polygons have the same last vertex.
 class vertex_welder {
  public:
   explicit vertex_welder(std::size_t expected) : slots_(std::bit_ceil(expected * 2 + 16), scene::no_index) {}
 
-  // The three indices to draw, turned so that the last one carries the id; the winding stays.
+  // Returns the three indices of a polygon, rotated so that the last vertex carries the id. Keeps the winding.
   std::array<std::uint32_t, 3> add(std::uint32_t source_id, const std::array<glm::vec3, 3>& corners) {
     std::array<std::uint32_t, 3> v{};
     for (std::size_t k = 0; k < 3; ++k) v[k] = number_of(corners[k]);
@@ -97,7 +97,7 @@ class vertex_welder {
     vertices_.push_back({vertices_[v[2]].position, source_id});
     return {v[0], v[1], static_cast<std::uint32_t>(vertices_.size() - 1)};
   }
-  // The same with vertices of its own, numbered onward.
+  // The same with three new vertices of consecutive numbers.
   std::array<std::uint32_t, 3> add_apart(std::uint32_t source_id, const std::array<glm::vec3, 3>& corners) {
     const auto first = static_cast<std::uint32_t>(vertices_.size());
     for (const glm::vec3& p : corners) vertices_.push_back({p, source_id});
@@ -133,7 +133,7 @@ gpu_geometry::gpu_geometry(const scene::world_geometry& world)
     : polygon_count_(static_cast<std::uint32_t>(world.kinds.size())) {
   std::array<std::vector<placed_polygon>, polygon_class_count> by_class;
   for (std::uint32_t id = 0; id < polygon_count_; ++id) {
-    // What is in every set and hides nothing need not be drawn.
+    // A non-occluder that is in every set need not be drawn.
     const scene::polygon_kind kind = world.kinds[id];
     if (kind.absent || (kind.always && !kind.hides())) continue;
     const glm::vec3 center = (corner(world, id, 0) + corner(world, id, 1) + corner(world, id, 2)) / 3.0f;
@@ -158,7 +158,7 @@ gpu_geometry::gpu_geometry(const scene::world_geometry& world)
       // Halved before adding: the sum of two large numbers could overflow.
       added.center = low * 0.5f + high * 0.5f;
       added.extent = high * 0.5f - low * 0.5f;
-      // Neighbors in the file mostly share vertices.
+      // Polygons that are adjacent in the file mostly share vertices.
       std::sort(source_ids_.begin() + added.first_polygon, source_ids_.end());
       clusters_.push_back(added);
     });
@@ -172,7 +172,7 @@ void gpu_geometry::upload(const scene::world_geometry& world) {
   vertex_welder welder(world.positions.size());
   std::vector<mask_vertex> masked;
   std::vector<std::uint32_t> indices(3 * source_ids_.size());
-  // Masked polygons first, so that their vertices are the first; indices stay in device order.
+  // Masked polygons first, so that their vertices come first. Indices stay in device order.
   for (const bool want_masked : {true, false}) {
     for (std::size_t i = 0; i < source_ids_.size(); ++i) {
       const std::uint32_t id = source_ids_[i];

@@ -1,11 +1,11 @@
 #pragma once
-// The flattened scene on the device, cut into clusters (gpu_culling.h finds those that a face can see).
+// The flattened scene on the device, divided into clusters (gpu_culling.h selects the ones to draw).
 //
-// Polygons are put in device order: by class (how they are drawn), inside a class by a recursive split in space, so
-// that a cluster has a tight box. Corners of masked polygons come first among the vertices and share none. Absent
-// polygons are left out. Corners at the same place share a vertex, but the last (provoking) corner of each polygon is a
-// vertex of its own that carries the source id as a flat attribute: with gl_PrimitiveID in the fragment shader llvmpipe
-// takes indexed triangles apart one by one, 1.5 times the cost in all.
+// Polygons are stored in device order: by class (how they are drawn), inside a class by a recursive split in space, so
+// that a cluster has a tight box. Absent polygons are left out. Corners at the same place share a vertex, except the
+// last (provoking) corner of each polygon: its vertex carries the source id as a flat attribute. With gl_PrimitiveID in
+// the fragment shader, llvmpipe processes indexed triangles one by one, and a hemicube costs 1.5 times as much. The
+// vertices of masked polygons come first and are not shared.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -20,9 +20,9 @@ namespace sightcell::bake {
 enum polygon_class : std::uint32_t {
   opaque_single_sided = 0,
   opaque_double_sided,
-  masked_single_sided,  // there where their alpha passes
+  masked_single_sided,  // present where their alpha test passes
   masked_double_sided,
-  see_through_single_sided,  // BLEND, or tagged so: seen, never hiding
+  see_through_single_sided,  // non-occluders: BLEND, or marked so
   see_through_double_sided,
   see_through_masked_single_sided,
   see_through_masked_double_sided,
@@ -41,7 +41,7 @@ class gpu_geometry {
   std::uint32_t see_through_polygons() const;
   std::uint32_t polygon_count() const { return polygon_count_; }  // of the scene, absent ones included
 
-  // Clusters, grouped by class; polygons in device order, which is that of the clusters.
+  // Clusters are grouped by class. Polygons are in device order, the order of the clusters.
   struct cluster {
     glm::vec3 center, extent;  // half size
     std::uint32_t first_polygon, polygon_count;
@@ -51,10 +51,10 @@ class gpu_geometry {
   };
   std::span<const cluster> clusters() const { return clusters_; }
   index_range clusters_of(polygon_class which) const { return clusters_of_class_[which]; }
-  // Cluster by source id; 0 for polygons that are not drawn.
+  // The cluster of each source id; 0 for polygons that are not drawn.
   std::vector<std::uint32_t> cluster_of_polygons() const;
 
-  // Sets what all draws share; needed once before a row of draws.
+  // Sets the state that all draws share. To be called once before a sequence of draws.
   void bind() const;
   // Binds vertices and indices (three 32-bit ones per polygon, in device order) of one class.
   void bind_vertices(polygon_class which) const;
@@ -70,7 +70,7 @@ class gpu_geometry {
   std::array<index_range, polygon_class_count> clusters_of_class_;
   std::vector<std::uint32_t> source_ids_;  // in device order
   std::optional<gl_buffer> vertices_, indices_;
-  std::optional<gl_buffer> mask_vertices_, masks_, texels_;  // only where something is masked
+  std::optional<gl_buffer> mask_vertices_, masks_, texels_;  // only where the scene has masked polygons
   GLuint vertex_array_ = 0, masked_array_ = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Owners of OpenGL objects. Made and destroyed with the context current.
+// Owners of OpenGL objects. The context must be current where they are made and destroyed.
 #include <epoxy/gl.h>
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace sightcell::bake {
 
 class gl_buffer {
  public:
-  // data may be null: then the content is undefined. flags as in glNamedBufferStorage.
+  // data may be null; then the content is undefined. flags as in glNamedBufferStorage.
   gl_buffer(std::size_t bytes, const void* data, GLbitfield flags = 0) {
     glCreateBuffers(1, &id_);
     // OpenGL has no empty buffers.
@@ -25,7 +25,7 @@ class gl_buffer {
   GLuint id_ = 0;
 };
 
-// Sampled with texelFetch only.
+// A texture that is read with texelFetch only.
 class gl_image {
  public:
   gl_image(GLenum format, GLsizei width, GLsizei height, GLsizei levels = 1) {
@@ -44,7 +44,7 @@ class gl_image {
   GLuint id_ = 0;
 };
 
-// Draws ids and depths. Throws sightcell::error when the device cannot.
+// A framebuffer of ids and depths. Throws sightcell::error where the device does not support it.
 class gl_framebuffer {
  public:
   gl_framebuffer(GLuint ids, GLuint depths) {

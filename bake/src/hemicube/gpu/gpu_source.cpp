@@ -21,21 +21,21 @@ shaders::vec4 with_w(const glm::vec3& v, float w) {
   return {v.x, v.y, v.z, w};
 }
 
-// The block of one face in the uniform buffer. 256 is the largest alignment that a device may ask for.
+// The block of one face in the uniform buffer. 256 is the largest alignment that a device may require.
 struct alignas(256) face_block {
   shaders::hemicube_face face;
 };
 
 face_block block_of(const glm::vec3& eye, const face_view& face) {
-  // Off-center frustum of the kept part: -1..1 across it.
+  // Off-center frustum of the kept part, which is -1..1 in clip space.
   const float width = face.max_x - face.min_x, height = face.max_y - face.min_y;
   const glm::vec3 clip_x = (2.0f * face.right - (face.max_x + face.min_x) * face.forward) / width;
   const glm::vec3 clip_y = (2.0f * face.up - (face.max_y + face.min_y) * face.forward) / height;
   return {{with_w(eye, hemicube_near), with_w(clip_x, 0.0f), with_w(clip_y, 0.0f), with_w(face.forward, 0.0f)}};
 }
 
-// Hemicubes whose answers are on their way while the next one is drawn.
-constexpr std::uint32_t on_their_way = 3;
+// Number of hemicubes in flight: drawn, with results that have not been read yet.
+constexpr std::uint32_t in_flight = 3;
 
 class gpu_source final : public hemicube_source {
  public:
@@ -67,7 +67,7 @@ class gpu_source final : public hemicube_source {
     std::uint32_t groups = 0;
     if (compute) groups = gather_compute_groups(resolution_)[0] * gather_compute_groups(resolution_)[1];
     if (compute || geometry_.has_see_through())
-      counts_.emplace(geometry_.polygon_count(), groups, most_seen(), compute ? on_their_way : 1);
+      counts_.emplace(geometry_.polygon_count(), groups, most_seen(), compute ? in_flight : 1);
     if (compute)
       compute_.emplace(*counts_);
     else
@@ -85,10 +85,10 @@ class gpu_source final : public hemicube_source {
         read_back_->run(atlas(), faces, views[i]);
       }
     } else {
-      // The device draws the next hemicubes while the answers of the last ones are read.
-      for (std::size_t i = 0; i < poses.size() + on_their_way; ++i) {
-        const auto slot = static_cast<std::uint32_t>(i % on_their_way);
-        if (i >= on_their_way && i - on_their_way < poses.size()) compute_->receive(slot, views[i - on_their_way]);
+      // The device draws the next hemicubes while the results of the previous ones are read.
+      for (std::size_t i = 0; i < poses.size() + in_flight; ++i) {
+        const auto slot = static_cast<std::uint32_t>(i % in_flight);
+        if (i >= in_flight && i - in_flight < poses.size()) compute_->receive(slot, views[i - in_flight]);
         if (i >= poses.size()) continue;
         draw(poses[i]);
         compute_->send(atlas(), slot);
@@ -97,8 +97,8 @@ class gpu_source final : public hemicube_source {
     context_.check("hemicube");
   }
 
-  // On a software rasteriser that has no threads of its own (LP_NUM_THREADS=0), what each part costs; on hardware, what
-  // it costs to wait.
+  // On a software rasterizer without threads (LP_NUM_THREADS=0) these are the costs of the parts. On hardware they are
+  // the costs of waiting.
   std::optional<sample_split> render_split(const pose& where, hemicube_view& view) override {
     sample_split spent;
     const double start = thread_cpu_seconds();
@@ -114,7 +114,7 @@ class gpu_source final : public hemicube_source {
   }
 
   void render_image(const pose& where, hemicube_image& image) override {
-    draw_hiding(where);
+    draw_occluders(where);
     const std::size_t pixels = 3 * std::size_t{resolution_} * resolution_;
     image.resolution = resolution_;
     image.ids.resize(pixels);
@@ -129,7 +129,7 @@ class gpu_source final : public hemicube_source {
   std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
 
  private:
-  // Each polygon that hides has a pixel of its own.
+  // Each visible occluder has at least one pixel of its own.
   std::uint32_t most_seen() const {
     const std::uint64_t most = 3 * std::uint64_t{resolution_} * resolution_ + geometry_.see_through_polygons();
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(most, geometry_.polygon_count()));
@@ -137,8 +137,8 @@ class gpu_source final : public hemicube_source {
 
   hemicube_atlas atlas() const { return {resolution_, near_over_far_, framebuffer_.id(), ids_.id(), depths_.id()}; }
 
-  // The atlas.
-  std::array<face_view, face_count> draw_hiding(const pose& where) {
+  // Draws the occluders into the atlas.
+  std::array<face_view, face_count> draw_occluders(const pose& where) {
     const auto faces = hemicube_faces(where, resolution_);
     std::array<face_block, face_count> blocks;
     for (std::uint32_t f = 0; f < face_count; ++f) blocks[f] = block_of(where.eye, faces[f]);
@@ -154,9 +154,9 @@ class gpu_source final : public hemicube_source {
     return faces;
   }
 
-  // The atlas, and the counts of what hides nothing: those have to be collected before the next hemicube.
+  // Draws the occluders and counts the non-occluders. The counts have to be collected before the next hemicube.
   std::array<face_view, face_count> draw(const pose& where) {
-    const auto faces = draw_hiding(where);
+    const auto faces = draw_occluders(where);
     if (counts_) {
       counts_->start();
       counts_->bind();
@@ -165,7 +165,7 @@ class gpu_source final : public hemicube_source {
       glUseProgram(see_through_.id());
       glDepthMask(GL_FALSE);
       glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-      // GL_GEQUAL: a decal at exactly the depth of its wall is seen.
+      // GL_GEQUAL: a decal at exactly the depth of its wall is visible.
       draw_faces(faces, see_through_single_sided, see_through_double_sided);
       if (see_through_masked_) {
         glUseProgram(see_through_masked_->id());
@@ -181,7 +181,7 @@ class gpu_source final : public hemicube_source {
     return make_frustum_culling(geometry_, how != culling::none);
   }
 
-  // Everything is set again for each hemicube: others draw on the same context.
+  // Sets all state for each hemicube, because other code draws with the same context.
   void set_state() const {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -208,7 +208,7 @@ class gpu_source final : public hemicube_source {
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_gather, gather_block_->id());
   }
 
-  // One pass of everything that hides.
+  // Draws the selected occluders.
   void draw_pass(std::span<const face_view, face_count> faces) {
     glUseProgram(opaque_.id());
     draw_faces(faces, opaque_single_sided, opaque_double_sided);
@@ -239,7 +239,7 @@ class gpu_source final : public hemicube_source {
   float near_over_far_;
   gpu_geometry geometry_;
   picture::gl_program opaque_, see_through_;
-  std::optional<picture::gl_program> masked_, see_through_masked_;  // only where there is such a polygon
+  std::optional<picture::gl_program> masked_, see_through_masked_;  // only where the scene has such polygons
   gl_image ids_, depths_;
   gl_framebuffer framebuffer_;
   gl_buffer face_blocks_;
@@ -247,7 +247,7 @@ class gpu_source final : public hemicube_source {
   std::optional<gl_buffer> gather_block_;
   std::optional<polygon_counts> counts_;
   std::optional<gather_compute> compute_;
-  std::unique_ptr<gpu_gather> read_back_;  // where there is no compute_
+  std::unique_ptr<gpu_gather> read_back_;  // used without compute_
 };
 
 }  // namespace

@@ -113,7 +113,7 @@ class occlusion_culling final : public gpu_culling {
   }
 
   bool start_second() override {
-    // What was drawn is there for texture fetches without a barrier: the framebuffer changes before the next draw.
+    // Texture fetches need no barrier to see the drawn pixels, because the framebuffer changes before the next draw.
     levels_.build(target_.depths);
     glBindTextureUnit(shaders::hemicube_texture_levels, levels_.id());
     cull(second_);
@@ -136,8 +136,8 @@ class occlusion_culling final : public gpu_culling {
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glDispatchCompute(groups_for(3 * target_.resolution, shaders::hemicube_group_width),
                       groups_for(target_.resolution, shaders::hemicube_group_height), 1);
-    // For whoever looks at the ids next: a shader, glReadPixels or the draws of the next hemicube; and for the next
-    // hierarchical depth, which is written over this one.
+    // For the next use of the ids (a shader, glReadPixels or the draws of the next hemicube), and for the next
+    // hierarchical depth, which overwrites this one.
     glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT |
                     GL_PIXEL_BUFFER_BARRIER_BIT);
     glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
@@ -163,7 +163,7 @@ class occlusion_culling final : public gpu_culling {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_clusters, clusters_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_commands, commands_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_last_seen, last_seen_.id());
-    // The draws of the last pass have to be read before they are written over.
+    // The commands of the last pass have to be read before they are overwritten.
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     glUseProgram(program.id());
     glDispatchCompute(groups_for(scene_.cluster_count, shaders::hemicube_cull_size), face_count, 1);

@@ -37,7 +37,7 @@ void clear_first(const gl_buffer& words) {
   glClearNamedBufferSubData(words.id(), GL_R32UI, 0, 4, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
 }
 
-// Memory that the device copies into and the program reads, without either waiting for the other.
+// Memory that stays mapped: the device copies into it, and the program reads it.
 class mapped_words {
  public:
   explicit mapped_words(std::size_t words)
@@ -62,13 +62,13 @@ class mapped_words {
 
 }  // namespace
 
-// The result of one hemicube on its way.
+// The result of one hemicube in flight.
 struct polygon_counts::slot {
   explicit slot(std::size_t words) : result(4 * words, nullptr), room(words) {}
   ~slot() { glDeleteSync(sent); }  // 0 is ignored
   gl_buffer result;
   std::size_t room;                     // words of result
-  std::optional<mapped_words> arrived;  // the beginning of result: mostly all of it
+  std::optional<mapped_words> arrived;  // the beginning of result, usually all of it
   GLsync sent = nullptr;
 };
 
@@ -104,7 +104,7 @@ void polygon_counts::send(std::uint32_t number) {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_result, s.result.id());
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glDispatchCompute(collect_groups, 1, 1);
-  // Also for clearing the list for the next hemicube.
+  // The barrier is also for clearing the list for the next hemicube.
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
   glCopyNamedBufferSubData(s.result.id(), s.arrived->id(), 0, 0, static_cast<GLsizeiptr>(4 * s.arrived->size()));
   glDeleteSync(s.sent);
@@ -131,7 +131,7 @@ void polygon_counts::receive(std::uint32_t number, std::vector<seen_polygon>& fo
   const std::size_t here = std::min<std::size_t>(count, (s.arrived->size() - header) / 3);
   take(words + header, here);
   if (here == count) return;
-  // More than ever before: the rest is still on the device. The next ones get room.
+  // The list is longer than all before: the rest is still on the device. The next lists get more memory.
   std::vector<std::uint32_t> rest(3 * (count - here));
   glGetNamedBufferSubData(s.result.id(), static_cast<GLintptr>(4 * (header + 3 * here)),
                           static_cast<GLsizeiptr>(4 * rest.size()), rest.data());

@@ -1,6 +1,6 @@
 #pragma once
-// Pixels per polygon, counted on the device, and the list of the polygons that have any. Filled by the see-through pass
-// and by gather.comp, read back once per hemicube: several hemicubes can be on their way.
+// Pixels per polygon, counted on the device, and the list of the polygons that have any. The see-through pass and
+// gather.comp count. The list is read back once per hemicube; several hemicubes can be in flight.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -15,20 +15,21 @@ namespace sightcell::bake {
 
 class polygon_counts {
  public:
-  // group_count: work groups of gather.comp; 0 without them. most_seen: no hemicube sees more polygons. slots:
-  // hemicubes on their way at most. Throws sightcell::error when the device's storage buffers are too small.
+  // group_count: number of work groups of gather.comp; 0 where it does not run. most_seen: maximum number of polygons
+  // in a list. slots: maximum number of hemicubes in flight. Throws sightcell::error where the device's storage buffers
+  // are too small.
   polygon_counts(std::uint32_t polygon_count, std::uint32_t group_count, std::uint32_t most_seen = 0xFFFFFFFFu,
                  std::uint32_t slots = 1);
   ~polygon_counts();
 
-  void start();  // empties the list; counts are 0
+  void start();  // clears the list; all counts are 0 already
   void bind() const;
-  // Finishes the list on the device and sends it on its way. The block of uniforms hemicube_gather must be bound.
+  // Finishes the list on the device and starts its transfer. The uniform block hemicube_gather must be bound.
   void send(std::uint32_t slot);
-  // Waits for what was sent: the list in any order, and the four sums of importance. Throws sightcell::error when the
-  // device does not answer.
+  // Waits for the list, which is in any order, and for the four importance sums. Throws sightcell::error when the
+  // device does not respond.
   void receive(std::uint32_t slot, std::vector<seen_polygon>& found, std::array<float, 4>& sums);
-  // Both at once.
+  // send() and receive().
   void collect(std::vector<seen_polygon>& found, std::vector<float>& sums);
   std::uint32_t slots() const { return static_cast<std::uint32_t>(slots_.size()); }
 

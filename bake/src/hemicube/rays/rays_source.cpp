@@ -20,16 +20,16 @@ namespace sightcell::bake {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr std::uint32_t tile = 8;  // pixels along the side of what goes to Embree at once
+constexpr std::uint32_t tile = 8;  // pixels along a side of the tiles that Embree traces in one call
 
-// The packets of one tile, blocks of 4 x 2 or 4 x 4 pixels: squarer ones meet less of the tree.
+// The packets of one tile: blocks of 4 x 2 or 4 x 4 pixels. Nearly square blocks visit fewer nodes of the tree.
 template <class RayHit, unsigned Lanes>
 struct packet_tile {
   using packet = RayHit;
   static constexpr unsigned lanes = Lanes, columns = 4, rows = lanes / columns;
   static constexpr unsigned packets = tile * tile / lanes;
 
-  // Where a lane lies in the tile.
+  // Position of a lane in the tile.
   static constexpr std::uint32_t x_of(unsigned number, unsigned lane) {
     return number % (tile / columns) * columns + lane % columns;
   }
@@ -59,16 +59,16 @@ struct scratch {
   alignas(64) tile_of_16 of_16;
 };
 
-// Embree's context, first: see-through polygons are counted where a ray passes them. Rays have the number of their
-// pixel as id.
+// Context of the filter that counts non-occluders along a ray. The id of a ray is the number of its pixel. Embree's
+// part has to be the first member.
 struct see_through_context {
   RTCIntersectContext base{};
   const embree_scene* scene;
   image_gather* gather;
-  const float* inverse_depths;  // of what hides, by pixel
+  const float* inverse_depths;  // of the occluders, by pixel
 };
 
-// From the eye to what hides, and on through what lies in the same place.
+// True if a hit is in front of the occluder, or behind it within the reach of coincident surfaces.
 bool before(const RTCFilterFunctionNArguments& a, unsigned i, float inverse_depth) {
   const float depth = RTCRayN_tfar(a.ray, a.N, i);
   if (depth * inverse_depth <= 1.0f) return true;
@@ -83,9 +83,9 @@ void count_see_through(const RTCFilterFunctionNArguments* arguments) {
   const embree_scene& scene = *context->scene;
   for (unsigned i = 0; i < a.N; ++i) {
     if (a.valid[i] != -1) continue;
-    a.valid[i] = 0;  // the ray goes on
+    a.valid[i] = 0;  // the ray continues
     const std::uint32_t polygon = scene.polygon_of(a, i);
-    if (scene.geometry.kinds[polygon].always) continue;  // in every set without being looked for
+    if (scene.geometry.kinds[polygon].always) continue;  // in every set anyway
     const unsigned pixel = RTCRayN_id(a.ray, a.N, i);
     if (before(a, i, context->inverse_depths[pixel]) && scene.is_there(a, i, scene.all_double_sided))
       context->gather->add(polygon, 1, pixel);
@@ -156,7 +156,7 @@ class rays_source final : public hemicube_source {
   }
 
  private:
-  // The geometries are those of the ray scene; only the tree over them is new.
+  // Builds a tree over the non-occluders. Their geometries are those of the ray scene.
   void make_see_through() {
     for (unsigned g = 0; g < embree_geometry_count; ++g) {
       if (hides(g) || embree_.ids[g].empty()) continue;
@@ -185,7 +185,7 @@ class rays_source final : public hemicube_source {
     return faces;
   }
 
-  // What all tiles of a hemicube have in common; Embree leaves it alone.
+  // Sets what is the same for all tiles of a hemicube. Embree does not change it.
   template <class Tile>
   static void start(const glm::vec3& eye, Tile& t) {
     for (auto& p : t.rays) {
@@ -197,7 +197,7 @@ class rays_source final : public hemicube_source {
     }
   }
 
-  // Directions are as long as the face's axis is along it, so that Embree's distance is the depth.
+  // Directions have length 1 along the axis of the face, so that Embree's distance is the depth.
   template <class Tile>
   static void aim(const face_view& face, std::uint32_t x, std::uint32_t y, Tile& t) {
     const float step_x = (face.max_x - face.min_x) / static_cast<float>(face.width);
@@ -212,7 +212,7 @@ class rays_source final : public hemicube_source {
         p.ray.dir_y[i] = face.forward.y + a * face.right.y + b * face.up.y;
         p.ray.dir_z[i] = face.forward.z + a * face.right.z + b * face.up.z;
         p.ray.id[i] = ray_tests_masks;
-        // Beyond the face's end: a ray without length, which Embree leaves out.
+        // Pixels beyond the end of the face: rays without length, which Embree skips.
         p.ray.tfar[i] = px < face.width && py < face.height ? infinity : -infinity;
         p.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
       }
@@ -227,7 +227,7 @@ class rays_source final : public hemicube_source {
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     stream(embree_.solid, context, t);
-    for (auto& p : t.rays) look_past_backs(p, Tile::lanes);
+    for (auto& p : t.rays) retrace_back_hits(p, Tile::lanes);
     const std::size_t stride = 3 * std::size_t{resolution_}, corner = (face.y + y) * stride + face.x + x;
     for (unsigned k = 0; k < Tile::packets; ++k) {
       const auto& p = t.rays[k];
@@ -244,7 +244,7 @@ class rays_source final : public hemicube_source {
         }
       }
     }
-    if (see_through_) look_through(corner, t, gather, image);
+    if (see_through_) trace_see_through(corner, t, gather, image);
   }
 
   template <class Tile>
@@ -254,10 +254,10 @@ class rays_source final : public hemicube_source {
                    sizeof(packet));
   }
 
-  // No filter asks opaque polygons for their sides: a front that hides a back is what a ray nearly always meets first.
-  // Where it meets a back, it is traced once more with the filter of all other rays.
+  // Opaque polygons have no filter for their sides, because nearly all rays hit a front side first. A ray that hits a
+  // back side is traced again, with the filter of all other rays.
   template <class Packet>
-  void look_past_backs(Packet& p, unsigned lanes) const {
+  void retrace_back_hits(Packet& p, unsigned lanes) const {
     if (embree_.all_double_sided) return;
     alignas(64) int again[16];
     bool any = false;
@@ -279,11 +279,11 @@ class rays_source final : public hemicube_source {
   }
 
   template <class Tile>
-  void look_through(std::size_t corner, Tile& t, image_gather& gather, const hemicube_image& image) const {
+  void trace_see_through(std::size_t corner, Tile& t, image_gather& gather, const hemicube_image& image) const {
     const std::size_t stride = 3 * std::size_t{resolution_};
     for (unsigned k = 0; k < Tile::packets; ++k) {
       auto& p = t.rays[k];
-      // A little too far for rays that lean: the filter knows better. What met nothing stays infinite.
+      // Slightly too far for oblique rays; the filter tests the exact distance. Rays without a hit stay infinite.
       for (unsigned i = 0; i < Tile::lanes; ++i) p.ray.tfar[i] += coincidence_reach(p.ray.tfar[i]);
       for (unsigned i = 0; i < Tile::lanes; ++i) {
         p.ray.id[i] = static_cast<unsigned>(corner + Tile::y_of(k, i) * stride + Tile::x_of(k, i));
@@ -303,9 +303,9 @@ class rays_source final : public hemicube_source {
   float at_far_plane_;
   std::uint32_t polygon_count_;
   bool wide_;
-  // Of what hides, geometry by geometry: the lowest source id in exactly a primitive's place.
+  // For each geometry with occluders and each primitive: the lowest source id among its exact duplicates.
   std::array<std::vector<std::uint32_t>, 2> lowest_;
-  RTCScene see_through_ = nullptr;  // what hides nothing; null where there is none
+  RTCScene see_through_ = nullptr;  // the non-occluders; null where there are none
   tbb::enumerable_thread_specific<scratch> scratch_;
 };
 
