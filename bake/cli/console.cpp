@@ -29,7 +29,7 @@ void say(const std::string& text) {
 void say_line(const std::string& text) {
   std::string line = text;
   for (char& c : line)
-    if ((c >= 0 && c < ' ') || c == '\x7f') c = ' ';
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
   say(line + '\n');
 }
 
