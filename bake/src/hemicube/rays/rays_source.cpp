@@ -150,9 +150,13 @@ class rays_source final : public hemicube_source {
     const auto version = [&](RTCDeviceProperty part) {
       return std::to_string(rtcGetDeviceProperty(embree_.device, part));
     };
+    // Without AVX2, Embree builds another tree and splits the packets, so rays along edges may hit other polygons.
+    const bool native = rtcGetDeviceProperty(embree_.device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;
     return "Embree " + version(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + version(RTC_DEVICE_PROPERTY_VERSION_MINOR) +
            "." + version(RTC_DEVICE_PROPERTY_VERSION_PATCH) +
-           (wide_ ? ", packets of 16 (AVX-512)" : ", packets of 8 (AVX2)");
+           (wide_    ? ", packets of 16 (AVX-512)"
+            : native ? ", packets of 8 (AVX2)"
+                     : ", packets of 8 (without AVX2)");
   }
 
  private:
