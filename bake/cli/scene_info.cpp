@@ -27,14 +27,14 @@ double percent_of(std::uint32_t part, std::uint32_t all) {
 
 // Of all that are not absent.
 ordered_json kinds_json(const scene::world_geometry& world) {
-  std::uint32_t by_alpha[3] = {}, alpha_tested = 0, double_sided = 0, always = 0, never_hide = 0;
+  std::uint32_t by_alpha[3] = {}, alpha_tested = 0, double_sided = 0, always = 0, non_occluders = 0;
   for (const scene::polygon_kind kind : world.kinds) {
     if (kind.absent) continue;
     ++by_alpha[static_cast<int>(kind.alpha)];
     alpha_tested += kind.alpha_tested;
     double_sided += kind.double_sided;
     always += kind.always;
-    never_hide += kind.never_hides;
+    non_occluders += kind.non_occluder;
   }
   return {{"opaque", by_alpha[static_cast<int>(scene::alpha_mode::opaque)]},
           {"mask", by_alpha[static_cast<int>(scene::alpha_mode::mask)]},
@@ -42,7 +42,7 @@ ordered_json kinds_json(const scene::world_geometry& world) {
           {"blend", by_alpha[static_cast<int>(scene::alpha_mode::blend)]},
           {"double_sided", double_sided},
           {"in_every_set", always},
-          {"never_hide_by_tag", never_hide}};
+          {"never_hide_by_tag", non_occluders}};
 }
 
 ordered_json absent_json(const scene::absent_counts& absent) {

@@ -15,7 +15,7 @@
 #include "city.h"
 #include "glb_writer.h"
 #include "hemicube/rays/rays_source.h"
-#include "trace/free_space.h"
+#include "trace/viewpoints.h"
 #include "unit/bake/hemicube/all_sources.h"
 
 namespace {
@@ -59,9 +59,9 @@ tried_scene town() {
   std::mt19937 random(5);
   for (std::size_t i = 0; s.poses.size() < 6 && i < 600; ++i) {
     const bake::view_cell& cell = cells.cells[i * 101 % cells.cells.size()];
-    bake::random_stream places(1, cell.place, bake::purpose::free_points);
+    bake::random_stream places(1, cell.place, bake::purpose::viewpoints);
     std::uint64_t tries = 0;
-    const auto free = bake::draw_free_points(*s.rays, {cell.min, cell.max}, 0.05f, 1, 64, places, tries);
+    const auto free = bake::draw_viewpoints(*s.rays, {cell.min, cell.max}, 0.05f, 1, 64, places, tries);
     if (!free.empty()) s.poses.push_back(turned(free.front(), random));
   }
   return s;

@@ -61,12 +61,12 @@ see_through compare_see_through(const world& w, const bake::hemicube_view& rays,
   std::map<std::uint32_t, std::int64_t> more;
   see_through found;
   for (const bake::seen_polygon& p : rays.seen) {
-    if (w.geometry.kinds[p.id].hides()) continue;
+    if (w.geometry.kinds[p.id].occludes()) continue;
     found.pixels += p.pixels;
     more[p.id] += p.pixels;
   }
   for (const bake::seen_polygon& p : tested.seen)
-    if (!w.geometry.kinds[p.id].hides()) more[p.id] -= p.pixels;
+    if (!w.geometry.kinds[p.id].occludes()) more[p.id] -= p.pixels;
   for (const auto& [id, pixels] : more) found.different += static_cast<std::uint64_t>(std::abs(pixels));
   return found;
 }

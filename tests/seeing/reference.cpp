@@ -93,7 +93,7 @@ void brute_force::add_draw(const scene::scene& s, const scene::draw& d, const se
   p.cutoff = static_cast<double>(m.alpha_cutoff);
   if (m.alpha == scene::alpha_mode::mask && m.alpha_map != scene::no_index) p.map = &s.alpha_maps[m.alpha_map];
   p.always = d.tags.always || animated;
-  p.never_hides = !d.tags.occluder || d.tags.group != scene::no_index || animated;
+  p.non_occluder = !d.tags.occluder || d.tags.group != scene::no_index || animated;
   const bool mirrored = glm::determinant(glm::dmat3(d.to_world)) < 0.0;
   for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) {
     const std::array<std::size_t, 3> corner = {g.indices[i], g.indices[i + (mirrored ? 2 : 1)],
@@ -129,7 +129,8 @@ void brute_force::find_duplicates() {
     for (std::uint32_t k = 0; k < surfaces_.size(); ++k) {
       const surface &a = surfaces_[i], &b = surfaces_[k];
       if (i == k || a.absent || b.absent || sorted(a) != sorted(b)) continue;
-      if (std::tie(a.mode, a.double_sided, a.never_hides) != std::tie(b.mode, b.double_sided, b.never_hides)) continue;
+      if (std::tie(a.mode, a.double_sided, a.non_occluder) != std::tie(b.mode, b.double_sided, b.non_occluder))
+        continue;
       const bool both_ways = a.double_sided || a.mode == scene::alpha_mode::mask;
       if (both_ways || glm::dot(a.normal, b.normal) > 0.0) surfaces_[i].same.push_back(k);
     }
@@ -165,7 +166,7 @@ bool brute_force::meets(const surface& p, const dvec3& eye, const dvec3& directi
 bool brute_force::blocked(const dvec3& eye, const dvec3& direction, double before) const {
   double distance = 0.0;
   return std::any_of(surfaces_.begin(), surfaces_.end(), [&](const surface& p) {
-    return p.hides() && meets(p, eye, direction, distance) && distance < before;
+    return p.occludes() && meets(p, eye, direction, distance) && distance < before;
   });
 }
 
@@ -182,14 +183,14 @@ bool brute_force::through_crack(const dvec3& eye, const dvec3& direction, double
   return false;
 }
 
-void brute_force::look(const dvec3& eye, const dvec3& direction, ray_view& out) const {
+void brute_force::interim_test(const dvec3& eye, const dvec3& direction, ray_view& out) const {
   out = {};
   std::vector<hit> hits;
   for (std::uint32_t i = 0; i < surfaces_.size(); ++i) {
     double distance = 0.0;
     if (!meets(surfaces_[i], eye, direction, distance)) continue;
     hits.push_back({distance, i});
-    if (surfaces_[i].hides()) out.distance = std::min(out.distance, distance);
+    if (surfaces_[i].occludes()) out.distance = std::min(out.distance, distance);
   }
   const double near = std::max(0.0002, 2e-5 * out.distance);
   const bool front_in_crack = std::isfinite(out.distance) && through_crack(eye, direction, out.distance);
@@ -299,13 +300,13 @@ seen_polygons brute_force::see(const place_box& grown, const seeing_effort& effo
     for (const std::uint32_t polygon : touching)
       if (faces(polygon, eye)) out.inside[polygon] = true;
     for (int i = 0; i < effort.directions; ++i) {
-      look(eye, random.on_sphere(), view);
+      interim_test(eye, random.on_sphere(), view);
       count(out.hits);
     }
     for (const surface& p : surfaces_) {
       if (p.absent) continue;
       for (int i = 0; i < effort.aims_per_polygon; ++i) {
-        look(eye, glm::normalize(random.in_triangle(p.corners) - eye), view);
+        interim_test(eye, glm::normalize(random.in_triangle(p.corners) - eye), view);
         count(out.aimed);
       }
     }
@@ -339,7 +340,7 @@ double brute_force::error_of(const std::vector<std::uint32_t>& set, const place_
   ray_view view;
   const std::uint64_t eyes = for_free_places(grown, effort, [&](const dvec3& eye, dice& random) {
     for (int i = 0; i < effort.directions; ++i) {
-      look(eye, random.on_sphere(), view);
+      interim_test(eye, random.on_sphere(), view);
       const bool front_right = view.front.empty() || std::any_of(view.front.begin(), view.front.end(), in);
       wrong += !front_right || !std::all_of(view.before.begin(), view.before.end(), in);
     }

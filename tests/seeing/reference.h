@@ -61,7 +61,7 @@ class brute_force {
   brute_force(const scene::scene& s, const seeing_rules& rules);
 
   // direction: of length 1.
-  void look(const glm::dvec3& eye, const glm::dvec3& direction, ray_view& out) const;
+  void interim_test(const glm::dvec3& eye, const glm::dvec3& direction, ray_view& out) const;
   // Of those of 64 fixed directions that end at an opaque single-sided polygon, the share that ends at its back.
   double backs(const glm::dvec3& place) const;
   bool is_free(const glm::dvec3& place) const;
@@ -80,10 +80,10 @@ class brute_force {
     const scene::alpha_map* map = nullptr;
     double alpha = 1.0, cutoff = 0.5;
     scene::alpha_mode mode = scene::alpha_mode::opaque;
-    bool double_sided = false, absent = false, always = false, never_hides = false;
+    bool double_sided = false, absent = false, always = false, non_occluder = false;
     std::vector<std::uint32_t> same;  // rule 2: seen when this one is
 
-    bool hides() const { return !absent && !never_hides && mode != scene::alpha_mode::blend; }
+    bool occludes() const { return !absent && !non_occluder && mode != scene::alpha_mode::blend; }
   };
   struct hit {
     double distance;

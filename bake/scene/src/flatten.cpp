@@ -162,7 +162,7 @@ class flattener {
       kind.alpha = scene_.materials[d.material].alpha;
       kind.double_sided = scene_.materials[d.material].double_sided;
       there = presences_[d.material];
-      kind.never_hides |= there.unknown;
+      kind.non_occluder |= there.unknown;
     }
     for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) {
       const std::array<std::uint32_t, 3> local = {g.indices[i], g.indices[i + (mirrored ? 2 : 1)],
@@ -178,7 +178,7 @@ class flattener {
     kind.absent = d.tags.dynamic || d.tags.never || (!left_alone && animated_ == animated_as::dynamic) ||
                   (d.lod_object != no_index && d.lod_level > 0);
     kind.always = !kind.absent && (d.tags.always || !left_alone);
-    kind.never_hides = !d.tags.occluder || d.tags.group != no_index || !left_alone;
+    kind.non_occluder = !d.tags.occluder || d.tags.group != no_index || !left_alone;
     return kind;
   }
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "bound/free_count.h"
 #include "bound/ray_trial.h"
+#include "bound/valid_count.h"
 #include "trace/direction_code.h"
 
 namespace sightcell::bake {
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
   std::vector<sight_line> sorted(lines.size());
   for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = lines[order[i].second];
   std::vector<sight> seen(lines.size());
-  rays.look(sorted, seen);
+  rays.interim_test(sorted, seen);
   std::vector<std::uint32_t> found;
   for (std::size_t i = 0; i < order.size(); ++i)
     if (trial.lacks(sorted[i], seen[i])) found.push_back(order[i].second);
@@ -54,7 +54,7 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
   return found;
 }
 
-chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rules& rules, std::uint64_t count,
+chunk_result cast_chunk(const ray_scene& rays, const box& grown, const visibility_rules& rules, std::uint64_t count,
                         std::uint64_t tests, random_stream random, const std::function<bool(std::uint32_t)>& contains) {
   chunk_result result;
   const std::vector<sight_line> lines = draw(grown, count, *rules.metric, random);
@@ -76,7 +76,7 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rul
   for (std::size_t k = 0; k < wrong.size(); ++k) {
     if (!free[result.tested + k]) continue;  // it was no trial
     const sight_line& line = lines[wrong[k]];
-    rays.look(line.eye, line.direction, seen);
+    rays.interim_test(line.eye, line.direction, seen);
     if (trial.judge(line, seen, random, result.missed)) ++result.misses;
   }
   result.misses_of_volumes = trial.misses_of_volumes();
@@ -89,9 +89,9 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const fresh_rul
 // Where nearly nothing is free: every ray is a trial.
 void bound_batch::cast_tested(std::uint64_t trials) {
   constexpr std::uint64_t most_parts = 1024;  // streams of random numbers: parts of all rounds must differ
-  fresh_source source = source_;
+  verification_stream source = source_;
   source.round = source_.round * most_parts + parts_++;
-  const fresh_batch part = cast_fresh_rays(rays_, grown_, rules_, trials, source, contains_, give_up_);
+  const verification_batch part = cast_verification_rays(rays_, grown_, rules_, trials, source, contains_, give_up_);
   given_up_ = given_up_ || part.given_up;
   cast_ += part.rays, tested_ += part.rays, free_ += part.rays;
   misses_ += part.misses;
@@ -102,7 +102,7 @@ void bound_batch::cast_tested(std::uint64_t trials) {
 }
 
 void bound_batch::cast(std::uint64_t trials) {
-  if (free_share_ < fewest_free) return cast_tested(trials);
+  if (free_share_ < fewest_valid) return cast_tested(trials);
   const auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(trials) / free_share_));
   std::vector<chunk_result> chunks((count + chunk_rays - 1) / chunk_rays);
   const std::uint64_t tests = std::max(fewest_tests, count / rays_per_test);
@@ -134,12 +134,13 @@ void bound_batch::cast(std::uint64_t trials) {
 
 // Every miss was a trial, too: where nearly all rays are wrong there are more of them than the limit says.
 std::uint64_t bound_batch::trials(double risk) const {
-  return std::max(free_at_least(cast_, tested_, free_, risk), misses_);
+  return std::max(valid_at_least(cast_, tested_, free_, risk), misses_);
 }
 
-fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, const bound_plan& plan,
-                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains) {
-  bound_batch batch(rays, grown, rules, plan.free_share, source, contains);
+verification_batch cast_bound_rays(const ray_scene& rays, const box& grown, const visibility_rules& rules,
+                                   const bound_plan& plan, const verification_stream& source,
+                                   const std::function<bool(std::uint32_t)>& contains) {
+  bound_batch batch(rays, grown, rules, plan.valid_share, source, contains);
   batch.cast(plan.trials);
   const std::uint64_t trials = batch.trials(plan.risk);
   return {.rays = trials,

@@ -5,43 +5,44 @@
 #include <utility>
 #include <vector>
 
-#include "bound/fresh_rays.h"
+#include "bound/verification_rays.h"
 
 namespace sightcell::bake {
 
 // Where fewer places are free all of them are tested: of rays that are cast from others many see what the set lacks.
-inline constexpr double fewest_free = 0.005;
+inline constexpr double fewest_valid = 0.005;
 
 // What a batch for the bound may cost and risk.
 struct bound_plan {
   std::uint64_t trials = 0;  // rays from free places that are wanted, about
-  double free_share = 1.0;   // about this share of the grown box is free
+  double valid_share = 1.0;  // about this share of the grown box is free
   double risk = 0.0;         // of claiming more trials than there were, in (0, 1)
 };
 
-// As cast_fresh_rays: independent rays, place uniform over the free places of the grown box, direction by the metric.
-// But a place takes 64 rays to test, so a place is tested only where its ray saw what the set does not have, and where
-// it tells how many places are free: from the first of each chunk follows, with a probability of at least 1 - risk, how
-// many of all are (free_at_least()), and so many trials the batch has. Given their number, wrong rays among trials are
-// binomial, and more trials only lower the bound: with it at 1 - a it holds at 1 - a - risk. Where less than
-// fewest_free of the box is free all places are tested, and trials are exact. rays: trials, at least; places: places
+// As cast_verification_rays: independent rays, place uniform over the free places of the grown box, direction by the
+// metric. But a place takes 64 rays to test, so a place is tested only where its ray saw what the set does not have,
+// and where it tells how many places are free: from the first of each chunk follows, with a probability of at least 1 -
+// risk, how many of all are (valid_at_least()), and so many trials the batch has. Given their number, wrong rays among
+// trials are binomial, and more trials only lower the bound: with it at 1 - a it holds at 1 - a - risk. Where less than
+// fewest_valid of the box is free all places are tested, and trials are exact. rays: trials, at least; places: places
 // that were tested and rays that were cast from others. Runs on the calling thread's TBB arena; the result depends on
 // the arguments alone.
-fresh_batch cast_bound_rays(const ray_scene& rays, const box& grown, const fresh_rules& rules, const bound_plan& plan,
-                            const fresh_source& source, const std::function<bool(std::uint32_t)>& contains);
+verification_batch cast_bound_rays(const ray_scene& rays, const box& grown, const visibility_rules& rules,
+                                   const bound_plan& plan, const verification_stream& source,
+                                   const std::function<bool(std::uint32_t)>& contains);
 
 // The same, a part at a time: how long the batch becomes may depend on what came so far.
 class bound_batch {
  public:
   // References must outlive the batch; contains must answer the same throughout. give_up: asked from many threads; once
   // it is true the batch is given up; empty: never.
-  bound_batch(const ray_scene& rays, const box& grown, const fresh_rules& rules, double free_share,
-              const fresh_source& source, const std::function<bool(std::uint32_t)>& contains,
+  bound_batch(const ray_scene& rays, const box& grown, const visibility_rules& rules, double valid_share,
+              const verification_stream& source, const std::function<bool(std::uint32_t)>& contains,
               std::function<bool()> give_up = {})
       : rays_(rays),
         grown_(grown),
         rules_(rules),
-        free_share_(free_share),
+        free_share_(valid_share),
         source_(source),
         contains_(contains),
         give_up_(std::move(give_up)) {}
@@ -67,9 +68,9 @@ class bound_batch {
 
   const ray_scene& rays_;
   const box grown_;
-  const fresh_rules& rules_;
+  const visibility_rules& rules_;
   const double free_share_;
-  const fresh_source source_;
+  const verification_stream source_;
   const std::function<bool(std::uint32_t)>& contains_;
   const std::function<bool()> give_up_;
   bool given_up_ = false;

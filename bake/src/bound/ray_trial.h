@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "bound/fresh_rays.h"
 #include "bound/metric.h"
+#include "bound/verification_rays.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bake {
@@ -15,7 +15,7 @@ namespace sightcell::bake {
 // One thread's.
 class ray_trial {
  public:
-  ray_trial(const ray_scene& rays, const fresh_rules& rules, const std::function<bool(std::uint32_t)>& contains)
+  ray_trial(const ray_scene& rays, const visibility_rules& rules, const std::function<bool(std::uint32_t)>& contains)
       : rays_(rays), rules_(rules), contains_(contains) {}
 
   // Did the ray see anything that the set does not have? Rules 2 and 3 are not asked: what is missing may be excused.
@@ -42,7 +42,7 @@ class ray_trial {
   bool lacks_volumes(const sight_line& line, const sight& seen) {
     if (!rules_.volumes) return false;
     rules_.volumes->lacking(line, free_length(seen), passed_);
-    drop_hidden_by_gaps(rays_, line, rules_.smallest_gap, passed_);
+    drop_behind_gaps(rays_, line, rules_.smallest_gap, passed_);
     for (const passed_volume& p : passed_) missed_volumes_.push_back({p.volume, line.eye});
     return !passed_.empty();
   }
@@ -72,7 +72,7 @@ class ray_trial {
   }
 
   const ray_scene& rays_;
-  const fresh_rules& rules_;
+  const visibility_rules& rules_;
   const std::function<bool(std::uint32_t)>& contains_;
   std::vector<std::uint32_t> coincident_;
   lacking_surfaces lacking_;

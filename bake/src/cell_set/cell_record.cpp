@@ -142,7 +142,7 @@ std::uint64_t take_plain_fields(reader& in, cell_record& record) {
   record.confidence = in.take_double();
   record.rays_spent = in.take(8);
   record.samples = static_cast<std::uint32_t>(in.take(4));
-  record.free_share = in.take_double();
+  record.valid_share = in.take_double();
   record.batches = static_cast<std::uint32_t>(in.take(4));
   record.unseen = in.take_varint();
   return flags;
@@ -167,7 +167,7 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   put_bytes(out, std::bit_cast<std::uint64_t>(record.confidence), 8);
   put_bytes(out, record.rays_spent, 8);
   put_bytes(out, record.samples, 4);
-  put_bytes(out, std::bit_cast<std::uint64_t>(record.free_share), 8);
+  put_bytes(out, std::bit_cast<std::uint64_t>(record.valid_share), 8);
   put_bytes(out, record.batches, 4);
   put_varint(out, record.unseen);
   put_set(out, record.set);

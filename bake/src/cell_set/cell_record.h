@@ -31,7 +31,7 @@ struct cell_record {
   std::uint64_t unseen = 0;  // of the set of a finished cell: joined with the safety ring
 
   // For what comes after; a finished cell has none of it.
-  double free_share = 1.0;  // about this share of the grown box is free
+  double valid_share = 1.0;  // about this share of the grown box is free
   // Where polygons were seen from: witness_of[i] is the place in witnesses of the eye that saw set[i].
   std::vector<glm::vec3> witnesses;
   std::vector<std::uint32_t> witness_of;

@@ -292,7 +292,7 @@ struct checkpoint::state {
     run("COMMIT", "taking over an unfinished bake");
   }
 
-  void check_key(const std::string& wanted, std::string_view plan, const key_judge& judge) {
+  void check_key(const std::string& wanted, std::string_view plan, const stale_key_test& judge) {
     const std::optional<std::string> stored = read_key();
     key = wanted;
     if (stored == wanted) return;
@@ -327,7 +327,7 @@ struct checkpoint::state {
 };
 
 checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan,
-                       const key_judge& judge)
+                       const stale_key_test& judge)
     : state_(std::make_unique<state>(path)) {
   try {
     state_->open_locked();

@@ -16,7 +16,7 @@ namespace sightcell::bake {
 // Is a record none of a bake's, though it is in the file that the bake goes on with?
 using stale_record = std::function<bool(std::uint32_t cell, cell_stage)>;
 // May a bake go on with a file of another key? Then which of its records are not the bake's; nothing: it may not.
-using key_judge = std::function<std::optional<stale_record>(const std::string& stored)>;
+using stale_key_test = std::function<std::optional<stale_record>(const std::string& stored)>;
 
 struct stage_record {
   std::uint32_t cell = 0;
@@ -32,7 +32,7 @@ class checkpoint {
   // refused by name, never silently dropped. plan: kept with the file when it is created, see shards.h. judge: asked of
   // another key; where it says so the file becomes one of this key and plan, without the records that are stale.
   checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan = {},
-             const key_judge& judge = {});
+             const stale_key_test& judge = {});
   // Opens a file that nobody changes any more, to read it.
   static checkpoint open_to_read(const std::filesystem::path& path);
   ~checkpoint();

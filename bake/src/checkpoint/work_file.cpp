@@ -59,7 +59,7 @@ void take_over(const std::filesystem::path& copy, const std::filesystem::path& h
 }  // namespace
 
 work_file::work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
-                     bool fresh, std::string_view plan, const key_judge& judge)
+                     bool fresh, std::string_view plan, const stale_key_test& judge)
     : beside_(with_suffix(target, ".bake")), path_(scratch.empty() ? beside_ : in_scratch(scratch, beside_)) {
   if (!scratch.empty() && !fresh) {
     // Whoever works there now is asked first: its file must not be replaced under it.

@@ -15,7 +15,7 @@ class work_file {
   // target: what the bake writes in the end; the unfinished bake is target + ".bake". With scratch it is worked on in
   // that folder, from the copy beside the target where that is newer than what scratch has. The rest as checkpoint.
   work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
-            bool fresh, std::string_view plan = {}, const key_judge& judge = {});
+            bool fresh, std::string_view plan = {}, const stale_key_test& judge = {});
 
   checkpoint& records() { return *records_; }
   const std::filesystem::path& path() const { return path_; }

@@ -10,6 +10,7 @@
 #include "search/aim.h"
 #include "sightcell/format/importance_classes.h"
 #include "trace/triangle_math.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bake {
 namespace {
@@ -61,7 +62,7 @@ importance_meter::importance_meter(const ray_scene& rays, const box& grown, floa
     : rays_(rays), seed_(seed), place_(name_of(grown)) {
   random_stream random(seed_, place_, purpose::importance);
   std::uint64_t tries = 0;
-  eyes_ = draw_free_points(rays_, grown, player_radius, most_eyes, most_tries, random, tries);
+  eyes_ = draw_viewpoints(rays_, grown, player_radius, most_eyes, most_tries, random, tries);
   // A cell of hardly any free place: better an order as seen from anywhere in it than none.
   while (eyes_.size() < first_rays) eyes_.push_back(random.in_box(grown.min, grown.max));
 }
@@ -97,7 +98,7 @@ std::uint32_t importance_meter::cast(std::uint32_t polygon, std::size_t first_ey
   }
   if (room.sights.size() < first_rays) room.sights.resize(first_rays);
   const std::span<sight> sights = std::span(room.sights).first(room.lines.size());
-  rays_.look(room.lines, sights);
+  rays_.interim_test(room.lines, sights);
   std::uint32_t hits = 0;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     if (!sees(room.lines[i], sights[i], room.lengths[i], polygon, room.coincident)) continue;

@@ -4,8 +4,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "sightcell/base/box.h"
 #include "sightcell/base/random.h"
-#include "trace/free_space.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bake {

@@ -11,11 +11,11 @@
 #include "file/importance_section.h"
 #include "file/pvs_output.h"
 #include "input/host_scene.h"
+#include "job/bake_context.h"
 #include "job/disk_space.h"
-#include "job/ledger.h"
 #include "job/phases.h"
+#include "job/progress_tracker.h"
 #include "job/timed_bake.h"
-#include "job/workshop.h"
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/base/disk.h"
 #include "sightcell/base/process_time.h"
@@ -23,60 +23,60 @@
 namespace sightcell::bake {
 namespace {
 
-void warn_of_geometry_inside(const ledger& book, const settings& how, const callbacks& tell) {
+void warn_of_geometry_inside(const progress_tracker& tracker, const settings& how, const callbacks& tell) {
   // Samplers that look with rays have new places inside in every round: there more rays do find what is missing.
-  if (!book.stopped() && tell.on_message && how.max_pixel_error == 0.0 && book.not_empty() > 0 &&
+  if (!tracker.stopped() && tell.on_message && how.max_pixel_error == 0.0 && tracker.not_empty() > 0 &&
       takes_hemicubes(how.sampler))
     tell.on_message(severity::warning,
                     fmt::format("{} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
                                 "are missed there however many samples are taken",
-                                book.not_empty()));
+                                tracker.not_empty()));
 }
 
 // For the records while they come, their copy, and the file in the end.
-void check_room(const workshop& shop, std::uint32_t cells_left, const work_file& file,
+void check_room(const bake_context& context, std::uint32_t cells_left, const work_file& file,
                 const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
   double seen = 0.0;
   // Of a time budget nobody has to guess how long it takes.
-  const callbacks& estimate = shop.how.time_budget > 0.0 ? callbacks() : tell;
-  arena.execute([&] { seen = print_estimate(shop, cells_left, estimate); });
+  const callbacks& estimate = context.how.time_budget > 0.0 ? callbacks() : tell;
+  arena.execute([&] { seen = print_estimate(context, cells_left, estimate); });
   const std::uint64_t of_records = cells_left * checkpoint_bytes_of_cell(seen);
   check_disk_space({{folder_of(file.path()), of_records},
-                    {folder_of(output), shop.blocks->cell_count() * file_bytes_of_cell(seen)},
-                    {folder_of(output), shop.how.scratch.empty() ? 0 : of_records}},
+                    {folder_of(output), context.blocks->cell_count() * file_bytes_of_cell(seen)},
+                    {folder_of(output), context.how.scratch.empty() ? 0 : of_records}},
                    tell);
 }
 
 // Phase after phase, until every cell is done.
-void bake_all(const workshop& shop, const stage_plan& plan, tbb::task_arena& arena, work_file& file,
+void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_arena& arena, work_file& file,
               const std::filesystem::path& output, const callbacks& tell, summary& sum) {
-  std::vector<std::uint32_t> blocks(shop.blocks->count());
+  std::vector<std::uint32_t> blocks(context.blocks->count());
   std::iota(blocks.begin(), blocks.end(), 0u);
   checkpoint& done = file.records();
-  ledger book(shop.s.polygon_count, plan, shop.blocks->cell_count(), tell);
-  resume(done, book, tell);
-  sum.cells_resumed = book.resumed();
-  check_room(shop, book.cells_left(), file, output, arena, tell);
-  const phase_work work{shop, plan, blocks, arena, book, file};
+  progress_tracker tracker(context.s.polygon_count, plan, context.blocks->cell_count(), tell);
+  resume(done, tracker, tell);
+  sum.cells_resumed = tracker.resumed();
+  check_room(context, tracker.cells_left(), file, output, arena, tell);
+  const phase_work work{context, plan, blocks, arena, tracker, file};
   keeping(file, [&] {
-    book.open();
+    tracker.open();
     run_phase_1(work);
     run_phase_2(work, [&](std::uint32_t cell) { return required(done, cell, plan.end_of_phase_1(cell)); });
   });
-  warn_of_geometry_inside(book, shop.how, tell);
-  if (book.stopped()) {
+  warn_of_geometry_inside(tracker, context.how, tell);
+  if (tracker.stopped()) {
     sum.result = outcome::cancelled;
     file.copy();
     return;
   }
-  const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells,
-                                   shop.volumes ? &*shop.volumes : nullptr);
+  const pvs_frame frame = frame_of(context.s, context.how, with_overrides(context.settings_text, context.given),
+                                   context.list.cells, context.volumes ? &*context.volumes : nullptr);
   bool written = false;
   keeping(file, [&] {
     arena.execute([&] {
       written = write_pvs(
           frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, tell, sum,
-          importance_of(shop.how, *shop.rays, output, tell));
+          importance_of(context.how, *context.rays, output, tell));
     });
   });
   if (written) {
@@ -96,18 +96,18 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   const double began = process_cpu_seconds();
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
-  std::optional<workshop> shop;
-  arena.execute([&] { shop.emplace(s, how, tell); });
-  sum.source = shop->eyes.name;
-  sum.device = shop->eyes.source->device();
+  std::optional<bake_context> context;
+  arena.execute([&] { context.emplace(s, how, tell); });
+  sum.source = context->eyes.name;
+  sum.device = context->eyes.source->device();
 
-  const stage_plan plan(*shop->blocks, shop->bounds());
-  work_file file(output, how.scratch, shop->key, fresh, {}, shop->judge());
+  const stage_plan plan(*context->blocks, context->bounds());
+  work_file file(output, how.scratch, context->key, fresh, {}, context->judge());
   if (how.time_budget > 0.0) {
-    check_room(*shop, shop->blocks->cell_count(), file, output, arena, tell);
-    bake_in_time({*shop, plan, arena, clock, file, output, tell}, sum);
+    check_room(*context, context->blocks->cell_count(), file, output, arena, tell);
+    bake_in_time({*context, plan, arena, clock, file, output, tell}, sum);
   } else {
-    bake_all(*shop, plan, arena, file, output, tell, sum);
+    bake_all(*context, plan, arena, file, output, tell, sum);
   }
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;

@@ -5,17 +5,18 @@
 #include <glm/vector_relational.hpp>
 
 #include "misses/join_misses.h"
+#include "search/dilation.h"
+#include "search/neighbor_check.h"
 #include "search/refinement.h"
-#include "search/retest.h"
-#include "search/ring_polygons.h"
 #include "search/volume_search.h"
 #include "trace/triangle_math.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint64_t free_point_tries = 4096;  // a cell in which all of them fail is not stored
-constexpr std::size_t free_points_wanted = 128;   // for interior cubes, and to tell which polygons inside are faced
+constexpr std::uint64_t viewpoint_tries = 4096;  // a cell in which all of them fail is not stored
+constexpr std::size_t viewpoints_wanted = 128;   // for interior cubes, and to tell which polygons inside are faced
 
 // Levels of detail: where any polygon of the finest is in the set, all of the coarser ones are. set: ascending.
 void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vector<std::uint32_t>& set) {
@@ -46,7 +47,7 @@ void take_bound(const finish_result& proof, cell_record& record) {
 
 cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
                        const near_polygons* neighbors, const cell_sampler& sampler, const error_metric& metric,
-                       const known_misses* misses, std::uint32_t own_polygons, const volume_grid* volumes)
+                       const reported_misses* misses, std::uint32_t own_polygons, const volume_grid* volumes)
     : how_(how),
       given_(given),
       rays_(rays),
@@ -71,17 +72,17 @@ std::size_t cell_baker::set_bytes() const {
   return cell_set::bytes_for(rays_.geometry().kinds.size()) + (volumes_ ? volume_search_bytes(*volumes_) : 0);
 }
 
-bool cell_baker::find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const {
+bool cell_baker::find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& free, double& valid_share) const {
   // An eye comes into the cell's own box before the margin ever matters, so the own box decides whether it is stored.
   std::uint64_t tries = 0;
-  random_stream random(how_.seed, cell.place, purpose::free_points);
-  if (draw_free_points(rays_, {cell.min, cell.max}, how_.player_radius, 1, free_point_tries, random, tries).empty())
+  random_stream random(how_.seed, cell.place, purpose::viewpoints);
+  if (draw_viewpoints(rays_, {cell.min, cell.max}, how_.player_radius, 1, viewpoint_tries, random, tries).empty())
     return false;
   tries = 0;
   const auto wanted =
-      std::max<std::size_t>(free_points_wanted, static_cast<std::size_t>(how_.samples * how_.interior_share / 2.0));
-  free = draw_free_points(rays_, grown(cell), how_.player_radius, wanted, 16 * free_point_tries, random, tries);
-  free_share = static_cast<double>(free.size()) / static_cast<double>(tries);
+      std::max<std::size_t>(viewpoints_wanted, static_cast<std::size_t>(how_.samples * how_.interior_share / 2.0));
+  free = draw_viewpoints(rays_, grown(cell), how_.player_radius, wanted, 16 * viewpoint_tries, random, tries);
+  valid_share = static_cast<double>(free.size()) / static_cast<double>(tries);
   return !free.empty();
 }
 
@@ -89,7 +90,7 @@ cell_record cell_baker::sample(const view_cell& cell, cell_set& set) const {
   cell_record record;
   std::vector<glm::vec3> free;
   set.clear();
-  if (!find_free_points(cell, free, record.free_share)) {
+  if (!find_viewpoints(cell, free, record.valid_share)) {
     record.stored = false;
     return record;
   }
@@ -139,7 +140,7 @@ void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32
 // A miss is the best hint: it joins before rays go beside what is known, and so they go beside it from its eye.
 void cell_baker::add_misses(const view_cell& cell, cell_set& set, cell_record& record) const {
   if (!misses_) return;
-  std::vector<known_miss> own;
+  std::vector<reported_miss> own;
   for (const std::uint32_t place : misses_->in(cell.min, cell.max, how_.margin)) own.push_back(misses_->all()[place]);
   if (own.empty()) return;
   record.rays_spent += join_misses(rays_, {how_.player_radius, how_.smallest_gap}, own, set);
@@ -154,7 +155,7 @@ std::optional<search_views> cell_baker::views_of(const view_cell& cell, const ce
 finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views,
                                  cell_set& set, cell_record& record) const {
   how.rules = {how_.player_radius, how_.smallest_gap, &metric_};
-  how.free_share = record.free_share;
+  how.valid_share = record.valid_share;
   how.seed = how_.seed;
   how.place = cell.place;
   how.volumes = volumes_;
@@ -181,9 +182,9 @@ cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& ow
   if (!record.stored) return record;
   set.load(record);
   const std::size_t known = set.members().size();
-  record.rays_spent +=
-      retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest, {how_.player_radius, how_.smallest_gap}},
-             neighbors, set);
+  record.rays_spent += neighbor_check(
+      rays_, grown(cell), {how_.seed, cell.place, purpose::neighbor_check, {how_.player_radius, how_.smallest_gap}},
+      neighbors, set);
   add_misses(cell, set, record);
   bound(cell, known, set, record);
   return record;
@@ -204,9 +205,9 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
   if (!record.stored) return record;
   set.load(record);
   const std::size_t before = set.members().size();
-  record.rays_spent +=
-      retest(rays_, grown(cell), {how_.seed, cell.place, purpose::retest_all, {how_.player_radius, how_.smallest_gap}},
-             neighbors, set);
+  record.rays_spent += neighbor_check(
+      rays_, grown(cell), {how_.seed, cell.place, purpose::check_all, {how_.player_radius, how_.smallest_gap}},
+      neighbors, set);
   refinement beside(rays_, *neighbors_,
                     {.seed = how_.seed,
                      .place = cell.place,
@@ -228,11 +229,9 @@ cell_record cell_baker::improve(const view_cell& cell, const cell_record* before
   if (before) set.load(record);
   const std::size_t known = set.members().size();
   if (before) {
-    const retest_settings how{seed_after(record.batches, how_.seed),
-                              cell.place,
-                              purpose::retest_all,
-                              {how_.player_radius, how_.smallest_gap}};
-    record.rays_spent += retest(rays_, grown(cell), how, neighbors, set);
+    const neighbor_check_settings how{
+        seed_after(record.batches, how_.seed), cell.place, purpose::check_all, {how_.player_radius, how_.smallest_gap}};
+    record.rays_spent += neighbor_check(rays_, grown(cell), how, neighbors, set);
   } else {
     add_misses(cell, set, record);
   }
@@ -261,7 +260,7 @@ void cell_baker::complete(const view_cell& cell, std::vector<std::uint32_t>& set
 cell_record cell_baker::finished(const view_cell& cell, cell_record last) const {
   last.witnesses.clear();
   last.witness_of.clear();
-  last.free_share = 1.0;
+  last.valid_share = 1.0;
   if (!last.stored) return last;
   std::vector<std::uint32_t> with_ring = last.set;
   complete(cell, last.set);

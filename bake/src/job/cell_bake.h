@@ -10,12 +10,12 @@
 #include "cell_set/cell_set.h"
 #include "cells/overrides.h"
 #include "cells/view_cell.h"
-#include "misses/known_misses.h"
+#include "misses/reported_misses.h"
 #include "sampler/cell_sampler.h"
+#include "search/certify.h"
 #include "search/near_polygons.h"
-#include "search/ray_finish.h"
 #include "sightcell/bake/settings.h"
-#include "trace/free_space.h"
+#include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
 #include "volumes/volume_grid.h"
 
@@ -40,7 +40,7 @@ class cell_baker {
   // too; null: none.
   cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
              const cell_sampler& sampler, const error_metric& metric = pixel_metric,
-             const known_misses* misses = nullptr, std::uint32_t own_polygons = 0xFFFFFFFFu,
+             const reported_misses* misses = nullptr, std::uint32_t own_polygons = 0xFFFFFFFFu,
              const volume_grid* volumes = nullptr);
   cell_baker(const cell_baker&) = delete;  // sets point into it
   cell_baker& operator=(const cell_baker&) = delete;
@@ -73,7 +73,7 @@ class cell_baker {
 
  private:
   box grown(const view_cell& cell) const { return box{cell.min, cell.max}.grown(how_.margin); }
-  bool find_free_points(const view_cell& cell, std::vector<glm::vec3>& free, double& free_share) const;
+  bool find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& free, double& valid_share) const;
   void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside, const std::vector<glm::vec3>& free,
                   cell_set& set) const;
   void add_misses(const view_cell& cell, cell_set& set, cell_record& record) const;
@@ -89,7 +89,7 @@ class cell_baker {
   const near_polygons* neighbors_;
   const cell_sampler& sampler_;
   const error_metric& metric_;
-  const known_misses* misses_;
+  const reported_misses* misses_;
   const std::uint32_t own_polygons_;
   const volume_grid* volumes_;
   duplicate_classes duplicates_;

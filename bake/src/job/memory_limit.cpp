@@ -30,7 +30,7 @@ constexpr double most_columns = 4 << 20, columns_per_square_metre = 16.0;
 // What a wave of rays finds, and how it is ordered; who is still to be followed, by polygon
 // (sampler/guided_search.cpp).
 constexpr std::uint64_t of_wave = 65536 * 128ull;
-constexpr std::uint64_t of_lead = 28;
+constexpr std::uint64_t of_seed_ray = 28;
 // Libraries, their workers and what the allocator keeps for each thread.
 constexpr std::uint64_t of_process = 32ull << 20;
 // Records of neighbors and of cells that wait to be committed.
@@ -76,7 +76,7 @@ std::uint64_t memory_of_scene(const scene::scene& s, const settings& how) {
 }
 
 std::uint64_t memory_of_lane(std::uint64_t polygons, std::uint64_t set_bytes, const settings& how) {
-  if (!takes_hemicubes(how.sampler)) return set_bytes + polygons * of_lead + of_wave + of_records;
+  if (!takes_hemicubes(how.sampler)) return set_bytes + polygons * of_seed_ray + of_wave + of_records;
   // Depths and ids of a face; what rays see of all five, and where, is larger.
   const std::uint64_t pixels = std::uint64_t{how.resolution} * how.resolution;
   const std::uint64_t of_images = how.source == "rays" ? 64 * pixels : 16 * pixels;
@@ -108,7 +108,7 @@ void require_memory(const scene::scene& s, const settings& how, const scene::wor
               "give a larger --memory, or bake the scene in parts");
 }
 
-std::size_t lanes_that_fit(std::size_t lanes, std::uint64_t lane_bytes, const settings& how) {
+std::size_t workers_that_fit(std::size_t lanes, std::uint64_t lane_bytes, const settings& how) {
   if (how.memory == 0) return lanes;
   const std::uint64_t taken = resident_memory();
   const std::uint64_t left = how.memory > taken ? how.memory - taken : 0;

@@ -1,5 +1,6 @@
 #pragma once
-// --memory: what a bake takes, before it takes it. Figures and how they were measured: docs/baking.md, "Memory and disk".
+// --memory: what a bake takes, before it takes it. Figures and how they were measured: docs/baking.md, "Memory and
+// disk".
 #include <cstddef>
 #include <cstdint>
 
@@ -27,6 +28,6 @@ std::uint64_t memory_of_floors(double width, double depth, const settings& how);
 void require_memory(const scene::scene& s, const settings& how, const scene::world_geometry* flattened = nullptr);
 
 // How many of these lanes fit into what is left of how.memory, at least one. After the scene was built.
-std::size_t lanes_that_fit(std::size_t lanes, std::uint64_t lane_bytes, const settings& how);
+std::size_t workers_that_fit(std::size_t lanes, std::uint64_t lane_bytes, const settings& how);
 
 }  // namespace sightcell::bake

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "job/cell_lanes.h"
+#include "job/cell_workers.h"
 #include "job/memory_limit.h"
-#include "search/retest.h"
+#include "search/neighbor_check.h"
 #include "sightcell/base/error.h"
 
 namespace sightcell::bake {
@@ -20,9 +20,9 @@ constexpr std::chrono::milliseconds tell_pause{200};  // of progress before the 
 
 void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {
   take_steps(
-      queue, [&] { return baker.make_set(); }, take, lanes_of(work.shop, baker, work.arena), work.arena,
+      queue, [&] { return baker.make_set(); }, take, workers_of(work.context, baker, work.arena), work.arena,
       [&](std::span<const stage_record> ended, std::size_t in_work) {
-        const bool go_on = work.book.close(ended, in_work, work.file.records());
+        const bool go_on = work.tracker.close(ended, in_work, work.file.records());
         work.file.copy_if_due();
         return go_on;
       });
@@ -33,7 +33,7 @@ void run(const phase_work& work, const cell_baker& baker, step_queue queue, cons
 bool prepare(const phase_work& work) {
   const cell_blocks& all = work.plan.blocks();
   const auto sampled = [&](std::uint32_t cell) {
-    return work.book.have().has(cell, cell_stage::sampled) || work.plan.through_phase_1(work.book.have(), cell);
+    return work.tracker.have().has(cell, cell_stage::sampled) || work.plan.through_phase_1(work.tracker.have(), cell);
   };
   if (std::all_of(work.blocks.begin(), work.blocks.end(), [&](std::uint32_t block) {
         const auto cells = all.cells_of(block);
@@ -43,26 +43,33 @@ bool prepare(const phase_work& work) {
   using clock = std::chrono::steady_clock;
   clock::time_point told = clock::now();
   work.arena.execute([&] {
-    work.shop.sampler->prepare([&](double share) {
+    work.context.sampler->prepare([&](double share) {
       if (clock::now() - told < tell_pause) return true;
       told = clock::now();
-      return work.book.preparing(share);
+      return work.tracker.preparing(share);
     });
   });
-  return !work.book.stopped();
+  return !work.tracker.stopped();
 }
 
 }  // namespace
 
-cell_baker baker_of(const workshop& shop) {
-  return {shop.how,    shop.given,   *shop.rays,           shop.neighbors ? &*shop.neighbors : nullptr, *shop.sampler,
-          shop.metric, &shop.misses, shop.s.polygon_count, shop.volumes ? &*shop.volumes : nullptr};
+cell_baker baker_of(const bake_context& context) {
+  return {context.how,
+          context.given,
+          *context.rays,
+          context.neighbors ? &*context.neighbors : nullptr,
+          *context.sampler,
+          context.metric,
+          &context.misses,
+          context.s.polygon_count,
+          context.volumes ? &*context.volumes : nullptr};
 }
 
-std::size_t lanes_of(const workshop& shop, const cell_baker& baker, const tbb::task_arena& arena) {
-  const std::size_t most = lane_count(shop.eyes.source->shared(), arena.max_concurrency(), baker.set_bytes());
-  const std::uint64_t of_lane = memory_of_lane(shop.geometry.kinds.size(), baker.set_bytes(), shop.how);
-  return lanes_that_fit(most, of_lane, shop.how);
+std::size_t workers_of(const bake_context& context, const cell_baker& baker, const tbb::task_arena& arena) {
+  const std::size_t most = worker_count(context.eyes.source->shared(), arena.max_concurrency(), baker.set_bytes());
+  const std::uint64_t of_lane = memory_of_lane(context.geometry.kinds.size(), baker.set_bytes(), context.how);
+  return workers_that_fit(most, of_lane, context.how);
 }
 
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
@@ -72,10 +79,10 @@ std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const st
   return neighbors;
 }
 
-void resume(checkpoint& done, ledger& book, const callbacks& tell) {
+void resume(checkpoint& done, progress_tracker& tracker, const callbacks& tell) {
   const std::uint32_t damaged = done.survey(
-      [&](std::uint32_t cell, cell_stage stage, const cell_summary& record) { book.resume(cell, stage, record); });
-  tell_of_resume(damaged, book.resumed(), book.cells_total(), tell);
+      [&](std::uint32_t cell, cell_stage stage, const cell_summary& record) { tracker.resume(cell, stage, record); });
+  tell_of_resume(damaged, tracker.resumed(), tracker.cells_total(), tell);
 }
 
 void tell_of_resume(std::uint32_t damaged, std::uint32_t resumed, std::uint32_t cells, const callbacks& tell) {
@@ -108,11 +115,11 @@ void keeping(work_file& file, const std::function<void()>& work) {
 }
 
 void run_phase_1(const phase_work& work) {
-  if (work.book.stopped() || !prepare(work)) return;
-  const cell_baker baker = baker_of(work.shop);
+  if (work.tracker.stopped() || !prepare(work)) return;
+  const cell_baker baker = baker_of(work.context);
   const auto sampled = [&](std::uint32_t cell) { return required(work.file.records(), cell, cell_stage::sampled); };
   const take_step take = [&](const cell_step& step, cell_set& set) {
-    const view_cell& cell = work.shop.list.cells[step.cell];
+    const view_cell& cell = work.context.list.cells[step.cell];
     if (step.to == cell_stage::sampled) return baker.sample(cell, set);
     if (work.plan.shares_in_block(step.cell)) {
       const cell_record own = sampled(step.cell);
@@ -122,20 +129,20 @@ void run_phase_1(const phase_work& work) {
     cell_record record = baker.sample_and_finish(cell, set);
     return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
   };
-  run(work, baker, step_queue::phase_1(work.plan, work.book.have(), work.blocks), take);
+  run(work, baker, step_queue::phase_1(work.plan, work.tracker.have(), work.blocks), take);
 }
 
 void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
-  if (work.book.stopped()) return;
-  const cell_baker baker = baker_of(work.shop);
+  if (work.tracker.stopped()) return;
+  const cell_baker baker = baker_of(work.context);
   const take_step take = [&](const cell_step& step, cell_set& set) {
-    const view_cell& cell = work.shop.list.cells[step.cell];
+    const view_cell& cell = work.context.list.cells[step.cell];
     cell_record own = before(step.cell);
     if (work.plan.end_of_phase_1(step.cell) == cell_stage::finished) return own;  // nobody is beside it
     const auto around = work.plan.blocks().neighbors_of(step.cell);
     return baker.finished(cell, baker.check(cell, own, neighbors_of(own, around, before), set));
   };
-  run(work, baker, step_queue::phase_2(work.plan, work.book.have(), work.blocks), take);
+  run(work, baker, step_queue::phase_2(work.plan, work.tracker.have(), work.blocks), take);
 }
 
 }  // namespace sightcell::bake

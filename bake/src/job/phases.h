@@ -9,32 +9,32 @@
 
 #include "checkpoint/checkpoint.h"
 #include "checkpoint/work_file.h"
+#include "job/bake_context.h"
 #include "job/cell_bake.h"
-#include "job/ledger.h"
-#include "job/workshop.h"
+#include "job/progress_tracker.h"
 
 namespace sightcell::bake {
 
 // Made in place: it cannot be moved.
-cell_baker baker_of(const workshop& shop);
+cell_baker baker_of(const bake_context& context);
 // So many cells are in work at once.
-std::size_t lanes_of(const workshop& shop, const cell_baker& baker, const tbb::task_arena& arena);
+std::size_t workers_of(const bake_context& context, const cell_baker& baker, const tbb::task_arena& arena);
 
 // What phase 1 left of a cell; called from many threads.
 using record_of_phase_1 = std::function<cell_record(std::uint32_t cell)>;
 
 // What a phase works with; all outlive it.
 struct phase_work {
-  const workshop& shop;
+  const bake_context& context;
   const stage_plan& plan;
   std::span<const std::uint32_t> blocks;  // in this order; it changes no record
   tbb::task_arena& arena;                 // the calling thread is not inside of it
-  ledger& book;
+  progress_tracker& tracker;
   work_file& file;  // where records are committed
 };
 
 // What an earlier run left, into the book; says how much that is.
-void resume(checkpoint& done, ledger& book, const callbacks& tell);
+void resume(checkpoint& done, progress_tracker& tracker, const callbacks& tell);
 // What others see and own does not, one after the other.
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
                                       const record_of_phase_1& record_of);

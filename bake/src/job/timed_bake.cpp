@@ -8,10 +8,11 @@
 
 #include "file/importance_section.h"
 #include "file/pvs_output.h"
+#include "input/first_target.h"
 #include "job/cell_bake.h"
-#include "job/cell_lanes.h"
+#include "job/cell_workers.h"
 #include "job/phases.h"
-#include "job/timed_ledger.h"
+#include "job/timed_progress.h"
 #include "sightcell/base/error.h"
 
 namespace sightcell::bake {
@@ -43,7 +44,7 @@ class timed_bake {
   void end(summary& sum);
 
  private:
-  const settings& how() const { return work_.shop.how; }
+  const settings& how() const { return work_.context.how; }
   std::optional<cell_record> load(std::uint32_t cell) const;
   std::vector<cell_record> neighbors_of_now(std::uint32_t cell, const cell_record& own) const;
   bool take_turns(const std::vector<std::uint32_t>& cells, const take_step& take);
@@ -54,19 +55,19 @@ class timed_bake {
   const timed_work& work_;
   const cell_baker baker_;
   const pvs_frame frame_;
-  timed_ledger book_;
+  timed_progress book_;
   const double pause_;  // between files
   double next_file_;    // on the clock
 };
 
 timed_bake::timed_bake(const timed_work& work)
     : work_(work),
-      baker_(baker_of(work.shop)),
-      frame_(frame_of(work.shop.s, work.shop.how, with_overrides(work.shop.settings_text, work.shop.given),
-                      work.shop.list.cells, work.shop.volumes ? &*work.shop.volumes : nullptr)),
-      book_(work.shop.s.polygon_count, work.shop.list.cells.size(), work.shop.how.max_pixel_error, work.clock,
+      baker_(baker_of(work.context)),
+      frame_(frame_of(work.context.s, work.context.how, with_overrides(work.context.settings_text, work.context.given),
+                      work.context.list.cells, work.context.volumes ? &*work.context.volumes : nullptr)),
+      book_(work.context.s.polygon_count, work.context.list.cells.size(), work.context.how.max_pixel_error, work.clock,
             work.tell),
-      pause_(std::min(share_between_files * work.shop.how.time_budget, seconds_between_files)),
+      pause_(std::min(share_between_files * work.context.how.time_budget, seconds_between_files)),
       next_file_(pause_) {}
 
 void timed_bake::resume() {
@@ -97,7 +98,7 @@ bool timed_bake::take_turns(const std::vector<std::uint32_t>& cells, const take_
   step_queue queue = step_queue::listed(work_.plan, steps);
   bool go_on = true;
   take_steps(
-      queue, [&] { return baker_.make_set(); }, take, lanes_of(work_.shop, baker_, work_.arena), work_.arena,
+      queue, [&] { return baker_.make_set(); }, take, workers_of(work_.context, baker_, work_.arena), work_.arena,
       [&](std::span<const stage_record> ended, std::size_t) {
         go_on = book_.close(ended, work_.file.records()) && go_on;
         work_.file.copy_if_due();
@@ -108,7 +109,7 @@ bool timed_bake::take_turns(const std::vector<std::uint32_t>& cells, const take_
 }
 
 void timed_bake::run() {
-  const std::vector<view_cell>& cells = work_.shop.list.cells;
+  const std::vector<view_cell>& cells = work_.context.list.cells;
   for (const double target : targets_of(how())) {
     if (!book_.open(target) || work_.clock.over()) return;
     const auto max_rays = static_cast<std::uint64_t>(std::clamp(rays_times_target / target, fewest_rays, most_rays));
@@ -145,7 +146,7 @@ void timed_bake::write(const callbacks& tell, summary& sum, const file_completio
   write_pvs(
       frame,
       [&](std::uint32_t i) {
-        return baker_.finished(work_.shop.list.cells[cells[i]],
+        return baker_.finished(work_.context.list.cells[cells[i]],
                                required(work_.file.records(), cells[i], cell_stage::bounded));
       },
       work_.output, tell, sum, complete);
@@ -159,7 +160,7 @@ void timed_bake::write(const callbacks& tell, summary& sum, const file_completio
 file_completion timed_bake::last_completion() const {
   if (!how().file.importance) return {};
   return [this](std::vector<std::byte>& file) {
-    const file_completion measure = importance_of(how(), *work_.shop.rays, work_.output, work_.tell);
+    const file_completion measure = importance_of(how(), *work_.context.rays, work_.output, work_.tell);
     if ((book_.stopped() || !measure(file)) && work_.tell.on_message)
       work_.tell.on_message(severity::warning,
                             "the file has no importance, which was not waited for; sightcell recode FILE --importance "

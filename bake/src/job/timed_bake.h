@@ -5,16 +5,16 @@
 #include <filesystem>
 
 #include "checkpoint/work_file.h"
-#include "input/time_budget.h"
+#include "job/bake_context.h"
 #include "job/cell_steps.h"
-#include "job/workshop.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/base/time_budget.h"
 
 namespace sightcell::bake {
 
 // What it works with; all outlive it.
 struct timed_work {
-  const workshop& shop;
+  const bake_context& context;
   const stage_plan& plan;
   tbb::task_arena& arena;  // the calling thread is not inside of it
   time_budget& clock;

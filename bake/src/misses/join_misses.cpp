@@ -5,20 +5,20 @@
 #include <functional>
 #include <vector>
 
-#include "misses/look_at_polygon.h"
+#include "misses/probe_polygon.h"
 
 namespace sightcell::bake {
 
-std::uint64_t join_misses(const ray_scene& rays, const fresh_rules& rules, std::span<const known_miss> misses,
+std::uint64_t join_misses(const ray_scene& rays, const visibility_rules& rules, std::span<const reported_miss> misses,
                           cell_set& set) {
-  std::vector<known_miss> wanted;
-  for (const known_miss& miss : misses)
+  std::vector<reported_miss> wanted;
+  for (const reported_miss& miss : misses)
     if (!set.contains(miss.polygon)) wanted.push_back(miss);
   const std::function<bool(std::uint32_t)> nothing = [](std::uint32_t) { return false; };
   std::vector<polygon_sight> sights(wanted.size());
   tbb::parallel_for(std::size_t{0}, wanted.size(), [&](std::size_t i) {
     if (rays.is_free(wanted[i].eye, rules.player_radius))
-      sights[i] = look_at_polygon(rays, rules.smallest_gap, wanted[i].eye, wanted[i].polygon, nothing);
+      sights[i] = probe_polygon(rays, rules.smallest_gap, wanted[i].eye, wanted[i].polygon, nothing);
   });
   std::uint64_t spent = 0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {

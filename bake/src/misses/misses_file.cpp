@@ -69,10 +69,10 @@ glm::vec3 read_eye(const json& miss, const std::string& label, const std::string
   return eye;
 }
 
-known_miss read_miss(const json& entry, std::size_t number, const std::string& subject, const scene::scene& s) {
+reported_miss read_miss(const json& entry, std::size_t number, const std::string& subject, const scene::scene& s) {
   const std::string label = fmt::format("miss {}", number);
   if (!entry.is_object()) refuse("misses.bad-report", subject, label + " is not an object");
-  known_miss miss;
+  reported_miss miss;
   miss.eye = read_eye(entry, label, subject);
   const auto polygon = entry.find("polygon");
   if (polygon == entry.end() || !polygon->is_number_unsigned())
@@ -102,19 +102,19 @@ std::string read_text(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::vector<known_miss> parse_misses(std::string_view text, const std::string& subject, const scene::scene& s) {
+std::vector<reported_miss> parse_misses(std::string_view text, const std::string& subject, const scene::scene& s) {
   const json document = parse(text, subject);
   const auto list = document.is_object() ? document.find("misses") : document.end();
   if (!document.is_object() || list == document.end() || !list->is_array())
     refuse("misses.no-list", subject, "has no \"misses\" array");
   check_fingerprint(document, subject, s);
-  std::vector<known_miss> misses;
+  std::vector<reported_miss> misses;
   misses.reserve(list->size());
   for (std::size_t i = 0; i < list->size(); ++i) misses.push_back(read_miss((*list)[i], i, subject, s));
   return misses;
 }
 
-std::vector<known_miss> read_misses(const std::filesystem::path& path, const scene::scene& s) {
+std::vector<reported_miss> read_misses(const std::filesystem::path& path, const scene::scene& s) {
   return parse_misses(read_text(path), path.string(), s);
 }
 

@@ -14,16 +14,16 @@
 namespace sightcell::bake {
 
 // From the eye the polygon ought to have been drawn.
-struct known_miss {
+struct reported_miss {
   glm::vec3 eye{0.0f};        // metres
   std::uint32_t polygon = 0;  // source id
-  bool operator==(const known_miss&) const = default;
+  bool operator==(const reported_miss&) const = default;
 };
 
 // In the order of the file. Eyes are finite, polygons are of the scene. Throws sightcell::error (bad_input) that names
 // the file, which miss it is and what is wrong with it.
-std::vector<known_miss> read_misses(const std::filesystem::path& path, const scene::scene& s);
+std::vector<reported_miss> read_misses(const std::filesystem::path& path, const scene::scene& s);
 // The same from text; subject names it in errors.
-std::vector<known_miss> parse_misses(std::string_view text, const std::string& subject, const scene::scene& s);
+std::vector<reported_miss> parse_misses(std::string_view text, const std::string& subject, const scene::scene& s);
 
 }  // namespace sightcell::bake

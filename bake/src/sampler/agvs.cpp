@@ -181,7 +181,7 @@ void agvs::make_candidates(std::vector<found_pair>& joined) {
 
 void agvs::prepare(const std::function<bool(double share)>& go_on) {
   const double began = process_cpu_seconds();
-  if (!rays_.find_free_places(how_.player_radius, how_.seed, places_)) return;
+  if (!rays_.find_viewpoints(how_.player_radius, how_.seed, places_)) return;
   const std::uint64_t budget = how_.sampling_rays * known_.size();
   const double seconds = how_.seconds_per_cell * static_cast<double>(known_.size());
   while (spent_ < budget) {

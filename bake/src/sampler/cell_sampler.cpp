@@ -19,7 +19,7 @@ class hemicube_sampler final : public cell_sampler {
   hemicube_sampler(const settings& how, const sampler_world& world) : how_(how), world_(world) {}
 
   sampling_effort sample(const sampled_cell& cell, cell_set& set) const override {
-    gap_filter without_cracks(world_.source, world_.rays, set, how_.smallest_gap);
+    gap_filter without_leaks(world_.source, world_.rays, set, how_.smallest_gap);
     const hemicube_plan plan{.samples = how_.samples,
                              .seed = how_.seed,
                              .place = cell.place,
@@ -28,13 +28,13 @@ class hemicube_sampler final : public cell_sampler {
                              .jitter = how_.jitter,
                              .seconds = how_.seconds_per_cell};
     const auto is_free = [&](const glm::vec3& eye) { return world_.rays.is_free(eye, how_.player_radius); };
-    hemicubes taken(plan, without_cracks, set);
+    hemicubes taken(plan, without_leaks, set);
     taken.take_interior(cell.free);
     if (how_.sampler == "nir04")
       sample_nir04({how_.difference, how_.part_polygons}, cell.grown, is_free, taken);
     else
       sample_faces({.sampler = how_.sampler, .reliability = how_.reliability, .start_grid = how_.start_grid}, plan,
-                   cell.grown, is_free, taken, weight_with(without_cracks, set));
+                   cell.grown, is_free, taken, weight_with(without_leaks, set));
     return {.samples = taken.taken()};
   }
 

@@ -12,7 +12,7 @@
 #include "hemicube/hemicube_source.h"
 #include "search/cell_search.h"
 #include "sightcell/bake/settings.h"
-#include "trace/free_space.h"
+#include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bake {

@@ -6,7 +6,7 @@
 
 #include "sampler/face_sampler.h"
 #include "search/hemicubes.h"
-#include "trace/free_space.h"
+#include "sightcell/base/box.h"
 
 namespace sightcell::bake {
 

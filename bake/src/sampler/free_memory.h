@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
-
-#include "trace/free_space.h"
+#include "sightcell/base/box.h"
 
 namespace sightcell::bake {
 

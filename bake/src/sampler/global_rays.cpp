@@ -9,11 +9,12 @@
 #include <utility>
 
 #include "search/aim.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr std::size_t free_places = 32;     // of a cell
+constexpr std::size_t viewpoints = 32;      // of a cell
 constexpr std::uint64_t free_tries = 4096;  // for the first of them: other cells are not stored
 constexpr int tries = 4;                    // for a polygon that faces a cell
 constexpr double lately = 0.5;              // the weight of the last round
@@ -72,12 +73,12 @@ global_rays::global_rays(const ray_scene& rays, std::span<const box> cells) : ra
   off_surface_ = std::max(2e-4f, 1e-6f * glm::length(geometry.max - geometry.min));
 }
 
-bool global_rays::find_free_places(float player_radius, std::uint64_t seed, std::span<const std::uint64_t> places) {
+bool global_rays::find_viewpoints(float player_radius, std::uint64_t seed, std::span<const std::uint64_t> places) {
   free_.assign(cells_.size(), {});
   tbb::parallel_for(std::size_t{0}, cells_.size(), [&](std::size_t cell) {
     random_stream numbers(seed, places[cell], purpose::agvs_place, ~std::uint64_t{0});
     std::uint64_t tried = 0;
-    free_[cell] = draw_free_points(rays_, cells_[cell], player_radius, free_places, free_tries, numbers, tried);
+    free_[cell] = draw_viewpoints(rays_, cells_[cell], player_radius, viewpoints, free_tries, numbers, tried);
   });
   with_free_.clear();
   for (std::uint32_t cell = 0; cell < cells_.size(); ++cell)

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "sightcell/base/box.h"
 #include "sightcell/base/random.h"
-#include "trace/free_space.h"
 #include "trace/ray_scene.h"
 #include "trace/triangle_math.h"
 
@@ -55,7 +55,7 @@ class global_rays {
   // Before the first ray: looks for free places of the cells, on the calling thread's TBB arena. From then on rays
   // begin in and aim at cells that have some. places: of the cells, by which their random numbers are named. False
   // where no cell has any.
-  bool find_free_places(float player_radius, std::uint64_t seed, std::span<const std::uint64_t> places);
+  bool find_viewpoints(float player_radius, std::uint64_t seed, std::span<const std::uint64_t> places);
 
   global_ray random(random_stream& numbers) const;
   global_ray object(random_stream& numbers) const;

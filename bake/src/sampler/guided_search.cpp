@@ -32,8 +32,8 @@ void guided_search::join(const std::vector<followed>& wave) {
     spent_ += one.rays;
     found_.insert(found_.end(), one.found.begin(), one.found.end());
   }
-  std::vector<lead> leads = join_finds(rays_, {how_.player_radius, how_.smallest_gap}, found_, set_);
-  waiting_.insert(waiting_.end(), leads.begin(), leads.end());
+  std::vector<seed_ray> seed_rays = join_finds(rays_, {how_.player_radius, how_.smallest_gap}, found_, set_);
+  waiting_.insert(waiting_.end(), seed_rays.begin(), seed_rays.end());
 }
 
 void guided_search::look_at_random() {
@@ -56,8 +56,8 @@ void guided_search::look_at_random() {
   ++round_;
 }
 
-void guided_search::follow_all(std::uint64_t most,
-                               const std::function<void(const lead& from, noting_rays& rays, followed& out)>& follow) {
+void guided_search::follow_all(
+    std::uint64_t most, const std::function<void(const seed_ray& from, noting_rays& rays, followed& out)>& follow) {
   constexpr std::size_t stretch = 8;
   const std::size_t together = std::max<std::uint64_t>(rays_of_wave / most, stretch);
   // First come, first served: leads of a wave are followed after all that waited before.

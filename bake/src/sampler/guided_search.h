@@ -31,7 +31,7 @@ class guided_search {
   // Follows all that waits, and what is found on the way. most: rays that one call may cast, at most; where fewer are
   // left nobody is followed. follow is called from several threads.
   void follow_all(std::uint64_t most,
-                  const std::function<void(const lead& from, noting_rays& rays, followed& out)>& follow);
+                  const std::function<void(const seed_ray& from, noting_rays& rays, followed& out)>& follow);
 
  private:
   std::uint64_t left() const { return how_.sampling_rays - spent_; }
@@ -43,7 +43,7 @@ class guided_search {
   const random_rays random_;
   const time_limit limit_;
   std::uint64_t spent_ = 0, round_ = 0;
-  std::vector<lead> waiting_;  // the next one last
+  std::vector<seed_ray> waiting_;  // the next one last
   std::vector<ray_find> found_;
 };
 

@@ -15,7 +15,7 @@ class gvs_step {
  public:
   gvs_step(const settings& how, const ray_scene& rays, const box& cell) : how_(how), rays_(rays), cell_(cell) {}
 
-  void follow(const lead& from, noting_rays& caster, followed& out) const {
+  void follow(const seed_ray& from, noting_rays& caster, followed& out) const {
     const auto offset = static_cast<float>(how_.border_offset);
     std::vector<glm::vec3> eyes;
     const auto cast = [&](const glm::vec3& point) {
@@ -56,8 +56,9 @@ sampling_effort gvs::sample(const sampled_cell& cell, cell_set& set) const {
   while (!search.over()) {
     const std::uint32_t before = set.size();
     search.look_at_random();
-    search.follow_all(step.most_rays(),
-                      [&](const lead& from, noting_rays& caster, followed& out) { step.follow(from, caster, out); });
+    search.follow_all(step.most_rays(), [&](const seed_ray& from, noting_rays& caster, followed& out) {
+      step.follow(from, caster, out);
+    });
     if (set.size() - before < how_.fewest_new) break;
   }
   return {.rays = search.spent()};

@@ -22,7 +22,7 @@ class bulk_step {
       if (free[i]) eyes_.push_back(points[i]);
   }
 
-  void follow(const lead& from, noting_rays& caster, followed& out) const {
+  void follow(const seed_ray& from, noting_rays& caster, followed& out) const {
     std::vector<glm::vec3> hidden;  // discontinuities: points of the border before which the ray was blocked
     const auto cast = [&](const glm::vec3& eye, const glm::vec3& point) {
       const glm::vec3 toward = point - eye;
@@ -89,8 +89,9 @@ sampling_effort gvs_plus_plus::sample(const sampled_cell& cell, cell_set& set) c
   for (int poor = 0; poor < poor_iterations && !search.over();) {
     const std::uint32_t before = set.size();
     search.look_at_random();
-    search.follow_all(step.most_rays(),
-                      [&](const lead& from, noting_rays& caster, followed& out) { step.follow(from, caster, out); });
+    search.follow_all(step.most_rays(), [&](const seed_ray& from, noting_rays& caster, followed& out) {
+      step.follow(from, caster, out);
+    });
     poor = set.size() - before < how_.fewest_new ? poor + 1 : 0;
   }
   return {.rays = search.spent()};

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sampler/cell_sampler.h"
-#include "trace/free_space.h"
+#include "sightcell/base/box.h"
 #include "trace/triangle_math.h"
 
 namespace sightcell::bake {

@@ -25,11 +25,11 @@ struct quad {
   double difference = 0.0;
   std::uint32_t face = 0, x = 0, y = 0, size = steps;  // from (x, y), in steps
   // How much may hide in it: the same difference on a larger area.
-  double worth() const { return difference * size * size; }
+  double priority() const { return difference * size * size; }
   // What is worth most first; of equals the largest quad, then in the order of faces and rows.
   bool operator<(const quad& other) const {
-    return std::tuple(worth(), size, ~face, ~y, ~x) <
-           std::tuple(other.worth(), other.size, ~other.face, ~other.y, ~other.x);
+    return std::tuple(priority(), size, ~face, ~y, ~x) <
+           std::tuple(other.priority(), other.size, ~other.face, ~other.y, ~other.x);
   }
 };
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "search/hemicubes.h"
-#include "trace/free_space.h"
+#include "sightcell/base/box.h"
 
 namespace sightcell::bake {
 

@@ -2,6 +2,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "trace/viewpoints.h"
+
 namespace sightcell::bake {
 namespace {
 
@@ -44,7 +46,7 @@ std::vector<random_rays::start> random_rays::on_boundary(random_stream& random) 
 std::vector<random_rays::start> random_rays::inside(random_stream& random) const {
   std::uint64_t tried = 0;
   std::vector<start> found;
-  for (const glm::vec3& eye : draw_free_points(rays_, grown_, how_.player_radius, eyes, tries, random, tried))
+  for (const glm::vec3& eye : draw_viewpoints(rays_, grown_, how_.player_radius, eyes, tries, random, tried))
     found.push_back({eye, {}});
   return found;
 }

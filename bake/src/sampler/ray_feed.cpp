@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "sightcell/base/random.h"
-#include "trace/free_space.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bake {
 namespace {
@@ -31,7 +31,7 @@ bool ray_feed::meets_back(const global_ray& ray, float way, float& clear) {
 
 // Sight goes on through a back.
 float ray_feed::trace_on(const global_ray& ray, float way, float clear) {
-  rays_.look(ray.origin, ray.direction * way, seen_);
+  rays_.interim_test(ray.origin, ray.direction * way, seen_);
   for (const passed_polygon& p : seen_.before)
     if (p.distance > std::abs(clear)) things_.push_back({p.polygon, way * p.distance});
   if (seen_.front != no_polygon) things_.push_back({seen_.front, way * seen_.distance});

@@ -45,7 +45,7 @@ struct tested {
   std::vector<std::uint32_t> same_place;
 };
 
-tested test(const ray_scene& rays, const fresh_rules& rules, const ordered_find* first, const ordered_find* end) {
+tested test(const ray_scene& rays, const visibility_rules& rules, const ordered_find* first, const ordered_find* end) {
   tested result;
   end = std::min(end, first + tries_per_polygon);
   for (; first != end; ++first) {
@@ -63,7 +63,7 @@ tested test(const ray_scene& rays, const fresh_rules& rules, const ordered_find*
 
 const sight& noting_rays::cast(const glm::vec3& eye, const glm::vec3& direction, bool eye_is_free,
                                std::vector<ray_find>& found) {
-  rays_.look(eye, direction, seen_);
+  rays_.interim_test(eye, direction, seen_);
   const auto note = [&](std::uint32_t polygon, float distance) {
     if (polygon != no_polygon && !set_.contains(polygon))
       found.push_back({polygon, eye, direction, distance, eye_is_free});
@@ -73,8 +73,8 @@ const sight& noting_rays::cast(const glm::vec3& eye, const glm::vec3& direction,
   return seen_;
 }
 
-std::vector<lead> join_finds(const ray_scene& rays, const fresh_rules& rules, std::vector<ray_find>& found,
-                             cell_set& set) {
+std::vector<seed_ray> join_finds(const ray_scene& rays, const visibility_rules& rules, std::vector<ray_find>& found,
+                                 cell_set& set) {
   constexpr std::size_t stretch = 64;
   std::vector<ordered_find> ordered(found.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 1024), [&](const auto& range) {
@@ -93,9 +93,9 @@ std::vector<lead> join_finds(const ray_scene& rays, const fresh_rules& rules, st
     for (std::size_t i = range.begin(); i < range.end(); ++i) outcomes[i] = test(rays, rules, firsts[i], firsts[i + 1]);
   });
 
-  std::vector<lead> leads;
+  std::vector<seed_ray> seed_rays;
   const auto join = [&](std::uint32_t polygon, const ray_find& by) {
-    if (set.add(polygon, by.eye)) leads.push_back({polygon, by.eye, by.eye + by.direction * by.distance});
+    if (set.add(polygon, by.eye)) seed_rays.push_back({polygon, by.eye, by.eye + by.direction * by.distance});
   };
   // Who is seen joins before what lies in the same place as another, so that nobody's lead depends on ids.
   for (std::size_t i = 0; i < outcomes.size(); ++i)
@@ -106,7 +106,7 @@ std::vector<lead> join_finds(const ray_scene& rays, const fresh_rules& rules, st
     });
     for (const std::uint32_t polygon : outcome.same_place) join(polygon, *outcome.by);
   }
-  return leads;
+  return seed_rays;
 }
 
 }  // namespace sightcell::bake

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "bound/fresh_rays.h"
+#include "bound/verification_rays.h"
 #include "cell_set/cell_set.h"
 #include "trace/ray_scene.h"
 
@@ -20,7 +20,7 @@ struct ray_find {
 };
 
 // A polygon that joined: where on it and from where it was seen. What guided samplers go on from.
-struct lead {
+struct seed_ray {
   std::uint32_t polygon = no_polygon;
   glm::vec3 eye{0.0f}, point{0.0f};
 };
@@ -42,7 +42,7 @@ class noting_rays {
 // Adds to set what was found from a free eye and not through a crack (rule 3), with what lies in the same place (rule
 // 2). Returns what is new, one lead per polygon (of exact duplicates one of them), in an order that neither ids nor the
 // order of found decide. found is reordered. Tests run on the calling thread's TBB arena.
-std::vector<lead> join_finds(const ray_scene& rays, const fresh_rules& rules, std::vector<ray_find>& found,
-                             cell_set& set);
+std::vector<seed_ray> join_finds(const ray_scene& rays, const visibility_rules& rules, std::vector<ray_find>& found,
+                                 cell_set& set);
 
 }  // namespace sightcell::bake

@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "trace/free_space.h"
+#include "sightcell/base/box.h"
 #include "trace/triangle_math.h"
 
 namespace sightcell::bake {

@@ -37,13 +37,13 @@ std::vector<glm::vec3> sorted_places(std::vector<glm::vec3> places) {
 
 }  // namespace
 
-double worth_beside(double max_pixel_error) {
+double priority_beside(double max_pixel_error) {
   return least_of_target * max_pixel_error * whole_sphere;
 }
 
-double worth_after(double worth, std::uint32_t hemicubes) {
-  for (std::uint64_t round = first_round; round < hemicubes; round *= 2) worth *= 0.25;
-  return worth;
+double priority_after(double priority, std::uint32_t hemicubes) {
+  for (std::uint64_t round = first_round; round < hemicubes; round *= 2) priority *= 0.25;
+  return priority;
 }
 
 cell_search::cell_search(const ray_scene& rays, const near_polygons& neighbors, search_views* views,
@@ -81,8 +81,8 @@ std::uint64_t cell_search::cost_of_views() const {
 }
 
 void cell_search::look_beside(std::uint64_t max_cost) {
-  const double worth = std::ldexp(worth_after(worth_, views_ ? views_->places.taken() : 0), -2 * deeper_);
-  const std::uint64_t rays = beside_.run(worth, max_cost - std::min(max_cost, spent_));
+  const double priority = std::ldexp(priority_after(priority_, views_ ? views_->places.taken() : 0), -2 * deeper_);
+  const std::uint64_t rays = beside_.run(priority, max_cost - std::min(max_cost, spent_));
   spent_ += rays;
   cast_ += rays;
 }
@@ -90,9 +90,9 @@ void cell_search::look_beside(std::uint64_t max_cost) {
 // Returns how many pixels show what was not known, each weighed by the metric along a line through one of its
 // polygon's.
 double cell_search::take(const std::vector<pose>& poses) {
-  gap_filter without_cracks(views_->source, rays_, set_, how_.smallest_gap);
+  gap_filter without_leaks(views_->source, rays_, set_, how_.smallest_gap);
   std::vector<hemicube_view> views(poses.size());
-  without_cracks.render(poses, views);
+  without_leaks.render(poses, views);
   const std::function<bool(std::uint32_t)> contains = [this](std::uint32_t polygon) { return set_.contains(polygon); };
   double fresh = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -135,7 +135,7 @@ void cell_search::hear(double missing) {
 }
 
 void cell_search::look_for(const search_goal& goal) {
-  worth_ = goal.worth;
+  priority_ = goal.priority;
   bool any = false;
   while (spent_ < goal.max_cost && !over() && may_view() && !(goal.enough && goal.enough(missing_, cost_of_views()))) {
     view();

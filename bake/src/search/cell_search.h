@@ -26,8 +26,8 @@ struct search_views {
 
 // Rays go beside all that is worth so much, in sr, of the error to reach; with each doubling of the hemicubes beside a
 // quarter of that: the more is known, the smaller is what is missing.
-double worth_beside(double max_pixel_error);
-double worth_after(double worth, std::uint32_t hemicubes);
+double priority_beside(double max_pixel_error);
+double priority_after(double priority, std::uint32_t hemicubes);
 
 struct search_settings {
   std::uint64_t seed = 0, place = 0;
@@ -43,7 +43,7 @@ struct search_settings {
 using error_guess = std::array<double, 5>;
 
 struct search_goal {
-  double worth = 0.0;                            // sr: what rays go beside of after the first round
+  double priority = 0.0;                         // sr: what rays go beside of after the first round
   std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // in rays, with what was spent before
   // Is so little missing, by the metric, that another round of hemicubes at this cost, in rays, does not pay? Null:
   // hemicubes are taken until they are spent.
@@ -86,7 +86,7 @@ class cell_search {
   cell_set& set_;
   std::vector<glm::vec3> places_;  // where hemicubes stood and rays began
   refinement beside_;
-  double worth_ = 0.0;        // of the goal, sr
+  double priority_ = 0.0;     // of the goal, sr
   std::uint32_t deeper_ = 0;  // searches without hemicubes: each goes on as if their number had doubled
   double cost_of_view_, cost_of_round_ = 0.0;  // of one hemicube, as the last round had it; of that round so far
   error_guess missing_;

@@ -6,6 +6,7 @@
 
 #include "search/hemicubes.h"
 #include "search/radical_inverse.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bake {
 namespace {
@@ -61,7 +62,7 @@ std::optional<glm::vec3> guided_views::inside() {
     if (may_look_from(eye)) return eye;
   }
   std::uint64_t tested = 0;
-  const auto found = draw_free_points(rays_, grown_, how_.player_radius, 1, most_tests, anywhere_, tested);
+  const auto found = draw_viewpoints(rays_, grown_, how_.player_radius, 1, most_tests, anywhere_, tested);
   return found.empty() ? std::nullopt : std::optional(found.front());
 }
 

@@ -10,8 +10,8 @@
 
 #include "hemicube/hemicube_source.h"
 #include "search/boundary_face.h"
+#include "sightcell/base/box.h"
 #include "sightcell/base/random.h"
-#include "trace/free_space.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bake {

@@ -12,18 +12,18 @@
 
 #include "search/aim.h"
 #include "trace/direction_code.h"
-#include "trace/free_space.h"
 #include "trace/triangle_math.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr float worth_after_miss = 0.25f;
+constexpr float priority_after_miss = 0.25f;
 constexpr std::uint32_t most_misses = 16;
 // Powers of two below the largest worth.
-std::size_t level_of(float worth, std::size_t count) {
-  if (!(worth > 0.0f)) return count - 1;
-  const float below = std::log2(largest_solid_angle / worth);
+std::size_t level_of(float priority, std::size_t count) {
+  if (!(priority > 0.0f)) return count - 1;
+  const float below = std::log2(largest_solid_angle / priority);
   return std::min(static_cast<std::size_t>(std::max(below, 0.0f)), count - 1);
 }
 
@@ -34,7 +34,7 @@ refinement::refinement(const ray_scene& rays, const near_polygons& neighbors, co
     : rays_(rays), neighbors_(neighbors), how_(how), set_(set), taken_(how.tried > 0.0 ? 0 : how.known) {}
 
 void refinement::push(const attempt& one) {
-  levels_[level_of(one.worth, level_count)].push_back(one);
+  levels_[level_of(one.priority, level_count)].push_back(one);
 }
 
 bool refinement::done() const {
@@ -45,9 +45,9 @@ bool refinement::done() const {
 // Brings a try to where those of earlier runs ended; false where nothing is left of it.
 bool refinement::leave_tried(attempt& one) const {
   const std::size_t last = level_of(static_cast<float>(how_.tried), level_count);
-  while (one.misses < most_misses && level_of(one.worth, level_count) <= last) {
+  while (one.misses < most_misses && level_of(one.priority, level_count) <= last) {
     ++one.misses;
-    one.worth *= worth_after_miss;
+    one.priority *= priority_after_miss;
   }
   return one.misses < most_misses;
 }
@@ -79,10 +79,10 @@ void refinement::take_members() {
     for (const attempt& one : part) push(one);
 }
 
-std::uint64_t refinement::run(double worth, std::uint64_t max_rays) {
+std::uint64_t refinement::run(double priority, std::uint64_t max_rays) {
   std::uint64_t cast = 0;
   take_members();
-  const std::size_t last = level_of(static_cast<float>(worth), level_count);
+  const std::size_t last = level_of(static_cast<float>(priority), level_count);
   for (std::size_t level = 0; level <= last;) {
     if (levels_[level].empty()) {
       ++level;
@@ -142,7 +142,7 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
   tbb::parallel_sort(wave.begin(), wave.end(), [&](const attempt& a, const attempt& b) {
     if (a.target != b.target) return a.target < b.target;
     if (a.misses != b.misses) return a.misses < b.misses;
-    if (a.worth != b.worth) return a.worth > b.worth;
+    if (a.priority != b.priority) return a.priority > b.priority;
     const glm::vec3 &from_a = set_.witness(a.member), &from_b = set_.witness(b.member);
     if (from_a != from_b) return is_lower(from_a, from_b);
     return name_of(corners_of(rays_.geometry(), a.member)) < name_of(corners_of(rays_.geometry(), b.member));
@@ -168,13 +168,13 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
     std::array<sight_line, stretch> lines;
     std::vector<sight> seen(count);
     for (std::size_t i = 0; i < count; ++i) lines[i] = aimed[first + i].line;
-    rays_.look(std::span(lines).first(count), seen);
+    rays_.interim_test(std::span(lines).first(count), seen);
     for (std::size_t i = 0; i < count; ++i) {
       const aimed_try& ray = aimed[first + i];
       attempt one = now[ray.which];
       if (ray.length > 0.0f && judge.take(ray.line, seen[i], ray.length, one.target, outcomes[k].found)) continue;
       if (++one.misses == most_misses) continue;
-      one.worth *= worth_after_miss;
+      one.priority *= priority_after_miss;
       outcomes[k].missed.push_back(one);
     }
   });

@@ -44,7 +44,7 @@ class refinement {
 
   // Works off tries worth `worth` sr or more (within a factor of two), those of what joins on the way too, until none
   // is left or max_rays are cast; returns how many were. Runs on the calling thread's TBB arena.
-  std::uint64_t run(double worth, std::uint64_t max_rays);
+  std::uint64_t run(double priority, std::uint64_t max_rays);
   bool done() const;  // nothing waits
 
  private:
@@ -52,7 +52,7 @@ class refinement {
 
   struct attempt {
     std::uint32_t target = 0, member = 0;
-    float worth = 0.0f;
+    float priority = 0.0f;
     std::uint32_t misses = 0;
   };
 

@@ -14,6 +14,7 @@
 #include "sightcell/base/random.h"
 #include "trace/direction_code.h"
 #include "trace/triangle_math.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bake {
 namespace {
@@ -48,7 +49,7 @@ volume_search::volume_search(const ray_scene& rays, const volume_grid& grid, con
       eye_of_(grid.count(), volume_grid::none),
       tries_(grid.count(), not_beside) {
   random_stream random(how.seed, how.place, purpose::volumes);
-  places_ = draw_free_points(rays, grown, how.player_radius, places_wanted, most_place_tries, random, spent_);
+  places_ = draw_viewpoints(rays, grown, how.player_radius, places_wanted, most_place_tries, random, spent_);
   if (places_.empty()) places_ = set.eyes();
   if (places_.empty()) return;
   for (const std::uint32_t volume : grid.touching(grown)) set_.volumes().add(volume);
@@ -74,7 +75,7 @@ void volume_search::add(std::span<const found_volume> found) {
 }
 
 // The solid angle of its square face from the place of the cell that is nearest to it.
-double volume_search::worth_of(std::uint32_t volume) const {
+double volume_search::priority_of(std::uint32_t volume) const {
   const box where = grid_.box_of(volume);
   const glm::vec3 middle = 0.5f * (where.min + where.max);
   const double distance = glm::distance(middle, glm::clamp(middle, grown_.min, grown_.max));
@@ -109,13 +110,13 @@ const glm::vec3& volume_search::eye_beside(std::uint32_t volume) const {
 }
 
 // One try for each volume beside what is seen that is worth it: from where its neighbor was seen, then from others.
-std::vector<volume_search::line_to_cast> volume_search::next_lines(double worth) {
+std::vector<volume_search::line_to_cast> volume_search::next_lines(double priority) {
   std::vector<line_to_cast> lines;
   std::erase_if(candidates_, [&](std::uint32_t volume) { return set_.volumes().contains(volume); });
   std::sort(candidates_.begin(), candidates_.end());
   for (const std::uint32_t volume : candidates_) {
     std::uint8_t& tries = tries_[volume];
-    if (tries == most_tries || worth_of(volume) / (tries + 1.0) < worth) continue;
+    if (tries == most_tries || priority_of(volume) / (tries + 1.0) < priority) continue;
     random_stream random(how_.seed, how_.place, purpose::volumes, 3 + std::uint64_t{tries}, volume);
     glm::vec3 eye = places_[random.bits() % places_.size()];
     if (tries == 0) eye = eye_beside(volume);
@@ -137,11 +138,11 @@ void volume_search::cast_wave(std::span<const line_to_cast> lines) {
     std::array<sight_line, stretch> sent;
     std::vector<sight> seen(some.size());
     for (std::size_t i = 0; i < some.size(); ++i) sent[i] = some[i].line;
-    rays_.look(std::span(sent).first(some.size()), seen);
+    rays_.interim_test(std::span(sent).first(some.size()), seen);
     std::vector<passed_volume> fresh;
     for (std::size_t i = 0; i < some.size(); ++i) {
       trial.lacking(sent[i], free_length(seen[i]), fresh);
-      drop_hidden_by_gaps(rays_, sent[i], how_.smallest_gap, fresh);
+      drop_behind_gaps(rays_, sent[i], how_.smallest_gap, fresh);
       for (const passed_volume& p : fresh) found[k].push_back({p.volume, sent[i].eye});
     }
   });
@@ -172,12 +173,12 @@ void volume_search::cast(std::vector<line_to_cast> lines) {
   }
 }
 
-void volume_search::look_for(double worth) {
+void volume_search::look_for(double priority) {
   if (places_.empty()) return;
   if (!began_) cast(first_lines());
   began_ = true;
   for (;;) {
-    std::vector<line_to_cast> lines = next_lines(worth);
+    std::vector<line_to_cast> lines = next_lines(priority);
     if (lines.empty() || over()) return;
     cast(std::move(lines));
   }

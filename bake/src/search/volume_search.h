@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cell_set/cell_set.h"
+#include "sightcell/base/box.h"
 #include "sightcell/base/time_limit.h"
-#include "trace/free_space.h"
 #include "trace/ray_scene.h"
 #include "volumes/volume_grid.h"
 #include "volumes/volume_trial.h"
@@ -38,7 +38,7 @@ class volume_search {
   // divided by the tries, because of one that k rays missed about a part of 1 / (k + 2) may show (Laplace's rule of
   // succession). At first also a ray to each polygon of the set, and rays all around. Only what a ray passes joins.
   // Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
-  void look_for(double worth);
+  void look_for(double priority);
   // Others saw these.
   void add(std::span<const found_volume> found);
   // Sight rays and tested places.
@@ -56,8 +56,8 @@ class volume_search {
   void cast(std::vector<line_to_cast> lines);
   void cast_wave(std::span<const line_to_cast> lines);
   std::vector<line_to_cast> first_lines() const;
-  std::vector<line_to_cast> next_lines(double worth);
-  double worth_of(std::uint32_t volume) const;
+  std::vector<line_to_cast> next_lines(double priority);
+  double priority_of(std::uint32_t volume) const;
   const glm::vec3& eye_beside(std::uint32_t volume) const;
 
   const ray_scene& rays_;

@@ -9,10 +9,10 @@
 #include "checkpoint/work_file.h"
 #include "file/pvs_output.h"
 #include "input/host_scene.h"
+#include "job/bake_context.h"
 #include "job/disk_space.h"
-#include "job/ledger.h"
 #include "job/phases.h"
-#include "job/workshop.h"
+#include "job/progress_tracker.h"
 #include "shards/shard_files.h"
 #include "sightcell/bake/shards.h"
 #include "sightcell/base/disk.h"
@@ -94,39 +94,40 @@ shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& pl
 }
 
 // For the records while they come, and for the file that they end in. How long cells take is said of phase 1 alone.
-void check_room(const workshop& shop, unsigned phase, std::size_t cells, const std::filesystem::path& work,
+void check_room(const bake_context& context, unsigned phase, std::size_t cells, const std::filesystem::path& work,
                 const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
   double seen = 0.0;
-  arena.execute([&] { seen = print_estimate(shop, cells, phase == 1 ? tell : callbacks()); });
+  arena.execute([&] { seen = print_estimate(context, cells, phase == 1 ? tell : callbacks()); });
   const std::uint64_t bytes = cells * checkpoint_bytes_of_cell(seen);
   check_disk_space({{folder_of(work), bytes}, {folder_of(output), bytes}}, tell);
 }
 
 // One shard, from its first cell to its file.
-void bake_blocks(const workshop& shop, const stage_plan& plan, const std::vector<std::uint32_t>& blocks,
+void bake_blocks(const bake_context& context, const stage_plan& plan, const std::vector<std::uint32_t>& blocks,
                  const shard& part, const std::filesystem::path& output, tbb::task_arena& arena, bool fresh,
                  const callbacks& tell, summary& sum) {
   const std::filesystem::path target = shard_file(output, part);
   std::optional<shard_files> before;
-  if (part.phase == 2) before.emplace(phase_1_of(output, plan, blocks, shop.key));
-  const pvs_frame frame = frame_of(shop.s, shop.how, with_overrides(shop.settings_text, shop.given), shop.list.cells,
-                                   shop.volumes ? &*shop.volumes : nullptr);
-  work_file file(target, shop.how.scratch, shop.key, fresh, encode(plan_of(frame, *shop.blocks)), shop.judge());
-  ledger book(shop.s.polygon_count, plan, sum.cells, tell, static_cast<int>(part.phase));
-  resume(file.records(), book, tell);
-  sum.cells_resumed = book.resumed();
-  check_room(shop, part.phase, book.cells_left(), file.path(), output, arena, tell);
-  const phase_work work{shop, plan, blocks, arena, book, file};
+  if (part.phase == 2) before.emplace(phase_1_of(output, plan, blocks, context.key));
+  const pvs_frame frame = frame_of(context.s, context.how, with_overrides(context.settings_text, context.given),
+                                   context.list.cells, context.volumes ? &*context.volumes : nullptr);
+  work_file file(target, context.how.scratch, context.key, fresh, encode(plan_of(frame, *context.blocks)),
+                 context.judge());
+  progress_tracker tracker(context.s.polygon_count, plan, sum.cells, tell, static_cast<int>(part.phase));
+  resume(file.records(), tracker, tell);
+  sum.cells_resumed = tracker.resumed();
+  check_room(context, part.phase, tracker.cells_left(), file.path(), output, arena, tell);
+  const phase_work work{context, plan, blocks, arena, tracker, file};
   keeping(file, [&] {
-    book.open();
+    tracker.open();
     if (part.phase == 1)
       run_phase_1(work);
     else
       run_phase_2(work, [&](std::uint32_t cell) { return before->load(cell, plan.end_of_phase_1(cell)); });
   });
-  sum.visible_percent = book.visible_percent();
-  sum.max_upper_bound = book.worst_bound();
-  if (book.stopped()) {
+  sum.visible_percent = tracker.visible_percent();
+  sum.max_upper_bound = tracker.worst_bound();
+  if (tracker.stopped()) {
     sum.result = outcome::cancelled;
     file.copy();
     return;
@@ -165,22 +166,22 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
   const double began = process_cpu_seconds();
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
-  std::optional<workshop> shop;
-  arena.execute([&] { shop.emplace(s, how, tell); });
-  sum.source = shop->eyes.name;
-  sum.device = shop->eyes.source->device();
-  const stage_plan plan(*shop->blocks, shop->bounds());
-  const std::vector<std::uint32_t> blocks = blocks_of(part, *shop->blocks);
-  sum.cells = cells_in(blocks, *shop->blocks);
+  std::optional<bake_context> context;
+  arena.execute([&] { context.emplace(s, how, tell); });
+  sum.source = context->eyes.name;
+  sum.device = context->eyes.source->device();
+  const stage_plan plan(*context->blocks, context->bounds());
+  const std::vector<std::uint32_t> blocks = blocks_of(part, *context->blocks);
+  sum.cells = cells_in(blocks, *context->blocks);
   if (tell.on_message)
     tell.on_message(severity::note,
                     fmt::format("shard {} of {}, phase {}: {} cells in {} of {} blocks", part.index, part.count,
-                                part.phase, sum.cells, blocks.size(), shop->blocks->count()));
-  if (!fresh && is_there(shard_file(output, part), shop->key)) {
+                                part.phase, sum.cells, blocks.size(), context->blocks->count()));
+  if (!fresh && is_there(shard_file(output, part), context->key)) {
     if (tell.on_message) tell.on_message(severity::note, "it is there already, and complete");
     sum.cells_resumed = sum.cells;
   } else {
-    bake_blocks(*shop, plan, blocks, part, output, arena, fresh, tell, sum);
+    bake_blocks(*context, plan, blocks, part, output, arena, fresh, tell, sum);
   }
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;

@@ -97,7 +97,7 @@ group_key duplicate_key(const scene::world_geometry& geometry, std::uint32_t pol
   const bool both_sides = kind.double_sided || all_double_sided;
   const scene::polygon_corners corners = scene::corners_of(geometry, polygon);
   std::uint32_t bits = static_cast<std::uint32_t>(kind.alpha);
-  bits |= (both_sides ? 4u : 0u) | (kind.alpha_tested ? 8u : 0u) | (kind.never_hides ? 16u : 0u);
+  bits |= (both_sides ? 4u : 0u) | (kind.alpha_tested ? 8u : 0u) | (kind.non_occluder ? 16u : 0u);
   return {both_sides ? corners.sorted() : corners.rotated(), bits};
 }
 

@@ -13,7 +13,7 @@ namespace sightcell::bake {
 namespace {
 
 unsigned geometry_of(scene::polygon_kind kind) {
-  if (kind.never_hides) return kind.alpha_tested ? open_tested : open_untested;
+  if (kind.non_occluder) return kind.alpha_tested ? open_tested : open_untested;
   if (kind.alpha == scene::alpha_mode::blend) return blend_standing;
   return kind.alpha_tested ? tested_standing : opaque_standing;
 }
@@ -34,7 +34,7 @@ void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
     if (a.valid[i] != -1) continue;
     const bool there = (!context->only || (*context->only)(context->scene->polygon_of(a, i))) &&
                        context->scene->is_there(a, i, context->all_double_sided);
-    if (there && hides(RTCHitN_geomID(a.hit, a.N, i)) && !context->pass_all) continue;
+    if (there && occludes(RTCHitN_geomID(a.hit, a.N, i)) && !context->pass_all) continue;
     if (there && context->passed)
       context->passed[RTCRayN_id(a.ray, a.N, i) - context->first_id].push_back(
           {context->scene->polygon_of(a, i), RTCRayN_tfar(a.ray, a.N, i)});
@@ -80,16 +80,16 @@ embree_scene::embree_scene(const scene::world_geometry& world, bool double_sided
   solid = make_scene();
   RTCBuffer vertices = make_vertices();
   std::array<RTCGeometry, embree_geometry_count> parts{};
-  bool all_hide = true;
+  bool all_occlude = true;
   for (unsigned i = 0; i < embree_geometry_count; ++i) {
     if (ids[i].empty() && i != opaque_standing) continue;
     parts[i] = make_geometry(i, vertices);
-    if (hides(i)) rtcAttachGeometryByID(solid, parts[i], i);
-    all_hide = all_hide && hides(i);
+    if (occludes(i)) rtcAttachGeometryByID(solid, parts[i], i);
+    all_occlude = all_occlude && occludes(i);
   }
   rtcCommitScene(solid);
   all = solid;
-  if (!all_hide) {
+  if (!all_occlude) {
     all = make_scene();
     for (unsigned i = 0; i < embree_geometry_count; ++i)
       if (parts[i]) rtcAttachGeometryByID(all, parts[i], i);

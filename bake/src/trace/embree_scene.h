@@ -24,7 +24,7 @@ enum embree_geometry : unsigned {
   embree_geometry_count
 };
 
-constexpr bool hides(unsigned geometry) {
+constexpr bool occludes(unsigned geometry) {
   return geometry <= tested_standing;
 }
 constexpr bool keeps_eyes_off(unsigned geometry) {

@@ -161,18 +161,19 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
 
 ray_scene::~ray_scene() = default;
 
-void ray_scene::look(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
+void ray_scene::interim_test(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
   look_context context(*embree_);
-  look(context, eye, direction, out);
+  interim_test(context, eye, direction, out);
 }
 
 void ray_scene::look_at_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
   look_context context(*embree_);
   context.all_double_sided = true;
-  look(context, eye, direction, out);
+  interim_test(context, eye, direction, out);
 }
 
-void ray_scene::look(look_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
+void ray_scene::interim_test(look_context& context, const glm::vec3& eye, const glm::vec3& direction,
+                             sight& out) const {
   thread_local std::vector<passed_polygon> passed;
   passed.clear();
   context.passed = &passed;
@@ -184,7 +185,7 @@ void ray_scene::look(look_context& context, const glm::vec3& eye, const glm::vec
   note_front(hit ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon, hit ? r.ray.tfar : infinity, passed, out);
 }
 
-void ray_scene::look(std::span<const sight_line> lines, std::span<sight> out) const {
+void ray_scene::interim_test(std::span<const sight_line> lines, std::span<sight> out) const {
   // Ids of rays that no filter of masked geometry takes for its own (ray_tests_masks).
   constexpr unsigned first_id = ray_tests_masks + 1;
   thread_local std::array<std::vector<passed_polygon>, packet> passed;
@@ -229,7 +230,7 @@ void ray_scene::look_at_set(const glm::vec3& eye, const glm::vec3& direction,
                             const std::function<bool(std::uint32_t)>& contains, sight& out) const {
   look_context context(*embree_);
   context.only = &contains;
-  look(context, eye, direction, out);
+  interim_test(context, eye, direction, out);
 }
 
 void ray_scene::coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,

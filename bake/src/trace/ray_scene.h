@@ -52,12 +52,12 @@ class ray_scene {
   ray_scene& operator=(const ray_scene&) = delete;
 
   // direction is a unit vector. out is overwritten; its storage is reused.
-  void look(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+  void interim_test(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
 
   // look() of several rays, eight at a time: quicker, most where neighbors in the list go about the same way. What a
   // ray sees may differ from look() by rounding at edges; it depends on the seven beside it and on nothing else. Both
   // spans have the same size; sights are overwritten, their storage is reused.
-  void look(std::span<const sight_line> lines, std::span<sight> out) const;
+  void interim_test(std::span<const sight_line> lines, std::span<sight> out) const;
 
   // What a picture of a set alone shows there: the first polygon that hides along the ray among those of the set, under
   // rule 1; no_polygon: none.
@@ -103,7 +103,7 @@ class ray_scene {
   }
 
  private:
-  void look(look_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+  void interim_test(look_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
   bool touches_surface(const glm::vec3& point, float radius) const;
   void find_solid(std::span<const glm::vec3> points, int one_in, std::span<std::uint8_t> solid) const;
   void find_clear(std::span<const glm::vec3> points, float radius, int one_in, std::span<std::uint8_t> clear) const;

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "input/host_scene.h"
-#include "misses/known_misses.h"
-#include "misses/look_at_polygon.h"
 #include "misses/misses_file.h"
+#include "misses/probe_polygon.h"
+#include "misses/reported_misses.h"
 #include "sightcell/bake/misses.h"
 #include "verify/verified_file.h"
 
@@ -18,19 +18,19 @@ namespace {
 enum class finding : std::uint8_t { outside, not_missing, not_visible, not_free, reproduced };
 
 // What a set that lacks the polygon makes of it.
-finding try_miss(const verified_file& file, const known_miss& miss,
+finding try_miss(const verified_file& file, const reported_miss& miss,
                  const std::function<bool(std::uint32_t)>& contains) {
   const stored_rules& rules = file.rules();
   if (!file.rays().is_free(miss.eye, rules.player_radius)) return finding::not_free;
-  const polygon_sight sight = look_at_polygon(file.rays(), rules.smallest_gap, miss.eye, miss.polygon, contains);
+  const polygon_sight sight = probe_polygon(file.rays(), rules.smallest_gap, miss.eye, miss.polygon, contains);
   if (sight.counts) return finding::reproduced;
   return sight.seen ? finding::not_missing : finding::not_visible;
 }
 
-miss_check check_all(verified_file& file, const known_misses& known,
+miss_check check_all(verified_file& file, const reported_misses& known,
                      const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
   miss_check result;
-  const std::vector<known_miss>& all = known.all();
+  const std::vector<reported_miss>& all = known.all();
   std::vector<finding> worst(all.size(), finding::outside);
   std::vector<std::uint32_t> set;
   const std::uint32_t cells = file.file().cell_count();
@@ -44,11 +44,11 @@ miss_check check_all(verified_file& file, const known_misses& known,
     };
     std::vector<finding> found(here.size());
     tbb::parallel_for(std::size_t{0}, here.size(), [&](std::size_t i) {
-      const known_miss& miss = all[here[i]];
+      const reported_miss& miss = all[here[i]];
       found[i] = contains(miss.polygon) ? finding::not_missing : try_miss(file, miss, contains);
     });
     for (std::size_t i = 0; i < here.size(); ++i) {
-      const known_miss& miss = all[here[i]];
+      const reported_miss& miss = all[here[i]];
       worst[here[i]] = std::max(worst[here[i]], found[i]);
       if (found[i] == finding::reproduced)
         result.list.push_back({cell, miss.polygon, {miss.eye.x, miss.eye.y, miss.eye.z}});
@@ -73,7 +73,7 @@ miss_check check_misses(const scene::scene& s, std::span<const std::byte> file, 
                         const std::filesystem::path& misses, const verify_settings& how,
                         const std::function<void(std::uint32_t, std::uint32_t)>& on_progress) {
   verified_file opened(s, how.cells_from, file, name);
-  const known_misses known(read_misses(misses, s));
+  const reported_misses known(read_misses(misses, s));
   miss_check result;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   arena.execute([&] {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "file/stored_rules.h"
+#include "sightcell/base/box.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/set_reader.h"
 #include "sightcell/scene/scene.h"
-#include "trace/free_space.h"
 #include "trace/ray_scene.h"
 #include "volumes/stored_volumes.h"
 

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "bound/clopper_pearson.h"
-#include "bound/fresh_rays.h"
 #include "bound/metric.h"
+#include "bound/verification_rays.h"
 #include "hemicube/surface_colors.h"
 #include "input/host_scene.h"
 #include "input/two_scenes.h"
@@ -45,7 +45,7 @@ class membership {
   std::uint64_t size_ = 0;
 };
 
-void note_missing(std::uint32_t cell, const fresh_batch& batch, std::vector<missing_polygon>& missing) {
+void note_missing(std::uint32_t cell, const verification_batch& batch, std::vector<missing_polygon>& missing) {
   std::map<std::uint32_t, missing_polygon> by_polygon;
   for (const missed_polygon& m : batch.missed) {
     if (!m.counts) continue;
@@ -74,10 +74,10 @@ verification verify_cells(const scene::scene& s, verified_file& opened, const ve
     return set.contains_volume(volume);
   };
   const stored_trial trial(volumes, has_volume);
-  const fresh_rules fresh{.player_radius = opened.rules().player_radius,
-                          .smallest_gap = opened.rules().smallest_gap,
-                          .metric = &metric,
-                          .volumes = file.volumes().count() > 0 ? &trial : nullptr};
+  const visibility_rules fresh{.player_radius = opened.rules().player_radius,
+                               .smallest_gap = opened.rules().smallest_gap,
+                               .metric = &metric,
+                               .volumes = file.volumes().count() > 0 ? &trial : nullptr};
   const std::uint32_t stored = file.cell_count();
   const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
   const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
@@ -90,8 +90,9 @@ verification verify_cells(const scene::scene& s, verified_file& opened, const ve
     opened.cell_items(cell, seen);
     set.assign(seen);
     const box grown = opened.cell_box(cell).grown(file.facts().margin);
-    const fresh_batch batch = cast_fresh_rays(rays, grown, fresh, rays_each, {how.seed, cell, purpose::verify, 0},
-                                              [&](std::uint32_t polygon) { return set.contains(polygon); });
+    const verification_batch batch =
+        cast_verification_rays(rays, grown, fresh, rays_each, {how.seed, cell, purpose::verify, 0},
+                               [&](std::uint32_t polygon) { return set.contains(polygon); });
     cell_verification one{.cell = cell, .rays = batch.rays, .misses = batch.misses};
     one.error = batch.rays > 0 ? static_cast<double>(batch.misses) / static_cast<double>(batch.rays) : 0.0;
     one.upper_bound = clopper_pearson_upper(batch.misses, batch.rays, result.confidence);

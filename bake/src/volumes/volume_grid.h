@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "cells/view_cell.h"
-#include "trace/free_space.h"
+#include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bake {

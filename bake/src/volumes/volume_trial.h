@@ -77,8 +77,8 @@ inline double free_length(const sight& seen) {
 
 // Rule 3 of seeing: what lies behind a crack that lets nothing through is not seen. passed: the nearest first. What is
 // hidden at one distance is hidden at every larger one, so a few questions tell.
-inline void drop_hidden_by_gaps(const ray_scene& rays, const sight_line& line, float smallest_gap,
-                                std::vector<passed_volume>& passed) {
+inline void drop_behind_gaps(const ray_scene& rays, const sight_line& line, float smallest_gap,
+                             std::vector<passed_volume>& passed) {
   const auto is_seen = [&](const passed_volume& p) {
     return !rays.through_gap(line.eye, line.direction, p.distance, smallest_gap);
   };

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "cells/walkable.h"
-#include "trace/free_space.h"
 #include "trace/ray_scene.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bench {
 namespace {
@@ -78,16 +78,16 @@ class walkable_graph {
 
   // Eye height above the floor below, as near the middle as a few tries find it.
   std::optional<glm::vec3> find_place(const bake::view_cell& cell) const {
-    bake::random_stream random(1, cell.place, bake::purpose::free_points);
+    bake::random_stream random(1, cell.place, bake::purpose::viewpoints);
     std::uint64_t tries = 0;
     const glm::vec3 middle = 0.5f * (cell.min + cell.max);
     std::vector<glm::vec3> points =
-        bake::draw_free_points(rays_, {cell.min, cell.max}, clearance, 16, 256, random, tries);
+        bake::draw_viewpoints(rays_, {cell.min, cell.max}, clearance, 16, 256, random, tries);
     points.insert(points.begin(), middle);
     std::optional<glm::vec3> best;
     for (glm::vec3 p : points) {
       bake::sight below;
-      rays_.look(p, {0.0f, -1.0f, 0.0f}, below);
+      rays_.interim_test(p, {0.0f, -1.0f, 0.0f}, below);
       if (below.front == bake::no_polygon || below.distance > 4.0f) continue;
       p.y += static_cast<float>(bake::eye_height) - below.distance;
       const auto away = [&](const glm::vec3& q) { return std::hypot(q.x - middle.x, q.z - middle.z); };
@@ -192,7 +192,7 @@ class polyline {
 std::vector<path_frame> record_walk(const scene::world_geometry& geometry, const walk_settings& how) {
   walkable_graph graph(geometry);
   const float length = static_cast<float>(how.frames) * how.step;
-  bake::random_stream random(how.seed, 0, bake::purpose::free_points);
+  bake::random_stream random(how.seed, 0, bake::purpose::viewpoints);
   std::vector<std::uint32_t> starts = graph.nearest(how.near.value_or(median_corner(geometry)));
   if (starts.size() > how.starts) starts.resize(how.starts);
   walk best;

@@ -11,7 +11,7 @@
 #include "cells/view_cell.h"
 #include "cells/walkable.h"
 #include "sightcell/base/error.h"
-#include "trace/free_space.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bench {
 namespace {
@@ -21,7 +21,7 @@ constexpr std::uint64_t tries_of_a_cell = 512;
 // Onto the floor below, eye height above it; the place itself where there is none near, or no free place above it.
 glm::vec3 at_eye_height(const bake::ray_scene& rays, const glm::vec3& place, float radius) {
   bake::sight below;
-  rays.look(place, {0.0f, -1.0f, 0.0f}, below);
+  rays.interim_test(place, {0.0f, -1.0f, 0.0f}, below);
   if (below.front == bake::no_polygon || below.distance > 4.0f) return place;
   glm::vec3 moved = place;
   moved.y += static_cast<float>(bake::eye_height) - below.distance;
@@ -70,10 +70,10 @@ json make_poses(const json& job) {
     // A cell inside a wall has no free point: the next one along the list takes its place.
     for (std::size_t step = 0; step < cells; ++step) {
       const bake::view_cell& cell = list.cells[(i * cells / wanted + step) % cells];
-      bake::random_stream random(how.seed, cell.place, bake::purpose::free_points, 0, i);
+      bake::random_stream random(how.seed, cell.place, bake::purpose::viewpoints, 0, i);
       std::uint64_t tries = 0;
       const auto free =
-          bake::draw_free_points(rays, {cell.min, cell.max}, how.player_radius, 1, tries_of_a_cell, random, tries);
+          bake::draw_viewpoints(rays, {cell.min, cell.max}, how.player_radius, 1, tries_of_a_cell, random, tries);
       if (free.empty()) continue;
       places.push_back(at_eye_height(rays, free.front(), how.player_radius));
       break;

@@ -9,16 +9,17 @@
 
 #include "bench/hemicube/cache.h"
 #include "sightcell/base/error.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bench {
 namespace {
 
-constexpr std::uint64_t free_point_tries = 4096;  // as a bake has it
+constexpr std::uint64_t viewpoint_tries = 4096;  // as a bake has it
 
 bool has_free_point(const bake::ray_scene& rays, const bake::view_cell& cell, float radius) {
   std::uint64_t tries = 0;
-  bake::random_stream random(1, cell.place, bake::purpose::free_points);
-  return !bake::draw_free_points(rays, {cell.min, cell.max}, radius, 1, free_point_tries, random, tries).empty();
+  bake::random_stream random(1, cell.place, bake::purpose::viewpoints);
+  return !bake::draw_viewpoints(rays, {cell.min, cell.max}, radius, 1, viewpoint_tries, random, tries).empty();
 }
 
 }  // namespace

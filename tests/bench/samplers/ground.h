@@ -9,8 +9,8 @@
 #include "bench/samplers/jobs.h"
 #include "cells/view_cell.h"
 #include "hemicube/surface_colors.h"
+#include "sightcell/base/box.h"
 #include "sightcell/scene/scene.h"
-#include "trace/free_space.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bench {

@@ -8,6 +8,7 @@
 #include "bench/samplers/commands.h"
 #include "hemicube/choice/choose_source.h"
 #include "sampler/cell_sampler.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bench {
 namespace {
@@ -67,8 +68,8 @@ std::vector<std::uint32_t> growth_of_face(const ground& g, std::size_t cell, con
   sampler->prepare([](double) { return true; });
   std::uint64_t tries = 0;
   const std::uint64_t place = g.cells[cell].place;
-  bake::random_stream random(how.seed, place, bake::purpose::free_points);
-  const auto free = bake::draw_free_points(g.rays, g.grown(cell), how.player_radius, 1, 1u << 20, random, tries);
+  bake::random_stream random(how.seed, place, bake::purpose::viewpoints);
+  const auto free = bake::draw_viewpoints(g.rays, g.grown(cell), how.player_radius, 1, 1u << 20, random, tries);
   bake::cell_set set(g.polygons());
   sampler->sample({.grown = g.grown(cell), .place = place, .geometry_inside = false, .free = free}, set);
   return one.sizes();

@@ -68,9 +68,9 @@ pooled_judgement pooled(const std::vector<judgement>& cells) {
 cell_judge::cell_judge(const cell_truth& truth)
     : truth_(truth), ground_(truth.on()), excuses_(truth.polygons().size()) {}
 
-bool cell_judge::hides(std::uint32_t polygon) const {
+bool cell_judge::occludes(std::uint32_t polygon) const {
   const scene::polygon_kind kind = ground_.geometry.kinds[polygon];
-  return !kind.never_hides && kind.alpha != scene::alpha_mode::blend;
+  return !kind.non_occluder && kind.alpha != scene::alpha_mode::blend;
 }
 
 bool cell_judge::is_wrong(std::size_t polygon, std::uint32_t kept, const in_set& contains) {
@@ -104,7 +104,7 @@ bool cell_judge::really_missing(const truth_place& ray, std::uint32_t polygon, f
 // A ray that is wrong about its front, or about a polygon with a lower number that it passes, is counted there.
 bool cell_judge::missed_before(const truth_place& ray, std::uint32_t polygon, const in_set& contains) const {
   bake::sight seen;
-  ground_.rays.look(ray.eye, ray.direction, seen);
+  ground_.rays.interim_test(ray.eye, ray.direction, seen);
   if (seen.front != bake::no_polygon && really_missing(ray, seen.front, seen.distance, contains)) return true;
   for (const bake::passed_polygon& p : seen.before) {
     if (p.polygon >= polygon) break;
@@ -122,7 +122,7 @@ std::vector<cell_judge::verdict> cell_judge::verdicts(const in_set& contains) {
     double wrong = 0.0, all = 0.0;
     for (std::uint32_t k = 0; k < p.kept(); ++k) {
       const truth_place& ray = p.kept_places[k];
-      one.wrong[k] = is_wrong(i, k, contains) && (hides(p.polygon) || !missed_before(ray, p.polygon, contains));
+      one.wrong[k] = is_wrong(i, k, contains) && (occludes(p.polygon) || !missed_before(ray, p.polygon, contains));
       wrong += one.wrong[k] ? ray.rays : 0;
       all += ray.rays;
     }
@@ -138,7 +138,7 @@ double cell_judge::color_difference(const truth_place& ray, std::uint32_t polygo
   const glm::u8vec3 wrong =
       shown == bake::no_polygon ? bake::surface_colors::sky() : ground_.colors.color_of(shown, ray.eye, ray.direction);
   double alpha = 1.0;
-  if (!hides(polygon)) {
+  if (!occludes(polygon)) {
     const std::uint32_t material = ground_.s.draws[scene::draw_of(ground_.s, polygon)].material;
     if (material < ground_.s.materials.size() && ground_.s.materials[material].alpha == scene::alpha_mode::blend)
       alpha = static_cast<double>(ground_.s.materials[material].base_color.a);

@@ -47,9 +47,9 @@ class cell_judge {
   explicit cell_judge(const cell_truth& truth);
 
   // set: ascending. A ray is wrong when its front polygon, or one that it passes, is missing in the set, was not seen
-  // through a gap (rule 3) and nothing of the set is in the same place (rule 2), as in bound/fresh_rays.h. A ray that
-  // misses several counts once.
-  // Color: what is seen against what is seen of the set alone, unlit; a polygon that hides nothing counts by its alpha.
+  // through a gap (rule 3) and nothing of the set is in the same place (rule 2), as in bound/verification_rays.h. A ray
+  // that misses several counts once. Color: what is seen against what is seen of the set alone, unlit; a polygon that
+  // hides nothing counts by its alpha.
   judgement judge(const std::vector<std::uint32_t>& set, bool with_color);
   // Kept rays that are wrong, in the order of polygons.
   std::vector<wrong_ray> wrong_rays(const std::vector<std::uint32_t>& set);
@@ -70,7 +70,7 @@ class cell_judge {
   bool missed_before(const truth_place& ray, std::uint32_t polygon, const in_set& contains) const;
   bool really_missing(const truth_place& ray, std::uint32_t polygon, float distance, const in_set& contains) const;
   double color_difference(const truth_place& ray, std::uint32_t polygon, const in_set& contains) const;
-  bool hides(std::uint32_t polygon) const;
+  bool occludes(std::uint32_t polygon) const;
 
   const cell_truth& truth_;
   const ground& ground_;

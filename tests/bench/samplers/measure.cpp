@@ -149,7 +149,7 @@ json cells_of(const ground& g, const truths& truth) {
                      {"min", array_of(g.cells[i].min)},
                      {"max", array_of(g.cells[i].max)},
                      {"geometry_inside", static_cast<bool>(g.geometry_inside[i])},
-                     {"free_share", t.free_share()},
+                     {"free_share", t.valid_share()},
                      {"truth_rays", t.rays()},
                      {"truth_polygons", t.polygons().size()}});
   }

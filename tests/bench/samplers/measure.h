@@ -9,7 +9,7 @@ namespace sightcell::bench {
 
 // Works on the calling thread's TBB arena. What it gives (means are over cells; what is pooled takes cells as equal):
 //   scene, hash, polygons, left_out (names of cells without a free point)
-//   cells: name, min, max, geometry_inside, free_share, truth_rays, truth_polygons (how many truth saw)
+//   cells: name, min, max, geometry_inside, valid_share, truth_rays, truth_polygons (how many truth saw)
 //   jobs: label, settings, pooled, cells. Of a cell: samples, rays, cpu_seconds, set (its size), pixel_error with its
 //     95 % interval low and high, misses (truth rays that are wrong), misses_effective (as if independent),
 //     color_error, from_cache. pooled: pixel_error, low, high, misses_effective, interval_met, color_error, and means:

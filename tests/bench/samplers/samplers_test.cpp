@@ -15,7 +15,7 @@
 #include "bench/samplers/measure.h"
 #include "bench/samplers/pictures.h"
 #include "bench/samplers/truth.h"
-#include "bound/fresh_rays.h"
+#include "bound/verification_rays.h"
 #include "hemicube/choice/choose_source.h"
 #include "sightcell/base/error.h"
 #include "unit/bake/tiny_scene.h"
@@ -27,7 +27,7 @@ namespace scene = sightcell::scene;
 using namespace sightcell::bench;
 using sightcell::test::tiny_scene;
 
-constexpr tiny_scene::look pane{scene::alpha_mode::blend, true};
+constexpr tiny_scene::interim_test pane{scene::alpha_mode::blend, true};
 
 bake::view_cell cell_at(glm::vec3 min, glm::vec3 max, std::uint64_t place = 7) {
   bake::view_cell cell;
@@ -63,7 +63,7 @@ struct room {
     missing.push_back(tiny.wall_x(5, -1, 3));
     missing.push_back(tiny.wall_x(4, -1, 2, pane));
     missing.push_back(tiny.wall_x(4.5f, -1, 2, pane));
-    const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
+    const tiny_scene::interim_test sheet{scene::alpha_mode::opaque, true};
     tiny.quad({-4, 0.0008f, 6}, {4, 0.0008f, 6}, {4, 4, 6}, {-4, 4, 6}, sheet);
     tiny.quad({-4, -4, 6}, {4, -4, 6}, {4, -0.0008f, 6}, {-4, -0.0008f, 6}, sheet);
     excused.push_back(tiny.quad({-4, -3, 8}, {-4, 3, 8}, {4, 3, 8}, {4, -3, 8}, sheet));
@@ -86,9 +86,9 @@ TEST(bench_truth, agrees_with_fresh_rays) {
     std::vector<bool> marks(g.polygons());
     for (const std::uint32_t id : set) marks[id] = true;
     constexpr std::uint64_t count = 60'000;
-    const bake::fresh_batch fresh =
-        bake::cast_fresh_rays(g.rays, g.grown(0), {g.rules.player_radius, g.rules.smallest_gap}, count, {1, 7},
-                              [&](std::uint32_t id) { return marks[id]; });
+    const bake::verification_batch fresh =
+        bake::cast_verification_rays(g.rays, g.grown(0), {g.rules.player_radius, g.rules.smallest_gap}, count, {1, 7},
+                                     [&](std::uint32_t id) { return marks[id]; });
     const judgement found = judge.judge(set, false);
     const double error = static_cast<double>(fresh.misses) / count;
     // Shares are of four kept rays of few large polygons here, which the spread knows.
@@ -116,7 +116,7 @@ TEST(bench_truth, steps_and_threads_change_nothing) {
   });
   ASSERT_EQ(loaded.polygons().size(), once.polygons().size());
   EXPECT_EQ(loaded.rays(), once.rays());
-  EXPECT_EQ(loaded.free_share(), once.free_share());
+  EXPECT_EQ(loaded.valid_share(), once.valid_share());
   std::uint64_t most = 0;
   for (std::size_t i = 0; i < once.polygons().size(); ++i) {
     const truth_polygon &a = once.polygons()[i], &b = loaded.polygons()[i];
@@ -222,7 +222,7 @@ void expect_spread(tiny_scene tiny, const std::vector<std::uint32_t>& hidden, st
   EXPECT_LT(too_sure, trials / 10) << "not only on average";
 }
 
-constexpr tiny_scene::look sheet{scene::alpha_mode::opaque, true};
+constexpr tiny_scene::interim_test sheet{scene::alpha_mode::opaque, true};
 
 TEST(bench_judge, spread_is_the_variance_of_misses_through_a_slit) {
   // It shows what is behind it to a small part of the cell: rays of one place are wrong together.

@@ -7,6 +7,7 @@
 #include "bench/hemicube/cache.h"
 #include "bench/samplers/bytes.h"
 #include "sightcell/base/process_time.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bench {
 namespace {
@@ -48,8 +49,8 @@ void join_place(std::vector<seen_from_place>& seen, std::size_t from) {
 chunk_result cast_chunk(const ground& g, std::size_t cell, std::uint64_t chunk) {
   chunk_result result;
   bake::random_stream random(truth_seed, g.cells[cell].place, truth_purpose, 0, chunk);
-  const auto eyes = bake::draw_free_points(g.rays, g.grown(cell), g.rules.player_radius, places_of_chunk,
-                                           places_of_chunk * tries_of_place, random, result.tries);
+  const auto eyes = bake::draw_viewpoints(g.rays, g.grown(cell), g.rules.player_radius, places_of_chunk,
+                                          places_of_chunk * tries_of_place, random, result.tries);
   result.places = eyes.size();
   bake::sight seen;
   auto number = static_cast<std::uint32_t>(chunk * places_of_chunk);
@@ -57,7 +58,7 @@ chunk_result cast_chunk(const ground& g, std::size_t cell, std::uint64_t chunk) 
     const std::size_t from = result.seen.size();
     for (std::uint32_t i = 0; i < rays_of_place; ++i) {
       const glm::vec3 direction = random.on_sphere();
-      g.rays.look(eye, direction, seen);
+      g.rays.interim_test(eye, direction, seen);
       if (seen.front != bake::no_polygon)
         result.seen.push_back({seen.front, {eye, direction, seen.distance, number, 1}});
       for (const bake::passed_polygon& p : seen.before)

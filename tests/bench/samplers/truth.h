@@ -50,7 +50,7 @@ class cell_truth {
   void extend(std::uint64_t rays);
 
   std::uint64_t rays() const { return rays_; }
-  double free_share() const { return tries_ > 0 ? static_cast<double>(places_) / static_cast<double>(tries_) : 0.0; }
+  double valid_share() const { return tries_ > 0 ? static_cast<double>(places_) / static_cast<double>(tries_) : 0.0; }
   double cpu_seconds() const { return cpu_seconds_; }  // that all of it took, on the machine that cast it
   const std::vector<truth_polygon>& polygons() const { return polygons_; }  // ascending
 

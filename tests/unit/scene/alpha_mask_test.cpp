@@ -104,7 +104,7 @@ scene with_map(float alpha, float cutoff, std::vector<std::uint8_t> texels) {
 TEST(masks, constant_alpha_decides_for_the_whole_polygon) {
   material m;
   m.base_color.a = 0.5f;
-  EXPECT_TRUE(flat(masked_scene(m)).kinds[0].hides());
+  EXPECT_TRUE(flat(masked_scene(m)).kinds[0].occludes());
   EXPECT_FALSE(flat(masked_scene(m)).kinds[0].absent);
   EXPECT_TRUE(flat(masked_scene(m)).masked.empty());
   m.alpha_cutoff = 0.6f;
@@ -182,7 +182,7 @@ TEST(masks, an_image_that_cannot_be_decoded_is_said_and_left_out) {
   s.materials.push_back(s.materials[0]);
   const world_geometry w = flat(s);
   EXPECT_TRUE(w.masked.empty());
-  EXPECT_TRUE(w.kinds[0].never_hides && !w.kinds[0].absent) << "nobody knows where its holes are";
+  EXPECT_TRUE(w.kinds[0].non_occluder && !w.kinds[0].absent) << "nobody knows where its holes are";
   ASSERT_EQ(w.warnings.size(), 1u) << "once for all materials that use it";
   EXPECT_NE(w.warnings[0].find("\"leaf\""), std::string::npos) << w.warnings[0];
 }

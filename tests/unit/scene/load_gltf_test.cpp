@@ -280,7 +280,7 @@ TEST(load_gltf, extensions_that_change_no_polygon_are_tolerated) {
 }
 
 TEST(load_gltf, what_lets_light_or_nobody_knows_what_through_hides_nothing) {
-  const auto hides = [](const json& material) {
+  const auto occludes = [](const json& material) {
     gltf_sketch g;
     g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
     g.json["meshes"][0]["primitives"][0]["material"] = 0;
@@ -289,17 +289,17 @@ TEST(load_gltf, what_lets_light_or_nobody_knows_what_through_hides_nothing) {
     g.json["images"] = {{{"uri", "missing.png"}}};
     const polygon_kind kind = flatten(load(g)).kinds.at(0);
     EXPECT_FALSE(kind.absent);
-    return kind.hides();
+    return kind.occludes();
   };
   const auto transmitting = [](double factor) {
     return json{{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", factor}}}}}};
   };
-  EXPECT_FALSE(hides(transmitting(0.9)));
-  EXPECT_TRUE(hides(transmitting(0.0)));
+  EXPECT_FALSE(occludes(transmitting(0.9)));
+  EXPECT_TRUE(occludes(transmitting(0.0)));
   const json missing = {{"baseColorTexture", {{"index", 0}}}};
-  EXPECT_FALSE(hides({{"alphaMode", "MASK"}, {"pbrMetallicRoughness", missing}}));
-  EXPECT_TRUE(hides({{"alphaMode", "MASK"}}));
-  EXPECT_TRUE(hides({{"pbrMetallicRoughness", missing}})) << "opaque has no holes";
+  EXPECT_FALSE(occludes({{"alphaMode", "MASK"}, {"pbrMetallicRoughness", missing}}));
+  EXPECT_TRUE(occludes({{"alphaMode", "MASK"}}));
+  EXPECT_TRUE(occludes({{"pbrMetallicRoughness", missing}})) << "opaque has no holes";
 }
 
 TEST(load_gltf, textures_that_cannot_be_read_are_a_warning_even_when_required) {

@@ -156,23 +156,23 @@ TEST(scene, tags_decide_what_hides_and_what_is_left_out) {
     return flatten(s, animated).kinds[0];
   };
   const polygon_kind plain = kind_with([](draw&) {});
-  EXPECT_TRUE(plain.hides() && !plain.always);
+  EXPECT_TRUE(plain.occludes() && !plain.always);
   const polygon_kind open = kind_with([](draw& d) { d.tags.occluder = false; });
-  EXPECT_TRUE(!open.hides() && !open.absent && !open.always);
+  EXPECT_TRUE(!open.occludes() && !open.absent && !open.always);
   const polygon_kind door = kind_with([](draw& d) { d.tags.group = 0; });
-  EXPECT_TRUE(!door.hides() && !door.absent && !door.always);
+  EXPECT_TRUE(!door.occludes() && !door.absent && !door.always);
   const polygon_kind sky = kind_with([](draw& d) { d.tags.always = true; });
-  EXPECT_TRUE(sky.hides() && sky.always);
-  const auto left_out = [](const polygon_kind& k) { return k.absent && !k.hides() && !k.always; };
+  EXPECT_TRUE(sky.occludes() && sky.always);
+  const auto left_out = [](const polygon_kind& k) { return k.absent && !k.occludes() && !k.always; };
   EXPECT_TRUE(left_out(kind_with([](draw& d) { d.tags.dynamic = true; })));
   EXPECT_TRUE(left_out(kind_with([](draw& d) { d.tags.never = d.tags.always = true; }))) << "never wins";
   EXPECT_TRUE(left_out(kind_with([](draw& d) { d.lod_object = 0, d.lod_level = 1; })));
 
   const auto moving = [](draw& d) { d.tags.animated = true; };
   const polygon_kind moves = kind_with(moving);
-  EXPECT_TRUE(!moves.hides() && !moves.absent && moves.always);
+  EXPECT_TRUE(!moves.occludes() && !moves.absent && moves.always);
   const polygon_kind rests = kind_with(moving, animated_as::rest);
-  EXPECT_TRUE(rests.hides() && !rests.always);
+  EXPECT_TRUE(rests.occludes() && !rests.always);
   EXPECT_TRUE(left_out(kind_with(moving, animated_as::dynamic)));
 }
 

@@ -217,7 +217,7 @@ void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tre
   for (std::uint32_t id = 0; id < world.kinds.size(); ++id) {
     const scene::polygon_kind kind = world.kinds[id];
     // A non-occluder that is in every set need not be drawn.
-    if (kind.absent || (kind.always && !kind.hides()) || !wanted(kind)) continue;
+    if (kind.absent || (kind.always && !kind.occludes()) || !wanted(kind)) continue;
     placed t;
     t.id = id;
     for (std::size_t k = 0; k < 3; ++k) t.box.add(world.positions[world.indices[3 * std::size_t{id} + k]]);
@@ -232,11 +232,11 @@ void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tre
 
 cluster_scene::cluster_scene(const scene::world_geometry& world) {
   build(
-      world, [](scene::polygon_kind k) { return k.hides() && !k.alpha_tested; }, opaque);
+      world, [](scene::polygon_kind k) { return k.occludes() && !k.alpha_tested; }, opaque);
   build(
-      world, [](scene::polygon_kind k) { return k.hides() && k.alpha_tested; }, masked);
+      world, [](scene::polygon_kind k) { return k.occludes() && k.alpha_tested; }, masked);
   build(
-      world, [](scene::polygon_kind k) { return !k.hides(); }, see_through);
+      world, [](scene::polygon_kind k) { return !k.occludes(); }, see_through);
   note_masks(world, masked);
   note_masks(world, see_through);
   for (const scene::masked_polygon& p : world.masked) {

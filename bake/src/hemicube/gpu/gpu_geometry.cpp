@@ -25,9 +25,9 @@ glm::vec3 corner(const scene::world_geometry& world, std::uint32_t id, std::uint
 
 polygon_class class_of(scene::polygon_kind kind) {
   const polygon_class single = kind.alpha_tested
-                                   ? (kind.hides() ? masked_single_sided : see_through_masked_single_sided)
-                               : kind.hides() ? opaque_single_sided
-                                              : see_through_single_sided;
+                                   ? (kind.occludes() ? masked_single_sided : see_through_masked_single_sided)
+                               : kind.occludes() ? opaque_single_sided
+                                                 : see_through_single_sided;
   return static_cast<polygon_class>(single + (kind.double_sided ? 1 : 0));
 }
 
@@ -135,7 +135,7 @@ gpu_geometry::gpu_geometry(const scene::world_geometry& world)
   for (std::uint32_t id = 0; id < polygon_count_; ++id) {
     // A non-occluder that is in every set need not be drawn.
     const scene::polygon_kind kind = world.kinds[id];
-    if (kind.absent || (kind.always && !kind.hides())) continue;
+    if (kind.absent || (kind.always && !kind.occludes())) continue;
     const glm::vec3 center = (corner(world, id, 0) + corner(world, id, 1) + corner(world, id, 2)) / 3.0f;
     by_class[class_of(kind)].push_back({center, id});
   }

@@ -163,7 +163,7 @@ class rays_source final : public hemicube_source {
   // Builds a tree over the non-occluders. Their geometries are those of the ray scene.
   void make_see_through() {
     for (unsigned g = 0; g < embree_geometry_count; ++g) {
-      if (hides(g) || embree_.ids[g].empty()) continue;
+      if (occludes(g) || embree_.ids[g].empty()) continue;
       if (!see_through_) see_through_ = embree_.make_scene();
       rtcAttachGeometryByID(see_through_, rtcGetGeometry(embree_.all, g), g);
     }

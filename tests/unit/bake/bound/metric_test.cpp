@@ -13,7 +13,8 @@
 #include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
 #include "hemicube/surface_colors.h"
-#include "search/ray_finish.h"
+#include "search/certify.h"
+#include "trace/viewpoints.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace sightcell::bake {
@@ -40,9 +41,9 @@ struct world {
     how.kind = kind;
     return by(how);
   }
-  fresh_batch cast(const error_metric& metric, const std::vector<std::uint32_t>& missing, std::uint64_t seed = 1,
+  verification_batch cast(const error_metric& metric, const std::vector<std::uint32_t>& missing, std::uint64_t seed = 1,
                    std::uint64_t count = many) const {
-    return cast_fresh_rays(rays, middle, {.metric = &metric}, count, {seed, 1, purpose::bound, 1}, in_all_but(missing));
+    return cast_verification_rays(rays, middle, {.metric = &metric}, count, {seed, 1, purpose::bound, 1}, in_all_but(missing));
   }
   static std::function<bool(std::uint32_t)> in_all_but(const std::vector<std::uint32_t>& missing) {
     return [&missing](std::uint32_t p) { return std::find(missing.begin(), missing.end(), p) == missing.end(); };
@@ -81,7 +82,7 @@ TEST(view_metric, a_polygon_counts_from_its_least_size_on) {
   how.view_least = 1.01 * octant_angle / coarse_pixel;
   EXPECT_EQ(w.cast(w.by(how), {made.corner}).misses, 0u);
   how.view_least = 0.99 * octant_angle / coarse_pixel;
-  const fresh_batch counted = w.cast(w.by(how), {made.corner});
+  const verification_batch counted = w.cast(w.by(how), {made.corner});
   EXPECT_EQ(counted.rays, many);
   expect_share(counted.misses, many, 0.125);
 }
@@ -127,7 +128,7 @@ TEST(view_metric, one_large_polygon_of_those_a_ray_lacks_is_enough) {
   expect_share(alone, many, 0.125);
   how.view_least = 0.0;
   EXPECT_EQ(alone, w.cast(w.by(how), {made.corner, same}).misses) << "also where the sheet is in front";
-  const fresh_batch both = w.cast(metric, {made.corner, same, pane});
+  const verification_batch both = w.cast(metric, {made.corner, same, pane});
   EXPECT_EQ(both.misses, alone) << "the same rays, through the pane or not";
   EXPECT_GT(both.missed.size(), alone) << "what is too small joins, too";
 }
@@ -254,8 +255,8 @@ TEST(color_metric, counts_by_how_much_the_color_differs) {
   for (const auto& one : cases) {
     painted scene;
     const world w = scene.with(one.behind, one.before);
-    const fresh_batch plain = w.cast(pixel_metric, {scene.corner});
-    const fresh_batch batch = w.cast(w.by(metric_kind::color), {scene.corner});
+    const verification_batch plain = w.cast(pixel_metric, {scene.corner});
+    const verification_batch batch = w.cast(w.by(metric_kind::color), {scene.corner});
     expect_share(batch.misses, many, one.difference / 8.0);
     EXPECT_EQ(batch.misses == 0, one.difference == 0.0);
     // All that is missing joins, whatever it looks like: about as many rays see it.
@@ -319,7 +320,7 @@ TEST(color_metric, bounds_hold) {
   const error_metric metric = w.by(metric_kind::color);
   int below = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    const fresh_batch batch = w.cast(metric, {scene.corner}, seed, 500);
+    const verification_batch batch = w.cast(metric, {scene.corner}, seed, 500);
     below += clopper_pearson_upper(batch.misses, batch.rays, 0.95) < 1.0 / 24.0;
   }
   EXPECT_LE(below, 10 + 6);  // 5 % of 200, plus two standard errors
@@ -349,20 +350,20 @@ TEST(error_metric, does_not_depend_on_threads) {
   view.view_pitch = {-30.0, 30.0};
   for (const error_metric& metric : {w.by(view), w.by(metric_kind::color)}) {
     const auto cast = [&](int threads, bool fresh) {
-      fresh_batch batch;
+      verification_batch batch;
       tbb::task_arena arena(threads);
-      const fresh_rules rules{.metric = &metric};
+      const visibility_rules rules{.metric = &metric};
       const auto lacks_some = [](std::uint32_t p) { return p < 12 || p % 4 == 0; };
       const box around{{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}};
       arena.execute([&] {
-        batch = fresh ? cast_fresh_rays(w.rays, around, rules, 20'000, {1, 1, purpose::bound, 1}, lacks_some)
-                      : cast_bound_rays(w.rays, around, rules, {.trials = 20'000, .free_share = 1.0, .risk = 0.01},
+        batch = fresh ? cast_verification_rays(w.rays, around, rules, 20'000, {1, 1, purpose::bound, 1}, lacks_some)
+                      : cast_bound_rays(w.rays, around, rules, {.trials = 20'000, .valid_share = 1.0, .risk = 0.01},
                                         {1, 1, purpose::bound, 1}, lacks_some);
       });
       return batch;
     };
     for (const bool fresh : {false, true}) {
-      const fresh_batch one = cast(1, fresh), four = cast(4, fresh);
+      const verification_batch one = cast(1, fresh), four = cast(4, fresh);
       EXPECT_GT(one.misses, 0u);
       EXPECT_LT(one.misses, one.missed.size());
       EXPECT_EQ(one.rays, four.rays);
@@ -381,7 +382,7 @@ TEST(error_metric, batches_of_the_bound_measure_the_same) {
   const world w = scene.with(black, red);
   const error_metric metric = w.by(metric_kind::color);
   const auto batch =
-      cast_bound_rays(w.rays, middle, {.metric = &metric}, {.trials = many, .free_share = 1.0, .risk = 0.01},
+      cast_bound_rays(w.rays, middle, {.metric = &metric}, {.trials = many, .valid_share = 1.0, .risk = 0.01},
                       {1, 1, purpose::bound, 1}, world::in_all_but({scene.corner}));
   expect_share(batch.misses, many, 1.0 / 24.0);
   metric_settings how = coarse_view();
@@ -389,7 +390,7 @@ TEST(error_metric, batches_of_the_bound_measure_the_same) {
     how.view_pitch = {-90.0, up};
     const error_metric view = w.by(how);
     const auto seen =
-        cast_bound_rays(w.rays, middle, {.metric = &view}, {.trials = many, .free_share = 1.0, .risk = 0.01},
+        cast_bound_rays(w.rays, middle, {.metric = &view}, {.trials = many, .valid_share = 1.0, .risk = 0.01},
                         {1, 1, purpose::bound, 1}, world::in_all_but({scene.corner}));
     expect_share(seen.misses, many, up > 0.0 ? 0.125 : 0.0);
   }

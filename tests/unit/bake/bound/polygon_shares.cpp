@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bound/fresh_rays.h"
+#include "bound/verification_rays.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/format/reader.h"
 #include "unit/bake/file_bytes.h"
@@ -34,7 +34,7 @@ void print_shares(const char* scene_path, const char* file, std::uint32_t cell, 
   const scene::scene s = scene::load_gltf(scene_path);
   const scene::world_geometry geometry = scene::flatten(s);
   const bake::ray_scene rays(geometry, false);
-  const bake::fresh_batch batch = bake::cast_fresh_rays(rays, grown_cell(file, cell), {}, count,
+  const bake::verification_batch batch = bake::cast_verification_rays(rays, grown_cell(file, cell), {}, count,
                                                         {.seed = 777, .place = cell, .use = bake::purpose::estimate},
                                                         [](std::uint32_t) { return false; });
   std::map<std::uint32_t, std::uint64_t> hits;

@@ -20,7 +20,7 @@ cell_record sample() {
   r.upper_bound = 1.0 / 3.0;
   r.confidence = 0.975;
   r.samples = 24;
-  r.free_share = 0.1;
+  r.valid_share = 0.1;
   r.bound_met = false;
   r.unseen = 3;
   r.batches = 2;

@@ -32,7 +32,7 @@ cell_record record_of(std::uint32_t seed, std::uint32_t polygons = 1000) {
   r.samples = 24;
   r.bound_met = seed % 2 == 0;
   r.geometry_inside = true;
-  r.free_share = 0.1;
+  r.valid_share = 0.1;
   r.witnesses = {{1.0f, -2.0f, 0.1f}, {3.0f, 4.0f, 5.0f}};
   for (std::uint32_t i = 0; i < polygons; ++i) r.witness_of.push_back(i / 3 % 2);
   return r;

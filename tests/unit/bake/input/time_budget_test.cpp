@@ -1,6 +1,6 @@
 // Bakes that spend a time budget: whatever the clock says, sets only grow, bounds only fall, and what is printed holds.
 // No test asks how long something took.
-#include "input/time_budget.h"
+#include "sightcell/base/time_budget.h"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +18,8 @@
 #include "errors/error_id.h"
 #include "job/cell_bake.h"
 #include "job/phases.h"
-#include "job/timed_ledger.h"
-#include "job/workshop.h"
+#include "job/timed_progress.h"
+#include "job/bake_context.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/bake/verify.h"
 #include "sightcell/base/error.h"
@@ -183,9 +183,9 @@ TEST_F(time_budget_bake, a_cell_counts_its_batches_and_keeps_its_least_bound) {
 }
 
 TEST_F(time_budget_bake, a_turn_that_proves_less_takes_nothing_back) {
-  const workshop shop(scene_, how_, {});
-  const cell_baker baker = baker_of(shop);
-  const view_cell& cell = shop.list.cells.front();
+  const bake_context context(scene_, how_, {});
+  const cell_baker baker = baker_of(context);
+  const view_cell& cell = context.list.cells.front();
   cell_set set = baker.make_set();
   const time_limit none(0.0, false), over(1e-9, false);
   const cell_record first = baker.improve(cell, nullptr, {}, {1e-3, 2'000'000, &none}, set);
@@ -293,36 +293,36 @@ cell_summary with_bound(double bound, bool stored = true) {
   return one;
 }
 
-TEST(timed_ledger, says_whose_turn_it_is) {
+TEST(timed_progress, says_whose_turn_it_is) {
   const time_budget clock(1e6, 0.0);
   const callbacks silent;
-  timed_ledger book(100, 6, 1e-3, clock, silent);
-  EXPECT_EQ(book.above(1e-2), (polygons{0, 1, 2, 3, 4, 5})) << "in their order where nothing is known";
-  book.resume(0, with_bound(2e-3));
-  book.resume(1, with_bound(1.0, false));
-  book.resume(2, with_bound(9e-3));
-  book.resume(3, with_bound(1e-3));
-  book.resume(5, with_bound(2e-3));
-  EXPECT_EQ(book.above(1e-2), (polygons{4})) << "of which nothing is known";
-  EXPECT_EQ(book.above(1e-3), (polygons{4, 2, 0, 5})) << "the largest bound first";
-  EXPECT_EQ(book.known(), (polygons{0, 1, 2, 3, 5}));
-  EXPECT_EQ(book.bounded(), 4u);
-  EXPECT_EQ(book.unreached(), 1u);
-  EXPECT_EQ(book.resumed(), 5u);
+  timed_progress tracker(100, 6, 1e-3, clock, silent);
+  EXPECT_EQ(tracker.above(1e-2), (polygons{0, 1, 2, 3, 4, 5})) << "in their order where nothing is known";
+  tracker.resume(0, with_bound(2e-3));
+  tracker.resume(1, with_bound(1.0, false));
+  tracker.resume(2, with_bound(9e-3));
+  tracker.resume(3, with_bound(1e-3));
+  tracker.resume(5, with_bound(2e-3));
+  EXPECT_EQ(tracker.above(1e-2), (polygons{4})) << "of which nothing is known";
+  EXPECT_EQ(tracker.above(1e-3), (polygons{4, 2, 0, 5})) << "the largest bound first";
+  EXPECT_EQ(tracker.known(), (polygons{0, 1, 2, 3, 5}));
+  EXPECT_EQ(tracker.bounded(), 4u);
+  EXPECT_EQ(tracker.unreached(), 1u);
+  EXPECT_EQ(tracker.resumed(), 5u);
 }
 
-TEST(timed_ledger, tells_cells_without_rays_from_cells_without_time) {
+TEST(timed_progress, tells_cells_without_rays_from_cells_without_time) {
   const fs::path path = fs::path(testing::TempDir()) / "sightcell_timed_ledger.bake";
   checkpoint file(path, "test", true);
   const callbacks silent;
-  const auto turn = [&](timed_ledger& book, std::uint32_t cell, double target) {
-    (void)book.open(target);
+  const auto turn = [&](timed_progress& tracker, std::uint32_t cell, double target) {
+    (void)tracker.open(target);
     stage_record ended{cell, cell_stage::bounded, {}};
     ended.record.upper_bound = 5e-3;
-    return book.close({&ended, 1}, file);
+    return tracker.close({&ended, 1}, file);
   };
   const time_budget clock(1e6, 0.0), over(1.0, 2.0);
-  timed_ledger in_time(100, 2, 1e-3, clock, silent), late(100, 2, 1e-3, over, silent);
+  timed_progress in_time(100, 2, 1e-3, clock, silent), late(100, 2, 1e-3, over, silent);
   EXPECT_TRUE(turn(in_time, 0, 1e-2));
   EXPECT_EQ(in_time.out_of_rays(), 0u) << "it will have another turn";
   EXPECT_TRUE(turn(in_time, 0, 1e-3));

@@ -13,7 +13,7 @@
 #include "sightcell/base/error.h"
 #include "sightcell/base/random.h"
 #include "sightcell/picture/gl_context.h"
-#include "trace/free_space.h"
+#include "trace/viewpoints.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace sightcell::bake {
@@ -62,7 +62,7 @@ class cell_bake : public testing::Test {
     const box grown = box{cell.min, cell.max}.grown(how.margin);
     random_stream random(99, 99, purpose::verify);
     std::uint64_t tries = 0;
-    const auto eyes = draw_free_points(rays, grown, how.player_radius, 4'000, 400'000, random, tries);
+    const auto eyes = draw_viewpoints(rays, grown, how.player_radius, 4'000, 400'000, random, tries);
     std::vector<std::uint64_t> hits(rays.geometry().kinds.size());
     sight seen;
     std::vector<std::uint32_t> coincident;

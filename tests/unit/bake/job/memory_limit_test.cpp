@@ -85,14 +85,14 @@ TEST(memory_limit, floors_of_a_wide_scene_take_memory) {
 }
 
 TEST(memory_limit, fewer_lanes_where_they_do_not_fit) {
-  EXPECT_EQ(lanes_that_fit(16, 1 << 30, {}), 16u) << "no limit";
+  EXPECT_EQ(workers_that_fit(16, 1 << 30, {}), 16u) << "no limit";
   const std::uint64_t room = resident_memory() + 1000 * mebibyte;
-  EXPECT_EQ(lanes_that_fit(16, 10 * mebibyte, with_memory(room)), 16u);
-  const std::size_t some = lanes_that_fit(16, 200 * mebibyte, with_memory(room));
+  EXPECT_EQ(workers_that_fit(16, 10 * mebibyte, with_memory(room)), 16u);
+  const std::size_t some = workers_that_fit(16, 200 * mebibyte, with_memory(room));
   EXPECT_GE(some, 4u);
   EXPECT_LE(some, 5u);
-  EXPECT_EQ(lanes_that_fit(16, 200 * mebibyte, with_memory(1)), 1u) << "one there always is";
-  EXPECT_EQ(lanes_that_fit(1, 200 * mebibyte, with_memory(room)), 1u);
+  EXPECT_EQ(workers_that_fit(16, 200 * mebibyte, with_memory(1)), 1u) << "one there always is";
+  EXPECT_EQ(workers_that_fit(1, 200 * mebibyte, with_memory(room)), 1u);
 }
 
 }  // namespace

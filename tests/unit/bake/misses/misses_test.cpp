@@ -13,9 +13,9 @@
 #include "errors/error_id.h"
 #include "file/pvs_output.h"
 #include "job/cell_bake.h"
-#include "misses/known_misses.h"
-#include "misses/look_at_polygon.h"
 #include "misses/misses_file.h"
+#include "misses/probe_polygon.h"
+#include "misses/reported_misses.h"
 #include "sightcell/bake/misses.h"
 #include "sightcell/bake/shards.h"
 #include "unit/bake/file_bytes.h"
@@ -42,9 +42,9 @@ std::string id_of(const std::string& text) {
   return error_id([&] { (void)parse_misses(text, "misses.json", s); });
 }
 
-std::string text_of(const std::vector<known_miss>& misses) {
+std::string text_of(const std::vector<reported_miss>& misses) {
   std::string text;
-  for (const known_miss& m : misses)
+  for (const reported_miss& m : misses)
     text += fmt::format(R"({}{{"eye":[{},{},{}],"polygon":{}}})", text.empty() ? "" : ",", m.eye.x, m.eye.y, m.eye.z,
                         m.polygon);
   return "{\"misses\":[" + text + "]}";
@@ -61,7 +61,7 @@ TEST(misses_file, holds_eyes_and_polygons_and_may_hold_more) {
                                        R"(","misses":[{"eye":[1,-0.5,2e0],"polygon":11,"seen_by":"left eye"},
                                           {"polygon":0,"eye":[-0.0,0,0]}]})",
                                    "misses.json", s);
-  EXPECT_EQ(misses, (std::vector<known_miss>{{{1.0f, -0.5f, 2.0f}, 11}, {{0.0f, 0.0f, 0.0f}, 0}}));
+  EXPECT_EQ(misses, (std::vector<reported_miss>{{{1.0f, -0.5f, 2.0f}, 11}, {{0.0f, 0.0f, 0.0f}, 0}}));
   EXPECT_FALSE(std::signbit(misses[1].eye.x)) << "the same place has the same bits";
   EXPECT_TRUE(parse_misses(R"({"misses":[]})", "misses.json", s).empty());
 }
@@ -106,8 +106,8 @@ TEST(misses_file, of_a_size_that_no_host_writes_is_refused_unread) {
   EXPECT_EQ(read_misses(folder / "one.json", s).size(), 1u);
 }
 
-TEST(known_misses, belong_to_the_cells_that_the_runtime_may_be_in) {
-  const known_misses known(
+TEST(reported_misses, belong_to_the_cells_that_the_runtime_may_be_in) {
+  const reported_misses known(
       {{{1.25f, 0, 0}, 5}, {{1.2f, 0, 0}, 5}, {{-0.25f, 0, 0}, 5}, {{0, 0, 1.5f}, 5}, {{1.2f, 0, 0}, 5}});
   EXPECT_EQ(known.all().size(), 4u) << "one is there twice";
   const auto found = known.in({0, 0, 0}, {1, 1, 1}, 0.25f);
@@ -117,7 +117,7 @@ TEST(known_misses, belong_to_the_cells_that_the_runtime_may_be_in) {
   EXPECT_TRUE(known.in({0, 0, 0}, {1, 1, 1}, 0.0f).empty());
 }
 
-TEST(known_misses, tell_which_blocks_have_others) {
+TEST(reported_misses, tell_which_blocks_have_others) {
   std::vector<view_cell> cells;
   for (int i = 0; i < 4; ++i) {
     view_cell& cell = cells.emplace_back();
@@ -126,8 +126,8 @@ TEST(known_misses, tell_which_blocks_have_others) {
   }
   const cell_blocks blocks(cells, 0.25f);
   ASSERT_EQ(blocks.count(), 4u);
-  const auto key = [&](std::vector<known_miss> misses, const char* words = "scene 00 settings ") {
-    const known_misses known(std::move(misses));
+  const auto key = [&](std::vector<reported_miss> misses, const char* words = "scene 00 settings ") {
+    const reported_misses known(std::move(misses));
     return words + with_misses(R"({"seed":1})", known, '"' + known.key_of(blocks, cells, 0.25f) + '"');
   };
   const auto none = key({}), one = key({{{1, 1, 1}, 7}}), at_border = key({{{2.1f, 1, 1}, 7}});
@@ -155,13 +155,13 @@ TEST(known_misses, tell_which_blocks_have_others) {
 
 class aimed_rays : public testing::Test {
  protected:
-  polygon_sight look(tiny_scene& tiny, const glm::vec3& eye, std::uint32_t polygon, float gap = 0.0f,
-                     const std::vector<std::uint32_t>& set = {}) {
+  polygon_sight interim_test(tiny_scene& tiny, const glm::vec3& eye, std::uint32_t polygon, float gap = 0.0f,
+                             const std::vector<std::uint32_t>& set = {}) {
     const scene::scene s = tiny.finished();
     const scene::world_geometry geometry = scene::flatten(s);
     const ray_scene rays(geometry, false);
-    return look_at_polygon(rays, gap, eye, polygon,
-                           [&](std::uint32_t other) { return std::find(set.begin(), set.end(), other) != set.end(); });
+    return probe_polygon(rays, gap, eye, polygon,
+                         [&](std::uint32_t other) { return std::find(set.begin(), set.end(), other) != set.end(); });
   }
 };
 
@@ -169,13 +169,13 @@ TEST_F(aimed_rays, find_a_polygon_through_a_hole_of_a_few_pixels) {
   // 9 x 9 m of a wall 4 m behind another one, which leaves a hole of 12 x 12 mm open: 3e-5 of 1.6 sr.
   tiny_scene tiny;
   constexpr float low = 0.7f, high = 0.712f, left = 0.3f, right = 0.312f;
-  const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
+  const tiny_scene::interim_test sheet{scene::alpha_mode::opaque, true};
   tiny.quad({2, -9, 9}, {2, -9, right}, {2, 9, right}, {2, 9, 9}, sheet);
   tiny.quad({2, -9, left}, {2, -9, -9}, {2, 9, -9}, {2, 9, left}, sheet);
   tiny.quad({2, -9, right}, {2, -9, left}, {2, low, left}, {2, low, right}, sheet);
   tiny.quad({2, high, right}, {2, high, left}, {2, 9, left}, {2, 9, right}, sheet);
   const auto behind = tiny.wall_x(6, -1, 4.5f);
-  const polygon_sight a = look(tiny, {0, 0, 0}, behind), b = look(tiny, {0, 0, 0}, behind + 1);
+  const polygon_sight a = interim_test(tiny, {0, 0, 0}, behind), b = interim_test(tiny, {0, 0, 0}, behind + 1);
   EXPECT_NE(a.seen, b.seen) << "the line through the hole meets one of both";
   EXPECT_TRUE((a.seen ? a : b).counts);
   const polygon_sight& hidden = a.seen ? b : a;
@@ -188,22 +188,22 @@ TEST_F(aimed_rays, know_the_rules_of_seeing) {
   const auto wall = tiny.wall_x(4, -1, 3), hidden = tiny.wall_x(5, -1, 1),
              glass = tiny.wall_x(3, -1, 1, {scene::alpha_mode::blend, false});
   const auto away = tiny.wall_x(-4, -1, 3), decal = tiny.wall_x(4.0001f, -1, 0.5f);
-  EXPECT_TRUE(look(tiny, {0, 0, 0}, wall).counts);
-  EXPECT_TRUE(look(tiny, {0, 0, 0}, glass).counts) << "it is passed on the way to the wall";
-  EXPECT_FALSE(look(tiny, {0, 0, 0}, hidden).seen);
-  EXPECT_EQ(look(tiny, {0, 0, 0}, away).rays, 0u) << "its back";
-  EXPECT_TRUE(look(tiny, {0, 0, 0}, decal).counts) << "it lies in the wall";
-  const polygon_sight excused = look(tiny, {0, 0, 0}, decal, 0.0f, {wall, wall + 1});
+  EXPECT_TRUE(interim_test(tiny, {0, 0, 0}, wall).counts);
+  EXPECT_TRUE(interim_test(tiny, {0, 0, 0}, glass).counts) << "it is passed on the way to the wall";
+  EXPECT_FALSE(interim_test(tiny, {0, 0, 0}, hidden).seen);
+  EXPECT_EQ(interim_test(tiny, {0, 0, 0}, away).rays, 0u) << "its back";
+  EXPECT_TRUE(interim_test(tiny, {0, 0, 0}, decal).counts) << "it lies in the wall";
+  const polygon_sight excused = interim_test(tiny, {0, 0, 0}, decal, 0.0f, {wall, wall + 1});
   EXPECT_TRUE(excused.seen);
   EXPECT_FALSE(excused.counts) << "the wall is in the set (rule 2)";
-  EXPECT_TRUE(look(tiny, {0, 0, 0}, wall, 0.0f, {decal, decal + 1}).counts) << "the decal is not all over it";
+  EXPECT_TRUE(interim_test(tiny, {0, 0, 0}, wall, 0.0f, {decal, decal + 1}).counts) << "the decal is not all over it";
 
   tiny_scene cracked;  // 1 mm wide
   cracked.quad({2, -9, 9}, {2, -9, 0.001f}, {2, 9, 0.001f}, {2, 9, 9}, {scene::alpha_mode::opaque, true});
   cracked.quad({2, -9, 0}, {2, -9, -9}, {2, 9, -9}, {2, 9, 0}, {scene::alpha_mode::opaque, true});
   const auto behind = cracked.wall_x(2.5f, -1, 0.5f);
   const auto seen = [&](float gap) {
-    return look(cracked, {0, 0, 0}, behind, gap).seen || look(cracked, {0, 0, 0}, behind + 1, gap).seen;
+    return interim_test(cracked, {0, 0, 0}, behind, gap).seen || interim_test(cracked, {0, 0, 0}, behind + 1, gap).seen;
   };
   EXPECT_TRUE(seen(0.0f));
   EXPECT_FALSE(seen(0.002f)) << "only through a crack (rule 3)";
@@ -232,7 +232,7 @@ class a_miss : public testing::Test {
     (void)bake(scene_, how_, folder_ / name, true, {});
     return folder_ / name;
   }
-  fs::path reported(const std::vector<known_miss>& misses) {
+  fs::path reported(const std::vector<reported_miss>& misses) {
     write_text(folder_ / "misses.json", text_of(misses));
     return folder_ / "misses.json";
   }
@@ -240,7 +240,7 @@ class a_miss : public testing::Test {
     return check_misses(scene_, test::file_bytes(file), file.string(), misses, {.threads = 2}, {});
   }
 
-  known_miss true_one() const { return {{0.4f, 0, 1.09f}, behind_}; }
+  reported_miss true_one() const { return {{0.4f, 0, 1.09f}, behind_}; }
   static constexpr glm::vec3 unfree_{0.1f, 0.42f, 1.05f};  // sees what is behind, too
 
   test::fresh_folder folder_;
@@ -331,7 +331,7 @@ TEST_F(a_miss, joins_in_the_first_turn_of_a_time_budget) {
 TEST_F(a_miss, changes_no_byte_by_its_place_in_the_file_or_by_threads) {
   how_.sampler = "guided";
   how_.max_pixel_error = 0.05;
-  const std::vector<known_miss> misses{true_one(), {{0.3f, 0.1f, 1.08f}, behind_}, {{0.2f, 0, 1.05f}, behind_ + 1}};
+  const std::vector<reported_miss> misses{true_one(), {{0.3f, 0.1f, 1.08f}, behind_}, {{0.2f, 0, 1.05f}, behind_ + 1}};
   how_.misses_file = reported(misses);
   how_.threads = 1;
   const auto one = test::file_bytes(baked("a.pvs"));

@@ -153,8 +153,8 @@ TEST(join_finds, takes_what_free_eyes_saw_past_no_crack) {
   const ray_scene rays(geometry, false);
   const auto joined = [&](std::vector<ray_find> found) {
     cell_set set(static_cast<std::uint32_t>(geometry.kinds.size()));
-    const auto leads = join_finds(rays, {}, found, set);
-    EXPECT_EQ(leads.size(), set.size());
+    const auto seed_rays = join_finds(rays, {}, found, set);
+    EXPECT_EQ(seed_rays.size(), set.size());
     return set.members();
   };
   const glm::vec3 x{1, 0, 0};

@@ -124,7 +124,7 @@ TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7}, set);
   std::vector<double> said;
   std::vector<std::uint64_t> costs;
-  search.look_for({.worth = 1e-6, .enough = [&](const error_guess& missing, std::uint64_t cost) {
+  search.look_for({.priority = 1e-6, .enough = [&](const error_guess& missing, std::uint64_t cost) {
                      said.push_back(missing.back());
                      costs.push_back(cost);
                      return said.size() == 4;
@@ -149,7 +149,7 @@ TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {
     search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
     cell_set set(w.s.polygon_count);
     cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &metric}, set);
-    search.look_for({.worth = 1e9});
+    search.look_for({.priority = 1e9});
     EXPECT_EQ(views.places.taken(), 48u);
     return search.missing().back();
   };
@@ -174,7 +174,7 @@ TEST(cell_search, what_looks_the_same_is_not_missing_by_color) {
     search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
     cell_set set(w.s.polygon_count);
     cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &by}, set);
-    search.look_for({.worth = 1e9});
+    search.look_for({.priority = 1e9});
     return search.missing().back();
   };
   EXPECT_LT(missing(metric), 0.2 * missing(pixel_metric)) << "all is white, but for the sky where nothing is known";
@@ -185,7 +185,7 @@ TEST(cell_search, spends_its_hemicubes_and_no_more) {
   search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 37};
   cell_set set(w.s.polygon_count);
   cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7}, set);
-  search.look_for({.worth = 1e-6});
+  search.look_for({.priority = 1e-6});
   EXPECT_EQ(views.places.taken(), 37u);
   EXPECT_GT(search.rays(), 0u);
 }
@@ -193,17 +193,17 @@ TEST(cell_search, spends_its_hemicubes_and_no_more) {
 TEST(cell_search, finds_the_same_on_any_number_of_threads) {
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4);
   const world w;
-  const auto look = [&](int threads) {
+  const auto interim_test = [&](int threads) {
     search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
     cell_set set(w.s.polygon_count);
     tbb::task_arena arena(threads);
     arena.execute([&] {
       cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7}, set);
-      search.look_for({.worth = 1e-7});
+      search.look_for({.priority = 1e-7});
     });
     return set.sorted();
   };
-  EXPECT_EQ(look(1), look(4));
+  EXPECT_EQ(interim_test(1), interim_test(4));
 }
 
 TEST(cell_search, rays_alone_where_there_are_no_hemicubes) {
@@ -212,7 +212,7 @@ TEST(cell_search, rays_alone_where_there_are_no_hemicubes) {
   set.add(0, {0.5f, -2.5f, 0.5f});
   cell_search search(w.rays, w.neighbors, nullptr, {.seed = 1, .place = 7}, set);
   EXPECT_EQ(search.cost_of_views(), 0u);
-  search.look_for({.worth = 1e-6});
+  search.look_for({.priority = 1e-6});
   EXPECT_EQ(search.missing().back(), 1.0);
   EXPECT_GT(set.size(), 1u);
 }

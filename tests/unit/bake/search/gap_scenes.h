@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "sightcell/base/box.h"
 #include "sightcell/scene/scene.h"
-#include "trace/free_space.h"
 
 namespace sightcell::test {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "job/cell_bake.h"
-#include "search/ring_polygons.h"
+#include "search/dilation.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/reader.h"
 #include "unit/bake/file_bytes.h"

@@ -8,8 +8,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "bound/fresh_rays.h"
-#include "search/ray_finish.h"
+#include "bound/verification_rays.h"
+#include "search/certify.h"
+#include "trace/viewpoints.h"
 #include "unit/bake/two_rooms.h"
 
 namespace sightcell::bake {
@@ -71,7 +72,7 @@ TEST(volume_search, what_it_lacks_is_within_the_bound) {
   const cell_set set = r.finished(target);
   random_stream random(5, 5, purpose::verify);
   std::uint64_t tries = 2048;
-  const auto eyes = draw_free_points(r.rays, corner, 0.05f, 200, tries, random, tries);
+  const auto eyes = draw_viewpoints(r.rays, corner, 0.05f, 200, tries, random, tries);
   int clear = 0, lacking = 0;
   sight seen;
   for (int i = 0; i < 200'000; ++i) {
@@ -88,8 +89,8 @@ TEST(volume_search, what_it_lacks_is_within_the_bound) {
   EXPECT_LE(lacking, 10.0 * target * clear) << "points are spread over space, rays over directions";
   // By rays it is the bound itself, and by the other way of walking through the lattice.
   const grid_trial trial(r.grid, set.volumes());
-  const fresh_rules rules{.volumes = &trial};
-  const fresh_batch batch = cast_fresh_rays(r.rays, corner, rules, 100'000, {9, 9, purpose::verify},
+  const visibility_rules rules{.volumes = &trial};
+  const verification_batch batch = cast_verification_rays(r.rays, corner, rules, 100'000, {9, 9, purpose::verify},
                                             [&](std::uint32_t p) { return set.contains(p); });
   EXPECT_LE(batch.misses, 1.3 * target * 100'000);
   EXPECT_LE(batch.misses_of_volumes, batch.misses);
@@ -153,7 +154,7 @@ TEST(volume_search, looks_through_no_crack) {
     std::vector<passed_volume> passed;
     trial.lacking({eye, {1, 0, 0}}, std::numeric_limits<double>::infinity(), passed);
     ASSERT_GT(passed.size(), 4u);
-    drop_hidden_by_gaps(rays, {eye, {1, 0, 0}}, gap, passed);
+    drop_behind_gaps(rays, {eye, {1, 0, 0}}, gap, passed);
     const bool behind = std::any_of(passed.begin(), passed.end(),
                                     [&](const passed_volume& p) { return grid.places()[p.volume].x > 0; });
     EXPECT_EQ(behind, gap == 0.0f);
@@ -177,9 +178,9 @@ TEST(volume_search, a_ray_that_leaves_the_scene_sees_all_on_its_way) {
   const box where{{-1, 1, -1}, {1, 2, 1}};
   cell_set set(s.polygon_count, nullptr, s.polygon_count, grid.count());
   const grid_trial trial(grid, set.volumes());
-  const fresh_rules rules{.volumes = &trial};
+  const visibility_rules rules{.volumes = &trial};
   const auto lacking = [&] {
-    return cast_fresh_rays(rays, where, rules, 20'000, {9, 9, purpose::verify}, [](std::uint32_t) { return true; });
+    return cast_verification_rays(rays, where, rules, 20'000, {9, 9, purpose::verify}, [](std::uint32_t) { return true; });
   };
   EXPECT_EQ(lacking().misses, 20'000u) << "all, up and down";
   volume_search search(rays, grid, where, {.seed = 1, .place = 1}, set);
@@ -196,7 +197,7 @@ TEST(volume_search, a_lacking_volume_makes_a_ray_wrong) {
   for (std::uint32_t v = 0; v < r.grid.count(); ++v) set.volumes().add(v);
   const grid_trial trial(r.grid, set.volumes());
   const auto misses = [&](const volume_trial* volumes) {
-    return cast_fresh_rays(r.rays, corner, {.volumes = volumes}, 20'000, {9, 9, purpose::verify},
+    return cast_verification_rays(r.rays, corner, {.volumes = volumes}, 20'000, {9, 9, purpose::verify},
                            [&](std::uint32_t p) { return set.contains(p); });
   };
   EXPECT_EQ(misses(&trial).misses, 0u);
@@ -206,7 +207,7 @@ TEST(volume_search, a_lacking_volume_makes_a_ray_wrong) {
   for (std::uint32_t v = 0; v < r.grid.count(); ++v)
     if (v != gone) all_but.add(v);
   const grid_trial lacks_one(r.grid, all_but);
-  const fresh_batch batch = misses(&lacks_one);
+  const verification_batch batch = misses(&lacks_one);
   EXPECT_NEAR(static_cast<double>(batch.misses) / 20'000, 1.5 / (14.0 * 4.0 * 3.14), 0.005);
   EXPECT_EQ(batch.misses_of_volumes, batch.misses);
   ASSERT_EQ(batch.missed_volumes.size(), batch.misses);

@@ -47,7 +47,7 @@ TEST(duplicates, another_facing_is_another_class) {
 
 TEST(duplicates, what_is_seen_from_both_sides_has_no_facing) {
   tiny_scene s;
-  const tiny_scene::look sheet{alpha_mode::opaque, true};
+  const tiny_scene::interim_test sheet{alpha_mode::opaque, true};
   s.triangle(a, b, c, sheet), s.triangle(a, c, b, sheet), s.triangle(a, b, c), s.triangle(a, c, b);
   EXPECT_EQ(class_of(s, 0), (ids{0, 1}));
   EXPECT_TRUE(class_of(s, 2).empty());  // of another kind, as the next
@@ -60,7 +60,7 @@ TEST(duplicates, another_kind_is_another_class) {
   s.triangle(a, b, c), s.triangle(a, b, c, {alpha_mode::blend, false}), s.triangle(a, b, c, {alpha_mode::blend, false});
   s.triangle(a, b, c), s.triangle(a, b, c);
   scene::world_geometry geometry = scene::flatten(s.finished());
-  geometry.kinds[4].never_hides = true;
+  geometry.kinds[4].non_occluder = true;
   geometry.kinds[3].always = true;  // is seen and hides as the others do
   const duplicate_classes classes(geometry, false);
   EXPECT_EQ(class_of(classes, 0), (ids{0, 3}));

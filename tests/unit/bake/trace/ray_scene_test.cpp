@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sightcell/base/random.h"
-#include "trace/free_space.h"
+#include "trace/viewpoints.h"
 #include "trace/triangle_math.h"
 #include "unit/bake/tiny_scene.h"
 
@@ -440,7 +440,7 @@ TEST(ray_scene, many_places_answer_as_one) {
   tiny.closed_box({-1, -1, -1}, {1, 1, 1});
   const world w(tiny);
   const ray_scene rays(w.geometry, false);
-  random_stream random(1, 2, purpose::free_points);
+  random_stream random(1, 2, purpose::viewpoints);
   std::vector<glm::vec3> points;
   for (int i = 0; i < 100; ++i) points.push_back(random.in_box(glm::vec3{-2.0f}, glm::vec3{2.0f}));
   std::vector<std::uint8_t> free(points.size());
@@ -497,7 +497,7 @@ TEST(ray_scene, finds_all_that_touch_a_box_and_no_others) {
   EXPECT_GT(touching, 50);
 }
 
-TEST(free_space, finds_what_touches_and_faces) {
+TEST(viewpoints, finds_what_touches_and_faces) {
   tiny_scene tiny;
   const auto floor = tiny.quad({-5, 0, 5}, {5, 0, 5}, {5, 0, -5}, {-5, 0, -5});
   const auto away = tiny.wall_x(50, -1, 1);

@@ -16,15 +16,15 @@ constexpr std::uint64_t mix_bits(std::uint64_t x) noexcept {
 
 // The use of a stream, so that no two uses in one cell share numbers. Values are part of the results: they stay.
 enum class purpose : std::uint64_t {
-  free_points = 1,
+  viewpoints = 1,
   boundary = 2,
   interior = 3,
   dilation = 4,
   bound = 5,  // verification rays
   verify = 6,
   estimate = 7,
-  retest = 8,              // neighbor check of phase 1, inside a block
-  retest_all = 9,          // neighbor check of phase 2, across blocks
+  neighbor_check = 8,      // neighbor check of phase 1, inside a block
+  check_all = 9,           // neighbor check of phase 2, across blocks
   dilation_of_finds = 10,  // phase 2
   jitter = 11,
   guided = 13,      // rays of gvs and gvs++

@@ -166,11 +166,11 @@ struct polygon_kind {
   bool absent : 1 = false;
 
   bool alpha_tested : 1 = false;  // world_geometry::masked has its mask; other masked polygons are like opaque ones
-  bool never_hides : 1 = false;   // non-occluder by its tags; alpha_mode::blend is one too, without this
+  bool non_occluder : 1 = false;  // non-occluder by its tags; alpha_mode::blend is one too, without this
   bool always : 1 = false;        // in every set
 
   // Returns whether it is an occluder.
-  bool hides() const { return !absent && !never_hides && alpha != alpha_mode::blend; }
+  bool occludes() const { return !absent && !non_occluder && alpha != alpha_mode::blend; }
 };
 static_assert(sizeof(polygon_kind) == 1);
 

@@ -83,7 +83,7 @@ TEST_F(gpu_flight_test, an_image_between_two_hemicubes_changes_nothing) {
     bake::hemicube_image image;
     tested->render(from, before);
     EXPECT_TRUE(std::any_of(before.seen.begin(), before.seen.end(),
-                            [&](const bake::seen_polygon& p) { return !world.kinds[p.id].hides(); }));
+                            [&](const bake::seen_polygon& p) { return !world.kinds[p.id].occludes(); }));
     tested->render_image(from, image);
     tested->render(from, after);
     expect_same_view(before, after, "after an image");

@@ -1,0 +1,128 @@
+#include "job/progress_tracker.h"
+
+#include <algorithm>
+
+namespace sightcell::bake {
+namespace {
+
+// About what the stages of a cell take of its time, for the time that is left.
+constexpr double sampling_share = 0.4, check_share = 0.1;
+
+}  // namespace
+
+progress_tracker::progress_tracker(std::uint32_t polygon_count, const stage_plan& plan, std::uint32_t cells,
+                                   const callbacks& tell, int last_phase)
+    : polygon_count_(polygon_count),
+      plan_(plan),
+      tell_(tell),
+      last_phase_(last_phase),
+      have_(plan.blocks().cell_count()),
+      counted_(plan.blocks().cell_count()),
+      sizes_(plan.blocks().cell_count()),
+      work_of_(plan.blocks().cell_count()) {
+  now_.cells_total = cells;
+}
+
+// The part of a cell's work that is done when it is there.
+double progress_tracker::work_until(cell_stage stage) {
+  if (stage == cell_stage::finished) return 1.0;
+  return stage == cell_stage::bounded ? 1.0 - check_share : sampling_share;
+}
+
+void progress_tracker::count(std::uint32_t cell, cell_stage stage, const cell_summary& record) {
+  have_.add(cell, stage);
+  const double done = std::max(work_until(stage), work_of_[cell]);
+  work_done_ += done - work_of_[cell];
+  work_of_[cell] = done;
+  if (stage == cell_stage::finished) ++now_.cells_checked;
+  if (stage == cell_stage::sampled || !record.stored) {
+    if (stage != cell_stage::sampled && !counted_[cell]) ++now_.cells_done, counted_[cell] = true;
+    return;
+  }
+  if (!counted_[cell]) {
+    counted_[cell] = true;
+    ++now_.cells_done;
+    ++stored_;
+    rays_ += record.rays;
+    misses_ += record.misses;
+    now_.pixel_error = rays_ > 0 ? static_cast<double>(misses_) / static_cast<double>(rays_) : 0.0;
+    now_.worst_bound = std::max(now_.worst_bound, record.rays > 0 ? record.upper_bound : 0.0);
+  }
+  const auto size = static_cast<std::uint32_t>(std::max<std::uint64_t>(record.polygons, sizes_[cell]));
+  visible_ += 100.0 * (size - sizes_[cell]) / std::max(polygon_count_, 1u);
+  sizes_[cell] = size;
+  now_.visible_percent = visible_ / stored_;
+}
+
+void progress_tracker::resume(std::uint32_t cell, cell_stage stage, const cell_summary& record) {
+  if (cell >= counted_.size()) return;  // a file that lies
+  count(cell, stage, record);
+  resumed_ = now_.cells_done;
+}
+
+bool progress_tracker::open() {
+  return tell_progress(0);
+}
+
+bool progress_tracker::preparing(double share) {
+  now_.prepared = share;
+  const bool go_on = tell_progress(0);
+  now_.prepared = 1.0;
+  return go_on;
+}
+
+// Records of the first round that nobody reads any more: those of blocks all of whose cells are through phase 1.
+void progress_tracker::forget_first_rounds(std::span<const stage_record> records,
+                                           std::vector<std::uint32_t>& forget) const {
+  std::vector<std::uint32_t> blocks;
+  for (const stage_record& one : records)
+    if (one.stage == cell_stage::bounded && plan_.shares_in_block(one.cell))
+      blocks.push_back(plan_.blocks().block_of(one.cell));
+  std::sort(blocks.begin(), blocks.end());
+  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+  for (const std::uint32_t block : blocks) {
+    const std::span<const std::uint32_t> cells = plan_.blocks().cells_of(block);
+    const auto through = [&](std::uint32_t cell) {
+      return plan_.through_phase_1(have_, cell) ||
+             std::any_of(records.begin(), records.end(), [&](const stage_record& one) {
+               return one.cell == cell && one.stage == plan_.end_of_phase_1(cell);
+             });
+    };
+    if (!std::all_of(cells.begin(), cells.end(), through)) continue;
+    for (const std::uint32_t cell : cells)
+      if (have_.has(cell, cell_stage::sampled)) forget.push_back(cell);
+  }
+}
+
+bool progress_tracker::close(std::span<const stage_record> records, std::size_t in_work, checkpoint& done) {
+  std::vector<std::uint32_t> forget;
+  forget_first_rounds(records, forget);
+  done.store(records, forget);
+  for (const std::uint32_t cell : forget) have_.remove(cell, cell_stage::sampled);
+  for (const stage_record& one : records) {
+    const std::uint32_t before = now_.cells_done;
+    const double work_before = work_done_;
+    count(one.cell, one.stage, summary_of(one.record));
+    fresh_work_ += work_done_ - work_before;
+    if (one.stage != cell_stage::sampled && now_.cells_done > before) not_empty_ += one.record.geometry_inside ? 1 : 0;
+  }
+  return tell_progress(in_work);
+}
+
+bool progress_tracker::tell_progress(std::size_t in_work) {
+  if (!tell_.on_progress || stopped_) return !stopped_;
+  now_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  if (fresh_work_ > 0.0) {
+    // Those in work are half done, one with the other; a step is about half a cell.
+    const double ahead = 0.25 * static_cast<double>(in_work);
+    now_.cells_per_second = (fresh_work_ + ahead) / std::max(now_.seconds, 1e-9);
+    now_.seconds_left = std::max(now_.cells_total - work_done_ - ahead, 0.0) / now_.cells_per_second;
+  }
+  const bool all = (last_phase_ == 1 ? now_.cells_done : now_.cells_checked) == now_.cells_total;
+  if (all) now_.seconds_left = 0.0;  // and not what rounding leaves
+  stopped_ = true;                   // also when the callback throws
+  stopped_ = !tell_.on_progress(now_) && !all;
+  return !stopped_;
+}
+
+}  // namespace sightcell::bake

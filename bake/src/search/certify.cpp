@@ -1,0 +1,207 @@
+#include "search/certify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "bound/bound_rays.h"
+#include "bound/clopper_pearson.h"
+#include "bound/sequential_test.h"
+#include "search/cell_search.h"
+#include "search/volume_search.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr double share_of_places = 0.01;   // of a look's risk: of taking too many places for free ones
+constexpr double of_a_bound_ray = 0.2;     // of what a ray aimed costs
+constexpr double left_after_round = 0.45;  // of what is missing, when another round of hemicubes has joined
+constexpr double left_after_rays = 0.7;    // when rays have gone beside what a batch found
+
+// What part of a run fails, by batches alone.
+double risk_of(std::uint64_t batch) {
+  return 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
+}
+
+// More rays than trials are wanted, because fewer count than are cast: the share of free places is known from about a
+// hundred, and then a limit is taken from those that are tested, 256 or more.
+double headroom(double trials, double valid_share) {
+  if (valid_share < fewest_valid) return 1.0;  // all places are tested
+  constexpr double deviations = 3.5;
+  const double tests = std::max(256.0, trials / valid_share / 256.0);
+  return 1.02 + deviations * std::sqrt((1.0 - valid_share) / (valid_share * tests));
+}
+
+// What is left to do, in rays: of batches alone, and of rounds of hemicubes with the batches after them.
+class plan_costs {
+ public:
+  plan_costs(const std::vector<interim_test>& interim_tests, double of_trial, double of_views)
+      : interim_tests_(interim_tests), of_trial_(of_trial), of_views_(of_views) {}
+
+  // A batch now; where it would fail, that is known after its first look, and another round follows.
+  double now(double missing, int round = 0) const {
+    const double trials = expected_trials(interim_tests_, missing);
+    if (std::isfinite(trials)) return of_trial_ * trials;
+    return of_trial_ * static_cast<double>(interim_tests_.front().trials) + later(missing, round);
+  }
+  // A round first. Each is twice the one before it.
+  double later(double missing, int round = 0) const {
+    constexpr int most_rounds = 12;
+    if (round == most_rounds) return 0.0;
+    return std::ldexp(of_views_, round) + now(left_after_round * missing, round + 1);
+  }
+
+ private:
+  const std::vector<interim_test>& interim_tests_;
+  double of_trial_, of_views_;
+};
+
+// Does a batch now cost less than another round of hemicubes and a shorter batch after it? In the mean over all that
+// may be missing.
+bool batch_pays(const std::vector<interim_test>& interim_tests, const error_guess& missing, std::uint64_t cost_of_views,
+                double cost_of_trial) {
+  const auto views = static_cast<double>(cost_of_views);
+  // Where nothing is known a cheap batch is the quickest to say how much is missing.
+  if (missing.front() >= 1.0) return cost_of_trial * static_cast<double>(interim_tests.front().trials) <= views;
+  const plan_costs costs(interim_tests, cost_of_trial, views);
+  double now = 0.0, later = 0.0;
+  for (const double m : missing) now += costs.now(m), later += costs.later(m);
+  return now <= later;
+}
+
+// What volumes add to a search: nothing where there are none.
+class search_of_volumes {
+ public:
+  search_of_volumes(const ray_scene& rays, const box& grown, const finish_settings& how, cell_set& set)
+      : priority_(first_priority * how.max_pixel_error * whole_sphere), rules_(how.rules) {
+    if (!how.volumes) return;
+    trial_.emplace(*how.volumes, set.volumes());
+    rules_.volumes = &*trial_;
+    search_ = std::make_unique<volume_search>(rays, *how.volumes, grown,
+                                              volume_search_settings{.seed = seed_after(how.batches_before, how.seed),
+                                                                     .place = how.place,
+                                                                     .player_radius = how.rules.player_radius,
+                                                                     .smallest_gap = how.rules.smallest_gap,
+                                                                     .limit = how.limit},
+                                              set);
+  }
+
+  // Further each time.
+  void look_for() {
+    if (search_) search_->look_for(priority_);
+    priority_ *= priority_of_next;
+  }
+  void add(std::span<const found_volume> found) {
+    if (search_) search_->add(found);
+  }
+  std::uint64_t spent() const { return search_ ? search_->spent() : 0; }
+  const visibility_rules& rules() const { return rules_; }
+
+ private:
+  static constexpr double first_priority = 3e-3, priority_of_next = 0.25;  // of the target's share of all directions
+  double priority_;
+  visibility_rules rules_;
+  std::optional<grid_trial> trial_;
+  std::unique_ptr<volume_search> search_;  // null without volumes
+};
+
+// What a batch came to.
+struct proof {
+  interim_test at;           // the last look: trials and risk of the bound
+  std::uint64_t misses = 0;  // of so many trials
+};
+
+// Casts until a look ends the batch well, until it would take longer than to look for more and begin another, or until
+// max_cost is spent.
+proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, const finish_settings& how,
+            std::uint64_t cost_of_views, double cost_of_trial, std::uint64_t max_cost) {
+  const double left = cost_of_views > 0 ? left_after_round : left_after_rays;
+  for (const interim_test& next : interim_tests) {
+    if (next.misses < batch.misses() && &next != &interim_tests.back()) continue;
+    std::uint64_t trials = batch.trials(share_of_places * next.risk);
+    while (trials < next.trials && batch.spent() < max_cost) {
+      const auto more = static_cast<double>(next.trials - trials);
+      const double most = static_cast<double>(max_cost - batch.spent()) * std::max(how.valid_share, 1e-3);
+      batch.cast(static_cast<std::uint64_t>(std::clamp(headroom(more, how.valid_share) * more, 1.0, most + 1.0)));
+      if (batch.given_up()) return {};
+      trials = batch.trials(share_of_places * next.risk);
+    }
+    // Exactly so many, whatever more there are: that number does not depend on what missed.
+    const proof now{{next.misses, std::max(std::min(trials, next.trials), batch.misses()), next.risk}, batch.misses()};
+    if (now.misses <= next.misses || trials < next.trials || (how.limit && how.limit->reached())) return now;
+    const double rate = static_cast<double>(now.misses) / static_cast<double>(trials);
+    const double whole = expected_trials(interim_tests, rate, now.misses, trials),
+                 again = expected_trials(interim_tests, left * rate);
+    const double go_on = cost_of_trial * (whole - static_cast<double>(trials));
+    if (!std::isfinite(whole) || go_on > static_cast<double>(cost_of_views) + cost_of_trial * again) return now;
+  }
+  return {};  // the last look always answers
+}
+
+}  // namespace
+
+finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
+                               const finish_settings& how, cell_set& set, search_views* views) {
+  finish_result result;
+  const double target = how.max_pixel_error, priority = priority_beside(target);
+  cell_search search(rays, neighbors, views,
+                     {.seed = seed_after(how.batches_before, how.seed),
+                      .place = how.place,
+                      .smallest_gap = how.rules.smallest_gap,
+                      .limit = how.limit,
+                      .metric = how.rules.metric,
+                      .known = views ? how.known : 0,
+                      .tried = views ? priority_after(priority_beside(how.known_to), views->places.taken()) : 0.0},
+                     set);
+  search_of_volumes volumes(rays, grown, how, set);
+  const double cost_of_trial = of_a_bound_ray / std::max(how.valid_share, 1e-3);
+  const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
+  std::uint64_t of_batches = 0;
+  std::vector<interim_test> interim_tests;
+  search_goal goal{.priority = priority};
+  goal.enough = [&](const error_guess& missing, std::uint64_t cost) {
+    return batch_pays(interim_tests, missing, cost, cost_of_trial);
+  };
+
+  std::function<bool()> give_up;
+  if (how.limit && how.limit_ends_batches) give_up = [&] { return how.limit->reached(); };
+
+  for (std::uint64_t turn = 1; turn == 1 || result.rays_spent < how.max_rays; ++turn) {
+    const std::uint64_t number = how.batches_before + turn;
+    interim_tests = plan_interim_tests(target, risk_of(number), share_of_places);
+    goal.max_cost = how.max_rays - std::min(how.max_rays, of_batches);
+    search.look_for(goal);
+    volumes.look_for();
+    result.rays_spent = of_batches + search.spent() + volumes.spent();
+
+    bound_batch batch(rays, grown, volumes.rules(), how.valid_share, {how.seed, how.place, purpose::bound, number},
+                      contains, give_up);
+    const std::uint64_t left = how.max_rays - std::min(result.rays_spent, how.max_rays);
+    const proof found =
+        prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial, std::max<std::uint64_t>(left, 1));
+    result.batches = number;
+    of_batches += std::max<std::uint64_t>(batch.spent(), 1);
+    if (!batch.given_up()) {
+      result.rays = found.at.trials;
+      result.misses = found.misses;
+      result.confidence = 1.0 - found.at.risk;
+      result.upper_bound =
+          clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - share_of_places) * found.at.risk);
+      result.bound_met = result.upper_bound <= target;
+    }
+
+    for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
+    volumes.add(batch.missed_volumes());
+    search.look_beside(how.max_rays - std::min(how.max_rays, of_batches));
+    result.rays_spent = of_batches + search.spent() + volumes.spent();
+    if (result.bound_met || (how.limit && how.limit->reached())) break;
+    // Hemicubes and rays beside polygons find no volumes.
+    const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
+    search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
+  }
+  return result;
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,36 @@
+#include "trace/viewpoints.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "trace/triangle_math.h"
+
+namespace sightcell::bake {
+
+std::vector<glm::vec3> draw_viewpoints(const ray_scene& rays, const box& where, float radius, std::size_t wanted,
+                                       std::uint64_t max_tries, random_stream& random, std::uint64_t& tries) {
+  constexpr std::size_t group = 64;
+  std::vector<glm::vec3> found, candidates;
+  std::vector<std::uint8_t> free;
+  std::uint64_t tested = 0;
+  while (found.size() < wanted && tested < max_tries) {
+    const std::size_t count = std::min<std::uint64_t>({group, max_tries - tested, 2 * (wanted - found.size()) + 6});
+    candidates.clear();
+    for (std::size_t i = 0; i < count; ++i) candidates.push_back(random.in_box(where.min, where.max));
+    free.assign(count, 0);
+    rays.find_free(candidates, radius, free);
+    for (std::size_t i = 0; i < count && found.size() < wanted; ++i)
+      if (free[i]) found.push_back(candidates[i]);
+    tested += count;
+  }
+  tries += tested;
+  return found;
+}
+
+bool faces(const ray_scene& rays, std::uint32_t polygon, const glm::vec3& eye) {
+  if (rays.sees_both_sides(polygon)) return true;
+  const triangle t = corners_of(rays.geometry(), polygon);
+  return glm::dot(glm::cross(t[1] - t[0], t[2] - t[0]), eye - t[0]) > 0.0f;
+}
+
+}  // namespace sightcell::bake
