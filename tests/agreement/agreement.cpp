@@ -55,7 +55,7 @@ glm::dvec3 in_frame(const bake::face_view& face, const glm::vec3& eye, const glm
 bool sees_there(const bake::ray_scene& rays, const glm::vec3& eye, const glm::vec3& direction, std::uint32_t polygon) {
   thread_local bake::sight seen;
   thread_local std::vector<std::uint32_t> same_place;
-  rays.interim_test(eye, direction, seen);
+  rays.trace(eye, direction, seen);
   if (seen.front == polygon || seen.front == bake::no_polygon || polygon == bake::no_polygon)
     return seen.front == polygon;
   rays.coincident(eye, direction, seen.distance, same_place);

@@ -89,7 +89,7 @@ class checker {
       distances_.push_back(distance);
     }
     sights_.resize(lines_.size());
-    rays_.look(lines_, sights_);
+    rays_.trace(lines_, sights_);
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       if (sights_[i].distance < distances_[i] + coincidence_reach(distances_[i])) continue;
       if (!rays_.through_gap(r.eye, lines_[i].direction, distances_[i], smallest_gap)) return true;

@@ -183,7 +183,7 @@ bool brute_force::through_crack(const dvec3& eye, const dvec3& direction, double
   return false;
 }
 
-void brute_force::interim_test(const dvec3& eye, const dvec3& direction, ray_view& out) const {
+void brute_force::look(const dvec3& eye, const dvec3& direction, ray_view& out) const {
   out = {};
   std::vector<hit> hits;
   for (std::uint32_t i = 0; i < surfaces_.size(); ++i) {
@@ -300,13 +300,13 @@ seen_polygons brute_force::see(const place_box& grown, const seeing_effort& effo
     for (const std::uint32_t polygon : touching)
       if (faces(polygon, eye)) out.inside[polygon] = true;
     for (int i = 0; i < effort.directions; ++i) {
-      interim_test(eye, random.on_sphere(), view);
+      look(eye, random.on_sphere(), view);
       count(out.hits);
     }
     for (const surface& p : surfaces_) {
       if (p.absent) continue;
       for (int i = 0; i < effort.aims_per_polygon; ++i) {
-        interim_test(eye, glm::normalize(random.in_triangle(p.corners) - eye), view);
+        look(eye, glm::normalize(random.in_triangle(p.corners) - eye), view);
         count(out.aimed);
       }
     }
@@ -340,7 +340,7 @@ double brute_force::error_of(const std::vector<std::uint32_t>& set, const place_
   ray_view view;
   const std::uint64_t eyes = for_free_places(grown, effort, [&](const dvec3& eye, dice& random) {
     for (int i = 0; i < effort.directions; ++i) {
-      interim_test(eye, random.on_sphere(), view);
+      look(eye, random.on_sphere(), view);
       const bool front_right = view.front.empty() || std::any_of(view.front.begin(), view.front.end(), in);
       wrong += !front_right || !std::all_of(view.before.begin(), view.before.end(), in);
     }

@@ -61,7 +61,7 @@ class brute_force {
   brute_force(const scene::scene& s, const seeing_rules& rules);
 
   // direction: of length 1.
-  void interim_test(const glm::dvec3& eye, const glm::dvec3& direction, ray_view& out) const;
+  void look(const glm::dvec3& eye, const glm::dvec3& direction, ray_view& out) const;
   // Of those of 64 fixed directions that end at an opaque single-sided polygon, the share that ends at its back.
   double backs(const glm::dvec3& place) const;
   bool is_free(const glm::dvec3& place) const;

@@ -15,15 +15,14 @@ namespace sightcell::test {
 namespace {
 
 using list = std::vector<std::uint32_t>;
-using look_of = tiny_scene::interim_test;
+using look_of = tiny_scene::look;
 
 constexpr look_of glass{scene::alpha_mode::blend, true}, both_sides{scene::alpha_mode::opaque, true};
 constexpr glm::dvec3 along_x{1, 0, 0}, origin{0, 0, 0};
 
-ray_view interim_test(const scene::scene& s, const glm::dvec3& eye, const glm::dvec3& direction,
-                      seeing_rules rules = {}) {
+ray_view look(const scene::scene& s, const glm::dvec3& eye, const glm::dvec3& direction, seeing_rules rules = {}) {
   ray_view view;
-  brute_force(s, rules).interim_test(eye, direction, view);
+  brute_force(s, rules).look(eye, direction, view);
   std::sort(view.front.begin(), view.front.end());
   std::sort(view.before.begin(), view.before.end());
   return view;
@@ -41,12 +40,12 @@ TEST(reference, the_nearest_that_hides_ends_a_ray) {
   tiny_scene tiny;
   const auto far = target(tiny, 4), near = target(tiny, 3);
   const scene::scene s = tiny.finished();
-  const ray_view ahead = interim_test(s, origin, along_x);
+  const ray_view ahead = look(s, origin, along_x);
   EXPECT_EQ(ahead.front, list{near});
   EXPECT_DOUBLE_EQ(ahead.distance, 3.0);
-  EXPECT_EQ(interim_test(s, {3.5, 0, 0}, along_x).front, list{far});
-  EXPECT_EQ(interim_test(s, origin, -along_x).front, list{});
-  EXPECT_EQ(interim_test(s, {0, 10, 0}, along_x).front, list{});
+  EXPECT_EQ(look(s, {3.5, 0, 0}, along_x).front, list{far});
+  EXPECT_EQ(look(s, origin, -along_x).front, list{});
+  EXPECT_EQ(look(s, {0, 10, 0}, along_x).front, list{});
 }
 
 TEST(reference, backs_are_not_there_and_glass_does_not_hide) {
@@ -56,12 +55,12 @@ TEST(reference, backs_are_not_there_and_glass_does_not_hide) {
   const auto sheet = turned_target(tiny, 4, both_sides);
   target(tiny, 5, glass);
   const scene::scene s = tiny.finished();
-  const ray_view ahead = interim_test(s, origin, along_x);
+  const ray_view ahead = look(s, origin, along_x);
   EXPECT_EQ(ahead.before, (list{pane, second_pane}));
   EXPECT_EQ(ahead.front, list{sheet});
   seeing_rules all;
   all.all_double_sided = true;
-  EXPECT_EQ(interim_test(s, origin, along_x, all).front, list{0});
+  EXPECT_EQ(look(s, origin, along_x, all).front, list{0});
 }
 
 TEST(reference, a_mask_is_there_from_its_cutoff_on) {
@@ -70,11 +69,11 @@ TEST(reference, a_mask_is_there_from_its_cutoff_on) {
   const auto fence = tiny.masked_quad({2, -1, -1}, {2, -1, 1}, {2, 1, 1}, {2, 1, -1}, {2, 1, {0, 255}});
   const auto behind = target(tiny, 3);
   const scene::scene s = tiny.finished();
-  EXPECT_EQ(interim_test(s, {0, 0, -0.01}, along_x).front, list{behind});
-  const list bar = interim_test(s, {0, 0, 0.01}, along_x).front;
+  EXPECT_EQ(look(s, {0, 0, -0.01}, along_x).front, list{behind});
+  const list bar = look(s, {0, 0, 0.01}, along_x).front;
   ASSERT_EQ(bar.size(), 1u);
   EXPECT_TRUE(bar[0] == fence || bar[0] == fence + 1);
-  EXPECT_EQ(interim_test(s, {0, 0, 0.99}, along_x).front.at(0) / 2, fence / 2)
+  EXPECT_EQ(look(s, {0, 0, 0.99}, along_x).front.at(0) / 2, fence / 2)
       << "between 255 and the next 0, above the cutoff";
 }
 
@@ -83,8 +82,8 @@ TEST(reference, mirrored_draws_keep_their_fronts) {
   turned_target(tiny, -3);  // faces +x; mirrored it stands at 3 and faces -x
   scene::scene s = tiny.finished();
   s.draws[0].to_world[0][0] = -1.0;
-  EXPECT_EQ(interim_test(s, origin, along_x).front, list{0});
-  EXPECT_EQ(interim_test(s, {6, 0, 0}, -along_x).front, list{});
+  EXPECT_EQ(look(s, origin, along_x).front, list{0});
+  EXPECT_EQ(look(s, {6, 0, 0}, -along_x).front, list{});
 }
 
 TEST(reference, coincident_is_within_eps_of_the_front) {
@@ -94,7 +93,7 @@ TEST(reference, coincident_is_within_eps_of_the_front) {
                                                   {100.0f, 0.0021f, false}}) {
     tiny_scene tiny;
     const auto wall = target(tiny, place), decal = target(tiny, place + behind);
-    const ray_view view = interim_test(tiny.finished(), origin, along_x);
+    const ray_view view = look(tiny.finished(), origin, along_x);
     EXPECT_EQ(view.front, coincident ? (list{wall, decal}) : list{wall}) << place << " + " << behind;
   }
 }
@@ -108,10 +107,10 @@ TEST(reference, duplicates_are_seen_together) {
   tiny.triangle({3, 9, 0}, {3, -9, -9}, {3, -9, 9});
   turned_target(tiny, 3);
   const scene::scene s = tiny.finished();
-  EXPECT_EQ(interim_test(s, origin, along_x).front, (list{0, 1})) << "the opposite pair counts as double-sided";
-  EXPECT_EQ(interim_test(s, {2.5, 0, 0}, -along_x).front, (list{0, 1}));
-  EXPECT_EQ(interim_test(s, {2.5, 0, 0}, along_x).front, (list{2, 3}));
-  EXPECT_EQ(interim_test(s, {3.5, 0, 0}, -along_x).front, list{4});
+  EXPECT_EQ(look(s, origin, along_x).front, (list{0, 1})) << "the opposite pair counts as double-sided";
+  EXPECT_EQ(look(s, {2.5, 0, 0}, -along_x).front, (list{0, 1}));
+  EXPECT_EQ(look(s, {2.5, 0, 0}, along_x).front, (list{2, 3}));
+  EXPECT_EQ(look(s, {3.5, 0, 0}, -along_x).front, list{4});
 }
 
 // Two walls at x = 2 with a crack of this width around z = 0, and a target behind them.
@@ -125,20 +124,20 @@ scene::scene cracked(double width, float behind) {
 }
 
 TEST(reference, nothing_is_seen_through_a_crack) {
-  EXPECT_EQ(interim_test(cracked(0.0036, 1), origin, along_x).front, list{});
-  EXPECT_EQ(interim_test(cracked(0.0041, 1), origin, along_x).front, list{4});
-  EXPECT_EQ(interim_test(cracked(0.0036, 0.019f), origin, along_x).front, list{4}) << "right behind it";
-  EXPECT_EQ(interim_test(cracked(0.0036, 0.022f), origin, along_x).front, list{});
+  EXPECT_EQ(look(cracked(0.0036, 1), origin, along_x).front, list{});
+  EXPECT_EQ(look(cracked(0.0041, 1), origin, along_x).front, list{4});
+  EXPECT_EQ(look(cracked(0.0036, 0.019f), origin, along_x).front, list{4}) << "right behind it";
+  EXPECT_EQ(look(cracked(0.0036, 0.022f), origin, along_x).front, list{});
   seeing_rules fine;
   fine.smallest_gap = 0.001;
-  EXPECT_EQ(interim_test(cracked(0.0036, 1), origin, along_x, fine).front, list{4});
+  EXPECT_EQ(look(cracked(0.0036, 1), origin, along_x, fine).front, list{4});
   fine.smallest_gap = 0.0;
-  EXPECT_EQ(interim_test(cracked(0.0001, 1), origin, along_x, fine).front, list{4});
+  EXPECT_EQ(look(cracked(0.0001, 1), origin, along_x, fine).front, list{4});
   // 1 % of the distance: from 200 m away, 2 m.
   seeing_rules coarse;
   coarse.smallest_gap = 0.1;
-  EXPECT_EQ(interim_test(cracked(0.1, 1.9f), {-198, 0, 0}, along_x, coarse).front, list{4});
-  EXPECT_EQ(interim_test(cracked(0.1, 2.2f), {-198, 0, 0}, along_x, coarse).front, list{});
+  EXPECT_EQ(look(cracked(0.1, 1.9f), {-198, 0, 0}, along_x, coarse).front, list{4});
+  EXPECT_EQ(look(cracked(0.1, 2.2f), {-198, 0, 0}, along_x, coarse).front, list{});
 }
 
 TEST(reference, glass_behind_a_crack_is_not_seen_and_glass_makes_none) {
@@ -146,12 +145,12 @@ TEST(reference, glass_behind_a_crack_is_not_seen_and_glass_makes_none) {
   tiny.quad({2, -9, -9}, {2, -9, 0}, {2, 9, 0}, {2, 9, -9}, glass);
   tiny.quad({2, -9, 0.001f}, {2, -9, 9}, {2, 9, 9}, {2, 9, 0.001f}, glass);
   target(tiny, 3);
-  EXPECT_EQ(interim_test(tiny.finished(), {0, 0, 0.0005}, along_x).front, list{4});
+  EXPECT_EQ(look(tiny.finished(), {0, 0, 0.0005}, along_x).front, list{4});
   tiny_scene walled;
   walled.quad({2, -9, -9}, {2, -9, 0}, {2, 9, 0}, {2, 9, -9});
   walled.quad({2, -9, 0.001f}, {2, -9, 9}, {2, 9, 9}, {2, 9, 0.001f});
   target(walled, 3, glass);
-  const ray_view view = interim_test(walled.finished(), {0, 0, 0.0005}, along_x);
+  const ray_view view = look(walled.finished(), {0, 0, 0.0005}, along_x);
   EXPECT_TRUE(view.front.empty() && view.before.empty());
 }
 
@@ -262,7 +261,7 @@ TEST(reference, obeys_tags_and_levels) {
                        row{"always, occluder: false", both, {behind}, {tagged}, true},
                        row{"animated", animated, {behind}, {tagged}, true}}) {
     s.draws[0].tags = r.tags;
-    const ray_view view = interim_test(s, origin, along_x);
+    const ray_view view = look(s, origin, along_x);
     EXPECT_EQ(view.front, r.front) << r.name;
     EXPECT_EQ(view.before, r.before) << r.name;
     const seen_polygons seen = brute_force(s, {}).see(box, {2, 1, 10, 5, 7});
@@ -272,9 +271,9 @@ TEST(reference, obeys_tags_and_levels) {
   seeing_rules rest, left_out;
   rest.animated = scene::animated_as::rest, left_out.animated = scene::animated_as::dynamic;
   s.draws[0].tags = animated;
-  EXPECT_EQ(interim_test(s, origin, along_x, rest).front, list{tagged});
-  EXPECT_EQ(interim_test(s, origin, along_x, left_out).front, list{behind});
-  EXPECT_TRUE(interim_test(s, origin, along_x, left_out).before.empty());
+  EXPECT_EQ(look(s, origin, along_x, rest).front, list{tagged});
+  EXPECT_EQ(look(s, origin, along_x, left_out).front, list{behind});
+  EXPECT_TRUE(look(s, origin, along_x, left_out).before.empty());
   // Seen now, so its coarser level is in; the other object is still hidden by it.
   s.draws[0].tags = s.draws[1].tags = never;
   const seen_polygons seen = brute_force(s, {}).see(box, {2, 1, 10, 5, 7});

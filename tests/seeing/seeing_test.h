@@ -16,9 +16,9 @@
 
 namespace sightcell::test {
 
-inline constexpr tiny_scene::interim_test glass{scene::alpha_mode::blend, false};
-inline constexpr tiny_scene::interim_test both_sides{scene::alpha_mode::opaque, true};
-inline constexpr tiny_scene::interim_test masked{scene::alpha_mode::mask, false};
+inline constexpr tiny_scene::look glass{scene::alpha_mode::blend, false};
+inline constexpr tiny_scene::look both_sides{scene::alpha_mode::opaque, true};
+inline constexpr tiny_scene::look masked{scene::alpha_mode::mask, false};
 
 // Polygons of a scene that share one fate.
 struct named_polygons {

@@ -46,7 +46,7 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
   std::vector<sight_line> sorted(lines.size());
   for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = lines[order[i].second];
   std::vector<sight> seen(lines.size());
-  rays.interim_test(sorted, seen);
+  rays.trace(sorted, seen);
   std::vector<std::uint32_t> found;
   for (std::size_t i = 0; i < order.size(); ++i)
     if (trial.lacks(sorted[i], seen[i])) found.push_back(order[i].second);
@@ -76,7 +76,7 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const visibilit
   for (std::size_t k = 0; k < wrong.size(); ++k) {
     if (!free[result.tested + k]) continue;  // it was no trial
     const sight_line& line = lines[wrong[k]];
-    rays.interim_test(line.eye, line.direction, seen);
+    rays.trace(line.eye, line.direction, seen);
     if (trial.judge(line, seen, random, result.missed)) ++result.misses;
   }
   result.misses_of_volumes = trial.misses_of_volumes();

@@ -73,7 +73,7 @@ bool error_metric::covers_enough(std::uint32_t polygon, const glm::vec3& eye) co
 double error_metric::color_difference(const sight_line& line, const sight& seen, float from,
                                       const std::function<bool(std::uint32_t)>& contains) const {
   sight of_set;
-  rays_->look_at_set(line.eye, line.direction, contains, of_set);
+  rays_->trace_against_set(line.eye, line.direction, contains, of_set);
   glm::ivec3 low(255), high(0);
   const auto take = [&](std::uint32_t polygon) {
     const glm::ivec3 color(polygon == no_polygon ? surface_colors::sky()

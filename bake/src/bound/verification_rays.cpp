@@ -26,7 +26,7 @@ verification_batch cast_chunk(const ray_scene& rays, const box& grown, const vis
   sight seen;
   for (const glm::vec3& eye : eyes) {
     const sight_line line{eye, rules.metric->direction(random)};
-    rays.interim_test(line.eye, line.direction, seen);
+    rays.trace(line.eye, line.direction, seen);
     if (one.judge(line, seen, random, batch.missed)) ++batch.misses;
   }
   batch.rays = eyes.size();

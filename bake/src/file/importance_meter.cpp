@@ -98,7 +98,7 @@ std::uint32_t importance_meter::cast(std::uint32_t polygon, std::size_t first_ey
   }
   if (room.sights.size() < first_rays) room.sights.resize(first_rays);
   const std::span<sight> sights = std::span(room.sights).first(room.lines.size());
-  rays_.interim_test(room.lines, sights);
+  rays_.trace(room.lines, sights);
   std::uint32_t hits = 0;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     if (!sees(room.lines[i], sights[i], room.lengths[i], polygon, room.coincident)) continue;

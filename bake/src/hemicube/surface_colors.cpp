@@ -67,9 +67,8 @@ between texels_at(double coordinate, std::uint32_t size, scene::wrap mode) {
   return {texel_at(first, size, mode), texel_at(first + 1, size, mode), place - below};
 }
 
-glm::dvec3 bilinear(const scene::image_pixels& texture, const glm::dvec2& uv, const scene::material& interim_test) {
-  const between x = texels_at(uv.x, texture.width, interim_test.wrap_u),
-                y = texels_at(uv.y, texture.height, interim_test.wrap_v);
+glm::dvec3 bilinear(const scene::image_pixels& texture, const glm::dvec2& uv, const scene::material& look) {
+  const between x = texels_at(uv.x, texture.width, look.wrap_u), y = texels_at(uv.y, texture.height, look.wrap_v);
   const auto texel = [&](std::size_t column, std::size_t row) {
     const std::uint8_t* at = &texture.rgba[4 * (row * texture.width + column)];
     return glm::dvec3(srgb().linear[at[0]], srgb().linear[at[1]], srgb().linear[at[2]]);
@@ -90,7 +89,7 @@ struct surface_colors::surface {
   std::array<glm::dvec3, 3> opposite;
   std::array<glm::dvec2, 3> uvs{};
   std::array<glm::dvec3, 3> colors;  // vertex colors times base color, linear
-  const scene::material* interim_test = nullptr;
+  const scene::material* look = nullptr;
   const scene::image_pixels* texture = nullptr;
 };
 
@@ -111,15 +110,15 @@ surface_colors::surface surface_colors::surface_of(std::uint32_t id, const glm::
   const scene::draw& d = scene_.draws[scene::draw_of(scene_, id)];
   const scene::geometry& g = scene_.geometries[d.geometry];
   surface seen;
-  seen.interim_test = d.material < scene_.materials.size() ? &scene_.materials[d.material] : &standard;
-  const std::uint32_t image = seen.interim_test->base_color_image;
+  seen.look = d.material < scene_.materials.size() ? &scene_.materials[d.material] : &standard;
+  const std::uint32_t image = seen.look->base_color_image;
   if (image < textures_.size() && textures_[image]) seen.texture = &*textures_[image];
   std::array<glm::dvec3, 3> corners;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t vertex = world_.indices[3 * std::size_t{id} + i], local = vertex - d.base_vertex;
     corners[i] = glm::dvec3(world_.positions[vertex]) - eye;
     if (local < g.uvs.size()) seen.uvs[i] = g.uvs[local];
-    seen.colors[i] = glm::dvec3(seen.interim_test->base_color);
+    seen.colors[i] = glm::dvec3(seen.look->base_color);
     if (local < g.colors.size()) seen.colors[i] *= glm::dvec3(g.colors[local]) / 255.0;
   }
   for (std::size_t i = 0; i < 3; ++i) seen.opposite[i] = glm::cross(corners[(i + 1) % 3], corners[(i + 2) % 3]);
@@ -141,7 +140,7 @@ glm::u8vec3 surface_colors::color_at(const surface& seen, const glm::dvec3& dire
     color += weights[i] * seen.colors[i];
     uv += weights[i] * seen.uvs[i];
   }
-  if (seen.texture != nullptr) color *= bilinear(*seen.texture, uv, *seen.interim_test);
+  if (seen.texture != nullptr) color *= bilinear(*seen.texture, uv, *seen.look);
   return srgb().bytes(color);
 }
 

@@ -87,7 +87,7 @@ class looker {
     const float length = glm::length(toward);
     if (!(length > 0.0f)) return;
     const glm::vec3 direction = toward / length;
-    rays_.interim_test(eye_, direction, seen_);
+    rays_.trace(eye_, direction, seen_);
     const std::optional<float> distance = distance_to_polygon(direction, length);
     if (!distance || rays_.through_gap(eye_, direction, *distance, smallest_gap_)) return;
     result_.seen = true;

@@ -20,7 +20,7 @@ constexpr float barren_share = 0.0625f;  // of the places in a part of a cell th
 
 // The nearest that hides from either side, and what is passed on the way. way: 1 along the ray, -1 against it.
 bool ray_feed::meets_back(const global_ray& ray, float way, float& clear) {
-  rays_.look_at_both_sides(ray.origin, ray.direction * way, seen_);
+  rays_.trace_both_sides(ray.origin, ray.direction * way, seen_);
   clear = way * seen_.distance;
   for (const passed_polygon& p : seen_.before) things_.push_back({p.polygon, way * p.distance});
   if (seen_.front == no_polygon) return false;
@@ -31,7 +31,7 @@ bool ray_feed::meets_back(const global_ray& ray, float way, float& clear) {
 
 // Sight goes on through a back.
 float ray_feed::trace_on(const global_ray& ray, float way, float clear) {
-  rays_.interim_test(ray.origin, ray.direction * way, seen_);
+  rays_.trace(ray.origin, ray.direction * way, seen_);
   for (const passed_polygon& p : seen_.before)
     if (p.distance > std::abs(clear)) things_.push_back({p.polygon, way * p.distance});
   if (seen_.front != no_polygon) things_.push_back({seen_.front, way * seen_.distance});

@@ -63,7 +63,7 @@ tested test(const ray_scene& rays, const visibility_rules& rules, const ordered_
 
 const sight& noting_rays::cast(const glm::vec3& eye, const glm::vec3& direction, bool eye_is_free,
                                std::vector<ray_find>& found) {
-  rays_.interim_test(eye, direction, seen_);
+  rays_.trace(eye, direction, seen_);
   const auto note = [&](std::uint32_t polygon, float distance) {
     if (polygon != no_polygon && !set_.contains(polygon))
       found.push_back({polygon, eye, direction, distance, eye_is_free});

@@ -28,7 +28,7 @@ bool aimed_rays::aim(const glm::vec3& eye, const glm::vec3& point, std::uint32_t
   const float length = glm::length(toward);
   if (!(length > 0.0f)) return false;
   const glm::vec3 direction = toward / length;
-  rays_.interim_test(eye, direction, seen_);
+  rays_.trace(eye, direction, seen_);
   return take({eye, direction}, seen_, length, target, found);
 }
 

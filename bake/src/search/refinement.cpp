@@ -168,7 +168,7 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
     std::array<sight_line, stretch> lines;
     std::vector<sight> seen(count);
     for (std::size_t i = 0; i < count; ++i) lines[i] = aimed[first + i].line;
-    rays_.interim_test(std::span(lines).first(count), seen);
+    rays_.trace(std::span(lines).first(count), seen);
     for (std::size_t i = 0; i < count; ++i) {
       const aimed_try& ray = aimed[first + i];
       attempt one = now[ray.which];

@@ -138,7 +138,7 @@ void volume_search::cast_wave(std::span<const line_to_cast> lines) {
     std::array<sight_line, stretch> sent;
     std::vector<sight> seen(some.size());
     for (std::size_t i = 0; i < some.size(); ++i) sent[i] = some[i].line;
-    rays_.interim_test(std::span(sent).first(some.size()), seen);
+    rays_.trace(std::span(sent).first(some.size()), seen);
     std::vector<passed_volume> fresh;
     for (std::size_t i = 0; i < some.size(); ++i) {
       trial.lacking(sent[i], free_length(seen[i]), fresh);

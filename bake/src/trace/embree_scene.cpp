@@ -29,7 +29,7 @@ bool passes(const scene::world_geometry& world, const scene::masked_polygon& p, 
 // hides is noted and lets the ray on.
 void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
   const RTCFilterFunctionNArguments& a = *arguments;
-  const auto* context = reinterpret_cast<const look_context*>(a.context);
+  const auto* context = reinterpret_cast<const trace_context*>(a.context);
   for (unsigned i = 0; i < a.N; ++i) {
     if (a.valid[i] != -1) continue;
     const bool there = (!context->only || (*context->only)(context->scene->polygon_of(a, i))) &&
@@ -163,7 +163,7 @@ RTCScene embree_scene::make_scene() const {
   return made;
 }
 
-look_context::look_context(const embree_scene& where) : scene(&where), all_double_sided(where.all_double_sided) {
+trace_context::trace_context(const embree_scene& where) : scene(&where), all_double_sided(where.all_double_sided) {
   rtcInitIntersectContext(&base);
   base.filter = keep_what_occludes;
 }

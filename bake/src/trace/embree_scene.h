@@ -76,8 +76,8 @@ struct embree_scene {
 inline constexpr unsigned ray_tests_masks = 1;
 
 // Embree's context, first, so that the filter can be given the rest.
-struct look_context {
-  explicit look_context(const embree_scene& where);  // with the filter below
+struct trace_context {
+  explicit trace_context(const embree_scene& where);  // with the filter below
 
   RTCIntersectContext base{};
   const embree_scene* scene;

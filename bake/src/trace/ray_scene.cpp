@@ -72,7 +72,7 @@ struct nearness {
 };
 
 // All that a ray meets and that is there, whether it hides or not.
-void collect(const embree_scene& scene, look_context& context, const RTCRay& along, std::vector<std::uint32_t>& out) {
+void collect(const embree_scene& scene, trace_context& context, const RTCRay& along, std::vector<std::uint32_t>& out) {
   thread_local std::vector<passed_polygon> passed;
   passed.clear();
   context.passed = &passed;
@@ -104,7 +104,7 @@ RTCRayHit8 parallel_rays(std::span<const glm::vec3> points, const glm::vec3& dir
 // back, too: which of them a ray meets first is chance, and their backs say nothing.
 void drop_covered(const embree_scene& scene, const RTCRayHit8& seen, std::span<int> back) {
   if (std::find(back.begin(), back.end(), -1) == back.end()) return;
-  look_context context(scene);
+  trace_context context(scene);
   context.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   RTCRay8 r = seen.ray;
   for (std::size_t i = 0; i < packet; ++i) {
@@ -161,19 +161,18 @@ ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_side
 
 ray_scene::~ray_scene() = default;
 
-void ray_scene::interim_test(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
-  look_context context(*embree_);
-  interim_test(context, eye, direction, out);
+void ray_scene::trace(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
+  trace_context context(*embree_);
+  trace(context, eye, direction, out);
 }
 
-void ray_scene::look_at_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
-  look_context context(*embree_);
+void ray_scene::trace_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
+  trace_context context(*embree_);
   context.all_double_sided = true;
-  interim_test(context, eye, direction, out);
+  trace(context, eye, direction, out);
 }
 
-void ray_scene::interim_test(look_context& context, const glm::vec3& eye, const glm::vec3& direction,
-                             sight& out) const {
+void ray_scene::trace(trace_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const {
   thread_local std::vector<passed_polygon> passed;
   passed.clear();
   context.passed = &passed;
@@ -185,11 +184,11 @@ void ray_scene::interim_test(look_context& context, const glm::vec3& eye, const 
   note_front(hit ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon, hit ? r.ray.tfar : infinity, passed, out);
 }
 
-void ray_scene::interim_test(std::span<const sight_line> lines, std::span<sight> out) const {
+void ray_scene::trace(std::span<const sight_line> lines, std::span<sight> out) const {
   // Ids of rays that no filter of masked geometry takes for its own (ray_tests_masks).
   constexpr unsigned first_id = ray_tests_masks + 1;
   thread_local std::array<std::vector<passed_polygon>, packet> passed;
-  look_context context(*embree_);
+  trace_context context(*embree_);
   context.passed = passed.data();
   context.first_id = first_id;
   for (std::size_t first = 0; first < lines.size(); first += packet) {
@@ -218,7 +217,7 @@ void ray_scene::interim_test(std::span<const sight_line> lines, std::span<sight>
 
 std::uint32_t ray_scene::front_of_set(const glm::vec3& eye, const glm::vec3& direction,
                                       const std::function<bool(std::uint32_t)>& contains) const {
-  look_context context(*embree_);
+  trace_context context(*embree_);
   context.only = &contains;
   RTCRayHit r{.ray = one_ray(eye, direction, 0.0f, std::numeric_limits<float>::infinity()), .hit = {}};
   r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -226,23 +225,23 @@ std::uint32_t ray_scene::front_of_set(const glm::vec3& eye, const glm::vec3& dir
   return r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon;
 }
 
-void ray_scene::look_at_set(const glm::vec3& eye, const glm::vec3& direction,
-                            const std::function<bool(std::uint32_t)>& contains, sight& out) const {
-  look_context context(*embree_);
+void ray_scene::trace_against_set(const glm::vec3& eye, const glm::vec3& direction,
+                                  const std::function<bool(std::uint32_t)>& contains, sight& out) const {
+  trace_context context(*embree_);
   context.only = &contains;
-  interim_test(context, eye, direction, out);
+  trace(context, eye, direction, out);
 }
 
 void ray_scene::coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,
                            std::vector<std::uint32_t>& out) const {
-  look_context context(*embree_);
+  trace_context context(*embree_);
   const float reach = coincidence_reach(distance);
   collect(*embree_, context, one_ray(eye, direction, std::max(0.0f, distance - reach), distance + reach), out);
 }
 
 void ray_scene::stacked(const glm::vec3& point, const glm::vec3& normal, float reach,
                         std::vector<std::uint32_t>& out) const {
-  look_context context(*embree_);
+  trace_context context(*embree_);
   context.all_double_sided = true;
   collect(*embree_, context, one_ray(point + normal * reach, -normal, 0.0f, 2.0f * reach), out);
 }
@@ -252,7 +251,7 @@ bool ray_scene::through_gap(const glm::vec3& eye, const glm::vec3& direction, fl
   const float blocked_before = distance - std::max(0.02f, 0.01f * distance);
   if (!(smallest_gap > 0.0f) || !(blocked_before > 0.0f)) return false;
   const auto blocked = [&](const glm::vec3& beside) {
-    look_context context(*embree_);
+    trace_context context(*embree_);
     RTCRay r = one_ray(eye + beside, direction, 0.0f, blocked_before);
     rtcOccluded1(embree_->solid, &context.base, &r);
     return r.tfar < 0.0f;  // Embree's mark for a hit

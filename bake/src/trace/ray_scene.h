@@ -15,7 +15,7 @@
 namespace sightcell::bake {
 
 struct embree_scene;
-struct look_context;
+struct trace_context;
 
 inline constexpr std::uint32_t no_polygon = 0xFFFFFFFFu;
 
@@ -52,24 +52,24 @@ class ray_scene {
   ray_scene& operator=(const ray_scene&) = delete;
 
   // direction is a unit vector. out is overwritten; its storage is reused.
-  void interim_test(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+  void trace(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
 
-  // look() of several rays, eight at a time: quicker, most where neighbors in the list go about the same way. What a
-  // ray sees may differ from look() by rounding at edges; it depends on the seven beside it and on nothing else. Both
+  // trace() of several rays, eight at a time: quicker, most where neighbors in the list go about the same way. What a
+  // ray sees may differ from trace() by rounding at edges; it depends on the seven beside it and on nothing else. Both
   // spans have the same size; sights are overwritten, their storage is reused.
-  void interim_test(std::span<const sight_line> lines, std::span<sight> out) const;
+  void trace(std::span<const sight_line> lines, std::span<sight> out) const;
 
   // What a picture of a set alone shows there: the first polygon that hides along the ray among those of the set, under
   // rule 1; no_polygon: none.
   std::uint32_t front_of_set(const glm::vec3& eye, const glm::vec3& direction,
                              const std::function<bool(std::uint32_t)>& contains) const;
 
-  // look() where other polygons than those of the set are not there: what passes is told besides.
-  void look_at_set(const glm::vec3& eye, const glm::vec3& direction, const std::function<bool(std::uint32_t)>& contains,
-                   sight& out) const;
+  // trace() where other polygons than those of the set are not there: what passes is told besides.
+  void trace_against_set(const glm::vec3& eye, const glm::vec3& direction,
+                         const std::function<bool(std::uint32_t)>& contains, sight& out) const;
 
-  // look() where no polygon is single-sided: all that keeps a line from going on in either direction.
-  void look_at_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+  // trace() where no polygon is single-sided: all that keeps a line from going on in either direction.
+  void trace_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
 
   // Rule 2 of seeing: all polygons that are there from this side and lie within coincidence_reach of a place on the
   // ray, the one that was hit there included. out is overwritten: ascending, each once.
@@ -103,7 +103,7 @@ class ray_scene {
   }
 
  private:
-  void interim_test(look_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
+  void trace(trace_context& context, const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
   bool touches_surface(const glm::vec3& point, float radius) const;
   void find_solid(std::span<const glm::vec3> points, int one_in, std::span<std::uint8_t> solid) const;
   void find_clear(std::span<const glm::vec3> points, float radius, int one_in, std::span<std::uint8_t> clear) const;

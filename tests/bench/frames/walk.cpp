@@ -87,7 +87,7 @@ class walkable_graph {
     std::optional<glm::vec3> best;
     for (glm::vec3 p : points) {
       bake::sight below;
-      rays_.interim_test(p, {0.0f, -1.0f, 0.0f}, below);
+      rays_.trace(p, {0.0f, -1.0f, 0.0f}, below);
       if (below.front == bake::no_polygon || below.distance > 4.0f) continue;
       p.y += static_cast<float>(bake::eye_height) - below.distance;
       const auto away = [&](const glm::vec3& q) { return std::hypot(q.x - middle.x, q.z - middle.z); };

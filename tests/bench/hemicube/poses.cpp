@@ -21,7 +21,7 @@ constexpr std::uint64_t tries_of_a_cell = 512;
 // Onto the floor below, eye height above it; the place itself where there is none near, or no free place above it.
 glm::vec3 at_eye_height(const bake::ray_scene& rays, const glm::vec3& place, float radius) {
   bake::sight below;
-  rays.interim_test(place, {0.0f, -1.0f, 0.0f}, below);
+  rays.trace(place, {0.0f, -1.0f, 0.0f}, below);
   if (below.front == bake::no_polygon || below.distance > 4.0f) return place;
   glm::vec3 moved = place;
   moved.y += static_cast<float>(bake::eye_height) - below.distance;

@@ -104,7 +104,7 @@ bool cell_judge::really_missing(const truth_place& ray, std::uint32_t polygon, f
 // A ray that is wrong about its front, or about a polygon with a lower number that it passes, is counted there.
 bool cell_judge::missed_before(const truth_place& ray, std::uint32_t polygon, const in_set& contains) const {
   bake::sight seen;
-  ground_.rays.interim_test(ray.eye, ray.direction, seen);
+  ground_.rays.trace(ray.eye, ray.direction, seen);
   if (seen.front != bake::no_polygon && really_missing(ray, seen.front, seen.distance, contains)) return true;
   for (const bake::passed_polygon& p : seen.before) {
     if (p.polygon >= polygon) break;

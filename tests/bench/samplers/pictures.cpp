@@ -33,7 +33,7 @@ std::vector<glm::vec3> missed_from(const ground& g, const glm::vec3& eye, std::s
   bake::sight seen;
   for (std::size_t i = 0; i < rays_of_try; ++i) {
     const glm::vec3 direction = random.on_sphere();
-    g.rays.interim_test(eye, direction, seen);
+    g.rays.trace(eye, direction, seen);
     if (seen.front == bake::no_polygon || has[seen.front]) continue;
     if (g.rays.through_gap(eye, direction, seen.distance, g.rules.smallest_gap)) continue;
     g.rays.coincident(eye, direction, seen.distance, together);

@@ -27,7 +27,7 @@ namespace scene = sightcell::scene;
 using namespace sightcell::bench;
 using sightcell::test::tiny_scene;
 
-constexpr tiny_scene::interim_test pane{scene::alpha_mode::blend, true};
+constexpr tiny_scene::look pane{scene::alpha_mode::blend, true};
 
 bake::view_cell cell_at(glm::vec3 min, glm::vec3 max, std::uint64_t place = 7) {
   bake::view_cell cell;
@@ -63,7 +63,7 @@ struct room {
     missing.push_back(tiny.wall_x(5, -1, 3));
     missing.push_back(tiny.wall_x(4, -1, 2, pane));
     missing.push_back(tiny.wall_x(4.5f, -1, 2, pane));
-    const tiny_scene::interim_test sheet{scene::alpha_mode::opaque, true};
+    const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
     tiny.quad({-4, 0.0008f, 6}, {4, 0.0008f, 6}, {4, 4, 6}, {-4, 4, 6}, sheet);
     tiny.quad({-4, -4, 6}, {4, -4, 6}, {4, -0.0008f, 6}, {-4, -0.0008f, 6}, sheet);
     excused.push_back(tiny.quad({-4, -3, 8}, {-4, 3, 8}, {4, 3, 8}, {4, -3, 8}, sheet));
@@ -222,7 +222,7 @@ void expect_spread(tiny_scene tiny, const std::vector<std::uint32_t>& hidden, st
   EXPECT_LT(too_sure, trials / 10) << "not only on average";
 }
 
-constexpr tiny_scene::interim_test sheet{scene::alpha_mode::opaque, true};
+constexpr tiny_scene::look sheet{scene::alpha_mode::opaque, true};
 
 TEST(bench_judge, spread_is_the_variance_of_misses_through_a_slit) {
   // It shows what is behind it to a small part of the cell: rays of one place are wrong together.

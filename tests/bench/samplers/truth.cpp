@@ -58,7 +58,7 @@ chunk_result cast_chunk(const ground& g, std::size_t cell, std::uint64_t chunk) 
     const std::size_t from = result.seen.size();
     for (std::uint32_t i = 0; i < rays_of_place; ++i) {
       const glm::vec3 direction = random.on_sphere();
-      g.rays.interim_test(eye, direction, seen);
+      g.rays.trace(eye, direction, seen);
       if (seen.front != bake::no_polygon)
         result.seen.push_back({seen.front, {eye, direction, seen.distance, number, 1}});
       for (const bake::passed_polygon& p : seen.before)

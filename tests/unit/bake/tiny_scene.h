@@ -10,23 +10,21 @@ namespace sightcell::test {
 // Collects quads and triangles, one draw per call, and hands out the finished scene.
 class tiny_scene {
  public:
-  struct interim_test {
+  struct look {
     scene::alpha_mode alpha = scene::alpha_mode::opaque;
     bool double_sided = false;
   };
 
   // Counter-clockwise from the front. Returns the source id of its first polygon.
-  std::uint32_t triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) { return triangle(a, b, c, interim_test{}); }
-  std::uint32_t triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, interim_test how) {
-    return add({a, b, c}, {0, 1, 2}, how);
-  }
-  std::uint32_t quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) { return quad(a, b, c, d, interim_test{}); }
-  std::uint32_t quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, interim_test how) {
+  std::uint32_t triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) { return triangle(a, b, c, look{}); }
+  std::uint32_t triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, look how) { return add({a, b, c}, {0, 1, 2}, how); }
+  std::uint32_t quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) { return quad(a, b, c, d, look{}); }
+  std::uint32_t quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, look how) {
     return add({a, b, c, d}, {0, 1, 2, 0, 2, 3}, how);
   }
   // A rectangle at x = place that faces toward +x (facing > 0) or -x, spanning y and z from -half to half.
-  std::uint32_t wall_x(float place, float facing, float half) { return wall_x(place, facing, half, interim_test{}); }
-  std::uint32_t wall_x(float place, float facing, float half, interim_test how) {
+  std::uint32_t wall_x(float place, float facing, float half) { return wall_x(place, facing, half, look{}); }
+  std::uint32_t wall_x(float place, float facing, float half, look how) {
     const float s = facing > 0.0f ? 1.0f : -1.0f;
     return quad({place, -half, s * half}, {place, -half, -s * half}, {place, half, -s * half}, {place, half, s * half},
                 how);
@@ -34,7 +32,7 @@ class tiny_scene {
   // A MASK quad over which the whole map lies: a at (0, 0), b at (1, 0), c at (1, 1), d at (0, 1).
   std::uint32_t masked_quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, scene::alpha_map map,
                             bool double_sided = false) {
-    const auto first = quad(a, b, c, d, interim_test{scene::alpha_mode::mask, double_sided});
+    const auto first = quad(a, b, c, d, look{scene::alpha_mode::mask, double_sided});
     scene_.geometries.back().uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     scene_.materials.back().alpha_map = static_cast<std::uint32_t>(scene_.alpha_maps.size());
     scene_.alpha_maps.push_back(std::move(map));
@@ -50,7 +48,7 @@ class tiny_scene {
                                  3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
     if (inward)
       for (std::size_t k = 0; k < i.size(); k += 3) std::swap(i[k], i[k + 1]);
-    return add(std::move(p), std::move(i), interim_test{});
+    return add(std::move(p), std::move(i), look{});
   }
 
   // A room of 18 x 6 x 18 m around the origin, and 24 pillars in it that hide each other from most places.
@@ -65,7 +63,7 @@ class tiny_scene {
   // A wall at x = 2 with a slit from z = 1.1 to 1.3, a meter deep toward -x, and a quad right behind it. Returns the
   // quad: it is seen from places with x < 1 only under flat angles, so from z around the slit's and not from far below.
   std::uint32_t deep_slit() {
-    const interim_test sheet{scene::alpha_mode::opaque, true};
+    const look sheet{scene::alpha_mode::opaque, true};
     quad({2, -9, -9}, {2, -9, 1.1f}, {2, 9, 1.1f}, {2, 9, -9});
     quad({2, -9, 1.3f}, {2, -9, 9}, {2, 9, 9}, {2, 9, 1.3f});
     quad({1, -9, 1.1f}, {2, -9, 1.1f}, {2, 9, 1.1f}, {1, 9, 1.1f}, sheet);
@@ -94,7 +92,7 @@ class tiny_scene {
     return scene_.draws[number];
   }
 
-  std::uint32_t add(std::vector<glm::vec3> positions, std::vector<std::uint32_t> indices, interim_test how) {
+  std::uint32_t add(std::vector<glm::vec3> positions, std::vector<std::uint32_t> indices, look how) {
     const auto number = static_cast<std::uint32_t>(scene_.draws.size());
     const auto first = polygons_;
     polygons_ += static_cast<std::uint32_t>(indices.size() / 3);

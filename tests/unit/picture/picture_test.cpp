@@ -19,20 +19,19 @@ constexpr std::uint32_t size = 64;
 class walls {
  public:
   // A square at z = -distance, two polygons, facing the origin (or away). Returns its first source id.
-  std::uint32_t add(float distance, float half, const scene::material& interim_test, bool facing = true) {
+  std::uint32_t add(float distance, float half, const scene::material& look, bool facing = true) {
     const float d = -distance;
     std::vector<glm::vec3> corners{{-half, -half, d}, {half, -half, d}, {half, half, d}, {-half, half, d}};
     std::vector<std::uint32_t> indices{0, 1, 2, 0, 2, 3};
     if (!facing) indices = {0, 2, 1, 0, 3, 2};
-    return add(std::move(corners), std::move(indices), interim_test);
+    return add(std::move(corners), std::move(indices), look);
   }
-  std::uint32_t add(std::vector<glm::vec3> positions, std::vector<std::uint32_t> indices,
-                    const scene::material& interim_test) {
+  std::uint32_t add(std::vector<glm::vec3> positions, std::vector<std::uint32_t> indices, const scene::material& look) {
     const auto number = static_cast<std::uint32_t>(scene_.draws.size());
     const std::uint32_t first = polygons_;
     polygons_ += static_cast<std::uint32_t>(indices.size() / 3);
     std::vector<glm::vec2> uvs(positions.size(), glm::vec2(0.5f));
-    scene_.materials.push_back(interim_test);
+    scene_.materials.push_back(look);
     scene_.geometries.push_back({std::move(positions), std::move(uvs), std::move(indices)});
     scene::draw d;
     d.node = d.mesh = d.material = d.geometry = number;

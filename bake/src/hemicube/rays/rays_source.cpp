@@ -277,7 +277,7 @@ class rays_source final : public hemicube_source {
       p.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     }
     if (!any) return;
-    look_context context(embree_);
+    trace_context context(embree_);
     context.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     intersect(again, embree_.solid, &context.base, &p);
   }

@@ -77,7 +77,7 @@ class pack_test : public testing::Test {
 
 // Calls with each cell's lists: source ids and the index list out of stored_indices.
 void walk(const std::vector<std::byte>& file, const ids& stored_indices,
-          const std::function<void(const ids& polygons, const ids& indices)>& interim_test) {
+          const std::function<void(const ids& polygons, const ids& indices)>& look) {
   sightcell_db* db = nullptr;
   sightcell_view* view = nullptr;
   ASSERT_EQ(sightcell_db_open(file.data(), file.size(), nullptr, &db), SIGHTCELL_OK);
@@ -93,7 +93,7 @@ void walk(const std::vector<std::byte>& file, const ids& stored_indices,
     ASSERT_EQ(sightcell_view_polygons(view, polygons.data(), polygons.size(), &count), SIGHTCELL_OK);
     ASSERT_EQ(sightcell_view_indices(view, stored_indices.data(), indices.data(), indices.size(), &count),
               SIGHTCELL_OK);
-    interim_test(polygons, indices);
+    look(polygons, indices);
   }
   sightcell_view_destroy(view);
   sightcell_db_close(db);

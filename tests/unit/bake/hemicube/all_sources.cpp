@@ -13,7 +13,7 @@
 namespace sightcell::test {
 namespace {
 
-using interim_test = tiny_scene::interim_test;
+using look = tiny_scene::look;
 
 std::function<std::unique_ptr<bake::hemicube_source>(const picture::gl_context*, const scene::world_geometry&,
                                                      std::uint32_t, float)>
@@ -87,7 +87,7 @@ tiny_scene cloud() {
   std::mt19937 engine(7);
   const auto number = [&] { return 20.0f * (static_cast<float>(engine() >> 8) / 16777216.0f - 0.5f); };
   for (int i = 0; i < 6000; ++i) {
-    const interim_test how{static_cast<scene::alpha_mode>(i % 7 < 5 ? 0 : i % 7 - 4), i % 3 == 0};
+    const look how{static_cast<scene::alpha_mode>(i % 7 < 5 ? 0 : i % 7 - 4), i % 3 == 0};
     const glm::vec3 center(number(), number(), number());
     if (glm::length(center) < 2.0f) continue;
     const auto corner = [&] { return center + 0.05f * glm::vec3(number(), number(), number()); };

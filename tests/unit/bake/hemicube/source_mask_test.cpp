@@ -12,11 +12,11 @@ namespace {
 namespace bake = sightcell::bake;
 namespace scene = sightcell::scene;
 using namespace sightcell::test;
-using interim_test = tiny_scene::interim_test;
+using look = tiny_scene::look;
 
 class source_mask_test : public source_test {};
 
-const interim_test pane{scene::alpha_mode::blend, false};
+const look pane{scene::alpha_mode::blend, false};
 
 // Seen from the origin along +x: faces -x, u runs along +z (to the right) from -half to half, v upward.
 std::uint32_t masked_wall_x(tiny_scene& s, float place, float half, scene::alpha_map map, bool double_sided = false) {
@@ -90,8 +90,7 @@ TEST_P(source_mask_test, masks_agree_with_rays) {
   bake::sight seen;
   // Front image: -1..1 in both directions; the half images to the right, left, above and below.
   const auto count = [&](float forward, float up, float right) {
-    rays.interim_test({0, 0, 0}, glm::normalize(forward * turned.forward + up * turned.up + right * turned.right),
-                      seen);
+    rays.trace({0, 0, 0}, glm::normalize(forward * turned.forward + up * turned.up + right * turned.right), seen);
     if (seen.front != bake::no_polygon) ++expected[seen.front];
   };
   for (int y = 0; y < 256; ++y) {

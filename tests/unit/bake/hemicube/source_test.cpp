@@ -10,11 +10,11 @@ namespace {
 namespace bake = sightcell::bake;
 namespace scene = sightcell::scene;
 using namespace sightcell::test;
-using interim_test = tiny_scene::interim_test;
+using look = tiny_scene::look;
 
 constexpr std::uint32_t size = source_test_size;
-const interim_test pane{scene::alpha_mode::blend, false}, turned_pane{scene::alpha_mode::blend, true};
-const interim_test both_sides{scene::alpha_mode::opaque, true};
+const look pane{scene::alpha_mode::blend, false}, turned_pane{scene::alpha_mode::blend, true};
+const look both_sides{scene::alpha_mode::opaque, true};
 
 TEST_P(source_test, an_empty_scene_shows_nothing) {
   tiny_scene s;
@@ -74,7 +74,7 @@ TEST_P(source_test, a_mirrored_draw_keeps_its_front) {
 }
 
 TEST_P(source_test, glass_is_seen_and_hides_nothing) {
-  for (const interim_test& kind : {pane, turned_pane}) {
+  for (const look& kind : {pane, turned_pane}) {
     tiny_scene s;
     const auto glass = s.wall_x(2, -1, 1, kind);
     const auto wall = s.wall_x(4, -1, 1);
@@ -111,7 +111,7 @@ TEST_P(source_test, panes_behind_a_wall_are_not_seen) {
 TEST_P(source_test, sidedness_holds_for_panes_too) {
   tiny_scene s;
   const auto turned = s.wall_x(2, 1, 1, pane);
-  const auto turned_double = s.wall_x(3, 1, 1, interim_test{scene::alpha_mode::blend, true});
+  const auto turned_double = s.wall_x(3, 1, 1, look{scene::alpha_mode::blend, true});
   const auto view = look_at(s);
   EXPECT_FALSE(sees_wall(view, turned));
   EXPECT_TRUE(sees_wall(view, turned_double));

@@ -21,11 +21,11 @@ namespace {
 namespace bake = sightcell::bake;
 namespace scene = sightcell::scene;
 using namespace sightcell::test;
-using interim_test = tiny_scene::interim_test;
+using look = tiny_scene::look;
 
 constexpr std::uint32_t size = source_test_size;
-const interim_test pane{scene::alpha_mode::blend, false};
-const interim_test both_sides{scene::alpha_mode::opaque, true};
+const look pane{scene::alpha_mode::blend, false};
+const look both_sides{scene::alpha_mode::opaque, true};
 
 class source_view_test : public source_test {};
 
@@ -73,7 +73,7 @@ TEST_P(source_view_test, ids_are_ascending_and_unique) {
   tiny_scene s;
   for (int i = 0; i < 20; ++i) {
     const float distance = 20.0f - static_cast<float>(i);  // the farther the larger, so that all are seen
-    s.wall_x(distance, -1, 0.05f * distance * distance, i % 2 == 0 ? pane : interim_test{});
+    s.wall_x(distance, -1, 0.05f * distance * distance, i % 2 == 0 ? pane : look{});
   }
   const auto view = look_at(s);
   EXPECT_EQ(view.seen.size(), 40u);
@@ -126,7 +126,7 @@ TEST_P(source_view_test, the_noted_pixel_shows_the_polygon) {
   bake::sight seen;
   std::size_t same = 0;
   for (const bake::seen_polygon& p : view.seen) {
-    rays.interim_test(turned.eye, bake::pixel_direction(turned, size, p.pixel), seen);
+    rays.trace(turned.eye, bake::pixel_direction(turned, size, p.pixel), seen);
     same += seen.front == p.id ||
             std::any_of(seen.before.begin(), seen.before.end(), [&](const auto& b) { return b.polygon == p.id; });
   }
@@ -379,7 +379,7 @@ TEST(rays_source_test, sees_what_single_rays_see) {
   bake::sight seen;
   std::size_t different = 0;
   for (std::uint32_t pixel = 0; pixel < image.ids.size(); ++pixel) {
-    rays.interim_test(from.eye, bake::pixel_direction(from, 50, pixel), seen);
+    rays.trace(from.eye, bake::pixel_direction(from, 50, pixel), seen);
     different += seen.front != image.ids[pixel];
     for (const bake::passed_polygon& p : seen.before) ++passed[p.polygon];
   }

@@ -47,11 +47,11 @@ rgb bytes_of(const glm::dvec3& c) {
 }
 
 // Adds a double-sided quad over which the image lies once, its upper left corner at a, clockwise to the viewer.
-scene::draw& add(scene::scene& s, glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, scene::material interim_test,
+scene::draw& add(scene::scene& s, glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, scene::material look,
                  float uv_from = 0.0f, float uv_to = 1.0f) {
   const auto number = static_cast<std::uint32_t>(s.draws.size());
-  interim_test.double_sided = true;
-  s.materials.push_back(std::move(interim_test));
+  look.double_sided = true;
+  s.materials.push_back(std::move(look));
   s.geometries.push_back(
       {{a, b, c, d}, {{uv_from, uv_from}, {uv_to, uv_from}, {uv_to, uv_to}, {uv_from, uv_to}}, {0, 2, 1, 0, 3, 2}});
   scene::draw made;
@@ -60,8 +60,8 @@ scene::draw& add(scene::scene& s, glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::ve
   return s.draws.back();
 }
 // It fills the front face of the default pose.
-scene::draw& add_wall(scene::scene& s, scene::material interim_test, float uv_from = 0.0f, float uv_to = 1.0f) {
-  return add(s, {-2, 2, -2}, {2, 2, -2}, {2, -2, -2}, {-2, -2, -2}, std::move(interim_test), uv_from, uv_to);
+scene::draw& add_wall(scene::scene& s, scene::material look, float uv_from = 0.0f, float uv_to = 1.0f) {
+  return add(s, {-2, 2, -2}, {2, 2, -2}, {2, -2, -2}, {-2, -2, -2}, std::move(look), uv_from, uv_to);
 }
 
 scene::material textured(scene::scene& s, scene::wrap wrap = scene::wrap::clamp) {
@@ -130,16 +130,16 @@ TEST(surface_colors, places_are_right_in_perspective) {
 
 TEST(surface_colors, factor_and_vertex_colors_multiply) {
   scene::scene s;
-  scene::material interim_test;
-  interim_test.base_color = {0.5f, 1.0f, 0.25f, 1.0f};
-  add_wall(s, interim_test);
+  scene::material look;
+  look.base_color = {0.5f, 1.0f, 0.25f, 1.0f};
+  add_wall(s, look);
   s.geometries.back().colors.assign(4, {255, 51, 255, 255});
   const seen_scene seen = look_at(s);
   EXPECT_EQ(seen.at(20, 20), rgb(188, 124, 137));  // 0.5, 0.2 and 0.25 in sRGB
   scene::scene with_texture;
-  interim_test = textured(with_texture);
-  interim_test.base_color = {0.5f, 1.0f, 1.0f, 1.0f};
-  add_wall(with_texture, interim_test);
+  look = textured(with_texture);
+  look.base_color = {0.5f, 1.0f, 1.0f, 1.0f};
+  add_wall(with_texture, look);
   EXPECT_EQ(look_at(with_texture).at(4, size - 5), rgb(188, 0, 0));
 }
 
@@ -163,10 +163,10 @@ TEST(surface_colors, wrap_modes) {
 
 TEST(surface_colors, without_polygons_or_pixels_of_an_image) {
   scene::scene s;
-  scene::material interim_test;
+  scene::material look;
   s.images.push_back({"broken", {1, 2, 3}});
-  interim_test.base_color_image = 0;
-  add(s, {-1, 1, -2}, {1, 1, -2}, {1, -1, -2}, {-1, -1, -2}, interim_test);
+  look.base_color_image = 0;
+  add(s, {-1, 1, -2}, {1, 1, -2}, {1, -1, -2}, {-1, -1, -2}, look);
   const seen_scene seen = look_at(s);
   EXPECT_EQ(seen.at(size / 2, size / 2), white);
   EXPECT_EQ(seen.at(0, 0), rgb(162, 196, 234));  // 0.36, 0.55, 0.82
@@ -174,16 +174,16 @@ TEST(surface_colors, without_polygons_or_pixels_of_an_image) {
 }
 
 void build(scene::scene& s, bool backwards) {
-  const scene::material interim_test = textured(s, scene::wrap::mirror);
+  const scene::material look = textured(s, scene::wrap::mirror);
   const std::vector<std::function<void()>> parts{
       [&] {
-        add(s, {-3, 1, -4}, {0, 2, -5}, {0, -2, -5}, {-3, -2, -4}, interim_test, -1, 3);
+        add(s, {-3, 1, -4}, {0, 2, -5}, {0, -2, -5}, {-3, -2, -4}, look, -1, 3);
       },
       [&] {
-        add(s, {0.5f, 2, -3}, {3, 2, -4}, {3, -1, -4}, {0.5f, -1, -3}, interim_test);
+        add(s, {0.5f, 2, -3}, {3, 2, -4}, {3, -1, -4}, {0.5f, -1, -3}, look);
       },
       [&] {
-        add(s, {-9, -1.5f, -9}, {9, -1.5f, -9}, {9, -1.5f, 1}, {-9, -1.5f, 1}, interim_test, 0, 4);
+        add(s, {-9, -1.5f, -9}, {9, -1.5f, -9}, {9, -1.5f, 1}, {-9, -1.5f, 1}, look, 0, 4);
       }};
   for (std::size_t i = 0; i < parts.size(); ++i) parts[backwards ? parts.size() - 1 - i : i]();
 }

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 using test::error_id;
 using test::tiny_scene;
 using polygons = std::vector<std::uint32_t>;
-constexpr tiny_scene::interim_test sheet{scene::alpha_mode::opaque, true};
+constexpr tiny_scene::look sheet{scene::alpha_mode::opaque, true};
 
 // A part of the room's wall at x = 3.
 std::uint32_t wall(tiny_scene& tiny, float y0, float y1, float z0, float z1) {

@@ -69,7 +69,7 @@ class cell_bake : public testing::Test {
     for (const glm::vec3& eye : eyes)
       for (int i = 0; i < 100; ++i) {
         const glm::vec3 direction = random.on_sphere();
-        rays.look(eye, direction, seen);
+        rays.trace(eye, direction, seen);
         for (const passed_polygon& p : seen.before) ++hits[p.polygon];
         if (seen.front == no_polygon) continue;
         rays.coincident(eye, direction, seen.distance, coincident);

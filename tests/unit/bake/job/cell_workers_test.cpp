@@ -43,7 +43,7 @@ class traced_source final : public hemicube_source {
     std::map<std::uint32_t, seen_polygon> found;
     sight seen;
     for (std::uint32_t pixel = 0; pixel < 3 * 16 * 16; ++pixel) {
-      rays_.interim_test(where.eye, pixel_direction(where, 16, pixel), seen);
+      rays_.trace(where.eye, pixel_direction(where, 16, pixel), seen);
       if (seen.front == no_polygon) continue;
       seen_polygon& one = found.try_emplace(seen.front, seen_polygon{seen.front, 0, pixel}).first->second;
       ++one.pixels;

@@ -155,8 +155,8 @@ TEST(reported_misses, tell_which_blocks_have_others) {
 
 class aimed_rays : public testing::Test {
  protected:
-  polygon_sight interim_test(tiny_scene& tiny, const glm::vec3& eye, std::uint32_t polygon, float gap = 0.0f,
-                             const std::vector<std::uint32_t>& set = {}) {
+  polygon_sight look(tiny_scene& tiny, const glm::vec3& eye, std::uint32_t polygon, float gap = 0.0f,
+                     const std::vector<std::uint32_t>& set = {}) {
     const scene::scene s = tiny.finished();
     const scene::world_geometry geometry = scene::flatten(s);
     const ray_scene rays(geometry, false);
@@ -169,13 +169,13 @@ TEST_F(aimed_rays, find_a_polygon_through_a_hole_of_a_few_pixels) {
   // 9 x 9 m of a wall 4 m behind another one, which leaves a hole of 12 x 12 mm open: 3e-5 of 1.6 sr.
   tiny_scene tiny;
   constexpr float low = 0.7f, high = 0.712f, left = 0.3f, right = 0.312f;
-  const tiny_scene::interim_test sheet{scene::alpha_mode::opaque, true};
+  const tiny_scene::look sheet{scene::alpha_mode::opaque, true};
   tiny.quad({2, -9, 9}, {2, -9, right}, {2, 9, right}, {2, 9, 9}, sheet);
   tiny.quad({2, -9, left}, {2, -9, -9}, {2, 9, -9}, {2, 9, left}, sheet);
   tiny.quad({2, -9, right}, {2, -9, left}, {2, low, left}, {2, low, right}, sheet);
   tiny.quad({2, high, right}, {2, high, left}, {2, 9, left}, {2, 9, right}, sheet);
   const auto behind = tiny.wall_x(6, -1, 4.5f);
-  const polygon_sight a = interim_test(tiny, {0, 0, 0}, behind), b = interim_test(tiny, {0, 0, 0}, behind + 1);
+  const polygon_sight a = look(tiny, {0, 0, 0}, behind), b = look(tiny, {0, 0, 0}, behind + 1);
   EXPECT_NE(a.seen, b.seen) << "the line through the hole meets one of both";
   EXPECT_TRUE((a.seen ? a : b).counts);
   const polygon_sight& hidden = a.seen ? b : a;
@@ -188,22 +188,22 @@ TEST_F(aimed_rays, know_the_rules_of_seeing) {
   const auto wall = tiny.wall_x(4, -1, 3), hidden = tiny.wall_x(5, -1, 1),
              glass = tiny.wall_x(3, -1, 1, {scene::alpha_mode::blend, false});
   const auto away = tiny.wall_x(-4, -1, 3), decal = tiny.wall_x(4.0001f, -1, 0.5f);
-  EXPECT_TRUE(interim_test(tiny, {0, 0, 0}, wall).counts);
-  EXPECT_TRUE(interim_test(tiny, {0, 0, 0}, glass).counts) << "it is passed on the way to the wall";
-  EXPECT_FALSE(interim_test(tiny, {0, 0, 0}, hidden).seen);
-  EXPECT_EQ(interim_test(tiny, {0, 0, 0}, away).rays, 0u) << "its back";
-  EXPECT_TRUE(interim_test(tiny, {0, 0, 0}, decal).counts) << "it lies in the wall";
-  const polygon_sight excused = interim_test(tiny, {0, 0, 0}, decal, 0.0f, {wall, wall + 1});
+  EXPECT_TRUE(look(tiny, {0, 0, 0}, wall).counts);
+  EXPECT_TRUE(look(tiny, {0, 0, 0}, glass).counts) << "it is passed on the way to the wall";
+  EXPECT_FALSE(look(tiny, {0, 0, 0}, hidden).seen);
+  EXPECT_EQ(look(tiny, {0, 0, 0}, away).rays, 0u) << "its back";
+  EXPECT_TRUE(look(tiny, {0, 0, 0}, decal).counts) << "it lies in the wall";
+  const polygon_sight excused = look(tiny, {0, 0, 0}, decal, 0.0f, {wall, wall + 1});
   EXPECT_TRUE(excused.seen);
   EXPECT_FALSE(excused.counts) << "the wall is in the set (rule 2)";
-  EXPECT_TRUE(interim_test(tiny, {0, 0, 0}, wall, 0.0f, {decal, decal + 1}).counts) << "the decal is not all over it";
+  EXPECT_TRUE(look(tiny, {0, 0, 0}, wall, 0.0f, {decal, decal + 1}).counts) << "the decal is not all over it";
 
   tiny_scene cracked;  // 1 mm wide
   cracked.quad({2, -9, 9}, {2, -9, 0.001f}, {2, 9, 0.001f}, {2, 9, 9}, {scene::alpha_mode::opaque, true});
   cracked.quad({2, -9, 0}, {2, -9, -9}, {2, 9, -9}, {2, 9, 0}, {scene::alpha_mode::opaque, true});
   const auto behind = cracked.wall_x(2.5f, -1, 0.5f);
   const auto seen = [&](float gap) {
-    return interim_test(cracked, {0, 0, 0}, behind, gap).seen || interim_test(cracked, {0, 0, 0}, behind + 1, gap).seen;
+    return look(cracked, {0, 0, 0}, behind, gap).seen || look(cracked, {0, 0, 0}, behind + 1, gap).seen;
   };
   EXPECT_TRUE(seen(0.0f));
   EXPECT_FALSE(seen(0.002f)) << "only through a crack (rule 3)";

@@ -53,9 +53,9 @@ class two_walls : public testing::Test {
  private:
   void wall(float away, float half, const glm::vec4& color) {
     const auto number = static_cast<std::uint32_t>(s_.draws.size());
-    scene::material interim_test;
-    interim_test.base_color = color;
-    s_.materials.push_back(interim_test);
+    scene::material look;
+    look.base_color = color;
+    s_.materials.push_back(look);
     s_.geometries.push_back({{{-half, -half, -away}, {half, -half, -away}, {half, half, -away}, {-half, half, -away}},
                              {},
                              {0, 1, 2, 0, 2, 3}});

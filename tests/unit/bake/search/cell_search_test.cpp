@@ -193,7 +193,7 @@ TEST(cell_search, spends_its_hemicubes_and_no_more) {
 TEST(cell_search, finds_the_same_on_any_number_of_threads) {
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4);
   const world w;
-  const auto interim_test = [&](int threads) {
+  const auto look = [&](int threads) {
     search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
     cell_set set(w.s.polygon_count);
     tbb::task_arena arena(threads);
@@ -203,7 +203,7 @@ TEST(cell_search, finds_the_same_on_any_number_of_threads) {
     });
     return set.sorted();
   };
-  EXPECT_EQ(interim_test(1), interim_test(4));
+  EXPECT_EQ(look(1), look(4));
 }
 
 TEST(cell_search, rays_alone_where_there_are_no_hemicubes) {

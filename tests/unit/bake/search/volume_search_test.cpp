@@ -78,7 +78,7 @@ TEST(volume_search, what_it_lacks_is_within_the_bound) {
   for (int i = 0; i < 200'000; ++i) {
     const glm::vec3 eye = eyes[random.bits() % eyes.size()], point = random.in_box({-6, 0, -6}, {6, 3, 6});
     const float length = glm::distance(eye, point);
-    r.rays.look(eye, (point - eye) / length, seen);
+    r.rays.trace(eye, (point - eye) / length, seen);
     if (!(length > 0.0f) || seen.distance < length) continue;
     const std::uint32_t volume = r.at(point);
     if (volume == volume_grid::none) continue;
@@ -110,7 +110,7 @@ TEST(volume_search, never_adds_what_is_not_seen) {
     sight seen;
     for (int i = 0; i < 20'000 && !seen_once; ++i) {
       const glm::vec3 eye = random.in_box(corner.min, corner.max), point = random.in_box(where.min, where.max);
-      r.rays.look(eye, glm::normalize(point - eye), seen);
+      r.rays.trace(eye, glm::normalize(point - eye), seen);
       seen_once = seen.distance >= glm::distance(eye, point);
     }
     if (!seen_once) ++unseen;

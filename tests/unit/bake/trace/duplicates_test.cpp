@@ -47,7 +47,7 @@ TEST(duplicates, another_facing_is_another_class) {
 
 TEST(duplicates, what_is_seen_from_both_sides_has_no_facing) {
   tiny_scene s;
-  const tiny_scene::interim_test sheet{alpha_mode::opaque, true};
+  const tiny_scene::look sheet{alpha_mode::opaque, true};
   s.triangle(a, b, c, sheet), s.triangle(a, c, b, sheet), s.triangle(a, b, c), s.triangle(a, c, b);
   EXPECT_EQ(class_of(s, 0), (ids{0, 1}));
   EXPECT_TRUE(class_of(s, 2).empty());  // of another kind, as the next

@@ -40,11 +40,11 @@ TEST(ray_scene, nearest_opaque_polygon_occludes) {
   const world w(tiny);
   const ray_scene rays(w.geometry, false);
   sight s;
-  rays.look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  rays.trace({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, near));
   EXPECT_FALSE(sees(s, far));
   EXPECT_FLOAT_EQ(s.distance, 2.0f);
-  rays.look({0, 0.1f, 0.2f}, {-1, 0, 0}, s);
+  rays.trace({0, 0.1f, 0.2f}, {-1, 0, 0}, s);
   EXPECT_EQ(s.front, no_polygon);
 }
 
@@ -53,10 +53,10 @@ TEST(ray_scene, backs_of_single_sided_polygons_are_not_there) {
   const auto back = tiny.wall_x(2, +1, 1), far = tiny.wall_x(4, -1, 1);
   const world w(tiny);
   sight s;
-  ray_scene(w.geometry, false).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  ray_scene(w.geometry, false).trace({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_FALSE(sees(s, back));
   EXPECT_TRUE(sees(s, far));
-  ray_scene(w.geometry, true).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  ray_scene(w.geometry, true).trace({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, back));
   EXPECT_FALSE(sees(s, far));
 }
@@ -76,11 +76,11 @@ TEST(ray_scene, packets_see_what_single_rays_see) {
     for (sight_line& line : lines) line = {random.in_box(glm::vec3(-1.0f), glm::vec3(1.0f)), random.on_sphere()};
     std::vector<sight> seen(count);
     seen.front().before.push_back({});  // what was there is forgotten
-    rays.look(lines, seen);
+    rays.trace(lines, seen);
     sight alone;
     std::size_t passed = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      rays.look(lines[i].eye, lines[i].direction, alone);
+      rays.trace(lines[i].eye, lines[i].direction, alone);
       EXPECT_EQ(seen[i].front, alone.front);
       EXPECT_NEAR(seen[i].distance, alone.distance, 1e-4f);
       ASSERT_EQ(seen[i].before.size(), alone.before.size());
@@ -102,7 +102,7 @@ TEST(ray_scene, glass_is_seen_and_lets_through) {
   const world w(tiny);
   const ray_scene rays(w.geometry, false);
   sight s;
-  rays.look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  rays.trace({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   for (const auto seen : {wall, pane, second, third}) EXPECT_TRUE(sees(s, seen)) << seen;
   EXPECT_FALSE(sees(s, hidden)) << "glass behind the wall";
   EXPECT_FALSE(sees(s, turned)) << "glass from behind";
@@ -117,12 +117,12 @@ TEST(ray_scene, what_never_hides_is_seen_and_keeps_no_eye_off) {
   const world w(tiny);
   const ray_scene rays(w.geometry, false);
   sight s;
-  rays.look({0, 0.1f, -0.2f}, {1, 0, 0}, s);
+  rays.trace({0, 0.1f, -0.2f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, door) && sees(s, leaf) && sees(s, wall));
   EXPECT_FALSE(sees(s, hidden) || sees(s, turned));
   ASSERT_EQ(s.before.size(), 2u);
   EXPECT_FLOAT_EQ(s.before[0].distance + s.before[1].distance, 5.0f);
-  rays.look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  rays.trace({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_FALSE(sees(s, leaf)) << "cut away here";
   EXPECT_TRUE(sees(s, door));
   EXPECT_TRUE(rays.is_free({2.01f, 0.1f, 0.2f}, 0.05f)) << "it may move";
@@ -160,7 +160,7 @@ TEST(ray_scene, a_look_at_a_set_has_what_passes_in_it) {
   const ray_scene rays(w.geometry, false);
   sight s;
   const auto passed = [&](std::uint32_t left_out) {
-    rays.look_at_set(
+    rays.trace_against_set(
         {0, 0.1f, 0.2f}, {1, 0, 0}, [&](std::uint32_t id) { return id - id % 2 != left_out; }, s);
     std::vector<std::uint32_t> quads;
     for (const passed_polygon& p : s.before) quads.push_back(p.polygon - p.polygon % 2);
@@ -187,7 +187,7 @@ TEST(ray_scene, the_front_of_all_is_what_a_ray_sees) {
   int hits = 0;
   for (int i = 0; i < 500; ++i) {
     const glm::vec3 eye = random.in_box(glm::vec3{-1.0f}, glm::vec3{0.9f}), direction = random.on_sphere();
-    rays.look(eye, direction, s);
+    rays.trace(eye, direction, s);
     EXPECT_EQ(rays.front_of_set(eye, direction, [](std::uint32_t) { return true; }), s.front);
     hits += s.front != no_polygon;
   }
@@ -211,7 +211,7 @@ TEST(ray_scene, what_is_in_every_set_hides_unless_it_may_move) {
   tiny.tag(bird, {.animated = true});
   const world w(tiny);
   sight s;
-  ray_scene(w.geometry, false).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  ray_scene(w.geometry, false).trace({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, sky));
   EXPECT_FALSE(sees(s, wall));
   EXPECT_TRUE(sees(s, bird)) << "verify asks for it";
@@ -298,7 +298,7 @@ TEST(ray_scene, narrow_cracks_let_nothing_through_and_wide_ones_all) {
     const world narrow = cracked(0.0015f, angle), wide = cracked(0.0045f, angle);
     const ray_scene through_narrow(narrow.geometry, false), through_wide(wide.geometry, false);
     sight s;
-    through_narrow.look({0, 0, 0}, {1, 0, 0}, s);
+    through_narrow.trace({0, 0, 0}, {1, 0, 0}, s);
     ASSERT_FLOAT_EQ(s.distance, 3.0f) << angle;
     EXPECT_TRUE(through_narrow.through_gap({0, 0, 0}, {1, 0, 0}, 3.0f, 0.002f)) << angle;
     EXPECT_FALSE(through_wide.through_gap({0, 0, 0}, {1, 0, 0}, 3.0f, 0.002f)) << angle;
@@ -320,7 +320,7 @@ TEST(ray_scene, a_mask_without_texture_is_a_wall) {
   const auto wall = tiny.wall_x(8, -1, 1), iron = tiny.wall_x(4, +1, 1, fence);
   const world w(tiny);
   sight s;
-  ray_scene(w.geometry, false).look({0, 0.1f, 0.2f}, {1, 0, 0}, s);
+  ray_scene(w.geometry, false).trace({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, iron));
   EXPECT_FALSE(sees(s, wall));
 }
@@ -335,17 +335,17 @@ TEST(ray_scene, a_mask_is_there_where_its_alpha_passes_and_nowhere_else) {
   const world w(tiny);
   const ray_scene rays(w.geometry, false);
   sight s;
-  rays.look({0, 0, -1}, {1, 0, 0}, s);
+  rays.trace({0, 0, -1}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, iron));
   EXPECT_FALSE(sees(s, wall));
   EXPECT_FLOAT_EQ(s.distance, 4.0f);
-  rays.look({0, 0, 1}, {1, 0, 0}, s);
+  rays.trace({0, 0, 1}, {1, 0, 0}, s);
   EXPECT_FALSE(sees(s, iron)) << "cut away here";
   EXPECT_TRUE(sees(s, wall));
   EXPECT_FALSE(sees(s, turned)) << "single-sided, from behind";
-  rays.look({9, 6, -1}, {-1, 0, 0}, s);
+  rays.trace({9, 6, -1}, {-1, 0, 0}, s);
   EXPECT_TRUE(sees(s, both)) << "double-sided, from behind";
-  rays.look({9, 6, 1}, {-1, 0, 0}, s);
+  rays.trace({9, 6, 1}, {-1, 0, 0}, s);
   EXPECT_EQ(s.front, no_polygon);
 }
 
@@ -377,7 +377,7 @@ TEST(ray_scene, a_pane_behind_the_wall_is_not_seen_whatever_is_met_first) {
   random_stream random(3, 3, purpose::verify);
   sight s;
   for (int i = 0; i < 200; ++i) {
-    rays.look({0, 0, 0}, glm::normalize(random.in_box({4, -3, 0}, {4, 3, 3})), s);
+    rays.trace({0, 0, 0}, glm::normalize(random.in_box({4, -3, 0}, {4, 3, 3})), s);
     EXPECT_GE(s.front, wall);
     EXPECT_FALSE(sees(s, hidden));
   }
@@ -392,7 +392,7 @@ TEST(ray_scene, nan_and_slivers_are_never_seen) {
   EXPECT_TRUE(w.geometry.kinds[sliver].absent);
   EXPECT_TRUE(w.geometry.kinds[broken].absent);
   sight s;
-  ray_scene(w.geometry, false).look({0, 0.1f, 0.0f}, {1, 0, 0}, s);
+  ray_scene(w.geometry, false).trace({0, 0.1f, 0.0f}, {1, 0, 0}, s);
   EXPECT_TRUE(sees(s, wall));
 }
 

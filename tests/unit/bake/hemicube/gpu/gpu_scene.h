@@ -87,7 +87,7 @@ class rooms {
   }
 
  private:
-  using interim_test = tiny_scene::interim_test;
+  using look = tiny_scene::look;
   float number() { return static_cast<float>(engine_() >> 8) / 16777216.0f; }
 
   void furnish(int x, int z) {
@@ -96,7 +96,7 @@ class rooms {
       const glm::vec3 center = low + glm::vec3(size * number(), 2.8f * number(), size * number());
       const auto corner = [&] { return center + 0.3f * (glm::vec3(number(), number(), number()) - glm::vec3(0.5f)); };
       const std::array<glm::vec3, 3> c{corner(), corner(), corner()};
-      const interim_test how{i % 9 == 0 ? scene::alpha_mode::blend : scene::alpha_mode::opaque, i % 3 == 0};
+      const look how{i % 9 == 0 ? scene::alpha_mode::blend : scene::alpha_mode::opaque, i % 3 == 0};
       scene_.triangle(c[0], c[1], c[2], how);
       if (i % 50 == 0) twins_.push_back({c, {scene::alpha_mode::opaque, i % 100 == 0}});
       if (i % 500 == 7) {
@@ -112,14 +112,14 @@ class rooms {
       const float across = static_cast<float>(i) * size, place = static_cast<float>(k) * size + along;
       return along_x ? glm::vec3(place, y, across) : glm::vec3(across, y, place);
     };
-    const interim_test both_sides{scene::alpha_mode::opaque, true};
+    const look both_sides{scene::alpha_mode::opaque, true};
     for (const auto& [from, to] : {std::pair{0.0f, 3.5f}, std::pair{4.5f, size}})
       scene_.quad(at(from, 0), at(to, 0), at(to, 3), at(from, 3), both_sides);
   }
 
   struct twin {
     std::array<glm::vec3, 3> corners;
-    interim_test how;
+    look how;
   };
   tiny_scene scene_;
   std::mt19937 engine_{11};
