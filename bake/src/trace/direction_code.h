@@ -1,11 +1,12 @@
 #pragma once
-// Which rays go about the same way, and which places are near each other, so that they can share a packet.
+// Sort keys that place similar rays and nearby points next to each other, so that they share ray packets.
 #include <cstdint>
 #include <glm/vec3.hpp>
 
 namespace sightcell::bake {
 
-// Near numbers for near unit vectors: five bits of each component, interleaved (Morton 1966).
+// Returns a 15-bit key of a unit vector: five bits of each component, interleaved (Morton 1966). Similar directions
+// tend to have close keys.
 inline std::uint32_t direction_code(const glm::vec3& direction) {
   std::uint32_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -16,7 +17,8 @@ inline std::uint32_t direction_code(const glm::vec3& direction) {
   return code;
 }
 
-// Near numbers for near places of a box, by its lower corner and its size: the same of what is left of each component.
+// Returns a 15-bit key of a point in a box: its position relative to the box, coded as by direction_code().
+// min, size: lower corner and extent of the box in meters. An axis of extent 0 is ignored.
 inline std::uint32_t place_code(const glm::vec3& place, const glm::vec3& min, const glm::vec3& size) {
   glm::vec3 part{0.0f};
   for (int axis = 0; axis < 3; ++axis)

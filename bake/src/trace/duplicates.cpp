@@ -15,7 +15,7 @@
 namespace sightcell::bake {
 namespace {
 
-// What polygons have in common that are one group.
+// The properties that all polygons of a group share.
 struct group_key {
   scene::polygon_corners place;
   std::uint32_t kind = 0;
@@ -24,17 +24,19 @@ struct group_key {
 };
 static_assert(sizeof(group_key) == 40, "hashed as it lies in memory");
 
-// Groups of two and more, one after the other; ascending inside a group, groups by their first member.
+// Groups of at least two polygons, one after the other. Polygons ascend inside a group; groups are sorted by their
+// first polygon.
 struct polygon_groups {
   std::vector<std::uint32_t> members, begins{0};
 };
 
-// 0 is nobody's hash: absent polygons have it.
+// Hashes are at least 1, because 0 marks absent polygons.
 std::uint64_t hash_of(const group_key& key) {
   return std::max<std::uint64_t>(XXH3_64bits(&key, sizeof key), 1);
 }
 
-// The hashes that more than one polygon has, ascending. Where there are none the polygons need not be looked at again.
+// Returns the hashes that more than one polygon has, ascending. If there are none, the caller needs no second pass over
+// the polygons.
 template <typename KeyOf>
 std::vector<std::uint64_t> repeated_hashes(const scene::world_geometry& geometry, const KeyOf& key_of) {
   std::vector<std::uint64_t> hashes(geometry.kinds.size(), 0);
@@ -68,7 +70,7 @@ polygon_groups groups_by(const scene::world_geometry& geometry, const KeyOf& key
       if (std::binary_search(repeated.begin(), repeated.end(), hash)) candidates.push_back({hash, p});
     }
   }
-  // Different keys may share a hash, so the keys decide, inside equal hashes.
+  // Different keys can share a hash, so the keys are compared inside equal hashes.
   std::sort(candidates.begin(), candidates.end(), [&](const candidate& a, const candidate& b) {
     if (a.hash != b.hash) return a.hash < b.hash;
     const auto order = key_of(a.polygon) <=> key_of(b.polygon);

@@ -1,5 +1,5 @@
 #pragma once
-// Polygons that lie in exactly the same place (docs/method/visibility-rules.md, rule 2).
+// Polygons in exactly the same place (docs/method/visibility-rules.md, rule 2).
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,26 +8,31 @@
 
 namespace sightcell::bake {
 
-// Exact duplicates: polygons with the same three corners (the same bits but for -0 = +0, in any rotation), the same
-// kind and the same facing are one class. Polygons that are seen from both sides have no facing: any winding. Absent
-// polygons are in no class. The kind is what decides how a polygon is seen and what it hides: a polygon that is in
-// every set anyway (polygon_kind::always) may be in one class with one that is not. Memory: while it is built 8 bytes
-// per polygon; what stays is 12 bytes per polygon of a class.
+// Classes of exact duplicates. Polygons are in one class if they have the same three corners (bitwise, except that -0
+// equals +0, in any rotation), the same kind and the same facing. Double-sided polygons match with either winding.
+// Absent polygons are in no class.
+// The kind is what decides how a polygon is visible and what it occludes. polygon_kind::always does not count: a
+// polygon that is in every set may share a class with one that is not.
+// Memory: 8 bytes per polygon of the scene during construction, then 12 bytes per polygon that is in a class.
 class duplicate_classes {
  public:
+  // all_double_sided: the sidedness of materials is ignored.
   duplicate_classes(const scene::world_geometry& geometry, bool all_double_sided);
 
-  // All members of the polygon's class, itself included, ascending; empty where it is alone. O(log polygon_count()).
+  // Returns all members of the polygon's class, the polygon included, ascending; empty if it has no duplicate. Cost:
+  // O(log polygon_count()).
   std::span<const std::uint32_t> class_of(std::uint32_t polygon) const;
 
-  std::uint32_t polygon_count() const { return static_cast<std::uint32_t>(members_.size()); }  // in all classes
+  std::uint32_t polygon_count() const {
+    return static_cast<std::uint32_t>(members_.size());
+  }  // in all classes together
   std::uint32_t class_count() const { return static_cast<std::uint32_t>(begins_.size()) - 1; }
 
  private:
-  std::vector<std::uint32_t> members_;  // class after class
-  std::vector<std::uint32_t> begins_;   // of each class in members_, and the end of the last
-  std::vector<std::uint32_t> sorted_;   // all members, ascending
-  std::vector<std::uint32_t> numbers_;  // the class of each of sorted_
+  std::vector<std::uint32_t> members_;  // class by class
+  std::vector<std::uint32_t> begins_;   // index into members_ of the first member of each class, then the end
+  std::vector<std::uint32_t> sorted_;   // members_, ascending
+  std::vector<std::uint32_t> numbers_;  // the class number of each polygon in sorted_
 };
 
 }  // namespace sightcell::bake

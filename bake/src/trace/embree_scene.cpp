@@ -18,15 +18,15 @@ unsigned geometry_of(scene::polygon_kind kind) {
   return kind.alpha_tested ? tested_standing : opaque_standing;
 }
 
-// Whether a masked polygon is there at a hit.
+// Returns whether the alpha of a MASK polygon reaches the cutoff at a hit with barycentric coordinates u, v.
 bool passes(const scene::world_geometry& world, const scene::masked_polygon& p, float u, float v) {
   const glm::vec2 uv = p.uvs[0] + (p.uvs[1] - p.uvs[0]) * u + (p.uvs[2] - p.uvs[0]) * v;
   const float alpha = p.alphas[0] + (p.alphas[1] - p.alphas[0]) * u + (p.alphas[2] - p.alphas[0]) * v;
   return world.masks[p.mask].passes(uv, alpha);
 }
 
-// Rule 1: backs of single-sided polygons are not there, nor is a MASK where its alpha is below the cutoff; what never
-// hides is noted and lets the ray on.
+// Context filter for rule 1. It drops hits on the backs of single-sided polygons and on MASK polygons where their alpha
+// is below the cutoff. Non-occluders are recorded, and the ray continues.
 void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
   const RTCFilterFunctionNArguments& a = *arguments;
   const auto* context = reinterpret_cast<const trace_context*>(a.context);
@@ -42,7 +42,7 @@ void keep_what_occludes(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
-// Of the masked geometry alone, so that rays that meet none of it pay for no filter.
+// Filter of the MASK geometry alone, so that rays that meet no MASK polygon do not pay for a filter.
 void keep_where_masks_pass(const RTCFilterFunctionNArguments* arguments) {
   const RTCFilterFunctionNArguments& a = *arguments;
   const auto& scene = *static_cast<const embree_scene*>(a.geometryUserPtr);
@@ -133,7 +133,7 @@ RTCBuffer embree_scene::make_vertices() const {
   RTCBuffer buffer = rtcNewBuffer(device, std::max<std::size_t>(geometry.positions.size(), 1) * sizeof(glm::vec3) + 16);
   check("allocating vertices");
   auto* vertex = static_cast<glm::vec3*>(rtcGetBufferData(buffer));
-  // No NaN may reach Embree, whoever made the geometry.
+  // Arrays of a host may contain NaN, which Embree does not accept.
   for (const glm::vec3& p : geometry.positions)
     *vertex++ = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) ? p : glm::vec3{0.0f};
   return buffer;
@@ -156,8 +156,8 @@ RTCGeometry embree_scene::make_geometry(unsigned number, RTCBuffer vertices) {
 
 RTCScene embree_scene::make_scene() const {
   RTCScene made = rtcNewScene(device);
-  // Robust: no ray slips between two triangles that share an edge. Never HIGH quality: its spatial splits depend on
-  // threads, and a bake has to repeat.
+  // ROBUST keeps rays from passing between two triangles that share an edge. HIGH quality is not used: its spatial
+  // splits depend on threads, and a bake must be repeatable.
   rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   rtcSetSceneBuildQuality(made, RTC_BUILD_QUALITY_MEDIUM);
   return made;

@@ -1,6 +1,6 @@
 #pragma once
-// The flattened scene in Embree, and what a ray meets there under rule 1 of seeing. For ray_scene and the hemicube
-// source of rays, which may share one.
+// The flattened scene as Embree scenes, with filters that apply rule 1 of docs/method/visibility-rules.md (sides and
+// alpha). ray_scene and the hemicube source of rays use it and may share one.
 #include <embree3/rtcore.h>
 
 #include <array>
@@ -14,78 +14,94 @@ namespace sightcell::bake {
 
 struct passed_polygon;
 
-// Embree's geometries, in order of what they do: the first two hide, the first three keep eyes off, all are seen.
+// Embree's geometries, by what their polygons do. The first two occlude, the first three are obstacles to viewpoints,
+// and all are visible.
 enum embree_geometry : unsigned {
   opaque_standing = 0,
   tested_standing,  // MASK
   blend_standing,
-  open_untested,  // never hides by its tags, because it may move: where it stands today says little
+  open_untested,  // non-occluder by its marks. Not an obstacle, because a host may hide or move it
   open_tested,
   embree_geometry_count
 };
 
+// Returns whether polygons of a geometry occlude.
 constexpr bool occludes(unsigned geometry) {
   return geometry <= tested_standing;
 }
+// Returns whether polygons of a geometry are obstacles: valid viewpoints keep the player radius from them.
 constexpr bool keeps_eyes_off(unsigned geometry) {
   return geometry <= blend_standing;
 }
+// Returns whether polygons of a geometry have an alpha test (MASK).
 constexpr bool is_tested(unsigned geometry) {
   return geometry == tested_standing || geometry == open_tested;
 }
 
+// The widest SIMD instructions that Embree may use.
 enum class embree_width {
-  avx2,    // rays in packets of 8: the same on all machines
-  widest,  // in packets of 16 where there is AVX-512. Its tree is another one: pixels at edges may differ
+  avx2,    // packets of 8 rays: the same results on all machines
+  widest,  // packets of 16 with AVX-512. Embree builds another tree then, so pixels at edges may differ
 };
 
 struct embree_scene {
-  // geometry must outlive the scene. all_double_sided: sidedness of materials is ignored. Throws std::bad_alloc where
-  // Embree finds too little memory.
+  // Builds the trees of a scene.
+  // world: must outlive this object.
+  // all_double_sided: the sidedness of materials is ignored.
+  // Throws std::bad_alloc if Embree runs out of memory, std::runtime_error on any other error of Embree.
   embree_scene(const scene::world_geometry& world, bool all_double_sided, embree_width width);
   ~embree_scene();
   embree_scene(const embree_scene&) = delete;
   embree_scene& operator=(const embree_scene&) = delete;
 
+  // Throws if Embree recorded an error: std::bad_alloc if it ran out of memory, else std::runtime_error.
+  // doing: subject of the message, such as "building the ray scene".
   void check(const char* doing) const;
+  // Returns a new empty Embree scene with the flags and build quality that all scenes here share.
   RTCScene make_scene() const;
-  // For Embree's filters: the polygon that ray i meets, and whether it is there, from that side and by its alpha.
+  // For Embree's filters: returns the source id of the polygon that ray i hits.
   std::uint32_t polygon_of(const RTCFilterFunctionNArguments& a, unsigned i) const {
     return ids[RTCHitN_geomID(a.hit, a.N, i)][RTCHitN_primID(a.hit, a.N, i)];
   }
+  // For Embree's filters: returns whether the hit of ray i counts under rule 1. It does not on the back of a
+  // single-sided polygon, or where the alpha of a MASK polygon is below the cutoff.
   bool is_there(const RTCFilterFunctionNArguments& a, unsigned i, bool double_sided) const;
 
   const scene::world_geometry& geometry;
   const bool all_double_sided;
   RTCDevice device = nullptr;
-  RTCScene solid = nullptr;  // what hides: solids are told by it, and sight lines blocked
-  RTCScene all = nullptr;    // with what is seen and does not hide; the same scene where there is nothing of it
-  // Per geometry, primitive number to source id; of tested ones to the number in world_geometry::masked.
+  RTCScene solid = nullptr;  // occluders only: for tests for solids and for blocked sight lines
+  RTCScene all = nullptr;    // occluders and non-occluders; equal to solid if there are no non-occluders
+  // For each geometry: ids has the source id of each primitive. For geometries with an alpha test, tests has the index
+  // of each primitive in world_geometry::masked.
   std::array<std::vector<std::uint32_t>, embree_geometry_count> ids, tests;
 
  private:
-  // So that the destructor runs when the rest of the constructor throws.
+  // The public constructor delegates to this one, so that the destructor runs if its body throws.
   embree_scene(const scene::world_geometry& world, bool double_sided)
       : geometry(world), all_double_sided(double_sided) {}
   RTCBuffer make_vertices() const;
   RTCGeometry make_geometry(unsigned number, RTCBuffer vertices);
 };
 
-// A ray with this id tests the alpha and the side of what is masked by itself: no filter needs to be in its context.
-// Others leave that to the filter in theirs.
+// Id of rays that have no filter in their context. For them the filter of the occluding MASK geometry tests alpha and
+// side. For rays with other ids the filter in their context does that.
 inline constexpr unsigned ray_tests_masks = 1;
 
-// Embree's context, first, so that the filter can be given the rest.
+// The context of a ray query: Embree's context, and the data of the filter. base is the first member, because the
+// filter casts Embree's pointer to this type.
 struct trace_context {
-  explicit trace_context(const embree_scene& where);  // with the filter below
+  explicit trace_context(const embree_scene& where);  // installs the filter
 
   RTCIntersectContext base{};
   const embree_scene* scene;
   bool all_double_sided;
-  std::vector<passed_polygon>* passed = nullptr;             // what was met and does not hide; null: nobody asks
-  unsigned first_id = 0;                                     // ray id i notes into passed[i - first_id]
-  bool pass_all = false;                                     // what hides is noted there too, and the ray goes on
-  const std::function<bool(std::uint32_t)>* only = nullptr;  // other polygons are not there; null: all are
+  std::vector<passed_polygon>* passed = nullptr;  // non-occluders that the ray passes; null: not recorded
+  unsigned first_id = 0;                          // ray with id i appends to passed[i - first_id]
+  bool pass_all = false;                          // occluders are recorded in passed too, and do not end the ray
+  const std::function<bool(std::uint32_t)>* only =
+      // The ray ignores polygons for which this is false; null: it ignores none.
+      nullptr;
 };
 
 }  // namespace sightcell::bake

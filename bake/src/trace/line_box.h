@@ -1,12 +1,14 @@
 #pragma once
-// What a box leaves of a line.
+// Clips a line to a box.
 #include <algorithm>
 #include <glm/vec3.hpp>
 
 namespace sightcell::bake {
 
-// Cuts from..to, places on the line counted in lengths of direction, down to what lies in the box (slabs, Kay and
-// Kajiya 1986); false where nothing is left, not even a point. Then from and to say nothing.
+// Clips the interval from .. to of a line to the part inside a box (slab method, Kay and Kajiya 1986).
+// min, max: the box, borders included.
+// start, direction: the line. from and to are parameters along direction.
+// Returns false if not even a point is left. from and to are then undefined.
 inline bool clip_line(const glm::vec3& min, const glm::vec3& max, const glm::vec3& start, const glm::vec3& direction,
                       float& from, float& to) {
   for (int axis = 0; axis < 3; ++axis) {

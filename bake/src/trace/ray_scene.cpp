@@ -18,10 +18,10 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t solid_directions = 64;
-constexpr std::size_t packet = 8;  // rays per Embree packet: the width of AVX2
+constexpr std::size_t packet = 8;  // rays per Embree packet, the width of AVX2
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Evenly spread over the sphere (Fibonacci lattice), turned so that no direction lies in an axis plane.
+// Evenly spread directions (Fibonacci lattice), rotated so that none lies in an axis plane.
 std::array<glm::vec3, solid_directions> make_solid_directions() {
   std::array<glm::vec3, solid_directions> directions{};
   for (std::size_t i = 0; i < solid_directions; ++i) {
@@ -38,7 +38,7 @@ const std::array<glm::vec3, solid_directions>& fixed_directions() {
   return directions;
 }
 
-// Places in an order in which neighbors share packets.
+// Returns the indices of points in an order in which nearby points share packets.
 std::vector<std::uint32_t> near_each_other(std::span<const glm::vec3> points) {
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -51,8 +51,8 @@ std::vector<std::uint32_t> near_each_other(std::span<const glm::vec3> points) {
   return order;
 }
 
-// passed is reordered. Traversal is not in order of distance: polygons behind the front one may have been noted too,
-// and some twice.
+// Fills `out` from the first occluder and the recorded non-occluders. Embree does not traverse in order of distance, so
+// non-occluders behind the first occluder may have been recorded, and some twice. passed is reordered.
 void note_front(std::uint32_t front, float distance, std::vector<passed_polygon>& passed, sight& out) {
   out.front = front;
   out.distance = distance;
@@ -71,7 +71,7 @@ struct nearness {
   bool touched = false;
 };
 
-// All that a ray meets and that is there, whether it hides or not.
+// Finds all polygons that a ray meets and that are present under rule 1, occluders and non-occluders.
 void collect(const embree_scene& scene, trace_context& context, const RTCRay& along, std::vector<std::uint32_t>& out) {
   thread_local std::vector<passed_polygon> passed;
   passed.clear();
@@ -86,7 +86,7 @@ void collect(const embree_scene& scene, trace_context& context, const RTCRay& al
   out.erase(std::unique(out.begin(), out.end()), out.end());
 }
 
-// One ray per point, all along direction; lanes beyond the points repeat the last one.
+// Returns a packet with one ray per point, all along direction. SIMD lanes beyond the points repeat the last one.
 RTCRayHit8 parallel_rays(std::span<const glm::vec3> points, const glm::vec3& direction) {
   RTCRayHit8 r{};
   for (std::size_t i = 0; i < packet; ++i) {
@@ -100,8 +100,9 @@ RTCRayHit8 parallel_rays(std::span<const glm::vec3> points, const glm::vec3& dir
   return r;
 }
 
-// Takes the lanes out that have a front where they show a back. Walls are modeled as two single-sided layers back to
-// back, too: which of them a ray meets first is chance, and their backs say nothing.
+// Clears the SIMD lanes of hits on backs that have a front in the same place. Some walls are modeled as two
+// single-sided layers back to back. Which layer a ray hits first is then arbitrary, so such a back is no evidence for a
+// solid.
 void drop_covered(const embree_scene& scene, const RTCRayHit8& seen, std::span<int> back) {
   if (std::find(back.begin(), back.end(), -1) == back.end()) return;
   trace_context context(scene);
@@ -134,7 +135,7 @@ bool note_touch(RTCPointQueryFunctionArguments* arguments) {
   const float distance = distance_to_triangle(point, corners_of(near->scene->geometry, polygon));
   if (distance >= arguments->query->radius) return false;
   near->touched = true;
-  arguments->query->radius = 0.0f;  // one is enough: ends the query
+  arguments->query->radius = 0.0f;  // ends the query: one obstacle is enough
   return true;
 }
 
@@ -149,7 +150,7 @@ bool note_in_box(RTCPointQueryFunctionArguments* arguments) {
   const std::uint32_t polygon = asked.scene->ids[arguments->geomID][arguments->primID];
   if (triangle_touches_box(corners_of(asked.scene->geometry, polygon), asked.min, asked.max))
     asked.found->push_back(polygon);
-  return false;  // the radius stays
+  return false;  // the search radius does not shrink
 }
 
 }  // namespace
@@ -185,7 +186,7 @@ void ray_scene::trace(trace_context& context, const glm::vec3& eye, const glm::v
 }
 
 void ray_scene::trace(std::span<const sight_line> lines, std::span<sight> out) const {
-  // Ids of rays that no filter of masked geometry takes for its own (ray_tests_masks).
+  // Ids that the filter of the MASK geometry ignores; it acts only on rays with id ray_tests_masks.
   constexpr unsigned first_id = ray_tests_masks + 1;
   thread_local std::array<std::vector<passed_polygon>, packet> passed;
   trace_context context(*embree_);
@@ -254,9 +255,9 @@ bool ray_scene::through_gap(const glm::vec3& eye, const glm::vec3& direction, fl
     trace_context context(*embree_);
     RTCRay r = one_ray(eye + beside, direction, 0.0f, blocked_before);
     rtcOccluded1(embree_->solid, &context.base, &r);
-    return r.tfar < 0.0f;  // Embree's mark for a hit
+    return r.tfar < 0.0f;  // Embree sets tfar to -infinity on a hit
   };
-  // Along the horizon first: most cracks stand or lie.
+  // Horizontal and vertical offsets come first, because most gaps are vertical or horizontal.
   const glm::vec3 up = std::abs(direction.y) < 0.999f ? glm::vec3{0.0f, 1.0f, 0.0f} : glm::vec3{1.0f, 0.0f, 0.0f};
   const glm::vec3 across = glm::normalize(glm::cross(direction, up)), along = glm::cross(across, direction);
   constexpr float half_root = 0.70710678f;
@@ -272,7 +273,7 @@ std::vector<std::uint32_t> ray_scene::touching(const glm::vec3& min, const glm::
   const glm::vec3 middle = 0.5f * (min + max);
   RTCPointQuery query{};
   query.x = middle.x, query.y = middle.y, query.z = middle.z;
-  // The ball around the box, with room for rounding: the exact test comes after.
+  // The sphere around the box, enlarged for rounding. The exact test follows for each polygon.
   query.radius = 1.001f * 0.5f * glm::distance(min, max) + 1e-4f;
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
@@ -292,11 +293,11 @@ bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {
   return near.touched;
 }
 
-// Packets of eight neighboring points along one direction: parallel rays from near places take the same way through
-// the tree, which makes the 64 rays of a place several times cheaper than one by one.
-// A solid: of the hits more than one in so many shows a back.
+// Finds the points inside solids: those where more than one in `one_in` of the hits shows a back.
+// Each packet holds one direction from eight nearby points. Parallel rays from nearby origins traverse the same nodes,
+// so 64 rays per point cost several times less than one at a time.
 void ray_scene::find_solid(std::span<const glm::vec3> points, int one_in, std::span<std::uint8_t> solid) const {
-  // Nobody is single-sided then: whoever asks for it has windings that say nothing.
+  // A user who sets --all-double-sided has windings that carry no information, so nothing is a solid.
   if (all_double_sided_) {
     std::fill(solid.begin(), solid.end(), std::uint8_t{0});
     return;
@@ -328,7 +329,8 @@ void ray_scene::find_solid(std::span<const glm::vec3> points, int one_in, std::s
       for (std::size_t i = 0; i < count; ++i) {
         if (valid[i] == 0) continue;
         backs[i] -= back[i];
-        // Even if all that is left hit fronts, it would be a solid: seven directions do for most places inside one.
+        // The rest cannot change the result: this is a solid even if all remaining rays hit fronts. Seven directions
+        // are enough for most points inside solids.
         if (one_in * backs[i] > hits[i] + left) valid[i] = 0, --undecided;
       }
     }
@@ -336,8 +338,8 @@ void ray_scene::find_solid(std::span<const glm::vec3> points, int one_in, std::s
   }
 }
 
-// In this order: most places that are not clear lie in solids, and seven rays in packets tell that, for less than it
-// takes to find the surface next to one.
+// Solids are tested before distances. Most invalid points are inside solids, and seven rays in packets find that for
+// less than the search for the nearest surface costs.
 void ray_scene::find_clear(std::span<const glm::vec3> points, float radius, int one_in,
                            std::span<std::uint8_t> clear) const {
   std::vector<std::uint8_t> solid(points.size());

@@ -1,7 +1,7 @@
 #pragma once
-// The scene for rays: what a ray sees under the rules of seeing, and which places an eye can be at. Built from the
-// flattened import alone; bake's finish and verify each build their own. Queries are const and may come from any
-// thread.
+// The scene for rays: what a ray hits under the visibility rules (docs/method/visibility-rules.md), and which
+// viewpoints are valid. It is built from the flattened import alone. A bake and `sightcell verify` each build their
+// own. All queries are const and may be called from any thread.
 #include <algorithm>
 #include <cstdint>
 #include <functional>
@@ -19,85 +19,103 @@ struct trace_context;
 
 inline constexpr std::uint32_t no_polygon = 0xFFFFFFFFu;
 
-// A polygon that a ray passes and that hides nothing: BLEND, or tagged so.
+// A non-occluder that a ray passes: a BLEND polygon, or one whose marks make it a non-occluder.
 struct passed_polygon {
   std::uint32_t polygon = no_polygon;
-  float distance = 0.0f;  // metres; the nearest, where the polygon is passed twice
+  float distance = 0.0f;  // meters; to the nearest hit, if the ray hits the polygon twice
 };
 
-// What one ray sees.
+// The polygons that are visible along one ray.
 struct sight {
-  std::uint32_t front = no_polygon;    // the front occluding polygon; no_polygon: the ray leaves the scene
-  float distance = 0.0f;               // to it, metres; infinity when there is none
-  std::vector<passed_polygon> before;  // passed on the way to it, each polygon once, ascending ids
+  std::uint32_t front = no_polygon;    // the first occluder; no_polygon: the ray leaves the scene
+  float distance = 0.0f;               // meters to the first occluder; infinity if there is none
+  std::vector<passed_polygon> before;  // non-occluders in front of it, each polygon once, by ascending id
 };
 
-// A ray: direction is a unit vector.
+// A ray. direction is a unit vector.
 struct sight_line {
   glm::vec3 eye{0.0f}, direction{0.0f};
 };
 
-// Rule 2 of seeing: what lies within this of a surface is in the same place, metres.
+// Returns the reach e of rule 2 in meters: surfaces within e of each other count as being in the same place.
+// distance: from the viewpoint, in meters.
 inline float coincidence_reach(float distance) {
   return std::max(2e-4f, 2e-5f * distance);
 }
 
 class ray_scene {
  public:
-  // geometry must outlive the ray scene. all_double_sided: sidedness of materials is ignored, and no place is taken for
-  // a solid. Throws std::bad_alloc where Embree finds too little memory.
+  // Builds the scene for rays.
+  // geometry: must outlive this object.
+  // all_double_sided: the sidedness of materials is ignored, and no viewpoint counts as inside a solid.
+  // Throws std::bad_alloc if Embree runs out of memory.
   ray_scene(const scene::world_geometry& geometry, bool all_double_sided);
   ~ray_scene();
   ray_scene(const ray_scene&) = delete;
   ray_scene& operator=(const ray_scene&) = delete;
 
-  // direction is a unit vector. out is overwritten; its storage is reused.
+  // Casts a ray and finds the polygons that are visible along it.
+  // direction: a unit vector.
+  // out: overwritten; its storage is reused.
   void trace(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
 
-  // trace() of several rays, eight at a time: quicker, most where neighbors in the list go about the same way. What a
-  // ray sees may differ from trace() by rounding at edges; it depends on the seven beside it and on nothing else. Both
-  // spans have the same size; sights are overwritten, their storage is reused.
+  // Casts several rays, in packets of eight. This is faster than one at a time, most of all if neighbors in the list
+  // have similar origins and directions. At edges, results may differ by rounding from those of a single ray. They
+  // depend on the other rays of the packet and on nothing else.
+  // lines, out: of the same size. out is overwritten; its storage is reused.
   void trace(std::span<const sight_line> lines, std::span<sight> out) const;
 
-  // What a picture of a set alone shows there: the first polygon that hides along the ray among those of the set, under
-  // rule 1; no_polygon: none.
+  // Casts a ray into a scene that has only the polygons of a set, as a picture of that set would show it.
+  // Returns the first occluder among them under rule 1, or no_polygon.
   std::uint32_t front_of_set(const glm::vec3& eye, const glm::vec3& direction,
                              const std::function<bool(std::uint32_t)>& contains) const;
 
-  // trace() where other polygons than those of the set are not there: what passes is told besides.
+  // As above, and also finds the non-occluders of the set in front of that occluder.
   void trace_against_set(const glm::vec3& eye, const glm::vec3& direction,
                          const std::function<bool(std::uint32_t)>& contains, sight& out) const;
 
-  // trace() where no polygon is single-sided: all that keeps a line from going on in either direction.
+  // Casts a ray as if all polygons were double-sided. The result is what blocks the line in either direction.
   void trace_both_sides(const glm::vec3& eye, const glm::vec3& direction, sight& out) const;
 
-  // Rule 2 of seeing: all polygons that are there from this side and lie within coincidence_reach of a place on the
-  // ray, the one that was hit there included. out is overwritten: ascending, each once.
+  // Finds all polygons at one point of a ray: those that are present from this side (rule 1) and within
+  // coincidence_reach(distance) of the point, along the ray (rule 2). They include the polygon that the ray hit there.
+  // distance: of the point from eye, in meters.
+  // out: overwritten; ascending, each polygon once.
   void coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,
                   std::vector<std::uint32_t>& out) const;
 
-  // Rule 3 of seeing: does the sight line to a place at distance go through a crack narrower than smallest_gap? For one
-  // of four directions across it both lines beside it, smallest_gap away, are blocked before the place by more than
-  // 2 cm or 1 %. Up to that width nothing passes, from twice the width on everything. False where smallest_gap is 0.
+  // Returns whether a sight line passes through a gap that is too narrow to count (light-leak tolerance, rule 3).
+  // Four directions across the line are tried: 0, 45, 90 and 135 degrees. The gap is too narrow if, for one of them,
+  // both parallel lines at the distance smallest_gap are blocked before the visible point by more than max(2 cm, 1 % of
+  // the distance). Gaps up to that width transmit nothing, gaps of twice the width transmit everything.
+  // distance: of the visible point from eye, in meters.
+  // smallest_gap: in meters; 0 returns false.
   bool through_gap(const glm::vec3& eye, const glm::vec3& direction, float distance, float smallest_gap) const;
 
-  // Polygons within reach of a point along a unit normal, front or back of it, whichever way they face; ascending.
+  // Finds the polygons within reach of a point along a normal, on both sides of it, whichever way they face.
+  // normal: a unit vector.
+  // reach: in meters.
+  // out: overwritten; ascending, each polygon once.
   void stacked(const glm::vec3& point, const glm::vec3& normal, float reach, std::vector<std::uint32_t>& out) const;
 
-  // Polygons that touch a box, ascending.
+  // Returns the polygons that touch a box, ascending.
   std::vector<std::uint32_t> touching(const glm::vec3& min, const glm::vec3& max) const;
 
-  // Free points: they keep radius from every surface and are not inside a solid. A function of the place alone: of 64
-  // fixed directions that ignore sidedness, at most a tenth of the hits may show the back of an opaque single-sided
-  // polygon with no front in the same place. free[i] is set for points[i].
+  // Finds which points are valid viewpoints. A valid viewpoint keeps `radius` from every obstacle and is not inside a
+  // solid: of 64 fixed directions that ignore sidedness, at most a tenth of the hits show the back of an opaque
+  // single-sided polygon with no front in the same place. The result for a point depends on that point alone.
+  // radius: in meters.
+  // free: free[i] becomes 1 if points[i] is valid, else 0.
   void find_free(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const;
+  // Returns whether one point is a valid viewpoint.
   bool is_free(const glm::vec3& point, float radius) const;
-  // Is the point free, or a solid by a little: at most a quarter of the hits show backs? Of 64 other directions such a
-  // place may well be free.
+  // Returns whether a point is a valid viewpoint or nearly one: at most a quarter of the hits show backs. With 64 other
+  // directions such a point might be valid.
   bool is_nearly_free(const glm::vec3& point, float radius) const;
 
   const scene::world_geometry& geometry() const { return geometry_; }
-  const embree_scene& embree() const { return *embree_; }  // for packets of rays
+  const embree_scene& embree() const { return *embree_; }  // for callers that trace their own packets
+  // Returns whether a polygon is visible from both sides.
   bool sees_both_sides(std::uint32_t polygon) const {
     return all_double_sided_ || geometry_.kinds[polygon].double_sided;
   }

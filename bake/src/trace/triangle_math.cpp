@@ -8,7 +8,7 @@
 namespace sightcell::bake {
 namespace {
 
-// Nearest point of the triangle by the Voronoi region of its features that the point lies in.
+// Returns the nearest point of the triangle, by the Voronoi region (of a corner, an edge or the face) that contains p.
 glm::vec3 nearest_on_triangle(const glm::vec3& p, const triangle& t) {
   const glm::vec3 &a = t[0], &b = t[1], &c = t[2];
   const glm::vec3 ab = b - a, ac = c - a, ap = p - a;
@@ -51,7 +51,7 @@ float distance_to_triangle(const glm::vec3& point, const triangle& corners) {
 }
 
 bool triangle_touches_box(const triangle& corners, const glm::vec3& min, const glm::vec3& max) {
-  // The bounds settle nearly all cases.
+  // The bounding boxes decide nearly all cases.
   const glm::vec3 low = glm::min(glm::min(corners[0], corners[1]), corners[2]);
   const glm::vec3 high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
   for (int k = 0; k < 3; ++k)

@@ -1,5 +1,5 @@
 #pragma once
-// Where in a cell an eye can be.
+// Valid viewpoints in a box, and facing of polygons.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -10,12 +10,16 @@
 
 namespace sightcell::bake {
 
-// Uniform free points of a box by rejection. tries is raised by every place that was tested; stops at wanted points or
-// when max_tries places were tested, whichever is first.
+// Returns uniformly distributed valid viewpoints of a box, by rejection sampling.
+// radius: player radius in meters.
+// wanted: the search stops when it has this number of viewpoints.
+// max_tries: or when it has tested this number of points.
+// random: advanced by the points drawn.
+// tries: increased by the number of points tested.
 std::vector<glm::vec3> draw_viewpoints(const ray_scene& rays, const box& where, float radius, std::size_t wanted,
                                        std::uint64_t max_tries, random_stream& random, std::uint64_t& tries);
 
-// Is the polygon's front (either side, if it is seen from both) toward the eye?
+// Returns whether a polygon faces a viewpoint: its front does, or it is visible from both sides.
 bool faces(const ray_scene& rays, std::uint32_t polygon, const glm::vec3& eye);
 
 }  // namespace sightcell::bake
