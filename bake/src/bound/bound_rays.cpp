@@ -15,7 +15,7 @@
 namespace sightcell::bake {
 namespace {
 
-// So many that rays of one packet, which go about the same way, are some degrees apart.
+// Chunks are large enough that the rays of one packet, after sorting by direction, are within some degrees.
 constexpr std::uint64_t chunk_rays = 65536;
 constexpr std::uint64_t fewest_tests = 256, rays_per_test = 256;
 
@@ -25,7 +25,7 @@ struct chunk_result {
   std::vector<found_volume> missed_volumes;
 };
 
-// Rays from places that nobody tested.
+// Returns rays from viewpoints that are not tested yet.
 std::vector<sight_line> draw(const box& grown, std::uint64_t count, const error_metric& metric, random_stream& random) {
   std::vector<sight_line> lines(count);
   for (sight_line& line : lines) {
@@ -35,7 +35,8 @@ std::vector<sight_line> draw(const box& grown, std::uint64_t count, const error_
   return lines;
 }
 
-// Rays that go about the same way share packets; which ones saw something that the set lacks, in the order of lines.
+// Returns the indices of the lines that met something which the set lacks, ascending. Lines are sorted so that those
+// with similar directions share packets.
 std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial, const box& grown,
                                     const std::vector<sight_line>& lines) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order(lines.size());
@@ -74,7 +75,7 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const visibilit
 
   sight seen;
   for (std::size_t k = 0; k < wrong.size(); ++k) {
-    if (!free[result.tested + k]) continue;  // it was no trial
+    if (!free[result.tested + k]) continue;  // an invalid viewpoint is no trial
     const sight_line& line = lines[wrong[k]];
     rays.trace(line.eye, line.direction, seen);
     if (trial.judge(line, seen, random, result.missed)) ++result.misses;
@@ -86,9 +87,9 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const visibilit
 
 }  // namespace
 
-// Where nearly nothing is free: every ray is a trial.
+// For boxes with hardly any valid viewpoint: every viewpoint is tested, so every ray is a trial.
 void bound_batch::cast_tested(std::uint64_t trials) {
-  constexpr std::uint64_t most_parts = 1024;  // streams of random numbers: parts of all rounds must differ
+  constexpr std::uint64_t most_parts = 1024;  // each part of each round has a random stream of its own
   verification_stream source = source_;
   source.round = source_.round * most_parts + parts_++;
   const verification_batch part = cast_verification_rays(rays_, grown_, rules_, trials, source, contains_, give_up_);
@@ -132,7 +133,7 @@ void bound_batch::cast(std::uint64_t trials) {
   }
 }
 
-// Every miss was a trial, too: where nearly all rays are wrong there are more of them than the limit says.
+// Every miss is a trial, too. If nearly all rays miss, there are more misses than the lower limit of trials.
 std::uint64_t bound_batch::trials(double risk) const {
   return std::max(valid_at_least(cast_, tested_, free_, risk), misses_);
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Fresh rays for the bound alone: their places are not tested one by one.
+// Verification rays for the bound, whose viewpoints are not tested one by one (docs/method/error-certificate.md,
+// testing viewpoints late).
 #include <cstdint>
 #include <functional>
 #include <utility>
@@ -9,33 +10,41 @@
 
 namespace sightcell::bake {
 
-// Where fewer places are free all of them are tested: of rays that are cast from others many see what the set lacks.
+// If a smaller share of the box is valid, every viewpoint is tested. Most rays would start at invalid viewpoints
+// otherwise, and many of those meet polygons that the set lacks.
 inline constexpr double fewest_valid = 0.005;
 
-// What a batch for the bound may cost and risk.
+// The size of a batch and the risk of its count of trials.
 struct bound_plan {
-  std::uint64_t trials = 0;  // rays from free places that are wanted, about
-  double valid_share = 1.0;  // about this share of the grown box is free
-  double risk = 0.0;         // of claiming more trials than there were, in (0, 1)
+  std::uint64_t trials = 0;  // approximate number of rays from valid viewpoints
+  double valid_share = 1.0;  // estimated share of the grown box that is valid
+  double risk = 0.0;         // probability of claiming more trials than there were, in (0, 1)
 };
 
-// As cast_verification_rays: independent rays, place uniform over the free places of the grown box, direction by the
-// metric. But a place takes 64 rays to test, so a place is tested only where its ray saw what the set does not have,
-// and where it tells how many places are free: from the first of each chunk follows, with a probability of at least 1 -
-// risk, how many of all are (valid_at_least()), and so many trials the batch has. Given their number, wrong rays among
-// trials are binomial, and more trials only lower the bound: with it at 1 - a it holds at 1 - a - risk. Where less than
-// fewest_valid of the box is free all places are tested, and trials are exact. rays: trials, at least; places: places
-// that were tested and rays that were cast from others. Runs on the calling thread's TBB arena; the result depends on
-// the arguments alone.
+// Casts a batch of verification rays and counts its trials with a lower confidence limit.
+// Rays are independent: the origin is uniform in the grown box, the direction is that of the metric. A test of a
+// viewpoint takes up to 64 rays, so only two kinds of viewpoints are tested: those whose ray met something that the set
+// lacks, and the first ones of each chunk. From the latter follows a lower limit for the number of valid viewpoints,
+// which holds with a probability of at least 1 - risk (valid_at_least()). That number is the number of trials. Given
+// the number of valid viewpoints, misses among trials are binomial, and more trials only lower the bound. So a bound
+// computed at 1 - a holds with 1 - a - risk. If less than fewest_valid of the box is valid, every viewpoint is tested
+// and the number of trials is exact.
+// rules: what counts as a miss.
+// source: names the random numbers.
+// contains: returns whether a polygon is in the set. Called from several threads.
+// Returns the batch. rays is the lower limit of the trials. places is the number of tested viewpoints plus the rays
+// that were not trials.
+// Threads: runs in the TBB arena of the calling thread. The result depends on the arguments alone.
 verification_batch cast_bound_rays(const ray_scene& rays, const box& grown, const visibility_rules& rules,
                                    const bound_plan& plan, const verification_stream& source,
                                    const std::function<bool(std::uint32_t)>& contains);
 
-// The same, a part at a time: how long the batch becomes may depend on what came so far.
+// The same batch, cast in parts. The size of a part may depend on the results of the parts before it.
 class bound_batch {
  public:
-  // References must outlive the batch; contains must answer the same throughout. give_up: asked from many threads; once
-  // it is true the batch is given up; empty: never.
+  // All references must outlive the batch.
+  // contains: as above; must return the same throughout.
+  // give_up: called from several threads. Once it returns true the batch is given up. Empty: never.
   bound_batch(const ray_scene& rays, const box& grown, const visibility_rules& rules, double valid_share,
               const verification_stream& source, const std::function<bool(std::uint32_t)>& contains,
               std::function<bool()> give_up = {})
@@ -47,19 +56,19 @@ class bound_batch {
         contains_(contains),
         give_up_(std::move(give_up)) {}
 
-  // About so many more trials.
+  // Casts approximately this number of further trials.
   void cast(std::uint64_t trials);
-  // Then not all rays of the last part were cast, and which were depends on the time: the batch says nothing of what is
-  // missing, and only what it missed is of use.
+  // Returns whether the batch was given up. Then some rays of the last part are missing, and which ones depends on
+  // time. Such a batch bounds nothing; only the polygons that it found are of use.
   bool given_up() const { return given_up_; }
-  // At least so many trials so far, but for `risk`.
+  // Returns a lower limit for the number of trials so far. It is wrong with a probability of at most `risk`.
   std::uint64_t trials(double risk) const;
   std::uint64_t misses() const { return misses_; }
-  // Sight rays and tested places.
+  // Returns the cost so far: verification rays plus tested viewpoints.
   std::uint64_t spent() const { return cast_ + asked_; }
-  // In a fixed order.
+  // Returns the polygons that the rays met and the set lacks, in a fixed order.
   const std::vector<missed_polygon>& missed() const { return missed_; }
-  // Of the misses those that lack nothing that counts but volumes; and the volumes that were missed.
+  // Returns the number of misses where only volumes count as missing; and the missing volumes.
   std::uint64_t misses_of_volumes() const { return misses_of_volumes_; }
   const std::vector<found_volume>& missed_volumes() const { return missed_volumes_; }
 
@@ -74,8 +83,8 @@ class bound_batch {
   const std::function<bool(std::uint32_t)>& contains_;
   const std::function<bool()> give_up_;
   bool given_up_ = false;
-  std::uint64_t cast_ = 0, tested_ = 0, free_ = 0;  // rays, from places of which some were tested, and are free
-  std::uint64_t misses_ = 0, asked_ = 0;            // places asked about
+  std::uint64_t cast_ = 0, tested_ = 0, free_ = 0;  // rays; viewpoints tested for their share; valid ones among those
+  std::uint64_t misses_ = 0, asked_ = 0;            // viewpoints tested for any reason
   std::uint64_t parts_ = 0;
   std::vector<missed_polygon> missed_;
   std::uint64_t misses_of_volumes_ = 0;

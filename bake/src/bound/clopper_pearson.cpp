@@ -6,13 +6,13 @@
 namespace sightcell::bake {
 namespace {
 
-// P(X <= k) for X ~ Binomial(n, p). The sum goes down from the term of k, each term relative to that one. Below the
-// mean terms decrease, so the sum ends when they no longer count.
+// Returns P(X <= k) for X ~ Binomial(n, p). The sum starts with the term of k and goes down; each term is relative to
+// that one. Below the mean the terms decrease, so the sum ends when they become negligible.
 double cumulative(std::uint64_t k, std::uint64_t n, double p) {
   const double dn = static_cast<double>(n), dk = static_cast<double>(k);
   const double log_first = std::lgamma(dn + 1.0) - std::lgamma(dk + 1.0) - std::lgamma(dn - dk + 1.0) +
                            dk * std::log(p) + (dn - dk) * std::log1p(-p);
-  // Far above the mean the sum is 1, of terms too small for a double.
+  // Far above the mean the sum is 1, but its terms are too small for a double.
   if (log_first < -700.0 && dk > dn * p) return 1.0;
   double sum = 1.0, term = 1.0;
   const double odds = (1.0 - p) / p;
@@ -30,8 +30,8 @@ double clopper_pearson_upper(std::uint64_t misses, std::uint64_t trials, double 
   if (trials == 0 || misses >= trials) return 1.0;
   const double alpha = 1.0 - confidence;
   if (misses == 0) return -std::expm1(std::log(alpha) / static_cast<double>(trials));
-  // The cumulative falls with p from 1/2-ish at misses/trials to 0 at 1: halve the interval that holds alpha. Where
-  // confidence is below a half the bound lies under the rate, so the search starts at 0.
+  // Bisection: the cumulative probability falls with p, from about 1/2 at misses / trials to 0 at 1. If confidence is
+  // below a half, the bound is below the rate, so the search starts at 0.
   double low = confidence > 0.75 ? static_cast<double>(misses) / static_cast<double>(trials) : 1e-300, high = 1.0;
   for (int i = 0; i < 200 && high - low > 1e-13 * high; ++i) {
     const double middle = 0.5 * (low + high);
@@ -47,14 +47,15 @@ std::uint64_t trials_without_miss(double target, double confidence) {
 std::uint64_t trials_allowing(std::uint64_t misses, double target, double confidence) {
   std::uint64_t low = trials_without_miss(target, confidence), high = low;
   if (misses == 0) return low;
-  // The bound is at or below the target where so few misses are as unlikely under it as 1 - confidence.
+  // The bound is at most the target if `misses` or fewer misses have a probability of at most 1 - confidence at the
+  // target.
   const auto too_few = [&](std::uint64_t trials) { return cumulative(misses, trials, target) > 1.0 - confidence; };
   while (too_few(high)) high *= 2;
   while (high - low > high / 2000 + 1) {
     const std::uint64_t middle = low + (high - low) / 2;
     (too_few(middle) ? low : high) = middle;
   }
-  return high + high / 1'000'000 + 1;  // so that rounding does not tell the bound from the target
+  return high + high / 1'000'000 + 1;  // margin for rounding: the bound must not exceed the target
 }
 
 double about_at_most(std::uint64_t misses, std::uint64_t trials, double p) {

@@ -14,23 +14,24 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-// The sine of the highest elevation in a picture of a camera that looks up by pitch.
+// Returns the sine of the highest elevation in a picture of a camera that is pitched upward by `pitch`.
 double highest_sine(double pitch, double half_fov, double aspect) {
   const double top = pitch + half_fov;
   if (top >= 90.0 * degree) return 1.0;
-  if (top >= 0.0) return std::sin(top);  // the middle of the upper border
-  // All of it is below the horizon: the upper corners are nearest to that.
+  if (top >= 0.0) return std::sin(top);  // at the middle of the upper border
+  // The whole picture is below the horizon: the upper corners are nearest to it.
   const double up = std::tan(half_fov), side = aspect * up;
   return (std::sin(pitch) + up * std::cos(pitch)) / std::sqrt(1.0 + up * up + side * side);
 }
 
-// Of the pixel in the picture's middle, sr: a square before the eye.
+// Returns the solid angle of the center pixel in sr: a square in front of the camera.
 double pixel_solid_angle(const metric_settings& how) {
   const double half = std::tan(0.5 * how.view_fov * degree) / how.view_height;
   return 4.0 * std::atan(half * half / std::sqrt(1.0 + 2.0 * half * half));
 }
 
-// As solid_angle(), in double and by edges: single precision loses triangles of less than a pixel to rounding.
+// As solid_angle(), but in double precision and from edge vectors. In single precision, triangles smaller than a pixel
+// are lost to rounding.
 double covered(const triangle& corners, const glm::vec3& eye) {
   const glm::dvec3 a = glm::dvec3(corners[0]) - glm::dvec3(eye), b = glm::dvec3(corners[1]) - glm::dvec3(eye),
                    c = glm::dvec3(corners[2]) - glm::dvec3(eye);
@@ -50,8 +51,8 @@ error_metric::error_metric(const metric_settings& how, const ray_scene& rays, co
   least_ = how.view_least * pixel_solid_angle(how);
 }
 
-// As random_stream::on_sphere(): the square of a point's distance from the middle of a disk is uniform, and nothing of
-// its angle; here it decides the height, which is uniform by solid angle (Archimedes).
+// As random_stream::on_sphere(). For a uniform point in a disk the squared distance from the center is uniform and
+// independent of the angle. Here it decides the height, which is uniform on the sphere by solid angle (Archimedes).
 glm::vec3 error_metric::in_band(random_stream& random) const {
   for (;;) {
     const float a = 2.0f * random.uniform() - 1.0f, b = 2.0f * random.uniform() - 1.0f, s = a * a + b * b;
@@ -66,10 +67,11 @@ bool error_metric::covers_enough(std::uint32_t polygon, const glm::vec3& eye) co
   return covered(corners_of(rays_->geometry(), polygon), eye) >= least_;
 }
 
-// How opaque what hides nothing is (glass, a door that may be open), nobody knows here. So all colors count that
-// light may take from the nearest surface that is missing on, in the whole scene or in the set: what a picture shows is
-// a mixture of them and what a picture of the set shows another one, so they differ by no more than the colors do.
-// Where all hide there are two, and it is their difference.
+// Returns the largest difference of color along a line between a picture of the scene and one of the set. The opacity
+// of non-occluders (glass, a door that may be open) is unknown here. So the function takes all colors that light could
+// have, from the nearest missing surface on, in the scene or in the set. Each picture shows a mixture of these colors,
+// so the two differ by at most their range. If all surfaces occlude, there are two colors, and the result is their
+// difference.
 double error_metric::color_difference(const sight_line& line, const sight& seen, float from,
                                       const std::function<bool(std::uint32_t)>& contains) const {
   sight of_set;
@@ -96,7 +98,8 @@ double error_metric::weight(std::uint32_t polygon, const sight_line& line,
   if (kind_ == metric_kind::pixel) return 1.0;
   if (kind_ == metric_kind::view) {
     const bool shown = line.direction.y >= lowest_ && line.direction.y <= highest_ && is_large(polygon, line.eye);
-    return shown ? 2.0 / static_cast<double>(highest_ - lowest_) : 0.0;  // the band is a part of all directions
+    return shown ? 2.0 / static_cast<double>(highest_ - lowest_)
+                 : 0.0;  // divided by the share of the sphere that the band has
   }
   const std::uint32_t behind = rays_->front_of_set(line.eye, line.direction, contains);
   const glm::u8vec3 whole = colors_->color_of(polygon, line.eye, line.direction);

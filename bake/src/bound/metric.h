@@ -1,5 +1,5 @@
 #pragma once
-// What the error is that fresh rays measure: of which directions, and which wrong rays count as a miss.
+// The metrics of --metric: which directions verification rays take, and which of their misses count.
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -14,39 +14,48 @@ namespace sightcell::bake {
 
 class surface_colors;
 
-// What a wrong ray lacks: places of which the set has nothing.
+// The surfaces along one ray of which the set has no polygon.
 struct lacking_surfaces {
-  std::vector<std::uint32_t> polygons;  // all that lie in these places (rule 2)
+  std::vector<std::uint32_t> polygons;  // all polygons in the same place as these surfaces (rule 2)
+  // Meters from the viewpoint to the nearest of them.
   float nearest = std::numeric_limits<float>::infinity();
 };
 
-// Independent rays that count as a miss with a probability each, the mean of which is the error: so misses among them
-// are binomial, and the bound of Clopper and Pearson is exact whatever the metric.
+// A definition of the error of a set. Each ray counts as a miss with some probability, and the error is the mean of
+// these probabilities. Counted misses of independent rays are therefore binomial, and the Clopper-Pearson bound is
+// exact for every metric.
 class error_metric {
  public:
-  // The pixel error: all directions, and every wrong ray counts.
+  // The metric `pixel`: all directions, every miss counts.
   constexpr error_metric() = default;
-  // how: validated. References and colors must outlive the metric; colors: of color, which cannot do without.
+  // how: validated settings.
+  // rays: must outlive the metric.
+  // colors: must outlive the metric. Required by the metric `color`, unused by the others.
   error_metric(const metric_settings& how, const ray_scene& rays, const surface_colors* colors);
 
-  // Uniform on the sphere, or on the band of it that pictures show.
+  // Returns a random direction: uniform on the sphere, or for `view` on the band of elevations that pictures show.
   glm::vec3 direction(random_stream& random) const {
     return kind_ == metric_kind::view ? in_band(random) : random.on_sphere();
   }
 
-  // Seen from eye, is the polygon so large that it counts when it is missing?
+  // Returns whether a missing polygon is large enough to count, as seen from eye. For metrics other than `view` every
+  // polygon is.
   bool is_large(std::uint32_t polygon, const glm::vec3& eye) const {
     return kind_ != metric_kind::view || covers_enough(polygon, eye);
   }
 
-  // For hints: about how much it adds to the error, for each part of all directions, that a set lacks the polygon that
-  // shows along a line. By color one ray tells what else of the set hides there; what hides nothing is left out.
+  // Returns the approximate error per unit of solid angle (as a fraction of the sphere) if the set lacks the polygon
+  // that is visible along a line. It orders candidates and affects no bound. For `color`, one ray finds the occluder of
+  // the set behind the polygon; non-occluders are ignored.
   double weight(std::uint32_t polygon, const sight_line& line,
                 const std::function<bool(std::uint32_t)>& contains) const;
 
-  // Does a ray that saw this, and lacks some of it, count as a miss? By view: where any of what it lacks is large. By
-  // color: where an independent number, uniform in 0..1 and the next one of random, is below the ray's difference of
-  // color: a trial that fails with the difference as its probability, and over all rays with the mean of them.
+  // Returns whether a ray that lacks some of what it met counts as a miss.
+  // `view`: it does if any of the missing polygons is large. `color`: it does if the next number of random, uniform in
+  // [0, 1), is below the difference of color along the ray. Such a trial fails with that difference as its probability,
+  // and over all rays with the mean difference.
+  // seen: what the ray met.
+  // lacking: the part of it that the set lacks.
   bool counts(const sight_line& line, const sight& seen, const lacking_surfaces& lacking,
               const std::function<bool(std::uint32_t)>& contains, random_stream& random) const;
 
@@ -59,8 +68,8 @@ class error_metric {
   metric_kind kind_ = metric_kind::pixel;
   const ray_scene* rays_ = nullptr;
   const surface_colors* colors_ = nullptr;
-  float lowest_ = -1.0f, highest_ = 1.0f;  // of directions: sines of their elevation
-  double least_ = 0.0;                     // sr
+  float lowest_ = -1.0f, highest_ = 1.0f;  // sines of the lowest and highest elevation
+  double least_ = 0.0;                     // smallest solid angle that counts, in sr
 };
 
 inline constexpr error_metric pixel_metric;

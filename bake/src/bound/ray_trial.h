@@ -1,5 +1,5 @@
 #pragma once
-// What one fresh ray is wrong about.
+// Tests one verification ray against a cell set.
 #include <algorithm>
 #include <cstdint>
 #include <functional>
@@ -12,13 +12,14 @@
 
 namespace sightcell::bake {
 
-// One thread's.
+// To be used by one thread at a time.
 class ray_trial {
  public:
   ray_trial(const ray_scene& rays, const visibility_rules& rules, const std::function<bool(std::uint32_t)>& contains)
       : rays_(rays), rules_(rules), contains_(contains) {}
 
-  // Did the ray see anything that the set does not have? Rules 2 and 3 are not asked: what is missing may be excused.
+  // Returns whether the ray met anything that the set lacks. Rules 2 and 3 are not applied here, so they may still
+  // excuse it.
   bool lacks(const sight_line& line, const sight& seen) const {
     const auto missing = [&](std::uint32_t polygon) { return !contains_(polygon); };
     if (seen.front != no_polygon && missing(seen.front)) return true;
@@ -27,14 +28,14 @@ class ray_trial {
     return rules_.volumes && rules_.volumes->lacks(line, free_length(seen));
   }
 
-  // Notes what the ray saw and the set does not have. True when the ray counts as a miss: it is wrong, and the metric
-  // says so, which may take numbers of random.
+  // Appends to missed what the ray met and the set lacks. Returns whether the ray counts as a miss: it lacks something
+  // that no rule excuses, and the metric counts it. Numbers of random may be used.
   bool judge(const sight_line& line, const sight& seen, random_stream& random, std::vector<missed_polygon>& missed) {
     const bool polygons = lacks_polygons(line, seen, random, missed), volumes = lacks_volumes(line, seen);
     if (volumes && !polygons) ++misses_of_volumes_;
     return polygons || volumes;
   }
-  // Of all rays so far.
+  // Totals over all rays so far.
   std::uint64_t misses_of_volumes() const { return misses_of_volumes_; }
   const std::vector<found_volume>& missed_volumes() const { return missed_volumes_; }
 
@@ -55,7 +56,7 @@ class ray_trial {
     const auto check = [&](std::uint32_t polygon, float distance) {
       if (contains_(polygon) || rays_.through_gap(line.eye, line.direction, distance, rules_.smallest_gap)) return;
       rays_.coincident(line.eye, line.direction, distance, coincident_);
-      // Another polygon in the same place is in the set (rule 2): the picture is right.
+      // Rule 2: another polygon in the same place is in the set, so the picture is correct.
       const bool excused =
           std::any_of(coincident_.begin(), coincident_.end(), [&](std::uint32_t same) { return contains_(same); });
       missed.push_back({polygon, line.eye, distance, line.direction, !excused});

@@ -1,26 +1,30 @@
 #pragma once
-// When a growing batch of fresh rays is looked at, so that it ends as soon as it proves enough.
+// Plans when a growing batch of verification rays is tested, so that it ends as soon as it proves enough.
 #include <cstdint>
 #include <vector>
 
 namespace sightcell::bake {
 
-// A batch ends well at a look if at most so many of its trials missed; the bound is then at or below the target with
-// this look's confidence.
+// One interim test of a batch. It succeeds if at most `misses` of the first `trials` trials missed. The bound is then
+// at most the target, with a confidence of 1 - risk.
 struct interim_test {
   std::uint64_t misses = 0, trials = 0;
-  double risk = 0.0;  // of the bound of this look being too low
+  double risk = 0.0;  // probability that the bound of this interim test is too low
 };
 
-// A plan of looks at one batch, made before its first ray: their risks together are at most `risk`, so all of their
-// bounds hold at once with a confidence of 1 - risk, and the batch may end at any of them (a group sequential test with
-// its error spent look by look; Pocock 1977, Lan and DeMets 1983). Look m has the share 1 / ((m + 1)(m + 2)) of the
-// risk. share_of_places: of a look's risk, what its trials' count takes (cast_bound_rays()); its bound has the rest.
-// Ascending; the last allows 64 misses.
+// Returns the interim tests of one batch, by ascending number of misses; the last allows 64.
+// The plan is made before the first ray. The risks of all interim tests sum to at most `risk`, so all of their bounds
+// hold at once with a confidence of 1 - risk, and the batch may end at any of them. This is a group sequential test
+// that spends its risk test by test (Pocock 1977, Lan and DeMets 1983). Interim test m, from 0, has the share 1 / ((m +
+// 1)(m + 2)) of the risk.
+// target: the error to prove.
+// share_of_places: the part of the risk of each interim test that the lower limit of its trials takes
+//   (cast_bound_rays()). Its bound has the rest.
 std::vector<interim_test> plan_interim_tests(double target, double risk, double share_of_places);
 
-// About how many trials it takes until a look ends the batch well if each misses with probability p, `misses` of
-// `trials` having missed already: the first at which that is as likely as not. Infinity where none is.
+// Returns the approximate number of trials until an interim test succeeds, if each trial misses with probability p. It
+// is that of the first test which succeeds with a probability of at least one half; infinity if there is none.
+// misses, trials: results so far.
 double expected_trials(const std::vector<interim_test>& interim_tests, double p, std::uint64_t misses = 0,
                        std::uint64_t trials = 0);
 

@@ -11,16 +11,17 @@ double log_choose(std::uint64_t n, std::uint64_t k) {
   return log_factorial(n) - log_factorial(k) - log_factorial(n - k);
 }
 
-// P(at least `free` of the tested are free) where `all_free` of all places are, or a half where it is no less than
-// that. Terms are summed upwards from the first, each from the one before it; they begin above the mean, so they only
-// fall.
+// Returns P(at least `free` of the tested viewpoints are valid) if `all_free` of all viewpoints are; 0.5 stands for any
+// value of at least that. Terms are summed upward from the first, each from the one before. They begin above the mean,
+// so they only decrease.
 double at_least(std::uint64_t places, std::uint64_t all_free, std::uint64_t tested, std::uint64_t free) {
   if (all_free < free) return 0.0;
   const std::uint64_t walled = places - all_free;
-  // So many of the tested are free whatever happens.
+  // At least `first` of the tested viewpoints are valid in any case.
   const std::uint64_t first = std::max(free, tested > walled ? tested - walled : 0);
   if (first > free) return 1.0;
-  // A median is the mean rounded down, or above that (Siegel 2001). Terms that rise would leave a double.
+  // The median is at least the mean rounded down (Siegel 2001), so the probability is at least a half here. Terms that
+  // increase would overflow a double.
   const double mean = static_cast<double>(tested) * static_cast<double>(all_free) / static_cast<double>(places);
   if (static_cast<double>(first) <= std::floor(mean)) return 0.5;
   const std::uint64_t last = std::min(tested, all_free);
@@ -37,7 +38,8 @@ double at_least(std::uint64_t places, std::uint64_t all_free, std::uint64_t test
 }  // namespace
 
 std::uint64_t valid_at_least(std::uint64_t places, std::uint64_t tested, std::uint64_t free, double risk) {
-  // More free places make more free ones among the tested: the lowest count that is not too unlikely.
+  // The probability grows with the number of valid viewpoints. The result is the lowest number whose probability
+  // exceeds the risk.
   std::uint64_t low = free, high = places - (tested - free);
   while (low < high) {
     const std::uint64_t middle = low + (high - low) / 2;

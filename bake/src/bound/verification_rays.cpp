@@ -12,7 +12,7 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::uint64_t chunk_rays = 512;
-// Where fewer than one place in 256 is free, a chunk casts fewer rays than asked rather than search on.
+// If less than one point in 256 is valid, a chunk casts fewer rays than requested instead of searching on.
 constexpr std::uint64_t max_places_per_ray = 256;
 
 verification_batch cast_chunk(const ray_scene& rays, const box& grown, const visibility_rules& rules,

@@ -99,9 +99,8 @@ struct trace_context {
   std::vector<passed_polygon>* passed = nullptr;  // non-occluders that the ray passes; null: not recorded
   unsigned first_id = 0;                          // ray with id i appends to passed[i - first_id]
   bool pass_all = false;                          // occluders are recorded in passed too, and do not end the ray
-  const std::function<bool(std::uint32_t)>* only =
-      // The ray ignores polygons for which this is false; null: it ignores none.
-      nullptr;
+  // The ray ignores polygons for which this is false; null: it ignores none.
+  const std::function<bool(std::uint32_t)>* only = nullptr;
 };
 
 }  // namespace sightcell::bake
