@@ -20,7 +20,7 @@ void put_varint(std::vector<std::uint8_t>& out, std::uint64_t value) {
   out.push_back(static_cast<std::uint8_t>(value));
 }
 
-// Where the stretch of equal or of consecutive values that begins at first ends.
+// Returns the end of the run that begins at first: values where each follows the one before it.
 template <typename Follows>
 std::size_t end_of_run(const std::vector<std::uint32_t>& values, std::size_t first, Follows follows) {
   std::size_t end = first + 1;
@@ -28,7 +28,7 @@ std::size_t end_of_run(const std::vector<std::uint32_t>& values, std::size_t fir
   return end;
 }
 
-// Runs of consecutive ids: the gap before each and its length - 1.
+// A set as runs of consecutive ids. A run is the gap before it and its length - 1.
 void put_set(std::vector<std::uint8_t>& out, const std::vector<std::uint32_t>& set) {
   put_varint(out, set.size());
   std::uint64_t next = 0;
@@ -55,7 +55,8 @@ void put_witnesses(std::vector<std::uint8_t>& out, const cell_record& record) {
   }
 }
 
-// Every read is checked; after the first one past the end all answer 0 and good is false.
+// Reads values from bytes and checks every read. After the first read past the end, all reads return 0 and good is
+// false.
 struct reader {
   std::span<const std::uint8_t> bytes;
   bool good = true;
@@ -85,7 +86,7 @@ struct reader {
   }
 };
 
-// Whoever decodes runs may be asked for at most so many values by bytes that lie: ids are 32 bits.
+// Limit of the values that a decoded run may have, so that damaged bytes cannot request more memory. Ids have 32 bits.
 constexpr std::uint64_t most_values = std::uint64_t{1} << 32;
 
 void take_set(reader& in, std::vector<std::uint32_t>& set) {
@@ -117,7 +118,7 @@ void take_witnesses(reader& in, cell_record& record) {
   }
 }
 
-// The bytes between version and checksum; nothing where one of the two is wrong.
+// Returns a reader of the bytes between version and checksum; nothing if one of the two is wrong.
 std::optional<reader> body_of(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < checksum_size) return std::nullopt;
   const std::span<const std::uint8_t> body = bytes.first(bytes.size() - checksum_size);
@@ -128,9 +129,9 @@ std::optional<reader> body_of(std::span<const std::uint8_t> bytes) {
   return in;
 }
 
-constexpr std::uint64_t has_volumes = 8;  // of the flags
+constexpr std::uint64_t has_volumes = 8;  // a bit of the flags
 
-// Answers the flags.
+// Reads the plain fields. Returns the flags.
 std::uint64_t take_plain_fields(reader& in, cell_record& record) {
   const std::uint64_t flags = in.take(1);
   record.stored = (flags & 1) != 0;

@@ -51,7 +51,7 @@ std::vector<std::uint32_t> cell_set::sorted() const {
 void cell_set::save(cell_record& record) const {
   record.set = sorted();
   record.volumes = volumes_.members();
-  // Each place once, in an order that does not depend on who joined first.
+  // Each witness once, in an order that does not depend on the order of joining.
   const auto below = [](const glm::vec3& a, const glm::vec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
   };

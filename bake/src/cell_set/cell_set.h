@@ -1,5 +1,6 @@
 #pragma once
-// The cell set while it grows: which polygons were seen, and for each its witness, an eye that sees much of it.
+// A cell set while it grows: the polygons that were found visible, and for each its witness, a viewpoint from which
+// much of it is visible.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -13,48 +14,51 @@ namespace sightcell::bake {
 
 class cell_set {
  public:
-  // duplicates: whoever joins brings the others of its class with it; null: nobody. Must outlive the set. Of polygons
-  // from own_polygons on, which are of another scene (two_scenes.h), all is known: the set contains them, and they are
-  // no members.
+  // Makes an empty set.
+  // duplicates: a polygon that joins brings the others of its class with it; null: none. Must outlive the set.
+  // own_polygons: polygons from this id on belong to the scene that only occludes (two_scenes.h). They count as known:
+  //   the set contains them, and they are no members.
   explicit cell_set(std::uint32_t polygon_count, const duplicate_classes* duplicates = nullptr,
                     std::uint32_t own_polygons = 0xFFFFFFFFu, std::uint32_t volume_count = 0)
       : entries_(polygon_count), duplicates_(duplicates), volumes_(volume_count) {
     for (std::size_t i = own_polygons; i < entries_.size(); ++i) entries_[i].pixels = 0xFFFFFFFFu;
   }
 
-  // What an empty set of so many polygons takes, without volumes.
+  // Returns the memory of an empty set in bytes, without volumes.
   static constexpr std::size_t bytes_for(std::size_t polygon_count) { return polygon_count * sizeof(entry); }
 
-  // Forgets everything; storage stays.
+  // Removes all members; storage is kept.
   void clear();
 
   bool contains(std::uint32_t polygon) const { return entries_[polygon].pixels != 0; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(members_.size()); }
-  // In the order in which they joined.
+  // In the order of joining.
   const std::vector<std::uint32_t>& members() const { return members_; }
   const glm::vec3& witness(std::uint32_t polygon) const { return eyes_[entries_[polygon].eye]; }
 
-  // All that a hemicube saw joins; a polygon's witness is the sample that saw most pixels of it.
+  // Adds all polygons that are visible in a hemicube. The witness of a polygon is the hemicube with the most pixels of
+  // it.
   void add_view(const glm::vec3& eye, const std::vector<seen_polygon>& seen);
-  // A ray from eye saw the polygon: true if it is new. Later views with more pixels take over as witness.
+  // Adds a polygon that a ray from eye hit. Returns whether it is new. A later hemicube with more than one pixel of it
+  // replaces the witness.
   bool add(std::uint32_t polygon, const glm::vec3& eye);
 
   std::vector<std::uint32_t> sorted() const;
 
-  // Those that are seen; all else here is of polygons.
+  // The visible volumes. All other functions are about polygons.
   volume_set& volumes() { return volumes_; }
   const volume_set& volumes() const { return volumes_; }
 
-  // Set and witnesses to and from a record. What is loaded is what was saved: the members in ascending order, and
-  // record.witnesses as eyes(), of which later views with more pixels take over.
+  // Writes set and witnesses to a record, and reads them back. After load() the members are in ascending order and
+  // eyes() is record.witnesses. Later hemicubes with more pixels replace witnesses.
   void save(cell_record& record) const;
   void load(const cell_record& record);
-  // Places in the cell from where something was seen.
+  // Viewpoints in the cell from which something was found visible.
   const std::vector<glm::vec3>& eyes() const { return eyes_; }
 
  private:
   struct entry {
-    std::uint32_t pixels = 0;  // 0: not a member
+    std::uint32_t pixels = 0;  // of the witness; 0: not a member
     std::uint32_t eye = 0;     // into eyes_
   };
   void join(std::uint32_t polygon, const entry& as);

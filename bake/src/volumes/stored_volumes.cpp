@@ -51,7 +51,7 @@ void stored_volumes::passed(const sight_line& line, double to, std::vector<passe
       do {
         border += step;
         when = (border * size_[i] - from[i]) / along[i];
-      } while (!(when > here));  // rounding may put us back on the border that we stand on
+      } while (!(when > here));  // by rounding, the border may be the current one
       next = std::min(next, when);
     }
     const glm::ivec3 place(glm::floor((from + along * (0.5 * (here + next))) / size_));

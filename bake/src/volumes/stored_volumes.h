@@ -1,6 +1,6 @@
 #pragma once
-// The volumes of a file, for who checks them: told from the file alone, and walked through by other steps than those of
-// volume_grid, so that neither can hide an error of the other.
+// The visibility volumes of a file, for `sightcell verify`. They are read from the file alone, and lines traverse them
+// by other steps than those of volume_grid, so that an error of one of the two shows.
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -15,11 +15,13 @@ namespace sightcell::bake {
 
 class stored_volumes {
  public:
-  // places: of level 0, by number.
+  // places: lattice positions on level 0, by volume number.
   stored_volumes(const format::lattice_shape& shape, std::span<const format::lattice_place> places);
 
-  // All that a line passes before distance `to`, the nearest first; out is overwritten. From border to border, and
-  // where the middle between two of them lies tells which place that was.
+  // Finds the volumes that a line passes before distance `to`, the nearest first. The traversal goes from border to
+  // border; the point halfway between two borders decides which volume is between them.
+  // to: in meters.
+  // out: overwritten.
   void passed(const sight_line& line, double to, std::vector<passed_volume>& out) const;
 
  private:
@@ -27,8 +29,8 @@ class stored_volumes {
     std::size_t operator()(const glm::ivec3& place) const;
   };
 
-  glm::dvec3 size_;       // of a place
-  glm::dvec3 min_, max_;  // of all, metres
+  glm::dvec3 size_;       // of a volume in meters
+  glm::dvec3 min_, max_;  // box around all volumes in meters
   std::unordered_map<glm::ivec3, std::uint32_t, place_hash> numbers_;
 };
 

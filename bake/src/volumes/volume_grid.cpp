@@ -11,7 +11,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr double farthest_place = 1 << 29;  // what a file can say, with room for sums
+constexpr double farthest_place = 1 << 29;  // limit of the file format, with room for sums
 
 [[noreturn]] void refuse(const std::string& cause) {
   throw error(error_kind::wrong_use, "volumes.too-many", "--volumes", cause, "give a larger width, or fewer cells");
@@ -21,7 +21,7 @@ struct extent {
   glm::dvec3 min{0.0}, max{0.0};
 };
 
-// Where figures are whose eyes are in the cell.
+// Returns the space of figures whose eyes are in the cell.
 extent reach_of(const view_cell& cell, double margin) {
   const double aside = std::max(margin, figure_reach);
   return {glm::dvec3(cell.min) - glm::dvec3(aside, margin + eye_height, aside),
@@ -34,7 +34,7 @@ double places_in(const std::array<std::int32_t, 3>& first, const std::array<std:
   return places;
 }
 
-// For numbers below 0, too.
+// Returns value rounded down to a multiple of part, also for negative values.
 std::int32_t rounded_down(std::int32_t value, std::int32_t part) {
   return value - (value % part + part) % part;
 }
@@ -104,12 +104,12 @@ void volume_grid::add(const range& places) {
         }
         chunks_[which].mask |= std::uint64_t{1} << (16 * (at[2] % part) + 4 * (at[1] % part) + at[0] % part);
       }
-  // Before they take all memory.
+  // Checked here, before the chunks take all memory.
   if (chunks_.size() > most_volumes)
     refuse(fmt::format("of {:g} m are more than the {} that a file holds", width_, most_volumes));
 }
 
-// By where chunks are, and not by which cell came first.
+// Numbers volumes by the position of their chunks, and not by the order of the cells.
 void volume_grid::number_chunks() {
   std::vector<chunk> sorted;
   sorted.reserve(chunks_.size());
@@ -120,7 +120,7 @@ void volume_grid::number_chunks() {
     which = static_cast<std::uint32_t>(sorted.size());
     sorted.push_back({mask, count_});
     count_ += static_cast<std::uint32_t>(std::popcount(mask));
-    if (count_ > most_volumes) return;  // whoever asked for them is told
+    if (count_ > most_volumes) return;  // the constructor rejects them
     const auto place = [&](std::size_t axis, std::size_t number, int bit) {
       return first_[axis] + part * static_cast<std::int32_t>(number) + bit;
     };
@@ -151,7 +151,7 @@ std::vector<std::uint32_t> volume_grid::touching(const box& where) const {
   std::array<std::int32_t, 3> low{}, high{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<glm::length_t>(axis);
-    // Borders belong to the places on both sides.
+    // A border belongs to the volumes on both sides.
     const double first = std::ceil(double{where.min[i]} / width_) - 1.0 - first_[axis];
     const double last = std::floor(double{where.max[i]} / width_) - first_[axis];
     if (!(last >= 0.0 && first < static_cast<double>(size_[axis]))) return found;

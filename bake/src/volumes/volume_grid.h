@@ -1,6 +1,7 @@
 #pragma once
-// Volumes: places of a coarse cubic lattice where things that move can be. Each is an item of
-// cell sets, with a number behind the last polygon: seen where a line from the cell passes it before anything hides it.
+// Visibility volumes: cubes of a coarse lattice in which movable things can be. Each is an item of cell sets, with a
+// number behind that of the last polygon. It is visible if a line from the cell passes it before an occluder blocks the
+// line.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,10 +18,10 @@
 
 namespace sightcell::bake {
 
-// What stands on the floor below an eye reaches so far up, metres, and so far to the sides at least.
+// Meters: the height of a figure on the floor below an eye, and its least reach to the sides.
 inline constexpr double figure_height = 2.0, figure_reach = 0.5;
 
-// The place begins at its numbers times the lattice's width.
+// The lattice position of a volume. Its lower corner is this times the width of the lattice.
 struct volume_place {
   std::int32_t x = 0, y = 0, z = 0;
   bool operator==(const volume_place&) const = default;
@@ -28,38 +29,41 @@ struct volume_place {
 
 class volume_grid {
  public:
-  // Most volumes of a scene, and most places of the box around them.
+  // Limits: volumes of a scene, and lattice positions in the box around them.
   static constexpr std::uint32_t most_volumes = 1u << 24;
   static constexpr std::uint64_t most_places = std::uint64_t{1} << 32;
   static constexpr std::uint32_t none = 0xFFFFFFFFu;
 
-  // All places of a lattice of this width, anchored at the world's origin, that share volume with where figures are
-  // whose eyes are in one of the cells: the cell's box, grown by margin, by figure_reach at least to the sides, down to
-  // the floor under its lowest eye and up to the head above its highest. Throws sightcell::error "volumes.too-many".
+  // Makes the volumes of the cells of a bake: the cubes of a lattice anchored at the world origin that share volume
+  // with the space of a figure whose eye is in one of the cells. That space is the box of the cell, grown by margin, by
+  // at least figure_reach to the sides, down to the floor below its lowest eye and up to the head above its highest.
+  // width: of a cube in meters.
+  // margin: in meters.
+  // Throws sightcell::error "volumes.too-many".
   volume_grid(std::span<const view_cell> cells, double width, double margin);
 
   double width() const { return width_; }
   std::uint32_t count() const { return count_; }
-  // By number, which is a matter of the places alone.
+  // Returns the lattice positions by volume number. Numbers depend on the positions alone.
   const std::vector<volume_place>& places() const { return places_; }
   box box_of(std::uint32_t number) const;
-  // The number of the volume at a place; none.
+  // Returns the number of the volume at a lattice position, or none.
   std::uint32_t at(const volume_place& place) const;
-  // Those that share a point with a box, ascending.
+  // Returns the volumes that share a point with a box, ascending.
   std::vector<std::uint32_t> touching(const box& where) const;
 
-  // Calls visit(number, distance at which the line enters it) for all volumes that a line passes before distance `to`,
-  // the nearest first, until it answers false (Amanatides and Woo 1987). A place contains its lower borders and not its
-  // upper ones; what the line only touches is not passed. In double, every border from its own number: no error adds
-  // up on the way.
+  // Calls visit(number, distance) for all volumes that a line passes before distance `to`, the nearest first, until it
+  // returns false (Amanatides and Woo 1987). distance is where the line enters the volume.
+  // A volume contains its lower borders and not its upper ones. A volume that the line only touches is not passed.
+  // Computed in double precision, each border from its own number, so that no error adds up along the line.
   template <typename Visit>
   void for_each_passed(const sight_line& line, double to, const Visit& visit) const;
 
  private:
-  static constexpr std::int32_t part = 4;  // a chunk has so many places along each axis
+  static constexpr std::int32_t part = 4;  // lattice positions of a chunk along each axis
   struct chunk {
     std::uint64_t mask = 0;   // bit 16 z + 4 y + x
-    std::uint32_t first = 0;  // number of its first volume
+    std::uint32_t first = 0;  // volume number of its first position
   };
   struct range {
     std::array<std::int32_t, 3> first{}, last{};
@@ -74,7 +78,7 @@ class volume_grid {
                slots_[0] +
            static_cast<std::size_t>(local[0] / part);
   }
-  // local: counted from first_, inside of size_.
+  // local: relative to first_, inside of size_.
   std::uint32_t number_at(const std::array<std::int32_t, 3>& local) const {
     const std::uint32_t which = chunk_of_slot_[slot_of(local)];
     if (which == none) return none;
@@ -86,8 +90,8 @@ class volume_grid {
 
   double width_;
   std::uint32_t count_ = 0;
-  std::array<std::int32_t, 3> first_{}, size_{};  // of the box around all; first_ divides by `part`
-  std::array<std::size_t, 3> slots_{};            // chunks along each axis of it
+  std::array<std::int32_t, 3> first_{}, size_{};  // box around all volumes; first_ is a multiple of `part`
+  std::array<std::size_t, 3> slots_{};            // chunks along each axis of that box
   std::vector<std::uint32_t> chunk_of_slot_;
   std::vector<chunk> chunks_;
   std::vector<volume_place> places_;

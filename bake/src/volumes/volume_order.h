@@ -1,14 +1,16 @@
 #pragma once
-// In which order a file has its volumes: what is seen together lies together, as with polygons.
+// The order in which a file stores visibility volumes. As with polygons, those that are visible from the same cells are
+// adjacent.
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 namespace sightcell::bake {
 
-// [i]: which volume is i-th. volumes_of puts the ascending volumes of a cell into its argument, which comes empty; it
-// is asked seven times for each cell, ascending, and what it throws comes through. The same answer on any number of
-// threads (order/polygon_order.h).
+// Returns the stored order: element i is the volume that is stored as number i.
+// volumes_of: appends the volumes of a cell, ascending, to an empty vector. It is called seven times for each cell, in
+//   ascending order of cells. Its exceptions reach the caller.
+// The result does not depend on the number of threads (order/polygon_order.h).
 std::vector<std::uint32_t> order_volumes(
     std::uint32_t volume_count, std::uint32_t cell_count,
     const std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& volumes)>& volumes_of);

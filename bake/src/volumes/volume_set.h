@@ -1,5 +1,5 @@
 #pragma once
-// The volumes that a cell sees, while there come to be more.
+// The set of visible volumes of one cell while it grows.
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -14,7 +14,7 @@ class volume_set {
   static constexpr std::size_t bytes_for(std::uint32_t count) { return (std::size_t{count} + 63) / 64 * 8; }
 
   bool contains(std::uint32_t volume) const { return (bits_[volume / 64] >> volume % 64 & 1u) != 0; }
-  // True if it is new.
+  // Adds a volume. Returns whether it is new.
   bool add(std::uint32_t volume) {
     const bool fresh = !contains(volume);
     bits_[volume / 64] |= std::uint64_t{1} << volume % 64;
@@ -22,7 +22,7 @@ class volume_set {
   }
   void clear() { bits_.assign(bits_.size(), 0); }
 
-  // Ascending.
+  // Returns the members, ascending.
   std::vector<std::uint32_t> members() const {
     std::vector<std::uint32_t> all;
     for (std::size_t word = 0; word < bits_.size(); ++word)

@@ -1,5 +1,5 @@
 #pragma once
-// What one ray is wrong about where a file has volumes: it passes one that the set of its cell lacks.
+// Tests a verification ray against the volumes of a cell set: it is a miss if it passes a volume that the set lacks.
 #include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -15,10 +15,10 @@ namespace sightcell::bake {
 
 struct passed_volume {
   std::uint32_t volume = 0;
-  float distance = 0.0f;  // at which the line enters it
+  float distance = 0.0f;  // meters to where the line enters it
 };
 
-// With an eye that sees it.
+// A visible volume and a viewpoint from which it is visible.
 struct found_volume {
   std::uint32_t volume = 0;
   glm::vec3 eye{0.0f};
@@ -27,7 +27,7 @@ struct found_volume {
   }
 };
 
-// One set's. Asked from many threads.
+// The test for one cell set. May be called from several threads.
 class volume_trial {
  public:
   volume_trial() = default;
@@ -35,16 +35,16 @@ class volume_trial {
   volume_trial& operator=(const volume_trial&) = delete;
   virtual ~volume_trial() = default;
 
-  // Does the line pass, before distance `to`, a volume that the set lacks?
+  // Returns whether the line passes, before distance `to`, a volume that the set lacks.
   virtual bool lacks(const sight_line& line, double to) const = 0;
-  // All of these, the nearest first. out is overwritten.
+  // Finds all of these volumes, the nearest first. out is overwritten.
   virtual void lacking(const sight_line& line, double to, std::vector<passed_volume>& out) const = 0;
 };
 
-// Of a cell in work.
+// The test for a cell that is being baked.
 class grid_trial final : public volume_trial {
  public:
-  // Both must outlive the trial.
+  // grid, set: must outlive the trial.
   grid_trial(const volume_grid& grid, const volume_set& set) : grid_(grid), set_(set) {}
 
   bool lacks(const sight_line& line, double to) const override {
@@ -68,15 +68,17 @@ class grid_trial final : public volume_trial {
   const volume_set& set_;
 };
 
-// How far a ray goes through free space: what begins where it ends, as volumes do under a floor that lies on the
-// lattice, is behind what it met, whatever rounding says.
+// Returns the distance up to which a ray passes volumes, in meters: a little before the surface that it hits. A volume
+// that begins at this surface, such as one below a floor in a lattice plane, is behind the surface whatever the
+// rounding.
 inline double free_length(const sight& seen) {
   if (seen.front == no_polygon) return std::numeric_limits<double>::infinity();
   return static_cast<double>(seen.distance - coincidence_reach(seen.distance));
 }
 
-// Rule 3 of seeing: what lies behind a crack that lets nothing through is not seen. passed: the nearest first. What is
-// hidden at one distance is hidden at every larger one, so a few questions tell.
+// Removes the volumes behind a gap that is too narrow to count (light-leak tolerance, rule 3). A volume behind the gap
+// is followed only by such volumes, so a binary search needs few tests.
+// passed: the nearest first.
 inline void drop_behind_gaps(const ray_scene& rays, const sight_line& line, float smallest_gap,
                              std::vector<passed_volume>& passed) {
   const auto is_seen = [&](const passed_volume& p) {
