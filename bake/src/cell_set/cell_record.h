@@ -51,7 +51,7 @@ cell_summary summary_of(const cell_record& record);
 
 // Returns the bytes of a record: version, the plain fields in little-endian order, the set, its witnesses, the volumes
 // if there are any, as varint runs, and XXH3-64 of all bytes before it. A set takes at most one to two bytes per
-// polygon, its witnesses a few bits per polygon. Two records are equal if and only if their bytes are.
+// polygon, its witnesses a few bits per polygon. Two records are equal if their bytes are.
 std::vector<std::uint8_t> encode(const cell_record& record);
 // Decodes a record. Returns nothing if the checksum or anything else is wrong. The bytes may be arbitrary.
 std::optional<cell_record> decode(std::span<const std::uint8_t> bytes);

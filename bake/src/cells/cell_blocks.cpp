@@ -16,7 +16,8 @@ namespace {
 
 constexpr int block_shift = 3;  // 8 cells
 
-// Orders cells of one block side by side: lattice blocks by z, then x; boxes given by hand by their place in the list.
+// Sort key that places the cells of a block next to each other: lattice blocks by z, then x; explicit cells by their
+// index in the list.
 using block_key = std::tuple<bool, std::int64_t, std::int64_t>;
 
 block_key key_of(const view_cell& cell, std::uint32_t place) {
@@ -43,14 +44,14 @@ float square_of_distance(const view_cell& a, const view_cell& b) {
 
 using neighbor_lists = std::vector<std::vector<std::uint32_t>>;
 
-// The up to 26 places around each.
+// Returns the up to 26 lattice neighbors of each cell.
 neighbor_lists around_on_lattice(std::span<const view_cell> cells) {
   std::vector<std::pair<lattice_position, std::uint32_t>> places;
   for (std::uint32_t i = 0; i < cells.size(); ++i) places.emplace_back(cells[i].position, i);
   std::sort(places.begin(), places.end());
   neighbor_lists found(cells.size());
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    // Along x they lie side by side in the order of places.
+    // Cells along x are consecutive in this order.
     const lattice_position& at = cells[i].position;
     for (std::int64_t z = at.z - 1; z <= at.z + 1; ++z)
       for (std::int64_t y = at.y - 1; y <= at.y + 1; ++y) {
@@ -63,7 +64,8 @@ neighbor_lists around_on_lattice(std::span<const view_cell> cells) {
   return found;
 }
 
-// Along the axis on which they spread widest only those that begin before one ends can touch it.
+// Returns the cells whose grown boxes touch that of each cell. Cells are sorted along the axis of their widest spread;
+// only those that begin before a cell ends can touch it.
 neighbor_lists touching(std::span<const view_cell> cells, float margin) {
   glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
   for (const view_cell& c : cells) low = glm::min(low, c.min), high = glm::max(high, c.min);
@@ -116,7 +118,7 @@ void cell_blocks::make_blocks(std::span<const view_cell> cells) {
 }
 
 void cell_blocks::find_neighbors(std::span<const view_cell> cells, float margin) {
-  const bool on_lattice = !cells.empty() && cells.front().on_lattice;  // all are, or none
+  const bool on_lattice = !cells.empty() && cells.front().on_lattice;  // all cells are, or none
   std::vector<std::vector<std::uint32_t>> found = on_lattice ? around_on_lattice(cells) : touching(cells, margin);
   for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
     neighbor_begins_.push_back(static_cast<std::uint32_t>(neighbors_.size()));

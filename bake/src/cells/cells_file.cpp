@@ -36,7 +36,7 @@ std::array<float, 3> read_corner(const json& cell, const char* key, const std::s
     const json& number = (*found)[axis];
     if (!number.is_number())
       refuse("cells.bad-box", subject, fmt::format("{}: \"{}\" holds a {}", label, key, number.type_name()));
-    // What a float cannot hold is too far in any case.
+    // The clamped value is outside of the coordinate limit in any case.
     corner[axis] = static_cast<float>(std::clamp(number.get<double>(), -1e30, 1e30));
   }
   return corner;
@@ -62,7 +62,7 @@ json parse_cells_json(std::string_view text, const std::string& subject) {
   try {
     return scene::parse_json(text);
   } catch (const json::exception& e) {  // a parse error, or a number beyond double
-    // The library's text starts with its own name and number in brackets; people need only what follows.
+    // The library's text begins with its own name and number in brackets, which users do not need.
     const std::string what = e.what();
     const auto end = what.find("] ");
     refuse("cells.not-json", subject, "not JSON: " + (end == std::string::npos ? what : what.substr(end + 2)));

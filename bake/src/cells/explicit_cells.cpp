@@ -11,7 +11,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr float coordinate_limit = 1e7f;  // metres; beyond it a float steps by a metre
+constexpr float coordinate_limit = 1e7f;  // meters; beyond it the spacing of floats is a meter or more
 
 view_cell explicit_cell(const cell_box& box, std::size_t number, const std::string& subject,
                         const std::string& remedy) {
@@ -41,7 +41,8 @@ view_cell explicit_cell(const cell_box& box, std::size_t number, const std::stri
   }
   for (const auto& corner : {box.min, box.max}) {
     for (const float value : corner)
-      cell.place = mix(cell.place, std::bit_cast<std::uint32_t>(value + 0.0f));  // + 0: one zero, not two
+      cell.place =
+          mix(cell.place, std::bit_cast<std::uint32_t>(value + 0.0f));  // + 0 turns -0 into 0, so that both hash alike
   }
   return cell;
 }

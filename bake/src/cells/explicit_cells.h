@@ -1,5 +1,5 @@
 #pragma once
-// View cells that somebody gave as boxes.
+// View cells from boxes that a host or a file gives.
 #include <span>
 #include <string>
 #include <vector>
@@ -10,8 +10,9 @@ namespace sightcell::bake {
 
 inline constexpr std::size_t explicit_cell_limit = 1'000'000;
 
-// The boxes as cells, in their order. subject and remedy are for errors: sightcell::error (bad_input) names the box and
-// what is wrong with it.
+// Returns the boxes as cells, in their order.
+// subject, remedy: for errors.
+// Throws sightcell::error (bad_input) with the box and what is wrong with it.
 std::vector<view_cell> explicit_cells(std::span<const cell_box> boxes, const std::string& subject,
                                       const std::string& remedy);
 

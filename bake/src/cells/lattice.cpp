@@ -11,7 +11,7 @@ namespace sightcell::bake {
 
 namespace {
 
-// Beyond this a lattice index says nothing in the float coordinates that a file stores.
+// Beyond this, adjacent lattice planes have the same single-precision coordinate in a file.
 constexpr double index_limit = 1 << 30;
 
 [[noreturn]] void refuse_distance(double where) {
@@ -40,7 +40,7 @@ double lattice_range::count() const {
 }
 
 lattice_position lattice::coarser(const lattice_position& p) {
-  return {.z = p.z >> 1, .y = p.y >> 1, .x = p.x >> 1};  // arithmetic shift: rounds down for negative places too
+  return {.z = p.z >> 1, .y = p.y >> 1, .x = p.x >> 1};  // arithmetic shift: rounds down for negative numbers too
 }
 
 lattice_range lattice::overlapping(const glm::dvec3& min, const glm::dvec3& max) const {
@@ -82,7 +82,7 @@ lattice coarsen_until(std::vector<lattice_position>& positions, lattice on, std:
 }
 
 std::uint64_t mix(std::uint64_t state, std::uint64_t value) {
-  // The finalizer of SplitMix64 over a running sum: every bit of value reaches every bit of the result.
+  // The finalizer of SplitMix64 over a running sum: every bit of value affects every bit of the result.
   std::uint64_t z = state + value + 0x9E3779B97F4A7C15u;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;

@@ -1,6 +1,7 @@
 #pragma once
-// The lattice that automatic and grid cells lie on: boxes cell_size wide and deep and half as high, anchored at the
-// world's origin. Only places are kept here; boxes are made at the end, so that neighbors share the very same floats.
+// The lattice of automatic and grid cells: boxes that are cell_size wide and deep and half as high, anchored at the
+// world origin. Code works with lattice positions and makes boxes at the end, so that adjacent cells have bitwise equal
+// coordinates at their common side.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -9,10 +10,10 @@
 
 namespace sightcell::bake {
 
-// Cells from first to last, both included.
+// The lattice positions from first to last, both included.
 struct lattice_range {
   lattice_position first, last;
-  double count() const;  // a double, because the product can be beyond 64 bits
+  double count() const;  // a double, because the number may exceed 64 bits
 };
 
 class lattice {
@@ -21,26 +22,29 @@ class lattice {
 
   double width() const { return width_; }
   double height() const { return height_; }
-  // Twice the cell size: position p lies in position (floor(p / 2)) of the coarser lattice.
+  // Returns the lattice of twice the cell size, and the position on it that contains position p of this one, the
+  // quotient p / 2 rounded down.
   lattice coarser() const { return lattice(width_ * 2.0); }
   static lattice_position coarser(const lattice_position& p);
 
-  // The cells that share volume with a box. Throws sightcell::error (bad_input) "cells.too-far" where the lattice is
-  // finer than the numbers it would need.
+  // Returns the cells that share volume with a box.
+  // min, max: in meters.
+  // Throws sightcell::error (bad_input) "cells.too-far" if a position exceeds what single precision can distinguish.
   lattice_range overlapping(const glm::dvec3& min, const glm::dvec3& max) const;
 
-  // The view cell at p. Throws "cells.too-far" where its box has no volume in single precision.
+  // Returns the view cell at p. Throws "cells.too-far" if its box has no volume in single precision.
   view_cell cell(const lattice_position& p) const;
 
  private:
   double width_, height_;
 };
 
-// Merges cells into a lattice of twice the size until there are at most `most`. positions stays sorted and unique.
-// Gives the lattice that positions are on afterwards.
+// Doubles the cell size until there are at most `most` cells.
+// positions: sorted and unique; becomes positions on the returned lattice.
 lattice coarsen_until(std::vector<lattice_position>& positions, lattice on, std::size_t most);
 
-// Names random numbers: a well mixed 64-bit hash of a few integers, the same on every machine.
+// Returns a 64-bit hash of state and value, the same on every machine. Chained calls give view_cell::place, which names
+// the random numbers of a cell.
 std::uint64_t mix(std::uint64_t state, std::uint64_t value);
 
 }  // namespace sightcell::bake

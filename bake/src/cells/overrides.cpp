@@ -21,7 +21,7 @@ namespace {
 using nlohmann::json;
 using ranges = overrides::ranges;
 
-// The settings text of a file is 16 MiB at most.
+// The settings text of a file has at most 16 MiB.
 constexpr std::size_t range_limit = 500'000;
 constexpr const char* shape = R"(write {"nodes":["name"],"polygons":[12,[100,199]]})";
 
@@ -47,7 +47,8 @@ class override_reader {
  public:
   override_reader(const std::string& subject, const scene::scene& s) : subject_(subject), scene_(s) {}
 
-  // Of one "always", "never" or "add"; where: for messages.
+  // Reads one "always", "never" or "add".
+  // where: names it in messages.
   ranges read(const json& from, const std::string& where) {
     if (!from.is_object()) refuse("cells.bad-override", where + " is not an object");
     ranges found;
@@ -112,10 +113,10 @@ class override_reader {
 
   const std::string& subject_;
   const scene::scene& scene_;
-  std::optional<std::unordered_map<std::string_view, ranges>> by_name_;  // made when the first name is read
+  std::optional<std::unordered_map<std::string_view, ranges>> by_name_;  // built when the first name is read
 };
 
-// What is no list of cells is said by who reads the cells.
+// A malformed list of cells is ignored here; parse_cells() rejects it.
 overrides overrides_of(const json& document, const std::string& subject, const scene::scene& s) {
   overrides given;
   if (!document.is_object()) return given;
@@ -157,7 +158,7 @@ void find_bounds(scene::world_geometry& geometry) {
   geometry.max = any ? high : glm::vec3(0.0f);
 }
 
-// The parts of from that are not in without.
+// Returns the parts of `from` that are not in `without`.
 ranges difference(const ranges& from, const ranges& without) {
   ranges left;
   for (const scene::polygon_range& r : from) {

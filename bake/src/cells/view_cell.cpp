@@ -12,10 +12,10 @@ namespace sightcell::bake {
 
 namespace {
 
-// More automatic cells than this are made coarser: nobody waits for so many without having asked.
+// More automatic cells than this are merged into larger ones: a bake of that length has to be requested explicitly.
 constexpr std::size_t automatic_limit = 200'000;
-constexpr std::size_t asked_limit = 1'000'000;  // of --cells-grid
-constexpr double border = 2.0;                  // metres around the scene where no floor is found
+constexpr std::size_t asked_limit = 1'000'000;  // for --cells-grid
+constexpr double border = 2.0;                  // meters around the scene if no floor is found
 
 std::vector<lattice_position> positions_of(const lattice_range& range) {
   std::vector<lattice_position> positions;
@@ -77,7 +77,7 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
 
 }  // namespace
 
-// The middle one of each of `limit` equal stretches of the list.
+// Keeps the middle cell of each of `limit` equal parts of the list.
 void limit_cells(cell_list& list, std::uint32_t limit) {
   const std::size_t all = list.cells.size();
   if (limit == 0 || limit >= all) return;

@@ -1,5 +1,5 @@
 #pragma once
-// View cells: boxes a camera can be in.
+// View cells: the boxes in which a camera can be.
 #include <compare>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -11,34 +11,38 @@
 
 namespace sightcell::bake {
 
-// Members stand in the order cells are sorted by: z, then y, then x.
+// A position on the lattice. Cells are sorted by z, then y, then x, the order of the members.
 struct lattice_position {
   std::int64_t z = 0, y = 0, x = 0;
   auto operator<=>(const lattice_position&) const = default;
 };
 
 struct view_cell {
-  glm::vec3 min{0.0f}, max{0.0f};  // metres, half-open, not grown
-  std::string name;                // from a cells file; else empty
-  std::uint64_t place = 0;   // names the cell's random numbers: a hash of its lattice position, or of the six floats
-  std::uint32_t number = 0;  // of cells given by hand: their place in the list
+  glm::vec3 min{0.0f}, max{0.0f};  // meters; half-open; without the margin
+  std::string name;                // from a cells file, else empty
+  // Names the random numbers of the cell: a hash of its lattice position, or of the six coordinates of its box.
+  std::uint64_t place = 0;
+  std::uint32_t number = 0;  // of explicit cells: index in the list that was given
   bool on_lattice = false;
-  lattice_position position{};  // where it is
+  lattice_position position{};  // of lattice cells
 };
 
 struct cell_list {
   std::vector<view_cell> cells;
-  std::string how;                    // one line for people: "1,204 cells of 4 m over walkable floor"
+  std::string how;                    // one line for messages: "1,204 cells of 4 m over walkable floor"
   std::vector<std::string> warnings;  // one line each
 };
 
-// The cells that settings ask for: the host's own, else --cells-file, else --cells-grid, else automatic: lattice cells
-// (cell_size wide and deep, half as high, anchored at the world's origin) that hold an eye 1.6 m above an up-facing
-// floor with head room; where no floor is found, a grid over the bounding box grown by 2 m. Deterministic; --cell-limit
-// is applied. Whether a cell has a free point is not asked here. Throws sightcell::error (bad_input) on a broken cells
-// file.
+// Returns the cells that settings request: the host's own, else those of --cells-file, else --cells-grid, else
+// automatic cells.
+// Automatic cells are the lattice cells that contain an eye 1.6 m above an up-facing floor with head room. A lattice
+// cell is cell_size wide and deep and half as high, anchored at the world origin. If no floor is found, they are a grid
+// over the bounding box grown by 2 m.
+// --cell-limit is applied. Whether a cell has a valid viewpoint is not tested here. Deterministic.
+// Throws sightcell::error (bad_input) on a broken cells file.
 cell_list make_cells(const scene::world_geometry& geometry, const settings& how);
-// In two steps: without --cell-limit, and so many of them, spread evenly; 0: all.
+// The same in two steps: make_all_cells() ignores --cell-limit, and limit_cells() keeps `limit` cells, spread evenly
+// over the list. A limit of 0 keeps all.
 cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how);
 void limit_cells(cell_list& list, std::uint32_t limit);
 

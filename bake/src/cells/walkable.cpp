@@ -15,17 +15,17 @@ namespace sightcell::bake {
 
 namespace {
 
-constexpr double fine_voxel = 0.25;       // metres: as wide as a person
-constexpr double coarse_voxel = 0.5;      // the widest that doors and lanes survive
-constexpr double column_limit = 4 << 20;  // columns of the field: 32 MB of pointers, spans come on top
-constexpr double fine_step = 0.1;         // metres, height of a voxel
-constexpr double slope_limit = 0.70710;   // cosine of 45 degrees, a hair wider so that 45 itself counts
+constexpr double fine_voxel = 0.25;       // meters: the width of a person
+constexpr double coarse_voxel = 0.5;      // meters: the widest that keeps doors and alleys open
+constexpr double column_limit = 4 << 20;  // columns of the field: 32 MB of pointers, plus the spans
+constexpr double fine_step = 0.1;         // meters, height of a voxel
+constexpr double slope_limit = 0.70710;   // cosine of 45 degrees, rounded down so that 45 degrees itself counts
 
 struct bounds {
   glm::dvec3 min{0.0}, max{0.0};
 };
 
-// The part of the world that is turned into voxels, and how finely.
+// The part of the world that becomes voxels, and their size.
 struct field_shape {
   bounds world;  // snapped to the lattice in x and z
   lattice on{1.0};
@@ -58,8 +58,8 @@ std::optional<bounds> bounds_of_obstacles(const scene::world_geometry& geometry)
   return found;
 }
 
-// Bounds of the middle polygons: a share of their centers is cut off at each end of each axis. A few polygons of a sky
-// dome or of a far terrain must not make the voxels of a level coarse.
+// Returns the bounds of most polygons: at each end of each axis a share `cut` of their centers is left out. A few
+// polygons of a sky dome or of a distant terrain must not make the voxels of a level coarse.
 bounds bounds_of_middle(const scene::world_geometry& geometry, double cut) {
   bounds middle;
   std::vector<double> centers;
@@ -87,11 +87,12 @@ double columns_at(const bounds& world, double voxel) {
   return (extent.x / voxel + 1.0) * (extent.z / voxel + 1.0);
 }
 
-// As many voxels along a cell as the limit allows for this part of the world; 0: not even one.
+// Returns the largest number of voxels along a cell that the column limit allows for this part of the world; 0 if not
+// even one fits.
 int fitting_voxels_per_cell(const bounds& world, double cell) {
-  // A whole cell is added at each border, because the field is snapped to the lattice.
+  // The field is snapped to the lattice, which adds up to a cell at each border.
   const bounds snapped{world.min - cell, world.max + cell};
-  // 4096 is finer than a quarter of a metre for every cell size that can be asked for.
+  // 4096 gives voxels below a quarter of a meter for every permitted cell size.
   auto voxels = static_cast<int>(std::min(std::ceil(cell / fine_voxel), 4096.0));
   while (voxels > 0 && columns_at(snapped, cell / voxels) > column_limit) --voxels;
   return voxels;
@@ -103,7 +104,7 @@ field_shape shape_of(const bounds& world, const lattice& on, int voxels_per_cell
   shape.on = on;
   shape.voxels_per_cell = voxels_per_cell;
   shape.voxel = on.width() / voxels_per_cell;
-  // Recast counts heights in 13 bits.
+  // Recast stores heights in 13 bits.
   shape.step = std::max(fine_step, (world.max.y - world.min.y) / (RC_SPAN_MAX_HEIGHT - 8));
   shape.cells = on.overlapping(world.min, world.max);
   shape.width = static_cast<int>(shape.cells.last.x - shape.cells.first.x + 1) * voxels_per_cell;
@@ -122,7 +123,7 @@ field_shape choose_field(const scene::world_geometry& geometry, const bounds& al
   for (const double cut : {0.0, 0.005, 0.02, 0.05}) {
     const bounds world = cut == 0.0 ? all : bounds_of_middle(geometry, cut);
     const int voxels = fitting_voxels_per_cell(world, on.width());
-    // Cells smaller than the coarse voxel are voxels themselves.
+    // A cell smaller than the coarse voxel is a voxel itself.
     if (voxels == 0 || (voxels > 1 && on.width() / voxels > coarse_voxel)) continue;
     if (voxels == 1 && on.width() > coarse_voxel) continue;
     if (cut > 0.0)
@@ -133,7 +134,7 @@ field_shape choose_field(const scene::world_geometry& geometry, const bounds& al
     return shape_of(world, on, voxels);
   }
   int voxels = fitting_voxels_per_cell(all, on.width());
-  while (voxels < 4) {  // one voxel per cell would mean millions of cells
+  while (voxels < 4) {  // with one voxel per cell there would be millions of cells
     on = on.coarser();
     voxels = fitting_voxels_per_cell(all, on.width());
   }
@@ -163,7 +164,7 @@ heightfield rasterize(const scene::world_geometry& geometry, const field_shape& 
   if (!field || !rcCreateHeightfield(&context, *field, shape.width, shape.depth, &min.x, &max.x,
                                      static_cast<float>(shape.voxel), static_cast<float>(shape.step)))
     throw std::bad_alloc();
-  // Recast turns distances into ints before it clips them.
+  // Recast converts distances to int before it clips them, so polygons far outside would overflow.
   const double reach = 1e9 * shape.voxel;
   for (std::size_t p = 0; p < geometry.kinds.size(); ++p) {
     const scene::polygon_kind kind = geometry.kinds[p];
@@ -187,7 +188,8 @@ heightfield rasterize(const scene::world_geometry& geometry, const field_shape& 
 void collect_heights(const rcSpan* span, const field_shape& shape, std::vector<std::int64_t>& heights) {
   for (; span != nullptr; span = span->next) {
     if (span->area == RC_NULL_AREA) continue;
-    // The floor lies somewhere in the topmost voxel of its span, so the eye in a stretch as long as a voxel.
+    // The floor is somewhere in the topmost voxel of its span, so the height of the eye has an uncertainty of one
+    // voxel.
     const double top = shape.world.min.y + static_cast<double>(span->smax) * shape.step + eye_height;
     const auto last = static_cast<std::int64_t>(std::floor(top / shape.on.height()));
     auto height = static_cast<std::int64_t>(std::floor((top - shape.step) / shape.on.height()));
