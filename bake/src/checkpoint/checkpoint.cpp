@@ -13,25 +13,27 @@
 #include "sightcell/base/error.h"
 #include "sightcell/base/json_text.h"
 
-// Why these choices of SQLite: on a disk of this machine a write-ahead log, because a commit is one flush there and not
-// three; when the file is closed the log goes into it, so a bake that was not killed leaves one file. On a network disk
-// a rollback journal, since a log asks more of a disk than those keep. What a kill leaves beside the file is rolled
-// back, or brought in, at the next open. synchronous=FULL: what was stored is on the disk when store returns.
-// locking_mode=EXCLUSIVE: the lock is held as long as the bake runs, and the system drops it when the process dies,
-// however it dies.
+// Reasons for the settings of SQLite:
+// On a local disk it keeps a write-ahead log, because a commit is then one flush instead of three. Closing the file
+// moves the log into it, so a bake that is not killed leaves one file. On a network disk it keeps a rollback journal,
+// because a log requires more of a disk than network disks guarantee. After a kill, the next open rolls the journal
+// back or applies the log.
+// synchronous=FULL: records are on the disk when store() returns.
+// locking_mode=EXCLUSIVE: the lock is held while the bake runs, and the system drops it when the process ends, however
+// it ends.
 
 namespace sightcell::bake {
 
 namespace {
 
-constexpr int application_id = 0x53434B31;  // "SCK1": tells our files from other people's databases
+constexpr int application_id = 0x53434B31;  // "SCK1": distinguishes our files from other databases
 constexpr int schema_version = 5;
 struct finalize_statement {
   void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 };
 using statement = std::unique_ptr<sqlite3_stmt, finalize_statement>;
 
-// A path inside a URI.
+// Returns a path in the form that a URI needs.
 std::string escaped(const std::string& path) {
   std::string out;
   for (const char c : path) {
@@ -56,8 +58,8 @@ std::span<const std::uint8_t> blob(sqlite3_stmt* row, int column) {
   return {bytes, static_cast<std::size_t>(sqlite3_column_bytes(row, column))};
 }
 
-// A record's own checksum does not know whose it is: a flipped bit of a row's number would make it another cell's. So a
-// seal of bytes and number stands behind them.
+// The checksum of a record does not cover its row number: a flipped bit there would make it the record of another cell.
+// So a seal, a hash of bytes and number, follows the record.
 std::uint64_t seal_of(std::span<const std::uint8_t> bytes, std::int64_t number) {
   return XXH3_64bits_withSeed(bytes.data(), bytes.size(), static_cast<std::uint64_t>(number));
 }
@@ -87,8 +89,6 @@ std::int64_t seal_of_key(std::string_view key, std::string_view plan) {
 
 }  // namespace
 
-// What differs between two keys, for people: "player_radius, samples". A key is plain words (scene, cells) and then the
-// settings as a JSON object; empty when a key is anything else.
 std::string differing_names(const std::string& a, const std::string& b) {
   using nlohmann::json;
   const std::size_t begin_a = a.find('{'), begin_b = b.find('{');
@@ -108,7 +108,7 @@ std::string differing_names(const std::string& a, const std::string& b) {
   for (const auto& [name, value] : flat_right.items()) {
     if (!flat_left.contains(name)) add(name);
   }
-  // Settings of the cells change the cells too: only where no setting differs is it news.
+  // Settings of the cells also change the cells, so the cells are reported only if no setting differs.
   if (names.empty() && a.substr(0, begin_a) != b.substr(0, begin_b)) names = "the scene or its cells";
   return names;
 }
@@ -117,7 +117,7 @@ struct checkpoint::state {
   std::filesystem::path path;
   sqlite3* database = nullptr;
   std::string key;
-  std::mutex mutex;  // one thread at a time asks the database
+  std::mutex mutex;  // one thread at a time uses the database
 
   explicit state(std::filesystem::path where) : path(std::move(where)) {}
   ~state() { close(); }
@@ -129,14 +129,15 @@ struct checkpoint::state {
     database = nullptr;
   }
 
-  // SQLite tries a file that it cannot write once more to read it: what it says then is not what was wrong.
+  // SQLite opens a file that it cannot write again for reading, and then reports the error of that. The folder shows
+  // the actual cause.
   std::string why_not_writable(int sqlite_says) const {
     const int of_folder = folder_problem(folder_of(path));
     const int why = of_folder != 0 ? of_folder : sqlite_says;
     return why != 0 ? fmt::format(": {}", std::strerror(why)) : std::string();
   }
 
-  // Turns SQLite's answer into one of our errors.
+  // Throws the sightcell::error for an error code of SQLite.
   [[noreturn]] void fail(int code, const char* doing) const {
     const std::string subject = path.string();
     const std::string text = database != nullptr ? sqlite3_errmsg(database) : sqlite3_errstr(code);
@@ -181,7 +182,7 @@ struct checkpoint::state {
     return statement(made);
   }
 
-  // First column of the first row, which every query here has.
+  // Returns the first column of the first row, which every query here has.
   std::int64_t ask_number(const char* sql) const {
     const statement query = prepare(sql);
     const int code = sqlite3_step(query.get());
@@ -203,8 +204,9 @@ struct checkpoint::state {
     return found;
   }
 
-  // Opens the file and takes the lock that keeps a second bake out until close. A bake that ends may remove the file
-  // after it was opened here and before it was locked: then the lock is one of a file without a name.
+  // Opens the file and takes the lock that keeps other bakes out until close(). A bake that ends may remove the file
+  // after this bake opened it and before this bake locked it. The lock would then be on a file without a name, so the
+  // function compares identities and tries again.
   void open_locked() {
     for (int tries = 0; tries < 100; ++tries) {
       const file_identity before = identity_of(path);
@@ -218,19 +220,19 @@ struct checkpoint::state {
   }
 
   void open_and_lock() {
-    // Absolute: Debian's SQLite takes names that begin with "file:" for addresses.
+    // Absolute, because Debian's SQLite takes names that begin with "file:" for URIs.
     const int code = sqlite3_open_v2(std::filesystem::absolute(path).c_str(), &database,
                                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
     if (code != SQLITE_OK) fail(code, "opening");
     sqlite3_extended_result_codes(database, 1);
     run("PRAGMA locking_mode=EXCLUSIVE; PRAGMA synchronous=FULL; PRAGMA trusted_schema=OFF", "opening");
     run("BEGIN EXCLUSIVE", "opening");
-    run("COMMIT", "opening");  // in this locking mode the lock stays
+    run("COMMIT", "opening");  // in this locking mode the lock remains
     run(on_network_disk(folder_of(path)) ? "PRAGMA journal_mode=TRUNCATE" : "PRAGMA journal_mode=WAL", "opening");
   }
 
   void open_to_read() {
-    // Nobody writes any more: no lock, and no journal is looked for.
+    // No process writes the file any more: SQLite needs no lock and searches for no journal.
     const std::string name = "file:" + escaped(std::filesystem::absolute(path).string()) + "?immutable=1";
     const int code = sqlite3_open_v2(name.c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     if (code != SQLITE_OK) fail(code, "opening");
@@ -262,7 +264,7 @@ struct checkpoint::state {
     if (code != SQLITE_DONE) fail(code, "creating");
   }
 
-  // Reads the key of a file that is there.
+  // Reads the key of an existing file. Returns nothing if the file has another schema or no key.
   std::optional<std::string> read_key() const {
     if (ask_number("PRAGMA application_id") != application_id)
       throw error(error_kind::bad_input, "checkpoint.not-ours", path.string(), "is some other program's database",
@@ -271,7 +273,7 @@ struct checkpoint::state {
     return same_schema ? ask_key() : std::nullopt;
   }
 
-  // The file becomes one of another key and plan; all of it, or nothing.
+  // Gives the file another key and plan and deletes stale records, in one transaction.
   void hand_over(const std::string& wanted, std::string_view plan, const stale_record& is_stale) const {
     run("BEGIN", "taking over an unfinished bake");
     std::vector<std::int64_t> stale;
@@ -307,7 +309,7 @@ struct checkpoint::state {
                 std::string("repeat that bake's command to finish it, ") + fresh_remedy);
   }
 
-  // Deletes the file and what a killed bake may have left beside it.
+  // Deletes the file and the files that a killed bake may have left beside it.
   void delete_files() const {
     std::error_code ignored;
     std::filesystem::remove(path, ignored);
@@ -317,8 +319,8 @@ struct checkpoint::state {
     }
   }
 
-  // The file goes first, while the lock still keeps others from opening it. Without a log: closing one deletes a file
-  // of its name, which by then may be another bake's.
+  // Deletes the file before the lock ends, so that no other bake opens it. The journal mode is set to DELETE first,
+  // because closing a write-ahead log deletes a file of its name, which may be that of another bake by then.
   void remove() {
     sqlite3_exec(database, "PRAGMA journal_mode=DELETE", nullptr, nullptr, nullptr);
     delete_files();
@@ -461,7 +463,7 @@ void checkpoint::copy_to(const std::filesystem::path& path) const {
   std::filesystem::path partial = path;
   partial += ".partial";
   std::error_code ignored;
-  std::filesystem::remove(partial, ignored);  // what a kill left
+  std::filesystem::remove(partial, ignored);  // left by a kill
   const statement copy = state_->prepare("VACUUM INTO ?");
   const std::string name = partial.string();
   sqlite3_bind_text(copy.get(), 1, name.data(), static_cast<int>(name.size()), SQLITE_STATIC);

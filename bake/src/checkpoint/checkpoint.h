@@ -1,5 +1,5 @@
 #pragma once
-// The resumable state of a bake: a SQLite file beside the output, one committed record per cell and stage.
+// The checkpoint of a bake: an SQLite file beside the output with one committed record per cell and stage.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -13,9 +13,10 @@
 
 namespace sightcell::bake {
 
-// Is a record none of a bake's, though it is in the file that the bake goes on with?
+// Returns whether a record is stale: it is in the checkpoint that a bake takes over and does not belong to the bake.
 using stale_record = std::function<bool(std::uint32_t cell, cell_stage)>;
-// May a bake go on with a file of another key? Then which of its records are not the bake's; nothing: it may not.
+// Decides whether a bake may take over a checkpoint with another key. Returns the test for stale records if it may,
+// else nothing.
 using stale_key_test = std::function<std::optional<stale_record>(const std::string& stored)>;
 
 struct stage_record {
@@ -26,14 +27,17 @@ struct stage_record {
 
 class checkpoint {
  public:
-  // Opens or creates path. key names scene, settings, cells, device and version: a file with another key is refused
-  // with sightcell::error "checkpoint.other-bake" (says what to do: --fresh or another output), a file that is in use
-  // by another bake with "checkpoint.in-use". fresh: what is there is thrown away. A file that SQLite finds damaged is
-  // refused by name, never silently dropped. plan: kept with the file when it is created, see shards.h. judge: asked of
-  // another key; where it says so the file becomes one of this key and plan, without the records that are stale.
+  // Opens a checkpoint or creates it, and locks it.
+  // key: names scene, settings, cells, device and version.
+  // fresh: discards existing contents.
+  // plan: stored with the key when the file is created (shards.h).
+  // judge: called if the stored key differs. If it returns a test, the file takes this key and plan, and loses its
+  //   stale records.
+  // Throws sightcell::error: "checkpoint.other-bake" if the key differs, "checkpoint.in-use" if another bake uses the
+  // file, "checkpoint.damaged" if SQLite finds damage. A damaged file is never discarded without `fresh`.
   checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan = {},
              const stale_key_test& judge = {});
-  // Opens a file that nobody changes any more, to read it.
+  // Opens a finished file for reading, without a lock.
   static checkpoint open_to_read(const std::filesystem::path& path);
   ~checkpoint();
   checkpoint(checkpoint&&) noexcept;
@@ -43,22 +47,24 @@ class checkpoint {
   const std::string& key() const;
   std::string plan() const;
 
-  // Reads all of it, tells of each record, and drops those that are damaged: their cells are baked again. Returns how
-  // many those were.
+  // Reads all records and calls visit for each. Damaged records are dropped, so that the bake repeats their cells.
+  // Returns the number of dropped records.
   std::uint32_t survey(const std::function<void(std::uint32_t cell, cell_stage, const cell_summary&)>& visit);
 
-  // Nothing where there is none. May be called from any thread, also while store runs on another one.
+  // Returns a record, nothing if there is none. May be called from any thread, also while another thread is in store().
   std::optional<cell_record> load(std::uint32_t cell, cell_stage stage) const;
-  // All in one transaction, durable when it returns. The sampled records of forget are dropped in it. Throws
-  // sightcell::error on a full disk: then nothing of it is stored.
+  // Stores records in one transaction, which is durable when the function returns.
+  // forget: cells whose sampled records are deleted in the same transaction.
+  // Throws sightcell::error, for example on a full disk. Then nothing is stored.
   void store(std::span<const stage_record> records, std::span<const std::uint32_t> forget = {});
   std::uint32_t count(cell_stage stage) const;
-  // Tells of all records, unread. visit must not ask this checkpoint for anything.
+  // Calls visit for all records without reading their contents. visit must not use this checkpoint.
   void list(const std::function<void(std::uint32_t cell, cell_stage)>& visit) const;
 
-  // A copy of all that is committed, complete under its name or not there at all: written beside it, flushed, renamed.
+  // Writes a copy of everything that is committed. The copy is written under another name, flushed and renamed, so that
+  // it is complete or absent.
   void copy_to(const std::filesystem::path& path) const;
-  void remove();  // closes and deletes the file; the bake is done
+  void remove();  // closes and deletes the file after the end of the bake
 
  private:
   struct state;
@@ -66,8 +72,8 @@ class checkpoint {
   std::unique_ptr<state> state_;
 };
 
-// Names of the settings in which two keys differ, for people: "player_radius, samples"; empty where they cannot be
-// told.
+// Returns the names of the settings in which two keys differ, for messages: "player_radius, samples". A key is text
+// (scene, cells) followed by the settings as a JSON object. Returns an empty text if a key has another form.
 std::string differing_names(const std::string& key, const std::string& other);
 
 }  // namespace sightcell::bake

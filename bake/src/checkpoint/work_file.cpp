@@ -19,13 +19,14 @@ std::filesystem::path with_suffix(std::filesystem::path path, const char* suffix
   return path;
 }
 
-// Bakes of different folders may share one scratch folder.
+// The name has a hash of the whole path, because bakes of different folders may share one scratch folder.
 std::filesystem::path in_scratch(const std::filesystem::path& scratch, const std::filesystem::path& beside) {
   const std::string whole = std::filesystem::absolute(beside).lexically_normal().string();
   return scratch / fmt::format("{:016x}-{}", XXH3_64bits(whole.data(), whole.size()), beside.filename().string());
 }
 
-// When a bake was last written to. Until it is opened again its newest records may be in the log alone.
+// Returns the time of the last write to a checkpoint. Before the checkpoint is opened again, its newest records may be
+// in the log alone.
 std::optional<std::filesystem::file_time_type> last_written(const std::filesystem::path& bake) {
   std::optional<std::filesystem::file_time_type> last;
   for (const char* part : {"", "-journal", "-wal"}) {
@@ -36,8 +37,8 @@ std::optional<std::filesystem::file_time_type> last_written(const std::filesyste
   return last;
 }
 
-// Another machine left more than there is here. To be asked before the file here is opened: that moves its log into it,
-// after which it looks new.
+// Returns whether the copy is newer than the local file, because another machine continued the bake. To be called
+// before the local file is opened: opening moves its log into it, after which it appears new.
 bool is_newer(const std::filesystem::path& copy, const std::filesystem::path& here) {
   const auto copied = last_written(copy), worked = last_written(here);
   return copied && (!worked || *worked < *copied);
@@ -47,7 +48,7 @@ void take_over(const std::filesystem::path& copy, const std::filesystem::path& h
   const std::filesystem::path partial = with_suffix(here, ".partial");
   try {
     std::filesystem::copy_file(copy, partial, std::filesystem::copy_options::overwrite_existing);
-    // A log of the older file must not be brought into the newer one.
+    // SQLite must not apply a log of the older file to the newer one.
     for (const char* log : {"-journal", "-wal", "-shm"}) std::filesystem::remove(with_suffix(here, log));
     publish(partial, here);
   } catch (const std::filesystem::filesystem_error& e) {
@@ -62,7 +63,7 @@ work_file::work_file(const std::filesystem::path& target, const std::filesystem:
                      bool fresh, std::string_view plan, const stale_key_test& judge)
     : beside_(with_suffix(target, ".bake")), path_(scratch.empty() ? beside_ : in_scratch(scratch, beside_)) {
   if (!scratch.empty() && !fresh) {
-    // Whoever works there now is asked first: its file must not be replaced under it.
+    // Opening the file in scratch fails if another bake uses it. Its file must not be replaced meanwhile.
     std::error_code ignored;
     const bool copy_is_newer = is_newer(beside_, path_);
     if (std::filesystem::exists(path_, ignored)) checkpoint(path_, key, false, plan, judge);
@@ -89,7 +90,7 @@ void work_file::remove() {
   records_->remove();
   std::error_code ignored;
   if (path_ != beside_) std::filesystem::remove(beside_, ignored);
-  std::filesystem::remove(with_suffix(beside_, ".partial"), ignored);  // of a copy that a kill ended
+  std::filesystem::remove(with_suffix(beside_, ".partial"), ignored);  // left by a copy that was killed
 }
 
 }  // namespace sightcell::bake

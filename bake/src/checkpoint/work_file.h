@@ -1,5 +1,5 @@
 #pragma once
-// An unfinished bake on the disk where it is worked on, and its copy beside the output where that is another disk.
+// The checkpoint of a bake on the disk where the bake works, and its copy beside the output if that is another disk.
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -12,19 +12,21 @@ namespace sightcell::bake {
 
 class work_file {
  public:
-  // target: what the bake writes in the end; the unfinished bake is target + ".bake". With scratch it is worked on in
-  // that folder, from the copy beside the target where that is newer than what scratch has. The rest as checkpoint.
+  // Opens or creates the checkpoint, as the constructor of checkpoint does.
+  // target: the output of the bake. The checkpoint beside it is target + ".bake".
+  // scratch: the folder to work in; empty: beside the target. If the copy beside the target is newer than the file in
+  //   scratch, the bake resumes from the copy.
   work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
             bool fresh, std::string_view plan = {}, const stale_key_test& judge = {});
 
   checkpoint& records() { return *records_; }
   const std::filesystem::path& path() const { return path_; }
 
-  // With scratch: leaves a copy beside the target, so that any machine can go on from there.
+  // With scratch: writes a copy beside the target, from which any machine can resume.
   void copy();
-  // The same, when the last one is some minutes old.
+  // As copy(), if the last copy is at least five minutes old.
   void copy_if_due();
-  // The bake is done: nothing of it is left.
+  // Deletes the checkpoint and its copy after the end of the bake.
   void remove();
 
  private:
