@@ -41,8 +41,8 @@ view_cell explicit_cell(const cell_box& box, std::size_t number, const std::stri
   }
   for (const auto& corner : {box.min, box.max}) {
     for (const float value : corner)
-      cell.place =
-          mix(cell.place, std::bit_cast<std::uint32_t>(value + 0.0f));  // + 0 turns -0 into 0, so that both hash alike
+      // + 0 turns -0 into 0, so that both hash alike.
+      cell.place = mix(cell.place, std::bit_cast<std::uint32_t>(value + 0.0f));
   }
   return cell;
 }

@@ -12,7 +12,7 @@
 namespace sightcell::bake {
 namespace {
 
-// Without the processor's own instruction popcount is a call into a table.
+// Without the popcnt instruction, popcount is a call that uses a table.
 std::int32_t count_portably(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {
   std::int32_t count = 0;
   for (std::size_t i = 0; i < words; ++i) count += std::popcount(a[i] ^ b[i]);

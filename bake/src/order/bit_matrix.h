@@ -1,6 +1,6 @@
 #pragma once
-// Rows of bits and the Hamming distance between them: what a polygon order is measured in. Two polygons side by side
-// cost as many run ends as there are columns in which they differ.
+// Rows of bits and the Hamming distance between them, which measures a polygon order: two adjacent polygons cost as
+// many run ends as there are columns in which their rows differ.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,7 +11,7 @@ namespace sightcell::bake {
 class bit_matrix {
  public:
   bit_matrix() = default;
-  // All bits are 0. There is at least one column; the number of columns is rounded up to a multiple of 64.
+  // Makes a matrix of zeros with at least one column. The number of columns is rounded up to a multiple of 64.
   bit_matrix(std::uint32_t rows, std::uint32_t columns);
 
   std::uint32_t rows() const { return rows_; }
@@ -27,7 +27,7 @@ class bit_matrix {
   }
   void clear(std::uint32_t r);
 
-  // Columns in which two rows differ.
+  // Returns the number of columns in which two rows differ.
   std::int32_t distance(std::uint32_t a, std::uint32_t b) const {
     return count_differences_(&bits_[offset(a)], &bits_[offset(b)], words_);
   }
@@ -42,8 +42,8 @@ class bit_matrix {
   counter count_differences_ = nullptr;
 };
 
-// Where many columns have their place in a matrix that is narrower: a column of many is hashed to one of few and added
-// to it (exclusive or), which keeps small distances as they are. Wide matrices take their columns as they are.
+// Returns the column of a matrix that represents `column` of `columns`. A matrix with fewer columns hashes several
+// columns to one and adds them (exclusive or), which preserves small distances. Otherwise columns keep their numbers.
 std::uint32_t folded_column(std::uint64_t column, std::uint64_t columns, const bit_matrix& matrix);
 
 }  // namespace sightcell::bake

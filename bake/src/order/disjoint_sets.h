@@ -5,7 +5,7 @@
 
 namespace sightcell::bake {
 
-// Which numbers belong together (union-find with path halving).
+// A partition of the numbers 0 .. count - 1 into sets (union-find with path halving).
 class disjoint_sets {
  public:
   explicit disjoint_sets(std::uint32_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }

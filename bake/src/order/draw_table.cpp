@@ -9,11 +9,12 @@
 namespace sightcell::bake {
 namespace {
 
-// Draws may be merged where the host draws them with one state and always shows them together: of one material, and not
-// one by itself because of a group that it shows when it likes, or a level of detail. What moves is alone.
+// Numbers the draw groups of the merged layout. Draws may be merged if the host issues them with one state and always
+// shows them together: they have the same material, the same named group and the same level of detail. A draw that
+// moves is a group by itself.
 class group_numbers {
  public:
-  // The draws of a scene one after the other.
+  // Returns the group of the next draw of the scene. To be called for all draws in their order.
   std::uint32_t next(const scene::draw& d) {
     ++draws_;
     const std::tuple key(d.material, d.tags.group, d.lod_object, d.lod_level, d.moves ? draws_ : 0);
@@ -44,7 +45,7 @@ std::vector<format::draw_record> draw_table(const scene::scene& s, format::host_
                      .group = merged ? groups.next(d) : 0,
                      .first_source = d.first_source,
                      .polygon_count = d.polygon_count,
-                     .first_stored = d.first_source,  // until the draws are put in order
+                     .first_stored = d.first_source,  // until the draws are ordered
                      .base_vertex = d.base_vertex,
                      .host_tag = d.host_tag,
                      .flags = d.moves ? format::draw_moves : 0,

@@ -11,21 +11,21 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::uint32_t kept_neighbors = 32;
-constexpr std::uint32_t few_draws = 6000;      // up to here all pairs of ends are looked at for neighbors
-constexpr std::uint32_t few_ends = 2000;       // of fragments: up to here all pairs of them are
+constexpr std::uint32_t few_draws = 6000;      // up to here all pairs of ends are compared
+constexpr std::uint32_t few_ends = 2000;       // up to here all pairs of fragment ends are compared
 constexpr std::uint32_t places_ahead = 8;      // ends of a sort that are proposed to each other
-constexpr std::uint32_t fitting_ends = 3;      // of other fragments that are tried for each end of a sort,
-constexpr std::uint32_t furthest_place = 32;   // at most so many places ahead
-constexpr std::uint64_t neighbor_seed = 3001;  // of the sorts that propose neighbors
-constexpr std::uint64_t joining_seed = 4001;   // of those that join fragments
-constexpr int longest_search = 6;              // passes of Or-opt over all draws
+constexpr std::uint32_t fitting_ends = 3;      // ends of other fragments that are tried for each end of a sort,
+constexpr std::uint32_t furthest_place = 32;   // up to this distance in the sort
+constexpr std::uint64_t neighbor_seed = 3001;  // seed of the sorts that propose neighbors
+constexpr std::uint64_t joining_seed = 4001;   // seed of the sorts that join fragments
+constexpr int longest_search = 6;              // maximum number of Or-opt passes over all draws
 
 neighbor_lists neighbors_of_ends(const bit_matrix& ends, std::uint32_t sorts) {
   const std::uint32_t count = ends.rows() - 1;
   std::vector<std::uint32_t> all(count);
   std::iota(all.begin(), all.end(), 0u);
-  // Sorts come first also where all pairs follow: they propose different neighbors to ends that are alike, of which
-  // there may be many, while the nearest by number are the same ones for all.
+  // Sorts propose first even if all pairs are compared afterwards. Many ends may be equal. To those, sorts propose
+  // different neighbors, while the nearest by number would be the same for all.
   neighbor_lists near(ends.rows(), kept_neighbors);
   near.add_in_order(ends, all, places_ahead);
   for (std::uint64_t seed = neighbor_seed; seed < neighbor_seed + sorts; ++seed)
@@ -39,7 +39,7 @@ neighbor_lists neighbors_of_ends(const bit_matrix& ends, std::uint32_t sorts) {
   return near;
 }
 
-// Joins draws to fragments and fragments to one, shortest edges first.
+// Joins draws to fragments, and fragments to one path, shortest edges first.
 class greedy_draws {
  public:
   greedy_draws(const bit_matrix& ends, std::span<const std::uint8_t> flippable)
@@ -51,12 +51,12 @@ class greedy_draws {
   }
 
   void take_neighbors(const neighbor_lists& near);
-  // Until one is left.
+  // Joins fragments until one is left.
   void join_fragments(std::uint32_t sorts);
   std::vector<std::uint32_t> entries() const;
 
  private:
-  // What an end of a fragment with a draw that cannot be flipped must be.
+  // What an end of a fragment must be if the fragment has a draw that cannot be flipped.
   enum class role : std::uint8_t { either, head, tail };
   struct edge {
     std::int32_t distance;
@@ -76,9 +76,9 @@ class greedy_draws {
   void propose_nearest(std::span<const std::uint32_t> open, std::vector<edge>& edges) const;
 
   const bit_matrix& ends_;
-  std::vector<std::uint32_t> mates_;  // the end of another draw that an end is joined to
-  std::vector<std::uint32_t> far_;    // of an open end: the other end of its fragment
-  std::vector<role> roles_;           // of open ends
+  std::vector<std::uint32_t> mates_;  // the end of another draw that each end is joined to
+  std::vector<std::uint32_t> far_;    // of each open end: the other end of its fragment
+  std::vector<role> roles_;           // of each open end
 };
 
 void greedy_draws::join(std::uint32_t a, std::uint32_t b) {
@@ -87,13 +87,13 @@ void greedy_draws::join(std::uint32_t a, std::uint32_t b) {
   mates_[b] = a;
   far_[far_a] = far_b;
   far_[far_b] = far_a;
-  // A fragment that could be flipped until now has to follow the other.
+  // If one fragment could be flipped until now, it takes its orientation from the other.
   if (roles_[b] == role::either) roles_[far_b] = roles_[a];
   if (roles_[a] == role::either) roles_[far_a] = roles_[b];
 }
 
 void greedy_draws::take_shortest(std::vector<edge>& edges) {
-  // Equal edges may come twice; it does not matter which comes first.
+  // Equal edges may occur twice. Their order does not matter.
   sort_without_ties(edges, [](const edge& x, const edge& y) {
     return std::tie(x.distance, x.a, x.b) < std::tie(y.distance, y.a, y.b);
   });
@@ -133,7 +133,8 @@ void greedy_draws::propose_near(std::span<const std::uint32_t> sorted, std::vect
   }
 }
 
-// Each end's nearest; of equally near ones the next by number, so that ends which are alike do not all choose the same.
+// Proposes to each end the nearest one; of equally near ones the next by number, so that equal ends do not all choose
+// the same one.
 void greedy_draws::propose_nearest(std::span<const std::uint32_t> open, std::vector<edge>& edges) const {
   std::vector<edge> nearest(open.size());
   in_blocks(open.size(), [&](std::size_t begin, std::size_t end) {
@@ -150,8 +151,8 @@ void greedy_draws::propose_nearest(std::span<const std::uint32_t> open, std::vec
   edges.insert(edges.end(), nearest.begin(), nearest.end());
 }
 
-// All pairs make one fragment of those that are left: pairs that do not fit never come to fit, and each pair that still
-// fits at the end would have been taken.
+// Comparing all pairs joins the rest to one fragment: pairs that do not fit never fit later, and a pair that still
+// fitted at the end would have been joined.
 void greedy_draws::join_fragments(std::uint32_t sorts) {
   std::uint64_t seed = joining_seed;
   std::vector<edge> edges;
@@ -164,7 +165,7 @@ void greedy_draws::join_fragments(std::uint32_t sorts) {
     }
     take_shortest(edges);
     std::vector<std::uint32_t> left = open_ends();
-    // Where heads and tails are far apart sorts find little.
+    // If heads and tails are far apart, sorts find few edges.
     if (left.size() > open.size() - open.size() / 8) {
       edges.clear();
       propose_nearest(left, edges);
@@ -188,7 +189,7 @@ std::vector<std::uint32_t> greedy_draws::entries() const {
   }
 }
 
-// Or-opt of single draws, flipped or not.
+// Or-opt: moves single draws, flipped or not.
 class draw_moves {
  public:
   draw_moves(const bit_matrix& ends, const neighbor_lists& near, std::span<const std::uint8_t> flippable,
@@ -201,7 +202,7 @@ class draw_moves {
     }
   }
 
-  // Answers whether anything moved.
+  // Moves each draw to its best position. Returns whether a draw moved.
   bool pass() {
     bool moved = false;
     for (std::uint32_t draw = 0; draw < links_.size(); ++draw)
@@ -223,7 +224,7 @@ class draw_moves {
   struct links {
     std::uint32_t before, after, entry;
   };
-  // Between two draws that follow each other once the moved one is gone.
+  // A position for the moved draw, between two draws that are adjacent without it.
   struct place {
     std::int32_t gain = 0;
     std::uint32_t before = no_row, after = no_row;
@@ -244,7 +245,8 @@ class draw_moves {
   std::uint32_t first_;
 };
 
-// Where one of its ends is next to an end that is near to it.
+// Finds the position with the largest gain among those where an end of the draw is adjacent to an end in its neighbor
+// list.
 draw_moves::place draw_moves::best_place(std::uint32_t draw, std::uint32_t entry) const {
   const auto [before, after, old_entry] = links_[draw];
   const std::int32_t freed = between(before, draw) + between(draw, after) - between(before, after);

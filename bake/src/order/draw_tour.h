@@ -1,6 +1,6 @@
 #pragma once
-// The order in which draws are laid end to end: where one ends and the next begins as few cells as possible should see
-// only one of the two.
+// The order of draws in a file. At the border of two draws, as few cells as possible should see only one of the two
+// polygons there.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,8 +10,9 @@
 
 namespace sightcell::bake {
 
-// The two ends of draw number d are 2 * d, its head, and 2 * d + 1, its tail. Their rows say which cells see them; one
-// row more, the last, says what comes before the first draw and after the last: nothing is seen.
+// The two ends of draw d are 2 * d, its head, and 2 * d + 1, its tail. The row of an end has a bit for each cell whose
+// set has the polygon there. One more row, the last, is for what is before the first draw and after the last: it is all
+// 0.
 constexpr std::uint32_t head_of(std::uint32_t draw) {
   return 2 * draw;
 }
@@ -27,14 +28,18 @@ constexpr std::uint32_t other_end(std::uint32_t end) {
 
 class draw_tour {
  public:
-  // flippable: for each draw whether it may be laid tail first. sorts: that propose neighbors. Greedy edges, then
-  // improve(). Many threads look at the pairs of ends.
+  // Computes an order: greedy edges, then improve().
+  // ends: one row per end and the last row of zeros.
+  // flippable: for each draw, whether it may be stored tail first.
+  // sorts: number of sorts that propose neighbors.
+  // Threads: pairs of ends are compared on several threads.
   draw_tour(const bit_matrix& ends, std::span<const std::uint8_t> flippable, std::uint32_t sorts);
 
-  // Moves single draws (Or-opt) while that makes the sum of distances smaller. ends may have changed.
+  // Shortens the order by moving single draws (Or-opt).
+  // ends: may differ from those of the constructor.
   void improve(const bit_matrix& ends);
 
-  // For each draw, in order, the end that comes first: its tail where the draw is flipped.
+  // Returns the draws in their order, each as the end that is first: its tail if the draw is flipped.
   const std::vector<std::uint32_t>& entries() const { return entries_; }
 
  private:

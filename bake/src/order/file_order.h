@@ -1,5 +1,5 @@
 #pragma once
-// The order in which a file has cells and polygons. Both are brought into it after the sets are known.
+// The order of cells and polygons in a file. Both are sorted after all sets are known.
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -9,15 +9,18 @@
 
 namespace sightcell::bake {
 
-// Puts cells that lie on a lattice, by the settings text of parts, into its order, with their certificates. The answer
-// is the number that each cell had; empty where cells keep theirs.
+// Sorts cells into lattice order, with their certificates, if the settings text of parts names a lattice and all cells
+// are on it.
+// Returns the previous number of each cell; empty if the cells were not sorted.
 std::vector<std::uint32_t> order_cells(format::file_parts& parts);
 
-// Puts the ascending source ids of a cell into set, which comes empty.
+// Appends the source ids of a cell, ascending, to an empty set.
 using set_source = std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& set)>;
 
-// Orders polygons and draws anew, in the layout that the facts of parts say: draws, order_of_draw and orders of parts
-// become others. Takes what store_draws does (stored_draws.h). set_of: by the numbers of the cells of parts.
+// Computes a new order of polygons and draws, for the layout in the facts of parts. It replaces draws, order_of_draw
+// and orders of parts.
+// set_of: by the cell numbers of parts.
+// Cost: that of store_draws() (stored_draws.h).
 void order_polygons_of(format::file_parts& parts, polygon_order_kind kind, const set_source& set_of);
 
 }  // namespace sightcell::bake

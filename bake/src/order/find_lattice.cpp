@@ -12,17 +12,18 @@
 namespace sightcell::bake {
 namespace {
 
-// Of the lattice that the cells were made on, before it was coarsened; 0 where they were not made on one.
+// Returns the cell size of the lattice on which the cells were made, before it was coarsened; 0 if they were not made
+// on a lattice.
 double cell_size_of(std::string_view settings) {
   const auto text = scene::parse_json(settings, false);
   if (!text.is_object()) return 0.0;
   const std::string kind = text.contains("cells") && text["cells"].is_string() ? text["cells"] : "";
   const bool made = kind == "automatic" || kind == "grid";
   if (!made || !text.contains("cell_size") || !text["cell_size"].is_number()) return 0.0;
-  return static_cast<double>(text["cell_size"].get<float>());  // it was a float when it was written
+  return static_cast<double>(text["cell_size"].get<float>());  // settings store a float
 }
 
-// Nothing where the box is not that of a lattice cell.
+// Returns the lattice position of a box, nothing if the box is not a lattice cell.
 std::optional<format::lattice_place> place_of(const format::box& b, const format::lattice_shape& shape) {
   format::lattice_place place;
   const std::array<double, 3> size{shape.width, shape.height, shape.width};
@@ -60,7 +61,7 @@ std::optional<cells_on_lattice> find_lattice(std::span<const format::box> cells,
   std::sort(found.cells.begin(), found.cells.end(), before);
   if (std::adjacent_find(found.cells.begin(), found.cells.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return !before(a, b); }) != found.cells.end())
-    return std::nullopt;  // the same cell twice
+    return std::nullopt;  // two cells at the same position
   for (const std::uint32_t cell : found.cells) found.places.push_back(places[cell]);
   return found;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Where a file's cells lie on a lattice.
+// Finds the lattice positions of the cells of a file.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -12,12 +12,13 @@ namespace sightcell::bake {
 
 struct cells_on_lattice {
   format::lattice_shape shape;
-  std::vector<std::uint32_t> cells;           // numbers of the cells, in the order in which a file has them
-  std::vector<format::lattice_place> places;  // [i]: of cells[i]
+  std::vector<std::uint32_t> cells;           // cell numbers, in the order of a file
+  std::vector<format::lattice_place> places;  // places[i] is that of cells[i]
 };
 
-// Nothing unless settings, a file's settings text, name automatic or grid cells and each box is that of a lattice cell
-// of its cell size, or of one twice as large or further coarsened, to the last bit. Cells by hand keep their numbers.
+// Returns the lattice positions of cells. Returns nothing unless the settings text of the file names automatic or grid
+// cells, and each box equals bitwise that of a cell on a lattice of the cell size, or of the cell size times a power of
+// two. Explicit cells keep their numbers.
 std::optional<cells_on_lattice> find_lattice(std::span<const format::box> cells, std::string_view settings);
 
 }  // namespace sightcell::bake

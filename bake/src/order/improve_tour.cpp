@@ -10,17 +10,18 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr int rounds = 3;                          // of 2-opt and Or-opt after the first Or-opt
-constexpr std::uint32_t longest_segment = 3;       // that Or-opt moves
-constexpr std::uint32_t longest_reversal = 50000;  // by 2-opt: its cost grows with the length, its gain does not
-constexpr std::uint32_t fewest_moves = 200;        // a round that moves less than 1 row in so many is the last
+constexpr int rounds = 3;                     // rounds of 2-opt and Or-opt after the first Or-opt
+constexpr std::uint32_t longest_segment = 3;  // rows that Or-opt moves together
+// Rows that 2-opt reverses: the cost grows with the length, the gain does not.
+constexpr std::uint32_t longest_reversal = 50000;
+constexpr std::uint32_t fewest_moves = 200;  // a round with at most one move per this number of rows is the last
 
-// Rows whose surroundings have changed since they were looked at; all of them to begin with.
+// Queue of rows whose neighbors changed after they were processed; all rows at first.
 class changed_rows {
  public:
   explicit changed_rows(std::uint32_t rows) : now_(rows), waits_(rows, 1) { std::iota(now_.begin(), now_.end(), 0u); }
 
-  // In the order in which they came.
+  // Takes the next row in order of arrival. Returns false if the queue is empty.
   bool take(std::uint32_t& row) {
     if (at_ == now_.size()) {
       now_.swap(later_);
@@ -44,13 +45,13 @@ class changed_rows {
   std::size_t at_ = 0;
 };
 
-// Or-opt: stretches of up to three rows move to between two other rows, turned round if that is better.
+// Or-opt: moves segments of up to three rows to between two other rows, reversed if that is better.
 class or_opt {
  public:
   or_opt(const bit_matrix& matrix, const neighbor_lists& near, tour_edge fixed, std::span<const std::uint32_t> tour)
       : matrix_(matrix), near_(near), fixed_(fixed), links_(tour), changed_(matrix.rows()) {}
 
-  // Answers how many moves were made.
+  // Returns the number of moves.
   std::uint32_t run() {
     std::uint32_t moves = 0;
     for (std::uint32_t row = 0; changed_.take(row);)
@@ -60,11 +61,11 @@ class or_opt {
   const tour_links& links() const { return links_; }
 
  private:
-  // before - rows[0] .. rows[length - 1] - after
+  // Consecutive rows of the tour: before - rows[0] .. rows[length - 1] - after.
   struct segment {
     std::array<std::uint32_t, longest_segment> rows{};
     std::uint32_t length = 0, before = 0, after = 0;
-    std::int32_t freed = 0;  // by which the tour is shorter without it
+    std::int32_t freed = 0;  // length that the tour loses without it
     std::uint32_t head() const { return rows[0]; }
     std::uint32_t tail() const { return rows[length - 1]; }
     bool has(std::uint32_t row) const {
@@ -84,7 +85,7 @@ class or_opt {
   changed_rows changed_;
 };
 
-// Segments with row as head that go away from its neighbor on that side.
+// Tries the segments with row as head that extend away from its neighbor on one side.
 bool or_opt::moves_from(std::uint32_t row, std::size_t side) {
   segment part;
   part.before = links_.of(row)[side];
@@ -103,7 +104,7 @@ bool or_opt::moves_from(std::uint32_t row, std::size_t side) {
   return false;
 }
 
-// To where its head is next to a row that is near to it.
+// Tries positions at which the head is adjacent to a row in its neighbor list.
 bool or_opt::moves(const segment& part) {
   for (const near_row& beside_head : near_.of(part.head())) {
     const std::int32_t left = part.freed - beside_head.distance;
@@ -131,7 +132,7 @@ void or_opt::move(const segment& part, std::uint32_t beside_head, std::uint32_t 
   for (const std::uint32_t row : {part.before, part.after, beside_head, beside_tail, head, tail}) changed_.add(row);
 }
 
-// 2-opt: two edges are exchanged for two others by turning the stretch between them round.
+// 2-opt: replaces two edges by two others and reverses the rows between them.
 class two_opt {
  public:
   two_opt(const bit_matrix& matrix, const neighbor_lists& near, tour_edge fixed, std::vector<std::uint32_t>& tour)
@@ -145,7 +146,7 @@ class two_opt {
     for (std::uint32_t i = 0; i < size_; ++i) place_[tour_[i]] = i;
   }
 
-  // Answers how many moves were made.
+  // Returns the number of moves.
   std::uint32_t run() {
     std::uint32_t moves = 0;
     for (std::uint32_t row = 0; changed_.take(row);)
@@ -171,7 +172,7 @@ class two_opt {
   changed_rows changed_;
 };
 
-// Edges a-b and c-d, where b and d come next in the same direction, become a-c and b-d.
+// Replaces edges a-b and c-d, where b and d follow in the same direction, by a-c and b-d.
 bool two_opt::moves_from(std::uint32_t a, bool forward) {
   const std::uint32_t b = next_to(a, forward);
   if (fixed_.joins(a, b)) return false;
@@ -189,8 +190,8 @@ bool two_opt::moves_from(std::uint32_t a, bool forward) {
   return false;
 }
 
-// Turns the stretch from place first to place last round, or the rest of the tour, which comes to the same: whichever
-// is shorter. False where both are too long.
+// Reverses the rows at the positions first .. last, or the rest of the tour, which is equivalent: whichever is shorter.
+// Returns false if both are too long.
 bool two_opt::reverse(std::uint32_t first, std::uint32_t last) {
   std::uint32_t length = (last >= first ? last - first : last + size_ - first) + 1;
   if (length > size_ / 2) {
@@ -222,7 +223,7 @@ std::uint32_t run_or_opt(const bit_matrix& matrix, const neighbor_lists& near, t
 
 void improve_tour(const bit_matrix& matrix, const neighbor_lists& near, tour_edge fixed,
                   std::vector<std::uint32_t>& tour) {
-  if (tour.size() < 4) return;  // all closed tours are equally long
+  if (tour.size() < 4) return;  // all closed tours of so few rows have the same length
   run_or_opt(matrix, near, fixed, tour);
   for (int round = 0; round < rounds; ++round) {
     std::uint32_t moves = two_opt(matrix, near, fixed, tour).run();

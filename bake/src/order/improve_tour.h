@@ -1,5 +1,5 @@
 #pragma once
-// Local search that makes a closed tour through all rows of a bit matrix shorter: Or-opt and 2-opt with neighbor lists.
+// Local search that shortens a closed tour through all rows of a bit matrix: Or-opt and 2-opt with neighbor lists.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,8 +14,11 @@ struct tour_edge {
   bool joins(std::uint32_t x, std::uint32_t y) const { return (x == a && y == b) || (x == b && y == a); }
 };
 
-// tour: each row of the matrix once; its last is next to its first. fixed, an edge of the tour, stays one. The result
-// is no longer than what came and depends on nothing but the arguments. Takes about 30 bytes per row meanwhile.
+// Shortens a tour. The result is never longer and depends on the arguments alone.
+// near: candidates for new edges.
+// fixed: an edge of the tour that is kept.
+// tour: each row of the matrix once; its last row is adjacent to its first.
+// Cost: about 30 bytes of memory per row.
 void improve_tour(const bit_matrix& matrix, const neighbor_lists& near, tour_edge fixed,
                   std::vector<std::uint32_t>& tour);
 

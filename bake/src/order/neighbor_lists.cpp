@@ -13,9 +13,10 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint32_t places_ahead = 3;   // rows of a sort that are proposed to each other
-constexpr std::uint32_t few_rows = 64;      // up to here all pairs cost less than sorts
-constexpr std::uint32_t bits_of_key = 16;   // first set bits by which rows are sorted; 8 break lines of thousands
+constexpr std::uint32_t places_ahead = 3;  // rows of a sort that are proposed to each other
+constexpr std::uint32_t few_rows = 64;     // up to here comparing all pairs costs less than sorts
+// First set bits by which rows are sorted; with 8, paths of thousands of rows break.
+constexpr std::uint32_t bits_of_key = 16;
 constexpr std::uint32_t last_rank = 65535;  // of a column: ranks take 16 bits of a key
 
 std::vector<std::uint16_t> permuted_ranks(std::uint32_t columns, std::uint64_t seed) {
@@ -29,8 +30,8 @@ std::vector<std::uint16_t> permuted_ranks(std::uint32_t columns, std::uint64_t s
 
 using sort_key = std::array<std::uint64_t, bits_of_key / 4>;
 
-// The ranks of the first set bits, every second one in falling order: as in a Gray code, rows next to each other where
-// a bit changes are then near in the bits that follow.
+// Returns the ranks of the first set bits, every second one in descending order. As in a Gray code, rows that are
+// adjacent where one bit changes are then near in the bits that follow.
 sort_key key_of(std::span<const std::uint64_t> row, std::span<const std::uint16_t> ranks) {
   std::array<std::uint32_t, bits_of_key + 1> first{};  // ascending
   std::uint32_t found = 0;
@@ -65,7 +66,7 @@ void neighbor_lists::add(std::uint32_t row, std::uint32_t other, std::int32_t di
 
 void neighbor_lists::add_in_order(const bit_matrix& matrix, std::span<const std::uint32_t> order, std::uint32_t ahead) {
   const std::size_t count = order.size();
-  std::vector<std::int32_t> distances(count * ahead);  // [i * ahead + k - 1]: from place i to place i + k
+  std::vector<std::int32_t> distances(count * ahead);  // [i * ahead + k - 1]: from position i to i + k
   in_blocks(count, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t k = 1; k <= ahead && i + k < count; ++k)

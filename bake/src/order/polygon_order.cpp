@@ -13,7 +13,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint32_t most_sketch_bits = 65536;  // what sorts by permuted bits can tell apart
+constexpr std::uint32_t most_sketch_bits = 65536;  // limit of the ranks in sorts by permuted bits
 
 class orderer {
  public:
@@ -33,7 +33,7 @@ class orderer {
 
  private:
   bool shared(std::uint32_t draw) const { return draws_of_unit_[in_.draws[draw].unit] > 1; }
-  // What is done with a unit that has atoms to order.
+  // Calls work(unit) for each unit that has atoms to order.
   template <class Work>
   void for_each_unit(const Work& work) const;
   std::uint32_t polygon_at(std::uint32_t end) const;
@@ -46,11 +46,12 @@ class orderer {
   std::uint32_t sketch_bits_;
   std::vector<unit_signatures> units_;
   std::vector<std::vector<std::uint32_t>> paths_;  // of each unit: its atoms in order
-  std::vector<std::uint32_t> draws_;               // with polygons; the draw tour numbers them by their place here
+  std::vector<std::uint32_t> draws_;  // draws with polygons; the draw tour numbers them by their index here
   std::vector<std::uint32_t> draws_of_unit_;
 };
 
-// Large units one after another, with all threads in each; the others side by side: so memory is bounded.
+// Large units are processed one at a time, each with all threads, and the others in parallel, so that memory is
+// bounded.
 template <class Work>
 void orderer::for_each_unit(const Work& work) const {
   std::vector<std::uint32_t> small;
@@ -62,7 +63,7 @@ void orderer::for_each_unit(const Work& work) const {
   tbb::parallel_for(std::size_t{0}, small.size(), [&](std::size_t i) { work(small[i]); });
 }
 
-// The polygon, numbered as in the input's draws, at an end of the draw tour.
+// Returns the polygon at an end of the draw tour, numbered as in the draws of the input.
 std::uint32_t orderer::polygon_at(std::uint32_t end) const {
   const ordered_draw& draw = in_.draws[draws_[draw_of(end)]];
   const unit_signatures& unit = units_[draw.unit];
@@ -94,7 +95,7 @@ std::vector<surroundings> orderer::surroundings_of(const draw_tour& tour) const 
 polygon_order orderer::run(std::uint32_t rounds) {
   for_each_unit([&](std::uint32_t u) { paths_[u] = shortest_path(units_[u].rows, tour_); });
   std::vector<std::uint8_t> flippable;
-  // Whether one polygon is flipped is nobody's business.
+  // A draw of one polygon is the same when flipped.
   for (const std::uint32_t d : draws_) flippable.push_back(!shared(d) || in_.draws[d].count == 1 ? 1 : 0);
   draw_tour tour(ends(), flippable, tour_.sorts);
   for (std::uint32_t round = 0; round < rounds; ++round) {

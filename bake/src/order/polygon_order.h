@@ -1,9 +1,10 @@
 #pragma once
-// In which order polygons are stored, so that the sets of cells are few runs: what is seen together lies together.
+// The order in which a file stores polygons. Polygons that are visible from the same cells are adjacent, so that cell
+// sets are few runs.
 //
-// Inside each unit (a stretch of polygons that is free to be permuted) the order is a short travelling salesman's path
-// over the Hamming distance of visibility signatures: which cells see a polygon, for each of the unit's draws. A second
-// path lays the draws end to end, and then both are fitted to each other.
+// A unit is a sequence of polygons that may be permuted. Inside each unit the order is a short traveling salesman path
+// over the Hamming distance of visibility signatures: the cells whose sets have the polygon, for each draw of the unit.
+// A second path orders the draws. Then both are fitted to each other.
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -13,8 +14,8 @@
 
 namespace sightcell::bake {
 
-// A stretch of consecutive polygons that stays together: a draw of the instanced layout, a draw group of the merged
-// one. Draws with the same unit share one order (instances of one primitive) and have the same count.
+// Consecutive polygons that stay together: a draw of the instanced layout, a draw group of the merged one. Draws with
+// the same unit share one order (instances of one primitive) and have the same count.
 struct ordered_draw {
   std::uint32_t unit = 0;
   std::uint32_t first = 0;
@@ -22,39 +23,39 @@ struct ordered_draw {
 };
 
 struct order_input {
-  // Ascending first, gapless from 0.
+  // In ascending order of `first`, without gaps from 0.
   std::span<const ordered_draw> draws;
   std::uint32_t unit_count = 0;
   std::uint32_t cell_count = 0;
-  // Puts the set of a cell as runs (ascending, disjoint, not touching; numbers as in draws) into runs, which comes
-  // empty. Called from one thread, several times for each cell (3 + 2 * rounds), ascending; it must answer the same
-  // each time. What it throws comes through.
+  // Appends the set of a cell as runs to an empty vector: ascending, disjoint, not adjacent, numbered as in draws. It
+  // is called from one thread, 3 + 2 * rounds times for each cell, in ascending order, and must return the same each
+  // time. Its exceptions reach the caller.
   std::function<void(std::uint32_t cell, std::vector<format::run>& runs)> runs_of;
 };
 
 struct order_settings {
-  std::uint32_t sorts = 16;     // that propose neighbors
-  std::uint32_t neighbors = 8;  // kept per signature
-  // Widest signature, at most 65536; wider ones are folded (column -> hash % bits, exclusive or), which keeps small
-  // distances.
+  std::uint32_t sorts = 16;     // sorts that propose neighbors
+  std::uint32_t neighbors = 8;  // neighbors that are kept per signature
+  // Maximum number of bits of a signature, at most 65536. Wider signatures are folded (column to hash % bits, exclusive
+  // or), which preserves small distances.
   std::uint32_t sketch_bits = 2048;
-  std::uint32_t rounds = 2;  // of fitting units and draws to each other
+  std::uint32_t rounds = 2;  // rounds in which units and draws are fitted to each other
 };
 
 struct polygon_order {
-  // units[u][i]: which polygon of the unit (0 .. count - 1, as in its source order) comes i-th. Empty for a unit
-  // without draws.
+  // units[u][i] is the polygon of unit u that is stored as number i of the unit; polygons are numbered 0 .. count - 1
+  // in source order. Empty for a unit without draws.
   std::vector<std::vector<std::uint32_t>> units;
-  // Draw numbers in the order in which they are laid end to end; draws with count 0 come last in ascending order.
+  // Draw numbers in stored order. Draws with count 0 are last, in ascending order.
   std::vector<std::uint32_t> draws;
 };
 
-// The order depends on nothing but input and settings: no thread, pointer or time. Works on as many threads as oneTBB
-// gives it, units side by side and the long loops of large ones.
-//
-// Memory: w = min(sketch_bits, widest unit's columns) / 8 bytes for each of A atoms (polygons of a unit with the same
-// signature), 16 for each polygon of the units; 20 * neighbors + 60 for each atom of the units worked on at once; twice
-// sketch_bits / 8 for each draw. Measured: 3 million atoms and 2,000 cells 1.4 GiB. Sets are never kept.
+// Computes the stored order. It depends on input and settings alone, not on threads, pointers or time.
+// Threads: as many as oneTBB provides. Small units run in parallel; large units use several threads inside.
+// Memory, with w = min(sketch_bits, columns of the widest unit) / 8: w bytes for each atom (polygons of a unit with the
+// same signature), 16 bytes for each polygon of the units, 20 * neighbors + 60 bytes for each atom of the units in work
+// at once, and 2 * sketch_bits / 8 bytes for each draw. Measured: 1.4 GiB for 3 million atoms and 2,000 cells. Sets are
+// never kept.
 polygon_order order_polygons(const order_input& in, const order_settings& how);
 
 }  // namespace sightcell::bake

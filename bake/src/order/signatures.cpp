@@ -14,7 +14,6 @@ namespace {
 
 using runs_type = std::vector<format::run>;
 
-// Calls visit(cell, runs) for all cells.
 template <class Visit>
 void for_each_cell(const order_input& in, const Visit& visit) {
   runs_type runs;
@@ -25,8 +24,9 @@ void for_each_cell(const order_input& in, const Visit& visit) {
   }
 }
 
-// Calls visit(draw, pieces) for each draw that a set with these runs shows in part, ascending; pieces count from the
-// draw's first polygon. scratch: storage to use again.
+// Calls visit(draw, pieces) for each draw of which a set with these runs has some polygons and not all, ascending.
+// pieces: runs relative to the first polygon of the draw.
+// scratch: storage to reuse.
 template <class Visit>
 void for_each_cut_draw(const order_input& in, const runs_type& runs, runs_type& scratch, const Visit& visit) {
   if (in.draws.empty()) return;
@@ -71,9 +71,9 @@ signature_hash hash_of(std::uint32_t draw, std::uint32_t cell) {
   return {mix_bits(key + 0x9E3779B97F4A7C15ull), mix_bits(mix_bits(key ^ 0xD1B54A32D192ED03ull) + key)};
 }
 
-// For each unit the hash of each polygon's signature; counts columns.
+// Returns the hash of the signature of each polygon, per unit. Counts the columns of each unit.
 std::vector<std::vector<signature_hash>> read_hashes(const order_input& in, std::vector<unit_signatures>& units) {
-  // First what changes from one polygon to the next, then summed up.
+  // Hashes are first written as differences between consecutive polygons, and then summed.
   std::vector<std::vector<signature_hash>> hashes(units.size());
   for (std::size_t u = 0; u < units.size(); ++u) hashes[u].resize(std::size_t{units[u].polygon_count} + 1);
   runs_type scratch;
@@ -96,13 +96,13 @@ std::vector<std::vector<signature_hash>> read_hashes(const order_input& in, std:
   return hashes;
 }
 
-// Which polygons have the same hash.
+// Groups the polygons with equal hashes into atoms.
 void find_atoms(std::span<const signature_hash> hashes, unit_signatures& unit) {
   std::vector<std::uint32_t> by_hash(hashes.size());
   std::iota(by_hash.begin(), by_hash.end(), 0u);
   sort_without_ties(by_hash,
                     [&](std::uint32_t a, std::uint32_t b) { return std::tie(hashes[a], a) < std::tie(hashes[b], b); });
-  // Each polygon's atom by its first polygon, then in the order of those.
+  // first[p] is the first polygon of p's atom. Atoms are sorted by it.
   std::vector<std::uint32_t> first(hashes.size());
   for (std::size_t i = 0; i < by_hash.size(); ++i)
     first[by_hash[i]] = i > 0 && hashes[by_hash[i]] == hashes[by_hash[i - 1]] ? first[by_hash[i - 1]] : by_hash[i];
@@ -115,8 +115,8 @@ void find_atoms(std::span<const signature_hash> hashes, unit_signatures& unit) {
   unit.begins.push_back(unit.polygon_count);
 }
 
-// Calls visit(unit, column, pieces) for each column of each unit, with folded columns. Always the same for the same
-// input.
+// Calls visit(draw, column, pieces) for each column, with folded columns. The sequence of columns is the same for every
+// reading of an input.
 class column_reader {
  public:
   column_reader(const order_input& in, std::span<const unit_signatures> units)
@@ -137,10 +137,10 @@ class column_reader {
   runs_type scratch_;
 };
 
-// The atoms whose first polygons lie in a piece follow each other. So the bits are first written where they change from
-// one atom to the next, and then summed up.
+// Atoms whose first polygons are in one piece are consecutive. So bits are first written as differences between
+// consecutive atoms, and then summed.
 void read_rows(const order_input& in, std::span<unit_signatures> units) {
-  // For each polygon of a unit, and the end: how many atoms begin before it.
+  // For each polygon of a unit, and for its end, the number of atoms that begin before it.
   std::vector<std::vector<std::uint32_t>> atoms_before(units.size());
   for (std::size_t u = 0; u < units.size(); ++u) {
     std::vector<std::uint32_t>& before = atoms_before[u];

@@ -1,6 +1,7 @@
 #pragma once
-// Visibility signatures of the polygons of a unit: a bit for each (draw, cell) in which the draw is partly visible.
-// Polygons with one signature are an atom: nothing is won by anything between them.
+// Visibility signatures of the polygons of a unit. There is one column for each (draw, cell) for which the set of the
+// cell has some polygons of the draw and not all; the bit of a polygon is set if it is among them. Polygons with equal
+// signatures form an atom. They stay adjacent, because placing other polygons between them gains nothing.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,34 +12,36 @@
 
 namespace sightcell::bake {
 
-// A unit's atoms, numbered by their first polygon, and their signatures.
+// The atoms of a unit, numbered by their first polygon, and their signatures.
 struct unit_signatures {
   std::uint32_t polygon_count = 0;
   std::uint64_t column_count = 0;  // before folding
-  // Polygons of atom a, ascending: members[begins[a]] .. members[begins[a + 1] - 1]
+  // The polygons of atom a, ascending, are members[begins[a]] .. members[begins[a + 1] - 1].
   std::vector<std::uint32_t> members, begins;
-  // One row per atom, then the rows of what comes before and after the unit: nothing that any cell sees, as long as
-  // set_surroundings says nothing else.
+  // One row per atom, then two rows for what is before and after the unit. These are 0, in no set, until
+  // set_surroundings() changes them.
   bit_matrix rows;
 
   std::uint32_t atom_count() const { return static_cast<std::uint32_t>(begins.size()) - 1; }
-  // The polygons of the unit, atoms in this order.
+  // Returns the polygons of the unit, with the atoms in the given order.
   std::vector<std::uint32_t> polygons_of(std::span<const std::uint32_t> atoms) const;
 };
 
-// Reads all sets twice: for the hashes that tell atoms apart (128 bits), then for the matrices.
+// Computes the signatures of all units. It reads all sets twice: for 128-bit hashes that distinguish atoms, and for the
+// matrices.
 std::vector<unit_signatures> read_signatures(const order_input& in, std::uint32_t sketch_bits);
 
-// The polygons (numbers as in the input's draws; no_row: none) between which a draw lies.
+// The polygons before and after a draw, numbered as in the draws of the input; no_row: none.
 struct surroundings {
   std::uint32_t before = no_row, after = no_row;
 };
 
-// Makes the last two rows of each unit say for each (draw, cell) whether the cell sees what is before and after that
-// draw. Reads all sets once.
+// Fills the last two rows of each unit: for each (draw, cell), whether the set of the cell has the polygon before and
+// the polygon after that draw. It reads all sets once.
 void set_surroundings(const order_input& in, std::span<const surroundings> by_draw, std::span<unit_signatures> units);
 
-// For each given polygon (no_row: never seen) a row that says which cells see it. Reads all sets once.
+// Returns a matrix with one row per given polygon and a bit for each cell whose set has it. no_row is in no set. Reads
+// all sets once.
 bit_matrix cells_that_see(const order_input& in, std::span<const std::uint32_t> polygons, std::uint32_t sketch_bits);
 
 }  // namespace sightcell::bake

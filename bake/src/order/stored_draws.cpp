@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t not_named = UINT32_MAX;
 
-// Runs of ascending numbers.
+// Appends ascending numbers as runs.
 void append_runs(std::span<const std::uint32_t> set, std::vector<format::run>& runs) {
   for (const std::uint32_t id : set) {
     if (!runs.empty() && runs.back().first + runs.back().count == id)
@@ -26,7 +26,7 @@ using set_source = std::function<void(std::uint32_t cell, std::vector<std::uint3
 
 std::vector<format::draw_record> in_source_order(std::span<const format::draw_record> draws) {
   std::vector<format::draw_record> sorted(draws.begin(), draws.end());
-  // Draws without polygons begin where the next one does.
+  // Draws without polygons have the same first_source as the next draw.
   const auto place = [](const format::draw_record& d) { return std::tuple(d.first_source, d.polygon_count > 0); };
   std::stable_sort(sorted.begin(), sorted.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
   return sorted;
@@ -78,17 +78,17 @@ stored_draws store_instanced(std::span<const format::draw_record> draws, polygon
   return out;
 }
 
-// Numbers polygons as if every draw group were stored in the order of the source.
+// Numbers polygons as if every draw group were stored in source order.
 class concatenation {
  public:
-  // draws: as in_groups() gives them.
+  // draws: from in_groups().
   explicit concatenation(std::span<const format::draw_record> draws) {
     for (const format::draw_record& d : draws)
       if (d.polygon_count > 0) stretches_.push_back({d.first_source, d.polygon_count, d.first_stored});
     std::sort(stretches_.begin(), stretches_.end(), [](const auto& a, const auto& b) { return a.source < b.source; });
   }
 
-  // Of ascending source ids.
+  // Appends ascending source ids as runs.
   void runs_of(std::span<const std::uint32_t> set, std::vector<format::run>& runs) {
     pieces_.clear();
     auto here = stretches_.begin();
@@ -113,7 +113,7 @@ class concatenation {
   struct stretch {
     std::uint32_t source = 0, count = 0, place = 0;
   };
-  std::vector<stretch> stretches_;  // in the order of the source
+  std::vector<stretch> stretches_;  // in source order
   std::vector<format::run> pieces_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// The draw table and the orders of a file: from the scene's draws and the sets of all cells.
+// Computes the draw table and the polygon orders of a file from the draws of the scene and the sets of all cells.
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -12,19 +12,23 @@ namespace sightcell::bake {
 
 struct stored_draws {
   std::vector<format::draw_record> draws;    // in stored order
-  std::vector<std::uint32_t> order_of_draw;  // which of orders a draw has
+  std::vector<std::uint32_t> order_of_draw;  // index into orders for each draw
   std::vector<std::vector<std::uint32_t>> orders;
 };
 
-// The draw table of the merged layout, before anything is known of what is seen: draws that have the same group become
-// one draw group, numbered as they come in the source. Draws in any order.
+// Returns the draw table of the merged layout before polygons are ordered. Draws of one group become a draw group;
+// groups are numbered in source order.
+// draws: in any order.
 std::vector<format::draw_record> in_groups(std::span<const format::draw_record> draws);
 
-// Draws in any order whose source ids are gapless from 0; first_stored is not looked at. Instanced: draws of the same
-// mesh and primitive share one order, since they share one index buffer in the host, unless kind says otherwise.
-// Merged: draws of the same group are ordered together, whatever kind says; groups get other numbers. set_of puts the
-// ascending source ids of a cell into set, which comes empty, and is asked seven times for each cell, ascending; what
-// it throws comes through. The same answer on any number of threads (polygon_order.h).
+// Computes the stored order of draws and polygons.
+// draws: in any order; their source ids have no gaps from 0. first_stored is ignored.
+// layout: `instanced`: draws of the same mesh and primitive share one order, because they share one index buffer in the
+//   host, unless kind is per_instance. `merged`: draws of one group are ordered together, whatever kind is, and groups
+//   get new numbers.
+// set_of: appends the source ids of a cell, ascending, to an empty set. It is called seven times for each cell, in
+//   ascending order. Its exceptions reach the caller.
+// The result does not depend on the number of threads (polygon_order.h).
 stored_draws store_draws(std::span<const format::draw_record> draws, format::host_layout layout,
                          polygon_order_kind kind, std::uint32_t cell_count,
                          const std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& set)>& set_of);

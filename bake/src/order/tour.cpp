@@ -13,14 +13,14 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint32_t few_ends = 1500;      // of fragments: up to here all pairs of them are looked at
-constexpr std::uint32_t other_ends = 3;       // of other fragments that are tried for each end of a sort,
-constexpr std::uint32_t furthest_place = 8;   // at most so many places ahead
-constexpr std::uint64_t neighbor_seed = 1;    // of the sorts that propose neighbors, first path
-constexpr std::uint64_t improve_seed = 77;    // the same, later paths: others
-constexpr std::uint64_t joining_seed = 1001;  // of those that join fragments
+constexpr std::uint32_t few_ends = 1500;      // up to here all pairs of fragment ends are compared
+constexpr std::uint32_t other_ends = 3;       // ends of other fragments that are tried for each end of a sort,
+constexpr std::uint32_t furthest_place = 8;   // up to this distance in the sort
+constexpr std::uint64_t neighbor_seed = 1;    // seed of the sorts that propose neighbors of the first path
+constexpr std::uint64_t improve_seed = 77;    // seed of the sorts for later paths: other neighbors
+constexpr std::uint64_t joining_seed = 1001;  // seed of the sorts that join fragments
 
-// Joins rows to fragments and fragments to one, shortest edges first.
+// Joins rows to fragments, and fragments to one tour, shortest edges first.
 class greedy_tour {
  public:
   greedy_tour(const bit_matrix& matrix, tour_edge fixed)
@@ -29,7 +29,7 @@ class greedy_tour {
   }
 
   void take_neighbors(const neighbor_lists& near);
-  // Until one is left, which it closes.
+  // Joins fragments until one is left, and closes it.
   void join_fragments(std::uint32_t sorts);
   const tour_links& links() const { return links_; }
 
@@ -55,7 +55,7 @@ class greedy_tour {
 };
 
 void greedy_tour::take_shortest(std::vector<edge>& edges) {
-  // Equal edges may come twice; it does not matter which comes first.
+  // Equal edges may occur twice. Their order does not matter.
   sort_without_ties(edges, [](const edge& x, const edge& y) {
     return std::tie(x.distance, x.a, x.b) < std::tie(y.distance, y.a, y.b);
   });
@@ -65,11 +65,11 @@ void greedy_tour::take_shortest(std::vector<edge>& edges) {
 
 void greedy_tour::take_neighbors(const neighbor_lists& near) {
   std::vector<edge> edges;
-  edges.reserve(std::size_t{matrix_.rows()} * near.kept());  // what is not used is not touched
+  edges.reserve(std::size_t{matrix_.rows()} * near.kept());  // memory that is not used is not touched
   for (std::uint32_t a = 0; a < matrix_.rows(); ++a)
     for (const auto& [b, distance] : near.of(a)) {
       if (b == no_row) break;
-      // Once for each pair: the larger number speaks only if the smaller does not.
+      // Each pair once: the row with the larger number proposes only if the other does not.
       if (a > b && std::ranges::any_of(near.of(b), [&](const near_row& r) { return r.row == a; })) continue;
       edges.push_back({distance, std::min(a, b), std::max(a, b)});
     }
@@ -90,7 +90,8 @@ void greedy_tour::propose_all(std::span<const std::uint32_t> ends, std::vector<e
         edges.push_back({matrix_.distance(ends[i], ends[k]), ends[i], ends[k]});
 }
 
-// A fragment has two ends, so each end finds one of another fragment: every call finds an edge to take.
+// A fragment has two ends, so of the next two ends in the sort at least one belongs to another fragment: every call
+// finds an edge to take.
 void greedy_tour::propose_near(std::span<const std::uint32_t> sorted, std::vector<edge>& edges) {
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     std::uint32_t found = 0;
@@ -120,7 +121,7 @@ void greedy_tour::join_fragments(std::uint32_t sorts) {
   if (open.size() == 2) links_.link(open[0], open[1]);
 }
 
-// From the row after fixed.a to the one before fixed.b.
+// Returns the rows between fixed.a and fixed.b.
 std::vector<std::uint32_t> without_ends(const std::vector<std::uint32_t>& tour) {
   return {tour.begin() + 1, tour.end() - 1};
 }
@@ -135,7 +136,7 @@ std::vector<std::uint32_t> shortest_path(const bit_matrix& matrix, const tour_se
   if (matrix.rows() <= 2) return {};
   if (matrix.rows() == 3) return {0};
   const tour_edge fixed = ends_of(matrix);
-  // Where the path ends is mostly like where it begins, and would only take a place in lists twice.
+  // The row of the end mostly equals that of the beginning, and would only occupy entries of neighbor lists twice.
   std::vector<std::uint32_t> rows(matrix.rows() - 1);
   std::iota(rows.begin(), rows.end(), 0u);
   const neighbor_lists near = neighbors_by_sorts(matrix, rows, how.neighbors, how.sorts, neighbor_seed);
