@@ -1,5 +1,5 @@
-// The alpha test of MASK polygons, for masked.vert's outputs. The formula is that of bake/scene/src/alpha_mask.cpp, in
-// the same order.
+// The alpha test of MASK polygons, from the outputs of masked.vert. The formula is that of
+// bake/scene/src/alpha_mask.cpp, in the same order of operations.
 layout(std430, binding = hemicube_buffer_masks) readonly buffer masks_buffer { hemicube_mask masks[]; };
 layout(std430, binding = hemicube_buffer_texels) readonly buffer texels_buffer { uint texels[]; };
 
@@ -18,7 +18,7 @@ float folded(float coordinate, uint wrap) {
   return coordinate - floor(coordinate);
 }
 
-// First and second texel that a coordinate lies between.
+// Returns the two texels that a coordinate is between.
 uvec2 texels_at(float coordinate, uint size, uint wrap, out float toward_second) {
   float at = folded(coordinate, wrap) * float(size) - 0.5;
   float below = floor(at);

@@ -1,8 +1,8 @@
 #version 450 core
 #include "shared/hemicube_layout.h"
 
-// Moves the found polygons, their pixel counts and first pixels into the result and leaves all counts 0 for the next
-// hemicube. The first work group adds up the importance.
+// Moves the found polygons, their pixel counts and first pixels into the result, and resets all counts to 0 for the
+// next hemicube. The first work group adds up the importance.
 layout(local_size_x = hemicube_collect_size) in;
 
 layout(std140, binding = hemicube_block_gather) uniform gather_block { hemicube_gather settings; };
@@ -29,7 +29,7 @@ void list_polygons() {
   }
 }
 
-// In fixed order: the same sums every time.
+// In fixed order, so that the sums are always the same.
 void add_importance() {
   uint local = gl_LocalInvocationIndex;
   vec4 sum = vec4(0.0);

@@ -1,8 +1,8 @@
 #version 450 core
 #include "shared/hemicube_layout.h"
 
-// Packs the draws of a face and class: those without indices are left out, the others keep their order (of two polygons
-// at the same depth the later one is kept). One work group per face and class.
+// Packs the draws of a face and class: draws without indices are removed, the others keep their order, because of two
+// polygons at the same depth the later one is kept. One work group per face and class.
 layout(local_size_x = hemicube_compact_size) in;
 
 layout(std140, binding = hemicube_block_cull_scene) uniform cull_scene_block { hemicube_cull_scene scene; };
@@ -21,7 +21,7 @@ void main() {
     bool drawn = start + local < clusters.y && commands[at] != 0u;
     before[local] = drawn ? 1u : 0u;
     barrier();
-    // Draws up to and with this one.
+    // Inclusive prefix sum: the number of remaining draws up to this one.
     for (uint reach = 1u; reach < hemicube_compact_size; reach *= 2u) {
       uint sum = before[local] + (local >= reach ? before[local - reach] : 0u);
       barrier();

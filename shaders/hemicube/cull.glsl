@@ -1,4 +1,5 @@
-// Which clusters a face can see; one invocation per cluster and face. Written into the draws of one pass.
+// Tests which clusters are in the frustum of a face, with one invocation per cluster and face. The results are written
+// into the draws of one pass.
 layout(local_size_x = hemicube_cull_size) in;
 
 layout(std140, binding = hemicube_block_cull) uniform cull_block { hemicube_cull view; };
@@ -7,14 +8,14 @@ layout(std430, binding = hemicube_buffer_clusters) readonly buffer clusters_buff
 layout(std430, binding = hemicube_buffer_commands) writeonly buffer commands_buffer { uint commands[]; };
 layout(std430, binding = hemicube_buffer_last_seen) readonly buffer seen_buffer { uint last_seen[]; };
 
-// Half the box, and a little more for rounding here and in the vertex shader.
+// Returns half the extent of the box, enlarged for rounding here and in the vertex shader.
 vec3 reach_of(hemicube_cluster c) {
   return c.extent.xyz + 1e-5 * (abs(c.center.xyz - view.eye.xyz) + abs(view.eye.xyz));
 }
 
 bool outside(vec3 plane, vec3 from_eye, vec3 reach) { return dot(plane, from_eye) + dot(abs(plane), reach) < 0.0; }
 
-// The formula is that of bake/src/hemicube/gpu/gpu_culling.cpp.
+// Returns whether a box touches the frustum of a face. The formula is that of bake/src/hemicube/gpu/gpu_culling.cpp.
 bool in_frustum(hemicube_cluster c, hemicube_cull_face face) {
   vec3 from_eye = c.center.xyz - view.eye.xyz, reach = reach_of(c);
   vec3 forward = face.forward.xyz, right = face.right.xyz, up = face.up.xyz;
@@ -24,7 +25,7 @@ bool in_frustum(hemicube_cluster c, hemicube_cull_face face) {
            outside(face.kept.w * forward - up, from_eye, reach) || outside(forward, from_eye, reach));
 }
 
-// Was it drawn in the first pass, given that it is in the frustum?
+// Returns whether a cluster in the frustum is drawn in the first pass.
 bool in_first_pass(uint cluster) {
   if (cluster >= scene.hiding_clusters || last_seen[cluster] == 0u) return false;
   return view.number - last_seen[cluster] <= hemicube_memory;

@@ -2,7 +2,7 @@
 #include "shared/hemicube_layout.h"
 #include "hemicube/cull.glsl"
 
-// First pass: the clusters of which one of the last hemicubes saw some.
+// First pass: draws the clusters in the frustum that were visible in one of the last hemicubes.
 void main() {
   uint cluster = gl_GlobalInvocationID.x, face = gl_WorkGroupID.y;
   if (cluster >= scene.cluster_count) return;

@@ -2,15 +2,16 @@
 #include "shared/hemicube_layout.h"
 #include "hemicube/cull.glsl"
 
-// Second pass: every other cluster that the depths of the first one do not hide.
+// Second pass: draws every other cluster that the depths of the first pass do not occlude.
 layout(binding = hemicube_texture_levels) uniform sampler2D levels;
 
-// Nearer by this factor than its box says: what the rasteriser's interpolation may be off.
+// Factor by which the depth of a box is taken as nearer: the possible error of the rasterizer's interpolation.
 const float depth_slack = 1.001;
-// A box that covers more blocks of the coarsest level than this on a side is drawn.
+// A box that covers more blocks of the coarsest level than this on a side is drawn without a test.
 const int most_blocks = 16;
 
-// Is every pixel that the box may cover nearer than the box? Each comparison fails for what is not a number.
+// Returns whether every pixel that the box may cover is nearer than the box. A comparison with NaN fails, and the box
+// is then drawn.
 bool hidden(hemicube_cluster c, hemicube_cull_face face) {
   vec3 from_eye = c.center.xyz - view.eye.xyz, reach = reach_of(c);
   float nearest = dot(face.forward.xyz, from_eye) - dot(abs(face.forward.xyz), reach);
@@ -23,7 +24,7 @@ bool hidden(hemicube_cluster c, hemicube_cull_face face) {
     low = min(low, at);
     high = max(high, at);
   }
-  // A pixel more on each side, then cut to the face; a box beside the face keeps the pixels of its border.
+  // One more pixel on each side, then clamped to the face. A box beside the face keeps the pixels of its border.
   vec2 scale = face.pixels.zw / (face.kept.yw - face.kept.xz);
   ivec2 first_of_face = ivec2(face.pixels.xy), last_of_face = first_of_face + ivec2(face.pixels.zw) - 1;
   ivec2 first = first_of_face + ivec2(floor(clamp((low - face.kept.xz) * scale - 1.0, vec2(0.0), face.pixels.zw)));

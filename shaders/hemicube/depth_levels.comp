@@ -1,9 +1,9 @@
 #version 450 core
 #include "shared/hemicube_layout.h"
 
-// Hierarchical depth: level 0 is a copy of the depth image, each pixel of a coarser one the farthest of the four below
-// it. Depth is reversed, so the farthest is the smallest. A block at a border repeats the atlas's last row or column; one
-// that lies in two faces takes in both, which hides less.
+// Hierarchical depth (Greene et al. 1993). Level 0 is a copy of the depth image; each pixel of a coarser level is the
+// farthest of the four below it. Depth is reversed, so the farthest is the smallest. A block at a border repeats the
+// last row or column of the atlas. A block that covers two faces uses the farthest depth of both, which culls less.
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = hemicube_texture_depth) uniform sampler2D depths;
@@ -24,7 +24,7 @@ void main() {
   imageStore(levels[1], 16 * group + at, vec4(value));
   farthest[at.y][at.x] = value;
   int size = 16;
-  // Constant indices of images: no device has to have dynamic ones.
+  // Image indices are constant, because devices need not support dynamic ones.
 #define NEXT_LEVEL(level)                                                                                        \
   size /= 2;                                                                                                     \
   barrier();                                                                                                     \

@@ -2,8 +2,8 @@
 #include "shared/hemicube_layout.h"
 #include "hemicube/mark.glsl"
 
-// One invocation per atlas pixel: counts its polygon and adds its importance. The formulas are those of
-// bake/src/hemicube/gpu/gather_read_back.cpp.
+// Counts the pixels of each polygon and adds up their importance, with one invocation per atlas pixel. The formulas are
+// those of bake/src/hemicube/gpu/gather_read_back.cpp.
 layout(local_size_x = hemicube_group_width, local_size_y = hemicube_group_height) in;
 
 layout(binding = hemicube_texture_ids) uniform usampler2D ids;
@@ -12,16 +12,17 @@ layout(std430, binding = hemicube_buffer_sums) writeonly buffer sums_buffer { ve
 
 shared vec4 sums[hemicube_group_width * hemicube_group_height];
 
-// near / far / d, where d is the depth divided by the far plane and at most 1.
+// Returns (near / far) / d, where d is the depth divided by the far plane, at most 1.
 float nearness(ivec2 pixel) { return max(texelFetch(depths, pixel, 0).x, settings.near_over_far); }
 
-// max(0, d(neighbor) - d) / d
+// Returns max(0, d(neighbor) - d) / d.
 float gap(float here, ivec2 neighbor) {
   float there = nearness(neighbor);
   return max(0.0, (1.0 / there - 1.0 / here) * here);
 }
 
-// First pixel and size of the face a pixel belongs to: front, left | right, down under up.
+// Returns first pixel and size of the face that contains a pixel. The atlas has the front face, left | right, and down
+// below up.
 ivec4 face_of(ivec2 pixel) {
   int s = int(settings.resolution), h = s / 2;
   if (pixel.x < s) return ivec4(0, 0, s, s);
@@ -51,7 +52,7 @@ void main() {
     if (id != hemicube_background) mark(id, pixel);
     sums[local] = importance(pixel);
   }
-  // A tree in fixed order: the same sum every time.
+  // A tree in fixed order, so that the sum is always the same.
   for (uint half_size = hemicube_group_width * hemicube_group_height / 2u; half_size > 0u; half_size /= 2u) {
     barrier();
     if (local < half_size) sums[local] += sums[local + half_size];

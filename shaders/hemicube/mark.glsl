@@ -1,4 +1,4 @@
-// Counts a pixel of a polygon, and notes the first one of the atlas that it covers.
+// Counts a pixel of a polygon, and records the first pixel of the atlas that the polygon covers.
 layout(std140, binding = hemicube_block_gather) uniform gather_block { hemicube_gather settings; };
 layout(std430, binding = hemicube_buffer_counts) buffer counts_buffer { hemicube_count counts[]; };
 layout(std430, binding = hemicube_buffer_found) buffer found_buffer {

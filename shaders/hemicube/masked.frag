@@ -2,7 +2,7 @@
 #include "shared/hemicube_layout.h"
 #include "hemicube/alpha_test.glsl"
 
-// MASK polygons are there, seen and occluding, where their alpha reaches the cutoff.
+// MASK polygons are visible and occlude where their alpha reaches the cutoff.
 flat in uint polygon_id;
 layout(location = 0) out uint id;
 

@@ -13,7 +13,7 @@ flat out uint polygon_id;
 flat out uint polygon_mask;
 out vec2 place;
 out float place_alpha;
-// The see-through pass tests against these depths too.
+// The non-occluder pass tests against these depths, so both programs must compute the same bits.
 invariant gl_Position;
 
 void main() {

@@ -1,8 +1,9 @@
 #version 450 core
 #include "shared/hemicube_layout.h"
 
-// Puts the two passes together, one invocation per pixel: the nearer polygon, of two at the same depth the one in the
-// later cluster, as if all clusters had been drawn in one row. Notes the cluster for the first passes to come.
+// Merges the two passes, one invocation per pixel. The nearer polygon is kept; of two at the same depth, the one in the
+// later cluster, as if all clusters had been drawn in one pass. Records the cluster for the first passes of later
+// hemicubes.
 layout(local_size_x = hemicube_group_width, local_size_y = hemicube_group_height) in;
 
 layout(std140, binding = hemicube_block_cull) uniform cull_block { hemicube_cull view; };
@@ -27,6 +28,6 @@ void main() {
       cluster = cluster_of_second;
     }
   }
-  // All that write here write the same.
+  // All invocations that write here write the same value.
   if (last_seen[cluster] != view.number) last_seen[cluster] = view.number;
 }

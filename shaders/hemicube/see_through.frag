@@ -2,8 +2,8 @@
 #include "shared/hemicube_layout.h"
 #include "hemicube/mark.glsl"
 
-// Polygons that are seen but never hide: every layer in front of the opaque depth counts, so they are marked here and
-// never written to the id image. Without early tests hidden fragments would be marked too.
+// Non-occluders are visible at every layer in front of the opaque depth, so they are counted here and never written to
+// the id image. Early tests are required: without them occluded fragments would be counted too.
 layout(early_fragment_tests) in;
 
 flat in uint polygon_id;

@@ -3,7 +3,7 @@
 #include "hemicube/alpha_test.glsl"
 #include "hemicube/mark.glsl"
 
-// MASK polygons that never hide: as see_through.frag, where their alpha passes.
+// Non-occluders with an alpha test: as see_through.frag, where their alpha reaches the cutoff.
 layout(early_fragment_tests) in;
 
 flat in uint polygon_id;

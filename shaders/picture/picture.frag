@@ -10,10 +10,10 @@ in vec2 texture_uv;
 in vec4 vertex_color;
 layout(location = 0) out vec4 color;
 
-const vec3 sun_direction = vec3(0.432, 0.792, 0.432);  // toward the sun, length 1
+const vec3 sun_direction = vec3(0.432, 0.792, 0.432);  // toward the sun; a unit vector
 
 void main() {
-  // The polygon's own normal from derivatives, turned to the viewer: needs no normals in the file.
+  // The normal of the polygon, from derivatives and facing the viewer. The file needs no normals.
   vec3 normal = cross(dFdx(from_eye), dFdy(from_eye));
   vec4 base = texture(base_color, texture_uv) * material.base_color * vertex_color;
   if (base.a < material.alpha_cutoff) discard;
@@ -21,7 +21,7 @@ void main() {
   float distance_squared = dot(from_eye, from_eye);
   vec3 toward_eye = -from_eye * inversesqrt(max(distance_squared, 1e-12));
   float length_squared = dot(normal, normal);
-  // A polygon seen edge-on can have no derivative; light it as if it faced the viewer.
+  // A polygon that is viewed edge-on may have no derivative. It is lit as if it faced the viewer.
   normal = length_squared > 0.0 ? normal * inversesqrt(length_squared) : toward_eye;
   if (dot(normal, toward_eye) < 0.0) normal = -normal;
 

@@ -1,5 +1,5 @@
 #pragma once
-// GLSL's types for the C++ reader of the shared headers.
+// Types of GLSL for C++ code that includes the shared headers.
 #include <cstdint>
 
 namespace sightcell::shaders {

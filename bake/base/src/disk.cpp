@@ -18,7 +18,7 @@ void flush(const std::filesystem::path& path, int flags) {
   if (file < 0) throw std::filesystem::filesystem_error("open", path, {errno, std::generic_category()});
   const int failed = fsync(file) == 0 ? 0 : errno;
   close(file);
-  // Some network disks flush no folders; there is nothing else to do there.
+  // Some network disks cannot flush folders (EINVAL). That is not an error.
   if (failed != 0 && !(flags == O_DIRECTORY && failed == EINVAL))
     throw std::filesystem::filesystem_error("fsync", path, {failed, std::generic_category()});
 }

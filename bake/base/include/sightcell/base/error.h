@@ -7,11 +7,11 @@
 
 namespace sightcell {
 
-// Whose failure it is. The command line exits with 1, 2 and 4.
+// The cause of a failure. The command line exits with 1, 2 and 4.
 enum class error_kind {
-  failed,     // of the machine: disk, memory, graphics device
-  wrong_use,  // of the caller: options and settings
-  bad_input   // of a file or an array that the caller named
+  failed,     // the machine: disk, memory, graphics device
+  wrong_use,  // the caller: options and settings
+  bad_input   // a file or an array that the caller named
 };
 
 class error : public std::runtime_error {

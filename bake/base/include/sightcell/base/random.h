@@ -14,7 +14,7 @@ constexpr std::uint64_t mix_bits(std::uint64_t x) noexcept {
   return x ^ (x >> 31);
 }
 
-// The use of a stream, so that no two uses in one cell share numbers. Values are part of the results: they stay.
+// The use of a stream, so that no two uses in one cell share numbers. The values affect results and must not change.
 enum class purpose : std::uint64_t {
   viewpoints = 1,
   boundary = 2,

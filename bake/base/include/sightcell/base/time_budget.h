@@ -1,5 +1,5 @@
 #pragma once
-// The clock of a whole bake (--time-budget).
+// The wall-clock budget of a whole bake (--time-budget).
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -11,11 +11,13 @@ namespace sightcell::bake {
 // Wall-clock seconds that a bake may take. All functions may be called from any thread.
 class time_budget {
  public:
-  // Starts now. gone: seconds that earlier runs of the same bake took.
+  // Starts the clock.
+  // gone: seconds that earlier runs of the same bake took.
   time_budget(double seconds, double gone) : seconds_(seconds), gone_(gone) {}
 
+  // Returns the seconds since the start, with those of earlier runs.
   double spent() const { return gone_ + std::chrono::duration<double>(clock::now() - began_).count(); }
-  // Seconds that are left for cells. Negative when the budget is exceeded.
+  // Returns the seconds that remain for cells. Negative if the budget is exceeded.
   double left() const { return seconds_ - kept_back_ - spent(); }
   bool over() const { return left() <= 0.0; }
   // Returns the limit of a piece of work that starts now.
