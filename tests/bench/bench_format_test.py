@@ -1,10 +1,6 @@
-#!/usr/bin/python3
 """bench_format.py on a small town: its JSON has what is promised, its sums are those of `sightcell info`, its frozen sets
 make the file that a bake writes, and a rerun measures nothing. That peers give the same ids back is checked by bench_format
-itself, which fails where one does not. No timings are judged.
-
-usage: bench_format_test.py BIN
-"""
+itself, which fails where one does not. No timings are judged."""
 import json
 import os
 import subprocess
@@ -12,7 +8,8 @@ import sys
 import tempfile
 import unittest
 
-BIN = sys.argv.pop(1)
+from harness import BIN
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 PEERS = ["roaring", "roaring_zstd", "varint", "varint_zstd_dictionary", "varint_zstd_whole", "roaring_zstd_whole"]
 CALLS = ["to_ranges", "to_indices", "memcpy_of_indices", "move", "ranges", "polygons", "indices", "roaring",
@@ -135,7 +132,3 @@ class BenchFormat(unittest.TestCase):
         done = self.run_program(os.path.join(BIN, "bench_format"), os.path.join(HERE, "bench_format.py"))
         self.assertEqual(done.returncode, 1)
         self.assertIn("bench_format.py: ", done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

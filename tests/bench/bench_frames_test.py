@@ -1,9 +1,5 @@
-#!/usr/bin/python3
 """bench_frames.py on a small town: every way draws what it should, nothing is missing, a rerun measures nothing. No timings
-are judged.
-
-usage: bench_frames_test.py BIN
-"""
+are judged."""
 import json
 import os
 import re
@@ -12,7 +8,8 @@ import sys
 import tempfile
 import unittest
 
-BIN = sys.argv.pop(1)
+from harness import BIN
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 WAYS = ["full", "frustum", "pvs_commands", "pvs_indices", "pvs_frustum"]
 FRAMES = 60
@@ -133,7 +130,3 @@ class BenchFrames(unittest.TestCase):
             done = self.draw(pvs, path)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
             self.assertIn(word, done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

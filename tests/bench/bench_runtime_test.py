@@ -1,16 +1,14 @@
-#!/usr/bin/python3
-"""bench_runtime on small cells and on a golden file: every figure of tests/bench/results is there. No timings are judged.
-
-usage: bench_runtime_test.py BENCH_RUNTIME FILE.pvs
-"""
+"""bench_runtime on small cells and on a golden file: every figure of tests/bench/results is there. No timings are judged."""
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 
-BENCH, FILE = sys.argv[1:3]
+from harness import BIN, ROOT
+
+BENCH = os.path.join(BIN, "bench_runtime")
+FILE = os.path.join(ROOT, "tests", "golden", "v1_small.pvs")
 
 
 def sizes_of_sets():
@@ -62,7 +60,3 @@ class BenchRuntime(unittest.TestCase):
                                   capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("cannot be written", done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])

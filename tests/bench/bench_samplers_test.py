@@ -1,19 +1,13 @@
-#!/usr/bin/python3
-"""bench_samplers on a small town: its JSON has what is promised, and a rerun measures only what is missing. No timings.
-
-usage: bench_samplers_test.py PROGRAM CITY
-"""
+"""bench_samplers on a small town: its JSON has what is promised, and a rerun measures only what is missing. No timings."""
 import copy
 import glob
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 
-CITY = sys.argv.pop()
-PROGRAM = sys.argv.pop()
+from harness import program
 
 JOBS = {"jobs": [
     {"label": "depth 24", "code": "one", "settings": {"sampler": "importance-depth", "samples": 24, "resolution": 128}},
@@ -23,7 +17,7 @@ JOBS = {"jobs": [
 
 
 def run(*words):
-    return subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False)
+    return subprocess.run([program('bench_samplers'), *words], capture_output=True, text=True, check=False)
 
 
 def without_source(result):
@@ -44,7 +38,7 @@ class BenchSamplers(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.town, cls.cells = (os.path.join(cls.folder.name, name) for name in ("town.glb", "all.json"))
-        subprocess.run([CITY, "--polygons", "20000", "--seed", "2", "--out", cls.town, "--cells", cls.cells], check=True,
+        subprocess.run([program('sightcell-city'), "--polygons", "20000", "--seed", "2", "--out", cls.town, "--cells", cls.cells], check=True,
                        stdout=subprocess.DEVNULL)
         # Two of its cells, and one in the ground, where no eye can be.
         with open(cls.cells, encoding="utf-8") as stream:
@@ -207,7 +201,3 @@ class BenchSamplers(unittest.TestCase):
         wrong["jobs"][0]["settings"]["difference"] = 0.5
         with self.assertRaisesRegex(AssertionError, "no setting of importance-depth"):
             self.measure(wrong)
-
-
-if __name__ == "__main__":
-    unittest.main()

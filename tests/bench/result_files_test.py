@@ -1,12 +1,10 @@
-#!/usr/bin/python3
 """result_files.py: what is written is read again, and a command line names no folder of this machine."""
 import os
 import sys
 import tempfile
 import unittest
 
-sys.dont_write_bytecode = True
-import result_files  # noqa: E402
+import result_files
 
 
 class ResultFiles(unittest.TestCase):
@@ -45,7 +43,3 @@ class ResultFiles(unittest.TestCase):
                     self.assertTrue(rows, name)
                     for key in ("what", "command", "commit", "machine"):
                         self.assertTrue(facts.get(key), f"{name}: {key}")
-
-
-if __name__ == "__main__":
-    unittest.main()

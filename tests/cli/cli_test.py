@@ -1,21 +1,13 @@
-#!/usr/bin/env python3
 """Runs the program `sightcell` end to end on small scenes: what it prints, answers and leaves on the disk.
-
-usage: cli_test.py --sightcell PROGRAM --city PROGRAM [--drop PROGRAM] [--shares PROGRAM] [unittest arguments]
-
-Exit code 77: every test was skipped, because this machine has no EGL device or no real scenes.
 """
 import json
 import os
 import signal
-import sys
 
-sys.dont_write_bytecode = True  # nothing is written into the sources
-from program import (PROGRAMS, QUICK_BAKE, TIMEOUT, InFolder, Stopped, main, read, run,  # noqa: E402
-                     write_room)
+from harness import QUICK_BAKE, TIMEOUT, InRoom, Stopped, program_or_skip, read, run, sightcell, write_room
 
 
-class Bake(InFolder):
+class Bake(InRoom):
     def bake(self, code, output, *more):
         return self.expect(code, 'bake', self.room, '-o', output, '--cells-file', self.cells, *QUICK_BAKE, *more)
 
@@ -163,11 +155,10 @@ class Bake(InFolder):
         self.expect(0, 'verify', self.room, file, '--rays', '100', '--max-pixel-error', '0.05')
 
     def test_a_missing_polygon_is_found_named_and_drawn(self):
-        if not PROGRAMS.drop:
-            self.skipTest('no sightcell-test-drop-polygon in this build')
+        drop = program_or_skip('sightcell-test-drop-polygon')
         file, broken = self.path('whole.pvs'), self.path('broken.pvs')
         self.bake(0, file)
-        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+        self.assertEqual(run(drop, file, broken, 0, 1)[0], 0)
         out, err = self.expect(3, 'verify', self.room, broken, '--rays', '20000', '--json',
                                '--picture', self.path('views'))
         result = json.loads(out)
@@ -182,12 +173,11 @@ class Bake(InFolder):
         self.assertGreater(worst['differing_pixels'], 1000)
 
     def test_what_a_host_found_missing_is_reproduced_and_repaired(self):
-        if not PROGRAMS.drop:
-            self.skipTest('no sightcell-test-drop-polygon in this build')
+        drop = program_or_skip('sightcell-test-drop-polygon')
         file, broken, misses = self.path('seen.pvs'), self.path('dropped.pvs'), self.path('misses.json')
         self.bake(0, file)
         fingerprint = json.loads(self.expect(0, 'info', file, '--json')[0])['fingerprint']
-        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+        self.assertEqual(run(drop, file, broken, 0, 1)[0], 0)
         eye = [4, 1.5, 4.25]
         with open(misses, 'w', encoding='utf-8') as out:
             json.dump({'scene_fingerprint': fingerprint,
@@ -216,13 +206,12 @@ class Bake(InFolder):
         self.assertEqual(settings, json.loads(self.expect(0, 'info', file, '--json')[0])['settings'])
 
     def test_what_a_host_found_missing_in_one_of_two_cells(self):
-        if not PROGRAMS.drop:
-            self.skipTest('no sightcell-test-drop-polygon in this build')
+        drop = program_or_skip('sightcell-test-drop-polygon')
         file, broken, misses = self.path('two.pvs'), self.path('one.pvs'), self.path('two_misses.json')
         with open(self.path('two.json'), 'w', encoding='utf-8') as out:
             out.write('{"cells":[{"name":"a","min":[3,0,3],"max":[4,2,5]},{"name":"b","min":[4,0,3],"max":[5,2,5]}]}')
         self.expect(0, 'bake', self.room, '-o', file, '--cells-file', self.path('two.json'), *QUICK_BAKE)
-        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+        self.assertEqual(run(drop, file, broken, 0, 1)[0], 0)
 
         def report(*eyes):
             with open(misses, 'w', encoding='utf-8') as out:
@@ -294,11 +283,10 @@ class Bake(InFolder):
         self.assertEqual(read(self.path('default.pvs')), read(self.path('pixel.pvs')))
 
     def test_verify_measures_what_it_is_told(self):
-        if not PROGRAMS.drop:
-            self.skipTest('no sightcell-test-drop-polygon in this build')
+        drop = program_or_skip('sightcell-test-drop-polygon')
         file, broken = self.path('seen.pvs'), self.path('unseen.pvs')
         self.bake(0, file)
-        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+        self.assertEqual(run(drop, file, broken, 0, 1)[0], 0)
 
         def error(*metric):
             out, _ = self.expect(3, 'verify', self.room, broken, '--rays', '20000', '--json', *metric)
@@ -312,11 +300,10 @@ class Bake(InFolder):
             self.expect(0, 'verify', self.room, broken, '--rays', '20000', '--metric', 'view', *more)
 
     def test_a_missing_polygon_is_patched(self):
-        if not PROGRAMS.drop:
-            self.skipTest('no sightcell-test-drop-polygon in this build')
+        drop = program_or_skip('sightcell-test-drop-polygon')
         file, broken, whole = self.path('p.pvs'), self.path('p-broken.pvs'), self.path('p-whole.pvs')
         self.bake(0, file)
-        self.assertEqual(run(file, broken, 0, 1, program=PROGRAMS.drop)[0], 0)
+        self.assertEqual(run(drop, file, broken, 0, 1)[0], 0)
         self.expect(3, 'verify', self.room, broken, '--rays', '20000')
         before = read(broken)
         out, _ = self.expect(0, 'patch', broken, '--add', '0:0-1', '--add', '0:11', '-o', whole, '--json')
@@ -335,11 +322,10 @@ class Bake(InFolder):
         self.assertEqual(read(broken), read(whole))
 
     def test_diff_tells_what_was_gained_and_lost(self):
-        if not PROGRAMS.drop:
-            self.skipTest('no sightcell-test-drop-polygon in this build')
+        drop = program_or_skip('sightcell-test-drop-polygon')
         file, less = self.path('d.pvs'), self.path('d-less.pvs')
         self.bake(0, file)
-        self.assertEqual(run(file, less, 0, 1, program=PROGRAMS.drop)[0], 0)
+        self.assertEqual(run(drop, file, less, 0, 1)[0], 0)
 
         def differences(a, b):
             return json.loads(self.expect(0, 'diff', a, b, '--json')[0])
@@ -395,12 +381,11 @@ class Bake(InFolder):
         change = differences(fine, again)
         self.assertEqual(change['volumes_before'] + change['volumes_gained'] - change['volumes_lost'],
                          change['volumes_after'])
-        if not PROGRAMS.drop:
-            return
+        drop = program_or_skip('sightcell-test-drop-polygon')
         lacking = self.path('v-lacking.pvs')
         volumes = json.loads(self.expect(0, 'info', fine, '--json')[0])['volumes']
         items = range(12 + volumes // 2, 12 + volumes)  # behind the polygons
-        self.assertTrue(any(run(fine, lacking, 0, item, program=PROGRAMS.drop)[0] == 0 for item in items))
+        self.assertTrue(any(run(drop, fine, lacking, 0, item)[0] == 0 for item in items))
         for a, b, gained, lost in ((fine, lacking, 0, 1), (lacking, fine, 1, 0)):
             change = differences(a, b)
             self.assertEqual((change['volumes_gained'], change['volumes_lost']), (gained, lost))
@@ -408,7 +393,7 @@ class Bake(InFolder):
                                                   'volumes_gained': gained, 'volumes_lost': lost}])
 
     def test_profiles_are_recoded_and_told_of(self):
-        self.make_city()
+        self.city = self.make_city('city.glb', polygons=2000)
         files = {name: self.path(f'profile-{name}.pvs') for name in ('exact', 'balanced', 'small')}
         for name in ('exact', 'balanced'):
             self.expect(0, 'bake', self.city, '-o', files[name], '--cell-limit', '6', '--quality', 'draft', '--profile', name)
@@ -440,7 +425,7 @@ class Bake(InFolder):
         self.assertEqual(read(recoded), before)
 
     def test_importance_is_baked_or_added_to_a_file(self):
-        self.make_city()
+        self.city = self.make_city('city.glb', polygons=2000)
         plain, whole, added = (self.path(f'importance-{name}.pvs') for name in ('plain', 'whole', 'added'))
         bake = ['bake', self.city, '--cell-limit', '6', '--quality', 'draft']
         self.expect(0, *bake, '-o', plain)
@@ -461,7 +446,7 @@ class Bake(InFolder):
         self.assertIsNotNone(json.loads(self.expect(0, 'info', whole, '--json')[0])['importance'])
 
     def test_a_safety_ring_is_told_of(self):
-        self.make_city()
+        self.city = self.make_city('city.glb', polygons=2000)
         sizes, file = {}, self.path('ring.pvs')
         for ring in ('none', 'edge', 'vertex'):
             out, err = self.expect(0, 'bake', self.city, '-o', file, '--cell-limit', '4', *QUICK_BAKE, '--safety-ring',
@@ -557,7 +542,7 @@ class Bake(InFolder):
         self.assertEqual(read(a), read(b))
 
 
-class Sources(InFolder):
+class Sources(InRoom):
     """--source on machines with and without EGL. No EGL: libEGL is told to look for drivers in an empty folder."""
 
     def setUp(self):
@@ -567,7 +552,7 @@ class Sources(InFolder):
     def bake(self, output, *more, environment=None):
         if os.path.exists(output):
             os.remove(output)
-        return run('bake', self.room, '-o', output, '--cells-file', self.cells, '--json', *QUICK_BAKE, *more,
+        return sightcell('bake', self.room, '-o', output, '--cells-file', self.cells, '--json', *QUICK_BAKE, *more,
                    environment=environment)
 
     def has_gpu(self):
@@ -624,13 +609,15 @@ class Sources(InFolder):
         self.assertFalse(loads_egl('rays'))
 
 
-class Missing(InFolder):
+class Missing(InRoom):
     """Files of the city that lack one polygon in one cell: verify has to notice."""
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.make_city(10000)
+        cls.city = cls.make_city('city.glb', polygons=10000)
+        cls.drop = program_or_skip('sightcell-test-drop-polygon')
+        cls.shares = program_or_skip('sightcell-test-polygon-shares')
 
     def bake_and_share(self):
         """The file, a cell in its middle, and what its rays see: (polygon, share), largest first."""
@@ -638,20 +625,18 @@ class Missing(InFolder):
         self.expect(0, 'bake', self.city, '-o', file, '--cell-limit', '4', '--max-pixel-error', '2e-4',
                     '--progress', 'none', '--fresh')
         cell = json.loads(self.expect(0, 'info', file, '--json')[0])['cells'] // 2
-        code, out, err = run(self.city, file, cell, 200000, program=PROGRAMS.shares)
+        code, out, err = run(self.shares, self.city, file, cell, 200000)
         self.assertEqual(code, 0, err)
         shares = [(int(line.split()[0]), float(line.split()[1])) for line in out.splitlines()]
         return file, cell, shares
 
     def verify_without(self, code, file, cell, polygon, *more):
         broken = self.path('broken.pvs')
-        self.assertEqual(run(file, broken, cell, polygon, program=PROGRAMS.drop)[0], 0)
+        self.assertEqual(run(self.drop, file, broken, cell, polygon)[0], 0)
         out, err = self.expect(code, 'verify', self.city, broken, '--max-pixel-error', '1e-3', '--json', *more)
         return json.loads(out), err
 
     def test_what_is_missing_is_found_and_named(self):
-        if not (PROGRAMS.drop and PROGRAMS.shares):
-            self.skipTest('no test tools in this build')
         file, cell, shares = self.bake_and_share()
         polygon, share = shares[0]
         result, err = self.verify_without(3, file, cell, polygon, '--rays', '200000')
@@ -669,7 +654,7 @@ class Missing(InFolder):
         self.assertIn((cell, polygon), [(miss['cell'], miss['polygon']) for miss in result['missing']])
 
 
-class Data(InFolder):
+class Data(InRoom):
     """Real scenes, found by SIGHTCELL_DATA: a few cells of each meet the bound, by the bake's word and by verify's."""
 
     def test_cells_of_real_scenes_meet_the_bound(self):
@@ -773,7 +758,3 @@ class Resume(Stopped):
         self.expect(0, 'bake', '-o', output, *room, '--fresh')
         self.expect(0, 'bake', '-o', whole, *room)
         self.assertEqual(read(output), read(whole))
-
-
-if __name__ == '__main__':
-    main()

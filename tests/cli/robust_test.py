@@ -1,11 +1,7 @@
-#!/usr/bin/env python3
 """Whatever happens to a bake, nothing finished is lost and no wrong file appears: signals, streams that nobody reads,
 places that take no file, names in any writing, the order in which things reach the disk.
 
-usage: robust_test.py --sightcell PROGRAM --city PROGRAM [unittest arguments]
-
 Kills at random moments, full disks and damaged checkpoints are tests/bench/bench_kills.py.
-Exit code 77: every test was skipped, because this machine lets nobody trace or mount.
 """
 import ctypes
 import json
@@ -16,18 +12,17 @@ import socket
 import subprocess
 import sys
 
-sys.dont_write_bytecode = True  # nothing is written into the sources
-from program import PROGRAMS, QUICK_BAKE, TIMEOUT, InFolder, Stopped, main, read, run, write_room  # noqa: E402
+from harness import QUICK_BAKE, TIMEOUT, InRoom, Stopped, program, read, sightcell, write_city, write_room
 
 
-class Quick(InFolder):
+class Quick(InRoom):
     """A bake that takes no time, of the room."""
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.whole = cls.path('undisturbed.pvs')
-        code, _, err = run(*cls.command(cls.whole))
+        code, _, err = sightcell(*cls.command(cls.whole))
         if code != 0:
             raise RuntimeError(err)
 
@@ -54,7 +49,7 @@ class Order(Quick):
         log = self.path('calls.txt')
         try:
             done = subprocess.run(['strace', '-f', '-y', '-qqq', '-s', '0', '-e', f'trace={self.CALLS}', '-o', log,
-                                   PROGRAMS.sightcell, *command], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                   program('sightcell'), *command], stdin=subprocess.DEVNULL, capture_output=True, text=True,
                                   timeout=TIMEOUT)
         except FileNotFoundError:
             self.skipTest('there is no strace')
@@ -165,7 +160,7 @@ class Signals(Stopped):
             line = self.assert_one_error_line(err, 'checkpoint.other-bake')
             self.assertIn(f'differs in {name};', line)
         other = self.path('other-city.glb')
-        self.assertEqual(run('--polygons', 2500, '--seed', 2, '--out', other, program=PROGRAMS.city)[0], 0)
+        write_city(other, polygons=2500)
         command = [other if argument == self.city else argument for argument in self.command(output)]
         _, err = self.expect(2, *command)
         self.assertIn('differs in the scene or its cells', self.assert_one_error_line(err, 'checkpoint.other-bake'))
@@ -179,7 +174,7 @@ class Streams(Stopped):
     SAMPLES, RESOLUTION = 12, 64
 
     def bake(self, output, *more, **streams):
-        return subprocess.Popen([PROGRAMS.sightcell, *self.command(output, *more)], stdin=subprocess.DEVNULL, **streams)
+        return subprocess.Popen([program('sightcell'), *self.command(output, *more)], stdin=subprocess.DEVNULL, **streams)
 
     def assert_baked(self, output):
         self.assertEqual(read(output), self.whole())
@@ -201,7 +196,7 @@ class Streams(Stopped):
 
     def test_an_error_that_nobody_reads_still_has_its_exit_code(self):
         with open('/dev/full', 'w') as full:
-            done = subprocess.run([PROGRAMS.sightcell, 'info', self.path('missing.glb')], stderr=full, timeout=TIMEOUT)
+            done = subprocess.run([program('sightcell'), 'info', self.path('missing.glb')], stderr=full, timeout=TIMEOUT)
         self.assertEqual(done.returncode, 4)
 
     def test_the_summary_for_a_reader_that_went_away_is_an_error_after_the_file_is_written(self):
@@ -219,18 +214,18 @@ class Streams(Stopped):
         for closed in ((1,), (2,), (0, 1, 2)):
             output = self.path(f'closed-{"".join(map(str, closed))}.pvs')
             shell = ' '.join(f'{number}>&-' for number in closed)
-            command = [PROGRAMS.sightcell, *self.command(output)]
+            command = [program('sightcell'), *self.command(output)]
             done = subprocess.run(['sh', '-c', f'exec "$@" {shell}', 'sh', *command], capture_output=True, timeout=TIMEOUT)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assert_baked(output)
-        done = subprocess.run(['sh', '-c', 'exec "$@" >&-', 'sh', PROGRAMS.sightcell, 'info', self.city],
+        done = subprocess.run(['sh', '-c', 'exec "$@" >&-', 'sh', program('sightcell'), 'info', self.city],
                               capture_output=True, text=True, timeout=TIMEOUT)
         self.assertEqual(done.returncode, 1)
         self.assert_one_error_line(done.stderr, 'cli.not-writable')
 
     def test_a_limit_on_the_size_of_files_is_an_error_like_a_full_disk(self):
         output = self.path('limited.pvs')
-        command = [PROGRAMS.sightcell, *self.command(output)]
+        command = [program('sightcell'), *self.command(output)]
         done = subprocess.run(['sh', '-c', 'ulimit -f 8; exec "$@"', 'sh', *command], capture_output=True, text=True,
                               timeout=TIMEOUT)
         self.assertEqual(done.returncode, 1, done.stderr)
@@ -288,13 +283,13 @@ class Places(Quick):
 
     def test_a_name_that_sqlite_would_read_as_an_address(self):
         for name in ('file:x.pvs?mode=memory&x=', 'file:a%20b.pvs'):
-            command = [PROGRAMS.sightcell, *self.command(name)]
+            command = [program('sightcell'), *self.command(name)]
             done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=TIMEOUT)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assert_baked(self.path(name))
         checkpoint = self.path('file:c.pvs.bake')
         os.mkdir(checkpoint)  # it really is beside the output that the checkpoint goes
-        done = subprocess.run([PROGRAMS.sightcell, *self.command('file:c.pvs')], cwd=self.folder, capture_output=True,
+        done = subprocess.run([program('sightcell'), *self.command('file:c.pvs')], cwd=self.folder, capture_output=True,
                               text=True, timeout=TIMEOUT)
         self.assert_one_error_line(done.stderr, 'checkpoint.not-writable')
 
@@ -363,7 +358,7 @@ class Mounts(Quick):
         output = os.path.join(self.disk, 'x.pvs')
         os.chmod(self.disk, 0o755)
         os.chmod(self.folder, 0o755)
-        as_nobody = ['setpriv', '--reuid=65534', '--clear-groups', PROGRAMS.sightcell]
+        as_nobody = ['setpriv', '--reuid=65534', '--clear-groups', program('sightcell')]
         if subprocess.run([*as_nobody, '--version'], capture_output=True).returncode != 0:
             self.skipTest('nobody cannot run the program here')
         done = subprocess.run([*as_nobody, *self.command(output)], capture_output=True, text=True, timeout=TIMEOUT)
@@ -448,7 +443,3 @@ class Names(Quick):
             out.write(b'{"cells":[{"name":"Stra\xdfe","min":[3,1,3],"max":[5,2,5]}]}')
         _, err = self.expect(4, 'bake', self.room, '-o', self.path('latin.pvs'), '--cells-file', cells, '--source', 'cpu')
         self.assert_one_error_line(err, 'cells.not-json')
-
-
-if __name__ == '__main__':
-    main()

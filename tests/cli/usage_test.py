@@ -1,22 +1,16 @@
-#!/usr/bin/env python3
-"""The command line of `sightcell`: help, messages about wrong use, `info` of scenes, `view`.
-
-usage: usage_test.py --sightcell PROGRAM --city PROGRAM [unittest arguments]
-"""
+"""The command line of `sightcell`: help, messages about wrong use, `info` of scenes, `view`."""
 import json
 import os
 import re
 import shutil
 import stat
-import sys
 
-sys.dont_write_bytecode = True  # nothing is written into the sources
-from program import PROGRAMS, InFolder, main, run, write_triangles  # noqa: E402
+from harness import InRoom, program, run, write_triangles
 
 VERBS = ('bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'merge', 'samplers')
 
 
-class Usage(InFolder):
+class Usage(InRoom):
     def test_help_lists_every_verb(self):
         out, err = self.expect(0, '--help')
         for verb in VERBS:
@@ -251,7 +245,7 @@ class Usage(InFolder):
             self.assertIn(text, out)
 
 
-class View(InFolder):
+class View(InRoom):
     """`view` with a viewer that prints its arguments: beside a copy of the program, or in PATH."""
 
     @classmethod
@@ -259,7 +253,7 @@ class View(InFolder):
         super().setUpClass()
         os.mkdir(cls.path('bin'))
         os.mkdir(cls.path('path'))
-        cls.program = shutil.copy(PROGRAMS.sightcell, cls.path('bin/sightcell'))
+        cls.program = shutil.copy(program('sightcell'), cls.path('bin/sightcell'))
 
     def write_viewer(self, folder, name):
         path = self.path(os.path.join(folder, 'sightcell-viewer'))
@@ -269,7 +263,7 @@ class View(InFolder):
         self.addCleanup(os.remove, path)
 
     def view(self, *arguments):
-        return run('view', *arguments, program=self.program,
+        return run(self.program, 'view', *arguments,
                    environment={'PATH': f'{self.path("nowhere")}:{self.path("path")}:/usr/bin:/bin'})
 
     def test_without_a_viewer_one_line_says_so(self):
@@ -292,7 +286,3 @@ class View(InFolder):
         code, _, err = self.view()
         self.assertEqual(code, 2)
         self.assert_one_error_line(err, 'cli.wrong-use')
-
-
-if __name__ == '__main__':
-    main()

@@ -1,24 +1,15 @@
-#!/usr/bin/env python3
-"""commands.py finds commands that fail and names that do not exist, in every place where a page can have them.
-
-usage: commands_test.py ROOT BIN
-"""
+"""commands.py finds commands that fail and names that do not exist, in every place where a page can have them."""
 import os
 import shutil
-import sys
-import tempfile
 import unittest
 
-sys.dont_write_bytecode = True
 import commands
-
-ROOT = BIN = None
+from harness import BIN, ROOT, new_folder
 
 
 class Planted(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='sightcell-commands-')
-        self.addCleanup(shutil.rmtree, self.folder)
+        self.folder = new_folder(self.addCleanup)
         shutil.copyfile(os.path.join(ROOT, 'CMakePresets.json'), os.path.join(self.folder, 'CMakePresets.json'))
         for folder in ('docs', 'scripts', 'samples', 'tests', 'runtime/package'):
             os.makedirs(os.path.join(self.folder, folder))
@@ -83,8 +74,3 @@ class Planted(unittest.TestCase):
                                         '<!-- not run: x -->\n```c\nint a;\n```\n')
         self.assertEqual([p.split(': ')[0] for p in problems], ['README.md:1', 'README.md:8', 'README.md:4',
                                                                 'no page has a command to run'])
-
-
-if __name__ == '__main__':
-    ROOT, BIN = sys.argv.pop(1), os.path.abspath(sys.argv.pop(1))
-    unittest.main()

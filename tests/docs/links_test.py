@@ -1,19 +1,14 @@
-#!/usr/bin/env python3
-"""links.py finds links to what does not exist, and no others. usage: links_test.py"""
+"""links.py finds links to what does not exist, and no others."""
 import os
-import shutil
-import sys
-import tempfile
 import unittest
 
-sys.dont_write_bytecode = True
 import links
+from harness import new_folder
 
 
 class Planted(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='sightcell-links-')
-        self.addCleanup(shutil.rmtree, self.folder)
+        self.folder = new_folder(self.addCleanup)
         os.makedirs(os.path.join(self.folder, 'docs'))
         self.page('docs/other.md', '# Other page\n\n## Files: `--profile`, all\n\n## Twice\n\n## Twice\n')
 
@@ -45,7 +40,3 @@ class Planted(unittest.TestCase):
         self.assertEqual(self.problems('[a](#gone)\n```sh\n# gone\n```\n'), ['README.md:1: #gone: no such heading'])
         self.assertEqual(self.problems('[a](docs/other.md#twice-2)\n'),
                          ['README.md:1: docs/other.md#twice-2: no such heading'])
-
-
-if __name__ == '__main__':
-    unittest.main()

@@ -1,24 +1,15 @@
-#!/usr/bin/env python3
-"""words.py finds phrases that are planted, wherever a reader could find them, and nothing in code.
-
-usage: words_test.py ROOT
-"""
+"""words.py finds phrases that are planted, wherever a reader could find them, and nothing in code."""
 import os
 import shutil
-import sys
-import tempfile
 import unittest
 
-sys.dont_write_bytecode = True
 import words
-
-ROOT = None
+from harness import ROOT, new_folder
 
 
 class Planted(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='sightcell-words-')
-        self.addCleanup(shutil.rmtree, self.folder)
+        self.folder = new_folder(self.addCleanup)
         os.makedirs(os.path.join(self.folder, 'docs'))
         shutil.copyfile(os.path.join(ROOT, words.GLOSSARY), os.path.join(self.folder, words.GLOSSARY))
         allowed = [entry for entry in words.ALLOWED if words.fnmatch.fnmatch(words.GLOSSARY, entry[0])]
@@ -139,8 +130,3 @@ class Planted(unittest.TestCase):
         self.assertEqual(self.problems(), ['nowhere/*.md: nothing to read'])
         self.page('# Glossary\n', 'docs/glossary.md')
         self.assertIn('has no table', self.problems()[0])
-
-
-if __name__ == '__main__':
-    ROOT = sys.argv.pop(1)
-    unittest.main()

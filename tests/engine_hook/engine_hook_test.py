@@ -1,21 +1,11 @@
-#!/usr/bin/env python3
-"""Runs sightcell-engine-hook on baked scenes: all ways of drawing show what drawing everything shows, and damage shows.
-
-usage: engine_hook_test.py --hook PROGRAM --sightcell PROGRAM --city PROGRAM --drop PROGRAM [unittest arguments]
-
-Exit code 77: every test was skipped, because this machine has no OpenGL.
-"""
+"""sightcell-engine-hook on baked scenes: all ways of drawing show what drawing everything shows, and damage shows."""
 import os
 import re
-import sys
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.dont_write_bytecode = True  # nothing is written into the sources
-sys.path[1:1] = [os.path.join(HERE, '..'), os.path.join(HERE, '..', 'viewer')]
-import sample_program  # noqa: E402
-from colonnade_scene import write_cells, write_colonnade  # noqa: E402
-from sample_program import PROGRAMS, main, run  # noqa: E402
-from surfaces_scene import write_surfaces  # noqa: E402
+import harness
+from colonnade_scene import write_cells, write_colonnade
+from harness import must, program, run, skip_without_egl
+from surfaces_scene import write_surfaces
 
 WAYS = ['everything', 'index list', 'indirect commands', 'objects']
 PACKED_WAYS = ['packed, everything', 'packed, index list', 'packed, indirect commands']
@@ -23,7 +13,7 @@ ROW = re.compile(r'(?P<way>.*\S)\s+(?P<pictures>\d+)\s+(?P<differing>\d+)\s+\S+\
                  r'(?P<polygons>[\d.]+)\s+(?P<calls>[\d.]+)$')
 
 
-class InFolder(sample_program.InFolder):
+class InFolder(harness.InFolder):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -36,21 +26,20 @@ class InFolder(sample_program.InFolder):
     def bake(cls, scene, cells, name, *more):
         out = cls.path(name)
         if not os.path.exists(out):
-            cls.must(PROGRAMS.sightcell, 'bake', scene, '-o', out, '--cells-file', cells, '--cell-limit', 4,
+            must(program('sightcell'), 'bake', scene, '-o', out, '--cells-file', cells, '--cell-limit', 4,
                      '--quality', 'draft', '--progress', 'none', *more)
         return out
 
     def packed(self, scene, cells, name):
         """The options for a merged file and its mesh."""
         merged, mesh = self.bake(scene, cells, name + '_merged.pvs', '--layout', 'merged'), self.path(name + '_packed.glb')
-        self.must(PROGRAMS.sightcell, 'pack', scene, merged, '-o', mesh)
+        must(program('sightcell'), 'pack', scene, merged, '-o', mesh)
         return '--packed', mesh, '--merged', merged
 
     def draw(self, code, *arguments):
         """What the program says: its rows by way, and all of it."""
-        answer, out, err = run(PROGRAMS.hook, *arguments, '--size', 128)
-        if answer == 1 and '[gl.' in err:
-            self.skipTest('no EGL device: ' + err)
+        answer, out, err = run(program('sightcell-engine-hook'), *arguments, '--size', 128)
+        skip_without_egl(answer, err)
         self.assertEqual(answer, code, f'{arguments}\n{out}\n{err}')
         rows = {}
         for match in filter(None, map(ROW.match, out.splitlines())):
@@ -117,7 +106,7 @@ class Draws(InFolder):
 
     def test_a_missing_polygon_shows(self):
         pvs, damaged = self.bake(self.hall, self.hall_cells, 'hall.pvs'), self.path('damaged.pvs')
-        self.must(PROGRAMS.drop, pvs, damaged, 1, 0)  # half of the floor, from the hall's middle
+        must(program('sightcell-test-drop-polygon'), pvs, damaged, 1, 0)  # half of the floor, from the hall's middle
         rows, _ = self.draw(1, self.hall, damaged)
         for way in ('index list', 'indirect commands'):
             self.assertGreater(rows[way]['differing'], 1000, way)
@@ -128,7 +117,7 @@ class Draws(InFolder):
         pvs = self.bake(self.hall, self.hall_cells, 'hall.pvs')
         _, mesh, _, merged = self.packed(self.hall, self.hall_cells, 'hall')
         damaged = self.path('damaged_merged.pvs')
-        self.must(PROGRAMS.drop, merged, damaged, 1, 0)
+        must(program('sightcell-test-drop-polygon'), merged, damaged, 1, 0)
         rows, _ = self.draw(1, self.hall, pvs, '--packed', mesh, '--merged', damaged)
         for way in ('packed, index list', 'packed, indirect commands'):
             self.assertGreater(rows[way]['differing'], 1000, way)
@@ -156,7 +145,3 @@ class Refusals(InFolder):
     def test_wrong_use(self):
         self.draw(2, self.hall)
         self.draw(2, self.hall, self.hall, '--merged', self.hall)
-
-
-if __name__ == '__main__':
-    main('hook', 'sightcell', 'city', 'drop')

@@ -1,25 +1,17 @@
-#!/usr/bin/env python3
 """check_catalogue.py fails when an id is added without an entry or a test, and in every other way it promises.
-
-usage: check_catalogue_test.py ROOT
 """
 import os
 import shutil
-import sys
-import tempfile
 import unittest
 
-sys.dont_write_bytecode = True
 import cases
 import check_catalogue
-
-ROOT = None
+from harness import ROOT, new_folder
 
 
 class Planted(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='sightcell-catalogue-')
-        self.addCleanup(shutil.rmtree, self.folder)
+        self.folder = new_folder(self.addCleanup)
         for room in ('bake', 'tests/unit'):
             shutil.copytree(os.path.join(ROOT, room), os.path.join(self.folder, room))
         self.cases, self.unit_tests = list(cases.CASES), dict(cases.UNIT_TESTS)
@@ -91,8 +83,3 @@ class Planted(unittest.TestCase):
     def test_an_empty_tree(self):
         shutil.rmtree(os.path.join(self.folder, 'bake'))
         self.assertIsNone(self.problems())
-
-
-if __name__ == '__main__':
-    ROOT = sys.argv.pop(1)
-    unittest.main()

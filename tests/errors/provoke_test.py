@@ -1,24 +1,13 @@
-#!/usr/bin/env python3
 """Provokes every error that a command line can reach: exit code, and one line that names the culprit and ends in [id].
-
-usage: provoke_test.py SIGHTCELL [unittest arguments]
-
-Exit code 77: every case was skipped.
 """
 import inspect
 import os
 import resource
-import shutil
 import subprocess
-import sys
-import tempfile
 import unittest
 
-sys.dont_write_bytecode = True  # nothing is written into the sources
 import cases
-
-SIGHTCELL = None
-TIMEOUT = 240  # seconds
+from harness import TIMEOUT, new_folder, program
 
 
 def limit_memory(size):
@@ -30,16 +19,15 @@ class Provoke(unittest.TestCase):
     """One test per case, made below."""
 
     def provoke(self, identifier, code, prepare):
-        folder = tempfile.mkdtemp(prefix='sightcell-errors-')
-        self.addCleanup(shutil.rmtree, folder)
+        folder, sightcell = new_folder(self.addCleanup), program('sightcell')
         wants_program = len(inspect.signature(prepare).parameters) == 2
-        call = prepare(folder, SIGHTCELL) if wants_program else prepare(folder)
+        call = prepare(folder, sightcell) if wants_program else prepare(folder)
         if call.memory and os.environ.get('SIGHTCELL_SANITIZE'):
             self.skipTest('sanitizers reserve more memory than this case may have')
         if call.skip:
             self.skipTest(f'{identifier}: {call.skip}')
         with open(call.stdout or os.devnull, 'w', encoding='utf-8') as out:
-            done = subprocess.run([*call.runner, call.program or SIGHTCELL, *call.arguments], stdin=subprocess.DEVNULL,
+            done = subprocess.run([*call.runner, call.program or sightcell, *call.arguments], stdin=subprocess.DEVNULL,
                                   stdout=out, stderr=subprocess.PIPE, text=True, timeout=TIMEOUT, cwd=folder,
                                   env={**os.environ, **call.environment},
                                   preexec_fn=lambda: limit_memory(call.memory))
@@ -58,10 +46,4 @@ def add_tests():
         setattr(Provoke, name, lambda self, i=identifier, c=code, p=prepare: self.provoke(i, c, p))
 
 
-if __name__ == '__main__':
-    SIGHTCELL = os.path.abspath(sys.argv[1])
-    add_tests()
-    result = unittest.main(argv=sys.argv[:1] + sys.argv[2:], exit=False).result
-    if not result.wasSuccessful():
-        sys.exit(1)
-    sys.exit(77 if result.testsRun > 0 and len(result.skipped) == result.testsRun else 0)
+add_tests()

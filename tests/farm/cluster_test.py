@@ -1,7 +1,4 @@
-#!/usr/bin/env python3
 """The cluster of these tests leaves nothing behind, however the process ends that held it.
-
-usage: cluster_test.py [unittest arguments]         exit code 77: no Slurm here
 """
 import os
 import subprocess
@@ -18,6 +15,7 @@ def processes_with(*texts):
             if pid != os.getpid() and words[0] != sys.executable and all(any(t in w for w in words) for t in texts)]
 
 
+@slurm_cluster.needs_slurm
 class Cluster(unittest.TestCase):
     def test_it_ends_with_the_process_that_held_it(self):
         mark = f'31536000.{os.getpid()}'  # seconds of a sleep, and what to find it by
@@ -52,10 +50,3 @@ with slurm_cluster.Cluster(nodes=1) as cluster:
             time.sleep(0.1)
         self.assertFalse(os.path.exists(folder))
         self.assertEqual(processes_with(folder), [])
-
-
-if __name__ == '__main__':
-    if slurm_cluster.missing_programs():
-        print(f'no {", ".join(slurm_cluster.missing_programs())} here: scripts/bootstrap --farm installs Slurm')
-        sys.exit(77)
-    unittest.main()

@@ -1,11 +1,7 @@
-#!/usr/bin/env python3
 """Sixteen shards on a real Slurm, some of them struck at random moments, are the bytes of one bake.
 
-usage: farm_test.py --sightcell PROGRAM --city PROGRAM --sample FOLDER [--seed N] [unittest arguments]
-
-The cluster is made here and taken down again (slurm_cluster.py). Exit code 77: this machine cannot run one.
+The cluster is made here and taken down again (slurm_cluster.py). --setting seed=N strikes as an earlier run did.
 """
-import argparse
 import collections
 import contextlib
 import os
@@ -13,29 +9,22 @@ import random
 import re
 import select
 import shlex
-import shutil
 import signal
 import sqlite3
 import subprocess
-import sys
-import tempfile
 import time
-import unittest
 
+import harness
 import slurm_cluster
+from harness import read
 
-ARGS = None
+SAMPLE = os.path.join(harness.ROOT, 'samples', 'farm')
 SHARDS = 16
 # 16 blocks of 8 x 8 cells in the middle of the town.
 BAKE = ['--cells-grid=-16,1,-16,16,1.5,16', '--cell-size', '1', '--samples', '6', '--resolution', '64',
         '--max-pixel-error', '3e-2', '--seed', '7']
 IN_ORDER = 'signal before the time limit'
 PATIENCE = 600  # seconds for one submission: a hang must end, no result depends on it
-
-
-def read(path):
-    with open(path, 'rb') as file:
-        return file.read()
 
 
 Victim = collections.namedtuple('Victim', 'pid process task node file')  # process: a file descriptor
@@ -177,25 +166,24 @@ class Strikes:
 
 def guide(start):
     """The line of the sample's guide that starts so, as words."""
-    lines = read(os.path.join(ARGS.sample, 'README.md')).decode().splitlines()
+    lines = read(os.path.join(SAMPLE, 'README.md')).decode().splitlines()
     (line,) = [line for line in lines if line.startswith(start)]
     return shlex.split(line)
 
 
-class Farm(unittest.TestCase):
+@slurm_cluster.needs_slurm
+class Farm(harness.InFolder):
     @classmethod
     def setUpClass(cls):
         cls.cluster = cls.enterClassContext(slurm_cluster.Cluster(nodes=4, cpus=1))
-        cls.folder = tempfile.mkdtemp(prefix='sightcell-farm-')
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
-        cls.scene = os.path.join(cls.folder, 'city.glb')
-        cls.level = os.path.join(cls.folder, 'level.pvs')
-        cls.execute(ARGS.city, '--polygons', '2000', '--seed', '1', '--out', cls.scene)
+        super().setUpClass()
+        cls.level = cls.path('level.pvs')
+        cls.make_city('city.glb', polygons=2000)
 
     @classmethod
     def execute(cls, *command, code=0):
         """What it says. It finds the programs as on a farm: sightcell and the sample's script in PATH."""
-        path = ':'.join([ARGS.sample, os.path.dirname(ARGS.sightcell), os.environ['PATH']])
+        path = ':'.join([SAMPLE, harness.BIN, os.environ['PATH']])
         done = subprocess.run(command, env={**cls.cluster.environment, 'PATH': path}, cwd=cls.folder, text=True, check=False,
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=PATIENCE)
         if done.returncode != code:
@@ -245,8 +233,9 @@ class Farm(unittest.TestCase):
     def test_sixteen_shards_with_strikes(self):
         spent = self.bake_alone()
         self.bake_two_by_hand()
-        print(f'farm: seed {ARGS.seed}, one bake {spent:.1f} s of CPU time', flush=True)
-        numbers = random.Random(ARGS.seed)
+        seed = int(harness.SETTINGS.get('seed', int.from_bytes(os.urandom(3), 'little')))
+        print(f'farm: seed {seed}, one bake {spent:.1f} s of CPU time', flush=True)
+        numbers = random.Random(seed)
         strikes = Strikes(self.cluster, self.level, numbers)
         # Each kind once, then each again; taken from the end.
         plan = {phase: [k for _ in range(times) for k in numbers.sample(list(strikes.kinds), len(strikes.kinds))]
@@ -278,21 +267,3 @@ class Farm(unittest.TestCase):
         self.assertEqual(strikes.lost, [])
         self.assertEqual(read(self.level), read(os.path.join(self.folder, 'alone.pvs')))
         self.assertEqual([n for n in os.listdir(self.folder) if n.endswith('.bake')], [])
-
-
-def main():
-    global ARGS
-    parser = argparse.ArgumentParser()
-    parser.add_argument('--sightcell', required=True, type=os.path.abspath)
-    parser.add_argument('--city', required=True, type=os.path.abspath)
-    parser.add_argument('--sample', required=True, type=os.path.abspath)
-    parser.add_argument('--seed', type=int, default=int.from_bytes(os.urandom(3), 'little'))
-    ARGS, rest = parser.parse_known_args()
-    if slurm_cluster.missing_programs():
-        print(f'no {", ".join(slurm_cluster.missing_programs())} here: scripts/bootstrap --farm installs Slurm')
-        return 77
-    unittest.main(argv=[sys.argv[0], *rest], verbosity=2)
-
-
-if __name__ == '__main__':
-    sys.exit(main())

@@ -1,9 +1,5 @@
-#!/usr/bin/env python3
 """Shards without a farm: array variables given by hand, the manifests of samples/farm, and what merge takes and refuses.
-
-usage: shards_test.py --sightcell PROGRAM --city PROGRAM --sample FOLDER [unittest arguments]
 """
-import argparse
 import json
 import os
 import pathlib
@@ -11,12 +7,13 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
-import unittest
 
-ARGS = None
+import harness
+from harness import program, read
+
+SAMPLE = os.path.join(harness.ROOT, 'samples', 'farm')
 # Four blocks of 8 x 8 cells.
 BAKE = ['--cells-grid=-8,1,-8,8,1.5,8', '--cell-size', '1', '--source', 'cpu', '--samples', '6', '--resolution', '32',
         '--max-pixel-error', '3e-2']
@@ -36,39 +33,24 @@ def aws(task, count=4):
     return {'AWS_BATCH_JOB_ARRAY_INDEX': task, 'AWS_BATCH_JOB_ARRAY_SIZE': count}
 
 
-def read(path):
-    with open(path, 'rb') as file:
-        return file.read()
-
-
-class Shards(unittest.TestCase):
+class Shards(harness.InFolder):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix='sightcell-shards-')
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
-        cls.scene = os.path.join(cls.folder, 'city.glb')
-        cls.make_city(cls.scene, 1)
-        cls.alone = os.path.join(cls.folder, 'alone.pvs')
+        super().setUpClass()
+        cls.scene, cls.alone = cls.make_city('city.glb', polygons=1000), cls.path('alone.pvs')
         cls.answer('bake', cls.scene, '-o', cls.alone, *BAKE)
-        cls.all_there = os.path.join(cls.folder, 'all_there')
+        cls.all_there = cls.path('all_there')
         os.mkdir(cls.all_there)
         for phase in ('1', '2'):
             for shard in range(4):
                 cls.bake_shard(cls.all_there, f'{shard}/4', phase)
 
     @staticmethod
-    def make_city(path, seed):
-        subprocess.run([ARGS.city, '--polygons', '1000', '--seed', str(seed), '--out', path], check=True,
-                       capture_output=True)
-
-    @staticmethod
     def run_program(*arguments, environment=()):
         """Exit code and standard error; of the array variables of this test's own surroundings the program sees none."""
-        clean = {k: v for k, v in os.environ.items() if not ARRAY_VARIABLES.match(k)}
-        clean.update({k: str(v) for k, v in dict(environment).items()})
-        done = subprocess.run([ARGS.sightcell, *map(str, arguments)], env=clean, stdin=subprocess.DEVNULL, text=True,
-                              capture_output=True, timeout=300, check=False)
-        return done.returncode, done.stderr
+        removed = {name: None for name in os.environ if ARRAY_VARIABLES.match(name)}
+        code, _, err = harness.sightcell(*arguments, environment={**removed, **dict(environment)})
+        return code, err
 
     @classmethod
     def answer(cls, *arguments, code=0, **more):
@@ -91,12 +73,6 @@ class Shards(unittest.TestCase):
         level = os.path.join(folder, 'level.pvs')
         self.answer('merge', level, *files)
         self.assertEqual(read(level), read(self.alone))
-
-    def assert_one_line(self, text, identifier):
-        lines = [line for line in text.splitlines() if line.startswith('sightcell: ')]
-        self.assertEqual(len(lines), 1, text)
-        self.assertTrue(lines[0].endswith(f'[{identifier}]'), lines[0])
-        return lines[0]
 
 
 class Arrays(Shards):
@@ -137,7 +113,7 @@ class Arrays(Shards):
         folder, scratch = self.in_both_folders()
 
         def manifest(name, **values):
-            text = read(os.path.join(ARGS.sample, 'kubernetes', name)).decode()
+            text = read(os.path.join(SAMPLE, 'kubernetes', name)).decode()
             for key, value in values.items():
                 self.assertIn(key, text)
                 text = text.replace(key, str(value))
@@ -155,7 +131,7 @@ class Arrays(Shards):
 
     def test_aws_batch_job(self):
         folder, scratch = self.in_both_folders()
-        command = json.loads(read(os.path.join(ARGS.sample, 'aws_batch', 'shard.json')))['containerProperties']['command']
+        command = json.loads(read(os.path.join(SAMPLE, 'aws_batch', 'shard.json')))['containerProperties']['command']
         for phase in ('1', '2'):
             for shard in range(4):
                 self.run_command([phase if w == 'Ref::phase' else w for w in command], folder, scratch, **aws(shard))
@@ -170,10 +146,10 @@ class Merge(Shards):
         folder = self.copy_of_all()
         level = os.path.join(folder, 'level.pvs')
         os.remove(level + '.shard-2-of-4.phase-2')
-        line = self.assert_one_line(self.answer('merge', level, code=1), 'shard.missing-blocks')
+        line = self.assert_one_error_line(self.answer('merge', level, code=1), 'shard.missing-blocks')
         self.assertIn('1 of 4 blocks lack phase 2: block ', line)
         os.remove(level + '.shard-2-of-4.phase-1')
-        gone = self.assert_one_line(self.answer('merge', level, code=1), 'shard.missing-blocks')
+        gone = self.assert_one_error_line(self.answer('merge', level, code=1), 'shard.missing-blocks')
         self.assertIn('1 of 4 blocks are in no shard: block ', gone)
         name = re.search(r'block [^;]*', gone)[0]
         self.assertIn(name, line)
@@ -208,7 +184,7 @@ class Merge(Shards):
 
     def test_another_seed_and_another_scene_are_refused_by_name(self):
         town = os.path.join(self.folder, 'town.glb')
-        self.make_city(town, 2)
+        self.make_city(town, polygons=1500)
         for what, scene, more in (('seed', self.scene, ['--seed', '2']), ('scene', town, [])):
             with self.subTest(what=what):
                 folder, other = self.copy_of_all(), tempfile.mkdtemp(dir=self.folder)
@@ -217,7 +193,7 @@ class Merge(Shards):
                 os.remove(os.path.join(folder, 'level.pvs.shard-3-of-4.phase-2'))
                 level = os.path.join(folder, 'level.pvs')
                 for text in (self.answer('merge', level, code=2), self.bake_shard(folder, '3/4', '2', code=2)):
-                    line = self.assert_one_line(text, 'shard.other-bake')
+                    line = self.assert_one_error_line(text, 'shard.other-bake')
                     self.assertIn('level.pvs.shard-2-of-4.phase-1: ', line)
                     self.assertIn(what, line)
                 self.assertFalse(os.path.exists(level))
@@ -228,7 +204,7 @@ class Scratch(Shards):
         """A task is killed on one node, goes on on another one, and comes back to the first."""
         folder, first, second = (tempfile.mkdtemp(dir=self.folder) for _ in range(3))
         level = os.path.join(folder, 'level.pvs')
-        command = [ARGS.sightcell, 'bake', self.scene, '-o', level, *BAKE, '--shard', '0/1', '--scratch', first]
+        command = [program('sightcell'), 'bake', self.scene, '-o', level, *BAKE, '--shard', '0/1', '--scratch', first]
         with subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as killed:
             while killed.poll() is None and not any(p.stat().st_size > 40000 for p in pathlib.Path(first).glob('*-wal')):
                 time.sleep(0.01)
@@ -238,17 +214,3 @@ class Scratch(Shards):
         self.assertIn('256 cells (0 were there)', text)
         os.rename(level + '.shard-0-of-1.phase-1', level + '.shard-0-of-1.phase-1.bake')
         self.assertIn('256 cells (256 were there)', self.bake_shard(folder, '0/1', '1', '--scratch', first))
-
-
-def main():
-    global ARGS
-    parser = argparse.ArgumentParser()
-    parser.add_argument('--sightcell', required=True, type=os.path.abspath)
-    parser.add_argument('--city', required=True, type=os.path.abspath)
-    parser.add_argument('--sample', required=True, type=os.path.abspath)
-    ARGS, rest = parser.parse_known_args()
-    unittest.main(argv=[sys.argv[0], *rest])
-
-
-if __name__ == '__main__':
-    main()

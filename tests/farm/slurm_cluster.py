@@ -20,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unittest
 
 PROGRAMS = ('munged', 'slurmctld', 'slurmd', 'sbatch', 'squeue', 'scancel', 'scontrol', 'sinfo')
 START = 60  # seconds until all nodes must be idle
@@ -76,6 +77,12 @@ PartitionName=urgent Nodes=ALL MaxTime=INFINITE State=UP PriorityTier=2 PreemptM
 def missing_programs():
     path = os.environ.get('PATH', '') + ':/usr/sbin:/sbin'
     return [p for p in PROGRAMS if not shutil.which(p, path=path)]
+
+
+def needs_slurm(tests):
+    """A class of tests that is skipped where there is no Slurm."""
+    missing = missing_programs()
+    return unittest.skipIf(missing, f'no {", ".join(missing)} here: scripts/bootstrap --farm installs Slurm')(tests)
 
 
 def processes():

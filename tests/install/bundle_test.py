@@ -1,4 +1,3 @@
-#!/usr/bin/python3
 """The bundle: all it loads but glibc comes from inside; it runs in a root where nothing else is; hosts build on it."""
 import os
 import re
@@ -157,7 +156,3 @@ class Bundle(unittest.TestCase):
         self.assertIn('overview.png', inside('sightcell-headless-walk', '/tmp/c.glb', '/tmp/c.pvs', '--frames', '2',
                                              '--out', '/tmp/walk'))
         self.assertIn('2000 polygons', inside('sightcell-hello-cull', '/tmp/c.pvs'))
-
-
-if __name__ == '__main__':
-    installed.main()

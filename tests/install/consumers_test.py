@@ -1,4 +1,3 @@
-#!/usr/bin/python3
 """Hosts in C and C++ are built against an installed prefix, before and after the prefix was moved."""
 import os
 import unittest
@@ -133,7 +132,3 @@ def write_project(folder, lines):
     os.makedirs(folder, exist_ok=True)
     with open(os.path.join(folder, 'CMakeLists.txt'), 'w', encoding='utf-8') as file:
         file.write('cmake_minimum_required(VERSION 3.25)\nproject(consumer LANGUAGES C)\n' + lines + '\n')
-
-
-if __name__ == '__main__':
-    installed.main()

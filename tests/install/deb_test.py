@@ -1,4 +1,3 @@
-#!/usr/bin/python3
 """The Debian packages: what they are called, need and contain; unpacked together they are a working prefix."""
 import os
 import shutil
@@ -87,7 +86,3 @@ class Packages(unittest.TestCase):
         folder, _ = build('c', os.path.join(self.root, 'usr'))
         for program in ('runtime_consumer', 'runtime_shared_consumer'):
             self.assertEqual(run(os.path.join(folder, program), golden()), GOLDEN_ANSWER)
-
-
-if __name__ == '__main__':
-    installed.main()

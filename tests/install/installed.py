@@ -2,30 +2,13 @@
 import argparse
 import os
 import re
-import shutil
 import subprocess
-import sys
-import unittest
 
-ARGS = None
+import harness
+
+# What CMake says, and the sources.
+ARGS = argparse.Namespace(source=harness.ROOT, **harness.SETTINGS)
 GOLDEN_ANSWER = 'cell 0: 4\ncell 1: 1\n'  # tests/golden/v1_tiny.txt: what its two cells see
-
-
-def main():
-    global ARGS
-    parser = argparse.ArgumentParser()
-    for name in ('source', 'build', 'work', 'config', 'libdir', 'cmake', 'generator', 'cc', 'cxx'):
-        parser.add_argument('--' + name, required=True)
-    parser.add_argument('--bake', action='store_true', help='the build has the bake half')
-    ARGS, rest = parser.parse_known_args()
-    shutil.rmtree(ARGS.work, ignore_errors=True)
-    os.makedirs(ARGS.work)
-    result = unittest.main(module='__main__', argv=[sys.argv[0], '-v', *rest], exit=False).result
-    if result.testsRun and len(result.skipped) == result.testsRun:
-        sys.exit(77)
-    if result.wasSuccessful():
-        shutil.rmtree(ARGS.work)  # a bundle is large
-    sys.exit(not result.wasSuccessful())
 
 
 def golden():

@@ -1,15 +1,11 @@
-#!/usr/bin/python3
 """THIRD_PARTY.md against what the built programs and libraries name and the sources include."""
 import os
 import re
-import sys
 import unittest
 
+import check_layering  # which files are looked at, and what is of the platform
 import installed
 from installed import needed
-
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), '../layering'))
-import check_layering  # noqa: E402  (which files are looked at, and what is of the platform)
 
 TOOLCHAIN = re.compile(r'(ld-linux[-\w]*|lib(c|m|dl|rt|pthread|stdc\+\+|gcc_s|atomic))\.so(\.\d+)?')
 
@@ -77,7 +73,3 @@ class ThirdParty(unittest.TestCase):
                         self.assertEqual(len(fitting), 1, f'{path} includes <{match[2]}>: not in THIRD_PARTY.md')
                         seen |= set(fitting)
         self.assertEqual(sorted(seen), sorted(names), 'included by no file')
-
-
-if __name__ == '__main__':
-    installed.main()

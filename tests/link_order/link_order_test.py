@@ -1,22 +1,18 @@
 """libdraco brings a tinygltf of its own. Ours must not be visible, or the program calls the wrong one."""
-import argparse
 import os
 import re
 import subprocess
-import sys
 import unittest
 
-OPTIONS = argparse.Namespace()
+from harness import SETTINGS
 
 
 def run(kind):
-    program = getattr(OPTIONS, kind)[0]
-    return subprocess.run([program], capture_output=True, text=True, errors='replace', timeout=120)
+    return subprocess.run([SETTINGS[kind + '_program']], capture_output=True, text=True, errors='replace', timeout=120)
 
 
 def exported_tinygltf(kind):
-    library = getattr(OPTIONS, kind)[1]
-    symbols = subprocess.run([OPTIONS.nm, '-D', '-C', '--defined-only', library], capture_output=True, text=True,
+    symbols = subprocess.run([SETTINGS['nm'], '-D', '-C', '--defined-only', SETTINGS[kind + '_library']], capture_output=True, text=True,
                              check=True).stdout
     assert 'polygons_of' in symbols, 'nm sees no symbols at all'
     return [line for line in symbols.splitlines() if 'tinygltf::' in line]
@@ -24,7 +20,7 @@ def exported_tinygltf(kind):
 
 def bound_to_libdraco(kind):
     """Symbols of tinygltf that our library takes from libdraco."""
-    program, library = getattr(OPTIONS, kind)
+    program, library = SETTINGS[kind + '_program'], SETTINGS[kind + '_library']
     done = subprocess.run([program], capture_output=True, text=True, errors='replace', timeout=120,
                           env={**os.environ, 'LD_DEBUG': 'bindings', 'LD_BIND_NOW': '1'})
     pattern = re.compile(r'binding file \S*/%s \[0\] to \S*/libdraco\.\S* .*`(\S*)\'' % re.escape(os.path.basename(library)))
@@ -41,7 +37,7 @@ class LinkOrder(unittest.TestCase):
         self.assertEqual(bound_to_libdraco('hidden'), [])
 
     def test_libdraco_is_first(self):
-        needed = subprocess.run(['readelf', '-d', OPTIONS.hidden[0]], capture_output=True, text=True,
+        needed = subprocess.run(['readelf', '-d', SETTINGS['hidden_program']], capture_output=True, text=True,
                                 check=True).stdout
         self.assertLess(needed.index('libdraco'), needed.index('sightcell_test_shared_scene_hidden'))
 
@@ -50,12 +46,3 @@ class LinkOrder(unittest.TestCase):
         any more."""
         self.assertNotEqual(exported_tinygltf('exported'), [])
         self.assertTrue(any('LoadASCIIFromString' in symbol for symbol in bound_to_libdraco('exported')))
-
-
-if __name__ == '__main__':
-    parser = argparse.ArgumentParser()
-    parser.add_argument('--nm', required=True)
-    parser.add_argument('--hidden', nargs=2, required=True)
-    parser.add_argument('--exported', nargs=2, required=True)
-    parser.parse_args(namespace=OPTIONS)
-    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,18 +1,9 @@
-#!/usr/bin/env python3
-"""Runs sightcell-relevance-server in a baked town and has rays look at the players that it hides.
-
-usage: relevance_server_test.py --server PROGRAM --sightcell PROGRAM --city PROGRAM --pairs PROGRAM [unittest arguments]
-
-Exit code 77: every test was skipped, because this machine has no OpenGL.
-"""
+"""Runs sightcell-relevance-server in a baked town and has rays look at the players that it hides."""
 import json
 import os
 import re
-import sys
 
-sys.dont_write_bytecode = True  # nothing is written into the sources
-sys.path.insert(1, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
-from sample_program import PROGRAMS, InFolder, main, run  # noqa: E402
+from harness import InFolder, must, program, run
 
 PLAYERS, FRAMES = 16, 60
 PAIRS = PLAYERS * (PLAYERS - 1)  # of a frame
@@ -24,19 +15,19 @@ class Town(InFolder):
     def setUpClass(cls):
         super().setUpClass()
         cls.town, cls.pvs = cls.make_city('town.glb'), cls.path('town.pvs')
-        cls.must(PROGRAMS.sightcell, 'bake', cls.town, '-o', cls.pvs, '--cells-grid', -24, 0, -24, 24, 4, 24,
+        must(program('sightcell'), 'bake', cls.town, '-o', cls.pvs, '--cells-grid', -24, 0, -24, 24, 4, 24,
                  '--cell-size', 8, '--volumes', 2, '--quality', 'draft', '--progress', 'none')
 
     def serve(self, name, *more, frames=FRAMES):
         """Share of the pairs that are hidden, percent; what is printed; the record's file."""
         record = self.path(name)
-        code, out, err = run(PROGRAMS.server, self.pvs, '--players', PLAYERS, '--frames', frames, '--record', record,
-                             *more)
+        code, out, err = run(program('sightcell-relevance-server'), self.pvs, '--players', PLAYERS, '--frames', frames,
+                             '--record', record, *more)
         self.assertEqual(code, 0, err)
         return float(re.search(r'([\d.]+) % hidden', out)[1]), out, record
 
     def look_at(self, record, frames=FRAMES):
-        code, out, err = run(PROGRAMS.pairs, self.town, record)
+        code, out, err = run(program('sightcell-test-hidden-pairs'), self.town, record)
         self.assertEqual(code, 0, err)
         found = json.loads(out)
         self.assertEqual(found['pairs'], PAIRS * frames)
@@ -104,12 +95,8 @@ class Town(InFolder):
 
     def test_a_file_without_volumes_is_refused(self):
         plain = self.path('plain.pvs')
-        self.must(PROGRAMS.sightcell, 'bake', self.town, '-o', plain, '--cells-grid', 0, 0, 0, 8, 4, 8, '--cell-size', 8,
+        must(program('sightcell'), 'bake', self.town, '-o', plain, '--cells-grid', 0, 0, 0, 8, 4, 8, '--cell-size', 8,
                   '--progress', 'none')
-        code, _, err = run(PROGRAMS.server, plain)
+        code, _, err = run(program('sightcell-relevance-server'), plain)
         self.assertEqual(code, 4)
         self.assertTrue(err.rstrip().endswith('[relevance.no-volumes]'), err)
-
-
-if __name__ == '__main__':
-    main('server', 'sightcell', 'city', 'pairs')

@@ -1,38 +1,25 @@
-#!/usr/bin/env python3
-"""Runs sightcell-viewer under a virtual X server, looks at its pictures and presses its keys.
-
-usage: viewer_test.py --viewer PROGRAM --sightcell PROGRAM --city PROGRAM --drop PROGRAM
-                      --reference PROGRAM [unittest arguments]
-
-Exit code 77: every test was skipped, because this machine has no Xvfb or no OpenGL.
-"""
+"""Runs sightcell-viewer under a virtual X server, looks at its pictures and presses its keys."""
 import json
 import os
 import shutil
-import signal
 import struct
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
 import numpy
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.dont_write_bytecode = True  # nothing is written into the sources
-sys.path[1:1] = [os.path.join(HERE, '..'), os.path.join(HERE, '..', 'cli')]
-import sample_program  # noqa: E402
-from png import read_png  # noqa: E402
-from program import write_room  # noqa: E402
-from sample_program import PROGRAMS, TIMEOUT, main, run  # noqa: E402
-from surfaces_scene import write_surfaces  # noqa: E402
+import harness
+from harness import TIMEOUT, must, program, run, write_middle_cell, write_room
+from png import read_png
+from surfaces_scene import write_surfaces
 
 SIZE = '320x240'
 SAME = 0.001  # of all pixels: the bound of the bakes here
 
 
-class InFolder(sample_program.InFolder):
+class InFolder(harness.InFolder):
     """A baked city of ours and a baked room, in a folder of its own."""
 
     @classmethod
@@ -43,13 +30,12 @@ class InFolder(sample_program.InFolder):
         cls.bake(cls.city, cls.city_pvs, cls.city_cells, '--cell-limit', 3)
         cls.room, cls.room_cells, cls.room_pvs = map(cls.path, ('room.glb', 'room.json', 'room.pvs'))
         write_room(cls.room)
-        with open(cls.room_cells, 'w', encoding='utf-8') as out:
-            out.write('{"cells":[{"name":"middle","min":[3,1,3],"max":[5,2,5]}]}')
+        write_middle_cell(cls.room_cells)
         cls.bake(cls.room, cls.room_pvs, cls.room_cells)
 
     @classmethod
     def bake(cls, scene, out, cells, *more):
-        cls.must(PROGRAMS.sightcell, 'bake', scene, '-o', out, '--cells-file', cells, '--quality', 'draft',
+        must(program('sightcell'), 'bake', scene, '-o', out, '--cells-file', cells, '--quality', 'draft',
                  '--progress', 'none', *more)
 
 
@@ -78,7 +64,7 @@ class UnderX(InFolder):
         """A screenshot and what the viewer says about it."""
         picture = self.path('picture.png')
         files = [scene, pvs] if pvs else [scene]
-        code, out, err = run(PROGRAMS.viewer, *files, '--screenshot', picture, '--size', SIZE, *arguments,
+        code, out, err = run(program('sightcell-viewer'), *files, '--screenshot', picture, '--size', SIZE, *arguments,
                              display=self.display)
         if code == 1 and '[viewer.no-context]' in err:
             self.skipTest('no OpenGL under Xvfb: ' + err)
@@ -165,7 +151,7 @@ class Pictures(UnderX):
         whole, said = self.view(self.room, self.room_pvs, *aim)
         self.assertEqual((said['polygons_drawn'], differing(full, whole)), (12, 0.0))
         self.assertEqual(red(self.view(self.room, self.room_pvs, *aim, '--mode', 'tint')[0]), 0.0)
-        self.must(PROGRAMS.drop, self.room_pvs, damaged, 0, 0)  # half of the floor
+        must(program('sightcell-test-drop-polygon'), self.room_pvs, damaged, 0, 0)  # half of the floor
         culled, said = self.view(self.room, damaged, *aim)
         self.assertEqual(said['polygons_drawn'], 11)
         hole = differing(full, culled)
@@ -182,7 +168,8 @@ class Pictures(UnderX):
         for scene, pvs, eye in ((surfaces, None, '0,-0.5,10.5'), (surfaces, surfaces_pvs, '0,-0.5,10.5'),
                                 (self.city, None, '0,40,160')):
             reference = self.path('reference.png')
-            self.must(PROGRAMS.reference, scene, reference, *SIZE.split('x'), *eye.split(','), 0, 0, -1)
+            must(program('sightcell-test-reference-picture'), scene, reference, *SIZE.split('x'), *eye.split(','), 0, 0,
+                 -1)
             expected = read_png(reference).astype(int)
             drawn, said = self.view(scene, pvs, f'--eye={eye}', '--look=0,0')
             self.assertLess(commonest(drawn), 0.9, 'nothing but sky')
@@ -211,7 +198,7 @@ class Window(UnderX):
     def setUp(self):
         self.shots = tempfile.mkdtemp(dir=self.folder)
         self.viewer = subprocess.Popen(
-            [PROGRAMS.viewer, self.city, self.city_pvs, '--cell', '0', '--size', '400x300'], cwd=self.shots,
+            [program('sightcell-viewer'), self.city, self.city_pvs, '--cell', '0', '--size', '400x300'], cwd=self.shots,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, 'DISPLAY': self.display})
         self.addCleanup(self.end)
@@ -300,7 +287,7 @@ class Refusals(InFolder):
     """One line and an exit code for all that cannot be shown. None of it needs a display."""
 
     def refuse(self, code, identifier, *arguments):
-        answer, out, err = run(PROGRAMS.viewer, *arguments)
+        answer, out, err = run(program('sightcell-viewer'), *arguments)
         self.assertEqual((answer, out), (code, ''), f'{arguments}\n{err}')
         lines = err.splitlines()
         self.assertEqual(len(lines), 1, err)
@@ -344,7 +331,7 @@ class Refusals(InFolder):
                                              self.path('no.json')))
         self.refuse(4, 'viewer.cells', self.city, self.city_pvs, '--cells-file', broken)
         for scene in (broken, self.path('no.glb')):
-            answer, _, err = run(PROGRAMS.viewer, scene)
+            answer, _, err = run(program('sightcell-viewer'), scene)
             self.assertEqual((answer, len(err.splitlines())), (4, 1), err)
 
     def test_no_display(self):
@@ -352,13 +339,8 @@ class Refusals(InFolder):
         self.assertIn('DISPLAY', line)
 
     def test_help(self):
-        answer, out, err = run(PROGRAMS.viewer, '--help')
+        answer, out, err = run(program('sightcell-viewer'), '--help')
         self.assertEqual((answer, err), (0, ''))
         for option in ('--cells-file', '--size', '--cell', '--eye', '--look', '--mode', '--frozen-from',
                        '--screenshot', '--frames', '--show'):
             self.assertIn(option, out)
-
-
-if __name__ == '__main__':
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    main('viewer', 'sightcell', 'city', 'drop', 'reference')

@@ -1,31 +1,81 @@
-"""What the tests of the program `sightcell` share: small scenes, how it is run, bakes that are stopped.
+"""What tests in Python share: built programs, how they run, temporary folders, small scenes, bakes that are stopped.
 
-A test file defines classes of tests and calls main() with these options:
---sightcell PROGRAM --city PROGRAM [--drop PROGRAM] [--shares PROGRAM] [unittest arguments]
+conftest.py sets BIN and SETTINGS from the command line, before it imports a test.
 """
-import argparse
 import base64
 import json
 import os
 import shutil
-import signal
 import struct
 import subprocess
-import sys
 import tempfile
 import unittest
 
-PROGRAMS = argparse.Namespace()  # filled by main
-TIMEOUT = 300  # seconds; a bake here takes a few
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+BIN = None  # the folder with the built programs
+SETTINGS = {}  # what only CMake knows
+TIMEOUT = 280  # seconds; a bake here takes a few
 QUICK_BAKE = ['--samples', '8', '--resolution', '64', '--max-pixel-error', '1e-2']
 
 
-def run(*arguments, program=None, environment=None):
-    """Exit code, standard output, standard error."""
-    done = subprocess.run([program or PROGRAMS.sightcell, *map(str, arguments)], stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, errors='surrogateescape', timeout=TIMEOUT,
-                          env={**os.environ, **(environment or {})})
+def program(name):
+    """The path of a program that every build with this test has."""
+    path = os.path.join(BIN, name)
+    if not os.path.exists(path):
+        raise RuntimeError(f'{path} does not exist: build it, or name the folder with the programs by --bin')
+    return path
+
+
+def program_or_skip(name):
+    """The path of a program that some builds leave out."""
+    path = os.path.join(BIN, name)
+    if not os.path.exists(path):
+        raise unittest.SkipTest(f'no {name} in this build')
+    return path
+
+
+def run(path, *arguments, environment=None, display=None):
+    """Exit code, standard output, standard error. environment: what changes in it, None removes. The program sees no
+    display but the given one."""
+    changes = {'DISPLAY': display, 'WAYLAND_DISPLAY': None, **(environment or {})}
+    variables = {k: str(v) for k, v in {**os.environ, **changes}.items() if v is not None}
+    done = subprocess.run([path, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          errors='surrogateescape', timeout=TIMEOUT, env=variables)
     return done.returncode, done.stdout, done.stderr
+
+
+def sightcell(*arguments, **more):
+    return run(program('sightcell'), *arguments, **more)
+
+
+def must(path, *arguments):
+    """Runs what a test needs. Skips where there is no OpenGL, else it has to end well."""
+    code, _, err = run(path, *arguments)
+    skip_without_egl(code, err)
+    if code != 0:
+        raise RuntimeError(f'{path} {arguments}: {code}\n{err}')
+
+
+def skip_without_egl(code, err):
+    if code == 1 and '[gl.' in err:
+        raise unittest.SkipTest('no EGL device: ' + err)
+
+
+def new_folder(add_cleanup):
+    """A temporary folder. add_cleanup: addCleanup of a test, or addClassCleanup of its class."""
+    folder = tempfile.mkdtemp(prefix='sightcell-test-')
+    add_cleanup(shutil.rmtree, folder)
+    return folder
+
+
+def read(path):
+    with open(path, 'rb') as file:
+        return file.read()
+
+
+def write_city(path, *more, polygons):
+    """A small town, the same each time."""
+    must(program('sightcell-city'), '--polygons', polygons, '--seed', 1, '--out', path, *more)
 
 
 def write_room(path, height=4, scenes=((0,),), **more):
@@ -71,39 +121,33 @@ def write_triangles(path, triangles, materials, **more):
         json.dump(document, out)
 
 
-def read(path):
-    with open(path, 'rb') as file:
-        return file.read()
+def write_middle_cell(path):
+    """The cell in the middle of the room."""
+    with open(path, 'w', encoding='utf-8') as out:
+        out.write('{"cells":[{"name":"middle","min":[3,1,3],"max":[5,2,5]}]}')
 
 
 class InFolder(unittest.TestCase):
-    """A scene of every kind in a folder of its own."""
+    """A folder for the tests of a class."""
 
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix='sightcell-cli-')
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
-        cls.room = cls.path('room.glb')
-        write_room(cls.room)
-        cls.cells = cls.path('cells.json')
-        with open(cls.cells, 'w', encoding='utf-8') as out:
-            out.write('{"cells":[{"name":"middle","min":[3,1,3],"max":[5,2,5]}]}')
+        cls.folder = new_folder(cls.addClassCleanup)
 
     @classmethod
     def path(cls, name):
         return os.path.join(cls.folder, name)
 
     @classmethod
-    def make_city(cls, polygons=2000):
-        cls.city = cls.path('city.glb')
-        code, _, text = run('--polygons', polygons, '--seed', 1, '--out', cls.city, program=PROGRAMS.city)
-        if code != 0:
-            raise RuntimeError(text)
+    def make_city(cls, name, *more, polygons=3000):
+        write_city(cls.path(name), *more, polygons=polygons)
+        return cls.path(name)
 
     def expect(self, code, *arguments):
-        answer, out, err = run(*arguments)
-        if answer == 1 and code != 1 and '[gl.' in err:
-            self.skipTest('no EGL device: ' + err)
+        """What sightcell prints when it ends with this exit code."""
+        answer, out, err = sightcell(*arguments)
+        if code != 1:
+            skip_without_egl(answer, err)
         self.assertEqual(answer, code, f'{arguments}\n{out}\n{err}')
         return out, err
 
@@ -114,13 +158,24 @@ class InFolder(unittest.TestCase):
         return lines[0]
 
 
-class Stopped(InFolder):
+class InRoom(InFolder):
+    """With a room and a cell in its middle."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.room, cls.cells = cls.path('room.glb'), cls.path('cells.json')
+        write_room(cls.room)
+        write_middle_cell(cls.cells)
+
+
+class Stopped(InRoom):
     """A bake of several cells, to be stopped."""
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.make_city()
+        cls.city = cls.make_city('city.glb', polygons=2000)
 
     # Enough to do for one thread: seconds are left after the first cell, for whoever comes to stop it.
     SAMPLES, RESOLUTION = 96, 512
@@ -131,7 +186,7 @@ class Stopped(InFolder):
 
     def start(self, output, *more, before=None):
         """A running bake with at least one cell finished by this very run; before: called in its process first."""
-        running = subprocess.Popen([PROGRAMS.sightcell, *self.command(output, *more)], stdin=subprocess.DEVNULL,
+        running = subprocess.Popen([program('sightcell'), *self.command(output, *more)], stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=before)
         self.addCleanup(running.stderr.close)
         said, resumed = '', 0
@@ -142,8 +197,7 @@ class Stopped(InFolder):
             if line.startswith('{') and json.loads(line)['cells'] > resumed:
                 return running
         code = running.wait()
-        if '[gl.' in said:
-            self.skipTest('no EGL device: ' + said)
+        skip_without_egl(code, said)
         self.fail(f'exit code {code} before the first cell\n{said}')
 
     def stop(self, output, number):
@@ -168,16 +222,3 @@ class Stopped(InFolder):
         self.assertIn('resuming', err)
         self.assertEqual(read(output), self.whole())
         self.assertEqual([n for n in os.listdir(self.folder) if n.startswith(os.path.basename(output) + '.')], [])
-
-
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument('--sightcell', required=True)
-    parser.add_argument('--city', required=True)
-    parser.add_argument('--drop', default='')
-    parser.add_argument('--shares', default='')
-    _, rest = parser.parse_known_args(namespace=PROGRAMS)
-    result = unittest.main(argv=[sys.argv[0], *rest], exit=False, verbosity=2).result
-    if not result.wasSuccessful():
-        sys.exit(1)
-    sys.exit(77 if len(result.skipped) == result.testsRun else 0)
