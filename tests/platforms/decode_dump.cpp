@@ -71,14 +71,14 @@ void add_named_groups(const sightcell_db* db, std::string& text) {
   }
 }
 
-// What a host keeps beside its views.
+// What a host stores in addition to its views.
 struct stored_polygons {
-  std::vector<std::uint32_t> begins;  // of what ranges count in
+  std::vector<std::uint32_t> begins;  // first stored polygon of each draw, or of each draw group
   std::vector<std::uint32_t> order;   // source ids
   std::vector<std::uint32_t> indices;
 };
 
-// What the view answers now, in all its ways.
+// All outputs of the view for the current frame.
 void add_answers(const sightcell_view* view, std::uint32_t cell, const stored_polygons& stored, std::string& text) {
   auto set = list_of<std::uint32_t>(text, [&](std::uint32_t* dst, std::size_t room, std::size_t* count) {
     return sightcell_view_polygons(view, dst, room, count);
@@ -142,7 +142,7 @@ std::string dump(const sightcell_db* db) {
         static_cast<double>(max[1]), static_cast<double>(max[2]));
     for (std::size_t axis = 0; axis < 3; ++axis) eye[axis] = 0.5f * min[axis] + 0.5f * max[axis];
     sightcell_frame frame{};
-    // First to nowhere, so that the cell before is not kept.
+    // First outside all cells, so that the view does not keep the previous cell.
     static_cast<void>(sightcell_view_move(view, nullptr, &frame));
     const sightcell_status s = sightcell_view_move(view, eye, &frame);
     if (s != SIGHTCELL_OK || frame.cell != cell || (frame.flags & SIGHTCELL_FRAME_DRAW_ALL) != 0) {

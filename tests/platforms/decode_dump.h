@@ -1,5 +1,5 @@
 #pragma once
-// Everything that the C runtime says about a file, as text that is the same on every platform.
+// Everything that the C runtime decodes of a file, as text that is the same on every platform.
 #include <string>
 
 #include "fnv_hash.h"
@@ -7,9 +7,10 @@
 
 namespace sightcell::test {
 
-// Facts, draws, order, and for every cell its box, set, draw ranges and a hash of its index list. The lines version,
-// fingerprint, polygons, margin, max_pixel_error, confidence, draw and cell are those of tests/golden/decode_pvs.py.
-// Where the runtime contradicts itself (ranges that are not the set, an error), a line begins with "WRONG".
+// Prints header, draws, order, and for each cell its box, set, draw ranges and a hash of its index list. The lines
+// version, fingerprint, polygons, margin, max_pixel_error, confidence, draw and cell are those of
+// tests/golden/decode_pvs.py. Where the runtime contradicts itself (ranges that are not the set, an error), a line
+// begins with "WRONG".
 std::string dump(const sightcell_db* db);
 
 }  // namespace sightcell::test

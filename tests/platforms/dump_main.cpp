@@ -1,5 +1,5 @@
 // usage: sightcell-test-dump FILE.pvs
-// Prints what the C runtime decodes, byte for byte the same on every platform: compare two machines with cmp.
+// Prints what the C runtime decodes. The output has the same bytes on every platform; cmp compares two machines.
 #include <cstdio>
 
 #include "decode_dump.h"

@@ -34,7 +34,7 @@ void add_ranges(fnv_hash& hash, const std::vector<sightcell_range>& ranges, std:
   }
 }
 
-// Of all cells; hashes each box, and those of volumes.
+// The bounding box of all cells. Hashes the box of each cell and of each volume.
 bounds add_boxes(fnv_hash& hash, const sightcell_db* db) {
   bounds all;
   for (std::uint32_t cell = 0; cell < sightcell_db_cell_count(db); ++cell) {
@@ -125,7 +125,8 @@ std::uint64_t hash_of_walk(const sightcell_db* db) {
       const double origin[3] = {step / 100 % 2 == 0 ? 0.0 : 0.25, 0.0, 0.0};
       add_status(hash, sightcell_view_origin(view, origin));
     }
-    // From an eighth of the way before all cells to as far behind them, in steps that fall on many borders.
+    // Starts an eighth of the way before the cells and ends as far behind them, in steps that reach many borders of
+    // cells.
     ends far{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       state = state * 1664525u + 1013904223u;

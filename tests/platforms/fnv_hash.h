@@ -4,7 +4,7 @@
 
 namespace sightcell::test {
 
-// FNV-1a of 64 bits: which of two platforms says what, in one number.
+// FNV-1a of 64 bits, to compare the results of two platforms by one number.
 class fnv_hash {
  public:
   void add(std::string_view text) noexcept {

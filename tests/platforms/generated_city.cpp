@@ -5,11 +5,11 @@ namespace {
 
 constexpr std::uint32_t side = 20;            // houses and cells per side of the city
 constexpr std::uint32_t storeys = 2;          // layers of cells
-constexpr std::uint32_t house_polygons = 96;  // of a house: walls, then a roof, then small things
+constexpr std::uint32_t house_polygons = 96;  // of a house: walls, then a roof, then small parts
 constexpr std::uint32_t wall_end = 40;
 constexpr std::uint32_t roof_end = 60;
 
-// Numbers that look random, from whole numbers alone (the finalizer of splitmix64).
+// Pseudo-random numbers with integer arithmetic only (the finalizer of splitmix64).
 std::uint32_t mix(std::uint64_t number) {
   number += 0x9E3779B97F4A7C15u;
   number = (number ^ number >> 30) * 0xBF58476D1CE4E5B9u;
@@ -66,7 +66,7 @@ sample_contents generated_city() {
     const std::uint32_t x = cell % side;
     const std::uint32_t z = cell / side % side;
     const std::uint32_t y = cell / (side * side);
-    // Borders that floats cannot hold exactly: neighbors share the rounded number.
+    // Borders that are not exact as floats. Adjacent cells share the rounded number.
     const auto border = [](std::uint32_t step) { return 0.7f * static_cast<float>(step) - 5.3f; };
     contents.cells.push_back({{border(x), border(y), border(z)}, {border(x + 1), border(y + 1), border(z + 1)}});
     std::vector<std::uint32_t> set;

@@ -1,5 +1,5 @@
-// Compiled with -fno-exceptions -fno-rtti, like the writer beside it. Writes the two-cell file of SPEC.md and compares
-// it with the golden one, then opens that through the C++ skin. usage: no_exceptions v1_tiny.pvs
+// Compiled with -fno-exceptions -fno-rtti, like the writer that is linked to it. Writes the two-cell file of SPEC.md
+// and compares it with the golden one, then opens it through the C++ interface. usage: no_exceptions v1_tiny.pvs
 #include <cstdio>
 #include <vector>
 

@@ -1,5 +1,5 @@
-// The same contents make the same bytes, and the same bytes decode to the same sets, on every platform: each runs this
-// against the same committed files and numbers.
+// On every platform the same contents are encoded to the same bytes, and the same bytes decode to the same sets. The
+// expected files and numbers are committed.
 #include <gtest/gtest.h>
 
 #include <cinttypes>
@@ -21,7 +21,7 @@ std::string golden_path(const std::string& name) {
   return std::string(SIGHTCELL_TEST_GOLDEN_FOLDER "/") + name;
 }
 
-// The lines that begin with one of the given words: what both the C runtime and the golden text know.
+// The lines that begin with one of the given words, which the dump of the C runtime and the golden text have in common.
 std::vector<std::string> common_lines(std::istream& text) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) {
@@ -33,8 +33,8 @@ std::vector<std::string> common_lines(std::istream& text) {
   return lines;
 }
 
-// A draw of the golden text as the C runtime tells it: without flags and the number of its order, which end the line,
-// and in a draw group with where the group begins.
+// A draw of the golden text in the form of the C runtime: without the flags and the number of its order at the end of
+// the line, and with the begin of its draw group if it has one.
 class told_draws {
  public:
   explicit told_draws(bool merged) : merged_(merged) {}
@@ -102,8 +102,8 @@ std::string hash_of(std::span<const std::byte> bytes) {
   return hex(hash.value());
 }
 
-// Of each golden file: name, size and hash of its dump, hash of a walk. web/golden_test.mjs expects the same of the web
-// module, which has no files and no C++ to ask in.
+// Checks name, size and hash of the dump, and hash of the walk, of each golden file. web/golden_test.mjs expects the
+// same numbers from the web module, which has neither files nor C++.
 TEST(same_everywhere, golden_answers) {
   std::ifstream in(SIGHTCELL_TEST_ANSWERS);
   std::size_t files = 0;
@@ -120,7 +120,7 @@ TEST(same_everywhere, golden_answers) {
   EXPECT_EQ(files, 9u);
 }
 
-// Frames and changes of a walk that stays at the borders of cells and grown boxes.
+// Checks frames and changes of a walk along the borders of cells and grown boxes.
 std::string hash_of_border_walk(const sightcell_db* db) {
   fnv_hash hash;
   const test_view view(db);
@@ -157,7 +157,8 @@ std::string hash_of_border_walk(const sightcell_db* db) {
   return hex(hash.value());
 }
 
-// The numbers are those of g++ on x86-64. They change when the format or its encoder does; with the golden files then.
+// The numbers are those of g++ on x86-64. They change only together with the format or its encoder, and the golden
+// files.
 TEST(same_everywhere, generated_city) {
   const sample_contents contents = generated_city();
   const auto bytes = contents.encode();

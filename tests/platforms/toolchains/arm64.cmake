@@ -1,5 +1,5 @@
 # 64-bit ARM Linux: Debian's cross compiler; programs run under qemu-user. With -DCMAKE_SYSROOT=FOLDER, libraries and
-# headers come from that folder, a Debian for ARM64: the bake half needs it (tests/platforms/README.md).
+# headers come from that folder, a Debian for ARM64. The bake half needs it (tests/platforms/README.md).
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)

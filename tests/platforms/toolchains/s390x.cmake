@@ -1,4 +1,4 @@
-# IBM Z, the big-endian Linux that is easiest to have: Debian's cross compiler; programs run under qemu-user.
+# Big-endian Linux (IBM Z): Debian's cross compiler; programs run under qemu-user.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR s390x)
 set(CMAKE_C_COMPILER s390x-linux-gnu-gcc)

@@ -1,4 +1,4 @@
-// What decode_dump.cpp says about a file, byte for byte, asked through the functions that a page calls.
+// Prints the same text of a file as decode_dump.cpp, through the functions that a page calls.
 import { fnv_hash, require, status } from "./host.mjs";
 
 // %.9g
@@ -30,7 +30,7 @@ function draws_of(host, db) {
   return list;
 }
 
-// A byte of a name is a letter here, whatever it means in UTF-8.
+// Each byte of a name becomes one character, regardless of UTF-8.
 function named_groups_of(host, db) {
   let text = "";
   for (let group = 0; group < host.c.sightcell_db_named_group_count(db); ++group) {
@@ -48,7 +48,7 @@ function named_groups_of(host, db) {
   return text;
 }
 
-// The part of the text behind "sees".
+// The part of a line after "sees".
 function answers(host, view, cell, stored) {
   const set = host.list_u32(1, (dst, room, count) => host.c.sightcell_view_polygons(view, dst, room, count));
   const ranges = host.list_u32(3, (dst, room, count) => host.c.sightcell_view_ranges(view, dst, room, count));
@@ -83,7 +83,7 @@ function cells_of(host, db, count, stored) {
       for (let axis = 0; axis < 3; ++axis) {
         host.f32(box + 24, 3)[axis] = Math.fround(0.5 * ends[axis]) + Math.fround(0.5 * ends[3 + axis]);
       }
-      host.c.sightcell_view_move(view, 0, frame);  // to nowhere, so that the cell before is not kept
+      host.c.sightcell_view_move(view, 0, frame);  // outside all cells, so that the view does not keep the previous cell
       const s = host.c.sightcell_view_move(view, box + 24, frame);
       const [found, flags] = host.u32(frame, 2);
       if (s !== status.ok || found !== cell || (flags & 2) !== 0) text += ` from cell ${found} flags ${flags} status ${s}`;

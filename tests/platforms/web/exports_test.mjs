@@ -1,5 +1,5 @@
-// The module exports exactly what sightcell.h declares with what a page needs to call it, imports nothing, and has no more
-// code than it may. usage: exports_test.mjs MODULE.wasm HEADER BYTES
+// The module exports exactly what sightcell.h declares and what a page needs to call it. It imports nothing and has at most
+// BYTES of code. usage: exports_test.mjs MODULE.wasm HEADER BYTES
 import { readFileSync } from "node:fs";
 
 import { require } from "./host.mjs";
@@ -20,7 +20,7 @@ require(exported.join() === wanted.join(),
 const imports = WebAssembly.Module.imports(module);
 require(imports.length === 0, `imports: ${JSON.stringify(imports)}`);
 
-// Sizes of all sections: a byte says which, then a number of 7 bits per byte how many bytes follow.
+// Sizes of all sections. A section begins with a byte for its kind and its size as a number of 7 bits per byte.
 const sizes = new Map();
 for (let at = 8; at < bytes.length;) {
   const id = bytes[at++];

@@ -1,4 +1,4 @@
-// The module reads the golden files as all other builds do, and refuses the damaged ones with the same status.
+// The module reads the golden files like all other builds, and rejects the damaged ones with the same status.
 // usage: golden_test.mjs MODULE.wasm GOLDEN_FOLDER ANSWERS
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -18,7 +18,7 @@ function hash_of(text) {
   return hash.hex();
 }
 
-// What platforms_same_everywhere_test finds, too.
+// The numbers that platforms_same_everywhere_test expects.
 let read = 0;
 for (const line of lines(answers)) {
   const [name, size, dump_hash, walk_hash] = line.split(" ");
@@ -32,7 +32,7 @@ for (const line of lines(answers)) {
     require(walked === walk_hash, `${name}: the walk's hash is ${walked}`);
     require(page.c.sightcell_db_check(db) === status.ok, `${name} is not sound`);
   });
-  // Piece by piece it is the same file, but for version 0, which cannot be read so.
+  // A paged file gives the same results. Files of version 0 cannot be paged.
   const paged = open_paged(page, readFileSync(path));
   require(paged.status === (name.startsWith("v0_") ? status.version : status.ok), `${name} paged: ${paged.status}`);
   if (paged.status === status.ok) {

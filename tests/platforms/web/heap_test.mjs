@@ -1,4 +1,4 @@
-// malloc and free of the module: blocks do not overlap, keep what is in them, and what was freed is used again.
+// malloc and free of the module: blocks do not overlap, keep their content, and are used again after free.
 // usage: heap_test.mjs MODULE.wasm
 import { host, require } from "./host.mjs";
 
@@ -33,14 +33,14 @@ const round = () => {
 };
 round();
 const grown = c.memory.buffer.byteLength;
-// All that was freed is one block again.
+// After all blocks are freed, the memory is one block again.
 const all = page.room(grown - 1500000);
 require(c.memory.buffer.byteLength === grown, "freed blocks were not joined");
 c.free(all);
 for (let i = 0; i < 5; ++i) round();
 require(c.memory.buffer.byteLength < 4 * grown, `memory grew from ${grown} to ${c.memory.buffer.byteLength}`);
 
-// What cannot be had is refused, and nothing is broken by that.
+// A request that is too large returns 0 and changes nothing.
 for (const size of [0xFFFFFFFF, 0xFFFFFFF0, 0x80000000]) require(c.malloc(size) === 0, `malloc(${size})`);
 c.free(0);
 const nothing = page.room(0);

@@ -1,4 +1,4 @@
-// The module as a test's host sees it: memory, and lists asked for the way a careful host does, size first.
+// The module as a host uses it: its memory, and lists whose size is requested before their content.
 import { readFileSync } from "node:fs";
 
 export const status = { ok: 0, argument: 1, memory: 2, capacity: 3, stale: 4, io: 10, not_ours: 20, version: 21,
@@ -16,10 +16,10 @@ export class host {
 
   constructor(exports) {
     this.c = exports;
-    this.out = exports.malloc(16);  // where functions write one number
+    this.out = exports.malloc(16);  // functions write single numbers here
   }
 
-  // Made anew each time: what was made before memory grew is empty.
+  // Made for each use, because views of the memory become empty when the memory grows.
   bytes(at, size) { return new Uint8Array(this.c.memory.buffer, at, size); }
   u32(at, count) { return new Uint32Array(this.c.memory.buffer, at, count); }
   f32(at, count) { return new Float32Array(this.c.memory.buffer, at, count); }
@@ -27,7 +27,7 @@ export class host {
   data(at, size) { return new DataView(this.c.memory.buffer, at, size); }
   written() { return this.u32(this.out, 1)[0]; }
 
-  // Room that the caller frees.
+  // Allocates memory, which the caller frees.
   room(size) {
     const at = this.c.malloc(size);
     require(at !== 0 && at % 16 === 0, `malloc(${size}) gave ${at}`);
@@ -44,7 +44,7 @@ export class host {
     return new TextDecoder().decode(this.bytes(at, end - at));
   }
 
-  // What fill(dst, capacity, count) writes, of elements of so many bytes, as bytes of the test's own.
+  // Returns a copy of the bytes that fill(dst, capacity, count) writes. size: bytes of one element.
   list(size, fill) {
     const asked = fill(0, 0, this.out);
     const count = this.written();
@@ -58,7 +58,7 @@ export class host {
   }
   list_u32(words, fill) { return new Uint32Array(this.list(4 * words, fill).buffer); }
 
-  // The file at a path, or bytes: use({db, status}), and all is given back.
+  // Opens a file from a path or from bytes, calls use({db, status}), and frees everything.
   with_file(file, use) {
     const array = typeof file === "string" ? readFileSync(file) : file;
     const at = this.put(array);

@@ -1,4 +1,4 @@
-// The page of docs/hosting.md, served and run: its index lists are those of the cells it walks through.
+// Serves and runs the page of docs/hosting.md. Its index lists must be those of the cells on its way.
 // usage: page_test.mjs MODULE.wasm FILE.pvs FILE.txt
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -18,14 +18,14 @@ const server = createServer((request, response) => {
 await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
 const base = `http://127.0.0.1:${server.address().port}/`;
 
-// The three indices of each polygon name its source id, so that lists say which polygons they are of.
+// The three indices of each polygon encode its source id, so that a list shows which polygons it has.
 const stored_indices = (sc, db) => {
   const polygons = sc.sightcell_db_polygon_count(db);
   const out = sc.malloc(4 + 4 * polygons);
   require(sc.sightcell_db_order(db, out + 4, polygons, out) === 0, "no order");
   const order = Array.from(new Uint32Array(sc.memory.buffer, out + 4, polygons));
   sc.free(out);
-  sc.free(sc.malloc(1 << 22));  // memory grows meanwhile
+  sc.free(sc.malloc(1 << 22));  // the memory grows
   return order.flatMap((source) => [3 * source, 3 * source + 1, 3 * source + 2]);
 };
 

@@ -1,5 +1,5 @@
-// A file that is read piece by piece: the module calls a function of the page for each piece. Only functions of
-// WebAssembly can be called from there, so one of a few bytes stands in between, in the module's table.
+// A paged file: the module calls a function of the page for each piece. The module can call WebAssembly functions only, so
+// a small WebAssembly function in the module's table forwards the call.
 import { status } from "./host.mjs";
 
 // (module (import "p" "f" (func (param i32 i64 i32 i32) (result i32))) (export "f" (func 0)))
@@ -13,7 +13,7 @@ function number_of(table, request) {
   return table.length - 1;
 }
 
-// All of the file may be resident. Delivers at once.
+// The whole file may be resident. Delivers each piece immediately.
 export function open_paged(host, file) {
   const { c } = host;
   let requests = 0;

@@ -1,4 +1,4 @@
-// The walk of file_walk.cpp, through the functions that a page calls.
+// The same walk as file_walk.cpp, through the functions that a page calls.
 import { fnv_hash } from "./host.mjs";
 
 const steps = 600;

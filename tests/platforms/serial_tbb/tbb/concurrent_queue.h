@@ -1,5 +1,5 @@
 #pragma once
-// Stands in for oneTBB where no library is built for the platform: for one thread.
+// Replaces oneTBB where the platform has no such library. For one thread.
 #include <deque>
 #include <utility>
 

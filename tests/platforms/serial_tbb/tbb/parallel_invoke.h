@@ -1,5 +1,5 @@
 #pragma once
-// Stands in for oneTBB where no library is built for the platform: one call after the other.
+// Replaces oneTBB where the platform has no such library. Makes one call after the other.
 
 namespace tbb {
 
