@@ -69,9 +69,9 @@ def digest(*words):
 
 
 def bake_version():
-    with open(os.path.join(ROOT, "bake", "src", "job", "bake_context.cpp"), encoding="utf-8") as stream:
+    with open(os.path.join(ROOT, "bake", "src", "job", "bake_key.cpp"), encoding="utf-8") as stream:
         found = re.search(r"bake_version = (\d+);", stream.read())
-    return found[1] if found else fail("bake/src/job/bake_context.cpp says no bake_version")
+    return found[1] if found else fail("bake/src/job/bake_key.cpp has no bake_version")
 
 
 def writer_code():

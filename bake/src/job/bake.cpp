@@ -12,7 +12,9 @@
 #include "file/pvs_output.h"
 #include "input/host_scene.h"
 #include "job/bake_context.h"
+#include "job/bake_key.h"
 #include "job/disk_space.h"
+#include "job/estimate.h"
 #include "job/phases.h"
 #include "job/progress_tracker.h"
 #include "job/timed_bake.h"
@@ -23,60 +25,59 @@
 namespace sightcell::bake {
 namespace {
 
-void warn_of_geometry_inside(const progress_tracker& tracker, const settings& how, const callbacks& tell) {
-  // Samplers that look with rays have new places inside in every round: there more rays do find what is missing.
-  if (!tracker.stopped() && tell.on_message && how.max_pixel_error == 0.0 && tracker.not_empty() > 0 &&
+void warn_of_geometry_inside(const progress_tracker& tracker, const settings& how, const callbacks& events) {
+  // Samplers with rays draw new viewpoints inside such cells in every round, so more rays do find what is missing.
+  if (!tracker.stopped() && events.on_message && how.max_pixel_error == 0.0 && tracker.not_empty() > 0 &&
       takes_hemicubes(how.sampler))
-    tell.on_message(severity::warning,
-                    fmt::format("{} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
-                                "are missed there however many samples are taken",
-                                tracker.not_empty()));
+    events.on_message(severity::warning,
+                      fmt::format("{} cells have geometry inside; without rays (--max-pixel-error 0) polygons "
+                                  "are missed there however many samples are taken",
+                                  tracker.not_empty()));
 }
 
-// For the records while they come, their copy, and the file in the end.
+// Checks the disks for the checkpoint, its copy and the file. Also logs the estimate of the time.
 void check_room(const bake_context& context, std::uint32_t cells_left, const work_file& file,
-                const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
-  double seen = 0.0;
-  // Of a time budget nobody has to guess how long it takes.
-  const callbacks& estimate = context.how.time_budget > 0.0 ? callbacks() : tell;
-  arena.execute([&] { seen = print_estimate(context, cells_left, estimate); });
-  const std::uint64_t of_records = cells_left * checkpoint_bytes_of_cell(seen);
+                const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& events) {
+  bake_estimate estimate;
+  // The duration of a bake with a time budget is known: no message.
+  const callbacks& listener = context.how.time_budget > 0.0 ? callbacks() : events;
+  arena.execute([&] { estimate = estimate_bake(context, cells_left, listener); });
+  const std::uint64_t of_records = cells_left * checkpoint_bytes_of_cell(estimate.polygons);
   check_disk_space({{folder_of(file.path()), of_records},
-                    {folder_of(output), context.blocks->cell_count() * file_bytes_of_cell(seen)},
+                    {folder_of(output), context.cells->blocks.cell_count() * file_bytes_of_cell(estimate.polygons)},
                     {folder_of(output), context.how.scratch.empty() ? 0 : of_records}},
-                   tell);
+                   events);
 }
 
-// Phase after phase, until every cell is done.
+// Bakes all cells and writes the file.
 void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_arena& arena, work_file& file,
-              const std::filesystem::path& output, const callbacks& tell, summary& sum) {
-  std::vector<std::uint32_t> blocks(context.blocks->count());
+              const std::filesystem::path& output, const callbacks& events, summary& sum) {
+  std::vector<std::uint32_t> blocks(context.cells->blocks.count());
   std::iota(blocks.begin(), blocks.end(), 0u);
   checkpoint& done = file.records();
-  progress_tracker tracker(context.s.polygon_count, plan, context.blocks->cell_count(), tell);
-  resume(done, tracker, tell);
+  progress_tracker tracker(context.s.polygon_count, plan, context.cells->blocks.cell_count(), events);
+  resume(done, tracker, events);
   sum.cells_resumed = tracker.resumed();
-  check_room(context, tracker.cells_left(), file, output, arena, tell);
+  check_room(context, tracker.cells_left(), file, output, arena, events);
   const phase_work work{context, plan, blocks, arena, tracker, file};
   keeping(file, [&] {
     tracker.open();
     run_phase_1(work);
     run_phase_2(work, [&](std::uint32_t cell) { return required(done, cell, plan.end_of_phase_1(cell)); });
   });
-  warn_of_geometry_inside(tracker, context.how, tell);
+  warn_of_geometry_inside(tracker, context.how, events);
   if (tracker.stopped()) {
     sum.result = outcome::cancelled;
     file.copy();
     return;
   }
-  const pvs_frame frame = frame_of(context.s, context.how, with_overrides(context.settings_text, context.given),
-                                   context.list.cells, context.volumes ? &*context.volumes : nullptr);
+  const pvs_frame frame = context.frame();
   bool written = false;
   keeping(file, [&] {
     arena.execute([&] {
       written = write_pvs(
-          frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, tell, sum,
-          importance_of(context.how, *context.rays, output, tell));
+          frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, events, sum,
+          importance_of(context.how, context.traced->rays, output, events));
     });
   });
   if (written) {
@@ -90,34 +91,34 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
 }  // namespace
 
 summary bake(const scene::scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
-             const callbacks& tell) {
+             const callbacks& events) {
   validate(how);
   time_budget clock(how.time_budget, how.time_spent);
   const double began = process_cpu_seconds();
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   std::optional<bake_context> context;
-  arena.execute([&] { context.emplace(s, how, tell); });
-  sum.source = context->eyes.name;
-  sum.device = context->eyes.source->device();
+  arena.execute([&] { context.emplace(s, how, events); });
+  sum.source = context->device->chosen.name;
+  sum.device = context->device->source().device();
 
-  const stage_plan plan(*context->blocks, context->bounds());
-  work_file file(output, how.scratch, context->key, fresh, {}, context->judge());
+  const stage_plan plan(context->cells->blocks, context->bounds());
+  work_file file(output, how.scratch, context->key, fresh, {}, stale_test_of(context->key, context->cells->blocks));
   if (how.time_budget > 0.0) {
-    check_room(*context, context->blocks->cell_count(), file, output, arena, tell);
-    bake_in_time({*context, plan, arena, clock, file, output, tell}, sum);
+    check_room(*context, context->cells->blocks.cell_count(), file, output, arena, events);
+    bake_in_time({*context, plan, arena, clock, file, output, events}, sum);
   } else {
-    bake_all(*context, plan, arena, file, output, tell, sum);
+    bake_all(*context, plan, arena, file, output, events, sum);
   }
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;
 }
 
 summary bake(const host_scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
-             const callbacks& tell) {
-  validate(how);  // before alpha functions are called
+             const callbacks& events) {
+  validate(how);  // before the alpha functions of the host are called
   require_no_colors(how.metric);
-  return bake(scene_of(s), how, output, fresh, tell);
+  return bake(scene_of(s), how, output, fresh, events);
 }
 
 }  // namespace sightcell::bake

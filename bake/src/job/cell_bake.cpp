@@ -15,10 +15,11 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint64_t viewpoint_tries = 4096;  // a cell in which all of them fail is not stored
-constexpr std::size_t viewpoints_wanted = 128;   // for interior cubes, and to tell which polygons inside are faced
+constexpr std::uint64_t viewpoint_tries = 4096;  // a cell without a valid viewpoint among them is not stored
+constexpr std::size_t viewpoints_wanted = 128;   // for cubes inside the cell and the test of polygons inside
 
-// Levels of detail: where any polygon of the finest is in the set, all of the coarser ones are. set: ascending.
+// Adds all polygons of the coarser levels of detail of each object of which the set has a polygon of the finest level.
+// set: ascending, before and after.
 void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vector<std::uint32_t>& set) {
   const std::size_t seen = set.size();
   const auto any_in = [&](const scene::polygon_range& range) {
@@ -72,8 +73,9 @@ std::size_t cell_baker::set_bytes() const {
   return cell_set::bytes_for(rays_.geometry().kinds.size()) + (volumes_ ? volume_search_bytes(*volumes_) : 0);
 }
 
-bool cell_baker::find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& free, double& valid_share) const {
-  // An eye comes into the cell's own box before the margin ever matters, so the own box decides whether it is stored.
+bool cell_baker::find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& viewpoints, double& valid_share) const {
+  // The runtime looks up the cell by its own box. It uses the margin only for a camera that leaves the box. So only the
+  // box without margin decides whether the cell is stored.
   std::uint64_t tries = 0;
   random_stream random(how_.seed, cell.place, purpose::viewpoints);
   if (draw_viewpoints(rays_, {cell.min, cell.max}, how_.player_radius, 1, viewpoint_tries, random, tries).empty())
@@ -81,43 +83,43 @@ bool cell_baker::find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& 
   tries = 0;
   const auto wanted =
       std::max<std::size_t>(viewpoints_wanted, static_cast<std::size_t>(how_.samples * how_.interior_share / 2.0));
-  free = draw_viewpoints(rays_, grown(cell), how_.player_radius, wanted, 16 * viewpoint_tries, random, tries);
-  valid_share = static_cast<double>(free.size()) / static_cast<double>(tries);
-  return !free.empty();
+  viewpoints = draw_viewpoints(rays_, grown(cell), how_.player_radius, wanted, 16 * viewpoint_tries, random, tries);
+  valid_share = static_cast<double>(viewpoints.size()) / static_cast<double>(tries);
+  return !viewpoints.empty();
 }
 
 cell_record cell_baker::sample(const view_cell& cell, cell_set& set) const {
   cell_record record;
-  std::vector<glm::vec3> free;
+  std::vector<glm::vec3> viewpoints;
   set.clear();
-  if (!find_viewpoints(cell, free, record.valid_share)) {
+  if (!find_viewpoints(cell, viewpoints, record.valid_share)) {
     record.stored = false;
     return record;
   }
-  for (const std::uint32_t polygon : always_) set.add(polygon, free.front());
+  for (const std::uint32_t polygon : always_) set.add(polygon, viewpoints.front());
   const auto inside = rays_.touching(grown(cell).min, grown(cell).max);
   record.geometry_inside = !inside.empty();
-  const sampling_effort effort = sampler_.sample({grown(cell), cell.place, record.geometry_inside, free}, set);
+  const sampling_effort effort = sampler_.sample({grown(cell), cell.place, record.geometry_inside, viewpoints}, set);
   record.samples = effort.samples;
   record.rays_spent = effort.rays;
 
-  add_inside(cell, inside, free, set);
+  add_inside(cell, inside, viewpoints, set);
   set.save(record);
   return record;
 }
 
-// Rule 4: what touches the cell and faces a free point of it is in its set.
+// Visibility rule 4: a polygon that touches the cell and faces a valid viewpoint of it is in its set.
 void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside,
-                            const std::vector<glm::vec3>& free, cell_set& set) const {
-  // Whom no point faces may still show itself to who comes near, like the underside of a shelf just above the floor:
-  // the place before its middle is asked too.
+                            const std::vector<glm::vec3>& viewpoints, cell_set& set) const {
+  // A polygon that no drawn viewpoint faces may still be visible from nearby, like the underside of a shelf just above
+  // the floor. So a point in front of its center is tested too.
   const box where = grown(cell);
-  std::vector<glm::vec3> before;
-  std::vector<std::uint32_t> whose;
+  std::vector<glm::vec3> candidates;
+  std::vector<std::uint32_t> polygon_of;
   for (const std::uint32_t polygon : inside) {
-    const auto facing =
-        std::find_if(free.begin(), free.end(), [&](const glm::vec3& eye) { return faces(rays_, polygon, eye); });
-    if (facing != free.end()) {
+    const auto facing = std::find_if(viewpoints.begin(), viewpoints.end(),
+                                     [&](const glm::vec3& eye) { return faces(rays_, polygon, eye); });
+    if (facing != viewpoints.end()) {
       set.add(polygon, *facing);
       continue;
     }
@@ -125,19 +127,19 @@ void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32
     const glm::vec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
     const float length = glm::length(normal);
     if (!(length > 0.0f)) continue;
-    // Nobody faces it, so it is single-sided.
+    // No viewpoint faces it, so it is single-sided.
     const glm::vec3 eye = (t[0] + t[1] + t[2]) / 3.0f + normal * (1.1f * how_.player_radius / length);
     if (glm::any(glm::lessThan(eye, where.min)) || glm::any(glm::greaterThan(eye, where.max))) continue;
-    before.push_back(eye);
-    whose.push_back(polygon);
+    candidates.push_back(eye);
+    polygon_of.push_back(polygon);
   }
-  std::vector<std::uint8_t> is_free(before.size());
-  rays_.find_free(before, how_.player_radius, is_free);
-  for (std::size_t i = 0; i < before.size(); ++i)
-    if (is_free[i]) set.add(whose[i], before[i]);
+  std::vector<std::uint8_t> is_valid(candidates.size());
+  rays_.find_free(candidates, how_.player_radius, is_valid);
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (is_valid[i]) set.add(polygon_of[i], candidates[i]);
 }
 
-// A miss is the best hint: it joins before rays go beside what is known, and so they go beside it from its eye.
+// Reported misses join before the search: verified dilation then starts from them and from their viewpoints as well.
 void cell_baker::add_misses(const view_cell& cell, cell_set& set, cell_record& record) const {
   if (!misses_) return;
   std::vector<reported_miss> own;
@@ -151,7 +153,8 @@ std::optional<search_views> cell_baker::views_of(const view_cell& cell, const ce
   return sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
 }
 
-// The set is what the cell has so far; goes into the record with what it took, but for the bound.
+// Searches and verifies. Stores the set and the effort in the record, but not the bound.
+// set: the cell's set so far.
 finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views,
                                  cell_set& set, cell_record& record) const {
   how.rules = {how_.player_radius, how_.smallest_gap, &metric_};
@@ -167,7 +170,8 @@ finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std
   return proof;
 }
 
-// The set is what the cell has so far; the sampler found the first `known` members.
+// Searches and verifies up to the target of the settings.
+// set: the cell's set so far. known: the number of its members that the sampler found; they come first.
 void cell_baker::bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const {
   auto views = views_of(cell, record);
   const time_limit limit(views ? how_.seconds_per_cell : 0.0, views && views->source.shared());
@@ -208,15 +212,15 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
   record.rays_spent += neighbor_check(
       rays_, grown(cell), {how_.seed, cell.place, purpose::check_all, {how_.player_radius, how_.smallest_gap}},
       neighbors, set);
-  refinement beside(rays_, *neighbors_,
-                    {.seed = how_.seed,
-                     .place = cell.place,
-                     .smallest_gap = how_.smallest_gap,
-                     .use = purpose::dilation_of_finds,
-                     .limit = limit,
-                     .known = before},
-                    set);
-  record.rays_spent += beside.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays);
+  refinement dilation(rays_, *neighbors_,
+                      {.seed = how_.seed,
+                       .place = cell.place,
+                       .smallest_gap = how_.smallest_gap,
+                       .use = purpose::dilation_of_finds,
+                       .limit = limit,
+                       .known = before},
+                      set);
+  record.rays_spent += dilation.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays);
   set.save(record);
   return record;
 }
@@ -242,16 +246,16 @@ cell_record cell_baker::improve(const view_cell& cell, const cell_record* before
                             .limit_ends_batches = true,
                             .batches_before = record.batches,
                             .known = known,
-                            // What met a bound had gone about as far as for that.
+                            // A turn that met a bound searched about as far as that bound needs.
                             .known_to = before ? before->upper_bound : turn.target};
   const finish_result proof = finish(cell, how, views, set, record);
-  // All bounds hold together, each of a set that was smaller than this one.
+  // The bounds of all turns hold together with the stated confidence, and sets only grow. So the smallest one holds.
   if (proof.upper_bound < record.upper_bound) take_bound(proof, record);
   record.bound_met = record.upper_bound <= how_.max_pixel_error;
   return record;
 }
 
-// What belongs to a set though nothing of it was looked for.
+// Adds what is in a set without a visibility test: coarser levels of detail and polygons of the cells file.
 void cell_baker::complete(const view_cell& cell, std::vector<std::uint32_t>& set) const {
   add_coarser_levels(rays_.geometry().lods, set);
   add_polygons(given_, cell.number, set);
@@ -262,17 +266,18 @@ cell_record cell_baker::finished(const view_cell& cell, cell_record last) const 
   last.witness_of.clear();
   last.valid_share = 1.0;
   if (!last.stored) return last;
-  std::vector<std::uint32_t> with_ring = last.set;
+  std::vector<std::uint32_t> dilated = last.set;
   complete(cell, last.set);
   if (how_.safety_ring == safety_ring::none) return last;
-  // Around what was found, and not around what joins by hand; what joins with it does so with the ring as well.
-  auto ring = ring_of(rays_, neighbors_->sharing, how_.safety_ring, grown(cell), with_ring);
-  ring.erase(std::lower_bound(ring.begin(), ring.end(), own_polygons_), ring.end());
-  const auto begin_of_ring = with_ring.insert(with_ring.end(), ring.begin(), ring.end());
-  std::inplace_merge(with_ring.begin(), begin_of_ring, with_ring.end());
-  complete(cell, with_ring);
-  last.unseen = with_ring.size() - last.set.size();
-  last.set = std::move(with_ring);
+  // The dilation starts from the polygons that were found, not from those of complete(). complete() then runs on both
+  // sets, because dilation may add the finest level of another object.
+  auto added = ring_of(rays_, neighbors_->sharing, how_.safety_ring, grown(cell), dilated);
+  added.erase(std::lower_bound(added.begin(), added.end(), own_polygons_), added.end());
+  const auto first_added = dilated.insert(dilated.end(), added.begin(), added.end());
+  std::inplace_merge(dilated.begin(), first_added, dilated.end());
+  complete(cell, dilated);
+  last.unseen = dilated.size() - last.set.size();
+  last.set = std::move(dilated);
   return last;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// One cell from start to end: free places, hemicubes, polygons inside, what neighbors see, rays.
+// The work on one cell: valid viewpoints, sampling, polygons inside the cell, neighbor check, search and verification
+// rays.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -21,23 +22,28 @@
 
 namespace sightcell::bake {
 
-// How far a cell is brought at a time where a time budget is spent on all of them by turns.
+// The limits of one turn of a cell in a bake with a time budget.
 struct cell_turn {
-  double target = 1e-2;        // its bound is to be at most this
-  std::uint64_t max_rays = 0;  // or so many have been spent on it
-  const time_limit* limit = nullptr;
+  double target = 1e-2;               // the turn ends when the bound is at most this
+  std::uint64_t max_rays = 0;         // or when this many rays are spent
+  const time_limit* limit = nullptr;  // or when this is reached; must not be null
 };
 
-// A record depends on settings, scene, the cell's box and place, and the records it is given, alone. In all calls set
-// is a place to work in and is overwritten: it takes set_bytes(), so it is made once and used for many cells. All may
-// be called from several threads at a time, each with a set of its own, where the source is shared(), and work on the
-// calling thread's TBB arena.
+// Computes the records of cells. A record depends only on the settings, the scene, the box and the place of the cell,
+// and the records that are passed in. The exceptions are limits of time.
+//
+// set, in all calls: working memory, overwritten. It is as large as the scene (set_bytes()), so make it once per
+// worker. Threads: if the source of hemicubes is shared(), several threads may call at the same time, each with a set
+// of its own. All functions work on the calling thread's TBB arena.
 class cell_baker {
  public:
-  // References must outlive the baker. neighbors: may be null when max_pixel_error is 0 (no rays) and no safety ring is
-  // asked for. sampler: prepared. metric: that of how. misses: null, none are known.
-  // own_polygons: from there on they are of another scene and in no set (two_scenes.h). volumes: that rays look for,
-  // too; null: none.
+  // References must outlive the baker.
+  // neighbors: may be null if needs_neighbors(how) is false.
+  // sampler: prepared before the first cell.
+  // metric: the metric of how.
+  // misses: reported misses; null for none.
+  // own_polygons: polygons from this number on are of another scene and in no set (two_scenes.h).
+  // volumes: visibility volumes that are searched for too; null for none.
   cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
              const cell_sampler& sampler, const error_metric& metric = pixel_metric,
              const reported_misses* misses = nullptr, std::uint32_t own_polygons = 0xFFFFFFFFu,
@@ -48,34 +54,38 @@ class cell_baker {
   cell_set make_set() const;
   std::size_t set_bytes() const;
 
-  // Phase 1, round 0: what the cell finds by itself, with hemicubes and the polygons inside.
+  // Phase 1, first round. Returns what the sampler finds and the polygons inside the cell.
   cell_record sample(const view_cell& cell, cell_set& set) const;
-  // Phase 1, round 1: what its block's neighbors had found after round 0 is tried first, then rays find what pixels
-  // missed, until fresh ones bound what is left.
+  // Phase 1, second round. Checks the polygons of the neighbors, then searches with rays until verification rays bound
+  // the miss probability.
+  // own: the record of the first round.
+  // neighbors: records of the first round of the neighbors in the cell's block.
   cell_record finish_rays(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
                           cell_set& set) const;
-  // Both rounds of a cell that no other is in the block of.
+  // Both rounds of a cell that touches no other cell of its block.
   cell_record sample_and_finish(const view_cell& cell, cell_set& set) const;
-  // Phase 2: what neighbors of all blocks have found after phase 1 is tried. Adds only, so the bound still holds.
-  // limit: null, none.
+  // Phase 2. Checks the polygons that the neighbors in all blocks have after phase 1. Only adds to the set, so the
+  // bound still holds. limit: null for none.
   cell_record check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
                     cell_set& set, const time_limit* limit = nullptr) const;
-  // The next turn of a cell, or its first: before is null. What neighbors have found by now is tried first. The set
-  // grows and the bound falls, or both are what they were.
+  // One turn of a cell in a bake with a time budget: neighbor check, search and verification rays. The set does not
+  // shrink and the bound does not rise.
+  // before: the record of the turn before; null for the first turn, which samples first.
+  // neighbors: the current records of the neighbors.
   cell_record improve(const view_cell& cell, const cell_record* before, std::span<const cell_record> neighbors,
                       const cell_turn& turn, cell_set& set) const;
-  // From the last of these to a finished cell: overrides of the cells file, coarser levels of detail and the safety
-  // ring join.
+  // Returns the record for the file: adds the overrides of the cells file, coarser levels of detail and the
+  // conservative dilation to the last record of the functions above. Drops the witnesses.
   cell_record finished(const view_cell& cell, cell_record last) const;
 
-  // Do cells see what others found? Not where the sampler is alone.
+  // Returns true if cells check what their neighbors found. Without verification rays they do not.
   bool shares() const { return how_.max_pixel_error > 0.0; }
 
  private:
   box grown(const view_cell& cell) const { return box{cell.min, cell.max}.grown(how_.margin); }
-  bool find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& free, double& valid_share) const;
-  void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside, const std::vector<glm::vec3>& free,
-                  cell_set& set) const;
+  bool find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& viewpoints, double& valid_share) const;
+  void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside,
+                  const std::vector<glm::vec3>& viewpoints, cell_set& set) const;
   void add_misses(const view_cell& cell, cell_set& set, cell_record& record) const;
   void complete(const view_cell& cell, std::vector<std::uint32_t>& set) const;
   std::optional<search_views> views_of(const view_cell& cell, const cell_record& record) const;

@@ -26,7 +26,8 @@ void step_queue::add_block(std::uint32_t block, const stage_table& have) {
     ++count_;
   }
   if (waiting.empty()) return;
-  // The second round reads the first of all others: also of those that are through, whose first may be gone.
+  // The second round of a cell reads the first round of all its neighbors in the block. Cells that are through phase 1
+  // may have lost the record of their first round, so they are sampled again.
   for (const std::uint32_t cell : cells)
     if (plan_->shares_in_block(cell) && !have.has(cell, cell_stage::sampled)) {
       ready_.push_back({cell, cell_stage::sampled});

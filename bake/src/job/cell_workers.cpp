@@ -17,22 +17,22 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t memory_of_sets = std::size_t{1} << 30;
-// Lanes wait while so many records lie there to be committed: a slow disk must not fill the memory.
+// Workers wait while this many records are not committed yet: a slow disk must not fill the memory.
 constexpr std::size_t ended_limit = 64;
 
-// What lanes and the calling thread share.
+// State that the workers and the calling thread share.
 class work_list {
  public:
   explicit work_list(step_queue& queue) : queue_(queue) {}
 
-  // Waits where all that is left depends on what has not been committed.
+  // Returns the next step; nothing if there is none. Waits while all steps that are left depend on others.
   std::optional<cell_step> begin_next() {
     std::unique_lock lock(mutex_);
     for (;;) {
       if (stopped_ || queue_.left() == 0) return std::nullopt;
       if (ended_.size() < ended_limit) {
         if (auto step = queue_.begin_next()) {
-          ++in_lanes_;
+          ++in_work_;
           return step;
         }
       }
@@ -46,11 +46,11 @@ class work_list {
   }
   void add(stage_record one) {
     const std::scoped_lock lock(mutex_);
-    --in_lanes_;
+    --in_work_;
     ended_.push_back(std::move(one));
     changed_.notify_one();
   }
-  // Whatever goes wrong ends the bake; the first of it is what the user is told.
+  // Stops all workers. The first exception is the one that the user sees.
   void fail(std::exception_ptr why) {
     const std::scoped_lock lock(mutex_);
     stopped_ = true;
@@ -62,11 +62,11 @@ class work_list {
     closed_ = true;
     changed_.notify_one();
   }
-  // Waits for steps to end; nothing when all lanes have.
+  // Waits for steps to end, and returns their records. Empty if all workers have ended.
   std::vector<stage_record> take(std::size_t& in_work) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || !ended_.empty(); });
-    in_work = in_lanes_;
+    in_work = in_work_;
     return std::exchange(ended_, {});
   }
   void committed(std::span<const stage_record> records) {
@@ -83,19 +83,19 @@ class work_list {
   std::mutex mutex_;
   std::condition_variable changed_, room_;
   std::vector<stage_record> ended_;
-  std::size_t in_lanes_ = 0;
+  std::size_t in_work_ = 0;
   bool stopped_ = false, closed_ = false;
   std::exception_ptr failure_;
 };
 
-// One step after another. Isolated: a thread that waits in a loop inside of its cell would otherwise take the next lane
-// from the arena and bake whole cells of it on top of its own, which meanwhile could not end, and whatever a source or
-// a ray keeps per thread between two steps of the one cell would be used by the other. Threads that have no lane may
-// still help in any cell. Nothing is thrown to TBB: it would cancel the loops inside of all other cells, which then end
-// silently with half of their work.
-void run_lane(const std::function<cell_set()>& make_set, const take_step& take, work_list& work) {
+// Takes one step after another. Each step is isolated: a thread that waits in a loop inside its cell would otherwise
+// start another worker and bake whole cells inside the first one. The first cell could not end meanwhile, and the two
+// cells would share what a source or a ray keeps per thread. Threads without a worker may still help in any cell.
+// No exception reaches TBB: it would cancel the loops inside all other cells, which then end silently with half of
+// their work.
+void run_worker(const std::function<cell_set()>& make_set, const take_step& take, work_list& work) {
   try {
-    std::optional<cell_set> set;  // made by the first step: a lane that finds none costs no memory
+    std::optional<cell_set> set;  // made by the first step: a worker without steps costs no memory
     while (const auto step = work.begin_next()) {
       if (!set) set.emplace(make_set());
       work.add({step->cell, step->to, tbb::this_task_arena::isolate([&] { return take(*step, *set); })});
@@ -125,19 +125,19 @@ std::size_t worker_count(bool shared, int threads, std::size_t set_bytes) {
   return std::clamp<std::size_t>(room, 1, static_cast<std::size_t>(std::max(threads, 1)));
 }
 
-void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take, std::size_t lanes,
-                tbb::task_arena& arena, const steps_ended& ended) {
-  lanes = std::min(lanes, queue.left());
-  if (lanes <= 1) return take_one_by_one(queue, make_set, take, arena, ended);
+void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
+                std::size_t workers, tbb::task_arena& arena, const steps_ended& ended) {
+  workers = std::min(workers, queue.left());
+  if (workers <= 1) return take_one_by_one(queue, make_set, take, arena, ended);
 
   work_list work(queue);
-  // The lanes' loop is driven by a thread of its own, which takes the calling thread's slot in the arena: so the
-  // calling thread can commit steps and tell of them the moment they end, and all slots of the arena compute.
+  // A thread of its own drives the loop of the workers and takes the calling thread's slot in the arena. So all slots
+  // of the arena compute, and the calling thread can commit and report each step at once.
   std::jthread driver([&] {
     try {
       arena.execute([&] {
         tbb::parallel_for(
-            std::size_t{0}, lanes, [&](std::size_t) { run_lane(make_set, take, work); }, tbb::simple_partitioner());
+            std::size_t{0}, workers, [&](std::size_t) { run_worker(make_set, take, work); }, tbb::simple_partitioner());
       });
     } catch (...) {
       work.fail(std::current_exception());

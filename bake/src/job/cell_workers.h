@@ -1,5 +1,5 @@
 #pragma once
-// Several cells in work at once.
+// A pool of workers that take the steps of a queue, several cells at a time.
 #include <tbb/task_arena.h>
 
 #include <cstddef>
@@ -13,25 +13,27 @@
 
 namespace sightcell::bake {
 
-// How many cells are in work at once: one per thread where the source is shared, one where it is not. Every lane has a
-// cell set, which is as large as the scene; where they would take more than a gibibyte together there are fewer lanes,
-// and the other threads help inside of cells.
+// Returns the number of workers: one per thread if the source of hemicubes is shared, else one. Each worker has a cell
+// set, which is as large as the scene. If the sets would take more than 1 GiB together, there are fewer workers, and
+// the other threads work on loops inside the cells. set_bytes: size of one set.
 std::size_t worker_count(bool shared, int threads, std::size_t set_bytes);
 
-// What a lane does: one step, in a set that is its own.
+// Takes one step. set: working memory of the worker.
 using take_step = std::function<cell_record(const cell_step& step, cell_set& set)>;
 
-// Commits records of steps and tells of them; all that have ended since the last call. in_work: how many others lanes
-// are busy with. False: no further step is begun.
+// Commits the records of all steps that have ended since the last call.
+// in_work: how many other steps the workers are busy with.
+// Returns false if no further step may begin.
 using steps_ended = std::function<bool(std::span<stage_record> ended, std::size_t in_work)>;
 
-// Takes the steps of the queue, so many lanes at once, on the arena. All calls of ended come on the calling thread, one
-// at a time; a step counts as committed when it has returned. The calling thread must not be inside of the arena.
-//
-// When ended answers false or throws, and when a step throws, no further step is begun; those in work come to their end
-// and ended is called for them too. Then the first of what was thrown is thrown from here. With one lane all of it
-// happens on the calling thread, as a source that is not shared demands, one step after the other.
-void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take, std::size_t lanes,
-                tbb::task_arena& arena, const steps_ended& ended);
+// Takes the steps of the queue on the arena, up to `workers` at a time.
+// make_set: makes the working memory of a worker.
+// ended: called on the calling thread, one call at a time. Its steps count as committed when it returns.
+// Failure: if ended returns false or throws, or if a step throws, no further step begins. Steps in work come to their
+// end, and ended is called for them too. Then the first exception is thrown again.
+// Threads: the calling thread must not be inside the arena. With one worker everything runs on the calling thread, one
+// step after the other, as a source that is not shared needs it.
+void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
+                std::size_t workers, tbb::task_arena& arena, const steps_ended& ended);
 
 }  // namespace sightcell::bake

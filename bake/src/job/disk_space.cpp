@@ -14,13 +14,13 @@
 namespace sightcell::bake {
 namespace {
 
-// A cell sees about so many times the polygons that one hemicube in its middle does, and writes so many bytes for each:
-// docs/baking.md, "Memory and disk".
+// The set of a cell has about 3 times the polygons that one hemicube in its center shows. Bytes are per polygon of the
+// set. Measured: docs/baking.md, "Memory and disk".
 constexpr double set_of_view = 3.0;
 constexpr double checkpoint_bytes = 5.0, file_bytes = 1.0;
 constexpr std::uint64_t of_cell = 256;  // box, certificate, directory, SQLite's pages
 
-// What of a guess must be free, and below which the user is warned.
+// A bake with less than estimate / too_little free is an error; less than estimate * tight is a warning.
 constexpr std::uint64_t too_little = 4;
 constexpr std::uint64_t tight = 2;
 
@@ -38,7 +38,8 @@ std::vector<disk> by_disk(const std::vector<disk_need>& needs) {
   std::vector<disk> disks;
   for (const disk_need& need : needs) {
     struct stat about {};
-    if (stat(need.folder.c_str(), &about) != 0) continue;  // who writes there says what is wrong with it
+    if (stat(need.folder.c_str(), &about) != 0)
+      continue;  // the writer of the file reports what is wrong with the folder
     const auto known =
         std::find_if(disks.begin(), disks.end(), [&](const disk& d) { return d.device == about.st_dev; });
     if (known == disks.end())
@@ -64,7 +65,7 @@ std::uint64_t file_bytes_of_cell(double polygons_of_view) {
   return bytes_of_cell(polygons_of_view, file_bytes);
 }
 
-void check_disk_space(const std::vector<disk_need>& needs, const callbacks& tell) {
+void check_disk_space(const std::vector<disk_need>& needs, const callbacks& events) {
   for (const disk& d : by_disk(needs)) {
     struct statvfs about {};
     if (statvfs(d.folder.c_str(), &about) != 0 || about.f_blocks == 0) continue;
@@ -73,9 +74,9 @@ void check_disk_space(const std::vector<disk_need>& needs, const callbacks& tell
       throw error(error_kind::failed, "bake.disk-space", d.folder.string(),
                   fmt::format("has {} free, and the bake needs about {}", text(free), text(d.bytes)),
                   "make room or choose another -o, then run the same command again; finished cells are kept");
-    if (free < d.bytes * tight && tell.on_message)
-      tell.on_message(severity::warning, fmt::format("{}: {} are free, and the bake needs about {}", d.folder.string(),
-                                                     text(free), text(d.bytes)));
+    if (free < d.bytes * tight && events.on_message)
+      events.on_message(severity::warning, fmt::format("{}: {} are free, and the bake needs about {}",
+                                                       d.folder.string(), text(free), text(d.bytes)));
   }
 }
 

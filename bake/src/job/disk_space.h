@@ -1,5 +1,5 @@
 #pragma once
-// Is there room on the disks for what a bake writes? A guess from few hemicubes, before hours of work.
+// Checks before a bake that the disks have room for what it writes. The amount is estimated from a few hemicubes.
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -8,18 +8,20 @@
 
 namespace sightcell::bake {
 
-// So many bytes will be written into a folder.
+// An amount that will be written into a folder.
 struct disk_need {
   std::filesystem::path folder;
   std::uint64_t bytes = 0;
 };
 
-// What a cell writes whose middle sees so many polygons: the records of an unfinished bake, and the file.
+// Return the bytes that a cell adds to the checkpoint, and to the .pvs file.
+// polygons_of_view: how many polygons are visible from the center of the cell.
 std::uint64_t checkpoint_bytes_of_cell(double polygons_of_view);
 std::uint64_t file_bytes_of_cell(double polygons_of_view);
 
-// Needs on one disk are added. Where less than a quarter of that is free throws sightcell::error "bake.disk-space";
-// where less than twice that is free, warns. Disks that do not tell are taken as empty.
-void check_disk_space(const std::vector<disk_need>& needs, const callbacks& tell);
+// Compares the needs of each disk with its free space. Needs on one disk are added. Sends a warning to events if less
+// than twice the need is free. A disk that reports no size is taken as large enough.
+// Throws sightcell::error "bake.disk-space" if less than a quarter of the need is free.
+void check_disk_space(const std::vector<disk_need>& needs, const callbacks& events);
 
 }  // namespace sightcell::bake

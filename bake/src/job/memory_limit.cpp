@@ -18,17 +18,17 @@ namespace {
 // upwards.
 constexpr std::uint64_t of_polygon = 13;     // its corners and its kind; those of its vertices are counted
 constexpr std::uint64_t of_rays = 220;       // two trees of Embree's while they are built
-constexpr std::uint64_t of_neighbors = 48;   // who shares vertices, who lies on top of whom
-constexpr std::uint64_t of_source = 112;     // clusters of the rasteriser while they are built; OpenGL takes as much
-constexpr std::uint64_t of_duplicates = 16;  // while they are looked for
+constexpr std::uint64_t of_neighbors = 48;   // lists of polygons with common vertices and of coincident polygons
+constexpr std::uint64_t of_source = 112;     // clusters of the rasterizer while they are built; OpenGL takes the same
+constexpr std::uint64_t of_duplicates = 16;  // while duplicates are searched for
 constexpr std::uint64_t of_workplace = 9;    // pixels of each polygon in a hemicube
 
 constexpr std::uint64_t vertex_bytes = 12;
-// A column of the field in which floors are looked for (cells/walkable.cpp): at most so many, four along a metre.
+// A column of the height field for the search of floors (cells/walkable.cpp). Four columns along a meter, up to
+// 4,194,304 in all.
 constexpr std::uint64_t of_column = 32;
-constexpr double most_columns = 4 << 20, columns_per_square_metre = 16.0;
-// What a wave of rays finds, and how it is ordered; who is still to be followed, by polygon
-// (sampler/guided_search.cpp).
+constexpr double most_columns = 4 << 20, columns_per_square_meter = 16.0;
+// The hits of a wave of rays with their order, and the seed rays by polygon (sampler/guided_search.cpp).
 constexpr std::uint64_t of_wave = 65536 * 128ull;
 constexpr std::uint64_t of_seed_ray = 28;
 // Libraries, their workers and what the allocator keeps for each thread.
@@ -75,9 +75,9 @@ std::uint64_t memory_of_scene(const scene::scene& s, const settings& how) {
   return bytes;
 }
 
-std::uint64_t memory_of_lane(std::uint64_t polygons, std::uint64_t set_bytes, const settings& how) {
+std::uint64_t memory_of_worker(std::uint64_t polygons, std::uint64_t set_bytes, const settings& how) {
   if (!takes_hemicubes(how.sampler)) return set_bytes + polygons * of_seed_ray + of_wave + of_records;
-  // Depths and ids of a face; what rays see of all five, and where, is larger.
+  // Depths and ids of one face. The rays source keeps hits of all five faces with their positions, which is more.
   const std::uint64_t pixels = std::uint64_t{how.resolution} * how.resolution;
   const std::uint64_t of_images = how.source == "rays" ? 64 * pixels : 16 * pixels;
   return set_bytes + polygons * of_workplace + of_images + of_records;
@@ -85,7 +85,7 @@ std::uint64_t memory_of_lane(std::uint64_t polygons, std::uint64_t set_bytes, co
 
 std::uint64_t memory_of_floors(double width, double depth, const settings& how) {
   if (how.cells_file || how.cells_grid || !how.cells.empty()) return 0;
-  const double columns = std::min(width * depth * columns_per_square_metre, most_columns);
+  const double columns = std::min(width * depth * columns_per_square_meter, most_columns);
   return of_column * static_cast<std::uint64_t>(std::max(columns, 0.0));
 }
 
@@ -94,11 +94,12 @@ void require_memory(const scene::scene& s, const settings& how, const scene::wor
   std::uint64_t polygons = s.polygon_count;
   if (how.cells_from != nullptr) polygons += how.cells_from->polygon_count;
   // A set is 8 bytes per polygon.
-  std::uint64_t needed = resident_memory() + memory_of_scene(s, how) + memory_of_lane(polygons, 8 * polygons, how);
+  std::uint64_t needed = resident_memory() + memory_of_scene(s, how) + memory_of_worker(polygons, 8 * polygons, how);
   if (flattened_scene != nullptr) {
     const glm::vec3 size = flattened_scene->max - flattened_scene->min;
     needed += memory_of_floors(static_cast<double>(size.x), static_cast<double>(size.z), how);
-    needed -= std::min(needed, flattened(s) + (how.cells_from ? flattened(*how.cells_from) : 0));  // it is resident
+    needed -=
+        std::min(needed, flattened(s) + (how.cells_from ? flattened(*how.cells_from) : 0));  // it is resident already
   }
   const std::uint64_t so_far = peak_resident_memory();
   if (std::max(needed, so_far) <= how.memory) return;
@@ -108,11 +109,11 @@ void require_memory(const scene::scene& s, const settings& how, const scene::wor
               "give a larger --memory, or bake the scene in parts");
 }
 
-std::size_t workers_that_fit(std::size_t lanes, std::uint64_t lane_bytes, const settings& how) {
-  if (how.memory == 0) return lanes;
+std::size_t workers_that_fit(std::size_t workers, std::uint64_t worker_bytes, const settings& how) {
+  if (how.memory == 0) return workers;
   const std::uint64_t taken = resident_memory();
   const std::uint64_t left = how.memory > taken ? how.memory - taken : 0;
-  return std::clamp<std::size_t>(left / std::max<std::uint64_t>(lane_bytes, 1), 1, std::max<std::size_t>(lanes, 1));
+  return std::clamp<std::size_t>(left / std::max<std::uint64_t>(worker_bytes, 1), 1, std::max<std::size_t>(workers, 1));
 }
 
 }  // namespace sightcell::bake

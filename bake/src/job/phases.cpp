@@ -16,20 +16,21 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::chrono::milliseconds tell_pause{200};  // of progress before the first cell
+constexpr std::chrono::milliseconds report_pause{200};  // between reports while the sampler prepares
 
 void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {
   take_steps(
-      queue, [&] { return baker.make_set(); }, take, workers_of(work.context, baker, work.arena), work.arena,
+      queue, [&] { return baker.make_set(); }, take, workers_for(work.context, baker, work.arena), work.arena,
       [&](std::span<const stage_record> ended, std::size_t in_work) {
-        const bool go_on = work.tracker.close(ended, in_work, work.file.records());
+        const bool proceed = work.tracker.close(ended, in_work, work.file.records());
         work.file.copy_if_due();
-        return go_on;
+        return proceed;
       });
 }
 
-// What the sampler does for all cells together, where any of them is still to be sampled. How many those are changes
-// nothing: every resume and every shard does all of it. False: the user has had enough.
+// Runs the part of the sampler that covers all cells together, if any cell of the blocks has to be sampled still. Each
+// resume and each shard repeats all of it, so that it does not depend on which cells are left.
+// Returns false if the caller canceled.
 bool prepare(const phase_work& work) {
   const cell_blocks& all = work.plan.blocks();
   const auto sampled = [&](std::uint32_t cell) {
@@ -41,11 +42,11 @@ bool prepare(const phase_work& work) {
       }))
     return true;
   using clock = std::chrono::steady_clock;
-  clock::time_point told = clock::now();
+  clock::time_point reported = clock::now();
   work.arena.execute([&] {
-    work.context.sampler->prepare([&](double share) {
-      if (clock::now() - told < tell_pause) return true;
-      told = clock::now();
+    work.context.device->sampler->prepare([&](double share) {
+      if (clock::now() - reported < report_pause) return true;
+      reported = clock::now();
       return work.tracker.preparing(share);
     });
   });
@@ -56,20 +57,21 @@ bool prepare(const phase_work& work) {
 
 cell_baker baker_of(const bake_context& context) {
   return {context.how,
-          context.given,
-          *context.rays,
-          context.neighbors ? &*context.neighbors : nullptr,
-          *context.sampler,
-          context.metric,
-          &context.misses,
+          context.input.given,
+          context.traced->rays,
+          context.traced->neighbors_or_null(),
+          *context.device->sampler,
+          context.device->metric,
+          &context.input.misses,
           context.s.polygon_count,
-          context.volumes ? &*context.volumes : nullptr};
+          context.volumes_or_null()};
 }
 
-std::size_t workers_of(const bake_context& context, const cell_baker& baker, const tbb::task_arena& arena) {
-  const std::size_t most = worker_count(context.eyes.source->shared(), arena.max_concurrency(), baker.set_bytes());
-  const std::uint64_t of_lane = memory_of_lane(context.geometry.kinds.size(), baker.set_bytes(), context.how);
-  return workers_that_fit(most, of_lane, context.how);
+std::size_t workers_for(const bake_context& context, const cell_baker& baker, const tbb::task_arena& arena) {
+  const std::size_t most = worker_count(context.device->source().shared(), arena.max_concurrency(), baker.set_bytes());
+  const std::uint64_t worker_bytes =
+      memory_of_worker(context.input.geometry.kinds.size(), baker.set_bytes(), context.how);
+  return workers_that_fit(most, worker_bytes, context.how);
 }
 
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
@@ -79,18 +81,19 @@ std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const st
   return neighbors;
 }
 
-void resume(checkpoint& done, progress_tracker& tracker, const callbacks& tell) {
+void resume(checkpoint& done, progress_tracker& tracker, const callbacks& events) {
   const std::uint32_t damaged = done.survey(
       [&](std::uint32_t cell, cell_stage stage, const cell_summary& record) { tracker.resume(cell, stage, record); });
-  tell_of_resume(damaged, tracker.resumed(), tracker.cells_total(), tell);
+  report_resume(damaged, tracker.resumed(), tracker.cells_total(), events);
 }
 
-void tell_of_resume(std::uint32_t damaged, std::uint32_t resumed, std::uint32_t cells, const callbacks& tell) {
-  if (!tell.on_message) return;
+void report_resume(std::uint32_t damaged, std::uint32_t resumed, std::uint32_t cells, const callbacks& events) {
+  if (!events.on_message) return;
   if (damaged > 0)
-    tell.on_message(severity::warning,
-                    fmt::format("{} records of the unfinished bake are damaged: their cells are baked anew", damaged));
-  if (resumed > 0) tell.on_message(severity::note, fmt::format("resuming: {} of {} cells are done", resumed, cells));
+    events.on_message(
+        severity::warning,
+        fmt::format("{} records of the unfinished bake are damaged: their cells are baked anew", damaged));
+  if (resumed > 0) events.on_message(severity::note, fmt::format("resuming: {} of {} cells are done", resumed, cells));
 }
 
 cell_record required(const checkpoint& done, std::uint32_t cell, cell_stage stage) {
@@ -108,7 +111,7 @@ void keeping(work_file& file, const std::function<void()>& work) {
     try {
       file.copy();
     } catch (const error&) {
-      // What ended the work is what the user is told; the scratch disk has it all.
+      // The first exception is the one that the user sees. The scratch folder still has all records.
     }
     throw;
   }
@@ -119,7 +122,7 @@ void run_phase_1(const phase_work& work) {
   const cell_baker baker = baker_of(work.context);
   const auto sampled = [&](std::uint32_t cell) { return required(work.file.records(), cell, cell_stage::sampled); };
   const take_step take = [&](const cell_step& step, cell_set& set) {
-    const view_cell& cell = work.context.list.cells[step.cell];
+    const view_cell& cell = work.context.cells->list.cells[step.cell];
     if (step.to == cell_stage::sampled) return baker.sample(cell, set);
     if (work.plan.shares_in_block(step.cell)) {
       const cell_record own = sampled(step.cell);
@@ -136,9 +139,9 @@ void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
   if (work.tracker.stopped()) return;
   const cell_baker baker = baker_of(work.context);
   const take_step take = [&](const cell_step& step, cell_set& set) {
-    const view_cell& cell = work.context.list.cells[step.cell];
+    const view_cell& cell = work.context.cells->list.cells[step.cell];
     cell_record own = before(step.cell);
-    if (work.plan.end_of_phase_1(step.cell) == cell_stage::finished) return own;  // nobody is beside it
+    if (work.plan.end_of_phase_1(step.cell) == cell_stage::finished) return own;  // it touches no other cell
     const auto around = work.plan.blocks().neighbors_of(step.cell);
     return baker.finished(cell, baker.check(cell, own, neighbors_of(own, around, before), set));
   };

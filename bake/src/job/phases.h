@@ -15,39 +15,41 @@
 
 namespace sightcell::bake {
 
-// Made in place: it cannot be moved.
+// Returns the baker of the context's cells, which must outlive it.
 cell_baker baker_of(const bake_context& context);
-// So many cells are in work at once.
-std::size_t workers_of(const bake_context& context, const cell_baker& baker, const tbb::task_arena& arena);
+// Returns the number of workers that the arena and the memory limit allow.
+std::size_t workers_for(const bake_context& context, const cell_baker& baker, const tbb::task_arena& arena);
 
-// What phase 1 left of a cell; called from many threads.
+// Returns the record of a cell after phase 1. Called from several threads at a time.
 using record_of_phase_1 = std::function<cell_record(std::uint32_t cell)>;
 
-// What a phase works with; all outlive it.
+// The objects that a phase works with. All outlive it.
 struct phase_work {
   const bake_context& context;
   const stage_plan& plan;
-  std::span<const std::uint32_t> blocks;  // in this order; it changes no record
+  std::span<const std::uint32_t> blocks;  // to bake, in this order; the order changes no record
   tbb::task_arena& arena;                 // the calling thread is not inside of it
   progress_tracker& tracker;
   work_file& file;  // where records are committed
 };
 
-// What an earlier run left, into the book; says how much that is.
-void resume(checkpoint& done, progress_tracker& tracker, const callbacks& tell);
-// What others see and own does not, one after the other.
+// Passes the records of an earlier run to the tracker, and reports how many cells are done.
+void resume(checkpoint& done, progress_tracker& tracker, const callbacks& events);
+// Returns the records of other cells, each without the polygons that own has already.
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
                                       const record_of_phase_1& record_of);
-// Says how many records of an earlier run there are, and how many were damaged.
-void tell_of_resume(std::uint32_t damaged, std::uint32_t resumed, std::uint32_t cells, const callbacks& tell);
-// A record that must be there.
+// Logs how many cells an earlier run finished, and how many of its records are damaged.
+void report_resume(std::uint32_t damaged, std::uint32_t resumed, std::uint32_t cells, const callbacks& events);
+// Returns a record. Throws sightcell::error "checkpoint.failed" if it does not exist.
 cell_record required(const checkpoint& done, std::uint32_t cell, cell_stage stage);
-// Runs work and leaves a copy of the file where that is asked for, however work ends.
+// Runs work. If it throws, first copies the checkpoint from the scratch folder, if there is one, to the output's
+// folder.
 void keeping(work_file& file, const std::function<void()>& work);
 
-// Cells of each block, in two rounds, until the bound of each is known. Reads from file alone.
+// Bakes the cells of each block in two rounds, until the bound of each is known. Reads no other file than work.file.
 void run_phase_1(const phase_work& work);
-// The cross-cell check: reads what phase 1 left of the cells and of all that touch them.
+// Runs the neighbor check across blocks and finishes the cells.
+// before: the records of phase 1 of the cells and of their neighbors.
 void run_phase_2(const phase_work& work, const record_of_phase_1& before);
 
 }  // namespace sightcell::bake

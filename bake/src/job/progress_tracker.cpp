@@ -5,16 +5,16 @@
 namespace sightcell::bake {
 namespace {
 
-// About what the stages of a cell take of its time, for the time that is left.
+// About the part of a cell's time that its stages take, for the estimate of the time that is left.
 constexpr double sampling_share = 0.4, check_share = 0.1;
 
 }  // namespace
 
 progress_tracker::progress_tracker(std::uint32_t polygon_count, const stage_plan& plan, std::uint32_t cells,
-                                   const callbacks& tell, int last_phase)
+                                   const callbacks& events, int last_phase)
     : polygon_count_(polygon_count),
       plan_(plan),
-      tell_(tell),
+      events_(events),
       last_phase_(last_phase),
       have_(plan.blocks().cell_count()),
       counted_(plan.blocks().cell_count()),
@@ -23,7 +23,7 @@ progress_tracker::progress_tracker(std::uint32_t polygon_count, const stage_plan
   now_.cells_total = cells;
 }
 
-// The part of a cell's work that is done when it is there.
+// Returns the part of a cell's work that is done with this stage.
 double progress_tracker::work_until(cell_stage stage) {
   if (stage == cell_stage::finished) return 1.0;
   return stage == cell_stage::bounded ? 1.0 - check_share : sampling_share;
@@ -55,23 +55,23 @@ void progress_tracker::count(std::uint32_t cell, cell_stage stage, const cell_su
 }
 
 void progress_tracker::resume(std::uint32_t cell, cell_stage stage, const cell_summary& record) {
-  if (cell >= counted_.size()) return;  // a file that lies
+  if (cell >= counted_.size()) return;  // a broken file
   count(cell, stage, record);
   resumed_ = now_.cells_done;
 }
 
 bool progress_tracker::open() {
-  return tell_progress(0);
+  return report_progress(0);
 }
 
 bool progress_tracker::preparing(double share) {
   now_.prepared = share;
-  const bool go_on = tell_progress(0);
+  const bool proceed = report_progress(0);
   now_.prepared = 1.0;
-  return go_on;
+  return proceed;
 }
 
-// Records of the first round that nobody reads any more: those of blocks all of whose cells are through phase 1.
+// Finds records of the first round that no step reads anymore: those of blocks with all cells through phase 1.
 void progress_tracker::forget_first_rounds(std::span<const stage_record> records,
                                            std::vector<std::uint32_t>& forget) const {
   std::vector<std::uint32_t> blocks;
@@ -106,22 +106,22 @@ bool progress_tracker::close(std::span<const stage_record> records, std::size_t 
     fresh_work_ += work_done_ - work_before;
     if (one.stage != cell_stage::sampled && now_.cells_done > before) not_empty_ += one.record.geometry_inside ? 1 : 0;
   }
-  return tell_progress(in_work);
+  return report_progress(in_work);
 }
 
-bool progress_tracker::tell_progress(std::size_t in_work) {
-  if (!tell_.on_progress || stopped_) return !stopped_;
+bool progress_tracker::report_progress(std::size_t in_work) {
+  if (!events_.on_progress || stopped_) return !stopped_;
   now_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
   if (fresh_work_ > 0.0) {
-    // Those in work are half done, one with the other; a step is about half a cell.
+    // Steps in work are half done on average, and a step is about half of a cell.
     const double ahead = 0.25 * static_cast<double>(in_work);
     now_.cells_per_second = (fresh_work_ + ahead) / std::max(now_.seconds, 1e-9);
     now_.seconds_left = std::max(now_.cells_total - work_done_ - ahead, 0.0) / now_.cells_per_second;
   }
   const bool all = (last_phase_ == 1 ? now_.cells_done : now_.cells_checked) == now_.cells_total;
-  if (all) now_.seconds_left = 0.0;  // and not what rounding leaves
-  stopped_ = true;                   // also when the callback throws
-  stopped_ = !tell_.on_progress(now_) && !all;
+  if (all) now_.seconds_left = 0.0;  // without the rest that rounding leaves
+  stopped_ = true;                   // stays true if the callback throws
+  stopped_ = !events_.on_progress(now_) && !all;
   return !stopped_;
 }
 

@@ -18,12 +18,12 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr double next_target = 0.25;  // of the one before
-// Of a turn. A cell that takes many times what others do to reach a target waits for its next turn.
+constexpr double next_target = 0.25;  // times the target before
+// Limits of a turn. A cell that needs many times the rays of others to reach a target continues in its next turn.
 constexpr double rays_times_target = 4e3, fewest_rays = 2e6, most_rays = 1e8;
 constexpr double share_between_files = 0.1, seconds_between_files = 60.0;
-constexpr double work_to_writing = 10.0;  // at least, of their times
-constexpr double writing_grows = 1.5;     // from one file to the next, at most
+constexpr double work_to_writing = 10.0;  // least ratio of working time to writing time
+constexpr double writing_grows = 1.5;     // most, from one file to the next
 
 std::vector<double> targets_of(const settings& how) {
   const double last = how.max_pixel_error;
@@ -50,80 +50,79 @@ class timed_bake {
   bool take_turns(const std::vector<std::uint32_t>& cells, const take_step& take);
   void write_if_due();
   file_completion last_completion() const;
-  void write(const callbacks& tell, summary& sum, const file_completion& complete = {});
+  void write(const callbacks& events, summary& sum, const file_completion& complete = {});
 
   const timed_work& work_;
   const cell_baker baker_;
   const pvs_frame frame_;
-  timed_progress book_;
-  const double pause_;  // between files
-  double next_file_;    // on the clock
+  timed_progress progress_;
+  const double pause_;  // seconds between files
+  double next_file_;    // seconds of the budget when the next file is due
 };
 
 timed_bake::timed_bake(const timed_work& work)
     : work_(work),
       baker_(baker_of(work.context)),
-      frame_(frame_of(work.context.s, work.context.how, with_overrides(work.context.settings_text, work.context.given),
-                      work.context.list.cells, work.context.volumes ? &*work.context.volumes : nullptr)),
-      book_(work.context.s.polygon_count, work.context.list.cells.size(), work.context.how.max_pixel_error, work.clock,
-            work.tell),
+      frame_(work.context.frame()),
+      progress_(work.context.s.polygon_count, work.context.cells->list.cells.size(), work.context.how.max_pixel_error,
+                work.clock, work.events),
       pause_(std::min(share_between_files * work.context.how.time_budget, seconds_between_files)),
       next_file_(pause_) {}
 
 void timed_bake::resume() {
   const std::uint32_t damaged =
       work_.file.records().survey([&](std::uint32_t cell, cell_stage stage, const cell_summary& record) {
-        if (stage == cell_stage::bounded) book_.resume(cell, record);
+        if (stage == cell_stage::bounded) progress_.resume(cell, record);
       });
-  tell_of_resume(damaged, book_.resumed(), static_cast<std::uint32_t>(frame_.cells.size()), work_.tell);
+  report_resume(damaged, progress_.resumed(), static_cast<std::uint32_t>(frame_.cells.size()), work_.events);
 }
 
-// What the cell has come to. A turn that had no time for a hemicube has left nothing.
+// Returns the last record of the cell. A turn that had no time for a hemicube counts as none.
 std::optional<cell_record> timed_bake::load(std::uint32_t cell) const {
   std::optional<cell_record> record = work_.file.records().load(cell, cell_stage::bounded);
   if (record && record->stored && record->samples == 0) record.reset();
   return record;
 }
 
-// What others have found by now; of one that had no turn yet nothing.
+// Returns the current records of the neighbors; empty ones for cells that had no turn yet.
 std::vector<cell_record> timed_bake::neighbors_of_now(std::uint32_t cell, const cell_record& own) const {
   return neighbors_of(own, work_.plan.blocks().neighbors_of(cell),
                       [&](std::uint32_t other) { return load(other).value_or(cell_record()); });
 }
 
-// False: no further turn may begin.
+// Returns false if no further turn may begin.
 bool timed_bake::take_turns(const std::vector<std::uint32_t>& cells, const take_step& take) {
   std::vector<cell_step> steps;
   for (const std::uint32_t cell : cells) steps.push_back({cell, cell_stage::bounded});
   step_queue queue = step_queue::listed(work_.plan, steps);
-  bool go_on = true;
+  bool proceed = true;
   take_steps(
-      queue, [&] { return baker_.make_set(); }, take, workers_of(work_.context, baker_, work_.arena), work_.arena,
+      queue, [&] { return baker_.make_set(); }, take, workers_for(work_.context, baker_, work_.arena), work_.arena,
       [&](std::span<const stage_record> ended, std::size_t) {
-        go_on = book_.close(ended, work_.file.records()) && go_on;
+        proceed = progress_.close(ended, work_.file.records()) && proceed;
         work_.file.copy_if_due();
-        if (go_on) write_if_due();
-        return go_on;
+        if (proceed) write_if_due();
+        return proceed;
       });
-  return go_on;
+  return proceed;
 }
 
 void timed_bake::run() {
-  const std::vector<view_cell>& cells = work_.context.list.cells;
+  const std::vector<view_cell>& cells = work_.context.cells->list.cells;
   for (const double target : targets_of(how())) {
-    if (!book_.open(target) || work_.clock.over()) return;
+    if (!progress_.open(target) || work_.clock.over()) return;
     const auto max_rays = static_cast<std::uint64_t>(std::clamp(rays_times_target / target, fewest_rays, most_rays));
-    const bool go_on = take_turns(book_.above(target), [&](const cell_step& step, cell_set& set) {
+    const bool proceed = take_turns(progress_.above(target), [&](const cell_step& step, cell_set& set) {
       const time_limit limit = work_.clock.limit();
       const std::optional<cell_record> before = load(step.cell);
       std::vector<cell_record> neighbors;
       if (before) neighbors = neighbors_of_now(step.cell, *before);
       return baker_.improve(cells[step.cell], before ? &*before : nullptr, neighbors, {target, max_rays, &limit}, set);
     });
-    if (!go_on) return;
+    if (!proceed) return;
   }
-  // The cross-cell check of all others: it finds what no bound asks for.
-  (void)take_turns(book_.known(), [&](const cell_step& step, cell_set& set) {
+  // The last neighbor check. It finds polygons that no bound needs.
+  (void)take_turns(progress_.known(), [&](const cell_step& step, cell_set& set) {
     const time_limit limit = work_.clock.limit();
     const cell_record before = required(work_.file.records(), step.cell, cell_stage::bounded);
     if (limit.reached()) return before;
@@ -132,64 +131,65 @@ void timed_bake::run() {
 }
 
 void timed_bake::write_if_due() {
-  if (work_.clock.spent() < next_file_ || book_.bounded() == 0) return;
+  if (work_.clock.spent() < next_file_ || progress_.bounded() == 0) return;
   summary unread;
   write({}, unread);
 }
 
-void timed_bake::write(const callbacks& tell, summary& sum, const file_completion& complete) {
+void timed_bake::write(const callbacks& events, summary& sum, const file_completion& complete) {
   const double began = work_.clock.spent();
-  const std::vector<std::uint32_t> cells = book_.known();
+  const std::vector<std::uint32_t> cells = progress_.known();
   pvs_frame frame = frame_;
   frame.cells.clear();
   for (const std::uint32_t cell : cells) frame.cells.push_back(frame_.cells[cell]);
   write_pvs(
       frame,
       [&](std::uint32_t i) {
-        return baker_.finished(work_.context.list.cells[cells[i]],
+        return baker_.finished(work_.context.cells->list.cells[cells[i]],
                                required(work_.file.records(), cells[i], cell_stage::bounded));
       },
-      work_.output, tell, sum, complete);
+      work_.output, events, sum, complete);
   const double took = work_.clock.spent() - began;
   work_.clock.keep_back(writing_grows * took);
   next_file_ = work_.clock.spent() + std::max(pause_, work_to_writing * took);
 }
 
-// Files on the way do without importance, as measuring it may take as long as a turn; so does one that the user has no
-// time for, since what was found is worth more.
+// Only the last file has importance, because measuring it may take as long as a turn. The file of a canceled bake has
+// none, because the caller wants to end.
 file_completion timed_bake::last_completion() const {
   if (!how().file.importance) return {};
   return [this](std::vector<std::byte>& file) {
-    const file_completion measure = importance_of(how(), *work_.context.rays, work_.output, work_.tell);
-    if ((book_.stopped() || !measure(file)) && work_.tell.on_message)
-      work_.tell.on_message(severity::warning,
-                            "the file has no importance, which was not waited for; sightcell recode FILE --importance "
-                            "SCENE adds it");
+    const file_completion measure = importance_of(how(), work_.context.traced->rays, work_.output, work_.events);
+    if ((progress_.stopped() || !measure(file)) && work_.events.on_message)
+      work_.events.on_message(
+          severity::warning,
+          "the file has no importance, which was not waited for; sightcell recode FILE --importance "
+          "SCENE adds it");
     return true;
   };
 }
 
 void timed_bake::end(summary& sum) {
-  sum.cells_resumed = book_.resumed();
-  sum.cells_unreached = book_.unreached();
-  const bool nothing = book_.bounded() == 0 && book_.unreached() > 0;
-  if (!book_.stopped() && nothing)
+  sum.cells_resumed = progress_.resumed();
+  sum.cells_unreached = progress_.unreached();
+  const bool nothing = progress_.bounded() == 0 && progress_.unreached() > 0;
+  if (!progress_.stopped() && nothing)
     throw error(error_kind::failed, "bake.time-budget", frame_.scene_name,
                 fmt::format("no cell has come to a bound in {:g} s", how().time_budget),
                 "give a larger --time-budget: the bake goes on with what was found");
-  if (!nothing) write(book_.stopped() ? callbacks() : work_.tell, sum, last_completion());
-  if (book_.stopped()) {
+  if (!nothing) write(progress_.stopped() ? callbacks() : work_.events, sum, last_completion());
+  if (progress_.stopped()) {
     sum.result = outcome::cancelled;
     work_.file.copy();
     return;
   }
-  sum.cells_out_of_time = sum.cells_over_bound - std::min(sum.cells_over_bound, book_.out_of_rays());
+  sum.cells_out_of_time = sum.cells_over_bound - std::min(sum.cells_over_bound, progress_.out_of_rays());
   if (sum.cells_unreached > 0) {
     sum.result = outcome::bound_not_met;
-    if (work_.tell.on_message)
-      work_.tell.on_message(severity::warning,
-                            fmt::format("{} of {} cells have no bound yet and are left out; an eye there is outside",
-                                        sum.cells_unreached, frame_.cells.size()));
+    if (work_.events.on_message)
+      work_.events.on_message(severity::warning,
+                              fmt::format("{} of {} cells have no bound yet and are left out; an eye there is outside",
+                                          sum.cells_unreached, frame_.cells.size()));
   }
   work_.file.remove();
 }

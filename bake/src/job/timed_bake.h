@@ -1,5 +1,5 @@
 #pragma once
-// A bake that spends a time budget where the error is largest, and soon has a file to show for it.
+// A bake with a time budget: spends the time on the cells with the largest bounds, and writes a first file early.
 #include <tbb/task_arena.h>
 
 #include <filesystem>
@@ -12,22 +12,23 @@
 
 namespace sightcell::bake {
 
-// What it works with; all outlive it.
+// The objects that the bake works with. All outlive it.
 struct timed_work {
   const bake_context& context;
   const stage_plan& plan;
   tbb::task_arena& arena;  // the calling thread is not inside of it
   time_budget& clock;
-  work_file& file;  // where records are committed, all of stage bounded: the next one of a cell replaces the last
+  work_file& file;  // for records, all of stage bounded: a record replaces the one before of its cell
   const std::filesystem::path& output;
-  const callbacks& tell;
+  const callbacks& events;
 };
 
-// Passes over the cells to falling targets: each cell that is above it has a turn, the largest bound first. Ends when
-// all have reached the last target, when the clock says so, or when the user does. The output is written with the first
-// turn that ends after a tenth of the budget, or a minute where that is less, then as often again, and in the end: its
-// sets only grow and its bounds only fall, and cells without a bound are not in it. Fills in the summary; what was
-// cancelled keeps its records. Throws sightcell::error, "bake.time-budget" where no cell has come to a bound.
+// Bakes in passes with falling targets. In each pass every cell with a bound above the target has a turn, the largest
+// bound first. Ends when all cells have reached the last target, when the budget is spent, or when the caller cancels.
+// The output is first written after a tenth of the budget or a minute, whichever is less, then at the same interval,
+// and at the end. From file to file sets only grow and bounds only fall. Cells without a bound are left out. sum:
+// filled in. A canceled bake keeps its records. Throws sightcell::error "bake.time-budget" if no cell has a bound when
+// the budget is spent.
 void bake_in_time(const timed_work& work, summary& sum);
 
 }  // namespace sightcell::bake

@@ -5,22 +5,22 @@
 namespace sightcell::bake {
 
 timed_progress::timed_progress(std::uint32_t polygon_count, std::size_t cells, double last_target,
-                               const time_budget& clock, const callbacks& tell)
-    : polygon_count_(polygon_count), last_target_(last_target), clock_(clock), tell_(tell), cells_(cells) {}
+                               const time_budget& clock, const callbacks& events)
+    : polygon_count_(polygon_count), last_target_(last_target), clock_(clock), events_(events), cells_(cells) {}
 
 void timed_progress::take(std::uint32_t cell, const cell_summary& record) {
   cells_[cell] = {record.upper_bound, record.rays, record.misses, record.polygons, record.stored, false};
 }
 
 void timed_progress::resume(std::uint32_t cell, const cell_summary& record) {
-  if (cell >= cells_.size()) return;  // a file that lies
+  if (cell >= cells_.size()) return;  // a broken file
   take(cell, record);
   if (!record.stored || record.upper_bound < 1.0) ++resumed_;
 }
 
 bool timed_progress::open(double target) {
   target_ = target;
-  return tell_progress();
+  return report_progress();
 }
 
 bool timed_progress::close(std::span<const stage_record> records, checkpoint& done) {
@@ -31,7 +31,7 @@ bool timed_progress::close(std::span<const stage_record> records, checkpoint& do
     cells_[one.cell].gave_up = in_time && target_ <= last_target_ && cells_[one.cell].bound > last_target_;
     ++turns_;
   }
-  return tell_progress() && in_time;
+  return report_progress() && in_time;
 }
 
 std::vector<std::uint32_t> timed_progress::above(double target) const {
@@ -67,8 +67,8 @@ std::uint32_t timed_progress::out_of_rays() const {
   return count([](const cell_state& one) { return one.bounded() && one.gave_up; });
 }
 
-bool timed_progress::tell_progress() {
-  if (!tell_.on_progress || stopped_) return !stopped_;
+bool timed_progress::report_progress() {
+  if (!events_.on_progress || stopped_) return !stopped_;
   progress now;
   now.cells_total = static_cast<std::uint32_t>(cells_.size());
   now.target = target_;
@@ -90,8 +90,8 @@ bool timed_progress::tell_progress() {
   }
   now.pixel_error = rays > 0 ? static_cast<double>(misses) / static_cast<double>(rays) : 0.0;
   now.visible_percent = 100.0 * polygons / (std::max(stored, 1u) * static_cast<double>(std::max(polygon_count_, 1u)));
-  stopped_ = true;  // also when the callback throws
-  stopped_ = !tell_.on_progress(now);
+  stopped_ = true;  // stays true if the callback throws
+  stopped_ = !events_.on_progress(now);
   return !stopped_;
 }
 

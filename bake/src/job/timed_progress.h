@@ -1,6 +1,6 @@
 #pragma once
-// What a bake with a time budget knows of its cells: commits records, says whose turn is next, and tells of it all, on
-// the calling thread.
+// The progress tracker of a bake with a time budget: commits records, orders the turns of the cells and reports
+// progress. Everything runs on the calling thread.
 #include <chrono>
 #include <cstdint>
 #include <span>
@@ -14,24 +14,25 @@ namespace sightcell::bake {
 
 class timed_progress {
  public:
-  // last_target: what every cell is to reach in the end. References must outlive the object.
+  // last_target: the bound that every cell has to reach in the end. References must outlive the object.
   timed_progress(std::uint32_t polygon_count, std::size_t cells, double last_target, const time_budget& clock,
-                 const callbacks& tell);
+                 const callbacks& events);
 
-  // A record of an earlier run.
+  // Takes a record of an earlier run.
   void resume(std::uint32_t cell, const cell_summary& record);
-  // Turns to this bound begin. This and close answer false when no further one may.
+  // To be called before the turns to this target. open and close return false if no further turn may begin.
   bool open(double target);
-  // Turns that have ended. Steps that end after the user has had enough are still committed.
+  // Commits the records of turns that have ended, also after a cancel.
   bool close(std::span<const stage_record> records, checkpoint& done);
 
-  // Whose bound is above the target or not known, the largest first; none that has no free place.
+  // Returns the cells with a bound above the target or without a bound, the largest first. Cells without a valid
+  // viewpoint are left out.
   std::vector<std::uint32_t> above(double target) const;
-  // Whose bound is known, or that have no free place: in the order of their numbers.
+  // Returns the cells that have a bound or no valid viewpoint, ascending.
   std::vector<std::uint32_t> known() const;
-  std::uint32_t bounded() const;    // how many bounds are known
-  std::uint32_t unreached() const;  // how many cells have neither
-  // Bounds above the last target though the last turn had time: its rays were spent.
+  std::uint32_t bounded() const;    // cells with a bound
+  std::uint32_t unreached() const;  // cells without a bound that may have a valid viewpoint
+  // Cells with a bound above the last target whose last turn spent its rays before the time was over.
   std::uint32_t out_of_rays() const;
 
   bool stopped() const { return stopped_; }
@@ -39,7 +40,7 @@ class timed_progress {
 
  private:
   struct cell_state {
-    double bound = 1.0;  // 1: nothing is known
+    double bound = 1.0;  // 1: none yet
     std::uint64_t rays = 0, misses = 0, polygons = 0;
     bool stored = true, gave_up = false;
     bool bounded() const { return stored && bound < 1.0; }
@@ -47,12 +48,12 @@ class timed_progress {
   template <typename Is>
   std::uint32_t count(Is is) const;
   void take(std::uint32_t cell, const cell_summary& record);
-  bool tell_progress();
+  bool report_progress();
 
   const std::uint32_t polygon_count_;
   const double last_target_;
   const time_budget& clock_;
-  const callbacks& tell_;
+  const callbacks& events_;
   std::vector<cell_state> cells_;
   double target_ = 1.0;
   std::uint32_t resumed_ = 0, turns_ = 0;

@@ -10,7 +10,9 @@
 #include "file/pvs_output.h"
 #include "input/host_scene.h"
 #include "job/bake_context.h"
+#include "job/bake_key.h"
 #include "job/disk_space.h"
+#include "job/estimate.h"
 #include "job/phases.h"
 #include "job/progress_tracker.h"
 #include "shards/shard_files.h"
@@ -96,9 +98,9 @@ shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& pl
 // For the records while they come, and for the file that they end in. How long cells take is said of phase 1 alone.
 void check_room(const bake_context& context, unsigned phase, std::size_t cells, const std::filesystem::path& work,
                 const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
-  double seen = 0.0;
-  arena.execute([&] { seen = print_estimate(context, cells, phase == 1 ? tell : callbacks()); });
-  const std::uint64_t bytes = cells * checkpoint_bytes_of_cell(seen);
+  bake_estimate estimate;
+  arena.execute([&] { estimate = estimate_bake(context, cells, phase == 1 ? tell : callbacks()); });
+  const std::uint64_t bytes = cells * checkpoint_bytes_of_cell(estimate.polygons);
   check_disk_space({{folder_of(work), bytes}, {folder_of(output), bytes}}, tell);
 }
 
@@ -109,10 +111,9 @@ void bake_blocks(const bake_context& context, const stage_plan& plan, const std:
   const std::filesystem::path target = shard_file(output, part);
   std::optional<shard_files> before;
   if (part.phase == 2) before.emplace(phase_1_of(output, plan, blocks, context.key));
-  const pvs_frame frame = frame_of(context.s, context.how, with_overrides(context.settings_text, context.given),
-                                   context.list.cells, context.volumes ? &*context.volumes : nullptr);
-  work_file file(target, context.how.scratch, context.key, fresh, encode(plan_of(frame, *context.blocks)),
-                 context.judge());
+  const pvs_frame frame = context.frame();
+  work_file file(target, context.how.scratch, context.key, fresh, encode(plan_of(frame, context.cells->blocks)),
+                 stale_test_of(context.key, context.cells->blocks));
   progress_tracker tracker(context.s.polygon_count, plan, sum.cells, tell, static_cast<int>(part.phase));
   resume(file.records(), tracker, tell);
   sum.cells_resumed = tracker.resumed();
@@ -168,15 +169,15 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   std::optional<bake_context> context;
   arena.execute([&] { context.emplace(s, how, tell); });
-  sum.source = context->eyes.name;
-  sum.device = context->eyes.source->device();
-  const stage_plan plan(*context->blocks, context->bounds());
-  const std::vector<std::uint32_t> blocks = blocks_of(part, *context->blocks);
-  sum.cells = cells_in(blocks, *context->blocks);
+  sum.source = context->device->chosen.name;
+  sum.device = context->device->source().device();
+  const stage_plan plan(context->cells->blocks, context->bounds());
+  const std::vector<std::uint32_t> blocks = blocks_of(part, context->cells->blocks);
+  sum.cells = cells_in(blocks, context->cells->blocks);
   if (tell.on_message)
     tell.on_message(severity::note,
                     fmt::format("shard {} of {}, phase {}: {} cells in {} of {} blocks", part.index, part.count,
-                                part.phase, sum.cells, blocks.size(), context->blocks->count()));
+                                part.phase, sum.cells, blocks.size(), context->cells->blocks.count()));
   if (!fresh && is_there(shard_file(output, part), context->key)) {
     if (tell.on_message) tell.on_message(severity::note, "it is there already, and complete");
     sum.cells_resumed = sum.cells;

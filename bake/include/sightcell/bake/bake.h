@@ -90,18 +90,18 @@ struct summary {
 // output: the .pvs file. It appears when the bake is complete. With a time budget it appears earlier, is replaced by
 //   better ones, and remains when the bake is canceled.
 // fresh: true discards the checkpoint of an unfinished bake. false resumes it.
-// tell: progress and log (progress.h); {} for none.
+// events: progress and log (progress.h); {} for none.
 // Returns: see summary.
 // Fails with settings.* and cells.* for settings, bake.no-free-cell, bake.nothing-to-see, bake.memory, bake.disk-space,
 //   checkpoint.other-bake if the checkpoint has other settings, checkpoint.* and output.* for the disk.
 // Files: finished cells are committed to output + ".bake", which is removed at the end. A killed bake resumes there.
 // Cost: 0.1 to 1 CPU seconds per cell for scenes of 40,000 to 1,000,000 polygons at a bound of 1e-3 (BENCHMARKS.md).
 summary bake(const scene::scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
-             const callbacks& tell);
+             const callbacks& events);
 
 // As above, for the arrays of an engine. Copies them first.
 // Fails also with host.bad-array, and with host.no-colors for metric_kind::color: arrays have no colors.
 summary bake(const host_scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
-             const callbacks& tell);
+             const callbacks& events);
 
 }  // namespace sightcell::bake

@@ -1,0 +1,141 @@
+#include "job/estimate.h"
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "bound/bound_rays.h"
+#include "sightcell/bake/sampler_options.h"
+#include "sightcell/base/process_time.h"
+
+namespace sightcell::bake {
+namespace {
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Means over the trial cells, which stand for all cells.
+struct trial_result {
+  double sampling_seconds = 0.0;  // per cell, on one thread
+  double polygons = 0.0;          // visible from a cell, or in one of its hemicubes
+  std::string sampling;           // how sampling_seconds was computed, for the message
+};
+
+constexpr std::size_t trials = 4;
+
+const view_cell& trial_cell(const bake_context& context, std::size_t i) {
+  const std::vector<view_cell>& cells = context.cells->list.cells;
+  return cells[i * cells.size() / trials];
+}
+
+trial_result try_hemicubes(const bake_context& context) {
+  trial_result result;
+  hemicube_view view;
+  hemicube_source& source = context.device->source();
+  source.render({}, view);  // not timed: it includes compiling and uploading
+  double seconds = 0.0;
+  for (std::size_t i = 0; i < trials; ++i) {
+    const view_cell& cell = trial_cell(context, i);
+    const double start = seconds_now();
+    source.render({.eye = 0.5f * (cell.min + cell.max)}, view);
+    seconds += (seconds_now() - start) / trials;
+    const auto own = std::count_if(view.seen.begin(), view.seen.end(),
+                                   [&](const seen_polygon& one) { return one.id < context.s.polygon_count; });
+    result.polygons += static_cast<double>(own) / trials;
+  }
+  result.sampling_seconds = context.how.samples * seconds;
+  result.sampling = fmt::format("{} hemicubes each at {:.1f} ms", context.how.samples, 1e3 * seconds);
+  return result;
+}
+
+constexpr std::uint64_t trial_sampling_rays = 65536, trial_rays_for_all = 8192;
+
+// Makes a sampler like that of the bake, with fewer rays.
+std::unique_ptr<cell_sampler> trial_sampler(const bake_context& context, const settings& how) {
+  return make_cell_sampler(how, {context.traced->rays, context.device->source(), nullptr, context.cells->list.cells});
+}
+
+// Returns the CPU seconds per ray of a sampler that casts its rays for all cells together.
+double try_rays_for_all(const bake_context& context) {
+  const std::size_t cells = context.cells->list.cells.size();
+  settings how = context.how;
+  how.sampling_rays = std::max<std::uint64_t>(trial_rays_for_all / cells, 1);
+  const auto sampler = trial_sampler(context, how);
+  tbb::task_arena alone(1);
+  const double start = thread_cpu_seconds();
+  alone.execute([&] { sampler->prepare([](double) { return true; }); });
+  return (thread_cpu_seconds() - start) / static_cast<double>(how.sampling_rays * cells);
+}
+
+trial_result try_sampling_rays(const bake_context& context) {
+  trial_result result;
+  settings how = context.how;
+  how.sampling_rays = std::min(how.sampling_rays, trial_sampling_rays);
+  const bool for_all = how.sampler == "agvs";
+  if (for_all) how.sampler = "gvs";  // finds about as much, and can sample a single cell
+  const auto sampler = trial_sampler(context, how);
+  cell_set set(static_cast<std::uint32_t>(context.input.geometry.kinds.size()), nullptr, context.s.polygon_count);
+  tbb::task_arena alone(1);  // so that the time of this thread is all of it
+  double seconds = 0.0, cast = 0.0;
+  for (std::size_t i = 0; i < trials; ++i) {
+    const view_cell& cell = trial_cell(context, i);
+    const box where{cell.min, cell.max};
+    const std::array<glm::vec3, 1> middle{0.5f * (cell.min + cell.max)};
+    set.clear();
+    const double start = thread_cpu_seconds();
+    alone.execute([&] { cast += static_cast<double>(sampler->sample({where, cell.place, false, middle}, set).rays); });
+    seconds += thread_cpu_seconds() - start;
+    result.polygons += set.size() / static_cast<double>(trials);
+  }
+  const double per_ray = for_all ? try_rays_for_all(context) : cast > 0.0 ? seconds / cast : 0.0;
+  result.sampling_seconds = static_cast<double>(context.how.sampling_rays) * per_ray;
+  result.sampling = fmt::format("{} rays each at {:.1f} us", context.how.sampling_rays, 1e6 * per_ray);
+  return result;
+}
+
+// Returns the wall-clock seconds per verification ray, with all threads of the arena.
+double try_verification_rays(const bake_context& context) {
+  constexpr std::uint64_t trial_rays = 32768;  // enough that the tests of viewpoints are a small part
+  const settings& how = context.how;
+  double seconds = 0.0;
+  for (std::size_t i = 0; i < trials; ++i) {
+    const view_cell& cell = trial_cell(context, i);
+    const double start = seconds_now();
+    (void)cast_bound_rays(context.traced->rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap},
+                          {.trials = trial_rays, .valid_share = 1.0, .risk = 0.01},
+                          {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
+    seconds += (seconds_now() - start) / static_cast<double>(trial_rays) / trials;
+  }
+  return seconds;
+}
+
+}  // namespace
+
+bake_estimate estimate_bake(const bake_context& context, std::size_t cells_left, const callbacks& events) {
+  if (cells_left == 0) return {};
+  const settings& how = context.how;
+  const trial_result trial = takes_hemicubes(how.sampler) ? try_hemicubes(context) : try_sampling_rays(context);
+  const double ray_seconds = try_verification_rays(context);
+  // Most cells need two or three batches, the first of about 5 / max_pixel_error rays.
+  const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
+  // The threads bake different cells if the source is shared. The time of a verification ray has all threads already.
+  const int at_once = context.device->source().shared() ? tbb::this_task_arena::max_concurrency() : 1;
+  const double limit = how.seconds_per_cell > 0.0 ? how.seconds_per_cell : trial.sampling_seconds;
+  const double per_cell = std::min(trial.sampling_seconds, limit) / at_once + rays * ray_seconds;
+  const double seconds = per_cell * static_cast<double>(cells_left);
+  if (events.on_message)
+    events.on_message(severity::note,
+                      fmt::format("estimate: {} cells, {}{}: about {:.0f} s", cells_left, trial.sampling,
+                                  rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
+                                  std::ceil(seconds)));
+  return {trial.polygons, seconds};
+}
+
+}  // namespace sightcell::bake

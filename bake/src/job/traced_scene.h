@@ -1,0 +1,24 @@
+#pragma once
+// The scene as rays and dilation use it.
+#include <optional>
+
+#include "search/near_polygons.h"
+#include "sightcell/bake/settings.h"
+#include "sightcell/scene/scene.h"
+#include "trace/ray_scene.h"
+
+namespace sightcell::bake {
+
+struct traced_scene {
+  // Builds the trees for rays, then the lists of neighbors. geometry must outlive the object.
+  traced_scene(const scene::world_geometry& geometry, const settings& how);
+  traced_scene(const traced_scene&) = delete;  // neighbors may refer to rays
+  traced_scene& operator=(const traced_scene&) = delete;
+
+  const near_polygons* neighbors_or_null() const { return neighbors ? &*neighbors : nullptr; }
+
+  ray_scene rays;
+  std::optional<near_polygons> neighbors;  // only where needs_neighbors(how)
+};
+
+}  // namespace sightcell::bake
