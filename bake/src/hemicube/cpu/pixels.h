@@ -53,8 +53,9 @@ inline ints mask_of(std::uint32_t bits) {
   return (all(static_cast<std::int32_t>(bits)) & bit) == bit;
 }
 
-// Rule 2: a see-through polygon is visible up to a certain distance behind an occluder. This is the smallest such
-// distance, for a line of sight in the corner of an image: 0.2 mm / sqrt(3) along the axis, or 2e-5 of the depth.
+// Rule 2: a see-through polygon (a non-occluder) is visible up to a certain distance behind an occluder. This is the
+// smallest such distance, for a line of sight in the corner of an image: 0.2 mm / sqrt(3) along the axis, or 2e-5 of
+// the depth.
 inline floats behind_by_reach(floats q) {
   const floats reach = larger(all(1.15e-4f) * q, all(2e-5f));
   return q / (all(1.0f) + reach);
