@@ -1,0 +1,181 @@
+// Walkable floors. Scenes are a few quads, one behavior each.
+#include "cells/walkable.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "cells/view_cell.h"
+#include "sightcell/base/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+// Adds a horizontal rectangle at height y; facing up unless told.
+void add_floor(scene::world_geometry& g, float x0, float z0, float x1, float z1, float y, bool up = true,
+               scene::polygon_kind kind = scene::polygon_kind()) {
+  const auto base = static_cast<std::uint32_t>(g.positions.size());
+  g.positions.insert(g.positions.end(), {{x0, y, z0}, {x0, y, z1}, {x1, y, z1}, {x1, y, z0}});
+  const std::vector<std::uint32_t> corners =
+      up ? std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3} : std::vector<std::uint32_t>{0, 2, 1, 0, 3, 2};
+  for (const std::uint32_t c : corners) g.indices.push_back(base + c);
+  g.kinds.insert(g.kinds.end(), 2, kind);
+  if (kind.absent) return;
+  const bool first = g.kinds.size() == 2;
+  for (const glm::vec3 p : {glm::vec3(x0, y, z0), glm::vec3(x1, y, z1)}) {
+    g.min = first && p.x == x0 ? p : glm::min(g.min, p);
+    g.max = first && p.x == x0 ? p : glm::max(g.max, p);
+  }
+}
+
+cell_list cells_of(const scene::world_geometry& g, const settings& how = {}) {
+  return make_cells(g, how);
+}
+
+bool holds(const view_cell& cell, glm::vec3 p) {
+  return p.x >= cell.min.x && p.x < cell.max.x && p.y >= cell.min.y && p.y < cell.max.y && p.z >= cell.min.z &&
+         p.z < cell.max.z;
+}
+
+bool any_holds(const cell_list& list, glm::vec3 p) {
+  return std::any_of(list.cells.begin(), list.cells.end(), [&](const view_cell& c) { return holds(c, p); });
+}
+
+TEST(walkable, one_layer_of_cells_over_a_floor) {
+  scene::world_geometry g;
+  add_floor(g, 0.5f, 0.5f, 7.5f, 7.5f, 0.0f);
+  const cell_list list = cells_of(g);
+  ASSERT_EQ(list.cells.size(), 4u);
+  for (const view_cell& c : list.cells) {
+    EXPECT_EQ(c.min.y, 0.0f);
+    EXPECT_EQ(c.max.y, 2.0f);
+  }
+  EXPECT_TRUE(list.warnings.empty());
+}
+
+TEST(walkable, every_eye_over_the_floor_has_a_cell) {
+  for (const float y : {-3.7f, -0.05f, 0.0f, 0.39f, 0.4f, 0.41f, 12.345f}) {
+    scene::world_geometry g;
+    add_floor(g, -5.0f, -3.0f, 6.0f, 2.0f, y);
+    const cell_list list = cells_of(g);
+    for (float x = -4.99f; x < 6.0f; x += 0.7f) EXPECT_TRUE(any_holds(list, {x, y + 1.6f, 0.3f})) << x << ' ' << y;
+  }
+}
+
+TEST(walkable, order_is_z_y_x_and_repeats) {
+  scene::world_geometry g;
+  add_floor(g, -8.0f, -8.0f, 8.0f, 8.0f, 0.0f);
+  add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 6.0f);
+  const cell_list a = cells_of(g), b = cells_of(g);
+  ASSERT_EQ(a.cells.size(), b.cells.size());
+  for (std::size_t i = 0; i < a.cells.size(); ++i) {
+    EXPECT_EQ(a.cells[i].place, b.cells[i].place);
+    if (i == 0) continue;
+    const glm::vec3 p = a.cells[i - 1].min, q = a.cells[i].min;
+    EXPECT_TRUE(std::tie(p.z, p.y, p.x) < std::tie(q.z, q.y, q.x));
+  }
+}
+
+TEST(walkable, low_ceiling_leaves_no_head_room) {
+  scene::world_geometry g;
+  add_floor(g, 0.0f, 0.0f, 16.0f, 4.0f, 0.0f);
+  add_floor(g, 8.0f, 0.0f, 16.0f, 4.0f, 1.5f, false);  // the ceiling faces down: no floor on top of it
+  const cell_list list = cells_of(g);
+  EXPECT_TRUE(any_holds(list, {2.0f, 1.6f, 2.0f}));
+  EXPECT_FALSE(any_holds(list, {14.0f, 1.6f, 2.0f}));
+  EXPECT_FALSE(any_holds(list, {14.0f, 3.1f, 2.0f}));
+}
+
+TEST(walkable, water_and_glass_are_neither_floor_nor_ceiling) {
+  scene::world_geometry g;
+  scene::polygon_kind blend;
+  blend.alpha = scene::alpha_mode::blend;
+  blend.double_sided = true;
+  add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 0.0f);
+  add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 1.0f, true, blend);
+  const cell_list list = cells_of(g);
+  EXPECT_TRUE(any_holds(list, {2.0f, 1.6f, 2.0f}));
+  EXPECT_FALSE(any_holds(list, {2.0f, 2.6f, 2.0f}));
+}
+
+TEST(walkable, steep_slopes_are_no_floor) {
+  for (const float rise : {3.9f, 4.2f}) {  // just below and just above 45 degrees over 4 m
+    scene::world_geometry g;
+    add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 0.0f);
+    for (glm::vec3& p : g.positions) p.y = p.x > 2.0f ? rise : 0.0f;
+    g.max.y = rise;
+    EXPECT_EQ(cells_of(g).warnings.empty(), rise < 4.0f) << rise;
+  }
+}
+
+TEST(walkable, back_of_a_floor_counts_only_when_double_sided) {
+  scene::world_geometry g;
+  add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 0.0f, false);
+  EXPECT_NE(cells_of(g).how.find("grid"), std::string::npos);
+  settings how;
+  how.all_double_sided = true;
+  EXPECT_NE(cells_of(g, how).how.find("walkable"), std::string::npos);
+  for (scene::polygon_kind& kind : g.kinds) kind.double_sided = true;
+  EXPECT_NE(cells_of(g).how.find("walkable"), std::string::npos);
+}
+
+TEST(walkable, no_floor_gives_a_grid_and_says_so) {
+  scene::world_geometry g;
+  add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 0.0f, false);
+  const cell_list list = cells_of(g);
+  EXPECT_EQ(list.cells.size(), 3u * 2u * 3u);  // -2..6, -2..2, -2..6
+  ASSERT_EQ(list.warnings.size(), 1u);
+  EXPECT_NE(list.warnings[0].find("no floor"), std::string::npos);
+}
+
+TEST(walkable, degenerate_polygons_never_reach_the_field) {
+  scene::world_geometry g;
+  scene::polygon_kind broken;
+  broken.absent = true;
+  add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 0.0f);
+  add_floor(g, NAN, 0.0f, INFINITY, 4.0f, 0.0f, true, broken);
+  EXPECT_EQ(cells_of(g).cells.size(), 1u);
+}
+
+TEST(walkable, a_sky_dome_does_not_blur_a_level) {
+  scene::world_geometry g;
+  for (int i = 0; i < 1000; ++i) {
+    const auto x = static_cast<float>(i % 40), z = static_cast<float>(i / 40);
+    add_floor(g, x, z, x + 1.0f, z + 1.0f, 0.0f);
+  }
+  add_floor(g, -5e4f, -5e4f, 5e4f, 5e4f, -5e4f);
+  add_floor(g, -5e4f, -5e4f, 5e4f, 5e4f, 5e4f, false);
+  const cell_list list = cells_of(g);
+  EXPECT_TRUE(any_holds(list, {20.0f, 1.6f, 12.0f}));
+  EXPECT_LT(list.cells.size(), 500u);
+  EXPECT_FALSE(list.warnings.empty());
+}
+
+TEST(walkable, huge_terrain_gets_larger_cells_and_a_warning) {
+  scene::world_geometry g;
+  add_floor(g, -2000.0f, -2000.0f, 2000.0f, 2000.0f, 0.0f);
+  const cell_list list = cells_of(g);
+  EXPECT_LE(list.cells.size(), 200'000u);
+  EXPECT_GT(list.cells.size(), 40'000u);
+  EXPECT_EQ(list.cells[0].max.x - list.cells[0].min.x, 16.0f);
+  EXPECT_FALSE(list.warnings.empty());
+}
+
+TEST(walkable, numbers_beyond_all_scenes_are_survived) {
+  scene::world_geometry g;
+  add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 0.0f);
+  add_floor(g, -1e30f, -1e30f, 1e30f, 1e30f, -1e30f);
+  EXPECT_NO_THROW({
+    try {
+      cells_of(g);
+    } catch (const error& e) {
+      EXPECT_EQ(e.id(), "cells.too-far");
+    }
+  });
+}
+
+}  // namespace
+}  // namespace sightcell::bake
