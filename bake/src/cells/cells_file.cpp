@@ -19,7 +19,7 @@ using nlohmann::json;
 
 constexpr std::uintmax_t file_size_limit = 256u << 20;  // bytes; a million cells take about a third of it
 
-constexpr const char* shape = R"(write {"cells":[{"name":"lane 3","min":[x,y,z],"max":[x,y,z]}]}, metres)";
+constexpr const char* shape = R"(write {"cells":[{"name":"lane 3","min":[x,y,z],"max":[x,y,z]}]}, in meters)";
 
 [[noreturn]] void refuse(const char* id, const std::string& subject, const std::string& cause,
                          const std::string& remedy = shape) {
@@ -47,7 +47,7 @@ cell_box read_cell(const json& entry, std::size_t number, const std::string& sub
   if (!entry.is_object()) refuse("cells.bad-box", subject, label + " is not an object");
   cell_box cell;
   if (const auto name = entry.find("name"); name != entry.end()) {
-    if (!name->is_string()) refuse("cells.bad-name", subject, label + ": its name is not a text");
+    if (!name->is_string()) refuse("cells.bad-name", subject, label + ": its \"name\" is not a string");
     cell.name = name->get<std::string>();
     label += fmt::format(" \"{}\"", cell.name);
   }
@@ -78,7 +78,7 @@ std::vector<view_cell> parse_cells(std::string_view text, const std::string& sub
   std::vector<cell_box> boxes;
   boxes.reserve(list->size());
   for (std::size_t i = 0; i < list->size(); ++i) boxes.push_back(read_cell((*list)[i], i, subject));
-  return explicit_cells(boxes, subject, "give metres near the origin, min below max on every axis");
+  return explicit_cells(boxes, subject, "give meters near the origin, min below max on every axis");
 }
 
 std::string read_cells_text(const std::filesystem::path& path) {

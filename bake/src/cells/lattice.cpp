@@ -16,7 +16,7 @@ constexpr double index_limit = 1 << 30;
 
 [[noreturn]] void refuse_distance(double where) {
   throw error(error_kind::bad_input, "cells.too-far", "view cells",
-              fmt::format("a cell at {:g} m cannot be told from its neighbor in single precision", where),
+              fmt::format("a cell at {:g} m cannot be distinguished from its neighbor in single precision", where),
               "move the scene toward the origin or use a larger --cell-size");
 }
 

@@ -76,7 +76,7 @@ class override_reader {
 
  private:
   void add_node(const json& entry, const std::string& where, ranges& found) {
-    if (!entry.is_string()) refuse("cells.bad-override", where + ": \"nodes\" holds what is no text");
+    if (!entry.is_string()) refuse("cells.bad-override", where + ": \"nodes\" holds an entry that is not a string");
     const auto& name = entry.get_ref<const std::string&>();
     if (!by_name_) {
       by_name_.emplace();
@@ -103,10 +103,12 @@ class override_reader {
 
   std::uint32_t polygon(const json& number, const std::string& where) const {
     if (!number.is_number_unsigned())
-      refuse("cells.bad-override", where + ": \"polygons\" holds what is neither a source id nor a range of two");
+      refuse("cells.bad-override",
+             where + ": \"polygons\" holds an entry that is neither a source id nor a range of two");
     const auto id = number.get<std::uint64_t>();
     if (id >= scene_.polygon_count)
-      refuse("cells.no-such-polygon", fmt::format("{}: polygon {} of {}", where, id, scene_.polygon_count),
+      refuse("cells.no-such-polygon",
+             fmt::format("{}: polygon {} does not exist, the scene has {}", where, id, scene_.polygon_count),
              "use source ids of this scene");
     return static_cast<std::uint32_t>(id);
   }

@@ -69,8 +69,9 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
     add_cells(positions_of(range), on, list);
   }
   if (on.width() > asked.width())
-    list.warnings.push_back(fmt::format("the scene is too large for {:g} m cells ({:.0f} or more): they are {:g} m now",
-                                        asked.width(), before, on.width()));
+    list.warnings.push_back(
+        fmt::format("the scene is too large for cells of {:g} m ({:.0f} or more): cells have {:g} m now", asked.width(),
+                    before, on.width()));
   list.how = fmt::format("{} cells of {:g} m {}", list.cells.size(), on.width(), where);
   return list;
 }
@@ -92,7 +93,7 @@ void limit_cells(cell_list& list, std::uint32_t limit) {
 cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how) {
   cell_list list;
   if (!how.cells.empty()) {
-    list.cells = explicit_cells(how.cells, "settings.cells", "give metres, min below max on every axis");
+    list.cells = explicit_cells(how.cells, "settings.cells", "give meters, min below max on every axis");
     list.how = fmt::format("{} cells given", list.cells.size());
   } else if (how.cells_file) {
     list.cells = read_cells_file(*how.cells_file);

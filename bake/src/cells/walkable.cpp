@@ -128,7 +128,7 @@ field_shape choose_field(const scene::world_geometry& geometry, const bounds& al
     if (voxels == 1 && on.width() > coarse_voxel) continue;
     if (cut > 0.0)
       warnings.push_back(fmt::format(
-          "the scene is {:.0f} x {:.0f} m wide; floors are looked for in {:.0f} x {:.0f} m around most polygons "
+          "the scene is {:.0f} x {:.0f} m wide; floors are searched for in {:.0f} x {:.0f} m around most polygons "
           "(--cells-grid or --cells-file reach further)",
           all.max.x - all.min.x, all.max.z - all.min.z, world.max.x - world.min.x, world.max.z - world.min.z));
     return shape_of(world, on, voxels);
@@ -139,9 +139,10 @@ field_shape choose_field(const scene::world_geometry& geometry, const bounds& al
     voxels = fitting_voxels_per_cell(all, on.width());
   }
   field_shape shape = shape_of(all, on, voxels);
-  warnings.push_back(fmt::format(
-      "the scene is {:.0f} x {:.0f} m wide: floors are looked for in steps of {:g} m, narrow places may have no cell",
-      all.max.x - all.min.x, all.max.z - all.min.z, shape.voxel));
+  warnings.push_back(
+      fmt::format("the scene is {:.0f} x {:.0f} m wide: floors are searched for in steps of {:g} m, narrow passages "
+                  "may have no cell",
+                  all.max.x - all.min.x, all.max.z - all.min.z, shape.voxel));
   return shape;
 }
 

@@ -199,8 +199,8 @@ struct checkpoint::state {
     const std::string found(text != nullptr ? text : "");
     const auto plan = blob(query.get(), 1);
     if (sqlite3_column_int64(query.get(), 2) != seal_of_key(found, std::string(plan.begin(), plan.end())))
-      throw error(error_kind::bad_input, "checkpoint.damaged", path.string(), "is damaged: it says wrongly whose it is",
-                  fresh_remedy);
+      throw error(error_kind::bad_input, "checkpoint.damaged", path.string(),
+                  "is damaged: its key and its checksum differ", fresh_remedy);
     return found;
   }
 
@@ -215,7 +215,8 @@ struct checkpoint::state {
       if (now.there && (!before.there || before == now)) return;
       close();
     }
-    throw error(error_kind::failed, "checkpoint.in-use", path.string(), "comes and goes: other bakes are using it",
+    throw error(error_kind::failed, "checkpoint.in-use", path.string(),
+                "is created and deleted again and again: other bakes are using it",
                 "wait for those bakes to end, or choose another -o");
   }
 
@@ -267,7 +268,7 @@ struct checkpoint::state {
   // Reads the key of an existing file. Returns nothing if the file has another schema or no key.
   std::optional<std::string> read_key() const {
     if (ask_number("PRAGMA application_id") != application_id)
-      throw error(error_kind::bad_input, "checkpoint.not-ours", path.string(), "is some other program's database",
+      throw error(error_kind::bad_input, "checkpoint.not-ours", path.string(), "is the database of another program",
                   "choose another -o");
     const bool same_schema = ask_number("PRAGMA user_version") == schema_version;
     return same_schema ? ask_key() : std::nullopt;
@@ -359,7 +360,7 @@ checkpoint checkpoint::open_to_read(const std::filesystem::path& path) {
   const std::optional<std::string> key = opened->read_key();
   if (!key)
     throw error(error_kind::bad_input, "checkpoint.other-version", path.string(), "was made by another version",
-                "bake it again with this one");
+                "bake it again with this version");
   opened->key = *key;
   return checkpoint(std::move(opened));
 }
@@ -413,7 +414,7 @@ std::optional<cell_record> checkpoint::load(std::uint32_t cell, cell_stage stage
   if (!record)
     throw error(error_kind::bad_input, "checkpoint.damaged", state_->path.string(),
                 fmt::format("the record of cell {} is damaged", cell),
-                "run the same command again: it bakes that cell anew");
+                "run the same command again: it repeats that cell");
   return record;
 }
 

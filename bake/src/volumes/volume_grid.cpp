@@ -47,7 +47,7 @@ volume_grid::range volume_grid::range_of(const glm::dvec3& min, const glm::dvec3
     const auto i = static_cast<glm::length_t>(axis);
     const double first = std::floor(min[i] / width_), last = std::max(std::ceil(max[i] / width_) - 1.0, first);
     if (!(first > -farthest_place && last < farthest_place))
-      refuse(fmt::format("of {:g} m are too fine for cells {:g} m from the origin", width_,
+      refuse(fmt::format("volumes of {:g} m are too small for cells {:g} m from the origin", width_,
                          std::max(std::abs(min[i]), std::abs(max[i]))));
     places.first[axis] = static_cast<std::int32_t>(first);
     places.last[axis] = static_cast<std::int32_t>(last);
@@ -63,7 +63,7 @@ volume_grid::volume_grid(std::span<const view_cell> cells, double width, double 
     const extent reach = reach_of(cell, margin);
     const range places = range_of(reach.min, reach.max);
     if (places_in(places.first, places.last) > most_volumes)
-      refuse(fmt::format("of {:g} m in one cell are more than the {} that a file holds", width_, most_volumes));
+      refuse(fmt::format("one cell has more volumes of {:g} m than the {} that a file can hold", width_, most_volumes));
     of_cells.push_back(places);
     if (!all) all = places;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -78,13 +78,14 @@ volume_grid::volume_grid(std::span<const view_cell> cells, double width, double 
     slots_[axis] = static_cast<std::size_t>(size_[axis] / part);
   }
   if (const double places = places_in(all->first, all->last); places > static_cast<double>(most_places))
-    refuse(fmt::format("of {:g} m: the box around all cells has {:.0f} places, more than {}", width_, places,
-                       most_places));
+    refuse(fmt::format("with volumes of {:g} m the box around all cells has {:.0f} of them, more than {}", width_,
+                       places, most_places));
   chunk_of_slot_.assign(slots_[0] * slots_[1] * slots_[2], none);
   for (const range& places : of_cells) add(places);
   number_chunks();
   if (count_ > most_volumes)
-    refuse(fmt::format("of {:g} m are {}, more than the {} that a file holds", width_, count_, most_volumes));
+    refuse(fmt::format("the cells have {} volumes of {:g} m, more than the {} that a file can hold", count_, width_,
+                       most_volumes));
 }
 
 void volume_grid::add(const range& places) {
@@ -106,7 +107,7 @@ void volume_grid::add(const range& places) {
       }
   // Checked here, before the chunks take all memory.
   if (chunks_.size() > most_volumes)
-    refuse(fmt::format("of {:g} m are more than the {} that a file holds", width_, most_volumes));
+    refuse(fmt::format("the cells have more volumes of {:g} m than the {} that a file can hold", width_, most_volumes));
 }
 
 // Numbers volumes by the position of their chunks, and not by the order of the cells.
