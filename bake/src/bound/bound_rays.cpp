@@ -20,7 +20,7 @@ constexpr std::uint64_t chunk_rays = 65536;
 constexpr std::uint64_t fewest_tests = 256, rays_per_test = 256;
 
 struct chunk_result {
-  std::uint64_t cast = 0, tested = 0, free = 0, misses = 0, asked = 0, misses_of_volumes = 0;
+  std::uint64_t cast = 0, tested = 0, valid = 0, misses = 0, viewpoints_tested = 0, misses_of_volumes = 0;
   std::vector<missed_polygon> missed;
   std::vector<found_volume> missed_volumes;
 };
@@ -61,24 +61,24 @@ chunk_result cast_chunk(const ray_scene& rays, const box& grown, const visibilit
   const std::vector<sight_line> lines = draw(grown, count, *rules.metric, random);
   result.cast = count;
   ray_trial trial(rays, rules, contains);
-  const std::vector<std::uint32_t> wrong = suspects(rays, trial, grown, lines);
+  const std::vector<std::uint32_t> suspect_lines = suspects(rays, trial, grown, lines);
 
-  std::vector<glm::vec3> places;
-  for (std::size_t i = 0; i < std::min<std::size_t>(tests, lines.size()); ++i) places.push_back(lines[i].eye);
-  result.tested = places.size();
-  for (const std::uint32_t i : wrong) places.push_back(lines[i].eye);
-  result.asked = places.size();
-  std::vector<std::uint8_t> free(places.size());
-  rays.find_free(places, rules.player_radius, free);
-  result.free = static_cast<std::uint64_t>(
-      std::count(free.begin(), free.begin() + static_cast<std::ptrdiff_t>(result.tested), std::uint8_t{1}));
+  std::vector<glm::vec3> viewpoints;
+  for (std::size_t i = 0; i < std::min<std::size_t>(tests, lines.size()); ++i) viewpoints.push_back(lines[i].eye);
+  result.tested = viewpoints.size();
+  for (const std::uint32_t i : suspect_lines) viewpoints.push_back(lines[i].eye);
+  result.viewpoints_tested = viewpoints.size();
+  std::vector<std::uint8_t> valid(viewpoints.size());
+  rays.find_free(viewpoints, rules.player_radius, valid);
+  result.valid = static_cast<std::uint64_t>(
+      std::count(valid.begin(), valid.begin() + static_cast<std::ptrdiff_t>(result.tested), std::uint8_t{1}));
 
   sight seen;
-  for (std::size_t k = 0; k < wrong.size(); ++k) {
-    if (!free[result.tested + k]) continue;  // an invalid viewpoint is no trial
-    const sight_line& line = lines[wrong[k]];
+  for (std::size_t k = 0; k < suspect_lines.size(); ++k) {
+    if (!valid[result.tested + k]) continue;  // an invalid viewpoint is no trial
+    const sight_line& line = lines[suspect_lines[k]];
     rays.trace(line.eye, line.direction, seen);
-    if (trial.judge(line, seen, random, result.missed)) ++result.misses;
+    if (trial.test(line, seen, random, result.missed)) ++result.misses;
   }
   result.misses_of_volumes = trial.misses_of_volumes();
   result.missed_volumes = trial.missed_volumes();
@@ -94,17 +94,17 @@ void bound_batch::cast_tested(std::uint64_t trials) {
   source.round = source_.round * most_parts + parts_++;
   const verification_batch part = cast_verification_rays(rays_, grown_, rules_, trials, source, contains_, give_up_);
   given_up_ = given_up_ || part.given_up;
-  cast_ += part.rays, tested_ += part.rays, free_ += part.rays;
+  cast_ += part.rays, tested_ += part.rays, valid_ += part.rays;
   misses_ += part.misses;
-  asked_ += part.places;
+  viewpoints_tested_ += part.places;
   missed_.insert(missed_.end(), part.missed.begin(), part.missed.end());
   misses_of_volumes_ += part.misses_of_volumes;
   missed_volumes_.insert(missed_volumes_.end(), part.missed_volumes.begin(), part.missed_volumes.end());
 }
 
 void bound_batch::cast(std::uint64_t trials) {
-  if (free_share_ < fewest_valid) return cast_tested(trials);
-  const auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(trials) / free_share_));
+  if (valid_share_ < fewest_valid) return cast_tested(trials);
+  const auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(trials) / valid_share_));
   std::vector<chunk_result> chunks((count + chunk_rays - 1) / chunk_rays);
   const std::uint64_t tests = std::max(fewest_tests, count / rays_per_test);
   const std::uint64_t tests_of_chunk = (tests + chunks.size() - 1) / std::max<std::size_t>(chunks.size(), 1);
@@ -124,9 +124,9 @@ void bound_batch::cast(std::uint64_t trials) {
   for (const chunk_result& chunk : chunks) {
     cast_ += chunk.cast;
     tested_ += chunk.tested;
-    free_ += chunk.free;
+    valid_ += chunk.valid;
     misses_ += chunk.misses;
-    asked_ += chunk.asked;
+    viewpoints_tested_ += chunk.viewpoints_tested;
     missed_.insert(missed_.end(), chunk.missed.begin(), chunk.missed.end());
     misses_of_volumes_ += chunk.misses_of_volumes;
     missed_volumes_.insert(missed_volumes_.end(), chunk.missed_volumes.begin(), chunk.missed_volumes.end());
@@ -135,7 +135,7 @@ void bound_batch::cast(std::uint64_t trials) {
 
 // Every miss is a trial, too. If nearly all rays miss, there are more misses than the lower limit of trials.
 std::uint64_t bound_batch::trials(double risk) const {
-  return std::max(valid_at_least(cast_, tested_, free_, risk), misses_);
+  return std::max(valid_at_least(cast_, tested_, valid_, risk), misses_);
 }
 
 verification_batch cast_bound_rays(const ray_scene& rays, const box& grown, const visibility_rules& rules,

@@ -51,7 +51,7 @@ class bound_batch {
       : rays_(rays),
         grown_(grown),
         rules_(rules),
-        free_share_(valid_share),
+        valid_share_(valid_share),
         source_(source),
         contains_(contains),
         give_up_(std::move(give_up)) {}
@@ -65,7 +65,7 @@ class bound_batch {
   std::uint64_t trials(double risk) const;
   std::uint64_t misses() const { return misses_; }
   // Returns the cost so far: verification rays plus tested viewpoints.
-  std::uint64_t spent() const { return cast_ + asked_; }
+  std::uint64_t spent() const { return cast_ + viewpoints_tested_; }
   // Returns the polygons that the rays met and the set lacks, in a fixed order.
   const std::vector<missed_polygon>& missed() const { return missed_; }
   // Returns the number of misses where only volumes count as missing; and the missing volumes.
@@ -78,13 +78,13 @@ class bound_batch {
   const ray_scene& rays_;
   const box grown_;
   const visibility_rules& rules_;
-  const double free_share_;
+  const double valid_share_;
   const verification_stream source_;
   const std::function<bool(std::uint32_t)>& contains_;
   const std::function<bool()> give_up_;
   bool given_up_ = false;
-  std::uint64_t cast_ = 0, tested_ = 0, free_ = 0;  // rays; viewpoints tested for their share; valid ones among those
-  std::uint64_t misses_ = 0, asked_ = 0;            // viewpoints tested for any reason
+  std::uint64_t cast_ = 0, tested_ = 0, valid_ = 0;   // rays; viewpoints tested for their share; valid ones among those
+  std::uint64_t misses_ = 0, viewpoints_tested_ = 0;  // viewpoints tested for any reason
   std::uint64_t parts_ = 0;
   std::vector<missed_polygon> missed_;
   std::uint64_t misses_of_volumes_ = 0;

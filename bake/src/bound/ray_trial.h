@@ -30,7 +30,7 @@ class ray_trial {
 
   // Appends to missed what the ray met and the set lacks. Returns whether the ray counts as a miss: it lacks something
   // that no rule excuses, and the metric counts it. Numbers of random may be used.
-  bool judge(const sight_line& line, const sight& seen, random_stream& random, std::vector<missed_polygon>& missed) {
+  bool test(const sight_line& line, const sight& seen, random_stream& random, std::vector<missed_polygon>& missed) {
     const bool polygons = lacks_polygons(line, seen, random, missed), volumes = lacks_volumes(line, seen);
     if (volumes && !polygons) ++misses_of_volumes_;
     return polygons || volumes;

@@ -27,7 +27,7 @@ verification_batch cast_chunk(const ray_scene& rays, const box& grown, const vis
   for (const glm::vec3& eye : eyes) {
     const sight_line line{eye, rules.metric->direction(random)};
     rays.trace(line.eye, line.direction, seen);
-    if (one.judge(line, seen, random, batch.missed)) ++batch.misses;
+    if (one.test(line, seen, random, batch.missed)) ++batch.misses;
   }
   batch.rays = eyes.size();
   batch.misses_of_volumes = one.misses_of_volumes();

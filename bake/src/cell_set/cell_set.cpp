@@ -55,24 +55,24 @@ void cell_set::save(cell_record& record) const {
   const auto below = [](const glm::vec3& a, const glm::vec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
   };
-  std::vector<glm::vec3>& places = record.witnesses;
-  places.clear();
+  std::vector<glm::vec3>& witnesses = record.witnesses;
+  witnesses.clear();
   std::vector<bool> used(eyes_.size());
   for (const std::uint32_t polygon : members_) {
     const std::uint32_t eye = entries_[polygon].eye;
-    if (!used[eye]) places.push_back(eyes_[eye]);
+    if (!used[eye]) witnesses.push_back(eyes_[eye]);
     used[eye] = true;
   }
-  std::sort(places.begin(), places.end(), below);
-  places.erase(std::unique(places.begin(), places.end()), places.end());
-  std::vector<std::uint32_t> place_of(eyes_.size());
+  std::sort(witnesses.begin(), witnesses.end(), below);
+  witnesses.erase(std::unique(witnesses.begin(), witnesses.end()), witnesses.end());
+  std::vector<std::uint32_t> witness_index(eyes_.size());
   for (std::size_t eye = 0; eye < eyes_.size(); ++eye)
     if (used[eye])
-      place_of[eye] = static_cast<std::uint32_t>(std::lower_bound(places.begin(), places.end(), eyes_[eye], below) -
-                                                 places.begin());
+      witness_index[eye] = static_cast<std::uint32_t>(
+          std::lower_bound(witnesses.begin(), witnesses.end(), eyes_[eye], below) - witnesses.begin());
   record.witness_of.clear();
   record.witness_of.reserve(record.set.size());
-  for (const std::uint32_t polygon : record.set) record.witness_of.push_back(place_of[entries_[polygon].eye]);
+  for (const std::uint32_t polygon : record.set) record.witness_of.push_back(witness_index[entries_[polygon].eye]);
 }
 
 void cell_set::load(const cell_record& record) {

@@ -166,11 +166,11 @@ ranges difference(const ranges& from, const ranges& without) {
   for (const scene::polygon_range& r : from) {
     std::uint32_t at = r.first;
     const std::uint32_t end = r.first + r.count;
-    for (const scene::polygon_range& hole : without) {
-      if (hole.first + hole.count <= at) continue;
-      if (hole.first >= end) break;
-      if (hole.first > at) left.push_back({at, hole.first - at});
-      at = hole.first + hole.count;
+    for (const scene::polygon_range& gap : without) {
+      if (gap.first + gap.count <= at) continue;
+      if (gap.first >= end) break;
+      if (gap.first > at) left.push_back({at, gap.first - at});
+      at = gap.first + gap.count;
       if (at >= end) break;
     }
     if (at < end) left.push_back({at, end - at});

@@ -131,9 +131,9 @@ struct checkpoint::state {
 
   // SQLite opens a file that it cannot write again for reading, and then reports the error of that. The folder shows
   // the actual cause.
-  std::string why_not_writable(int sqlite_says) const {
+  std::string why_not_writable(int sqlite_error) const {
     const int of_folder = folder_problem(folder_of(path));
-    const int why = of_folder != 0 ? of_folder : sqlite_says;
+    const int why = of_folder != 0 ? of_folder : sqlite_error;
     return why != 0 ? fmt::format(": {}", std::strerror(why)) : std::string();
   }
 
@@ -183,14 +183,14 @@ struct checkpoint::state {
   }
 
   // Returns the first column of the first row, which every query here has.
-  std::int64_t ask_number(const char* sql) const {
+  std::int64_t query_number(const char* sql) const {
     const statement query = prepare(sql);
     const int code = sqlite3_step(query.get());
     if (code != SQLITE_ROW) fail(code == SQLITE_DONE ? SQLITE_CORRUPT : code, "reading");
     return sqlite3_column_int64(query.get(), 0);
   }
 
-  std::optional<std::string> ask_key() const {
+  std::optional<std::string> query_key() const {
     const statement query = prepare("SELECT key, plan, seal FROM bake");
     const int code = sqlite3_step(query.get());
     if (code == SQLITE_DONE) return std::nullopt;
@@ -241,7 +241,7 @@ struct checkpoint::state {
     run("PRAGMA trusted_schema=OFF", "opening");
   }
 
-  bool empty() const { return ask_number("SELECT count(*) FROM sqlite_schema") == 0; }
+  bool empty() const { return query_number("SELECT count(*) FROM sqlite_schema") == 0; }
 
   void create(const std::string& bake_key, std::string_view plan) {
     run("BEGIN", "creating");
@@ -267,11 +267,11 @@ struct checkpoint::state {
 
   // Reads the key of an existing file. Returns nothing if the file has another schema or no key.
   std::optional<std::string> read_key() const {
-    if (ask_number("PRAGMA application_id") != application_id)
+    if (query_number("PRAGMA application_id") != application_id)
       throw error(error_kind::bad_input, "checkpoint.not-ours", path.string(), "is the database of another program",
                   "choose another -o");
-    const bool same_schema = ask_number("PRAGMA user_version") == schema_version;
-    return same_schema ? ask_key() : std::nullopt;
+    const bool same_schema = query_number("PRAGMA user_version") == schema_version;
+    return same_schema ? query_key() : std::nullopt;
   }
 
   // Gives the file another key and plan and deletes stale records, in one transaction.
@@ -295,11 +295,11 @@ struct checkpoint::state {
     run("COMMIT", "taking over an unfinished bake");
   }
 
-  void check_key(const std::string& wanted, std::string_view plan, const stale_key_test& judge) {
+  void check_key(const std::string& wanted, std::string_view plan, const stale_key_test& take_over_test) {
     const std::optional<std::string> stored = read_key();
     key = wanted;
     if (stored == wanted) return;
-    if (const auto is_stale = stored && judge ? judge(*stored) : std::nullopt)
+    if (const auto is_stale = stored && take_over_test ? take_over_test(*stored) : std::nullopt)
       return hand_over(wanted, plan, *is_stale);
     std::string what = "scene, settings or version";
     if (stored) {
@@ -330,7 +330,7 @@ struct checkpoint::state {
 };
 
 checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan,
-                       const stale_key_test& judge)
+                       const stale_key_test& take_over_test)
     : state_(std::make_unique<state>(path)) {
   try {
     state_->open_locked();
@@ -347,7 +347,7 @@ checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key
   if (state_->empty())
     state_->create(key, plan);
   else
-    state_->check_key(key, plan, judge);
+    state_->check_key(key, plan, take_over_test);
 }
 
 checkpoint::checkpoint(std::unique_ptr<state> opened) : state_(std::move(opened)) {}
@@ -444,7 +444,7 @@ void checkpoint::store(std::span<const stage_record> records, std::span<const st
 
 std::uint32_t checkpoint::count(cell_stage stage) const {
   const std::scoped_lock lock(state_->mutex);
-  return static_cast<std::uint32_t>(state_->ask_number(
+  return static_cast<std::uint32_t>(state_->query_number(
       fmt::format("SELECT count(*) FROM record WHERE number%{}={}", stage_count, static_cast<int>(stage)).c_str()));
 }
 

@@ -31,13 +31,13 @@ class checkpoint {
   // key: names scene, settings, cells, device and version.
   // fresh: discards existing contents.
   // plan: stored with the key when the file is created (shards.h).
-  // judge: called if the stored key differs. If it returns a test, the file takes this key and plan, and loses its
-  //   stale records.
+  // take_over_test: called if the stored key differs. If it returns a test for stale records, the file takes this key
+  //   and plan and loses its stale records.
   // Throws sightcell::error: "checkpoint.other-bake" if the key differs, "checkpoint.in-use" if another bake uses the
   // file, "checkpoint.damaged" if SQLite finds damage. A damaged file is never discarded without `fresh`.
   checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan = {},
-             const stale_key_test& judge = {});
-  // Opens a finished file for reading, without a lock.
+             const stale_key_test& take_over_test = {});
+  // Opens a file that no process writes any more, for reading and without a lock.
   static checkpoint open_to_read(const std::filesystem::path& path);
   ~checkpoint();
   checkpoint(checkpoint&&) noexcept;

@@ -17,7 +17,7 @@ class work_file {
   // scratch: the folder to work in; empty: beside the target. If the copy beside the target is newer than the file in
   //   scratch, the bake resumes from the copy.
   work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
-            bool fresh, std::string_view plan = {}, const stale_key_test& judge = {});
+            bool fresh, std::string_view plan = {}, const stale_key_test& take_over_test = {});
 
   checkpoint& records() { return *records_; }
   const std::filesystem::path& path() const { return path_; }

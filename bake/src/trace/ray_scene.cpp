@@ -146,10 +146,10 @@ struct box_query {
 };
 
 bool note_in_box(RTCPointQueryFunctionArguments* arguments) {
-  const auto& asked = *static_cast<box_query*>(arguments->userPtr);
-  const std::uint32_t polygon = asked.scene->ids[arguments->geomID][arguments->primID];
-  if (triangle_touches_box(corners_of(asked.scene->geometry, polygon), asked.min, asked.max))
-    asked.found->push_back(polygon);
+  const auto& query_data = *static_cast<box_query*>(arguments->userPtr);
+  const std::uint32_t polygon = query_data.scene->ids[arguments->geomID][arguments->primID];
+  if (triangle_touches_box(corners_of(query_data.scene->geometry, polygon), query_data.min, query_data.max))
+    query_data.found->push_back(polygon);
   return false;  // the search radius does not shrink
 }
 
@@ -277,8 +277,8 @@ std::vector<std::uint32_t> ray_scene::touching(const glm::vec3& min, const glm::
   query.radius = 1.001f * 0.5f * glm::distance(min, max) + 1e-4f;
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  box_query asked{embree_.get(), min, max, &found};
-  rtcPointQuery(embree_->all, &query, &context, note_in_box, &asked);
+  box_query query_data{embree_.get(), min, max, &found};
+  rtcPointQuery(embree_->all, &query, &context, note_in_box, &query_data);
   std::sort(found.begin(), found.end());
   return found;
 }
