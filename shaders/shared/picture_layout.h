@@ -13,7 +13,7 @@ const uint picture_block_view = 0u;
 const uint picture_block_material = 1u;
 const uint picture_texture_base_color = 0u;
 
-// Clip coordinates are dot products with (position - eye); depth is reversed and has no far plane.
+// Clip coordinates are dot products with (position - eye). Depth is reversed and has no far plane.
 struct picture_view {
   vec4 eye;     // xyz; w: distance of the near plane in meters
   vec4 clip_x;  // xyz

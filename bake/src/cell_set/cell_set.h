@@ -34,6 +34,7 @@ class cell_set {
   std::uint32_t size() const { return static_cast<std::uint32_t>(members_.size()); }
   // In the order of joining.
   const std::vector<std::uint32_t>& members() const { return members_; }
+  // Returns the viewpoint from which a member was found visible.
   const glm::vec3& witness(std::uint32_t polygon) const { return eyes_[entries_[polygon].eye]; }
 
   // Adds all polygons that are visible in a hemicube. The witness of a polygon is the hemicube with the most pixels of
@@ -43,6 +44,7 @@ class cell_set {
   // replaces the witness.
   bool add(std::uint32_t polygon, const glm::vec3& eye);
 
+  // Returns the members, ascending.
   std::vector<std::uint32_t> sorted() const;
 
   // The visible volumes. All other functions are about polygons.

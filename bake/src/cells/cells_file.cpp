@@ -61,7 +61,7 @@ cell_box read_cell(const json& entry, std::size_t number, const std::string& sub
 json parse_cells_json(std::string_view text, const std::string& subject) {
   try {
     return scene::parse_json(text);
-  } catch (const json::exception& e) {  // a parse error, or a number beyond double
+  } catch (const json::exception& e) {  // a parse error, or a number that exceeds double
     // The library's text begins with its own name and number in brackets, which users do not need.
     const std::string what = e.what();
     const auto end = what.find("] ");

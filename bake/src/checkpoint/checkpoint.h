@@ -44,6 +44,7 @@ class checkpoint {
   checkpoint(const checkpoint&) = delete;
   checkpoint& operator=(const checkpoint&) = delete;
 
+  // Returns the key and the plan that are stored in the file.
   const std::string& key() const;
   std::string plan() const;
 
@@ -57,6 +58,7 @@ class checkpoint {
   // forget: cells whose sampled records are deleted in the same transaction.
   // Throws sightcell::error, for example on a full disk. Then nothing is stored.
   void store(std::span<const stage_record> records, std::span<const std::uint32_t> forget = {});
+  // Returns the number of records of a stage.
   std::uint32_t count(cell_stage stage) const;
   // Calls visit for all records without reading their contents. visit must not use this checkpoint.
   void list(const std::function<void(std::uint32_t cell, cell_stage)>& visit) const;

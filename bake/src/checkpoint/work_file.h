@@ -19,6 +19,7 @@ class work_file {
   work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
             bool fresh, std::string_view plan = {}, const stale_key_test& take_over_test = {});
 
+  // Returns the checkpoint in work, and its path.
   checkpoint& records() { return *records_; }
   const std::filesystem::path& path() const { return path_; }
 

@@ -128,7 +128,8 @@ bool embree_scene::is_there(const RTCFilterFunctionNArguments& a, unsigned i, bo
                                       RTCHitN_v(a.hit, a.N, i));
 }
 
-// All vertices, once for all geometries; Embree's own memory, because it reads a few bytes past the last one.
+// All vertices, shared by all geometries. The memory is Embree's own, because Embree reads a few bytes past the last
+// vertex.
 RTCBuffer embree_scene::make_vertices() const {
   RTCBuffer buffer = rtcNewBuffer(device, std::max<std::size_t>(geometry.positions.size(), 1) * sizeof(glm::vec3) + 16);
   check("allocating vertices");

@@ -34,10 +34,11 @@ class stored_volumes {
   std::unordered_map<glm::ivec3, std::uint32_t, place_hash> numbers_;
 };
 
-// Of one cell's set in a file.
+// The test for one cell set of a file.
 class stored_trial final : public volume_trial {
  public:
-  // contains: is a volume in the set? Both must outlive the trial.
+  // volumes: must outlive the trial.
+  // contains: returns whether a volume is in the set. Must outlive the trial.
   stored_trial(const stored_volumes& volumes, const std::function<bool(std::uint32_t)>& contains)
       : volumes_(volumes), contains_(contains) {}
 
