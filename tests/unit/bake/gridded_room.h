@@ -33,12 +33,12 @@ inline tiny_scene gridded_room(int n) {
   return tiny;
 }
 
-struct traced_scene {
+struct scene_with_rays {
   scene::scene s;
   scene::world_geometry geometry;
   bake::ray_scene rays;
   bake::near_polygons neighbors;
-  explicit traced_scene(tiny_scene tiny)
+  explicit scene_with_rays(tiny_scene tiny)
       : s(tiny.finished()), geometry(scene::flatten(s)), rays(geometry, false), neighbors(rays) {}
 };
 

@@ -15,8 +15,8 @@ namespace {
 
 using test::gridded_room;
 using test::room_middle;
+using test::scene_with_rays;
 using test::tiny_scene;
-using test::traced_scene;
 
 // A room, half of it filled by a closed box: whoever looks from inside the box does not see its backs, but the walls.
 tiny_scene half_filled_room() {
@@ -26,7 +26,7 @@ tiny_scene half_filled_room() {
 }
 
 TEST(bound_rays, count_what_the_set_lacks) {
-  const traced_scene w(gridded_room(2));
+  const scene_with_rays w(gridded_room(2));
   const auto batch = cast_bound_rays(w.rays, room_middle, {}, {.trials = 60'000, .valid_share = 1.0, .risk = 0.01},
                                      {1, 1, purpose::bound, 1}, [&](std::uint32_t p) { return p >= 8; });
   EXPECT_LE(batch.rays, 60'000u);
@@ -36,7 +36,7 @@ TEST(bound_rays, count_what_the_set_lacks) {
 }
 
 TEST(bound_rays, are_trials_only_from_free_places) {
-  const traced_scene w(half_filled_room());
+  const scene_with_rays w(half_filled_room());
   const box all{{-1.5f, -1.5f, -1.5f}, {1.5f, 1.5f, 1.5f}};       // a half of it is in the box, or 5 cm before it
   const auto lacks_one = [](std::uint32_t p) { return p != 0; };  // of the wall across, which both halves look at
   const auto tested = cast_verification_rays(w.rays, all, {}, 40'000, {1, 1, purpose::bound, 1}, lacks_one);
@@ -59,7 +59,7 @@ TEST(bound_rays, are_trials_only_from_free_places) {
 }
 
 TEST(bound_rays, are_no_fewer_than_their_misses) {
-  const traced_scene w(half_filled_room());
+  const scene_with_rays w(half_filled_room());
   const auto batch = cast_bound_rays(w.rays, {{-1.5f, -1.5f, -1.5f}, {1.5f, 1.5f, 1.5f}}, {},
                                      {.trials = 9'000, .valid_share = 0.5, .risk = 0.01}, {1, 1, purpose::bound, 1},
                                      [](std::uint32_t) { return false; });
@@ -69,7 +69,7 @@ TEST(bound_rays, are_no_fewer_than_their_misses) {
 
 TEST(bound_rays, bounds_hold) {
   // As of fresh rays below, where a third of the places is not free and only few are tested.
-  const traced_scene w(half_filled_room());
+  const scene_with_rays w(half_filled_room());
   const box all{{-1.5f, -1.5f, -1.5f}, {0.7f, 1.5f, 1.5f}};
   const auto lacks_one = [](std::uint32_t p) { return p != 0; };
   const auto truth = cast_verification_rays(w.rays, all, {}, 400'000, {1, 1, purpose::verify, 1}, lacks_one);
@@ -84,7 +84,7 @@ TEST(bound_rays, bounds_hold) {
 }
 
 TEST(bound_rays, do_not_depend_on_threads) {
-  const traced_scene w(half_filled_room());
+  const scene_with_rays w(half_filled_room());
   const auto cast = [&](int threads) {
     verification_batch batch;
     tbb::task_arena arena(threads);
@@ -103,7 +103,7 @@ TEST(bound_rays, do_not_depend_on_threads) {
 }
 
 TEST(bound_rays, that_are_given_up_prove_nothing_and_keep_what_they_found) {
-  const traced_scene w(gridded_room(2));
+  const scene_with_rays w(gridded_room(2));
   tbb::task_arena alone(1);
   for (const double valid_share : {1.0, 0.001}) {  // places tested where it decides, and all of them
     int asked = 0;

@@ -10,11 +10,11 @@ namespace {
 
 using test::gridded_room;
 using test::room_middle;
+using test::scene_with_rays;
 using test::tiny_scene;
-using test::traced_scene;
 
 TEST(verification_rays, count_what_the_set_lacks) {
-  const traced_scene w(gridded_room(2));
+  const scene_with_rays w(gridded_room(2));
   // From the room_middle of a cube's room each wall is hit by a sixth of the rays: leave one wall out.
   const auto batch = cast_verification_rays(w.rays, room_middle, {}, 60'000, {1, 1, purpose::bound, 1},
                                             [&](std::uint32_t p) { return p >= 8; });
@@ -24,7 +24,7 @@ TEST(verification_rays, count_what_the_set_lacks) {
 }
 
 TEST(verification_rays, do_not_depend_on_threads) {
-  const traced_scene w(gridded_room(3));
+  const scene_with_rays w(gridded_room(3));
   const auto cast = [&](int threads) {
     verification_batch batch;
     tbb::task_arena arena(threads);
@@ -46,7 +46,7 @@ TEST(verification_rays, do_not_depend_on_threads) {
 TEST(verification_rays, a_place_without_free_points_ends) {
   tiny_scene tiny;
   tiny.closed_box({-3, -3, -3}, {3, 3, 3});
-  const traced_scene w(tiny);
+  const scene_with_rays w(tiny);
   const auto batch = cast_verification_rays(w.rays, room_middle, {}, 64, {1, 1, purpose::bound, 1},
                                             [](std::uint32_t) { return true; });
   EXPECT_EQ(batch.rays, 0u);

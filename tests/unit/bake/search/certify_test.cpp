@@ -13,10 +13,10 @@ namespace {
 
 using test::gridded_room;
 using test::room_middle;
-using test::traced_scene;
+using test::scene_with_rays;
 
 TEST(certify, goes_on_counting_batches) {
-  const traced_scene w(gridded_room(5));
+  const scene_with_rays w(gridded_room(5));
   const auto run = [&](std::uint64_t before) {
     cell_set set(w.s.polygon_count);
     return finish_with_rays(w.rays, w.neighbors, room_middle, {.max_pixel_error = 1e-3, .batches_before = before}, set);
@@ -30,7 +30,7 @@ TEST(certify, goes_on_counting_batches) {
 }
 
 TEST(certify, has_no_bound_of_a_batch_that_its_limit_ends) {
-  const traced_scene w(gridded_room(5));
+  const scene_with_rays w(gridded_room(5));
   cell_set set(w.s.polygon_count);
   const time_limit over(1e-9, false);
   const finish_result result =
@@ -43,7 +43,7 @@ TEST(certify, has_no_bound_of_a_batch_that_its_limit_ends) {
 }
 
 TEST(certify, meets_the_bound_from_an_empty_set) {
-  const traced_scene w(gridded_room(5));
+  const scene_with_rays w(gridded_room(5));
   cell_set set(w.s.polygon_count);
   finish_settings how;
   how.max_pixel_error = 1e-3;
@@ -59,7 +59,7 @@ TEST(certify, meets_the_bound_from_an_empty_set) {
 }
 
 TEST(certify, says_so_when_the_budget_ends_first) {
-  const traced_scene w(gridded_room(5));
+  const scene_with_rays w(gridded_room(5));
   cell_set set(w.s.polygon_count);
   finish_settings how;
   how.max_pixel_error = 1e-5;
@@ -72,7 +72,7 @@ TEST(certify, says_so_when_the_budget_ends_first) {
 
 TEST(certify, bounds_hold) {
   // Coverage: on a set with a known error, at least 95 % of one-batch bounds (here at 97.5 %) are above it.
-  const traced_scene w(gridded_room(2));
+  const scene_with_rays w(gridded_room(2));
   int below = 0;
   constexpr int seeds = 200;
   for (int seed = 0; seed < seeds; ++seed) {

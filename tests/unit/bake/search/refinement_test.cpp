@@ -12,11 +12,11 @@ namespace sightcell::bake {
 namespace {
 
 using test::gridded_room;
+using test::scene_with_rays;
 using test::tiny_scene;
-using test::traced_scene;
 
 TEST(refinement, spreads_over_a_room_from_one_polygon) {
-  const traced_scene w(gridded_room(4));
+  const scene_with_rays w(gridded_room(4));
   cell_set set(w.s.polygon_count);
   set.add(0, {0, 0, 0});
   refinement beside(w.rays, w.neighbors, {1, 1, 0.0f}, set);
@@ -34,7 +34,7 @@ TEST(refinement, leaves_what_is_worth_less) {
   // A large wall, and beside it along its right edge a strip of 1 cm.
   const auto wall = tiny.quad({4, -2, -2}, {4, -2, 2}, {4, 2, 2}, {4, 2, -2});
   const auto strip = tiny.quad({4, -2, 2}, {4, -2, 2.01f}, {4, 2, 2.01f}, {4, 2, 2});
-  const traced_scene w(tiny);
+  const scene_with_rays w(tiny);
   cell_set set(w.s.polygon_count);
   set.add(wall, {0, 0, 0});
   refinement beside(w.rays, w.neighbors, {1, 1, 0.0f}, set);
@@ -52,7 +52,7 @@ TEST(refinement, never_adds_what_is_not_seen) {
   const auto upper = tiny.quad({4, 0, -2}, {4, 0, 2}, {4, 2, 2}, {4, 2, -2});
   const auto lower = tiny.quad({4, -2, -2}, {4, -2, 2}, {4, 0, 2}, {4, 0, -2});
   const auto screen = tiny.quad({3, -9, -9}, {3, -9, 9}, {3, 0.2f, 9}, {3, 0.2f, -9});
-  const traced_scene w(tiny);
+  const scene_with_rays w(tiny);
   const glm::vec3 eye{0, 0.5f, 0};
   ASSERT_TRUE(faces(w.rays, lower, eye));
   cell_set set(w.s.polygon_count);
@@ -72,7 +72,7 @@ TEST(refinement, tries_from_another_place_after_a_miss) {
   const auto upper = tiny.quad({4, 0, -2}, {4, 0, 2}, {4, 2, 2}, {4, 2, -2});
   const auto lower = tiny.quad({4, -2, -2}, {4, -2, 2}, {4, 0, 2}, {4, 0, -2});
   tiny.quad({1, -9, -9}, {1, -9, 9}, {1, 0.4f, 9}, {1, 0.4f, -9});
-  const traced_scene w(tiny);
+  const scene_with_rays w(tiny);
   const glm::vec3 eye{0, 0.5f, 0};
   const std::vector<glm::vec3> places{{0, 3, 0}};
   for (const bool other_places : {false, true}) {
@@ -89,7 +89,7 @@ TEST(refinement, goes_on_where_another_ended) {
   const auto upper = tiny.quad({4, 0, -2}, {4, 0, 2}, {4, 2, 2}, {4, 2, -2});
   tiny.quad({4, -2, -2}, {4, -2, 2}, {4, 0, 2}, {4, 0, -2});  // hidden by a low screen
   const auto screen = tiny.quad({1, -9, -9}, {1, -9, 9}, {1, 0.4f, 9}, {1, 0.4f, -9});
-  const traced_scene w(tiny);
+  const scene_with_rays w(tiny);
   const auto rays = [&](std::size_t known, double tried, double priority) {
     cell_set set(w.s.polygon_count);
     for (const auto polygon : {upper, upper + 1, screen, screen + 1}) set.add(polygon, {0, 0.5f, 0});
@@ -109,7 +109,7 @@ TEST(refinement, aims_at_no_back) {
   tiny_scene tiny;
   const auto front = tiny.wall_x(2, -1, 3);
   const auto back = tiny.quad({2, 3, 3}, {2, 3, -3}, {2, 6, -3}, {2, 6, 3});  // shares the upper edge, turned away
-  const traced_scene w(tiny);
+  const scene_with_rays w(tiny);
   cell_set set(w.s.polygon_count);
   set.add(front, {0, 0, 0});
   set.add(front + 1, {0, 0, 0});
@@ -119,7 +119,7 @@ TEST(refinement, aims_at_no_back) {
 }
 
 TEST(refinement, does_not_depend_on_threads) {
-  const traced_scene w(gridded_room(12));
+  const scene_with_rays w(gridded_room(12));
   const auto members = [&](int threads) {
     cell_set set(w.s.polygon_count);
     set.add(0, {0.1f, 0.2f, 0.3f});

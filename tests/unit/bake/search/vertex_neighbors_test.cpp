@@ -9,8 +9,8 @@
 namespace sightcell::bake {
 namespace {
 
+using test::scene_with_rays;
 using test::tiny_scene;
-using test::traced_scene;
 
 TEST(vertex_neighbors, joins_what_shares_a_place) {
   tiny_scene tiny;
@@ -18,7 +18,7 @@ TEST(vertex_neighbors, joins_what_shares_a_place) {
   const auto second = tiny.triangle({1, 0, 0}, {2, 0, 0}, {1, 1, 0});  // another draw, same place
   const auto apart = tiny.triangle({5, 0, 0}, {6, 0, 0}, {5, 1, 0});
   const auto zero = tiny.triangle({-0.0f, 0, 0}, {0, -1, 0}, {-1, 0, 0});
-  const traced_scene w(tiny);
+  const scene_with_rays w(tiny);
   std::set<std::uint32_t> near;
   w.neighbors.sharing.for_each(first, [&](std::uint32_t n) { near.insert(n); });
   EXPECT_EQ(near, (std::set<std::uint32_t>{first, second, zero}));
