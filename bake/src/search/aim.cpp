@@ -17,7 +17,7 @@ std::uint64_t name_of(const triangle& t) {
     std::uint64_t h = 0;
     for (int axis = 0; axis < 3; ++axis)
       h = (h ^ std::bit_cast<std::uint32_t>(corner[axis] + 0.0f)) * 0x9E3779B97F4A7C15u;
-    name += h ^ (h >> 32);  // a sum: whichever corner comes first
+    name += h ^ (h >> 32);  // a sum does not depend on which corner comes first
   }
   return name;
 }
@@ -40,7 +40,7 @@ bool aimed_rays::take(const sight_line& line, const sight& seen, float length, s
     note(p.polygon, line.eye, line.direction, p.distance, found);
     hit = hit || p.polygon == target;
   }
-  // Rule 2: what is hit where the target ought to be may lie in the same place.
+  // Rule 2: the target may coincide with the polygon that was hit at its distance.
   if (hit || !(std::abs(seen.distance - length) <= coincidence_reach(seen.distance))) return hit;
   rays_.coincident(line.eye, line.direction, seen.distance, coincident_);
   for (const std::uint32_t polygon : coincident_) {

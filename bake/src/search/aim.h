@@ -1,5 +1,5 @@
 #pragma once
-// A ray aimed at a polygon that is likely seen, and all that it sees on its way.
+// Casts rays toward polygons that are probably visible, and collects every polygon along them that the set lacks.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <tuple>
@@ -12,11 +12,12 @@
 
 namespace sightcell::bake {
 
-// An order of places that does not depend on ids.
+// Orders points by coordinates, so that results do not depend on polygon ids.
 inline bool is_lower(const glm::vec3& a, const glm::vec3& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
+// A polygon that a ray found, and the viewpoint where the ray starts.
 struct found_polygon {
   std::uint32_t polygon;
   glm::vec3 eye;
@@ -25,32 +26,35 @@ struct found_polygon {
   }
 };
 
-// Uniform on the triangle.
+// Returns a point that is uniform on the triangle.
 glm::vec3 random_point(const triangle& t, random_stream& random);
 
-// Random numbers are named by where polygons are and never by their ids: the same scene in another order of nodes, or
-// with its instances written another way, is cast the same rays.
+// Returns a number that identifies a triangle by its position and not by its id. Random streams are keyed by it, so
+// that a scene whose nodes are reordered, or whose instances are written another way, is sampled with the same rays.
 std::uint64_t name_of(const triangle& t);
 
-// One thread's. The set must not change while rays are aimed.
+// Used by one thread. The set must not change while rays are cast.
 class aimed_rays {
  public:
   aimed_rays(const ray_scene& rays, float smallest_gap, const cell_set& set)
       : rays_(rays), smallest_gap_(smallest_gap), set_(set) {}
 
-  // Casts the ray from eye toward a point on the target and adds to found all that it sees and the set does not have;
-  // true when the target is among what it sees. Nothing where eye and point coincide.
+  // Casts the ray from eye toward a point on the target. Appends to found each polygon along it that is visible and
+  // not in the set. Returns whether the target is visible. Does nothing and returns false if eye and point coincide.
   bool aim(const glm::vec3& eye, const glm::vec3& point, std::uint32_t target, std::vector<found_polygon>& found);
-  // The same of a ray that was cast already: what it saw, and how far away along it the point is.
+  // Does the same for a ray that was cast before.
+  // line, seen: the ray and its result.
+  // length: distance from the eye to the point aimed at, meters.
   bool take(const sight_line& line, const sight& seen, float length, std::uint32_t target,
             std::vector<found_polygon>& found);
 
  private:
+  // Appends the polygon to found unless the set contains it or it is visible only through a light leak.
   void note(std::uint32_t polygon, const glm::vec3& eye, const glm::vec3& direction, float distance,
             std::vector<found_polygon>& found) const;
 
   const ray_scene& rays_;
-  float smallest_gap_;  // what is seen only through narrower cracks is not noted (rule 3)
+  float smallest_gap_;  // meters; polygons visible only through narrower gaps are not added (visibility rule 3)
   const cell_set& set_;
   std::vector<std::uint32_t> coincident_;
   sight seen_;

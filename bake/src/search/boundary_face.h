@@ -1,5 +1,5 @@
 #pragma once
-// One of the six faces of a cell's grown box, with the hemicubes that stand on it and look out.
+// One of the six faces of a cell's grown box, from which hemicubes look outward.
 #include <array>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -10,18 +10,18 @@
 namespace sightcell::bake {
 
 struct boundary_face {
-  glm::vec3 corner{0.0f};           // u = v = 0
-  glm::vec3 right{0.0f}, up{0.0f};  // unit vectors of u and v, as the hemicube's image axes
+  glm::vec3 corner{0.0f};           // the point u = v = 0
+  glm::vec3 right{0.0f}, up{0.0f};  // unit vectors of u and v, the image axes of the hemicube
   glm::vec3 outward{0.0f};
-  glm::vec2 size{0.0f};  // metres along u and v
+  glm::vec2 size{0.0f};  // extent along u and v, meters
 
-  // uv in [0,1] x [0,1].
+  // Returns the pose at uv in [0,1] x [0,1].
   pose at(const glm::vec2& uv) const {
     return {corner + right * (uv.x * size.x) + up * (uv.y * size.y), outward, right, up};
   }
 };
 
-// In the order -x, +x, -y, +y, -z, +z.
+// Returns the faces in the order -x, +x, -y, +y, -z, +z.
 inline std::array<boundary_face, 6> faces_of(const glm::vec3& min, const glm::vec3& max) {
   std::array<boundary_face, 6> faces;
   const glm::vec3 extent = max - min;
@@ -32,7 +32,7 @@ inline std::array<boundary_face, 6> faces_of(const glm::vec3& min, const glm::ve
       face.up = axis == 1 ? glm::vec3{0.0f, 0.0f, 1.0f} : glm::vec3{0.0f, 1.0f, 0.0f};
       face.right = glm::cross(face.outward, face.up);
       face.size = {glm::dot(glm::abs(face.right), extent), glm::dot(face.up, extent)};
-      // The corner from which right and up lead into the face.
+      // The corner from which right and up point into the face.
       for (int k = 0; k < 3; ++k) {
         const float along = face.outward[k] + face.right[k] * -1.0f + face.up[k] * -1.0f;
         face.corner[k] = along > 0.0f ? max[k] : min[k];

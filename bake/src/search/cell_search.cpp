@@ -11,9 +11,10 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::uint32_t first_round = 24, turn = 6;  // hemicubes
-constexpr double least_of_target = 1e-4;             // of the target's share of all directions
-// Of what was missing before a round, when it has joined and rays have gone beside it: fifths of what was measured in
-// 34 rounds. And of what a batch says, when rays have gone beside what it found.
+constexpr double least_of_target = 1e-4;             // of all directions, as a share of the target
+// The miss probability that is left, divided by the one measured. After a round of hemicubes, once its finds and
+// those of the rays after it have joined: one value for each fifth of the ratios measured in 34 rounds. After a batch
+// of verification rays, once rays were cast toward the neighbors of its finds.
 constexpr error_guess left_of_round{0.04, 0.14, 0.25, 0.43, 0.56}, left_of_batch{0.4, 0.6, 0.8, 1.0, 1.2};
 
 error_guess scaled(const error_guess& by, double of) {
@@ -22,9 +23,9 @@ error_guess scaled(const error_guess& by, double of) {
   return result;
 }
 
-// What a hemicube costs, in aimed rays of about 2.5 us: by pixels, by the polygons that it saw, and by those of them
-// whose alpha is tested. Measured on nine real scenes it is half to twice as much. By a formula, because no result may
-// depend on time.
+// Returns the cost of a hemicube in aimed rays of about 2.5 us each, from its pixels, the polygons that it showed and
+// those of them with an alpha test. On nine real scenes the measured cost is between half of this and twice this. A
+// formula, because no result may depend on time.
 double cost_of(std::uint32_t resolution, double seen, double masked) {
   return static_cast<double>(std::uint64_t{resolution} * resolution) / 650.0 + 0.25 * seen + 4.0 * masked;
 }
@@ -70,7 +71,8 @@ bool cell_search::may_view() const {
   return views_ && views_->places.taken() < views_->most;
 }
 
-// As many as there were before, so that what a round finds says how much was missing.
+// Each round doubles the number of hemicubes, so that the share of new pixels in it is an estimate of what was
+// missing.
 std::uint32_t cell_search::next_views() const {
   const std::uint32_t before = views_->places.taken();
   return std::min(std::max(before, first_round), views_->most - before);
@@ -87,8 +89,8 @@ void cell_search::look_beside(std::uint64_t max_cost) {
   cast_ += rays;
 }
 
-// Returns how many pixels show what was not known, each weighed by the metric along a line through one of its
-// polygon's.
+// Renders the poses. Returns the number of pixels that show new polygons, each weighted by the metric along the line
+// through one pixel of its polygon.
 double cell_search::take(const std::vector<pose>& poses) {
   gap_filter without_leaks(views_->source, rays_, set_, how_.smallest_gap);
   std::vector<hemicube_view> views(poses.size());
@@ -119,7 +121,7 @@ void cell_search::view() {
   while (taken < count && !over()) {
     const std::vector<pose> poses = views_->places.next(std::min(turn, count - taken));
     if (poses.empty()) {
-      views_->most = 0;  // no place is free
+      views_->most = 0;  // no viewpoint is valid
       break;
     }
     fresh += take(poses);

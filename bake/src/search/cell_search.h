@@ -1,5 +1,6 @@
 #pragma once
-// What else does a cell see? Hemicubes from new places and rays beside what is known, by turns.
+// Searches for the polygons visible from a cell. Rounds of hemicubes alternate with rays toward the neighbors of
+// known members (verified dilation).
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -17,66 +18,75 @@
 
 namespace sightcell::bake {
 
-// Hemicubes that a search may take.
+// The hemicubes that a search may render.
 struct search_views {
-  guided_views places;
+  guided_views places;  // where they are placed
   hemicube_source& source;
-  std::uint32_t most = 0xFFFFFFFFu;  // with those taken before
+  std::uint32_t most = 0xFFFFFFFFu;  // limit on all hemicubes of the cell, including those rendered before
 };
 
-// Rays go beside all that is worth so much, in sr, of the error to reach; with each doubling of the hemicubes beside a
-// quarter of that: the more is known, the smaller is what is missing.
+// Returns the priority, in sr, down to which verified dilation casts rays for this target of the miss probability.
 double priority_beside(double max_pixel_error);
+// Returns that priority after a number of hemicubes. Each doubling of them divides it by four: the larger the set,
+// the smaller are the polygons that it lacks.
 double priority_after(double priority, std::uint32_t hemicubes);
 
 struct search_settings {
   std::uint64_t seed = 0, place = 0;
-  float smallest_gap = 0.0f;
-  const time_limit* limit = nullptr;  // null: none
+  float smallest_gap = 0.0f;          // meters, see aimed_rays
+  const time_limit* limit = nullptr;  // null: no limit
   const error_metric* metric = &pixel_metric;
-  // As in refinement_settings.
+  // See refinement_settings.
   std::size_t known = 0;
   double tried = 0.0;
 };
 
-// What may be missing, by the metric: values that are about as likely as each other, ascending.
+// Five equally likely estimates of the miss probability under the metric, ascending.
 using error_guess = std::array<double, 5>;
 
 struct search_goal {
-  double priority = 0.0;                         // sr: what rays go beside of after the first round
-  std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // in rays, with what was spent before
-  // Is so little missing, by the metric, that another round of hemicubes at this cost, in rays, does not pay? Null:
-  // hemicubes are taken until they are spent.
+  double priority = 0.0;                         // lowest priority, in sr, of rays after the first round
+  std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // limit on the cost including what was spent before, in rays
+  // Returns whether the estimated miss probability is so low that another round of hemicubes does not pay.
+  // missing: the estimates.
+  // cost: cost of that round, in rays.
+  // Null: hemicubes are rendered until none is left.
   std::function<bool(const error_guess& missing, std::uint64_t cost)> enough = {};
 };
 
 class cell_search {
  public:
-  // views: null, rays alone. References must outlive the object; nobody else may change the set between its calls but
-  // by adding.
+  // views: null: the search uses rays alone.
+  // References must outlive the object. Between its calls other code may only add to the set.
   cell_search(const ray_scene& rays, const near_polygons& neighbors, search_views* views, const search_settings& how,
               cell_set& set);
 
-  // Rounds of hemicubes, each with rays beside what they saw, until what they show is enough or none is left.
+  // Renders rounds of hemicubes, each followed by rays toward neighbors of the set, until goal.enough returns true,
+  // the cost is spent, the time limit is reached or no hemicube is left. Where no round is rendered, it casts rays
+  // alone, with a lower priority each time.
   void look_for(const search_goal& goal);
-  // Rays beside all that is known, as far as the last round went. For polygons that others found.
+  // Casts rays toward the neighbors of all members down to the priority of the last round. For members that were
+  // added by other code.
   void look_beside(std::uint64_t max_cost);
 
-  // Of the next round of hemicubes, in rays; 0 where there is none.
+  // Returns the expected cost of the next round of hemicubes in rays; 0 if there is none.
   std::uint64_t cost_of_views() const;
-  // By the share of the last round's pixels that show what was not known, weighed, or by what was heard since. All 1:
-  // nothing is known of it.
+  // Returns the estimates of the miss probability. They follow from the share of the last round's pixels that showed
+  // new polygons, weighted by the metric, or from the last call of hear(). All 1: nothing is known.
   const error_guess& missing() const { return missing_; }
-  // A batch of rays found so much missing.
+  // Sets the estimates from the miss probability that a batch of verification rays measured.
   void hear(double missing);
-  // In rays: a hemicube counts by what it sees.
+  // Returns the cost so far in rays. A hemicube costs a number of rays that depends on its resolution and on what it
+  // shows.
   std::uint64_t spent() const { return spent_; }
+  // Returns the number of rays cast, without hemicubes.
   std::uint64_t rays() const { return cast_; }
 
  private:
   bool may_view() const;
   std::uint32_t next_views() const;
   bool over() const { return how_.limit && how_.limit->reached(); }
+  // Renders one round of hemicubes and updates the estimates.
   void view();
   double take(const std::vector<pose>& poses);
 
@@ -84,11 +94,13 @@ class cell_search {
   search_views* views_;
   const search_settings how_;
   cell_set& set_;
-  std::vector<glm::vec3> places_;  // where hemicubes stood and rays began
+  std::vector<glm::vec3> places_;  // viewpoints of hemicubes and origins of rays
   refinement beside_;
-  double priority_ = 0.0;     // of the goal, sr
-  std::uint32_t deeper_ = 0;  // searches without hemicubes: each goes on as if their number had doubled
-  double cost_of_view_, cost_of_round_ = 0.0;  // of one hemicube, as the last round had it; of that round so far
+  double priority_ = 0.0;  // of the goal, sr
+  // Number of searches without hemicubes. Each lowers the priority as if the number of hemicubes had doubled.
+  std::uint32_t deeper_ = 0;
+  // In rays: of one hemicube, as measured in the last round; of the current round so far.
+  double cost_of_view_, cost_of_round_ = 0.0;
   error_guess missing_;
   std::uint64_t spent_ = 0, cast_ = 0;
 };

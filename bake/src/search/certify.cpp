@@ -15,38 +15,40 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr double share_of_places = 0.01;   // of a look's risk: of taking too many places for free ones
-constexpr double of_a_bound_ray = 0.2;     // of what a ray aimed costs
-constexpr double left_after_round = 0.45;  // of what is missing, when another round of hemicubes has joined
-constexpr double left_after_rays = 0.7;    // when rays have gone beside what a batch found
+constexpr double share_of_places = 0.01;  // of an interim test's risk: that too many viewpoints are counted as valid
+constexpr double of_a_bound_ray = 0.2;    // cost of a verification ray, in aimed rays
+constexpr double left_after_round =
+    0.45;                                // share of the miss probability that is left after another round of hemicubes
+constexpr double left_after_rays = 0.7;  // and after rays toward the neighbors of what a batch found
 
-// What part of a run fails, by batches alone.
+// Returns the part of the 5 % that batch number `batch` may use.
 double risk_of(std::uint64_t batch) {
   return 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
 }
 
-// More rays than trials are wanted, because fewer count than are cast: the share of free places is known from about a
-// hundred, and then a limit is taken from those that are tested, 256 or more.
+// Returns the number of rays to cast per trial wanted, 1 or more. Rays from invalid viewpoints are no trials. The
+// share of valid viewpoints is an estimate from about a hundred points, and the number of trials is a lower limit
+// that follows from the viewpoints tested, 256 or more, so a margin is added.
 double headroom(double trials, double valid_share) {
-  if (valid_share < fewest_valid) return 1.0;  // all places are tested
+  if (valid_share < fewest_valid) return 1.0;  // all viewpoints are tested
   constexpr double deviations = 3.5;
   const double tests = std::max(256.0, trials / valid_share / 256.0);
   return 1.02 + deviations * std::sqrt((1.0 - valid_share) / (valid_share * tests));
 }
 
-// What is left to do, in rays: of batches alone, and of rounds of hemicubes with the batches after them.
+// Estimates the cost that is left, in rays, with batches alone and with rounds of hemicubes before the next batch.
 class plan_costs {
  public:
   plan_costs(const std::vector<interim_test>& interim_tests, double of_trial, double of_views)
       : interim_tests_(interim_tests), of_trial_(of_trial), of_views_(of_views) {}
 
-  // A batch now; where it would fail, that is known after its first look, and another round follows.
+  // With a batch now. If it is expected to fail, its first interim test shows that, and another round follows.
   double now(double missing, int round = 0) const {
     const double trials = expected_trials(interim_tests_, missing);
     if (std::isfinite(trials)) return of_trial_ * trials;
     return of_trial_ * static_cast<double>(interim_tests_.front().trials) + later(missing, round);
   }
-  // A round first. Each is twice the one before it.
+  // With a round of hemicubes first. Each round is twice the size of the one before it.
   double later(double missing, int round = 0) const {
     constexpr int most_rounds = 12;
     if (round == most_rounds) return 0.0;
@@ -58,12 +60,12 @@ class plan_costs {
   double of_trial_, of_views_;
 };
 
-// Does a batch now cost less than another round of hemicubes and a shorter batch after it? In the mean over all that
-// may be missing.
+// Returns whether a batch now costs less than another round of hemicubes and a shorter batch after it, in the mean
+// over the estimates of the miss probability.
 bool batch_pays(const std::vector<interim_test>& interim_tests, const error_guess& missing, std::uint64_t cost_of_views,
                 double cost_of_trial) {
   const auto views = static_cast<double>(cost_of_views);
-  // Where nothing is known a cheap batch is the quickest to say how much is missing.
+  // If nothing is known, a cheap batch is the quickest estimate.
   if (missing.front() >= 1.0) return cost_of_trial * static_cast<double>(interim_tests.front().trials) <= views;
   const plan_costs costs(interim_tests, cost_of_trial, views);
   double now = 0.0, later = 0.0;
@@ -71,7 +73,7 @@ bool batch_pays(const std::vector<interim_test>& interim_tests, const error_gues
   return now <= later;
 }
 
-// What volumes add to a search: nothing where there are none.
+// The search for visibility volumes. It does nothing if there are none.
 class search_of_volumes {
  public:
   search_of_volumes(const ray_scene& rays, const box& grown, const finish_settings& how, cell_set& set)
@@ -88,7 +90,7 @@ class search_of_volumes {
                                               set);
   }
 
-  // Further each time.
+  // Searches with a lower priority each time.
   void look_for() {
     if (search_) search_->look_for(priority_);
     priority_ *= priority_of_next;
@@ -100,21 +102,22 @@ class search_of_volumes {
   const visibility_rules& rules() const { return rules_; }
 
  private:
-  static constexpr double first_priority = 3e-3, priority_of_next = 0.25;  // of the target's share of all directions
+  static constexpr double first_priority = 3e-3,
+                          priority_of_next = 0.25;  // of all directions, as a share of the target
   double priority_;
   visibility_rules rules_;
   std::optional<grid_trial> trial_;
-  std::unique_ptr<volume_search> search_;  // null without volumes
+  std::unique_ptr<volume_search> search_;  // null if there are no volumes
 };
 
-// What a batch came to.
+// The result of a batch.
 struct proof {
-  interim_test at;           // the last look: trials and risk of the bound
-  std::uint64_t misses = 0;  // of so many trials
+  interim_test at;           // the last interim test: the trials and the risk of the bound
+  std::uint64_t misses = 0;  // among these trials
 };
 
-// Casts until a look ends the batch well, until it would take longer than to look for more and begin another, or until
-// max_cost is spent.
+// Casts rays until an interim test meets the target, until finishing the batch is expected to cost more than another
+// search and a new batch, or until max_cost is spent.
 proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, const finish_settings& how,
             std::uint64_t cost_of_views, double cost_of_trial, std::uint64_t max_cost) {
   const double left = cost_of_views > 0 ? left_after_round : left_after_rays;
@@ -128,7 +131,7 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
       if (batch.given_up()) return {};
       trials = batch.trials(share_of_places * next.risk);
     }
-    // Exactly so many, whatever more there are: that number does not depend on what missed.
+    // The planned number of trials, even if there are more, because a planned number does not depend on the misses.
     const proof now{{next.misses, std::max(std::min(trials, next.trials), batch.misses()), next.risk}, batch.misses()};
     if (now.misses <= next.misses || trials < next.trials || (how.limit && how.limit->reached())) return now;
     const double rate = static_cast<double>(now.misses) / static_cast<double>(trials);
@@ -137,7 +140,7 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
     const double go_on = cost_of_trial * (whole - static_cast<double>(trials));
     if (!std::isfinite(whole) || go_on > static_cast<double>(cost_of_views) + cost_of_trial * again) return now;
   }
-  return {};  // the last look always answers
+  return {};  // not reached: the last interim test returns
 }
 
 }  // namespace
@@ -197,7 +200,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     search.look_beside(how.max_rays - std::min(how.max_rays, of_batches));
     result.rays_spent = of_batches + search.spent() + volumes.spent();
     if (result.bound_met || (how.limit && how.limit->reached())) break;
-    // Hemicubes and rays beside polygons find no volumes.
+    // Misses of volumes are left out, because hemicubes and rays toward polygons find no volumes.
     const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
     search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
   }

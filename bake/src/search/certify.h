@@ -1,5 +1,5 @@
 #pragma once
-// After the hemicubes: rays find what pixels missed, until fresh rays bound what is left.
+// Extends the set of a cell until verification rays prove the bound on its miss probability.
 #include <cstdint>
 
 #include "bound/verification_rays.h"
@@ -13,42 +13,52 @@
 namespace sightcell::bake {
 
 struct finish_settings {
-  double max_pixel_error = 1e-4;
-  visibility_rules rules = {};           // whose volumes are told from those of the set
-  double valid_share = 1.0;              // about this share of the grown box is free; decides the size of batches only
-  std::uint64_t max_rays = 100'000'000;  // sight rays, tested places, and hemicubes by what they see
+  double max_pixel_error = 1e-4;  // target of the upper bound
+  // Player radius, light-leak tolerance and metric. Its member `volumes` is replaced by one made from the set.
+  visibility_rules rules = {};
+  // Estimated share of the grown box that is valid viewpoints. Decides only the size of batches.
+  double valid_share = 1.0;
+  // Limit on the cost: sight rays, tested viewpoints, and hemicubes by what they show.
+  std::uint64_t max_rays = 100'000'000;
   std::uint64_t seed = 0, place = 0;
-  const time_limit* limit = nullptr;  // null: none
-  // A batch that the limit ends says nothing of what is missing. False: a look that has begun comes to its end.
+  const time_limit* limit = nullptr;  // null: no limit
+  // True: the time limit ends a batch at any ray, and that batch yields no estimate. False: an interim test that has
+  // begun is completed.
   bool limit_ends_batches = false;
-  std::uint64_t batches_before = 0;  // of this cell: their shares of the confidence are spent
-  // With views: so many members were looked beside of, by guided or an earlier run, as far as for this error.
+  std::uint64_t batches_before = 0;  // batches of this cell so far, whose shares of the confidence are spent
+  // Used if there are views: the number of members whose neighbors were tried before, by `guided` or by an earlier
+  // run, and the miss probability for which that was done.
   std::size_t known = 0;
   double known_to = 1.0;
-  const volume_grid* volumes = nullptr;  // that are looked for as well; null: none
+  const volume_grid* volumes = nullptr;  // visibility volumes to search for; null: none
 };
 
 struct finish_result {
   bool bound_met = false;
-  std::uint64_t rays = 0, misses = 0;  // of the last whole batch; what missed has joined the set since
-  double upper_bound = 1.0;            // holds with this batch's confidence
+  std::uint64_t rays = 0, misses = 0;  // of the last complete batch; its misses have joined the set since
+  double upper_bound = 1.0;            // of the miss probability, with this batch's confidence
   double confidence = 0.0;
-  std::uint64_t batches = 0;     // that were begun, with those before
-  std::uint64_t rays_spent = 0;  // sight rays and tested places of all batches, and what the search spent
+  std::uint64_t batches = 0;     // begun so far, including earlier runs
+  std::uint64_t rays_spent = 0;  // sight rays and tested viewpoints of all batches, and the cost of the search
 };
 
-// Names the random numbers of a search after so many batches: others than those of the searches before it.
+// Returns the seed of a search after this many batches, so that it uses other random numbers than earlier searches.
 constexpr std::uint64_t seed_after(std::uint64_t batches, std::uint64_t seed) noexcept {
   return batches == 0 ? seed : mix_bits(seed + batches * 0x9E3779B97F4A7C15ull);
 }
 
-// A search, then batches of fresh rays: position uniform over the free points of the grown box, direction as the metric
-// of the rules has it, all independent, so that for a fixed set the misses are binomial and the bound is exact. Batch j
-// has the confidence share 0.05 / 2^j, divided among the looks at it (sequential_test.h): stopping at the first look
-// that meets the target keeps 95 % for the whole run. Misses join with their position as witness, and the search goes
-// on. A cell whose set only grew since an earlier run goes on counting batches: then all bounds of all runs hold
-// together with 95 %, and the least of them is the cell's. Runs on the calling thread's TBB arena; the result does not
-// depend on the number of threads. views: hemicubes that may be taken where more is missing than rays find; null: none.
+// Searches the cell, then casts batches of independent verification rays. The origin is uniform over the valid
+// viewpoints of the grown box and the direction has the distribution of the metric, so for a fixed set the number of
+// misses is binomial and the bound is exact.
+//
+// Batch j has the share 0.05 / 2^j of the confidence, divided among its interim tests (sequential_test.h). The run
+// may stop at the first interim test that meets the target, and 95 % hold for the whole run. Missed polygons join the
+// set with the ray's origin as witness, and the search continues. If a cell's set only grew since an earlier run,
+// batches are numbered on: then the bounds of all runs hold together with 95 %, and the smallest of them is the
+// cell's.
+//
+// views: hemicubes that may be rendered if more is missing than rays find; null: none.
+// Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
                                const finish_settings& how, cell_set& set, search_views* views = nullptr);
 

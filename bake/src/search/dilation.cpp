@@ -7,7 +7,7 @@
 namespace sightcell::bake {
 namespace {
 
-// Seen from none of its places: a box lies behind a plane where its eight corners do.
+// Returns whether the polygon faces some point of the box. A box is behind a plane if its eight corners are.
 bool faces_box(const ray_scene& rays, std::uint32_t polygon, const box& where) {
   for (int corner = 0; corner < 8; ++corner) {
     const glm::vec3 eye{(corner & 1) != 0 ? where.max.x : where.min.x, (corner & 2) != 0 ? where.max.y : where.min.y,
@@ -23,7 +23,7 @@ std::vector<std::uint32_t> ring_of(const ray_scene& rays, const vertex_neighbors
                                    const box& grown, std::span<const std::uint32_t> set) {
   std::vector<std::uint32_t> ring, beside;
   if (how == safety_ring::none) return ring;
-  // A polygon is visited once for each vertex that it shares: two are an edge.
+  // A polygon is visited once for each vertex that it shares, so twice if it shares an edge.
   const std::size_t shared = how == safety_ring::edge ? 2 : 1;
   for (const std::uint32_t member : set) {
     beside.clear();

@@ -1,5 +1,5 @@
 #pragma once
-// Unverified dilation: what lies beside the polygons of a cell set, whether it is seen or not (--safety-ring).
+// Conservative dilation (--safety-ring): adds the neighbors of a cell set without a visibility test.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,8 +11,9 @@
 
 namespace sightcell::bake {
 
-// What shares a welded edge or vertex with a member, is none, and faces some place of the box; ascending, each once.
-// set: ascending. One ring: what is beside the ring itself stays out.
+// Returns the polygons outside the set that share a welded edge or vertex with a member and face some point of the
+// box, ascending. Their own neighbors are not included.
+// set: source ids, ascending.
 std::vector<std::uint32_t> ring_of(const ray_scene& rays, const vertex_neighbors& sharing, safety_ring how,
                                    const box& grown, std::span<const std::uint32_t> set);
 

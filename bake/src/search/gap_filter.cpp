@@ -15,15 +15,15 @@
 namespace sightcell::bake {
 namespace {
 
-// Where a line meets the plane of a triangle: the distance along it. A pixel's center lies on the triangle but for
-// rounding, so the plane is enough. Not finite or not positive where the plane is seen edge-on.
+// Returns the distance along a line to the plane of a triangle. The center of a pixel is on the triangle except for
+// rounding, so the plane is enough. Not finite or not positive if the plane is seen edge-on.
 float distance_to_plane(const triangle& t, const glm::vec3& eye, const glm::vec3& direction) {
   const glm::dvec3 a(t[0]);
   const glm::dvec3 normal = glm::cross(glm::dvec3(t[1]) - a, glm::dvec3(t[2]) - a);
   return static_cast<float>(glm::dot(normal, a - glm::dvec3(eye)) / glm::dot(normal, glm::dvec3(direction)));
 }
 
-// A polygon that is new to the set, in one of the views.
+// A polygon that is not in the set, in one of the views.
 struct sighting {
   seen_polygon* seen;
   std::uint32_t view;
@@ -38,18 +38,19 @@ void gap_filter::render(std::span<const pose> poses, std::span<hemicube_view> vi
   for (std::uint32_t view = 0; view < views.size(); ++view)
     for (seen_polygon& seen : views[view].seen)
       if (!set_.contains(seen.id)) found.push_back({&seen, view});
-  // All sightings of a polygon come together, in the order of the views.
+  // Groups the sightings of a polygon, in the order of the views.
   std::sort(found.begin(), found.end(), [](const sighting& a, const sighting& b) {
     return a.seen->id != b.seen->id ? a.seen->id < b.seen->id : a.view < b.view;
   });
   std::atomic<bool> any = false;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      if (i > 0 && found[i - 1].seen->id == found[i].seen->id) continue;  // with the first of its polygon
+      // Processed with the first sighting of its polygon.
+      if (i > 0 && found[i - 1].seen->id == found[i].seen->id) continue;
       for (std::size_t k = i; k < found.size() && found[k].seen->id == found[i].seen->id; ++k) {
         seen_polygon& seen = *found[k].seen;
         if (seen.pixels > 4 * resolution() || !through_gap(poses[found[k].view], seen)) break;
-        seen.pixels = 0;  // the mark of what is dropped below
+        seen.pixels = 0;  // marks the entry for removal below
         any = true;
       }
     }

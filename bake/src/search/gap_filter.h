@@ -1,5 +1,5 @@
 #pragma once
-// Rule 3 of seeing for hemicubes: what a hemicube sees only through cracks is taken out of its answer.
+// Visibility rule 3 for hemicubes: removes polygons that a hemicube shows only through light leaks.
 #include <string>
 
 #include "cell_set/cell_set.h"
@@ -8,11 +8,12 @@
 
 namespace sightcell::bake {
 
-// A source in front of another. Of every polygon that is new to the set and covers no more pixels than a line over
-// front and side faces has, four times the hemicube's width, the sight line through one of them is tested; through a
-// crack the polygon is dropped from this view. Of several views in one call the answer is as if each had joined the set
-// before the next was tested, so a polygon is tested only until one of them really sees it. Importance stays as it was.
-// Tests run on the calling thread's TBB arena; the set must not change meanwhile. References must outlive it.
+// Filters the results of another source. It tests the sight line through one pixel of each polygon that is not in the
+// set and covers up to 4 S pixels, S being the resolution, which is what a line across the front face and the side
+// faces covers. If that line passes a gap narrower than the tolerance, the polygon is removed from the view. With
+// several views in one call the result is as if each view had joined the set before the next one was tested, so a
+// polygon is tested only until one view shows it properly. Importance is not changed. Tests run on the calling
+// thread's TBB arena. The set must not change during a call. References must outlive the filter.
 class gap_filter final : public hemicube_source {
  public:
   gap_filter(hemicube_source& behind, const ray_scene& rays, const cell_set& set, float smallest_gap)
@@ -26,6 +27,7 @@ class gap_filter final : public hemicube_source {
   std::string device() const override { return behind_.device(); }
 
  private:
+  // Returns whether the sight line through the polygon's pixel passes a light leak.
   bool through_gap(const pose& where, const seen_polygon& seen) const;
 
   hemicube_source& behind_;

@@ -11,9 +11,9 @@
 namespace sightcell::bake {
 namespace {
 
-// Places in a row that are not free: the face lies in a wall, or nearly all of the inside does.
+// Number of invalid viewpoints in a row after which a face counts as a wall, or points inside are drawn at random.
 constexpr std::uint32_t give_up_after = 64;
-constexpr std::uint64_t most_tests = 16'384;  // then the inside has no place left
+constexpr std::uint64_t most_tests = 16'384;  // after these no viewpoint inside is searched for
 
 pose rotated(const pose& where) {
   const float half = std::sqrt(0.5f);

@@ -7,8 +7,7 @@
 namespace sightcell::bake {
 namespace {
 
-// Interior hemicubes that are rendered at once: enough for the threads of one cell, and what they see stays in some
-// megabytes.
+// Interior hemicubes per call: enough for the threads of one cell, and their views take only some megabytes.
 constexpr std::size_t interior_batch = 32;
 
 }  // namespace
@@ -52,7 +51,7 @@ void hemicubes::take_interior(std::span<const glm::vec3> points) {
     for (const float side : {1.0f, -1.0f})
       poses.push_back({eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
   std::vector<hemicube_view> views(std::min(poses.size(), interior_batch));
-  const time_limit of_cubes(plan_.seconds * plan_.interior_share, source_.shared());  // faces need time too
+  const time_limit of_cubes(plan_.seconds * plan_.interior_share, source_.shared());  // leaves time for the faces
   for (std::size_t first = 0; first < poses.size();) {
     const std::size_t count = std::min({interior_batch, poses.size() - first, std::size_t{left()}});
     if (count == 0 || of_cubes.reached()) return;

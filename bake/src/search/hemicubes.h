@@ -1,5 +1,5 @@
 #pragma once
-// The hemicubes of one cell as they are taken: counted, jittered, and what they see joins the cell's set.
+// Renders the hemicubes of one cell: counts and jitters them and adds what they show to the cell's set.
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -12,37 +12,41 @@
 
 namespace sightcell::bake {
 
-// What the importance of a hemicube is multiplied by (C in the thesis), before what it sees joins the set.
+// Returns the factor by which the importance of a hemicube is multiplied before it is used (C in the thesis).
 using importance_weight = std::function<double(const pose& where, const hemicube_view& view)>;
 
-// How the hemicubes of a cell are taken, whoever says where.
+// How many hemicubes a cell gets, and how they are rendered. The sampler chooses their poses.
 struct hemicube_plan {
-  std::uint32_t samples = 0;  // hemicubes, at most
+  std::uint32_t samples = 0;  // limit
   std::uint64_t seed = 0, place = 0;
   bool geometry_inside = false;
-  double interior_share = 0.5;  // of the hemicubes, where geometry is inside: they become full cubes at interior points
+  // Share of hemicubes that form full cubes at interior points, if there is geometry inside.
+  double interior_share = 0.5;
   bool jitter = false;
-  double seconds = 0.0;  // 0: no limit
+  double seconds = 0.0;  // time limit; 0: none
 };
 
-// How many full cubes a plan has. One is two hemicubes back to back, so it counts as two samples.
+// Returns the number of full cubes of a plan. A full cube is two hemicubes back to back and counts as two samples.
 std::uint32_t interior_cubes(const hemicube_plan& plan);
 
-// Turned about its eye, so that no pixel's center moves by more than half a pixel of the front face's middle.
+// Returns the pose turned about its eye by a random angle, so that no pixel's center moves by more than half the width
+// of a pixel in the middle of the front face.
 pose jittered(const pose& where, std::uint32_t resolution, random_stream random);
 
 class hemicubes {
  public:
-  // References must outlive the object. Time begins to count.
+  // References must outlive the object. The time limit starts here.
   hemicubes(const hemicube_plan& plan, hemicube_source& source, cell_set& set);
 
   std::uint32_t taken() const { return taken_; }
   std::uint32_t resolution() const { return source_.resolution(); }
   std::uint32_t left() const { return limit_.reached() ? 0 : plan_.samples - taken_; }
 
-  // Renders them as one batch of the source, at most left() of them. Both spans have the same size. weigh: may be null.
+  // Renders the poses as one batch, up to left() of them, and adds what they show to the set.
+  // poses, views: of the same size; views are overwritten.
+  // weigh: may be null.
   void take(std::span<const pose> poses, std::span<hemicube_view> views, const importance_weight& weigh = nullptr);
-  // Full cubes at these points, as many as the plan has.
+  // Renders full cubes at these points, up to the number that the plan has.
   void take_interior(std::span<const glm::vec3> points);
 
  private:

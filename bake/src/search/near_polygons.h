@@ -1,5 +1,5 @@
 #pragma once
-// Where dilation looks: what shares a vertex with a polygon, and what lies on top of it.
+// The neighbors of a polygon for dilation: polygons that share a vertex with it or coincide with it.
 #include <cstdint>
 
 #include "search/vertex_neighbors.h"
@@ -15,7 +15,7 @@ struct near_polygons {
   vertex_neighbors sharing;
   coincident_partners coinciding;
 
-  // Calls visit(neighbor), some more than once, the polygon itself too; in a fixed order.
+  // Calls visit(neighbor) in a fixed order, for some neighbors more than once, and for the polygon itself.
   template <typename Visit>
   void for_each(std::uint32_t polygon, Visit visit) const {
     sharing.for_each(polygon, visit);
@@ -23,7 +23,7 @@ struct near_polygons {
   }
 };
 
-// Does such a bake look for, or take, anything beside what it knows?
+// Returns whether a bake with these settings uses dilation of any kind.
 inline bool needs_neighbors(const settings& how) {
   return how.max_pixel_error > 0.0 || how.sampler == "guided" || how.safety_ring != safety_ring::none;
 }

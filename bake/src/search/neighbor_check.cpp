@@ -16,12 +16,13 @@
 namespace sightcell::bake {
 namespace {
 
-// Eyes that a polygon is tried from: those next to a neighbor's line of sight, and any. What neighbors see is most of
-// what a cell lacks (in a street 4.6e-6 of 5.2e-6 after four rays for each), and rays are cheap: 3.1e-6 with these.
+// Number of eyes that a polygon is tested from: those closest to a neighbor's sight line, and random ones. Polygons
+// in the neighbors' sets are most of what a cell lacks: in a street 4.6e-6 of a miss probability of 5.2e-6, after
+// four rays for each polygon. More rays are cheap: with these numbers 3.1e-6 is left.
 constexpr std::size_t most_nearest = 4;
 constexpr int any_eyes = 28;
 
-// A polygon that neighbors see and this cell does not, with the eyes of the nearest two of them.
+// A polygon that neighbors have and this cell lacks, with its witnesses in the nearest two of them.
 struct candidate {
   std::uint32_t polygon = 0;
   std::array<glm::vec3, 2> witnesses;
@@ -49,7 +50,8 @@ std::vector<candidate> candidates_of(std::span<const cell_record> neighbors, con
   return found;
 }
 
-// All are asked for every candidate, and rays leave a witness each: a few from all over the cell do.
+// Returns a selection of eyes from all over the cell, since all of them are examined for each candidate, and each ray
+// that found something has left one.
 std::vector<glm::vec3> some_of(std::vector<glm::vec3> eyes) {
   constexpr std::size_t most = 64;
   std::sort(eyes.begin(), eyes.end(), is_lower);
@@ -60,7 +62,8 @@ std::vector<glm::vec3> some_of(std::vector<glm::vec3> eyes) {
   return some;
 }
 
-// Where the way from an eye to a point enters the box; where it passes by, the place of the box next to the eye.
+// Returns the point where the segment from an eye to a point enters the box; if it does not, the point of the box
+// closest to the eye.
 glm::vec3 entry(const box& into, const glm::vec3& eye, const glm::vec3& point) {
   const glm::vec3 way = point - eye;
   float enter = 0.0f, leave = 1.0f;
@@ -68,7 +71,7 @@ glm::vec3 entry(const box& into, const glm::vec3& eye, const glm::vec3& point) {
   return glm::clamp(meets ? eye + way * enter : eye, into.min, into.max);
 }
 
-// What one stretch of candidates came to.
+// The result for a group of candidates.
 struct outcome_of_rays {
   std::vector<found_polygon> found;
   std::uint64_t rays = 0;
@@ -89,7 +92,7 @@ class tester {
       return aimed_.aim(eye, point, one.polygon, out.found);
     };
     const glm::vec3 first = random_point(corners, random);
-    // Places that are known to be free come first: to tell of another one takes 64 rays.
+    // Eyes of the set come first, because they are known to be valid. Testing another viewpoint takes 64 rays.
     const std::size_t nearest = find_nearest(one.witnesses[0], first);
     if (nearest > 0 && aim(eyes_[order_[0].second], first)) return;
     for (const glm::vec3& witness : one.witnesses) {
@@ -109,7 +112,7 @@ class tester {
   }
 
  private:
-  // Puts the eyes next to the line of sight from the witness first in order_; returns how many.
+  // Moves the eyes closest to the sight line from the witness to the front of order_; returns their number.
   std::size_t find_nearest(const glm::vec3& witness, const glm::vec3& point) {
     const glm::vec3 way = point - witness;
     const float length = glm::dot(way, way);
@@ -130,7 +133,7 @@ class tester {
   const neighbor_check_settings& how_;
   const std::vector<glm::vec3>& eyes_;
   aimed_rays aimed_;
-  std::vector<std::pair<float, std::uint32_t>> order_;  // eyes by the square of their distance
+  std::vector<std::pair<float, std::uint32_t>> order_;  // square of the distance to the line, index of the eye
 };
 
 }  // namespace
@@ -167,7 +170,7 @@ std::uint64_t neighbor_check(const ray_scene& rays, const box& grown, const neig
     spent += o.rays;
     found.insert(found.end(), o.found.begin(), o.found.end());
   }
-  // Of several eyes that saw a polygon the lowest is its witness: not a matter of ids.
+  // Of several eyes that found a polygon the lowest becomes its witness, so that the choice does not depend on ids.
   std::sort(found.begin(), found.end());
   for (const found_polygon& f : found) set.add(f.polygon, f.eye);
   return spent;

@@ -1,6 +1,6 @@
 #pragma once
-// What a neighboring cell sees is likely seen from this one too: a few rays for each polygon tell. Only what a ray
-// truly hits joins.
+// Tests the polygons in the sets of adjacent cells, which are probably visible from this cell too, with a few rays
+// each. Only polygons that a ray hits join.
 #include <cstdint>
 #include <span>
 
@@ -14,19 +14,21 @@ namespace sightcell::bake {
 
 struct neighbor_check_settings {
   std::uint64_t seed = 0, place = 0;
-  purpose use = purpose::neighbor_check;  // names the random numbers
+  purpose use = purpose::neighbor_check;  // key of the random numbers
   visibility_rules rules;
 };
 
-// Takes out of a neighbor's record what own has: it is not tried, and where many are read it is most of their memory.
-// own: ascending.
+// Removes from a neighbor's record the polygons that the cell has. They need no test, and they are most of the memory
+// when many records are loaded.
+// own: source ids of the cell, ascending.
 void drop_known(std::span<const std::uint32_t> own, cell_record& neighbor);
 
-// neighbors: records with witnesses, of one moment, the nearest first. What they have and set has not is tried from
-// free places of the grown box: from the eyes of this set next to the neighbor's line of sight, from where that line
-// enters the box, and from any eyes. set must have been loaded: its eyes() are tried. All is tried from one state of
-// the set, finds join at the end. Returns the rays cast. Runs on the calling thread's TBB arena; does not depend on the
-// number of threads.
+// Tests every polygon that a neighbor has and the set lacks, from valid viewpoints of the grown box: from eyes of the
+// set close to the neighbor's sight line, from the point where that line enters the box, and from random eyes of the
+// set. All tests use the same state of the set, and finds join at the end. Returns the number of rays cast.
+// neighbors: records with witnesses, all of one stage, nearest first.
+// set: must have been loaded from a record, since its eyes() are used.
+// Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
 std::uint64_t neighbor_check(const ray_scene& rays, const box& grown, const neighbor_check_settings& how,
                              std::span<const cell_record> neighbors, cell_set& set);
 

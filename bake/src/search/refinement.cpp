@@ -20,7 +20,7 @@ namespace {
 
 constexpr float priority_after_miss = 0.25f;
 constexpr std::uint32_t most_misses = 16;
-// Powers of two below the largest worth.
+// Returns the number of halvings from the largest priority, the index of the level.
 std::size_t level_of(float priority, std::size_t count) {
   if (!(priority > 0.0f)) return count - 1;
   const float below = std::log2(largest_solid_angle / priority);
@@ -42,7 +42,7 @@ bool refinement::done() const {
          std::all_of(levels_.begin(), levels_.end(), [](const auto& level) { return level.empty(); });
 }
 
-// Brings a try to where those of earlier runs ended; false where nothing is left of it.
+// Lowers the priority of a try to where an earlier search stopped. Returns false if no ray is left for it.
 bool refinement::leave_tried(attempt& one) const {
   const std::size_t last = level_of(static_cast<float>(how_.tried), level_count);
   while (one.misses < most_misses && level_of(one.priority, level_count) <= last) {
@@ -69,7 +69,7 @@ void refinement::take_members() {
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
       for (const std::uint32_t neighbor : near) {
-        if (!faces(rays_, neighbor, eye)) continue;  // its back: it cannot be seen from here
+        if (!faces(rays_, neighbor, eye)) continue;  // back-facing: not visible from this eye
         attempt one{neighbor, member, solid_angle(corners_of(rays_.geometry(), neighbor), eye), 0};
         if (i >= how_.known || leave_tried(one)) found[k].push_back(one);
       }
@@ -93,13 +93,13 @@ std::uint64_t refinement::run(double priority, std::uint64_t max_rays) {
     wave.swap(levels_[level]);
     cast += run_wave(wave);
     take_members();
-    // What joined may be beside something that is worth more than this level.
+    // Neighbors of what joined may have a higher priority than this level.
     level = 0;
   }
   return cast;
 }
 
-// A place that the target faces; where a few draws meet none, the witness of the member it is beside.
+// Returns a viewpoint that the target faces. If a few random ones are behind it, returns the witness of the member.
 glm::vec3 refinement::eye_of(const attempt& one, random_stream& random) const {
   constexpr int draws = 4;
   for (int i = 0; one.misses > 0 && how_.places && !how_.places->empty() && i < draws; ++i) {
@@ -109,7 +109,7 @@ glm::vec3 refinement::eye_of(const attempt& one, random_stream& random) const {
   return set_.witness(one.member);
 }
 
-// Rays in the order in which they share packets: of one eye, and about the same way.
+// Sorts rays so that those of a packet have the same origin and similar directions.
 std::vector<refinement::aimed_try> refinement::aim(const std::vector<attempt>& tries) const {
   std::vector<aimed_try> aimed(tries.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tries.size(), 256), [&](const auto& range) {
@@ -134,11 +134,12 @@ std::vector<refinement::aimed_try> refinement::aim(const std::vector<attempt>& t
   return aimed;
 }
 
-// One ray for each target of the wave, from the member that has tried least; the others wait for the next wave.
+// Casts one ray per target of the wave, for the member with the fewest misses. The other tries wait for the next
+// wave.
 std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
   wave.erase(std::remove_if(wave.begin(), wave.end(), [&](const attempt& one) { return set_.contains(one.target); }),
              wave.end());
-  // Targets in any order, but who is first of a target's must not depend on ids.
+  // The order of targets has no effect, but the choice among the tries of a target must not depend on ids.
   tbb::parallel_sort(wave.begin(), wave.end(), [&](const attempt& a, const attempt& b) {
     if (a.target != b.target) return a.target < b.target;
     if (a.misses != b.misses) return a.misses < b.misses;
@@ -184,7 +185,8 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
     found.insert(found.end(), o.found.begin(), o.found.end());
     for (const attempt& one : o.missed) push(one);
   }
-  // Of several eyes that saw a polygon in this wave the lowest is its witness: again not a matter of ids.
+  // Of several eyes that found a polygon in this wave the lowest becomes its witness, so that the choice does not
+  // depend on ids.
   std::sort(found.begin(), found.end());
   for (const found_polygon& f : found) set_.add(f.polygon, f.eye);
   return now.size();

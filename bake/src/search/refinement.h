@@ -1,7 +1,7 @@
 #pragma once
-// Verified dilation ordered by what it is worth: what lies next to a seen polygon is likely seen too, so rays are aimed
-// at it from where the seen one was seen best, those that would cover most of the picture first. Only what a ray truly
-// hits joins.
+// Verified dilation by priority. A neighbor of a visible polygon is probably visible too, so rays are aimed at it
+// from the viewpoint that showed the visible one best, in the order of the solid angle of the neighbors. Only
+// polygons that a ray hits join.
 #include <array>
 #include <cstdint>
 #include <numbers>
@@ -15,54 +15,57 @@
 
 namespace sightcell::bake {
 
-inline constexpr double whole_sphere = 4.0 * std::numbers::pi;  // sr
+inline constexpr double whole_sphere = 4.0 * std::numbers::pi;  // solid angle of all directions, sr
 
 struct refinement_settings {
   std::uint64_t seed = 0, place = 0;
-  float smallest_gap = 0.0f;  // what is seen only through narrower cracks does not join (rule 3)
+  float smallest_gap = 0.0f;  // meters; polygons visible only through narrower gaps do not join (visibility rule 3)
   purpose use = purpose::dilation;
-  // Free places of the cell where tries begin that follow a miss, in an order that ids have no part in; may grow
-  // between runs. Null: all tries begin at witnesses. As the next one it must outlive the object.
+  // Valid viewpoints of the cell where tries start after a first miss, in an order that does not depend on ids. May
+  // grow between runs. Null: all tries start at witnesses. Must outlive the object, like the limit.
   const std::vector<glm::vec3>* places = nullptr;
-  const time_limit* limit = nullptr;  // where it is reached, what waits goes on waiting
-  // So many members were there before, and who found them had gone beside them, down to tries worth `tried` sr: those
-  // go on below that. 0: nothing is left of them.
+  const time_limit* limit = nullptr;  // when it is reached, tries stay queued
+  // Number of members of the set whose neighbors an earlier search tried, and the priority, in sr, down to which it
+  // did; tries for them resume below it. 0: these members get no tries.
   std::size_t known = 0;
   double tried = 0.0;
 };
 
-// A *try* is a ray from the witness of a member toward a random point of a polygon beside it; after a miss from another
-// place in the cell, because what the witness does not see is mostly seen from somewhere else. Its worth is the solid
-// angle of that polygon from the member's witness, a quarter of it after each ray that missed. Tries wait in levels of
-// worth, a factor of two each; a level is worked off in waves, each from one state of the set and with one ray per
-// polygon, so that a polygon that several members are beside is looked at from different places. Neither threads nor
-// the order of ids matter.
+// A try is a ray from the witness of a member toward a random point of a neighbor of that member. After a miss it
+// starts at another viewpoint of the cell, because what the witness does not show is mostly visible from elsewhere.
+// The priority of a try is the solid angle of the neighbor as seen from the member's witness, divided by four for
+// each ray that missed. Tries are queued in levels that differ by a factor of two. A level is processed in waves. All
+// rays of a wave use one state of the set, with one ray per polygon, so that a polygon with several neighbors in the
+// set is tried from different viewpoints. The result depends neither on threads nor on the order of ids.
 class refinement {
  public:
   // References must outlive the object.
   refinement(const ray_scene& rays, const near_polygons& neighbors, const refinement_settings& how, cell_set& set);
 
-  // Works off tries worth `worth` sr or more (within a factor of two), those of what joins on the way too, until none
-  // is left or max_rays are cast; returns how many were. Runs on the calling thread's TBB arena.
+  // Processes tries of this priority (sr) or more, to within a factor of two, including those of polygons that join,
+  // until none is left or max_rays are cast. Returns the number of rays cast. Runs on the calling thread's TBB arena.
   std::uint64_t run(double priority, std::uint64_t max_rays);
-  bool done() const;  // nothing waits
+  bool done() const;  // returns whether no try is queued
 
  private:
   static constexpr std::size_t level_count = 48;
 
+  // A queued try.
   struct attempt {
     std::uint32_t target = 0, member = 0;
     float priority = 0.0f;
     std::uint32_t misses = 0;
   };
 
+  // The ray of a try.
   struct aimed_try {
     sight_line line;
-    float length = 0.0f;  // to the point aimed at
-    std::uint32_t which = 0, code = 0;
-    std::uint64_t name = 0;
+    float length = 0.0f;                // distance to the point aimed at, meters
+    std::uint32_t which = 0, code = 0;  // index of the try, code of the direction
+    std::uint64_t name = 0;             // identifies the pair by position
   };
 
+  // Queues tries for the neighbors of members that joined since the last call.
   void take_members();
   bool leave_tried(attempt& one) const;
   glm::vec3 eye_of(const attempt& one, random_stream& random) const;
@@ -75,7 +78,7 @@ class refinement {
   const near_polygons& neighbors_;
   const refinement_settings how_;
   cell_set& set_;
-  std::size_t taken_;  // members that were looked beside of
+  std::size_t taken_;  // members whose neighbors were queued
   std::array<std::vector<attempt>, level_count> levels_;
 };
 

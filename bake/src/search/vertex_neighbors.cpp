@@ -8,11 +8,11 @@
 namespace sightcell::bake {
 namespace {
 
-// Welds by sorting: the numbers given depend on positions alone. -0 and +0 are the same place, as in comparisons.
+// Welds by sorting, so that the numbers depend on positions alone. -0 and +0 are equal, as in comparisons.
 std::vector<std::uint32_t> weld(const std::vector<glm::vec3>& positions, std::uint32_t& count) {
   std::vector<std::uint32_t> order(positions.size());
   std::iota(order.begin(), order.end(), 0u);
-  // A NaN would break the strict weak ordering; such vertices belong to absent polygons only and sort first.
+  // A NaN would break the strict weak ordering. Such vertices belong to absent polygons only and are sorted first.
   const auto key = [&](std::uint32_t i) {
     const glm::vec3& p = positions[i];
     const bool finite = p.x == p.x && p.y == p.y && p.z == p.z;

@@ -1,5 +1,5 @@
 #pragma once
-// Which polygons share a vertex, after welding vertices that lie at exactly the same place.
+// Finds the polygons that share a vertex, after vertices at exactly the same position are welded.
 #include <cstdint>
 #include <vector>
 
@@ -11,8 +11,8 @@ class vertex_neighbors {
  public:
   explicit vertex_neighbors(const scene::world_geometry& geometry);
 
-  // Calls visit(neighbor) for every polygon that shares a vertex with this one, in a fixed order; one that shares two
-  // vertices is visited twice, the polygon itself three times. Absent polygons have no neighbors.
+  // Calls visit(neighbor) for each polygon that shares a vertex with this one, in a fixed order: twice for one that
+  // shares two vertices, three times for the polygon itself. Absent polygons have no neighbors.
   template <typename Visit>
   void for_each(std::uint32_t polygon, Visit visit) const {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -23,8 +23,8 @@ class vertex_neighbors {
   }
 
  private:
-  std::vector<std::uint32_t> corners_;   // per polygon three welded vertices; no_index for absent ones
-  std::vector<std::uint32_t> starts_;    // per welded vertex: first entry in polygons_
+  std::vector<std::uint32_t> corners_;   // three welded vertices per polygon; no_index for absent polygons
+  std::vector<std::uint32_t> starts_;    // per welded vertex: its first entry in polygons_
   std::vector<std::uint32_t> polygons_;  // ascending per vertex
 };
 

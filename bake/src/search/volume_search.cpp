@@ -19,13 +19,13 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::size_t places_wanted = 256;  // a place costs as much as some thirty rays from it
+constexpr std::size_t places_wanted = 256;  // testing a viewpoint costs about as much as thirty rays from it
 constexpr std::uint64_t most_place_tries = 16384;
-constexpr int rays_all_around = 64;        // from each place
-constexpr std::size_t wave = 2048;         // lines that are cast from one state of the set
-constexpr std::size_t stretch = 64;        // of them, by one thread
-constexpr std::uint8_t not_beside = 0xFF;  // of tries_: no member is beside it
-// Of a volume under a floor in plain sight, which is worth much and never seen, no more.
+constexpr int rays_all_around = 64;        // per viewpoint
+constexpr std::size_t wave = 2048;         // lines that are cast with one state of the set
+constexpr std::size_t stretch = 64;        // lines of a wave per thread
+constexpr std::uint8_t not_beside = 0xFF;  // value of tries_: no neighbor is a member
+// Limits the rays toward a volume with a high priority that is not visible, such as one below a visible floor.
 constexpr std::uint8_t most_tries = 254;
 
 std::array<volume_place, 6> beside(const volume_place& at) {
@@ -53,7 +53,7 @@ volume_search::volume_search(const ray_scene& rays, const volume_grid& grid, con
   if (places_.empty()) places_ = set.eyes();
   if (places_.empty()) return;
   for (const std::uint32_t volume : grid.touching(grown)) set_.volumes().add(volume);
-  // Who saw what an earlier run found is not known any more.
+  // Eyes that found volumes in an earlier run are not stored.
   for (const std::uint32_t volume : set_.volumes().members()) join(volume, places_.front());
 }
 
@@ -74,7 +74,7 @@ void volume_search::add(std::span<const found_volume> found) {
   for (const found_volume& f : found) join(f.volume, f.eye);
 }
 
-// The solid angle of its square face from the place of the cell that is nearest to it.
+// Returns the solid angle of a square face of the volume from the closest point of the cell.
 double volume_search::priority_of(std::uint32_t volume) const {
   const box where = grid_.box_of(volume);
   const glm::vec3 middle = 0.5f * (where.min + where.max);
@@ -83,7 +83,8 @@ double volume_search::priority_of(std::uint32_t volume) const {
   return grid_.width() * grid_.width() / std::max(distance * distance, least * least);
 }
 
-// Beside what hemicubes and rays saw there is room before it.
+// Rays toward the polygons of the set, because the space in front of a visible polygon is visible, and rays in random
+// directions.
 std::vector<volume_search::line_to_cast> volume_search::first_lines() const {
   std::vector<line_to_cast> lines;
   lines.reserve(set_.members().size() + places_.size() * rays_all_around);
@@ -100,7 +101,7 @@ std::vector<volume_search::line_to_cast> volume_search::first_lines() const {
   return lines;
 }
 
-// That saw a neighbor of a candidate.
+// Returns the eye that found a neighbor of a candidate.
 const glm::vec3& volume_search::eye_beside(std::uint32_t volume) const {
   for (const volume_place& place : beside(grid_.places()[volume])) {
     const std::uint32_t other = grid_.at(place);
@@ -109,7 +110,8 @@ const glm::vec3& volume_search::eye_beside(std::uint32_t volume) const {
   return places_.front();
 }
 
-// One try for each volume beside what is seen that is worth it: from where its neighbor was seen, then from others.
+// Returns one try for each neighbor of a member with enough priority: first from the eye that found its neighbor,
+// then from random viewpoints.
 std::vector<volume_search::line_to_cast> volume_search::next_lines(double priority) {
   std::vector<line_to_cast> lines;
   std::erase_if(candidates_, [&](std::uint32_t volume) { return set_.volumes().contains(volume); });
@@ -149,12 +151,13 @@ void volume_search::cast_wave(std::span<const line_to_cast> lines) {
   spent_ += lines.size();
   std::vector<found_volume> all;
   for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
-  // Of several eyes that saw a volume the lowest stands for it.
+  // Of several eyes that found a volume the lowest is kept.
   std::sort(all.begin(), all.end());
   for (const found_volume& f : all) join(f.volume, f.eye);
 }
 
-// Every wave goes in all directions: what one found the next need not ask about (rule 3 takes several rays).
+// Each wave has rays in all directions. Volumes that one wave found need no test in the next one, and a test for
+// light leaks (rule 3) takes several rays.
 void volume_search::cast(std::vector<line_to_cast> lines) {
   for (line_to_cast& one : lines) one.code = direction_code(one.line.direction);
   tbb::parallel_sort(lines.begin(), lines.end(), [](const line_to_cast& a, const line_to_cast& b) {

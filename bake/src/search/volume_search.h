@@ -1,6 +1,7 @@
 #pragma once
-// Which volumes does a cell see? Every ray that the scene lets through from one of its places sees all volumes on its
-// way, so rays toward what was seen, and then toward volumes beside those that are seen, tell.
+// Searches for the visibility volumes that are visible from a cell. A ray from a valid viewpoint sees every volume on
+// its way to the first occluder. Rays are cast toward the polygons of the set, then toward neighbors of visible
+// volumes.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -17,41 +18,44 @@ namespace sightcell::bake {
 
 struct volume_search_settings {
   std::uint64_t seed = 0, place = 0;
-  float player_radius = 0.05f;
-  float smallest_gap = 0.0f;          // what is seen only through narrower cracks is not seen (rule 3)
-  const time_limit* limit = nullptr;  // null: none
+  float player_radius = 0.05f;  // meters
+  float smallest_gap = 0.0f;  // meters; volumes visible only through narrower gaps are not visible (visibility rule 3)
+  const time_limit* limit = nullptr;  // null: no limit
 };
 
-// What a cell in work takes where there are so many volumes: with its set.
+// Returns the bytes that the search and the volume set of one cell need.
 inline std::size_t volume_search_bytes(const volume_grid& grid) {
   return volume_set::bytes_for(grid.count()) + std::size_t{grid.count()} * (sizeof(std::uint32_t) + 1);
 }
 
 class volume_search {
  public:
-  // The volumes that touch the grown box join the set at once: whoever is in them is where the eye may be. References
-  // must outlive the object; the set's polygons are those that were found so far.
+  // Adds the volumes that touch the grown box to the set, since the camera can be in them.
+  // set: its polygons are those found so far.
+  // References must outlive the object.
   volume_search(const ray_scene& rays, const volume_grid& grid, const box& grown, const volume_search_settings& how,
                 cell_set& set);
 
-  // Rays beside what is seen, as long as a try is worth so much, sr: the solid angle of the volume that it is aimed at,
-  // divided by the tries, because of one that k rays missed about a part of 1 / (k + 2) may show (Laplace's rule of
-  // succession). At first also a ray to each polygon of the set, and rays all around. Only what a ray passes joins.
-  // Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
+  // Casts rays toward neighbors of visible volumes while a try has this priority (sr) or more. The priority is the
+  // solid angle of the volume divided by one more than the number of tries, after Laplace's rule of succession: if k
+  // rays missed a volume, about 1 / (k + 2) of it may be visible. The first call also casts a ray toward each polygon
+  // of the set, and rays in all directions. Only volumes that a ray passes join. Runs on the calling thread's TBB
+  // arena; the result does not depend on the number of threads.
   void look_for(double priority);
-  // Others saw these.
+  // Adds volumes that other code found.
   void add(std::span<const found_volume> found);
-  // Sight rays and tested places.
+  // Returns the number of rays cast and viewpoints tested.
   std::uint64_t spent() const { return spent_; }
 
  private:
   struct line_to_cast {
     sight_line line;
-    std::uint32_t code = 0;                    // of its direction
-    std::uint32_t target = volume_grid::none;  // not cast where the set has it by now
+    std::uint32_t code = 0;                    // code of the direction
+    std::uint32_t target = volume_grid::none;  // volume aimed at; the line is skipped if the set contains it by then
   };
 
   bool over() const { return how_.limit && how_.limit->reached(); }
+  // Adds a volume and queues its neighbors.
   void join(std::uint32_t volume, const glm::vec3& eye);
   void cast(std::vector<line_to_cast> lines);
   void cast_wave(std::span<const line_to_cast> lines);
@@ -65,11 +69,11 @@ class volume_search {
   const box grown_;
   const volume_search_settings how_;
   cell_set& set_;
-  std::vector<glm::vec3> places_;          // where rays begin
-  std::vector<glm::vec3> eyes_;            // that saw a volume
-  std::vector<std::uint32_t> eye_of_;      // by volume, into eyes_; none: it is not a member
-  std::vector<std::uint8_t> tries_;        // by volume: rays that were aimed at it
-  std::vector<std::uint32_t> candidates_;  // beside a member
+  std::vector<glm::vec3> places_;          // origins of rays
+  std::vector<glm::vec3> eyes_;            // that found a volume
+  std::vector<std::uint32_t> eye_of_;      // per volume: index into eyes_; none: not a member
+  std::vector<std::uint8_t> tries_;        // per volume: number of rays aimed at it
+  std::vector<std::uint32_t> candidates_;  // neighbors of members
   bool began_ = false;
   std::uint64_t spent_ = 0;
 };
