@@ -16,21 +16,21 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t most_eyes = 64;
-constexpr std::uint64_t most_tries = 4096;  // places that are looked at for them
+constexpr std::uint64_t most_tries = 4096;  // points that are tested to find them
 constexpr std::uint32_t first_rays = 8, most_rays = 256;
 constexpr int classes_in_use = 11;                        // besides the last one
-constexpr double largest_angle = 2.0 * std::numbers::pi;  // half of all directions: no triangle covers more
+constexpr double largest_angle = 2.0 * std::numbers::pi;  // half of all directions, the limit for a triangle
 
 std::uint64_t name_of(const box& grown) {
   std::uint64_t name = 0;
   for (const glm::vec3& corner : {grown.min, grown.max})
     for (int axis = 0; axis < 3; ++axis)
-      name = mix(name, std::bit_cast<std::uint32_t>(corner[axis] + 0.0f));  // + 0: one zero, not two
+      name = mix(name, std::bit_cast<std::uint32_t>(corner[axis] + 0.0f));  // + 0: -0 becomes 0
   return name;
 }
 
-// As solid_angle() of triangle_math.h, in double: that one has few digits left of polygons that are far and small,
-// which here are most.
+// As solid_angle() of triangle_math.h, in double: in float too few digits are left for far and small polygons, which
+// are most of them here.
 double angle_of(const triangle& corners, const glm::vec3& eye) {
   const glm::dvec3 from(eye);
   const glm::dvec3 a = glm::dvec3(corners[0]) - from, b = glm::dvec3(corners[1]) - from,
@@ -42,8 +42,9 @@ double angle_of(const triangle& corners, const glm::vec3& eye) {
   return angle >= 0.0 ? std::min(angle, largest_angle) : 0.0;
 }
 
-// Of `rays` rays some saw the polygon: their solid angles are `seen` of `whole`. Half a ray more is taken to have seen
-// it, of one ray more, as of a share of which nothing is known before: where few rays tell, none and all say too much.
+// Returns the estimate of the visible solid angle. The rays had the solid angles `whole` in sum, and those that hit
+// `seen`. Half a hit of one more ray is added, the estimate of a share without prior knowledge, because with few rays
+// the shares none and all are too extreme.
 double expected_angle(double whole, double seen, std::uint32_t rays) {
   return (seen + 0.5 * whole / rays) / (rays + 1.0);
 }
@@ -63,7 +64,7 @@ importance_meter::importance_meter(const ray_scene& rays, const box& grown, floa
   random_stream random(seed_, place_, purpose::importance);
   std::uint64_t tries = 0;
   eyes_ = draw_viewpoints(rays_, grown, player_radius, most_eyes, most_tries, random, tries);
-  // A cell of hardly any free place: better an order as seen from anywhere in it than none.
+  // A cell with hardly any valid viewpoint is measured from any of its points, so that its polygons have some order.
   while (eyes_.size() < first_rays) eyes_.push_back(random.in_box(grown.min, grown.max));
 }
 
@@ -72,14 +73,14 @@ bool importance_meter::sees(const sight_line& line, const sight& what, float len
   if (what.front == polygon) return true;
   for (const passed_polygon& p : what.before)
     if (p.polygon == polygon) return true;
-  // Rule 2: what is hit where the polygon ought to be may lie in the same place.
+  // Rule 2: the polygon may coincide with the one that was hit at its distance.
   if (!(std::abs(what.distance - length) <= coincidence_reach(what.distance))) return false;
   rays_.coincident(line.eye, line.direction, what.distance, coincident);
   return std::binary_search(coincident.begin(), coincident.end(), polygon);
 }
 
-// Eight rays more, from as many eyes. Returns how many have seen the polygon; whole: the solid angle of all of it from
-// their eyes together, seen: from those whose rays saw it. From behind there is nothing to see, and no ray.
+// Casts eight more rays from as many eyes, none from behind the polygon. Returns the number of hits. Adds the
+// polygon's solid angles from these eyes to `whole`, and those of the hits to `seen`.
 std::uint32_t importance_meter::cast(std::uint32_t polygon, std::size_t first_eye, std::uint32_t begin,
                                      random_stream& random, scratch& room, double& whole, double& seen) const {
   const triangle corners = corners_of(rays_.geometry(), polygon);

@@ -1,5 +1,5 @@
 #pragma once
-// How much of all that is seen from a cell each polygon covers, and the class that a file gives it for that.
+// Measures how large a part of the view from a cell each polygon covers, and maps it to the classes of a file.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -10,19 +10,20 @@
 
 namespace sightcell::bake {
 
-// Class k, 0 .. 10, has the visible solid angles of 2 pi / 4^(k + 1) sr up to four times that. The last one has all
-// smaller ones, of about a pixel of 1920 x 1080 at 60 degrees or less: which of these comes first is half of all bits
-// and shows nowhere. What is no number is of it too.
+// Returns the importance class of a visible solid angle in sr. Class k, 0 .. 10, begins at 2 pi / 4^(k + 1) sr and
+// ends at four times that. The last class has all smaller solid angles, about a pixel of 1920 x 1080 at 60 degrees or
+// less: their order would take half of all bits and has no visible effect. NaN is in the last class too.
 std::uint8_t importance_class_of(double visible_sr);
 
-// Of one cell. Const functions may be called from any thread.
+// Measures polygons from one cell. Const functions may be called from any thread.
 class importance_meter {
  public:
-  // grown: the cell's box with the margin. Random numbers come from seed, the cell's box and the corners of a polygon;
-  // so the answers do not depend on ids, order or threads.
+  // grown: the box of the cell with the margin.
+  // seed: random numbers depend on it, the cell's box and the corners of a polygon, so results do not depend on ids,
+  // order or threads.
   importance_meter(const ray_scene& rays, const box& grown, float player_radius, std::uint64_t seed);
 
-  // What rays need from one polygon to the next; one thread's.
+  // Storage that is reused from one polygon to the next, for one thread.
   struct scratch {
     std::vector<sight_line> lines;
     std::vector<float> lengths;
@@ -31,9 +32,9 @@ class importance_meter {
     std::vector<std::uint32_t> coincident;
   };
 
-  // The solid angle of what is seen of the polygon, in the mean over the free places of the grown box, sr; 0 where no
-  // ray has seen it. That may be a polygon of which little is seen, but not much in the mean: rays go on until half a
-  // hit among them would be a solid angle of the last class, 256 at most.
+  // Returns the mean visible solid angle of the polygon over the valid viewpoints of the grown box, in sr; 0 if no
+  // ray hit it. Rays are cast, up to 256, until an expected half hit among them would be a solid angle of the last
+  // class. So a polygon with the result 0 may be visible, but its mean is small.
   double visible_angle(std::uint32_t polygon, scratch& room) const;
 
  private:

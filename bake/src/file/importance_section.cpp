@@ -27,7 +27,7 @@ void put(std::vector<std::byte>& file, const std::string& name, const format::im
   file = std::move(made);
 }
 
-// The source ids of a cell's set in stored order.
+// Writes the source ids of a cell's set to out, in stored order.
 void stored_polygons(format::set_reader& sets, std::uint32_t cell, const std::string& name,
                      std::vector<std::uint32_t>& out) {
   std::span<const format::run> runs;
@@ -39,7 +39,7 @@ void stored_polygons(format::set_reader& sets, std::uint32_t cell, const std::st
   }
 }
 
-// Two to a byte: with thousands of cells they are as large as the file.
+// Two classes per byte, because with thousands of cells they are as large as the file.
 struct packed_classes {
   std::vector<std::uint8_t> pairs;
 
@@ -52,7 +52,7 @@ struct packed_classes {
   }
 };
 
-// A cell's polygons in stored order, and their classes.
+// The polygons of a cell in stored order, and their classes.
 struct measured_cell {
   box grown;
   std::vector<std::uint32_t> polygons;
@@ -71,13 +71,13 @@ void measure(const ray_scene& rays, const stored_rules& rules, measured_cell& ce
   });
 }
 
-// Some cells at once, so that threads have something to do where sets are small; not too many polygons, so that the
-// user is heard within seconds.
+// The cells that are measured together: several, so that all threads have work if sets are small, with a limit on
+// polygons, so that a cancellation takes effect within seconds.
 class cells_in_work {
  public:
   cells_in_work(format::set_reader& sets, const std::string& name) : sets_(sets), name_(name) {}
 
-  // The next ones, as long as there are any.
+  // Reads the next cells. Returns false at the end.
   bool next() {
     constexpr std::size_t most_cells = 64, enough_polygons = 1 << 16;
     cells_.clear();

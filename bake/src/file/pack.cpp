@@ -74,7 +74,7 @@ pack_result pack(const std::filesystem::path& scene_path, int scene_index, std::
   std::vector<std::string> warnings;
   const std::vector<std::byte> bytes = packer.pack(order, warnings);
   result.warnings = s.warnings;
-  for (std::string& warning : warnings)  // base colors that are missing have been named already
+  for (std::string& warning : warnings)  // missing base colors were reported before
     if (std::find(s.warnings.begin(), s.warnings.end(), warning) == s.warnings.end())
       result.warnings.push_back(std::move(warning));
   const std::string path = output.string();

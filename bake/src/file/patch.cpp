@@ -1,4 +1,4 @@
-// Known misses put right in the file: no scene, no rays.
+// Adds reported misses to the sets of a file, without a scene and without rays.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ void require_ok(format::status outcome, const std::string& name) {
     throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
 }
 
-// The sets of a file, decoded one at a time, and those of them that were changed.
+// The sets of a file, decoded one at a time, and those that were changed.
 class set_list {
  public:
   // Checks the whole file.
@@ -32,14 +32,14 @@ class set_list {
     require_ok(stored_.check(), name);
   }
 
-  // Source ids, and volumes behind them.
+  // Reads source ids, followed by volumes.
   format::status get(std::uint32_t cell, std::vector<std::uint32_t>& set) {
     const auto found = changed_.find(cell);
     if (found == changed_.end()) return stored_.item_ids(cell, set);
     set = found->second;
     return format::status::ok;
   }
-  // To be changed in place.
+  // Returns a set that may be changed in place.
   std::vector<std::uint32_t>& to_change(std::uint32_t cell, const std::string& name) {
     if (const auto found = changed_.find(cell); found != changed_.end()) return found->second;
     std::vector<std::uint32_t> set;
@@ -64,7 +64,7 @@ void check_range(const added_polygons& wanted, const format::reader& file, const
                 "give source ids of the scene that was baked");
 }
 
-// What of wanted was not in the set yet, as (cell, first, count).
+// Adds polygons to a set. Returns those that it did not contain, as (cell, first, count).
 std::vector<added_polygons> add(const added_polygons& wanted, std::vector<std::uint32_t>& set) {
   std::vector<added_polygons> fresh;
   const auto from = std::lower_bound(set.begin(), set.end(), wanted.first);
@@ -87,8 +87,8 @@ std::vector<added_polygons> add(const added_polygons& wanted, std::vector<std::u
   return fresh;
 }
 
-// The settings text with what was added, behind what earlier patches added. A text that is no JSON object is kept in
-// one.
+// Returns the settings text with the added polygons after those of earlier patches. A text that is no JSON object is
+// kept inside one.
 std::string with_added(std::string_view settings, const std::vector<added_polygons>& fresh) {
   auto text = scene::parse_ordered_json(settings, false);
   if (!text.is_object())

@@ -18,7 +18,7 @@
 namespace sightcell::bake {
 namespace {
 
-// A bound may only be rounded upwards.
+// A bound may be rounded upward only.
 float rounded_up(double bound) {
   const auto nearest = static_cast<float>(bound);
   return static_cast<double>(nearest) < bound ? std::nextafter(nearest, 2.0f) : nearest;
@@ -34,12 +34,12 @@ void require_ok(format::status outcome, const std::filesystem::path& output, con
 }
 
 struct stored_cells {
-  format::file_parts parts;                     // what the file says of its cells besides their sets
-  std::vector<std::uint32_t> places;            // in the list of all cells
-  double polygons = 0.0;                        // of all sets together
-  double unseen = 0.0;                          // of these, what the safety ring added
-  double volumes = 0.0;                         // of all sets together
-  std::vector<std::uint32_t> number_of_volume;  // in the file, by the number that records have
+  format::file_parts parts;                     // the content of the file about its cells, without sets
+  std::vector<std::uint32_t> places;            // indices into the list of all cells
+  double polygons = 0.0;                        // in all sets together
+  double unseen = 0.0;                          // of these, added by the conservative dilation
+  double volumes = 0.0;                         // in all sets together
+  std::vector<std::uint32_t> number_of_volume;  // in the file, by the number in records
 };
 
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
@@ -68,13 +68,13 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
   return out;
 }
 
-// As the file says it.
+// Returns the slack that the file states.
 double slack_of(std::span<const std::byte> bytes) {
   format::reader file;
   return format::reader::open(bytes, file) == format::status::ok ? static_cast<double>(file.facts().slack) : 0.0;
 }
 
-// Cells and polygons in the order of the file.
+// Puts cells and polygons in the order of the file.
 void put_in_order(const pvs_frame& frame, const record_source& record_of, stored_cells& stored) {
   format::file_parts& parts = stored.parts;
   if (const std::vector<std::uint32_t> before = order_cells(parts); !before.empty()) {
@@ -104,7 +104,7 @@ void put_volumes_in_order(const pvs_frame& frame, const record_source& record_of
   stored.parts.volume_shape = {frame.volume_width, frame.volume_width};
 }
 
-// As the writer takes them: volumes behind the polygons.
+// Returns the set as the writer needs it, with volumes after the polygons.
 std::vector<std::uint32_t> items_of(cell_record record, const stored_cells& stored) {
   std::vector<std::uint32_t> items = std::move(record.set);
   const auto volumes = static_cast<std::ptrdiff_t>(items.size());
@@ -159,7 +159,8 @@ bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std
                              }});
   contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
   std::vector<std::byte> bytes;
-  // What a bake of this output that was killed here had written: it takes room, and nobody else will look for it.
+  // Removes the unfinished file of a bake of this output that was killed here: it takes disk space, and nothing else
+  // removes it.
   format::remove_unfinished(output.string().c_str());
   require_ok(format::encode(contents, bytes), output, "encoding");
   if (complete && !complete(bytes)) return false;

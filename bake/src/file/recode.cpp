@@ -33,11 +33,11 @@ void require_ok(format::status outcome, const std::string& name) {
     throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
 }
 
-// What may be added to sets that hold some slack already.
+// Returns the slack that may be added to sets that contain some already.
 double slack_left(const format::file_facts& facts, slack_profile profile, const std::string& name) {
   const double most = slack_of_profile[static_cast<std::size_t>(profile)];
   const auto has = static_cast<double>(facts.slack);
-  if (has > most + 1e-6)  // the file says it as a float, rounded up
+  if (has > most + 1e-6)  // the file has it as a float, rounded up
     throw error(error_kind::wrong_use, "recode.has-slack", name,
                 fmt::format("holds {:.1f} % of polygons that nobody sees, more than {} allows", 100.0 * has,
                             slack_profile_names[static_cast<std::size_t>(profile)]),
@@ -45,8 +45,8 @@ double slack_left(const format::file_facts& facts, slack_profile profile, const 
   return std::max((1.0 + most) / (1.0 + has) - 1.0, 0.0);
 }
 
-// The settings text of the file with other names in it, where a bake has them. A text that is no JSON object stays what
-// it is.
+// Returns the settings text with the names of the new file settings, in the places where a bake writes them. A text
+// that is no JSON object is not changed.
 std::string with_names(const std::string& settings, const file_settings& how) {
   const auto text = scene::parse_ordered_json(settings, false);
   if (!text.is_object()) return settings;
@@ -75,7 +75,7 @@ void require_same_scene(const format::reader& opened, const std::string& name, c
               "give the scene it was baked from, or bake again");
 }
 
-// Draws of the other layout, not in order yet. What a host put into the table stays.
+// Changes the table of draws to the other layout, not in order yet. Entries that the host added are kept.
 void change_layout(format::file_parts& parts, const std::string& name, format::host_layout layout,
                    const scene::scene* s) {
   if (layout == format::host_layout::merged && s == nullptr)
@@ -89,7 +89,7 @@ void change_layout(format::file_parts& parts, const std::string& name, format::h
     for (const format::draw_record& d : draw_table(*s, layout)) found.emplace(place_of(d), d);
   for (format::draw_record& d : parts.draws) {
     d.group = 0;
-    if (s != nullptr) d.named_group = format::no_named_group;  // names are the scene's from here on
+    if (s != nullptr) d.named_group = format::no_named_group;  // names come from the scene
     if (const auto same = found.find(place_of(d)); same != found.end()) {
       d.group = same->second.group;
       d.flags = same->second.flags;  // which version 0 did not have
@@ -100,7 +100,7 @@ void change_layout(format::file_parts& parts, const std::string& name, format::h
   parts.facts.layout = layout;
 }
 
-// The file's bytes in this version, with what is asked for.
+// Returns the bytes of the file in the current version with the requested settings.
 std::vector<std::byte> encoded(const format::reader& opened, format::set_reader& sets, const std::string& name,
                                const recode_settings& how, const std::filesystem::path& output) {
   format::file_parts parts;
@@ -120,7 +120,7 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   now.order = layout == format::host_layout::merged ? polygon_order_kind::per_mesh : how.order.value_or(now.order);
   now.layout = static_cast<host_layout>(layout);
   parts.settings = with_names(parts.settings, now);
-  // Of each cell its number in the file that is read.
+  // Per cell: its number in the file that is read.
   std::vector<std::uint32_t> before = old ? order_cells(parts) : std::vector<std::uint32_t>();
   const auto number_before = [&](std::uint32_t cell) { return before.empty() ? cell : before[cell]; };
   if (old || how.order || other_layout)
@@ -140,7 +140,7 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   return bytes;
 }
 
-// False when the user has had enough.
+// Returns false if it was canceled.
 bool measure_importance(const format::reader& opened, const std::string& name, const recode_settings& how,
                         std::vector<std::byte>& bytes) {
   const scene::scene& s = *how.importance_in;
@@ -172,7 +172,7 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
                 "bake with --importance: that knows both");
   require_ok(sets.open(opened), name);
   require_ok(sets.check(), name);
-  // With importance alone all else stays, also what encoding sets with their slack anew would do otherwise.
+  // With importance alone the other bytes stay the same. Encoding sets with slack again could change them.
   const bool stays =
       s != nullptr && !how.profile && !how.order && !how.layout && opened.format_version() == format::layout::version;
   std::vector<std::byte> bytes =

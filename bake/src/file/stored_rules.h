@@ -1,5 +1,6 @@
 #pragma once
-// What a bake was told about seeing, as the settings text of its file says: for who looks at the scene again.
+// The settings of a bake that define visibility, read from the settings text of its file, for tools that trace the
+// scene again.
 #include <cstdint>
 #include <string_view>
 
@@ -7,15 +8,16 @@
 
 namespace sightcell::bake {
 
+// Defaults are used where the text has no value.
 struct stored_rules {
-  float player_radius = 0.05f;  // metres, in the range of the setting
-  float smallest_gap = 0.0f;    // metres; files from before rule 3 have none
+  float player_radius = 0.05f;  // meters, in the range of the setting
+  float smallest_gap = 0.0f;    // meters; 0 for files from before visibility rule 3
   bool all_double_sided = false;
   scene::animated_as animated = scene::animated_as::always;
   std::uint64_t seed = 1;
 };
 
-// What the text does not say is as above; nor is what it says out of range.
+// Returns the rules in the text. Values out of range are clamped.
 stored_rules stored_rules_of(std::string_view settings);
 
 }  // namespace sightcell::bake

@@ -1,4 +1,4 @@
-// What a file would be without its volumes.
+// Computes the size that a file would have without its volumes.
 #include <vector>
 
 #include "file/importance_section.h"

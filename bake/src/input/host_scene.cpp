@@ -34,7 +34,7 @@ class importer {
     throw error(error_kind::bad_input, "host.bad-array", std::string(host_.name), thing + " " + cause, remedy);
   }
 
-  // `count` groups of `N` floats, `stride` bytes apart.
+  // Returns `count` vectors of `N` floats that are `stride` bytes apart.
   template <std::size_t N, typename Vector>
   std::vector<Vector> read_vectors(const float* from, std::size_t stride, std::size_t count, const std::string& thing,
                                    const char* what) const {
@@ -70,7 +70,7 @@ class importer {
     return out;
   }
 
-  // That indices are whole triangles and inside the vertices is scene::finish's to check.
+  // Does not check indices: scene::finish does.
   void add_mesh(std::size_t number) {
     const host_mesh& mesh = host_.meshes[number];
     const std::string thing = fmt::format("mesh {}", number);
@@ -135,14 +135,14 @@ class importer {
       const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(map.height);
       for (std::uint32_t x = 0; x < map.width; ++x) {
         const float alpha = from.alpha_function((static_cast<float>(x) + 0.5f) / static_cast<float>(map.width), v);
-        const float kept = alpha > 0.0f ? std::min(alpha, 1.0f) : 0.0f;  // NaN is not above 0
+        const float kept = alpha > 0.0f ? std::min(alpha, 1.0f) : 0.0f;  // a NaN becomes 0
         map.texels.push_back(static_cast<std::uint8_t>(std::lround(kept * 255.0f)));
       }
     }
     return map;
   }
 
-  // Whether mesh and material are there is scene::finish's to check.
+  // Does not check the numbers of mesh and material: scene::finish does.
   void add_draw(std::size_t number) {
     const host_draw& from = host_.draws[number];
     for (const int k : {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14}) {
@@ -167,13 +167,13 @@ class importer {
     scene::draw_tags tags{
         .occluder = from.occluder, .dynamic = from.dynamic, .always = from.always, .never = from.never};
     if (!from.group.empty()) tags.group = group_of(std::string(from.group));
-    // As with glTF's marks: in every set does not mean that the place where it stands now hides anything.
+    // As with the marks of glTF: an animated draw that is in every set may move away, so it is a non-occluder.
     if (from.animated && tags.always) tags.occluder = false;
     tags.animated = from.animated && tags == scene::draw_tags{};
     return tags;
   }
 
-  // In the order of first use.
+  // Groups are numbered in the order of first use.
   std::uint32_t group_of(std::string name) {
     const auto [entry, added] = groups_.emplace(std::move(name), static_cast<std::uint32_t>(out_.groups.size()));
     if (added) out_.groups.push_back(entry->first);

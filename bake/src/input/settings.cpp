@@ -31,7 +31,7 @@ constexpr std::array<std::string_view, 4> source_names{"auto", "gpu", "cpu", "ra
   refuse(option, "\"" + value + "\"", fmt::format("one of {}{}", fmt::join(names, ", "), did_you_mean(value, names)));
 }
 
-// Written so that NaN is refused.
+// The condition rejects NaN too.
 template <typename T>
 void check(const char* option, T value, T low, T high, const char* unit) {
   if (!(value >= low && value <= high))
@@ -49,7 +49,7 @@ void check_grid(const std::array<float, 6>& grid) {
   }
 }
 
-// Shortest text that reads back as the same number; valid JSON because nothing here is infinite.
+// Returns the shortest text that reads back as the same number. It is valid JSON because no setting is infinite.
 template <typename T>
 std::string number(T value) {
   return fmt::format("{}", value);
@@ -72,7 +72,7 @@ void check_sampler(const settings& s) {
         option.value);
 }
 
-// What the sampler was told other than its defaults.
+// Returns the options of the sampler that differ from their defaults.
 std::string sampler_text(const settings& s) {
   std::string text;
   const settings defaults;
@@ -86,7 +86,7 @@ std::string sampler_text(const settings& s) {
   return text;
 }
 
-// What the error means, where it is another one than the pixel error.
+// Returns the metric if it is not the default.
 std::string metric_text(const metric_settings& s) {
   if (s.kind == metric_kind::pixel) return {};
   std::string text = fmt::format(R"(,"metric":"{}")", metric_names[static_cast<std::size_t>(s.kind)]);
@@ -96,7 +96,7 @@ std::string metric_text(const metric_settings& s) {
   return text;
 }
 
-// Only a search that goes on where it ended can be done by turns, and only a bound says whose turn it is.
+// A time budget needs a search that can be resumed, and a bound that selects the next cell.
 void check_time_budget(const settings& s) {
   if (!(s.time_budget >= 0.0 && s.time_budget <= 1e7)) refuse("--time-budget", number(s.time_budget), "0 to 1e+07");
   if (s.time_budget == 0.0) return;
@@ -186,8 +186,8 @@ void validate(const settings& s) {
 }
 
 std::string describe(const settings& s) {
-  // The source that was asked for is left out: auto may be either, and what it was is told by who made it (bake.cpp).
-  // The path of a cells file is left out: where it lies changes nothing, and the boxes are in the file anyway.
+  // The source is left out, because `auto` may be one of two; the bake adds the one it used (bake.cpp). The path of a
+  // cells file is left out, because it has no effect and the file contains the boxes.
   std::string text = fmt::format(R"({{"cells":"{}")", kind_of_cells(s));
   if (s.cells_grid) {
     const std::array<float, 6>& g = *s.cells_grid;

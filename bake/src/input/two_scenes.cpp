@@ -22,7 +22,7 @@ bool is_empty(const scene::world_geometry& geometry) {
                      [](const scene::polygon_kind& kind) { return kind.absent; });
 }
 
-// Of those from first on, what lies exactly on one before it.
+// Makes polygons from `first` on absent if they duplicate an earlier one exactly.
 void drop_duplicates(scene::world_geometry& geometry, std::uint32_t first, bool all_double_sided) {
   const duplicate_classes duplicates(geometry, all_double_sided);
   const auto count = static_cast<std::uint32_t>(geometry.kinds.size());

@@ -1,7 +1,7 @@
 #pragma once
-// A bake of what the cells of one scene see of another: both stand in one world, and sets have polygons of the second
-// alone. Those come first, so that they keep their source ids; what comes behind them is seen, hides and keeps eyes
-// off, and is in no set.
+// A bake of what is visible of one scene from the cells of another (--cells-from). Both are in one world, and sets
+// have only polygons of the first scene. Its polygons come first and keep their source ids. The polygons after them
+// are visible, occlude and make viewpoints invalid, but are in no set.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,18 +10,21 @@
 
 namespace sightcell::bake {
 
-// The settings text of a file names the scene of its cells by its fingerprint under this name.
+// The key under which the settings text of a file has the fingerprint of the scene of the cells.
 inline constexpr const char* cells_from_member = "cells_from";
+// Returns the fingerprint as hexadecimal digits.
 std::string fingerprint_text(const scene::scene& s);
-// Nothing where cells and polygons are of one scene.
+// Returns the fingerprint of the scene of the cells; nothing if cells and polygons are of one scene.
 std::optional<std::string> stored_cells_from(std::string_view settings);
 
-// Throws sightcell::error (wrong_use): surface colors are those of one scene.
+// Throws sightcell::error (wrong_use), because surface colors are available for one scene only.
 [[noreturn]] void refuse_colors_of_two_scenes(const char* option);
 
-// Puts the polygons of another scene behind those of geometry; bounds are those of both. Exact duplicates of what is
-// there already become absent: one seen, all seen. Levels of detail that only sets ask for are left out. other: its
-// name, for messages. Throws sightcell::error where there would be too many.
+// Appends the polygons of another scene to geometry; the bounds become those of both. Polygons that duplicate one of
+// geometry exactly become absent, since they are visible when it is. Levels of detail that only sets contain are left
+// out.
+// other_name: for messages.
+// Throws sightcell::error if there are too many polygons or vertices.
 void append(scene::world_geometry& geometry, scene::world_geometry&& other, bool all_double_sided,
             const std::string& other_name);
 
