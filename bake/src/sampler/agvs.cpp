@@ -16,7 +16,8 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t pool_size = 1 << 17;  // mutation candidates
-// Each round is twice the last until it has --rays-per-round: at first every ray of a round finds the same.
+// Rounds double until they have --rays-per-round, because in the beginning every ray of a round finds the same
+// polygons.
 constexpr std::uint64_t first_round = 1024;
 constexpr std::uint64_t chunk_rays = 512;
 
@@ -50,7 +51,7 @@ float distance(const box& a, const box& b) {
   return glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::vec3{0.0f}));
 }
 
-// Least used first, of these the newest.
+// Orders candidates: least used first, of equals the newest.
 bool goes_before(const mutation_candidate& a, const mutation_candidate& b) {
   return a.uses != b.uses ? a.uses < b.uses : a.number > b.number;
 }
@@ -84,7 +85,7 @@ agvs::round_plan agvs::plan_round(std::uint64_t rays) {
   std::nth_element(pool_.begin(), pool_.begin() + static_cast<std::ptrdiff_t>(used - 1), pool_.end(), goes_before);
   std::sort(pool_.begin(), pool_.begin() + static_cast<std::ptrdiff_t>(used), goes_before);
   for (std::uint64_t i = 0; i < wanted; ++i) {
-    // Both kinds go through all of them.
+    // Mutations and silhouettes both iterate over all candidates.
     const auto which = static_cast<std::uint32_t>(i % used);
     plan.candidates.push_back(which);
     ++pool_[which].uses;
@@ -92,7 +93,7 @@ agvs::round_plan agvs::plan_round(std::uint64_t rays) {
   return plan;
 }
 
-// Of ray i, which becomes its number among those of its kind.
+// Returns the kind of ray i. i becomes its index among the rays of that kind.
 ray_kind agvs::kind_of(const round_plan& plan, std::uint64_t& i) {
   std::size_t kind = 0;
   while (i >= plan.counts[kind]) i -= plan.counts[kind++];
@@ -112,7 +113,7 @@ global_ray agvs::ray_of(const round_plan& plan, std::uint64_t i, random_stream& 
     case ray_kind::silhouette:
       return rays_.silhouette(pool_[plan.candidates[plan.counts[std::size_t(ray_kind::mutation)] + i]], numbers);
     default:
-      // The newest of them: those at the end are of rays that found most lately.
+      // The newest ones: rays at the end belong to kinds that found most recently.
       return rays_.reverse(blocked_[blocked_.size() - 1 - i], numbers);
   }
 }
@@ -139,7 +140,7 @@ feed_finds agvs::cast(const round_plan& plan) const {
   return all;
 }
 
-// Of several rays that found a pair in this round the one whose eye is lowest has found it.
+// If several rays of this round found a pair, it goes to the one with the lowest eye.
 std::uint64_t agvs::merge(const round_plan& plan, feed_finds& finds) {
   tbb::parallel_sort(finds.found.begin(), finds.found.end(), [](const found_pair& a, const found_pair& b) {
     return std::tuple(a.cell, a.polygon, key(a.eye), a.ray) < std::tuple(b.cell, b.polygon, key(b.eye), b.ray);
@@ -164,7 +165,7 @@ std::uint64_t agvs::merge(const round_plan& plan, feed_finds& finds) {
   return joined.size();
 }
 
-// One for each polygon that a ray found, however many cells it was new to.
+// Makes one candidate per polygon that a ray found, for any number of cells to which it was new.
 void agvs::make_candidates(std::vector<found_pair>& joined) {
   std::sort(joined.begin(), joined.end(), [](const found_pair& a, const found_pair& b) {
     return std::tuple(a.ray, key(a.point), key(a.eye)) < std::tuple(b.ray, key(b.point), key(b.eye));

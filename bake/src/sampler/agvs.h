@@ -1,6 +1,6 @@
 #pragma once
-// agvs: rays for all cells of the bake at once (Bittner, Mattausch, Wonka, Havran, Wimmer 2009). docs/method/
-// samplers.md has how it is read here.
+// The sampler agvs: casts rays for all cells of the bake together (Bittner, Mattausch, Wonka, Havran, Wimmer 2009).
+// docs/method/samplers.md states how the paper was read.
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -17,24 +17,25 @@ namespace sightcell::bake {
 
 class agvs final : public cell_sampler {
  public:
-  // how and what world refers to must outlive this.
+  // how and the references in world must outlive the sampler.
   agvs(const settings& how, const sampler_world& world);
 
   void prepare(const std::function<bool(double share)>& go_on) override;
-  // What the rays of prepare() found for the cell of that place; with settings::filter also what cells near it have.
+  // Adds what the rays of prepare() found for the cell at this place, and with settings::filter also what they found
+  // for cells near it.
   sampling_effort sample(const sampled_cell& cell, cell_set& set) const override;
 
   struct kind_result {
-    std::uint64_t rays = 0, pairs = 0;  // pairs: new ones of cell and polygon
+    std::uint64_t rays = 0, pairs = 0;  // pairs: new pairs (cell, polygon)
   };
   const std::array<kind_result, ray_kinds>& results() const { return results_; }
-  std::uint64_t pairs() const;  // of cell and polygon, all cells
+  std::uint64_t pairs() const;  // returns the number of pairs (cell, polygon) of all cells
 
  private:
-  // What is cast in one round, from one state.
+  // The rays of one round, which all use one state of the sets.
   struct round_plan {
     std::array<std::uint64_t, ray_kinds> counts{};
-    std::vector<std::uint32_t> candidates;  // for mutations, then for silhouettes
+    std::vector<std::uint32_t> candidates;  // for mutations first, then for silhouettes
   };
   static ray_kind kind_of(const round_plan& plan, std::uint64_t& i);
   round_plan plan_round(std::uint64_t rays);
@@ -45,8 +46,8 @@ class agvs final : public cell_sampler {
 
   const settings& how_;
   const sampler_world world_;
-  std::vector<std::uint64_t> places_;  // of the cells, ascending; what follows is in this order
-  std::vector<box> cells_;             // not grown
+  std::vector<std::uint64_t> places_;  // of the cells, ascending; the members below are in this order
+  std::vector<box> cells_;             // without the margin
   segment_cells grown_;
   global_rays rays_;
   std::vector<seen_pairs> known_;

@@ -12,10 +12,10 @@ glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
   return length > 0.0f ? v / length : otherwise;
 }
 
-// Square to the plane through the eye and the edge, away from the third corner.
+// Returns the direction at right angles to the plane through the eye and the edge, away from the third corner.
 glm::vec3 outward(const glm::vec3& from, const glm::vec3& to, const glm::vec3& third, const glm::vec3& eye) {
   const glm::vec3 edge = to - from;
-  // An edge that the eye looks along has no such plane: then away from the third corner.
+  // If the eye is in line with the edge there is no such plane, and the direction away from the third corner is used.
   const glm::vec3 away = unit_or(from - third, {0.0f, 1.0f, 0.0f});
   const glm::vec3 side = unit_or(glm::cross(edge, from - eye), away);
   return glm::dot(side, third - from) > 0.0f ? -side : side;
@@ -38,7 +38,7 @@ border_polygon enlarged(const triangle& corners, const glm::vec3& eye, float off
       static_cast<std::size_t>(std::min_element(corners.begin(), corners.end(), below) - corners.begin());
   triangle t;
   for (std::size_t i = 0; i < 3; ++i) t[i] = corners[(first + i) % 3];
-  std::array<glm::vec3, 3> sides;  // of the edge that begins at a corner
+  std::array<glm::vec3, 3> sides;  // per corner: direction for the edge that begins there
   for (std::size_t i = 0; i < 3; ++i) sides[i] = outward(t[i], t[(i + 1) % 3], t[(i + 2) % 3], eye);
   border_polygon border;
   for (std::size_t i = 0; i < 3; ++i) {

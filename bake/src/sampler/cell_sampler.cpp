@@ -13,7 +13,7 @@
 namespace sightcell::bake {
 namespace {
 
-// All samplers that take hemicubes: full cubes at interior points first, then the faces.
+// All samplers with hemicubes: full cubes at interior points first, then the faces.
 class hemicube_sampler final : public cell_sampler {
  public:
   hemicube_sampler(const settings& how, const sampler_world& world) : how_(how), world_(world) {}
@@ -39,7 +39,8 @@ class hemicube_sampler final : public cell_sampler {
   }
 
  private:
-  // C = 1 where nothing is new, so that depth still speaks when the set is nearly complete (docs/method/samplers.md).
+  // C is 1 where nothing is new, so that depth still has an effect when the set is nearly complete
+  // (docs/method/samplers.md).
   importance_weight weight_with(hemicube_source& source, const cell_set& set) const {
     if (how_.sampler != "importance-depth-color") return nullptr;
     return [&](const pose& where, const hemicube_view& view) {

@@ -1,6 +1,6 @@
 #pragma once
-// C of importance-depth-color: how much the textured picture of the whole scene differs from that of the cell set found
-// so far, as one hemicube shows both.
+// The factor C of importance-depth-color: the difference between the textured picture of the scene and that of the
+// cell set found so far, in one hemicube.
 #include "cell_set/cell_set.h"
 #include "hemicube/hemicube_source.h"
 #include "hemicube/surface_colors.h"
@@ -8,9 +8,10 @@
 
 namespace sightcell::bake {
 
-// Mean |RGB difference|, 0..1, over the pixels of a hemicube from where, of which view is what it sees. Where the front
-// polygon is in the set both pictures are the same; elsewhere a ray tells what the set shows behind it, so only what is
-// new costs. Rows in parallel on the caller's arena; the result does not depend on threads.
+// Returns the mean absolute RGB difference, 0..1, over the pixels of a hemicube. Where the front polygon is in the
+// set both pictures are equal. For the other pixels a ray finds the polygon of the set behind, so the cost depends on
+// what is new. Rows are processed in parallel in the caller's arena; the result does not depend on threads.
+// where, view: the pose and its hemicube.
 double color_difference(const pose& where, const hemicube_view& view, hemicube_source& source, const ray_scene& rays,
                         const surface_colors& colors, const cell_set& set);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Where on a boundary face the next hemicube goes. One object per face of a cell; the driver asks for a place, tests
-// that it is free, renders and tells what came out.
+// Chooses the position of the next hemicube on a boundary face. There is one object per face of a cell. The caller
+// requests a position, tests whether it is a valid viewpoint, renders and reports the result.
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <memory>
@@ -15,21 +15,22 @@ namespace sightcell::bake {
 class face_sampler {
  public:
   virtual ~face_sampler() = default;
-  // The next place in [0,1] x [0,1], or nothing when the sampler is content or has no place left.
+  // Returns the next position in [0,1] x [0,1]; nothing if the sampler is finished.
   virtual std::optional<glm::vec2> next() = 0;
+  // Reports the hemicube at the position.
   virtual void rendered(const glm::vec2& place, const hemicube_view& view) = 0;
-  // The place is not free (in a wall or in a solid): another is wanted.
+  // Reports that the position is no valid viewpoint, so another one is needed.
   virtual void rejected(const glm::vec2& place) = 0;
 };
 
 struct face_options {
-  std::string_view sampler;      // by name
-  std::uint32_t samples = 0;     // how many the face will get at most
-  double reliability = 0.995;    // of importance-depth, as is the next one
-  std::uint32_t start_grid = 0;  // 0: by samples
+  std::string_view sampler;      // name
+  std::uint32_t samples = 0;     // limit for the face
+  double reliability = 0.995;    // of importance-depth, like start_grid
+  std::uint32_t start_grid = 0;  // 0: chosen from samples
 };
 
-// size: of the face in metres. Throws sightcell::error for a name that is not that of a face sampler.
+// size: of the face, meters. Throws sightcell::error if the sampler does not exist or does not sample faces.
 std::unique_ptr<face_sampler> make_face_sampler(const face_options& how, const glm::vec2& size, random_stream random);
 
 }  // namespace sightcell::bake

@@ -13,13 +13,13 @@
 namespace sightcell::bake {
 namespace {
 
-// A boundary face on its way through the rounds.
+// A boundary face during the rounds.
 struct face_work {
   boundary_face face;
   std::unique_ptr<face_sampler> places;
-  std::optional<glm::vec2> place;  // where its hemicube of this round stands; none: the face is done
+  std::optional<glm::vec2> place;  // of its hemicube in this round; none: the face is finished
 
-  // Looks for the next place that is free.
+  // Finds the next position that is a valid viewpoint.
   void advance(const std::function<bool(const glm::vec3&)>& is_free) {
     while ((place = places->next()) && !is_free(face.at(*place).eye)) places->rejected(*place);
   }
@@ -27,8 +27,8 @@ struct face_work {
 
 }  // namespace
 
-// Rounds: every face that is not done has one hemicube in each, so shares are equal; what a face in a wall does not use
-// is left for the others.
+// Every unfinished face has one hemicube per round, so the shares are equal, and hemicubes that a face in a wall does
+// not use are left for the others.
 void sample_faces(const face_options& how, const hemicube_plan& plan, const box& grown,
                   const std::function<bool(const glm::vec3&)>& is_free, hemicubes& cell,
                   const importance_weight& weigh) {
@@ -46,8 +46,8 @@ void sample_faces(const face_options& how, const hemicube_plan& plan, const box&
   std::array<pose, face_total> poses;
   std::array<hemicube_view, face_total> views;
   while (cell.left() > 0 && !work.empty()) {
-    // With fewer samples than faces, the first ones have them. Faces know nothing of each other: who searches when
-    // changes nothing.
+    // With fewer samples than faces, the first faces have them. Faces are independent, so the order of their searches
+    // has no effect.
     std::uint32_t count = std::min(cell.left(), static_cast<std::uint32_t>(work.size()));
     tbb::parallel_for(0u, count, [&](std::uint32_t i) { work[i].advance(is_free); });
     const auto last = work.begin() + count;

@@ -1,5 +1,5 @@
 #pragma once
-// Hemicubes on the faces of a cell's grown box, each face by a face_sampler of its own.
+// Places hemicubes on the faces of a cell's grown box, with one face_sampler per face.
 #include <functional>
 #include <glm/vec3.hpp>
 #include <string_view>
@@ -10,10 +10,12 @@
 
 namespace sightcell::bake {
 
-// is_free: may an eye be there? asked from many threads. The boundary is sampled in rounds: each face that is not done
-// proposes its next free place, all of them are one batch of the source, and the answers are given back in the order of
-// the faces. So the result does not depend on threads; runs on the calling thread's TBB arena. Ends when cell has no
-// hemicubes left, or earlier when all faces are done or lie in walls. weigh: may be null.
+// Samples the boundary in rounds. In each round every unfinished face proposes its next valid viewpoint, all of them
+// are rendered as one batch, and the results are reported in the order of the faces, so the result does not depend on
+// threads. Ends when the cell has no hemicubes left or all faces are finished or in walls. Runs on the calling
+// thread's TBB arena.
+// is_free: returns whether a point is a valid viewpoint; called from many threads.
+// weigh: may be null.
 void sample_faces(const face_options& how, const hemicube_plan& plan, const box& grown,
                   const std::function<bool(const glm::vec3&)>& is_free, hemicubes& cell,
                   const importance_weight& weigh = nullptr);

@@ -1,5 +1,5 @@
 #pragma once
-// Where in the cells places were found free or not, so that fewer are asked about in walls: each costs 64 rays.
+// Remembers where in the cells viewpoints were valid, so that fewer are tested inside walls. A test costs 64 rays.
 #include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -12,7 +12,7 @@ class free_memory {
  public:
   explicit free_memory(std::size_t cells) : in_vain_(cells * parts_of_cell) {}
 
-  // Of a place in a cell's box.
+  // Returns the part of the cell's box that contains the point.
   static std::uint32_t part_of(const box& cell, const glm::vec3& place) {
     const glm::vec3 share = (place - cell.min) / (cell.max - cell.min);
     const auto along = [](float s, std::uint32_t n) {
@@ -20,7 +20,7 @@ class free_memory {
     };
     return (along(share.z, wide) * high + along(share.y, high)) * wide + along(share.x, wide);
   }
-  // Several places were asked about there and none was free.
+  // Returns whether the last few viewpoints tested in this part were all invalid.
   bool is_barren(std::uint32_t cell, std::uint32_t part) const { return in_vain_[number_of(cell, part)] >= enough; }
   void note(std::uint32_t cell, std::uint32_t part, bool free) {
     std::uint8_t& in_vain = in_vain_[number_of(cell, part)];
@@ -34,7 +34,7 @@ class free_memory {
     return cell * std::size_t{parts_of_cell} + part;
   }
 
-  std::vector<std::uint8_t> in_vain_;  // of each part of each cell: how many places in a row were not free
+  std::vector<std::uint8_t> in_vain_;  // per part of each cell: number of consecutive invalid viewpoints
 };
 
 }  // namespace sightcell::bake

@@ -14,13 +14,14 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::size_t viewpoints = 32;      // of a cell
-constexpr std::uint64_t free_tries = 4096;  // for the first of them: other cells are not stored
-constexpr int tries = 4;                    // for a polygon that faces a cell
-constexpr double lately = 0.5;              // the weight of the last round
-constexpr float past_edge = 1e-3f;          // of a polygon's size: where the narrowest silhouette ray goes past it
+constexpr std::size_t viewpoints = 32;      // per cell
+constexpr std::uint64_t free_tries = 4096;  // to find the first viewpoint of a cell; cells without any are not stored
+constexpr int tries = 4;                    // to find a polygon that faces a cell
+constexpr double lately = 0.5;              // weight of the last round
+// Distance of the closest silhouette ray from the edge, as a share of the polygon's size.
+constexpr float past_edge = 1e-3f;
 
-// Nearly normal, of variance 1: sums and products only, so the same bits on every machine.
+// Returns a nearly normal number of variance 1. Sums and products alone give the same bits on every machine.
 float bell(random_stream& numbers) {
   float sum = -2.0f;
   for (int i = 0; i < 4; ++i) sum += numbers.uniform();
@@ -31,7 +32,7 @@ float longest_edge(const triangle& t) {
   return std::max({glm::length(t[1] - t[0]), glm::length(t[2] - t[1]), glm::length(t[0] - t[2])});
 }
 
-// Beside a place, square to a direction.
+// Returns a point near `place`, displaced at right angles to the direction.
 glm::vec3 beside(const glm::vec3& place, const glm::vec3& direction, float by, random_stream& numbers) {
   const glm::vec3 up = std::abs(direction.y) < 0.9f ? glm::vec3{0, 1, 0} : glm::vec3{1, 0, 0};
   const glm::vec3 right = glm::normalize(glm::cross(direction, up));
@@ -48,7 +49,8 @@ glm::vec3 normal_of(const triangle& t) {
   return unit(glm::cross(t[1] - t[0], t[2] - t[0]));
 }
 
-// Where the way from a place in the triangle's plane to another one leaves the triangle: 0 to 1, 1 where it does not.
+// Returns the parameter, 0 to 1, at which the segment between two points of the triangle's plane leaves the triangle;
+// 1 if it does not.
 float leaves(const triangle& t, const glm::vec3& from, const glm::vec3& to) {
   const glm::vec3 normal = normal_of(t);
   float first = 1.0f;
@@ -96,7 +98,7 @@ std::uint32_t global_rays::any_polygon(random_stream& numbers) const {
 
 global_ray global_rays::random(random_stream& numbers) const {
   const std::uint32_t cell = any_cell(numbers);
-  // Half of them from anywhere: there are more places than those.
+  // Half of the rays start at a random point, because there are more viewpoints than the known ones.
   const bool known = numbers.uniform() < 0.5f;
   const glm::vec3 origin =
       known ? free_[cell][numbers.bits() % free_[cell].size()] : numbers.in_box(cells_[cell].min, cells_[cell].max);
@@ -127,7 +129,8 @@ global_ray global_rays::two_point(random_stream& numbers) const {
 
 global_ray global_rays::mutation(const mutation_candidate& from, random_stream& numbers) const {
   const glm::vec3 direction = unit(from.point - from.eye);
-  // On the scale of the polygon, and down to an eighth of it: neighbors of a large one may be small.
+  // The displacement has the scale of the polygon down to an eighth of it, because neighbors of a large polygon may
+  // be small.
   const float scale = 0.5f * longest_edge(corners_of(rays_.geometry(), from.polygon)) *
                       std::ldexp(1.0f, -static_cast<int>(numbers.bits() % 4));
   const glm::vec3 aim = beside(from.point, direction, scale, numbers);
@@ -141,7 +144,7 @@ global_ray global_rays::silhouette(const mutation_candidate& from, random_stream
   const glm::vec3 &a = corners[edge], &b = corners[(edge + 1) % 3], &opposite = corners[(edge + 2) % 3];
   const glm::vec3 on_edge = a + (b - a) * numbers.uniform();
   const glm::vec3 direction = unit(on_edge - from.eye);
-  // Away from the third corner, as the eye sees it.
+  // Away from the third corner, as seen from the eye.
   const glm::vec3 along = unit(b - a);
   glm::vec3 out = on_edge - opposite;
   out -= along * glm::dot(out, along);
@@ -162,7 +165,7 @@ global_ray global_rays::reverse(const blocked_ray& from, random_stream& numbers)
   const glm::vec3 normal = normal_of(corners), earlier = from.point - from.eye;
   const float slope = glm::dot(earlier, normal);
   if (slope == 0.0f) return {};
-  // Where the earlier ray passed the occluder's plane: between there and the hit lies the edge.
+  // The point where the earlier ray passed the occluder's plane. The edge is between it and the hit.
   const glm::vec3 passed = from.eye + earlier * (glm::dot(from.hit - from.eye, normal) / slope);
   const glm::vec3 way = passed - from.hit;
   const float length = glm::length(way), edge = leaves(corners, from.hit, passed);

@@ -1,5 +1,5 @@
 #pragma once
-// The rays of agvs: where each kind of them begins and whither it goes.
+// The rays of agvs: the origin and direction of each kind.
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -14,16 +14,16 @@
 namespace sightcell::bake {
 
 enum class ray_kind : std::uint8_t {
-  random,      // from anywhere in a cell, anywhither
-  object,      // from a polygon, anywhither in front of it
-  two_point,   // from a polygon toward a place in a cell
-  mutation,    // beside a ray that found something new
-  silhouette,  // from where that ray was cast, past an edge of what it found
-  reverse      // from what an occluder kept from being seen, past the occluder's edge
+  random,      // from a random point of a cell in a random direction
+  object,      // from a polygon in a random direction in front of it
+  two_point,   // from a polygon toward a point of a cell
+  mutation,    // close to a ray that found something new
+  silhouette,  // from the origin of such a ray past an edge of the polygon that it found
+  reverse      // from a polygon that was occluded, past an edge of the occluder
 };
 inline constexpr std::size_t ray_kinds = 6;
 
-// A place in a cell from where a polygon was seen for the first time.
+// A viewpoint in a cell from where a polygon was found for the first time.
 struct mutation_candidate {
   glm::vec3 eye{0.0f};
   glm::vec3 point{0.0f};  // on the polygon
@@ -32,7 +32,7 @@ struct mutation_candidate {
   std::uint64_t number = 0;  // the newest has the highest
 };
 
-// A ray beside an earlier one that went from eye to point met an occluder before it came to aim.
+// A ray from close to an earlier ray, which went from eye to point, hit an occluder before it reached aim.
 struct blocked_ray {
   glm::vec3 eye{0.0f}, point{0.0f}, aim{0.0f};
   glm::vec3 hit{0.0f};
@@ -41,20 +41,20 @@ struct blocked_ray {
 
 struct global_ray {
   glm::vec3 origin{0.0f};
-  glm::vec3 direction{0.0f};  // of length 1; 0: there is no such ray
+  glm::vec3 direction{0.0f};  // unit vector; 0: no ray
   bool origin_is_free = false;
-  // Of rays that may be blocked: where the earlier ray hit which polygon, and where this one is to arrive.
+  // For mutations: the polygon and the point that the earlier ray hit, and the point that this ray is aimed at.
   std::uint32_t polygon = no_polygon;
   glm::vec3 point{0.0f}, aim{0.0f};
 };
 
 class global_rays {
  public:
-  // cells: must outlive this.
+  // cells: must outlive the object.
   global_rays(const ray_scene& rays, std::span<const box> cells);
-  // Before the first ray: looks for free places of the cells, on the calling thread's TBB arena. From then on rays
-  // begin in and aim at cells that have some. places: of the cells, by which their random numbers are named. False
-  // where no cell has any.
+  // Finds valid viewpoints of the cells on the calling thread's TBB arena. Must be called before the first ray. From
+  // then on rays start in cells that have some, and are aimed at them. Returns false if no cell has any.
+  // places: of the cells, keys of the random numbers.
   bool find_viewpoints(float player_radius, std::uint64_t seed, std::span<const std::uint64_t> places);
 
   global_ray random(random_stream& numbers) const;
@@ -70,17 +70,17 @@ class global_rays {
 
   const ray_scene& rays_;
   std::span<const box> cells_;
-  std::vector<std::vector<glm::vec3>> free_;  // places of each cell
+  std::vector<std::vector<glm::vec3>> free_;  // valid viewpoints per cell
   std::vector<std::uint32_t> with_free_;      // cells that have some
-  std::vector<std::uint32_t> polygons_;       // that can be seen, in an order of geometry
-  float off_surface_;                         // how far before a polygon its rays begin, metres
+  std::vector<std::uint32_t> polygons_;       // that can be visible, in an order that depends on geometry
+  float off_surface_;                         // distance of the origin of a ray from its polygon, meters
 };
 
-// How many rays of each kind a round casts, by what each found lately per ray.
+// Chooses how many rays of each kind a round casts, from the number of finds per ray in recent rounds.
 class adaptive_shares {
  public:
-  static constexpr double least = 0.02;  // of the rays, whatever a kind finds: what it may find changes
-  // limits: how many there can be of each kind.
+  static constexpr double least = 0.02;  // of all rays, for every kind, because its finds may increase later
+  // limits: largest number of rays of each kind.
   std::array<std::uint64_t, ray_kinds> rays_of_round(std::uint64_t rays,
                                                      const std::array<std::uint64_t, ray_kinds>& limits) const;
   void found(ray_kind kind, std::uint64_t rays, std::uint64_t pairs);

@@ -6,7 +6,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr double error_without_one = 1e-5;  // where none is to be reached, rays go as far as for this one
+constexpr double error_without_one = 1e-5;  // without a target, rays are cast as for this one
 
 }  // namespace
 

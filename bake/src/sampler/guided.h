@@ -1,12 +1,12 @@
 #pragma once
-// The default: few hemicubes from evenly spread places, then rays beside what they saw and more hemicubes, whichever
-// finds more for what it costs (search/cell_search.h).
+// The default sampler: a few hemicubes at evenly spread viewpoints, then rounds of hemicubes and of rays toward
+// neighbors of known members (search/cell_search.h).
 #include "sampler/cell_sampler.h"
 
 namespace sightcell::bake {
 
-// Where there is an error to reach, sample() takes hemicubes alone: what they saw is shared with the cells around
-// before the search goes on. Without one it searches until its hemicubes are taken, or its time is over.
+// With an error target sample() renders hemicubes alone. Their finds are shared with adjacent cells before the search
+// continues. Without a target sample() searches until its hemicubes are rendered or its time is over.
 class guided final : public cell_sampler {
  public:
   // References must outlive the sampler.

@@ -7,8 +7,8 @@
 namespace sightcell::bake {
 namespace {
 
-// Between waves the time is looked at, and finds become known. How many are in one changes no ray but of those that
-// find what another ray of the wave found too.
+// Between waves the time is checked and finds join. The size of a wave changes only rays that find what another ray
+// of the wave finds too.
 constexpr std::uint64_t rays_of_wave = 65536;
 
 }  // namespace
@@ -60,7 +60,7 @@ void guided_search::follow_all(
     std::uint64_t most, const std::function<void(const seed_ray& from, noting_rays& rays, followed& out)>& follow) {
   constexpr std::size_t stretch = 8;
   const std::size_t together = std::max<std::uint64_t>(rays_of_wave / most, stretch);
-  // First come, first served: leads of a wave are followed after all that waited before.
+  // First in, first out: seed rays of a wave are followed after all that were queued before.
   std::size_t next = 0;
   while (next < waiting_.size() && !limit_.reached()) {
     const std::size_t count = std::min<std::uint64_t>({together, waiting_.size() - next, left() / most});

@@ -1,5 +1,5 @@
 #pragma once
-// What gvs and gvs++ have in common: rounds of random rays, and waves of rays that follow what was found.
+// The common part of gvs and gvs++: rounds of random rays, and waves of rays that follow the seed rays.
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -12,24 +12,26 @@
 
 namespace sightcell::bake {
 
-// What following one lead came to.
+// The result of following one seed ray.
 struct followed {
   std::vector<ray_find> found;
   std::uint64_t rays = 0;
 };
 
-// A wave works from one state of the set, in parallel on the calling thread's TBB arena; what it found joins after it.
+// Follows seed rays in waves. A wave uses one state of the set and runs in parallel on the calling thread's TBB
+// arena. Its finds join when it ends.
 class guided_search {
  public:
-  // References must outlive the search. Time begins to count.
+  // References must outlive the search. The time limit starts here.
   guided_search(const settings& how, const sampler_world& world, const sampled_cell& cell, cell_set& set);
 
   std::uint64_t spent() const { return spent_; }
   bool over() const { return left() == 0 || limit_.reached(); }
-  // One round of random rays; what they find waits to be followed.
+  // Casts one round of random rays and queues the seed rays of their finds.
   void look_at_random();
-  // Follows all that waits, and what is found on the way. most: rays that one call may cast, at most; where fewer are
-  // left nobody is followed. follow is called from several threads.
+  // Follows all queued seed rays, and those found on the way.
+  // most: the largest number of rays that one call of follow may cast. If fewer are left, no seed ray is followed.
+  // follow: called from several threads.
   void follow_all(std::uint64_t most,
                   const std::function<void(const seed_ray& from, noting_rays& rays, followed& out)>& follow);
 
@@ -43,7 +45,7 @@ class guided_search {
   const random_rays random_;
   const time_limit limit_;
   std::uint64_t spent_ = 0, round_ = 0;
-  std::vector<seed_ray> waiting_;  // the next one last
+  std::vector<seed_ray> waiting_;  // the next one is last
   std::vector<ray_find> found_;
 };
 

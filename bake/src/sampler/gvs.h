@@ -1,6 +1,6 @@
 #pragma once
 // Guided Visibility Sampling (Wonka, Wimmer, Zhou, Maierhofer, Hesina, Reshetov, SIGGRAPH 2006): random rays find
-// polygons, border sampling and reverse sampling find what is around them and behind what hides it.
+// polygons. Border sampling finds polygons around them and reverse sampling those behind occluders.
 #include "sampler/cell_sampler.h"
 
 namespace sightcell::bake {

@@ -9,7 +9,7 @@
 namespace sightcell::bake {
 namespace {
 
-// A cell is done when so many iterations in a row found too little.
+// A cell is finished after this many iterations in a row that found too little.
 constexpr int poor_iterations = 3;
 
 class bulk_step {
@@ -23,7 +23,7 @@ class bulk_step {
   }
 
   void follow(const seed_ray& from, noting_rays& caster, followed& out) const {
-    std::vector<glm::vec3> hidden;  // discontinuities: points of the border before which the ray was blocked
+    std::vector<glm::vec3> hidden;  // discontinuities: border points that their ray did not reach
     const auto cast = [&](const glm::vec3& eye, const glm::vec3& point) {
       const glm::vec3 toward = point - eye;
       const float reach = glm::length(toward);
@@ -35,7 +35,7 @@ class bulk_step {
                                                 static_cast<float>(how_.border_offset), how_.border_samples))
       if (cast(from.eye, point)) hidden.push_back(point);
     if (hidden.empty()) return;
-    // Every point of the cell's edges looks at one of them; neighbors on an edge at places far from each other.
+    // Each eye is paired with one hidden point; eyes that are neighbors on an edge get points far from each other.
     std::size_t next = 0;
     for (const glm::vec3& eye : eyes_) {
       cast(eye, hidden[next % hidden.size()]);
@@ -48,7 +48,7 @@ class bulk_step {
  private:
   const settings& how_;
   const ray_scene& rays_;
-  std::vector<glm::vec3> eyes_;  // free points along the edges of the cell
+  std::vector<glm::vec3> eyes_;  // valid viewpoints along the edges of the cell
 };
 
 }  // namespace
@@ -59,7 +59,7 @@ std::vector<glm::vec3> border_points(const triangle& corners, const glm::vec3& e
   std::vector<glm::vec3> points;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     points.push_back(ring[i]);
-    if (i % 3 != 2) continue;  // the stretches around a corner are short
+    if (i % 3 != 2) continue;  // the segments around a corner are short
     const glm::vec3& to = ring[(i + 1) % ring.size()];
     for (std::uint32_t k = 1; k <= samples; ++k)
       points.push_back(glm::mix(ring[i], to, static_cast<float>(k) / static_cast<float>(samples + 1)));

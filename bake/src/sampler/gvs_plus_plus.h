@@ -1,7 +1,7 @@
 #pragma once
 // Guided Visibility Sampling++ (Koch and Wimmer, Proceedings of the ACM on Computer Graphics and Interactive
-// Techniques, I3D 2021): iterations of very many random rays; around all that an iteration found many rays past its
-// border, and from the view cell's edges toward what was hidden there.
+// Techniques, I3D 2021). Each iteration casts very many random rays. Then many rays go past the border of each
+// polygon that the iteration found, and from the edges of the view cell toward border points that were occluded.
 #include <array>
 #include <glm/vec3.hpp>
 #include <span>
@@ -13,12 +13,12 @@
 
 namespace sightcell::bake {
 
-// Points on the border of the triangle, enlarged as seen from eye: its nine corners and samples more along each of its
-// three long edges, all in their order around it.
+// Returns points on the border of the triangle, enlarged as seen from eye, in their order around it: its nine points
+// and `samples` more along each of its three long edges.
 std::vector<glm::vec3> border_points(const triangle& corners, const glm::vec3& eye, float offset,
                                      std::uint32_t samples);
 
-// Samples points along each of the twelve edges of a box, in the middle of as many equal parts.
+// Returns `samples` points along each of the twelve edges of a box, in the middle of equal parts.
 std::vector<glm::vec3> edge_points(const box& cell, std::uint32_t samples);
 
 class gvs_plus_plus final : public cell_sampler {

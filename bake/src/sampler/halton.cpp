@@ -7,7 +7,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint32_t give_up_after = 256;  // rejected places in a row: the face lies in a wall
+constexpr std::uint32_t give_up_after = 256;  // consecutive rejected positions after which the face counts as a wall
 
 }  // namespace
 

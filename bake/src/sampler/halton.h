@@ -1,5 +1,6 @@
 #pragma once
-// Evenly spread places: the Halton sequence in bases 2 and 3, shifted at random per face (Cranley and Patterson 1976).
+// Evenly spread positions: the Halton sequence in bases 2 and 3 with a random shift per face (Cranley and Patterson
+// 1976).
 #include "sampler/face_sampler.h"
 
 namespace sightcell::bake {

@@ -7,13 +7,13 @@
 namespace sightcell::bake {
 namespace {
 
-// sigma^2 never falls below this: a sample with the largest importance still speaks for its surroundings.
+// sigma^2 has this minimum, so that a sample with the largest importance still affects its surroundings.
 constexpr double variance_floor = 0.02;
-// A place that is not free takes its texels within this distance (face coordinates) out of the search. Small enough to
-// leave a gap of a few texels, large enough that a wall costs tens of tries and not thousands.
+// A position that is no valid viewpoint excludes the texels within this distance (face coordinates). It is small
+// enough to keep gaps of a few texels, and large enough that a wall takes tens of tries and not thousands.
 constexpr float exclusion_reach = 1.0f / 48.0f;
 
-// The start grid grows with what the face may spend; the thesis used 3 to 5 with hundreds of samples.
+// The start grid grows with the hemicubes that the face may use; the thesis used 3 to 5 with hundreds of samples.
 std::uint32_t start_grid(std::uint32_t samples) {
   if (samples < 4) return 1;
   return samples < 16 ? 2 : 3;
@@ -43,13 +43,13 @@ void reliability_map::add_sample(const glm::vec2& place, const std::array<double
   for (const glm::vec2& e : excluded_) apply_exclusion(e);
 }
 
-// R(p) = a exp(-|p-s|^2 / sH^2) + (1-a) exp(-|p-s|^2 / sV^2), a = du^2 / (du^2 + dv^2): only ever raised. Both
-// exponentials are products of one that only depends on the column and one of the row, so there are some hundred of
-// them and not two per texel: those were as dear as drawing the hemicube.
+// R(p) = a exp(-|p-s|^2 / sH^2) + (1-a) exp(-|p-s|^2 / sV^2), a = du^2 / (du^2 + dv^2); values are only raised. Both
+// exponentials are products of a factor per column and a factor per row, so some hundred are computed instead of two
+// per texel, which took as long as rendering the hemicube.
 void reliability_map::raise_around(const sample& s) {
   std::array<double, 4> variance{};
   for (std::size_t k = 0; k < 4; ++k) variance[k] = sample_variance(s.importance[k], largest_);
-  // By distance along one axis: its square, and the factors for the four variances.
+  // Per distance along one axis: its square, and the factors for the four variances.
   struct along {
     double square = 0.0;
     bool beyond = false;  // right of the sample, or above it

@@ -1,6 +1,7 @@
 #pragma once
-// The thesis's importance sampler (docs/method/samplers.md): a map of reliability over the face, raised around every
-// sample, less far toward the sides where the sample saw gaps; the next sample goes where reliability is lowest.
+// The importance sampler of the thesis (docs/method/samplers.md). A map of reliability over the face is raised around
+// every sample, over a smaller distance in directions where the sample found depth gaps. The next sample is placed at
+// the minimum.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -9,31 +10,33 @@
 
 namespace sightcell::bake {
 
-// sigma^2 toward one side of a sample: the smaller the more its importance toward there is of the largest one.
+// Returns sigma^2 in one direction of a sample: the smaller, the closer its importance in that direction is to the
+// largest one.
 double sample_variance(double importance, double largest);
 
-// R over one face: map_size x map_size values in [0, 1], texel centers at (i + 0.5) / map_size.
+// The reliability R over one face: map_size x map_size values in [0, 1], texel centers at (i + 0.5) / map_size.
 class reliability_map {
  public:
   static constexpr std::uint32_t map_size = 256;
 
-  // First column and row, last column and row of the texels that go when nothing can stand at place.
+  // Returns the first column and row and the last column and row of the texels that are excluded for an invalid
+  // viewpoint.
   static std::array<std::uint32_t, 4> excluded_texels(const glm::vec2& place);
-  static glm::vec2 center_of(std::uint32_t texel);  // counted row by row
+  static glm::vec2 center_of(std::uint32_t texel);  // texels are numbered row by row
 
   explicit reliability_map(const glm::vec2& face_size);
 
-  // A sample at place with the sums of I_p toward right, up, left, down. All sums are normalised by the largest
+  // Adds a sample with the sums of I_p toward right, up, left and down. All sums are normalized by the largest
   // component of any sample of this face so far, so a new maximum rebuilds the map.
   void add_sample(const glm::vec2& place, const std::array<double, 4>& importance);
-  // Nothing can stand there: texels within reach of place (both in face coordinates) count as reliable.
+  // Marks texels within reach of an invalid viewpoint as reliable, in face coordinates.
   void exclude(const glm::vec2& place);
 
   struct lowest_place {
     float reliability;
     glm::vec2 place;
   };
-  lowest_place lowest() const;  // ties: first in row order
+  lowest_place lowest() const;  // of equal values the first in row order
   float at(std::uint32_t x, std::uint32_t y) const { return values_[y * map_size + x]; }
 
  private:
@@ -50,7 +53,7 @@ class reliability_map {
   std::vector<sample> samples_;
   std::vector<glm::vec2> excluded_;
   std::vector<float> values_;
-  std::vector<float> row_lows_;  // the lowest value of each row: a face in a wall asks for the lowest of all very often
+  std::vector<float> row_lows_;  // lowest value of each row, because a face in a wall requests the minimum very often
 };
 
 class importance_depth final : public face_sampler {
@@ -64,8 +67,8 @@ class importance_depth final : public face_sampler {
 
  private:
   reliability_map map_;
-  float reliable_enough_;  // a face is done when the map is nowhere below (step 5 of the thesis)
-  std::uint32_t grid_;     // the start grid is grid_ x grid_
+  float reliable_enough_;  // a face is finished when no value is lower (step 5 of the thesis)
+  std::uint32_t grid_;     // the start grid has grid_ x grid_ samples
   std::uint32_t grid_next_ = 0;
 };
 

@@ -12,9 +12,9 @@
 namespace sightcell::bake {
 namespace {
 
-// Corners lie at whole numbers of these steps along a face, so that quads which share one know it: 12 divisions.
+// Corners are at multiples of the length of a face / 4096, so that adjacent quads share them: 12 divisions.
 constexpr std::uint32_t steps = 4096;
-constexpr int deepest_part = 6;  // a cell is halved at most so often
+constexpr int deepest_part = 6;  // limit on the halvings of a cell
 
 struct corner {
   bool free = false;
@@ -23,24 +23,24 @@ struct corner {
 
 struct quad {
   double difference = 0.0;
-  std::uint32_t face = 0, x = 0, y = 0, size = steps;  // from (x, y), in steps
-  // How much may hide in it: the same difference on a larger area.
+  std::uint32_t face = 0, x = 0, y = 0, size = steps;  // corner and side length in steps
+  // Returns an estimate of what is missing inside the quad: an equal difference counts more on a larger area.
   double priority() const { return difference * size * size; }
-  // What is worth most first; of equals the largest quad, then in the order of faces and rows.
+  // Orders by priority. Of equals the largest quad comes first, then the order of faces and rows decides.
   bool operator<(const quad& other) const {
     return std::tuple(priority(), size, ~face, ~y, ~x) <
            std::tuple(other.priority(), other.size, ~other.face, ~other.y, ~other.x);
   }
 };
 
-// One box: a cell or a part of one.
+// Samples one box: a cell or a part of one.
 class part_sampling {
  public:
   part_sampling(const nir04_options& how, const box& where, const std::function<bool(const glm::vec3&)>& is_free,
                 double pixels, hemicubes& cell)
       : how_(how), faces_(faces_of(where.min, where.max)), is_free_(is_free), pixels_(pixels), cell_(cell) {}
 
-  // Takes at most budget hemicubes.
+  // Renders at most budget hemicubes.
   void sample(std::uint32_t budget) {
     budget_ = budget;
     start();
@@ -52,7 +52,7 @@ class part_sampling {
     }
   }
 
-  // How many polygons all its corners see together.
+  // Returns the number of polygons that all corners show together.
   std::size_t polygons() const {
     std::vector<std::uint32_t> ids;
     for (const auto& face : corners_)
@@ -94,7 +94,7 @@ class part_sampling {
         add_quad({0.0, whole.face, whole.x + x * half, whole.y + y * half, half}, whole.difference);
   }
 
-  // parent: the difference of the quad it was part of, which it keeps where walls leave it less than two corners.
+  // parent: difference of the quad that contains it, used where walls leave fewer than two corners.
   void add_quad(quad one, double parent) {
     std::array<const corner_view*, 4> seen{};
     std::size_t count = 0;
@@ -118,7 +118,7 @@ class part_sampling {
     poses_.push_back(where);
   }
 
-  // Where the budget ends in the middle, the first of them have it.
+  // If the budget ends within a batch, the first poses get it.
   void take_wanted() {
     const std::size_t count = std::min<std::size_t>(left(), poses_.size());
     views_.resize(count);
@@ -145,8 +145,8 @@ class part_sampling {
   std::vector<hemicube_view> views_;
 };
 
-// The hierarchy of cells in the original stops where a cell sees few enough polygons. Here cells are given, so a cell
-// that sees more is cut across its longest side, and what its parts see is together what it sees.
+// In the original a hierarchy of cells ends where a cell sees few enough polygons. Here cells are given, so a cell
+// that sees more is halved across its longest side, and the sets of the halves are joined.
 void sample_part(const nir04_options& how, const box& where, const std::function<bool(const glm::vec3&)>& is_free,
                  double pixels, hemicubes& cell, std::uint32_t budget, int depth) {
   const bool may_cut = how.part_polygons > 0 && depth < deepest_part;

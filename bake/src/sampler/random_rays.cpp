@@ -7,12 +7,11 @@
 namespace sightcell::bake {
 namespace {
 
-// To tell that a place is free costs as much as some 25 rays, so every eye has so many rays of its own. A city of
-// 20,000 polygons, 4 cells of 1,000,000 random rays: with 1, 8 and 64 rays per eye 74, 10.5 and 2.6 CPU s, and the same
-// error.
+// Testing a viewpoint costs about as much as 25 rays, so several rays start at each. In a city of 20,000 polygons, 4
+// cells with 1,000,000 random rays take 74, 10.5 and 2.6 CPU s with 1, 8 and 64 rays per eye, with the same error.
 constexpr std::size_t rays_per_eye = 32;
 constexpr std::size_t eyes = random_rays::stretch / rays_per_eye;
-constexpr std::size_t tries = 8 * eyes;  // places, where few are free
+constexpr std::size_t tries = 8 * eyes;  // viewpoints tested, where few are valid
 
 }  // namespace
 
@@ -59,7 +58,7 @@ void random_rays::draw(std::uint64_t round, std::uint64_t number, std::vector<ra
   };
   const bool interior = interior_before(number + 1) > interior_before(number);
   std::vector<start> starts = interior ? inside(random) : on_boundary(random);
-  if (starts.empty())  // the boundary lies in walls
+  if (starts.empty())  // the boundary is in walls
     for (const glm::vec3& eye : free_) starts.push_back({eye, {}});
   out.clear();
   for (std::size_t i = 0; i < stretch; ++i) {

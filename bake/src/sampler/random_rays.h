@@ -1,5 +1,5 @@
 #pragma once
-// Random rays out of a cell, for samplers that look with rays.
+// Random rays out of a cell, for samplers that use rays.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -16,11 +16,12 @@ struct random_ray {
   glm::vec3 eye{0.0f}, direction{0.0f};
 };
 
-// Rays come in stretches, each with random numbers of its own, so that threads can draw them in any order. All eyes are
-// free points. Most rays leave the boundary of the grown box: the place is uniform on its surface, and the direction
-// has the density of the cosine over the outer half space. That is how the straight lines that meet a convex body cross
-// its surface when all lines are as likely (Santalo), so no sight line out of an empty cell is favored. In a cell with
-// geometry inside, a share of the stretches starts at free points of the inside, uniform over the box and the sphere.
+// Draws rays in groups with random numbers of their own, so that threads can draw them in any order. All origins are
+// valid viewpoints. Most rays leave the boundary of the grown box: the origin is uniform on its surface, and the
+// density of the direction is the cosine over the outer half space. Straight lines that meet a convex body cross its
+// surface with this distribution if all lines are equally likely (Santalo), so no sight line out of an empty cell is
+// favored. In a cell with geometry inside, a share of the groups starts at valid viewpoints inside, uniform over the
+// box and the sphere.
 class random_rays {
  public:
   static constexpr std::size_t stretch = 512;
@@ -32,10 +33,10 @@ class random_rays {
     float player_radius = 0.05f;
   };
 
-  // References must outlive the object. free: free points of the box, one at least.
+  // free: valid viewpoints of the box, at least one. References must outlive the object.
   random_rays(const ray_scene& rays, const plan& how, const box& grown, std::span<const glm::vec3> free);
 
-  // The rays of stretch number of a round; out is overwritten. May be called from several threads.
+  // Draws the rays of group `number` of a round; out is overwritten. May be called from several threads.
   void draw(std::uint64_t round, std::uint64_t number, std::vector<random_ray>& out) const;
 
  private:

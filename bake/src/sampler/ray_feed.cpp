@@ -13,12 +13,15 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr float before_aim = 0.99f;      // of the way: what is met earlier blocks it
-constexpr float barren_share = 0.0625f;  // of the places in a part of a cell that seems to be a wall
+constexpr float before_aim = 0.99f;  // share of the way; a hit before that blocks the ray
+// Share of viewpoints that are still tested in a part of a cell that seems to be a wall.
+constexpr float barren_share = 0.0625f;
 
 }  // namespace
 
-// The nearest that hides from either side, and what is passed on the way. way: 1 along the ray, -1 against it.
+// Finds the closest polygon that occludes when both sides do, and the non-occluders before it. Returns whether its
+// back was hit.
+// way: 1 along the ray, -1 against it.
 bool ray_feed::meets_back(const global_ray& ray, float way, float& clear) {
   rays_.trace_both_sides(ray.origin, ray.direction * way, seen_);
   clear = way * seen_.distance;
@@ -29,7 +32,7 @@ bool ray_feed::meets_back(const global_ray& ray, float way, float& clear) {
   return false;
 }
 
-// Sight goes on through a back.
+// Continues the line through a back face, which does not occlude.
 float ray_feed::trace_on(const global_ray& ray, float way, float clear) {
   rays_.trace(ray.origin, ray.direction * way, seen_);
   for (const passed_polygon& p : seen_.before)
@@ -38,11 +41,11 @@ float ray_feed::trace_on(const global_ray& ray, float way, float clear) {
   return way * seen_.distance;
 }
 
-// False where the ray is of no use to anybody.
+// Returns false if the ray contributes nothing.
 bool ray_feed::trace(const global_ray& ray) {
   things_.clear();
   const bool back_ahead = meets_back(ray, 1.0f, clear_to_), back_behind = meets_back(ray, -1.0f, clear_from_);
-  // Backs on both sides: a line in a solid. A free place has backs on at most a tenth of its sides.
+  // Backs on both sides: the line is in a solid. A valid viewpoint has backs in at most a tenth of the directions.
   if (back_ahead && back_behind) return false;
   to_ = back_ahead ? trace_on(ray, 1.0f, clear_to_) : clear_to_;
   from_ = back_behind ? trace_on(ray, -1.0f, clear_from_) : clear_from_;
@@ -69,7 +72,7 @@ void ray_feed::cast(const global_ray& ray, std::uint64_t number) {
     if (hit != things_.end() && hit->polygon != ray.polygon)
       finds_.blocked.push_back({ray.origin, ray.point, ray.aim, ray.origin + ray.direction * clear_to_, hit->polygon});
   }
-  const float from = from_ + rules_.player_radius, to = to_ - rules_.player_radius;  // beyond nothing is free
+  const float from = from_ + rules_.player_radius, to = to_ - rules_.player_radius;  // no viewpoint beyond is valid
   if (!(from < to)) return;
   cells_.find(ray.origin, ray.direction, from, to, crossed_);
   for (const crossing& through : crossed_) {
@@ -93,7 +96,7 @@ void ray_feed::cast(const global_ray& ray, std::uint64_t number) {
 }
 
 feed_finds ray_feed::take() {
-  // Neighboring places in one packet: the 64 rays of each take the same way.
+  // Tests neighboring viewpoints in one packet, since the 64 rays of each have the same directions.
   std::vector<std::uint32_t> order(eyes_.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {

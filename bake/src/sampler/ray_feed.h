@@ -1,5 +1,6 @@
 #pragma once
-// One ray for all cells: a free segment of a line, which cells it crosses, and what is seen at its ends from them.
+// Finds what one ray contributes to all cells: traces a line, and finds the cells that it crosses and the polygons
+// visible at its ends.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -15,18 +16,18 @@ namespace sightcell::bake {
 
 struct found_pair {
   std::uint32_t cell = 0, polygon = no_polygon;
-  glm::vec3 eye{0.0f};    // a free place of the cell
+  glm::vec3 eye{0.0f};    // valid viewpoint of the cell
   glm::vec3 point{0.0f};  // on the polygon; the same for all cells of a ray
   std::uint64_t ray = 0;
 };
 
-// What came of the question whether a place is free.
+// The result of a test of a viewpoint.
 struct place_asked {
   std::uint32_t cell = 0, part = 0;
   bool free = false;
 };
 
-// What rays came to, in their order.
+// The results of rays, in the order of the rays.
 struct feed_finds {
   std::vector<found_pair> found;
   std::vector<blocked_ray> blocked;
@@ -35,25 +36,26 @@ struct feed_finds {
 
 struct feed_rules {
   float player_radius = 0.05f, smallest_gap = 0.002f;
-  std::uint64_t seed = 1, round = 0;  // name the random numbers
+  std::uint64_t seed = 1, round = 0;  // keys of the random numbers
 };
 
-// One thread's, for one round. The pairs must not change while rays are cast.
+// For one thread and one round. The pairs must not change while rays are cast.
 class ray_feed {
  public:
-  // places: of the cells, by which their random numbers are named. All must outlive this.
+  // places: of the cells, keys of their random numbers. All references must outlive the object.
   ray_feed(const ray_scene& rays, const segment_cells& cells, std::span<const std::uint64_t> places,
            std::span<const seen_pairs> known, const free_memory& memory, const feed_rules& rules)
       : rays_(rays), cells_(cells), places_(places), known_(known), memory_(memory), rules_(rules) {}
 
-  // Notes what the cells that the ray crosses do not have yet. From each of them one place on the ray looks both ways;
-  // it counts where it is free, which is asked only where something is new.
+  // Records the polygons that the cells crossed by the ray do not have yet. For each cell one random point of the
+  // line inside it is the viewpoint for both directions. It is tested only if something is new, and counts only if it
+  // is valid.
   void cast(const global_ray& ray, std::uint64_t number);
-  // What all rays since the last call came to.
+  // Returns the results of all rays since the last call.
   feed_finds take();
 
  private:
-  struct thing {  // on the line
+  struct thing {  // a polygon on the line
     std::uint32_t polygon;
     float at;
   };
@@ -70,8 +72,8 @@ class ray_feed {
   const free_memory& memory_;
   const feed_rules rules_;
 
-  // The line, by distance from the ray's origin: between clear_from and clear_to nothing hides from either side; from
-  // there to from and to nothing hides from who looks away from the origin.
+  // The line by distance from the ray's origin. Between clear_from and clear_to no polygon occludes in either
+  // direction. From there to from and to no polygon occludes a view away from the origin.
   float from_ = 0.0f, to_ = 0.0f, clear_from_ = 0.0f, clear_to_ = 0.0f;
   std::vector<thing> things_;
   sight seen_;
@@ -79,8 +81,8 @@ class ray_feed {
   feed_finds finds_;
   std::vector<found_pair> new_;
   std::vector<glm::vec3> eyes_;     // of new_
-  std::vector<place_asked> asked_;  // for each of eyes_
-  std::vector<std::size_t> ends_;   // in new_, for each of eyes_
+  std::vector<place_asked> asked_;  // per eye of eyes_
+  std::vector<std::size_t> ends_;   // per eye of eyes_, in new_
 };
 
 }  // namespace sightcell::bake

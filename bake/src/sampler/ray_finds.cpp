@@ -16,15 +16,15 @@
 namespace sightcell::bake {
 namespace {
 
-// Of a polygon that was found from places that are not free, or through cracks, so many rays are tested before the wave
-// gives it up: a floor under the cell's solid half would cost 64 rays for each that met it.
+// Number of rays that are tested per polygon and wave if they start at invalid viewpoints or pass light leaks.
+// Without a limit a floor under the solid half of a cell would cost 64 rays for each ray that hit it.
 constexpr std::size_t tries_per_polygon = 8;
 
-// A find with what orders it. Of several rays that found a polygon any may come first, but not the one from the lowest
-// place: all that follows would start in one corner of the cell.
+// A find with its sort key. Of several rays that found a polygon a random one comes first. If it were the one from
+// the lowest viewpoint, all later rays would start in one corner of the cell.
 struct ordered_find {
-  std::uint64_t name;     // of the polygon's place
-  std::uint32_t polygon;  // tells exact duplicates apart, nothing else
+  std::uint64_t name;     // of the polygon's position
+  std::uint32_t polygon;  // distinguishes exact duplicates only
   std::uint64_t of_ray;
   const ray_find* find;
   bool operator<(const ordered_find& other) const {
@@ -36,12 +36,13 @@ std::uint64_t name_of_ray(const ray_find& find) {
   std::uint64_t name = 0;
   for (const glm::vec3& part : {find.eye, find.direction})
     for (int axis = 0; axis < 3; ++axis) name = mix_bits(name ^ std::bit_cast<std::uint32_t>(part[axis] + 0.0f));
-  return name >> 1 | (find.eye_is_free ? 0 : std::uint64_t{1} << 63);  // known free places first: they cost no test
+  // Eyes that are known to be valid come first: they need no test.
+  return name >> 1 | (find.eye_is_free ? 0 : std::uint64_t{1} << 63);
 }
 
-// What one polygon's finds came to.
+// The result for one polygon.
 struct tested {
-  const ray_find* by = nullptr;  // null: nobody saw it by the rules
+  const ray_find* by = nullptr;  // null: not visible by the rules
   std::vector<std::uint32_t> same_place;
 };
 
@@ -83,7 +84,7 @@ std::vector<seed_ray> join_finds(const ray_scene& rays, const visibility_rules& 
                     &found[i]};
   });
   tbb::parallel_sort(ordered.begin(), ordered.end());
-  std::vector<const ordered_find*> firsts;  // of each polygon, and the end
+  std::vector<const ordered_find*> firsts;  // first find of each polygon, and the end
   for (std::size_t i = 0; i < ordered.size(); ++i)
     if (i == 0 || ordered[i].polygon != ordered[i - 1].polygon) firsts.push_back(&ordered[i]);
   firsts.push_back(ordered.data() + ordered.size());
@@ -97,7 +98,7 @@ std::vector<seed_ray> join_finds(const ray_scene& rays, const visibility_rules& 
   const auto join = [&](std::uint32_t polygon, const ray_find& by) {
     if (set.add(polygon, by.eye)) seed_rays.push_back({polygon, by.eye, by.eye + by.direction * by.distance});
   };
-  // Who is seen joins before what lies in the same place as another, so that nobody's lead depends on ids.
+  // Polygons that were hit join before those that coincide with them, so that seed rays do not depend on ids.
   for (std::size_t i = 0; i < outcomes.size(); ++i)
     if (outcomes[i].by) join(firsts[i]->polygon, *outcomes[i].by);
   for (tested& outcome : outcomes) {

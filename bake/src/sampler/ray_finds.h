@@ -1,6 +1,6 @@
 #pragma once
-// What the rays of a sampler find: noted in parallel, then tested by the rules of seeing and joined in an order that
-// depends on places alone.
+// The finds of a sampler's rays. They are recorded in parallel, then tested by the visibility rules and added in an
+// order that depends on positions alone.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -11,26 +11,28 @@
 
 namespace sightcell::bake {
 
-// A ray that met a polygon which is not in the set.
+// A ray that hit a polygon which is not in the set.
 struct ray_find {
   std::uint32_t polygon = no_polygon;
   glm::vec3 eye{0.0f}, direction{0.0f};
   float distance = 0.0f;
-  bool eye_is_free = false;  // else that is asked before anything joins
+  bool eye_is_free = false;  // false: the eye is tested before the polygon joins
 };
 
-// A polygon that joined: where on it and from where it was seen. What guided samplers go on from.
+// A polygon that joined, with the point on it and the viewpoint from where it was found. Guided samplers derive
+// further rays from it.
 struct seed_ray {
   std::uint32_t polygon = no_polygon;
   glm::vec3 eye{0.0f}, point{0.0f};
 };
 
-// One thread's. The set must not change while rays are cast.
+// Used by one thread. The set must not change while rays are cast.
 class noting_rays {
  public:
   noting_rays(const ray_scene& rays, const cell_set& set) : rays_(rays), set_(set) {}
 
-  // Adds to found all that the ray sees and the set does not have. The answer is valid until the next call.
+  // Casts a ray and appends all visible polygons that the set lacks to found. The result is valid until the next
+  // call.
   const sight& cast(const glm::vec3& eye, const glm::vec3& direction, bool eye_is_free, std::vector<ray_find>& found);
 
  private:
@@ -39,9 +41,10 @@ class noting_rays {
   sight seen_;
 };
 
-// Adds to set what was found from a free eye and not through a crack (rule 3), with what lies in the same place (rule
-// 2). Returns what is new, one lead per polygon (of exact duplicates one of them), in an order that neither ids nor the
-// order of found decide. found is reordered. Tests run on the calling thread's TBB arena.
+// Adds to the set the polygons that were found from a valid viewpoint and not through a light leak (rule 3), with the
+// polygons that coincide with them (rule 2). Returns one seed ray per new polygon (one for a class of exact
+// duplicates), in an order that depends neither on ids nor on the order of found. found is reordered. Tests run on
+// the calling thread's TBB arena.
 std::vector<seed_ray> join_finds(const ray_scene& rays, const visibility_rules& rules, std::vector<ray_find>& found,
                                  cell_set& set);
 

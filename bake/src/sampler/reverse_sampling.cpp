@@ -12,7 +12,7 @@
 namespace sightcell::bake {
 namespace {
 
-// The first eye in the cell of all that look at border along the line past edge.
+// Returns the first point in the cell on the line from border past edge.
 std::optional<glm::vec3> eye_past(const glm::vec3& edge, const glm::vec3& border, const box& cell) {
   const glm::vec3 way = edge - border;
   float enter = 1.0f, leave = std::numeric_limits<float>::infinity();  // 1: at the edge
@@ -24,13 +24,13 @@ std::optional<glm::vec3> eye_past(const glm::vec3& edge, const glm::vec3& border
 }  // namespace
 
 bool is_blocked_before(float distance, float reach) {
-  return distance < reach - std::max(0.02f, 0.01f * reach);  // as rule 3 tells what is before a place
+  return distance < reach - std::max(0.02f, 0.01f * reach);  // the same threshold as in rule 3
 }
 
 void add_reverse_eyes(const triangle& occluder, const glm::vec3& eye, const glm::vec3& seen, const glm::vec3& border,
                       float offset, const box& cell, std::vector<glm::vec3>& eyes) {
   const glm::vec3 normal = glm::cross(seen - eye, border - eye);
-  const glm::vec3 across = glm::cross(border - eye, normal);  // in the plane, square to the blocked ray
+  const glm::vec3 across = glm::cross(border - eye, normal);  // in the plane, at right angles to the blocked ray
   if (!(glm::dot(across, across) > 0.0f)) return;
   const border_polygon ring = enlarged(occluder, eye, offset);
   std::optional<glm::vec3> low, high;

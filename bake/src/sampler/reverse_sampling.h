@@ -1,6 +1,6 @@
 #pragma once
-// Reverse sampling (Wonka et al., Guided Visibility Sampling, SIGGRAPH 2006): where a border ray was
-// blocked by something clearly nearer, another eye may look past it.
+// Reverse sampling (Wonka et al., Guided Visibility Sampling, SIGGRAPH 2006): where a border ray was blocked by
+// something clearly closer, another eye may see past it.
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -9,14 +9,15 @@
 
 namespace sightcell::bake {
 
-// Was a ray that met something at distance blocked clearly before a place at reach?
+// Returns whether a ray that hit something at distance was blocked clearly before a point at reach.
 bool is_blocked_before(float distance, float reach);
 
-// A ray from eye toward border, a point beside a polygon that the eye sees at seen, met the occluder. Of the plane
-// through the three points the enlarged occluder cuts a stretch; the sight lines from border past both of its ends are
-// turned round. Adds to eyes where they enter the cell (in the middle of what they have in it, where the occluder
-// stands in the cell itself); a line that passes the cell by is not valid and adds nothing. Whether an eye is free and
-// what it then sees is for the caller to find out. offset: as of enlarged(). At most two are added.
+// A ray from eye toward border hit the occluder; border is a point next to a polygon that is visible from the eye at
+// seen. The plane through the three points cuts the enlarged occluder in a segment. The lines from border past both
+// of its ends are followed to the cell, and the points where they enter it are appended to eyes, at most two. If the
+// occluder is in the cell, it is the middle of the line's part in the cell instead. A line that misses the cell adds
+// nothing. The caller tests whether the eyes are valid viewpoints and what is visible from them.
+// offset: as for enlarged().
 void add_reverse_eyes(const triangle& occluder, const glm::vec3& eye, const glm::vec3& seen, const glm::vec3& border,
                       float offset, const box& cell, std::vector<glm::vec3>& eyes);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What one cell was seen to see, while all cells are sampled at once: polygons with their witnesses, in a flat table.
+// The polygons found for one cell, with their witnesses, while all cells are sampled together: a flat hash table.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -16,7 +16,7 @@ class seen_pairs {
   };
 
   bool contains(std::uint32_t polygon) const { return !keys_.empty() && keys_[slot_of(polygon)] == polygon; }
-  // False where it was there.
+  // Returns false if the polygon was there.
   bool add(std::uint32_t polygon, const glm::vec3& eye) {
     if (2 * (pairs_.size() + 1) > keys_.size()) grow();
     std::uint32_t& key = keys_[slot_of(polygon)];
@@ -29,7 +29,7 @@ class seen_pairs {
   const std::vector<pair>& all() const { return pairs_; }
 
  private:
-  // Where the polygon is, or would be.
+  // Returns the slot of the polygon, or the one where it would be added.
   std::size_t slot_of(std::uint32_t polygon) const {
     const std::size_t mask = keys_.size() - 1;
     std::size_t slot = (std::uint64_t{polygon} * 0x9E3779B97F4A7C15ull >> 32) & mask;
@@ -41,7 +41,7 @@ class seen_pairs {
     for (const pair& p : pairs_) keys_[slot_of(p.polygon)] = p.polygon;
   }
 
-  std::vector<std::uint32_t> keys_;  // a power of two, at most half of them taken
+  std::vector<std::uint32_t> keys_;  // size is a power of two; at most half of the slots are used
   std::vector<pair> pairs_;
 };
 

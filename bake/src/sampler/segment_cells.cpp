@@ -11,7 +11,7 @@ namespace sightcell::bake {
 namespace {
 
 constexpr double most_voxels = 4 << 20;
-constexpr float slack = 1e-3f;  // of a voxel: what rounding may put into the next one
+constexpr float slack = 1e-3f;  // of a voxel: margin for rounding
 
 bool clip(const box& within, const glm::vec3& eye, const glm::vec3& direction, float& from, float& to) {
   return clip_line(within.min, within.max, eye, direction, from, to) && from < to;
@@ -68,7 +68,7 @@ void segment_cells::find(const glm::vec3& eye, const glm::vec3& direction, float
                          std::vector<crossing>& out) const {
   out.clear();
   if (cells_.empty() || !clip(all_, eye, direction, from, to)) return;
-  // Voxel by voxel: along each axis the place on the line where the next one begins (Amanatides and Woo 1987).
+  // Voxel by voxel: along each axis the parameter at which the next voxel begins (Amanatides and Woo 1987).
   voxel at = voxel_of(eye + direction * from);
   std::array<float, 3> next{}, step{};
   for (int axis = 0; axis < 3; ++axis) {

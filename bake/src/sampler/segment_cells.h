@@ -1,5 +1,5 @@
 #pragma once
-// Which cells a line goes through, for many cells anywhere: a grid of voxels about as large as a cell.
+// Finds the cells that a line crosses, for many cells anywhere: a grid of voxels about the size of a cell.
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -17,8 +17,8 @@ class segment_cells {
  public:
   explicit segment_cells(std::vector<box> cells);
 
-  // The cells that eye + t * direction crosses for t between from and to, which may be infinite; ascending, each once.
-  // out is overwritten.
+  // Finds the cells that eye + t * direction crosses for t between from and to, which may be infinite; ascending,
+  // each once. out is overwritten.
   void find(const glm::vec3& eye, const glm::vec3& direction, float from, float to, std::vector<crossing>& out) const;
 
   const std::vector<box>& boxes() const { return cells_; }
@@ -38,7 +38,7 @@ class segment_cells {
   box all_;
   glm::vec3 size_{1.0f};  // of a voxel
   voxel count_{1, 1, 1};
-  std::vector<std::uint32_t> begins_;  // of each voxel in members_, and the end of the last
+  std::vector<std::uint32_t> begins_;  // per voxel: its first entry in members_; then the end of the last voxel
   std::vector<std::uint32_t> members_;
 };
 

@@ -7,8 +7,8 @@
 namespace sightcell::bake {
 namespace {
 
-// The digits of a number in base 2, mirrored: neighbors on the grid come far from each other, so that a face whose time
-// ends early is covered all the same.
+// Returns the number with its binary digits mirrored: neighbors on the grid get numbers far from each other, so that
+// a face whose time ends early is covered all the same.
 std::uint32_t mirrored(std::uint32_t number) {
   std::uint32_t out = 0;
   for (int bit = 0; bit < 32; ++bit) out = out << 1 | (number >> bit & 1);
@@ -24,7 +24,7 @@ uniform_grid::uniform_grid(const glm::vec2& face_size, std::uint32_t samples) {
       std::clamp(std::round(std::sqrt(samples * aspect)), 1.0, static_cast<double>(samples)));
   std::vector<glm::vec2> grid;
   for (std::uint32_t row = 0; row < rows; ++row) {
-    const std::uint32_t columns = samples * (row + 1) / rows - samples * row / rows;  // none of them is left over
+    const std::uint32_t columns = samples * (row + 1) / rows - samples * row / rows;  // together all samples
     for (std::uint32_t column = 0; column < columns; ++column)
       grid.emplace_back((static_cast<float>(column) + 0.5f) / static_cast<float>(columns),
                         (static_cast<float>(row) + 0.5f) / static_cast<float>(rows));

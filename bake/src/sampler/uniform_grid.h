@@ -1,5 +1,5 @@
 #pragma once
-// Places on a regular grid over the face: what adaptive samplers are measured against.
+// Positions on a regular grid over the face: the reference for adaptive samplers.
 #include <vector>
 
 #include "sampler/face_sampler.h"
@@ -8,8 +8,8 @@ namespace sightcell::bake {
 
 class uniform_grid final : public face_sampler {
  public:
-  // Rows as far from each other as the places in them, as near as whole numbers come; rows may differ by one place, so
-  // that there are samples of them, one at least.
+  // The distance between rows is that of the positions in them, as far as whole numbers allow. Rows may differ by one
+  // position, so that the total is samples, at least one.
   uniform_grid(const glm::vec2& face_size, std::uint32_t samples);
   std::optional<glm::vec2> next() override;
   void rendered(const glm::vec2&, const hemicube_view&) override {}
