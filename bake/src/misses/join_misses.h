@@ -1,5 +1,5 @@
 #pragma once
-// Known misses into the set of a cell, as far as they are true.
+// Adds reported misses to the set of a cell if they are confirmed.
 #include <cstdint>
 #include <span>
 
@@ -10,9 +10,9 @@
 
 namespace sightcell::bake {
 
-// Those of misses that the set lacks join it, with the eye as witness, where that is a free place and a ray from there
-// sees the polygon; of several eyes that see it the first. Returns the rays cast. Runs on the calling thread's TBB
-// arena; does not depend on the number of threads.
+// Adds each reported polygon that the set lacks, with the reported eye as witness, if the eye is a valid viewpoint
+// and a ray from it hits the polygon. Of several such eyes the first becomes the witness. Returns the number of rays
+// cast. Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
 std::uint64_t join_misses(const ray_scene& rays, const visibility_rules& rules, std::span<const reported_miss> misses,
                           cell_set& set);
 

@@ -15,8 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uintmax_t file_size_limit = 16u << 20;  // bytes; some 300,000 misses
-constexpr double farthest = 1e7;                       // metres, as of cells
+constexpr std::uintmax_t file_size_limit = 16u << 20;  // bytes; about 300,000 misses
+constexpr double farthest = 1e7;                       // meters, as for cells
 constexpr const char* shape = R"(write {"misses":[{"eye":[x,y,z],"polygon":1234}]}, metres and source ids)";
 
 [[noreturn]] void refuse(const char* id, const std::string& subject, const std::string& cause,
@@ -28,14 +28,14 @@ json parse(std::string_view text, const std::string& subject) {
   try {
     return scene::parse_json(text);
   } catch (const json::exception& e) {  // a parse error, or a number beyond double
-    // The library's text starts with its own name and number in brackets; people need only what follows.
+    // The library's text starts with its own name and number in brackets, which mean nothing to users.
     const std::string what = e.what();
     const auto end = what.find("] ");
     refuse("misses.not-json", subject, "not JSON: " + (end == std::string::npos ? what : what.substr(end + 2)));
   }
 }
 
-// Whoever says of what scene the ids are is held to it.
+// The fingerprint is optional. If it is there, it must be that of the scene.
 void check_fingerprint(const json& document, const std::string& subject, const scene::scene& s) {
   const auto found = document.find("scene_fingerprint");
   if (found == document.end()) return;
@@ -64,7 +64,7 @@ glm::vec3 read_eye(const json& miss, const std::string& label, const std::string
     if (!(std::abs(value) <= farthest))
       refuse("misses.bad-report", subject, fmt::format("{}: its eye is at {} m", label, value),
              "give an eye within 10,000 km of the origin");
-    eye[axis] = static_cast<float>(value) + 0.0f;  // -0 is 0
+    eye[axis] = static_cast<float>(value) + 0.0f;  // -0 becomes 0
   }
   return eye;
 }

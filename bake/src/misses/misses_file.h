@@ -1,7 +1,7 @@
 #pragma once
-// Polygons that a host found missing, from a JSON file: {"misses":[{"eye":[x,y,z],"polygon":1234}]}. Other members are
-// passed over, but for "scene_fingerprint", 32 hex digits as `sightcell info` shows them: of another scene ids mean
-// nothing.
+// Reads misses that a host found from a JSON file: {"misses":[{"eye":[x,y,z],"polygon":1234}]}. Other members are
+// ignored except "scene_fingerprint", 32 hex digits as `sightcell info` prints them, which is checked because source
+// ids are valid for one scene only.
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
@@ -13,17 +13,17 @@
 
 namespace sightcell::bake {
 
-// From the eye the polygon ought to have been drawn.
+// A polygon that should have been drawn for a camera at the eye.
 struct reported_miss {
-  glm::vec3 eye{0.0f};        // metres
+  glm::vec3 eye{0.0f};        // meters
   std::uint32_t polygon = 0;  // source id
   bool operator==(const reported_miss&) const = default;
 };
 
-// In the order of the file. Eyes are finite, polygons are of the scene. Throws sightcell::error (bad_input) that names
-// the file, which miss it is and what is wrong with it.
+// Returns the misses in the order of the file, with finite eyes and polygons of the scene. Throws sightcell::error
+// (bad_input) with the file, the number of the miss and the cause.
 std::vector<reported_miss> read_misses(const std::filesystem::path& path, const scene::scene& s);
-// The same from text; subject names it in errors.
+// Does the same for text; subject is the name for errors.
 std::vector<reported_miss> parse_misses(std::string_view text, const std::string& subject, const scene::scene& s);
 
 }  // namespace sightcell::bake

@@ -15,19 +15,19 @@ namespace sightcell::bake {
 namespace {
 
 constexpr float pixel = 1e-6f;  // sr: of 1920 x 1080 pixels at 60 degrees
-// A polygon that is as small as a pixel may be seen past an edge, too.
+// A polygon as small as a pixel may be visible past an edge, so more than one ray is needed.
 constexpr std::uint64_t fewest_rays = 256, most_rays = 1 << 18;
 
 struct part {
   float size = 0.0f;         // sr
-  std::uint64_t number = 0;  // in the order in which they were made
+  std::uint64_t number = 0;  // in the order of creation
   triangle corners{};
-  bool operator<(const part& other) const {  // the largest first, of equal ones the oldest
+  bool operator<(const part& other) const {  // largest first, of equals the oldest
     return std::tie(size, other.number) < std::tie(other.size, number);
   }
 };
 
-// Of the edges the one that spans the widest angle.
+// Returns the edge with the largest angle as seen from the eye.
 int widest_edge(const triangle& t, const glm::vec3& eye) {
   int widest = 0;
   float most = -1.0f;
@@ -40,8 +40,8 @@ int widest_edge(const triangle& t, const glm::vec3& eye) {
   return widest;
 }
 
-// Another place in each part, or rays would be a grid, which may lie beside whatever is narrow and straight: a
-// sequence that fills the unit square (Roberts 2018), folded into the triangle.
+// Returns a point of the part, another one for each number. The centers of the parts would be a grid, which may miss
+// narrow straight shapes. Uses a sequence that fills the unit square (Roberts 2018), folded into the triangle.
 glm::vec3 place_in(const part& where) {
   const auto number = static_cast<std::uint32_t>(where.number + 1);
   float u = static_cast<float>((number * 3242174889u) >> 8) * 0x1p-24f;
@@ -95,12 +95,12 @@ class looker {
     result_.counts = std::none_of(coincident_.begin(), coincident_.end(), contains_);
   }
 
-  // Where the ray that was cast sees the polygon.
+  // Returns the distance at which the last ray hit the polygon.
   std::optional<float> distance_to_polygon(const glm::vec3& direction, float length) {
     if (seen_.front == polygon_) return seen_.distance;
     for (const passed_polygon& p : seen_.before)
       if (p.polygon == polygon_) return p.distance;
-    // Rule 2: what is hit where the polygon ought to be may lie in the same place.
+    // Rule 2: the polygon may coincide with the one that was hit at its distance.
     if (seen_.front == no_polygon) return std::nullopt;
     if (!(std::abs(seen_.distance - length) <= coincidence_reach(seen_.distance))) return std::nullopt;
     rays_.coincident(eye_, direction, seen_.distance, coincident_);

@@ -18,14 +18,14 @@ namespace {
 
 constexpr const char* member = "misses";
 
-// As the runtime asks it: without rounding, and half-open.
+// The test of the runtime: without rounding, half-open.
 bool holds(double min, double max, double margin, float place) {
   return static_cast<double>(place) >= min - margin && static_cast<double>(place) < max + margin;
 }
 
 using hashes_of_blocks = std::map<std::uint32_t, std::string_view>;
 
-// "3; 0:12ab 7:34cd" as key_of wrote it.
+// Parses the text of key_of(): "3; 0:12ab 7:34cd".
 hashes_of_blocks blocks_in(std::string_view text) {
   hashes_of_blocks found;
   text.remove_prefix(std::min(text.find(';'), text.size()));
@@ -41,7 +41,7 @@ hashes_of_blocks blocks_in(std::string_view text) {
   }
 }
 
-// A key is plain words and then the settings as a JSON object: takes what it says of misses out of that.
+// A key, which is plain words followed by the settings as a JSON object, with the misses taken out of that.
 struct key_parts {
   std::string words;
   nlohmann::json settings;

@@ -22,7 +22,7 @@ void put(std::string& out, std::string_view text) {
   out += text;
 }
 
-// Reads past the end answer nothing and make good false.
+// Reading past the end returns zeros and sets good to false.
 struct reader {
   std::string_view bytes;
   bool good = true;
@@ -46,7 +46,7 @@ struct reader {
     bytes.remove_prefix(size);
     return out;
   }
-  // How many records of so many bytes follow; none where they cannot be there.
+  // Returns the number of records of this size that follow; 0 if the bytes are too few for them.
   std::uint64_t count_of(std::size_t record) {
     const std::uint64_t count = number(4);
     good = good && count <= bytes.size() / record;
@@ -54,7 +54,7 @@ struct reader {
   }
 };
 
-// Facts, draw table, volumes and settings are those of a .pvs file without cells.
+// Facts, draw table, volumes and settings are encoded as a .pvs file without cells.
 std::string file_without_cells(const pvs_frame& frame) {
   format::file_contents contents;
   contents.facts = frame.facts;

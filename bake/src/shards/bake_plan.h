@@ -1,5 +1,5 @@
 #pragma once
-// What a shard's file says of the whole bake, so that shards can be joined without the scene.
+// The part of a shard's file that describes the whole bake, so that shards can be merged without the scene.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -12,14 +12,14 @@ namespace sightcell::bake {
 
 struct bake_plan {
   pvs_frame frame;
-  std::vector<std::uint32_t> block_of;  // by cell
+  std::vector<std::uint32_t> block_of;  // per cell
   std::vector<std::string> block_names;
 };
 
 bake_plan plan_of(pvs_frame frame, const cell_blocks& blocks);
 
 std::string encode(const bake_plan& plan);
-// Throws sightcell::error "shard.damaged" that names the file where the bytes are not those of a plan.
+// Throws sightcell::error "shard.damaged" with the name of the file if the bytes are no plan.
 bake_plan decode_plan(std::string_view bytes, const std::string& file);
 
 }  // namespace sightcell::bake

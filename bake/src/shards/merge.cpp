@@ -1,4 +1,4 @@
-// Shards into a file: no scene, no rays.
+// Merges shards into a file, without the scene and without rays.
 #include <fmt/format.h>
 
 #include <vector>
@@ -12,7 +12,7 @@
 namespace sightcell::bake {
 namespace {
 
-// Machines whose results differ must be found here and not by a player.
+// Machines whose results differ are detected here.
 void check_doubles(const shard_files& files, const bake_plan& plan) {
   files.for_each_double([&](std::uint32_t cell, std::size_t a, std::size_t b) {
     if (files.load_from(a, cell, cell_stage::finished) == files.load_from(b, cell, cell_stage::finished)) return;
@@ -23,7 +23,7 @@ void check_doubles(const shard_files& files, const bake_plan& plan) {
 }
 
 void check_complete(const shard_files& files, const bake_plan& plan, const std::filesystem::path& output) {
-  std::vector<int> state(plan.block_names.size());  // 0 finished, 1 through phase 1, 2 not there
+  std::vector<int> state(plan.block_names.size());  // 0: finished, 1: phase 1 finished, 2: missing
   for (std::uint32_t cell = 0; cell < plan.block_of.size(); ++cell) {
     if (files.file_with(cell, cell_stage::finished)) continue;
     int& block = state[plan.block_of[cell]];

@@ -10,7 +10,7 @@
 namespace sightcell::bake {
 namespace {
 
-// What a plan may not have more of.
+// Limit on the cells of a plan.
 constexpr std::uint32_t cell_limit = 1u << 24;
 
 void check_key(const checkpoint& file, const std::filesystem::path& path, const std::string& key) {
@@ -76,7 +76,7 @@ cell_record shard_files::load(std::uint32_t cell, cell_stage stage) const {
 void shard_files::for_each_double(
     const std::function<void(std::uint32_t cell, std::size_t, std::size_t)>& visit) const {
   for (std::size_t file = 1; file < files_.size(); ++file) {
-    std::vector<std::uint32_t> cells;  // first all of them: visit reads the file that is being listed
+    std::vector<std::uint32_t> cells;  // copied, because visit reads the file that is being listed
     files_[file].list([&](std::uint32_t cell, cell_stage stage) {
       if (stage == cell_stage::finished && *file_with(cell, stage) != file) cells.push_back(cell);
     });

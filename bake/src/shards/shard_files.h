@@ -1,5 +1,5 @@
 #pragma once
-// The files of several shards, read as one.
+// Reads the files of several shards like one.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -15,23 +15,24 @@ namespace sightcell::bake {
 
 class shard_files {
  public:
-  // Throws sightcell::error "shard.other-bake" where a file is of another bake than key; without a key, than the first.
+  // key: of the bake; without one, the key of the first file. Throws sightcell::error "shard.other-bake" if a file is
+  // of another bake.
   shard_files(std::span<const std::filesystem::path> files, const std::optional<std::string>& key);
 
   std::size_t count() const { return files_.size(); }
   const std::filesystem::path& path_of(std::size_t file) const { return paths_[file]; }
-  bake_plan plan() const;  // of the first one
+  bake_plan plan() const;  // of the first file
 
-  // Where the record is; nothing: in no file.
+  // Returns the index of the file with the record; nothing if it is in no file.
   std::optional<std::size_t> file_with(std::uint32_t cell, cell_stage stage) const;
-  // May be called from any thread. Throws where it is in no file.
+  // Returns the record. May be called from any thread. Throws sightcell::error if it is in no file.
   cell_record load(std::uint32_t cell, cell_stage stage) const;
   // Calls visit for each finished cell that is in two files.
   void for_each_double(const std::function<void(std::uint32_t cell, std::size_t, std::size_t)>& visit) const;
   cell_record load_from(std::size_t file, std::uint32_t cell, cell_stage stage) const;
 
  private:
-  // For each stage, by cell: 1 + the first file that has it; 0: none.
+  // Returns the entry of a cell: 1 + the index of the first file that has its record; 0: none.
   std::uint32_t& place(std::uint32_t cell, cell_stage stage);
 
   std::vector<std::filesystem::path> paths_;
@@ -39,7 +40,8 @@ class shard_files {
   std::vector<std::uint32_t> places_[3];
 };
 
-// Says which blocks have no finished cells yet, or no phase 1: "block 3,-1 (...), block 4,-1 (...) and 12 more".
+// Throws an error with the names of blocks whose records are missing: "block 3,-1 (...), block 4,-1 (...) and 12
+// more".
 [[noreturn]] void refuse_missing(const std::vector<std::string>& blocks, const std::filesystem::path& output,
                                  const std::string& cause, const std::string& remedy);
 

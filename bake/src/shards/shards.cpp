@@ -1,4 +1,4 @@
-// A bake on several machines: whole blocks for each, and files that are joined at the end.
+// Bakes on several machines: each bakes whole blocks, and the files are merged at the end.
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
@@ -35,14 +35,14 @@ void validate(const shard& part) {
                 "give 1 or 2");
 }
 
-// It is one clock for cells of all blocks.
+// A time budget is one clock for the cells of all blocks.
 void refuse_time_budget(const settings& how) {
   if (how.time_budget > 0.0)
     throw error(error_kind::wrong_use, "settings.time-budget", "--time-budget", "is for a bake on one machine",
                 "leave out --shard, or --time-budget");
 }
 
-// It is measured when all sets are known, and who joins shards has no scene.
+// Importance is measured when all sets are known, and merge has no scene.
 void refuse_importance(const settings& how) {
   if (how.file.importance)
     throw error(error_kind::wrong_use, "shard.importance", "--importance", "is for a bake on one machine",
@@ -61,7 +61,7 @@ std::uint32_t cells_in(const std::vector<std::uint32_t>& blocks, const cell_bloc
   return static_cast<std::uint32_t>(cells);
 }
 
-// Is the shard's file there, of this bake?
+// Returns whether the shard's file exists and is of this bake.
 bool is_there(const std::filesystem::path& path, const std::string& key) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return false;
@@ -70,7 +70,7 @@ bool is_there(const std::filesystem::path& path, const std::string& key) {
   return true;
 }
 
-// What phase 2 of these blocks reads: it must all be there.
+// Opens the phase-1 files that phase 2 of these blocks reads; all of them must exist.
 shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& plan,
                        const std::vector<std::uint32_t>& blocks, const std::string& key) {
   std::vector<std::filesystem::path> files = find_shard_files(output);
@@ -95,7 +95,7 @@ shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& pl
                  "bake phase 1 of all shards first");
 }
 
-// For the records while they come, and for the file that they end in. How long cells take is said of phase 1 alone.
+// Checks the disk space for the records and for the final file. The estimated time is logged for phase 1 only.
 void check_room(const bake_context& context, unsigned phase, std::size_t cells, const std::filesystem::path& work,
                 const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
   bake_estimate estimate;
@@ -104,7 +104,7 @@ void check_room(const bake_context& context, unsigned phase, std::size_t cells, 
   check_disk_space({{folder_of(work), bytes}, {folder_of(output), bytes}}, tell);
 }
 
-// One shard, from its first cell to its file.
+// Bakes one shard from its first cell to its file.
 void bake_blocks(const bake_context& context, const stage_plan& plan, const std::vector<std::uint32_t>& blocks,
                  const shard& part, const std::filesystem::path& output, tbb::task_arena& arena, bool fresh,
                  const callbacks& tell, summary& sum) {

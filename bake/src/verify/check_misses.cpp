@@ -1,4 +1,5 @@
-// Reports of a host against a file: its own ray scene built from the import, and nothing of the bake's state.
+// Checks the reports of a host against a file, with a ray scene of its own that is built from the import, and without
+// any state of the bake.
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -14,10 +15,10 @@
 namespace sightcell::bake {
 namespace {
 
-// What the cells that an eye can be in say of a report, the last of these that is true of any of them.
+// The result of a report in the cells that contain its eye: the last of these that holds for one of them.
 enum class finding : std::uint8_t { outside, not_missing, not_visible, not_free, reproduced };
 
-// What a set that lacks the polygon makes of it.
+// Returns the result for a cell whose set lacks the polygon.
 finding try_miss(const verified_file& file, const reported_miss& miss,
                  const std::function<bool(std::uint32_t)>& contains) {
   const stored_rules& rules = file.rules();
@@ -38,7 +39,7 @@ miss_check check_all(verified_file& file, const reported_misses& known,
     const box own = file.cell_box(cell);
     const std::vector<std::uint32_t> here = known.in(own.min, own.max, file.file().facts().margin);
     if (!here.empty()) file.cell_set(cell, set);
-    // What is of another scene is in no set, and nobody misses it.
+    // Polygons of the other scene are in no set and are not misses.
     const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) {
       return polygon >= file.file().polygon_count() || std::binary_search(set.begin(), set.end(), polygon);
     };

@@ -12,7 +12,7 @@ void require_ok(format::status outcome, const std::string& name) {
     throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
 }
 
-// What hides is told by both scenes: one alone would show what nobody sees.
+// Occlusion depends on both scenes, so rays in one alone would report false misses.
 void require_cells_from(const format::reader& file, const std::string& name, const scene::scene* given) {
   const std::optional<std::string> stored = stored_cells_from(file.settings());
   if (stored && given == nullptr)

@@ -1,6 +1,6 @@
 #pragma once
-// A .pvs file and the scene that it was baked from, for who checks the one against the other: what the bake was told of
-// seeing, and rays that are built anew from the import.
+// A .pvs file with the scene that it was baked from, for checks of the file against the scene: its visibility rules,
+// and a ray scene that is built from the import.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -20,24 +20,26 @@ namespace sightcell::bake {
 
 class verified_file {
  public:
-  // References must outlive the object. cells_from: the scene of the cells where that is another one, else null. Throws
-  // sightcell::error where the file is broken or of other scenes.
+  // cells_from: the scene of the cells if it is another one, else null.
+  // References must outlive the object. Throws sightcell::error if the file is damaged or was baked from other
+  // scenes.
   verified_file(const scene::scene& s, const scene::scene* cells_from, std::span<const std::byte> file,
                 const std::string& name);
-  verified_file(const verified_file&) = delete;  // rays point into it
+  verified_file(const verified_file&) = delete;  // rays_ refers to a member
   verified_file& operator=(const verified_file&) = delete;
 
-  // Flattens what the bake saw as it did, and builds the rays: on the calling thread's TBB arena. Polygons from
-  // file().polygon_count() on are of the other scene and in no set.
+  // Flattens the scene with the settings of the bake and builds the ray scene on the calling thread's TBB arena.
+  // Polygons from file().polygon_count() on are of the other scene and in no set.
   void build_rays();
 
   const format::reader& file() const { return file_; }
   const stored_rules& rules() const { return rules_; }
-  const ray_scene& rays() const { return *rays_; }  // when they are built
+  const ray_scene& rays() const { return *rays_; }  // after build_rays()
 
-  // Of a cell that there is. seen: ascending source ids. Throws where its part of the file is damaged.
+  // Writes the set of a cell to seen, ascending source ids. Throws sightcell::error if that part of the file is
+  // damaged.
   void cell_set(std::uint32_t cell, std::vector<std::uint32_t>& seen);
-  // The same with volumes behind the polygons, from file().polygon_count() on.
+  // Does the same with volumes after the polygons, numbered from file().polygon_count() on.
   void cell_items(std::uint32_t cell, std::vector<std::uint32_t>& items);
   stored_volumes volumes() const;
   box cell_box(std::uint32_t cell) const;

@@ -1,5 +1,5 @@
-// The independent check of a bake: its own ray scene built from the import, its own random numbers, no sampler code and
-// nothing of the bake's state; the cell sets are read back from the file.
+// The independent check of a bake: it has a ray scene of its own that is built from the import, its own random
+// numbers, no sampler code and no state of the bake. It reads the cell sets from the file.
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -23,18 +23,18 @@ namespace {
 
 constexpr std::size_t reported_polygons = 100;
 
-// Of one cell's set: asked from many threads.
+// The set of one cell. Called from many threads.
 class membership {
  public:
   membership(std::uint32_t polygons, std::uint32_t volumes)
       : polygons_(polygons), in_(std::size_t{polygons} + volumes, 0) {}
-  // Polygons, and volumes behind them.
+  // items: polygons, and volumes after them.
   void assign(std::span<const std::uint32_t> items) {
     std::fill(in_.begin(), in_.end(), std::uint8_t{0});
     for (const std::uint32_t item : items) in_[item] = 1;
     size_ = static_cast<std::uint64_t>(std::lower_bound(items.begin(), items.end(), polygons_) - items.begin());
   }
-  // What is of another scene is in no set, and nobody misses it.
+  // Polygons of the other scene are in no set and are not misses.
   bool contains(std::uint32_t polygon) const { return polygon >= polygons_ || in_[polygon] != 0; }
   bool contains_volume(std::uint32_t volume) const { return in_[std::size_t{polygons_} + volume] != 0; }
   std::uint64_t size() const { return size_; }  // polygons
