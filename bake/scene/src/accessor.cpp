@@ -8,7 +8,7 @@
 namespace sightcell::scene {
 namespace {
 
-// Calls f with a value of the C++ type behind the component type, so that the inner loops are typed.
+// Calls f with a value of the C++ type of the component type, so that the inner loops are typed.
 template <typename F>
 void with_type(int component_type, F f) {
   switch (component_type) {
@@ -103,11 +103,11 @@ bool read_numbers(const accessor_view& view, std::vector<double>& out) {
 }
 
 bool read_indices(const accessor_view& view, std::vector<std::uint32_t>& out) {
-  // Signed and floating indices are refused before; converting a float here could be undefined.
+  // Signed and floating indices were rejected before. Converting a float here could be undefined behavior.
   if (view.component_type != 5121 && view.component_type != 5123 && view.component_type != 5125) return false;
   out.assign(view.count, 0);
   std::vector<double> wide;
-  if (view.sparse_count != 0) {  // rare; doubles hold every 32-bit index
+  if (view.sparse_count != 0) {  // rare; doubles can represent every 32-bit index
     if (!read_all(view, wide)) return false;
     std::transform(wide.begin(), wide.end(), out.begin(), [](double v) { return static_cast<std::uint32_t>(v); });
     return true;

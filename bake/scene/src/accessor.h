@@ -1,6 +1,6 @@
 #pragma once
-// Reading numbers out of a buffer the way a glTF accessor describes them. The caller has checked that all bytes are
-// there; nothing here can read outside the spans.
+// Reads numbers from a buffer as a glTF accessor describes them. The caller has checked that all bytes exist; nothing
+// here can read outside the spans.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace sightcell::scene {
 
-// glTF's component types by their numbers in the file; 0 for any other number.
+// Returns the bytes of a glTF component type, given by its number in the file; 0 for any other number.
 std::size_t component_size(int component_type);
 
 struct accessor_view {
@@ -18,19 +18,19 @@ struct accessor_view {
   std::size_t width = 1;   // components per element
   int component_type = 0;
   bool normalized = false;
-  // Sparse: elements at these indices are replaced by these tightly packed values.
+  // Sparse accessors: the elements at these indices are replaced by these tightly packed values.
   std::size_t sparse_count = 0;
   std::span<const std::uint8_t> sparse_indices;
   int sparse_index_type = 0;
   std::span<const std::uint8_t> sparse_values;
 };
 
-// count * width numbers; normalized integers become max(value / largest, -1), others their value.
-// False: a sparse index is not below count.
+// Reads count * width numbers. Normalized integers become max(value / largest, -1), others their value. Returns false
+// if a sparse index is not below count.
 bool read_numbers(const accessor_view& view, std::vector<float>& out);
 bool read_numbers(const accessor_view& view, std::vector<double>& out);
 
-// Scalars of an unsigned type.
+// Reads scalars of an unsigned type. Returns false for another type or a sparse index that is not below count.
 bool read_indices(const accessor_view& view, std::vector<std::uint32_t>& out);
 
 }  // namespace sightcell::scene

@@ -7,13 +7,13 @@
 namespace sightcell::scene {
 namespace {
 
-// The two texels that a coordinate lies between, and how far it is toward the second.
+// The two texels on both sides of a coordinate, and the weight of the second.
 struct between {
   std::uint32_t first, second;
   float toward_second;
 };
 
-// Into 0..1.
+// Maps a coordinate into 0..1.
 float folded(float coordinate, wrap mode) {
   if (mode == wrap::clamp) return std::clamp(coordinate, 0.0f, 1.0f);
   if (mode == wrap::mirror) return std::abs(coordinate - 2.0f * std::floor((coordinate + 1.0f) * 0.5f));

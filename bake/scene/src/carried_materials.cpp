@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-// Empty: none that is known.
+// Returns the media type of an image; empty if unknown.
 std::string media_type(const std::vector<std::uint8_t>& bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 16));
   if (text.starts_with("\x89PNG")) return "image/png";
@@ -29,7 +29,7 @@ std::vector<std::uint8_t> image_bytes(const json_object& image, const gltf_sourc
   return {bytes.begin(), bytes.end()};
 }
 
-// Names of all extensions at any depth, with a stack of our own: files are hostile.
+// Collects the names of all extensions at any depth. Uses its own stack, because files may be hostile.
 void gather_extensions(const json& top, std::set<std::string>& names) {
   std::vector<const json*> open{&top};
   while (!open.empty()) {
@@ -73,7 +73,7 @@ carried_materials carry_materials(const json& document, const json_object& root,
       out.images.emplace_back(i, std::move(bytes));
     } catch (const error& e) {
       warnings.push_back(std::string("image left out: ") + e.what());
-      // A view of the other file means nothing here.
+      // An index of a view of the other file is not valid in this one.
       if (image.erase("bufferView") > 0) image["uri"] = "missing-" + std::to_string(i);
     }
   }

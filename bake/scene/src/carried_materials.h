@@ -1,5 +1,5 @@
 #pragma once
-// Materials, textures, samplers and images of a file, to go into another one as they are.
+// Copies materials, textures, samplers and images of a file into another one unchanged.
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,9 +13,11 @@
 namespace sightcell::scene {
 
 struct carried_materials {
-  nlohmann::json sections = nlohmann::json::object();  // by their names in a document, also the extensions they use
+  // By their names in a document, including the extensions that they use.
+  nlohmann::json sections = nlohmann::json::object();
   std::string copyright;
-  // By number in images: bytes that want a buffer view there. Others could not be had and keep their URI.
+  // By number in images: bytes that need a buffer view in the other file. Images that could not be read keep their
+  // URI.
   std::vector<std::pair<std::size_t, std::vector<std::uint8_t>>> images;
 };
 

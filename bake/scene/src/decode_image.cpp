@@ -15,8 +15,8 @@
 namespace sightcell::scene {
 namespace {
 
-// A broken header must not make the decoder allocate gigabytes. Whether so many bytes can hold so many pixels: deflate
-// gives at most 1032 bytes for one; JPEG spends a bit or more on a block of 64 pixels.
+// Returns whether this many bytes can contain this many pixels, so that a damaged header does not make the decoder
+// allocate gigabytes. Deflate yields up to 1032 bytes from one; JPEG uses one bit or more per block of 64 pixels.
 bool can_hold(const std::vector<std::uint8_t>& encoded, std::uint64_t pixels) {
   constexpr std::uint64_t free_pixels = std::uint64_t{1} << 16;
   const bool is_png = encoded[0] == 0x89;
@@ -29,7 +29,8 @@ bool can_hold(const std::vector<std::uint8_t>& encoded, std::uint64_t pixels) {
   return pixels <= free_pixels + encoded.size() * pixels_per_byte;
 }
 
-// The decoder allocates what a PNG's chunks say they hold before it looks whether they do.
+// Returns whether the file contains the bytes that its chunks state, because the decoder allocates them before it
+// checks.
 bool chunks_are_there(const std::vector<std::uint8_t>& png) {
   constexpr std::size_t signature = 8, head = 8, checksum = 4;
   for (std::size_t at = signature; png.size() - at >= head;) {

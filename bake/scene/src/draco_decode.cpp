@@ -16,19 +16,19 @@
 namespace sightcell::scene {
 namespace {
 
-// A flat regular grid of a million triangles takes a byte for 6 triangles and 3 points, real meshes one for half a
-// triangle.
+// Limit on claims of a stream. A flat regular grid of a million triangles takes a byte for 6 triangles and 3 points,
+// real meshes one byte for half a triangle.
 constexpr std::uint64_t elements_per_byte = 64;
 constexpr std::uint64_t free_elements = std::uint64_t{1} << 16;
 
-// Draco allocates what the header of a stream promises before it looks at the rest. Why it must not get that far, or
-// nothing; what cannot be read here Draco refuses itself.
+// Returns the cause if the header claims too much; else nothing. Draco allocates what the header claims before it
+// reads the rest. Streams that cannot be read here are rejected by Draco.
 std::optional<std::string> problem_with_header(std::span<const std::uint8_t> bytes) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::DracoHeader header{};
   if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) return std::nullopt;
-  if (header.version_major != 2 || header.version_minor != 2) {  // others write their numbers in other ways
+  if (header.version_major != 2 || header.version_minor != 2) {  // other versions encode numbers in other ways
     return "its bitstream is " + std::to_string(header.version_major) + "." + std::to_string(header.version_minor) +
            ", and glTF has 2.2";
   }

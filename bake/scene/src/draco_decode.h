@@ -1,5 +1,5 @@
 #pragma once
-// KHR_draco_mesh_compression: the triangles of a primitive out of its compressed bytes.
+// KHR_draco_mesh_compression: decodes the triangles of a primitive.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -8,6 +8,7 @@
 
 namespace sightcell::scene {
 
+// An attribute to decode.
 struct draco_wish {
   std::uint32_t id = 0;     // unique id inside the stream
   std::uint32_t width = 0;  // components per vertex
@@ -16,10 +17,10 @@ struct draco_wish {
 struct draco_mesh {
   std::uint32_t vertex_count = 0;
   std::vector<std::uint32_t> indices;          // three per triangle
-  std::vector<std::vector<float>> attributes;  // vertex_count x width each, in the order of the wishes
+  std::vector<std::vector<float>> attributes;  // vertex_count x width each, in the order of `wishes`
 };
 
-// Nothing, and why, when the stream is broken or has no such attribute.
+// Returns nothing, and the cause in why_not, if the stream is damaged or lacks an attribute.
 std::optional<draco_mesh> decode_draco(std::span<const std::uint8_t> bytes, std::span<const draco_wish> wishes,
                                        std::string& why_not);
 

@@ -1,4 +1,4 @@
-// The scene in world space, and what its MASK materials are tested with.
+// Transforms the scene to world space and makes the masks of MASK materials.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -13,17 +13,18 @@
 namespace sightcell::scene {
 namespace {
 
-constexpr std::size_t mask_texel_limit = std::size_t{64} << 20;  // together: what every device can hold in one buffer
+// Of all masks together: fits one buffer on every device.
+constexpr std::size_t mask_texel_limit = std::size_t{64} << 20;
 constexpr std::uint32_t image_side_limit = 16384;
 
 // What alpha decides for all polygons of a material.
 enum class presence : std::uint8_t { everywhere, nowhere, where_mask_passes };
 
-// The presence of a material's polygons without vertex colors; with them a mask is needed where there is any alpha.
+// For polygons of a material without vertex colors. With them a mask is needed if there is any alpha.
 struct material_presence {
   presence where = presence::everywhere;
   std::uint32_t mask = 0;
-  bool unknown = false;  // the image is not there
+  bool unknown = false;  // the image is missing
 };
 
 bool is_finite(const glm::vec3& p) {
@@ -34,8 +35,8 @@ bool is_finite(const glm::vec2& p) {
   return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-// Differences of floats and their products are exact or nearly so in double precision: only a polygon whose corners
-// lie on one line in the rounded positions counts as having no area.
+// Returns whether a polygon has an area. Differences of floats and their products are exact or nearly so in double
+// precision, so only a polygon whose rounded corners are on one line has none.
 bool has_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::dvec3 n = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
   return n.x != 0.0 || n.y != 0.0 || n.z != 0.0;
@@ -63,8 +64,8 @@ class flattener {
     list_lods();
     warn_of_broken_polygons();
     if (out_.min.x > out_.max.x) out_.min = out_.max = glm::vec3(0.0f);
-    // Every polygon at a corner that is not finite is absent already, so the place is free; no NaN must reach a
-    // ray tracer or a GPU that is given the whole array.
+    // Every polygon at a corner that is not finite is absent already, so any value will do. A NaN must not reach a
+    // ray tracer or a GPU that gets the whole array.
     for (glm::vec3& p : out_.positions) {
       if (!is_finite(p)) p = glm::vec3(0.0f);
     }
@@ -73,7 +74,7 @@ class flattener {
   }
 
  private:
-  // Materials that share texels still get a mask each: the cutoff may differ.
+  // Materials that share texels get a mask each, because the cutoff may differ.
   void make_masks() {
     presences_.resize(scene_.materials.size());
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
@@ -81,7 +82,7 @@ class flattener {
     }
   }
 
-  // The largest are halved as soon as there are too many, so that no more than these are ever in memory.
+  // Halves the largest masks as soon as the limit is passed, so that memory never contains more than the limit.
   std::uint32_t add_mask(alpha_mask mask) {
     texels_ += mask.texels.size();
     out_.masks.push_back(std::move(mask));
@@ -122,7 +123,7 @@ class flattener {
     return {presence::where_mask_passes, add_mask(std::move(mask))};
   }
 
-  // Empty when the material has no alpha but its constant one.
+  // Returns an empty mask if the material has only its constant alpha.
   alpha_mask texels_of(const material& m) {
     alpha_mask mask;
     if (m.alpha_map != no_index) {
@@ -171,7 +172,7 @@ class flattener {
     }
   }
 
-  // What the tags alone decide.
+  // Returns what the tags alone decide.
   polygon_kind kind_of(const draw& d) const {
     polygon_kind kind;
     const bool left_alone = !d.tags.animated || animated_ == animated_as::rest;
@@ -199,7 +200,7 @@ class flattener {
                             " a corner that is not finite; they are counted and never seen");
   }
 
-  // A coarser level that is tagged out of all sets stays out.
+  // A coarser level whose tags keep it out of all sets stays out.
   void list_lods() {
     std::map<std::uint32_t, lod_object> objects;
     for (const draw& d : scene_.draws) {
@@ -242,7 +243,7 @@ class flattener {
       const std::vector<glm::u8vec4>& colors = scene_.geometries[d.geometry].colors;
       for (std::size_t k = 0; k < 3; ++k) tested.alphas[k] = static_cast<float>(colors[local[k]].a) / 255.0f;
     }
-    // Corners without coordinates, or with broken ones, take those of the origin, as pictures do.
+    // Corners without texture coordinates, or with invalid ones, get those of the origin, as in pictures.
     const std::vector<glm::vec2>& uvs = scene_.geometries[d.geometry].uvs;
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::vec2 uv = local[k] < uvs.size() ? uvs[local[k]] : glm::vec2(0.0f);
@@ -256,8 +257,8 @@ class flattener {
            std::any_of(local.begin(), local.end(), [&](std::uint32_t vertex) { return colors[vertex].a != 255; });
   }
 
-  // For materials that are there everywhere but for the alpha of vertex colors. Texels that all pass alone may fail
-  // with a factor, so they are kept.
+  // Returns the mask of a material that is present everywhere except for the alpha of vertex colors. Texels that all
+  // pass alone may fail with a factor, so they are kept.
   std::uint32_t full_mask(std::uint32_t material_number) {
     const auto known = full_masks_.find(material_number);
     if (known != full_masks_.end()) return known->second;
@@ -265,7 +266,7 @@ class flattener {
     alpha_mask mask = texels_of(m);
     mask.wrap_u = m.wrap_u, mask.wrap_v = m.wrap_v;
     if (mask.texels.empty()) mask.width = mask.height = 1, mask.texels = {255};
-    // Constant alpha 0 that is enough: so is it with every factor.
+    // If a constant alpha of 0 passes, it passes with every factor.
     mask.cutoff = m.base_color.a > 0.0f ? m.alpha_cutoff / m.base_color.a : -1.0f;
     const std::uint32_t number = add_mask(std::move(mask));
     full_masks_.emplace(material_number, number);
@@ -276,7 +277,7 @@ class flattener {
   animated_as animated_;
   world_geometry out_;
   std::map<std::uint32_t, std::uint32_t> full_masks_;  // by material
-  std::map<std::uint32_t, alpha_mask> decoded_;        // by image: an atlas serves many materials
+  std::map<std::uint32_t, alpha_mask> decoded_;        // by image: many materials use one atlas
   std::size_t texels_ = 0, decoded_texels_ = 0;        // of all masks; of decoded_
   bool too_many_texels_ = false;
   std::vector<material_presence> presences_;

@@ -14,7 +14,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t byte_limit = std::uint64_t{1} << 40;  // keeps sums of offsets and lengths far from overflow
-// An accessor without a buffer view costs a file nothing and us memory; real ones are bounded by the file's bytes.
+// An accessor without a buffer view takes memory and no bytes in the file. Others are limited by the bytes of the
+// file.
 constexpr std::uint64_t zero_filled_limit = std::uint64_t{1} << 24;  // of all together
 
 std::uint64_t width_of(const std::string& type) {
@@ -45,7 +46,7 @@ std::span<const std::uint8_t> accessor_table::bytes_of_view(std::uint32_t index)
   return buffer(v.buffer).subspan(v.offset, v.length);
 }
 
-// Loaded at first use, so that a missing animation file does not refuse a scene.
+// Loads a buffer at its first use, so that a scene whose animation file is missing can be loaded.
 std::span<const std::uint8_t> accessor_table::buffer(std::uint32_t index) {
   std::vector<std::uint8_t>& bytes = bytes_[index];
   if (!bytes.empty()) return bytes;
@@ -79,7 +80,7 @@ void accessor_table::count_compressed(const json_object& user, std::uint64_t byt
     user.fail("scene.too-large", "decodes the same bytes as many others", "export the file again");
 }
 
-// The buffer of our own that holds a compressed view's bytes.
+// Returns the buffer with the decoded bytes of a compressed view.
 std::uint32_t accessor_table::decoded_buffer(std::uint32_t view_index, const json_object& meshopt) {
   const auto known = decoded_buffers_.find(view_index);
   if (known != decoded_buffers_.end()) return known->second;
@@ -244,7 +245,7 @@ void accessor_table::require(const json_object& user, std::uint32_t index, const
   use_accessor(index);
 }
 
-// user: the part of a reduced accessor that names a view in use.
+// user: the part of a reduced accessor that refers to a used view.
 std::span<const std::uint8_t> accessor_table::used_bytes(const json& user) const {
   const json& v = reduced_views_[user.at("bufferView").get<std::size_t>()];
   const std::span<const std::uint8_t> all(bytes_[v.at("buffer").get<std::size_t>()]);
@@ -282,7 +283,7 @@ std::vector<accessor_view> accessor_table::all_elements() const {
   return out;
 }
 
-// tinygltf refuses indices whose accessor has no buffer view, which glTF allows: so all have one.
+// Every accessor has a buffer view, because tinygltf rejects indices without one, which glTF allows.
 void accessor_table::write_stubs(json& reduced) const {
   const json stub = {{"type", "SCALAR"}, {"componentType", 5126}, {"count", 0}, {"bufferView", 0}};
   reduced["accessors"] = json::array();

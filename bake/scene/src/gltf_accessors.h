@@ -1,6 +1,6 @@
 #pragma once
-// Accessors, buffer views and buffers of a glTF file: checked against the bytes that are there, and decoded where they
-// are compressed. What nothing uses is not looked at.
+// Accessors, buffer views and buffers of a glTF file, checked against the bytes in the file, and decoded where they
+// are compressed. Parts that nothing uses are not read.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -29,7 +29,7 @@ struct view_bytes {
 
 class accessor_table {
  public:
-  // All but binary, the .glb's own chunk, must outlive the table.
+  // binary: the binary chunk of a .glb. The other arguments must outlive the table.
   accessor_table(const json_object& root, const gltf_source& source, std::optional<std::vector<std::uint8_t>> binary);
 
   std::size_t size() const { return accessors_.size(); }
@@ -37,19 +37,19 @@ class accessor_table {
   view_bytes view(std::uint32_t index);
   std::span<const std::uint8_t> bytes_of_view(std::uint32_t index);
 
-  // From here on the accessor is used. Refused when its bytes are not there, or when it is of another type.
+  // Marks the accessor as used. Throws sightcell::error if its bytes are missing or it has another type.
   void require(const json_object& user, std::uint32_t index, const char* what, std::initializer_list<const char*> types,
                std::initializer_list<int> components);
-  std::uint64_t count(std::uint32_t index) const {  // of one in use
+  std::uint64_t count(std::uint32_t index) const {  // of a used accessor
     return reduced_accessors_[index].at("count").get<std::uint64_t>();
   }
   const json_object& source(std::uint32_t index) const { return accessors_[index]; }
 
-  // What many streams are decoded from is bounded one by one; that they all are the same few bytes is caught here: to
-  // be told before a stream is decoded. Refused when they are.
+  // Must be called before a stream is decoded. Each decoded stream is limited by itself; this limits streams that all
+  // use the same few bytes. Throws sightcell::error above the limit.
   void count_compressed(const json_object& user, std::uint64_t bytes);
 
-  // Numbers of our own as one more accessor, with floats or std::uint32_t in it.
+  // Adds an accessor with decoded numbers, floats or std::uint32_t. Returns its index.
   template <typename T>
   std::uint32_t add(const std::vector<T>& values, const char* type, std::uint64_t width) {
     std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
@@ -57,14 +57,14 @@ class accessor_table {
     return add_bytes(std::move(bytes), type, std::is_same_v<T, float> ? 5126 : 5125, values.size() / width);
   }
 
-  // The elements of one in use, where they lie in the buffers.
+  // Returns the elements of a used accessor; they point into the buffers.
   accessor_view elements(std::uint32_t index) const;
-  // By number; what nothing uses is empty.
+  // Returns the elements by index; empty for accessors that are not used.
   std::vector<accessor_view> all_elements() const;
-  // Into the reduced document, with their numbers, but without what they hold: tinygltf needs only know that they are
-  // there.
+  // Writes the accessors into the reduced document under their indices, without content, because tinygltf only checks
+  // that they exist.
   void write_stubs(nlohmann::json& reduced) const;
-  // What elements() point into.
+  // Returns the buffers that elements() points into.
   std::vector<std::vector<std::uint8_t>> take_buffers() { return std::move(bytes_); }
 
  private:
@@ -84,7 +84,7 @@ class accessor_table {
   std::vector<nlohmann::json> reduced_accessors_, reduced_views_;  // null until used
   std::map<std::uint32_t, std::uint32_t> decoded_buffers_;         // by compressed view
   std::uint64_t zero_filled_ = 0, compressed_bytes_ = 0;           // so far
-  std::vector<std::vector<std::uint8_t>> bytes_;  // by buffer, ours behind the file's; empty until used
+  std::vector<std::vector<std::uint8_t>> bytes_;  // by buffer, decoded ones after those of the file; empty until used
 };
 
 }  // namespace sightcell::scene

@@ -22,7 +22,8 @@ bool is_color(std::string_view name) {
   return is_numbered(name, "COLOR_");
 }
 
-// Numbers per vertex that glTF gives an attribute, 0: none of ours. Of colors the fewer.
+// Returns the numbers per vertex that glTF gives an attribute, for colors the smaller of two; 0: none of the
+// attributes here.
 std::uint32_t width_of(std::string_view name) {
   if (name == "NORMAL" || is_color(name)) return 3;
   if (name == "TANGENT") return 4;
@@ -33,7 +34,7 @@ const char* type_of(std::uint32_t width) {
   return width == 2 ? "VEC2" : width == 3 ? "VEC3" : "VEC4";
 }
 
-// As the import chooses: a file may bring the same triangles uncompressed too.
+// Chooses like the import: a file may contain the same triangles uncompressed too.
 std::optional<json_object> draco_of(const json_object& primitive, const json_object& attributes,
                                     const accessor_table& table) {
   const auto extensions = primitive.object("extensions");

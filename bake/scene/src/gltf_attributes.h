@@ -1,6 +1,6 @@
 #pragma once
-// What a file says of vertices beside where they are, straight from the checked JSON. The import takes of it only what
-// decides what is seen.
+// Reads vertex attributes other than positions from the checked JSON, for packed files. The import itself reads only
+// what decides visibility.
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -19,15 +19,16 @@ using attribute_widths = std::map<std::string, std::uint32_t>;       // numbers 
 
 class gltf_attributes {
  public:
-  // Both must outlive it.
+  // Both must outlive the object.
   gltf_attributes(const json_object& root, accessor_table& table);
 
-  // Of NORMAL, TANGENT, TEXCOORD_n and COLOR_n those that a primitive has. Others say nothing of how it looks at rest.
+  // Returns those of NORMAL, TANGENT, TEXCOORD_n and COLOR_n that a primitive has. Other attributes do not affect how
+  // it looks at rest.
   attribute_widths widths(std::uint32_t mesh, std::uint32_t primitive) const;
-  // The same with their values, width numbers for each of so many vertices; normalized integers as floats, what is not
-  // finite as 0. Throws sightcell::error (bad_input), also for another number of vertices.
+  // Returns them with their values, width numbers per vertex: normalized integers as floats, numbers that are not
+  // finite as 0. Throws sightcell::error (bad_input), also if the file has another number of vertices.
   attribute_values read(std::uint32_t mesh, std::uint32_t primitive, std::size_t vertex_count);
-  // What a morph target adds to NORMAL or TANGENT: three numbers per vertex; empty: nothing.
+  // Returns what a morph target adds to NORMAL or TANGENT, three numbers per vertex; empty: nothing.
   std::vector<float> displacements(std::uint32_t mesh, std::uint32_t primitive, std::size_t target, const char* name,
                                    std::size_t vertex_count);
 
@@ -39,7 +40,7 @@ class gltf_attributes {
 
   accessor_table& table_;
   std::vector<json_object> meshes_;
-  mutable std::pair<std::uint32_t, std::vector<json_object>> primitives_{UINT32_MAX, {}};  // of the mesh asked for last
+  mutable std::pair<std::uint32_t, std::vector<json_object>> primitives_{UINT32_MAX, {}};  // of the mesh requested last
   std::map<std::string, attribute_values>
       decoded_;  // by Draco's view and attributes, as text: primitives share streams
 };

@@ -23,7 +23,7 @@ using nlohmann::json;
 
 constexpr std::uint64_t zero_filled_instance_limit = std::uint64_t{1} << 16;
 
-// What the import reads.
+// Extensions that the import reads.
 constexpr std::array<std::string_view, 10> read_extensions = {"EXT_mesh_gpu_instancing",
                                                               "EXT_meshopt_compression",
                                                               "KHR_animation_pointer",
@@ -35,7 +35,7 @@ constexpr std::array<std::string_view, 10> read_extensions = {"EXT_mesh_gpu_inst
                                                               "KHR_node_visibility",
                                                               "MSFT_lod"};
 
-// What cannot change which polygons there are or where: families and single names.
+// Extensions that cannot change which polygons there are and where: families and single names.
 constexpr std::array<std::string_view, 7> harmless_families = {
     "KHR_materials_", "ADOBE_materials_", "EXT_materials_", "NV_materials_", "KHR_lights_", "EXT_lights_", "KHR_xmp"};
 constexpr std::array<std::string_view, 14> harmless_extensions = {"AGI_stk_metadata",        "CESIUM_primitive_outline",
@@ -46,7 +46,7 @@ constexpr std::array<std::string_view, 14> harmless_extensions = {"AGI_stk_metad
                                                                   "KHR_audio_emitter",       "KHR_node_hoverability",
                                                                   "KHR_node_selectability",  "MSFT_audio_emitter"};
 
-// The same, but textures that only such an extension has are missing, which a picture will show.
+// Likewise, but textures that only such an extension has are missing in pictures.
 constexpr std::array<std::string_view, 9> texture_extensions = {"EXT_texture_avif",
                                                                 "EXT_texture_procedurals",
                                                                 "EXT_texture_video",
@@ -62,7 +62,7 @@ bool is_one_of(const std::array<std::string_view, N>& names, std::string_view na
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Supported in the sense that a file may require it.
+// Returns whether a file may require the extension.
 bool is_supported_extension(std::string_view name) {
   return is_one_of(read_extensions, name) || is_one_of(harmless_extensions, name) ||
          is_one_of(texture_extensions, name) ||
@@ -74,10 +74,10 @@ bool is_supported_extension(std::string_view name) {
 constexpr std::array<std::pair<const char*, const char*>, 2> influences = {
     {{"JOINTS_0", "WEIGHTS_0"}, {"JOINTS_1", "WEIGHTS_1"}}};
 
-// What the nodes want of a mesh besides its triangles.
+// What nodes need of a mesh besides its triangles.
 struct mesh_use {
   bool skinned = false;
-  std::vector<bool> targets;  // morph targets that some node gives a weight
+  std::vector<bool> targets;  // morph targets with a weight in some node
 };
 
 class document_reader {
@@ -117,7 +117,7 @@ class document_reader {
   std::vector<json_object> meshes_, nodes_, scenes_, skins_;
   std::size_t material_count_ = 0;
   std::vector<mesh_use> uses_;                // by mesh
-  std::vector<std::vector<double>> weights_;  // of morph targets, by node; empty: none has any
+  std::vector<std::vector<double>> weights_;  // of morph targets, by node; empty: all are 0
   std::vector<bool> skin_used_;
   std::map<std::string, json> decoded_primitives_;  // by Draco's view and attributes, as text
   std::set<std::string> warned_;
@@ -160,12 +160,12 @@ void document_reader::check_extensions() {
     out_.extensions.push_back({printable(name), use.required, is_one_of(read_extensions, name)});
 }
 
-// The coordinates that the material's base color texture takes.
+// Returns the texture coordinates of the material's base color.
 std::string document_reader::uv_key(std::optional<std::uint32_t> material) const {
   return "TEXCOORD_" + std::to_string(material ? out_.coordinates[*material].set : 0);
 }
 
-// Poses are read for the nodes that have one: what nobody bends or displaces needs neither joints nor targets.
+// Joints and targets are read only for meshes that some node bends or displaces.
 void document_reader::note_uses() {
   uses_.resize(meshes_.size());
   weights_.resize(nodes_.size());
@@ -191,7 +191,7 @@ void document_reader::note_uses() {
   }
 }
 
-// Targets that no node gives a weight are empty, so that the numbers of the others stay.
+// Targets without a weight in any node are empty, so that the others keep their numbers.
 json document_reader::reduced_targets(const json_object& primitive, std::uint64_t vertex_count, const mesh_use& use) {
   json reduced = json::array();
   if (use.targets.empty()) return reduced;
@@ -218,12 +218,12 @@ json document_reader::reduced_primitive(const json_object& primitive, const mesh
   json reduced = {{"mode", mode}, {"attributes", json::object()}};
   const auto material = primitive.index("material", "materials", material_count_);
   if (material) reduced["material"] = *material;
-  // Points and lines count nothing, and without positions there is nothing to see.
+  // Points and lines have no polygons, and without positions there are none.
   const auto attributes = primitive.object("attributes");
   if (mode < 4 || !attributes || !attributes->has("POSITION")) return reduced;
   const auto extensions = primitive.object("extensions");
   const std::uint32_t position = attributes->required_index("POSITION", "accessors", table_.size());
-  // A file may bring the same triangles uncompressed too.
+  // A file may contain the same triangles uncompressed too.
   if (extensions && extensions->has("KHR_draco_mesh_compression") && !table_.source(position).has("bufferView")) {
     reduced.update(reduced_draco(primitive, *attributes, extensions->required_object("KHR_draco_mesh_compression"),
                                  material, use));
@@ -262,13 +262,13 @@ json document_reader::reduced_primitive(const json_object& primitive, const mesh
   return reduced;
 }
 
-// What replaces attributes, indices and mode of a compressed primitive.
+// Returns what replaces attributes, indices and mode of a compressed primitive.
 json document_reader::reduced_draco(const json_object& primitive, const json_object& attributes,
                                     const json_object& draco, std::optional<std::uint32_t> material,
                                     const mesh_use& use) {
   const std::uint32_t view_index = draco.required_index("bufferView", "bufferViews", table_.view_count());
   const json_object ids = draco.required_object("attributes");
-  // What the reduced document calls it, its type there, and what the stream calls it.
+  // The name in the reduced document, the type there, and the attribute of the stream.
   struct wanted {
     const char *as, *type;
     draco_wish wish;
@@ -301,7 +301,8 @@ json document_reader::reduced_draco(const json_object& primitive, const json_obj
   std::string why_not;
   const auto mesh = decode_draco(stream, wishes, why_not);
   if (!mesh) draco.fail("scene.draco", "cannot be decoded: " + printable(why_not), "export the file again");
-  // Source ids count what the accessors promise: a stream that holds something else would shift all that follow.
+  // Source ids are counted from the accessors, so a stream with another number of elements would shift all ids after
+  // it.
   const auto require_count = [&](const json_object& user, const char* key_of, std::uint64_t decoded) {
     const auto accessor = user.index(key_of, "accessors", table_.size());
     if (!accessor) return;
@@ -343,7 +344,7 @@ json document_reader::reduced_instancing(const json_object& instancing) {
       attributes.fail("scene.bad-field", "has attributes of different counts", "export the file again");
     }
     count = table_.count(*index);
-    // An accessor without a buffer view costs a file nothing.
+    // An accessor without a buffer view takes no bytes in the file.
     if (!table_.source(*index).has("bufferView") && *count > zero_filled_instance_limit) {
       attributes.fail("scene.too-large", "asks for " + std::to_string(*count) + " instances that are not in the file",
                       "export the file again");
@@ -376,7 +377,7 @@ json document_reader::reduced_skin(std::size_t skin) {
 
 json document_reader::reduced_node(std::size_t number) {
   const json_object& node = nodes_[number];
-  json reduced = {{"name", node.text("name").value_or("")}};  // as it is: cells files name nodes
+  json reduced = {{"name", node.text("name").value_or("")}};  // unchanged, because cells files refer to nodes by name
   const auto mesh = node.index("mesh", "meshes", meshes_.size());
   if (mesh) reduced["mesh"] = *mesh;
   const auto children = node.indices("children", "nodes", nodes_.size());

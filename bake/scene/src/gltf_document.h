@@ -1,7 +1,7 @@
 #pragma once
-// glTF's JSON, checked. Files are hostile: tinygltf drops a primitive that it cannot parse (and so would shift source
-// ids), allocates what a file asks for and follows any URI. It is therefore given a document of our own making that
-// holds only what the import uses, each value checked for type, range and against the bytes that are really there.
+// Checks the JSON of a glTF file, which may be hostile. tinygltf skips a primitive that it cannot parse (which would
+// shift source ids), allocates what a file requests and follows any URI. So it gets a document that contains only
+// what the import uses, each value checked for type, range and against the bytes in the file.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -17,8 +17,8 @@ namespace sightcell::scene {
 
 struct gltf_document {
   std::string json;                                // for tinygltf; its accessors are stubs
-  std::vector<accessor_view> accessors;            // what they hold, by number
-  std::vector<std::vector<std::uint8_t>> buffers;  // what they point into
+  std::vector<accessor_view> accessors;            // content by accessor
+  std::vector<std::vector<std::uint8_t>> buffers;  // which the accessors point into
   std::vector<material> materials;
   std::vector<texture_coordinates> coordinates;  // by material; TEXCOORD_0 of json is already the set that they name
   std::vector<image> images;

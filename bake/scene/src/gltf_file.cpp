@@ -20,7 +20,8 @@ std::uint32_t u32_at(std::span<const std::uint8_t> bytes, std::size_t at) {
          static_cast<std::uint32_t>(bytes[at + 2]) << 16 | static_cast<std::uint32_t>(bytes[at + 3]) << 24;
 }
 
-// name: the file in messages; what: the thing that wants it. Only regular files: a pipe would hang, a device not end.
+// Reads a regular file. A pipe would block, and a device may have no end.
+// name: the scene, for messages. what: the resource, for messages.
 std::vector<std::uint8_t> read_bytes(const std::filesystem::path& path, const std::string& name,
                                      const std::string& what, std::optional<std::uint64_t> size) {
   std::error_code code;
@@ -48,7 +49,7 @@ std::vector<std::uint8_t> read_bytes(const std::filesystem::path& path, const st
   return bytes;
 }
 
-// Chunk by chunk; chunks of unknown type are skipped, as the container format asks for.
+// Splits by chunks. Chunks of unknown type are skipped, as the container format requires.
 gltf_file split_glb(std::span<const std::uint8_t> bytes, const std::string& name) {
   const char* const remedy = "copy or export the file again";
   if (bytes.size() < 20) refuse(name, "scene.truncated", "the .glb ends inside its header", remedy);
@@ -103,7 +104,7 @@ std::optional<std::string> percent_decoded(const std::string& uri) {
   return out;
 }
 
-// Empty when the text is not base64. Padding and white space at the end are accepted, nothing else is.
+// Returns the decoded bytes; nothing if the text is not base64. Padding and white space are accepted at the end only.
 std::optional<std::vector<std::uint8_t>> base64_decoded(std::string_view text) {
   static constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::array<std::uint8_t, 256> value{};
@@ -192,7 +193,7 @@ std::vector<std::uint8_t> read_resource(const gltf_source& scene, const std::str
   }
   const auto decoded = percent_decoded(uri);
   const std::filesystem::path relative = std::filesystem::path(decoded.value_or("")).lexically_normal();
-  // Lexical on purpose: a symbolic link is the user's own doing, "../.." is the file's.
+  // Lexical on purpose: a symbolic link was made by the user, "../.." comes from the file.
   if (!decoded || relative.empty() || relative.is_absolute() || relative.has_root_name() || *relative.begin() == "..") {
     refuse(name, "scene.outside-folder", what + " is at \"" + printable(uri) + "\", outside the scene's folder",
            "put it beside the scene and use a relative URI");

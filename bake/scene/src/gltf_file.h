@@ -1,5 +1,5 @@
 #pragma once
-// The bytes of a glTF scene: the container (.glb or .gltf) and the resources that it refers to by URI.
+// Reads the bytes of a glTF scene: the container (.glb or .gltf) and the resources that it refers to by URI.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace sightcell::scene {
 
-// Where a scene comes from.
+// The origin of a scene.
 struct gltf_source {
   std::string name;                             // for messages
-  std::optional<std::filesystem::path> folder;  // where its resources lie; none: it can have none but data URIs
+  std::optional<std::filesystem::path> folder;  // of its resources; none: the scene may use data URIs only
 };
 
 struct gltf_file {
@@ -23,14 +23,14 @@ struct gltf_file {
 };
 
 gltf_source source_of(const std::filesystem::path& path);
-// A scene on disk; only a regular file. Throws sightcell::error.
+// Reads a scene from a regular file. Throws sightcell::error.
 std::vector<std::uint8_t> read_scene_bytes(const std::filesystem::path& path);
-// Splits container and text; .glb is told by its magic. Throws sightcell::error.
+// Splits container and text; a .glb is recognized by its magic number. Throws sightcell::error.
 gltf_file split_gltf(std::span<const std::uint8_t> bytes, const std::string& name);
 
-// The bytes behind a URI: data:...;base64 or a file at or below the scene's folder. size: how many bytes are needed;
-// a resource that has fewer is refused before anything is read. Empty size: all of it. what: "buffers[0]", for
-// messages.
+// Returns the bytes of a URI: data:...;base64 or a file at or below the scene's folder.
+// what: the name of the resource for messages, such as "buffers[0]".
+// size: number of bytes needed; throws sightcell::error before reading if the resource has fewer. Empty: all of it.
 std::vector<std::uint8_t> read_resource(const gltf_source& scene, const std::string& uri, const std::string& what,
                                         std::optional<std::uint64_t> size);
 

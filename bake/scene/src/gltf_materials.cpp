@@ -43,7 +43,7 @@ class material_reader {
     }
     m.alpha_cutoff = static_cast<float>(source.real("alphaCutoff").value_or(0.5));
     m.double_sided = source.boolean("doubleSided").value_or(false);
-    // KHR_materials_pbrSpecularGlossiness takes the place of the core's model: alpha is that of its diffuse color.
+    // KHR_materials_pbrSpecularGlossiness replaces the core's model: alpha is that of its diffuse color.
     const auto extensions = source.object("extensions");
     const auto diffuse = extensions ? extensions->object("KHR_materials_pbrSpecularGlossiness") : std::nullopt;
     if (diffuse) {
@@ -51,7 +51,7 @@ class material_reader {
     } else if (const auto pbr = source.object("pbrMetallicRoughness")) {
       read_color(*pbr, "baseColorFactor", "baseColorTexture", m);
     }
-    // What light goes through hides nothing, whatever its alpha mode says (KHR_materials_transmission).
+    // A transmissive material is a non-occluder, whatever its alpha mode (KHR_materials_transmission).
     const auto transmission = extensions ? extensions->object("KHR_materials_transmission") : std::nullopt;
     if (transmission && transmission->real("transmissionFactor").value_or(0.0) > 0.0) {
       m.alpha = alpha_mode::blend;

@@ -1,5 +1,5 @@
 #pragma once
-// Materials and the images that they use as base color, straight from the checked JSON.
+// Reads materials and the images of their base colors from the checked JSON.
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace sightcell::scene {
 
-// Which coordinates a material's base color texture takes, and what KHR_texture_transform does to them.
+// The texture coordinates of a material's base color, and the transform of KHR_texture_transform.
 struct texture_coordinates {
   std::uint32_t set = 0;                             // TEXCOORD_<set>
   glm::vec2 across{1, 0}, down{0, 1}, offset{0, 0};  // uv' = u across + v down + offset
@@ -26,8 +26,8 @@ struct material_set {
   std::vector<image> images;                     // in order of first use
 };
 
-// bytes_of_view: the bytes of a buffer view. An image that cannot be had is a warning, not an error: the picture lacks
-// it, what is seen stays the same.
+// An image that cannot be read causes a warning and no error: pictures lack it, visibility stays the same.
+// bytes_of_view: returns the bytes of a buffer view.
 material_set read_materials(const json_object& root, const gltf_source& source,
                             const std::function<std::span<const std::uint8_t>(std::uint32_t)>& bytes_of_view,
                             std::size_t view_count, std::vector<std::string>& warnings);

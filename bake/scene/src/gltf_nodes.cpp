@@ -47,7 +47,7 @@ class node_reader {
 
   void read_extras(const json_object& node, node_marks& marks) {
     const nlohmann::json* extras = node.raw("extras");
-    if (extras == nullptr || !extras->is_object()) return;  // anything may be there
+    if (extras == nullptr || !extras->is_object()) return;  // extras may be of any type
     const auto found = extras->find("sightcell");
     if (found == extras->end()) return;
     if (!found->is_object()) {
@@ -86,7 +86,7 @@ class node_reader {
     return entry->second;
   }
 
-  // Samplers and keyframes are not read: a channel that does nothing counts as one that moves, which hides nothing.
+  // Samplers and keyframes are not read: a channel without effect counts as motion, which makes non-occluders.
   void read_channel(const json_object& channel) {
     const auto target = channel.object("target");
     if (!target) return;
@@ -115,7 +115,7 @@ class node_reader {
     const auto [end, problem] = std::from_chars(number.data(), number.data() + number.size(), index);
     if (problem != std::errc() || end != number.data() + number.size()) return;
     if (section == "nodes" && index < nodes_.size()) {
-      // Any other property, such as an extension's, may do anything to all that hangs on the node.
+      // Any other property, such as an extension's, may change all descendants of the node in any way.
       (property == "weights" ? out_.nodes[index].morphs : out_.nodes[index].moves) = true;
     } else if (section == "meshes") {
       morphing_meshes_.insert(static_cast<double>(index));
@@ -162,11 +162,11 @@ draw_tags tags_of(const node_marks& marks, bool moving) {
   tags.never = marks.never.value_or(false);
   if (marks.group != no_group) tags.group = marks.group;
   if (moving && !marks.is_static.value_or(false)) {
-    // Nobody who says "in every set" of a thing that moves means that it hides what lies behind its rest.
+    // A thing that moves and is marked as in every set leaves its rest pose, so it does not occlude there.
     if (tags.always && !marks.occluder) tags.occluder = false;
     tags.animated = tags == draw_tags{};
   }
-  // Whether it is shown is the host's to say, so nothing may be hidden by it.
+  // The host decides whether it is shown, so it does not occlude.
   if (marks.invisible) tags.occluder = false;
   return tags;
 }

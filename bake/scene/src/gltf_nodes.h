@@ -1,6 +1,6 @@
 #pragma once
-// What a file says about its nodes beside where they stand: marks for the bake (extras.sightcell), what its animations
-// move, and levels of detail (MSFT_lod). Straight from the checked JSON.
+// Reads from the checked JSON what a file states about its nodes apart from transforms: marks for the bake
+// (extras.sightcell), animated nodes, and levels of detail (MSFT_lod).
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,18 +11,19 @@
 
 namespace sightcell::scene {
 
-inline constexpr std::uint32_t no_group = 0xFFFFFFFEu;  // said, unlike no_index: out of the parent's group
+// Explicitly in no group, which overrides the parent's; no_index: no statement.
+inline constexpr std::uint32_t no_group = 0xFFFFFFFEu;
 
-// The keys of extras.sightcell; nothing: the node does not say, so its parent does.
+// The keys of extras.sightcell; empty: the node inherits the value of its parent.
 struct node_marks {
   std::optional<bool> is_static, occluder, dynamic, always, never;
-  std::uint32_t group = no_index;  // into node_list::groups
-  bool invisible = false;          // KHR_node_visibility: not shown at first, with all that hangs on it; the host may
+  std::uint32_t group = no_index;  // in node_list::groups
+  bool invisible = false;  // KHR_node_visibility: not shown at first, with all its descendants; the host may show it
 };
 
 struct node_notes {
   node_marks marks;
-  bool moves = false;                  // by an animation, with all that hangs on it
+  bool moves = false;                  // by an animation, with all its descendants
   bool morphs = false;                 // the weights of its mesh are animated
   std::vector<std::uint32_t> coarser;  // nodes with its levels of detail, finer ones first
 };
@@ -32,14 +33,14 @@ struct node_list {
   std::vector<std::string> groups;
 };
 
-// Warnings come once per cause. Throws sightcell::error (bad_input) for nodes that are not there; of an animation only
-// what its channels aim at is read.
+// Reads the nodes. Of animations only the targets of channels are read. Warnings are added once per cause. Throws
+// sightcell::error (bad_input) for references to nodes that do not exist.
 node_list read_nodes(const json_object& root, std::vector<std::string>& warnings);
 
-// A node's own marks over those of its parent, key by key.
+// Returns a node's own marks, completed by those of its parent, key by key.
 node_marks inherited(const node_marks& parent, const node_marks& own);
 
-// What rule 6 of seeing makes of the marks in force. moving: by an animation or a skin.
+// Returns the tags that follow from marks by visibility rule 6. moving: by an animation or a skin.
 draw_tags tags_of(const node_marks& marks, bool moving);
 
 }  // namespace sightcell::scene

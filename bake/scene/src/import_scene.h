@@ -1,5 +1,5 @@
 #pragma once
-// The import proper, for load_gltf and for who brings over more of a file than a scene holds.
+// The import itself, for load_gltf and for code that needs more of a file than a scene has.
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <map>
@@ -11,19 +11,21 @@
 
 namespace sightcell::scene {
 
-// How a geometry came into the pose that it rests in.
+// How a geometry was brought into its rest pose.
 struct rest_pose {
   std::vector<double> weights;     // of morph targets
-  std::vector<glm::dmat3> frames;  // by vertex, what its joints do to directions; empty: no skin
+  std::vector<glm::dmat3> frames;  // per vertex: the transform of directions by its joints; empty: no skin
 };
 
-using pose_list = std::map<std::uint32_t, rest_pose>;  // by geometry; those that are as their mesh has them are missing
+using pose_list = std::map<std::uint32_t, rest_pose>;  // by geometry; without those that are as in their mesh
 
-// name: that of the scene. poses: where to put them; null: nowhere. Throws sightcell::error.
+// name: of the scene.
+// poses: receives the rest poses; may be null.
+// Throws sightcell::error.
 scene import_gltf(gltf_file file, const gltf_source& source, std::string name, int scene_index,
                   pose_list* poses = nullptr);
 
-// What to say when std::bad_alloc ends an import.
+// Throws the error for a std::bad_alloc during an import.
 [[noreturn]] void refuse_for_memory(const std::string& file);
 
 }  // namespace sightcell::scene

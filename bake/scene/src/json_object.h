@@ -1,6 +1,6 @@
 #pragma once
-// Typed reading of glTF's JSON: every value is checked for type and range before anything is done with it, and what is
-// wrong is reported as one line that names file, place and cause.
+// Typed access to the JSON of glTF. Each value is checked for type and range before it is used. Errors are one line
+// with file, place and cause.
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -10,7 +10,7 @@
 
 namespace sightcell::scene {
 
-// Text of a file inside a message: printable, one line, not endless.
+// Returns text of a file for a message: printable, on one line, shortened to limit bytes.
 std::string printable(const std::string& text, std::size_t limit = 120);
 
 [[noreturn]] void refuse(const std::string& file, const std::string& id, const std::string& cause,
@@ -18,20 +18,21 @@ std::string printable(const std::string& text, std::size_t limit = 120);
 
 class json_object {
  public:
-  // file and where ("accessors[3]", empty for the whole document) are for messages. Throws when the value is no object.
+  // file, where: for messages; where is "accessors[3]", or empty for the whole document. Throws sightcell::error if
+  // the value is no object.
   json_object(const nlohmann::json& value, std::string where, const std::string& file);
 
   const std::string& where() const { return where_; }
   bool has(const char* key) const { return value_->contains(key); }
-  const nlohmann::json* raw(const char* key) const;  // unchecked; null: not there
+  const nlohmann::json* raw(const char* key) const;  // unchecked; null: missing
 
-  // Absent keys give an empty result; wrong types and values out of range throw.
+  // For a missing key the result is empty. Wrong types and values out of range throw sightcell::error.
   std::optional<std::uint64_t> number(const char* key, std::uint64_t largest) const;
   std::optional<std::uint32_t> index(const char* key, const char* section, std::size_t section_size) const;
   std::vector<std::uint32_t> indices(const char* key, const char* section, std::size_t section_size) const;
   std::optional<double> real(const char* key) const;
   std::vector<double> reals(const char* key, std::size_t count) const;
-  std::vector<double> reals(const char* key) const;  // as many as there are
+  std::vector<double> reals(const char* key) const;  // of any number
   std::optional<bool> boolean(const char* key) const;
   std::optional<std::string> text(const char* key) const;
   std::vector<std::string> texts(const char* key) const;
@@ -39,7 +40,7 @@ class json_object {
   std::vector<json_object> objects(const char* key) const;
   std::vector<std::string> keys() const;
 
-  // The same for keys that must be there.
+  // For required keys: a missing key throws too.
   std::uint64_t required_number(const char* key, std::uint64_t largest) const;
   std::uint32_t required_index(const char* key, const char* section, std::size_t section_size) const;
   std::string required_text(const char* key) const;

@@ -1,7 +1,7 @@
-// glTF to plain arrays. The only file that includes tinygltf.
+// Converts glTF to plain arrays. The only file that includes tinygltf.
 #include <algorithm>
 #include <cmath>
-#include <fstream>  // tiny_gltf.h forgets it without its own file access
+#include <fstream>  // tiny_gltf.h does not include it when its own file access is off
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
@@ -22,7 +22,7 @@
 #include "sightcell/scene/scene.h"
 #include "triangle_modes.h"
 
-// Files, buffers and images are read elsewhere, under checks; tinygltf sees only text.
+// Files, buffers and images are read elsewhere, with checks. tinygltf gets text only.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_FS
 #define TINYGLTF_NO_STB_IMAGE
@@ -40,8 +40,8 @@ namespace sightcell::scene {
 namespace {
 
 constexpr std::uint64_t posed_vertex_limit = std::uint64_t{1} << 30;  // with each of their targets
-constexpr std::size_t draw_limit = std::size_t{1} << 23;  // a small file can ask for very many draws of one triangle
-// A few bytes of vertices may be named by very many primitives; each geometry has its own copy.
+constexpr std::size_t draw_limit = std::size_t{1} << 23;  // a small file can request very many draws of one triangle
+// Very many primitives may refer to a few bytes of vertices, and each geometry has its own copy.
 constexpr std::size_t vertex_limit = std::size_t{1} << 27;
 
 tinygltf::Model parse(gltf_document& document, const std::string& name) {
@@ -60,7 +60,7 @@ tinygltf::Model parse(gltf_document& document, const std::string& name) {
 
 glm::dmat4 from_trs(const double* t, const double* q, const double* s) {
   const double x = q[0], y = q[1], z = q[2], w = q[3];
-  // Not normalised: a scaled quaternion scales, as in every reader that uses this formula.
+  // Not normalized: a scaled quaternion scales, as in every reader that uses this formula.
   return {glm::dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0) * s[0],
           glm::dvec4(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0) * s[1],
           glm::dvec4(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0) * s[2],
@@ -84,7 +84,7 @@ glm::dmat4 local_transform(const tinygltf::Node& node) {
 
 class importer {
  public:
-  // poses: null where nobody asks for them.
+  // poses: may be null.
   importer(const tinygltf::Model& model, const gltf_document& document, const std::string& file, scene& out,
            pose_list* poses)
       : model_(model),
@@ -97,11 +97,12 @@ class importer {
     group_numbers_.resize(nodes_.groups.size(), no_index);
   }
 
-  // Depth-first in array order with a stack of our own: a chain of a million nodes must not end the program's stack.
+  // Walks the nodes depth-first in array order, with its own stack: a chain of a million nodes must not overflow the
+  // program's stack.
   void walk(const std::vector<int>& roots);
 
  private:
-  // What a node has from those above it.
+  // What a node inherits.
   struct from_above {
     glm::dmat4 to_world{1.0};
     node_marks marks;
@@ -109,10 +110,11 @@ class importer {
     lod_place lod;
   };
 
-  // How a node changes the vertices of one of its primitives. Those of a skinned one are then in world space.
+  // How a node changes the vertices of one of its primitives. Vertices of a skinned primitive are then in world
+  // space.
   struct pose {
     int skin = -1;
-    bool mirrored = false;        // with a skin: by its node, which says nothing else about it
+    bool mirrored = false;        // with a skin: by its node, whose transform has no other effect
     std::vector<double> weights;  // of morph targets
     bool rests() const { return skin < 0 && weights.empty(); }
     auto operator<=>(const pose&) const = default;
@@ -135,7 +137,8 @@ class importer {
   template <typename T>
   std::vector<T> numbers(int accessor) const;
 
-  // The first material with the same coordinates, so that materials that differ otherwise share their geometry.
+  // Returns the first material with the same texture coordinates, so that materials that differ otherwise share their
+  // geometry.
   int coordinates_of(int material) const;
   std::vector<glm::u8vec4> read_colors(int accessor) const;
 
@@ -147,14 +150,14 @@ class importer {
   const std::string& file_;                   // for messages
   scene& out_;
   pose_list* poses_;
-  // Primitives that differ in material only share their geometry: (positions, texture coordinates, their transform,
-  // colors, indices, mode), and what the pose changes: mesh, primitive, pose.
+  // Keys of shared geometries. Primitives that differ in material only share one: (positions, texture coordinates,
+  // their transform, colors, indices, mode). Posed ones: mesh, primitive, pose.
   std::map<std::tuple<int, int, int, int, int, int>, std::uint32_t> geometries_;
   std::size_t vertices_ = 0;  // of all geometries
   std::map<std::tuple<std::size_t, std::size_t, pose>, std::uint32_t> posed_;
   std::uint64_t posed_vertices_ = 0;
-  std::pair<int, std::vector<glm::dmat4>> joints_{-1, {}};  // of the skin asked for last
-  std::vector<int> parents_;                                // by node, in the scene or not; empty until asked
+  std::pair<int, std::vector<glm::dmat4>> joints_{-1, {}};  // of the skin requested last
+  std::vector<int> parents_;                                // by node, in the scene or not; empty until needed
   std::vector<std::optional<glm::dmat4>> worlds_;           // likewise
 };
 
@@ -247,7 +250,7 @@ importer::pose importer::pose_of(const tinygltf::Node& node, const tinygltf::Pri
 
 void importer::take_pose(geometry& g, const tinygltf::Primitive& primitive, const std::string& where, const pose& posed,
                          rest_pose* rest) {
-  // Many nodes may pose one mesh, and many targets may be one accessor: that costs a file next to nothing.
+  // Many nodes may pose one mesh, and many targets may be one accessor, with very few bytes in the file.
   posed_vertices_ += g.positions.size() * (2 + posed.weights.size());
   if (posed_vertices_ > posed_vertex_limit) {
     refuse(file_, "scene.too-large",
@@ -304,7 +307,7 @@ const glm::dmat4& importer::world_of(int node) {
       }
     }
   }
-  std::vector<std::size_t> chain;  // from the node up to the first whose place is known
+  std::vector<std::size_t> chain;  // from the node up to the first one with a known transform
   for (int at = node; at >= 0 && !worlds_[static_cast<std::size_t>(at)]; at = parents_[static_cast<std::size_t>(at)]) {
     chain.push_back(static_cast<std::size_t>(at));
     if (chain.size() > model_.nodes.size()) {
@@ -370,7 +373,7 @@ std::vector<glm::dmat4> importer::instance_transforms(const tinygltf::Node& node
   const auto found = node.extensions.find("EXT_mesh_gpu_instancing");
   if (found == node.extensions.end()) return {glm::dmat4(1.0)};
   const tinygltf::Value& attributes = found->second.Get("attributes");
-  // Before anything is read: instances that are all zero are in no file.
+  // Checked before anything is read: instances that are all zero take no bytes in the file.
   for (const std::string& key : attributes.Keys()) {
     check_draws(accessors_[static_cast<std::size_t>(attributes.Get(key).GetNumberAsInt())].count);
   }
@@ -393,7 +396,7 @@ bool importer::moves(std::size_t node, const from_above& here) const {
   return here.moves || nodes_.nodes[node].morphs || model_.nodes[node].skin >= 0;
 }
 
-// Only groups that have draws become the scene's.
+// Only groups that have draws are added to the scene.
 draw_tags importer::tags_of_node(std::size_t node, const from_above& here) {
   draw_tags tags = tags_of(here.marks, moves(node, here));
   if (tags.group == no_index) return tags;
@@ -484,7 +487,8 @@ void importer::walk(const std::vector<int>& roots) {
   warn_of_movement();
 }
 
-// `scene`, else scene 0, else every node that is no one's child.
+// Returns the roots of scene `scene_index`, else of the default scene, else of scene 0, else all nodes without a
+// parent.
 std::vector<int> roots_of(const tinygltf::Model& model, int scene_index, const std::string& name) {
   if (scene_index >= 0) {
     if (static_cast<std::size_t>(scene_index) >= model.scenes.size()) {
@@ -536,7 +540,8 @@ void refuse_for_memory(const std::string& file) {
 scene load_gltf(const std::filesystem::path& path, int scene_index) {
   const gltf_source source = source_of(path);
   try {
-    gltf_file file = split_gltf(read_scene_bytes(path), source.name);  // the bytes go: they are not held twice
+    // The bytes are freed, so that they are not in memory twice.
+    gltf_file file = split_gltf(read_scene_bytes(path), source.name);
     return import_gltf(std::move(file), source, printable(path.filename().string(), 1000), scene_index);
   } catch (const std::bad_alloc&) {
     refuse_for_memory(source.name);

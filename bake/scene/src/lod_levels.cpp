@@ -45,7 +45,7 @@ void lod_levels::claim(std::uint32_t object, std::uint32_t level, std::uint32_t 
     ignore("has it as a level in turn");
   } else {
     places_[node] = {object, level};
-    unite(object, node);  // as it may be an object too
+    unite(object, node);  // because the node may be an object too
   }
 }
 
@@ -66,7 +66,7 @@ void lod_levels::visit(const std::vector<int>& roots,
     stack.pop_back();
     if (leaves) {
       last_visit_[node] = visits - 1;
-    } else if (!reached(node)) {  // a node with two parents is refused by who walks the scene
+    } else if (!reached(node)) {  // the code that walks the scene rejects a node with two parents
       first_visit_[node] = visits++;
       stack.push_back({node, true});
       push(children(node));
@@ -111,7 +111,8 @@ void lod_levels::settle(std::vector<draw>& draws) {
       d.lod_level = 0;
       continue;
     }
-    // Where the finest level has no triangles the next one takes its place, or nothing of the object would be seen.
+    // If the finest level has no triangles the next one replaces it; otherwise no polygon of the object would be
+    // visible.
     d.lod_level -= object.finest;
     if (object.number == no_index) object.number = count++;
     d.lod_object = object.number;

@@ -1,5 +1,5 @@
 #pragma once
-// MSFT_lod: which object each node of a scene belongs to, and at which level of detail.
+// MSFT_lod: finds the object that each node of a scene belongs to, and its level of detail.
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -11,23 +11,23 @@
 namespace sightcell::scene {
 
 struct lod_place {
-  std::uint32_t object = no_index;  // its node with the extension
+  std::uint32_t object = no_index;  // number of its node with the extension
   std::uint32_t level = 0;
 };
 
-// Objects whose levels lie inside one another become one: a draw has one place, and what is shown together too often is
-// better than what is shown too seldom.
+// Objects whose levels contain each other are united, because a draw has one object and one level, and drawing too
+// much is better than drawing too little.
 class lod_levels {
  public:
-  // children: of a node; nodes that no root leads to have no levels here. What contradicts itself is a warning.
+  // children: returns the children of a node. Nodes below no root have no levels here. Contradictions cause warnings.
   lod_levels(const node_list& nodes, const std::vector<int>& roots,
              const std::function<const std::vector<int>&(std::size_t)>& children, std::vector<std::string>& warnings);
 
-  // The place of a node under a parent with that place. Once per node, in any order from parents to children.
+  // Returns the object and level of a node below a parent. Must be called once per node, parents before children.
   lod_place below(const lod_place& parent, std::uint32_t node);
 
-  // From places as below() gave them: objects numbered from 0 in the order of their first draws; those of one level
-  // alone are none.
+  // Numbers objects from 0 in the order of their first draws. draws: with objects and levels from below(). Objects
+  // with a single level are removed.
   void settle(std::vector<draw>& draws);
 
  private:
@@ -43,9 +43,9 @@ class lod_levels {
   const node_list& nodes_;
   std::vector<std::string>& warnings_;
   std::size_t missing_ = 0;
-  // By node; empty where the file has no levels.
+  // By node; empty if the file has no levels.
   std::vector<lod_place> places_;                        // claimed by an object
-  std::vector<std::uint32_t> first_visit_, last_visit_;  // depth-first numbers: of the node, of the last below it
+  std::vector<std::uint32_t> first_visit_, last_visit_;  // depth-first numbers: of the node, of the last node below it
   std::vector<std::uint32_t> same_as_;                   // chains of united objects
 };
 

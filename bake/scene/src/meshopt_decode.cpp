@@ -5,8 +5,8 @@
 namespace sightcell::scene {
 namespace {
 
-// The least bytes that a stream of so many elements can have: the vertex codec spends two bits on 16 equal bytes, the
-// index codecs a byte per triangle or index.
+// Returns the smallest number of bytes that a stream of this many elements can have: the vertex codec uses two bits
+// for 16 equal bytes, the index codecs one byte per triangle or index.
 std::uint64_t least_bytes(const meshopt_stream& stream) {
   if (stream.mode == "ATTRIBUTES") return stream.count * stream.stride / 64;
   return stream.mode == "TRIANGLES" ? stream.count / 3 : stream.count;

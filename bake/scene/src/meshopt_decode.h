@@ -1,5 +1,5 @@
 #pragma once
-// EXT_meshopt_compression: the bytes of a buffer view out of its compressed ones.
+// EXT_meshopt_compression: decodes the bytes of a buffer view.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -14,8 +14,8 @@ struct meshopt_stream {
   std::uint64_t count = 0, stride = 0;
 };
 
-// count x stride bytes. Nothing, and why, when the stream is broken, is no such stream, or claims more elements than
-// its bytes can hold; that is asked before anything is allocated.
+// Returns count x stride bytes. Returns nothing, and the cause in why_not, if the stream is damaged, has another
+// format, or claims more elements than its bytes can contain, which is checked before anything is allocated.
 std::optional<std::vector<std::uint8_t>> decode_meshopt(const meshopt_stream& stream,
                                                         std::span<const std::uint8_t> bytes, std::string& why_not);
 

@@ -11,7 +11,7 @@
 namespace sightcell::scene {
 namespace {
 
-// In the order of hashes those in the same place stand together; the place itself decides where hashes are equal.
+// Sorting by hash groups polygons in the same place; equal hashes are ordered by the place itself.
 struct candidate {
   std::uint64_t hash = 0;
   std::uint32_t polygon = 0;

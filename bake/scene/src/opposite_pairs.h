@@ -1,12 +1,12 @@
 #pragma once
-// Artists give a leaf its back by a second polygon in the same place that faces the other way.
+// Finds the pairs of polygons that artists use for leaves: two in the same place that face opposite ways.
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {
 
-// Rule 1 of docs/method/visibility-rules.md: single-sided MASK polygons with the same three corners of which some are
-// wound one way and some the other are taken as double-sided, all of them. Otherwise rays and pixels that meet both at
-// the same distance choose by rounding.
+// Rule 1 of docs/method/visibility-rules.md: makes single-sided MASK polygons double-sided if they have the same
+// three corners and are wound in both ways. Otherwise rays and pixels that hit both at the same distance would choose
+// by rounding.
 void join_opposite_pairs(world_geometry& geometry);
 
 }  // namespace sightcell::scene

@@ -38,8 +38,8 @@ corner_list corners_of(const scene& s, std::uint32_t source_id, const std::vecto
   return {d.base_vertex + local[0], d.base_vertex + local[swapped ? 2 : 1], d.base_vertex + local[swapped ? 1 : 2]};
 }
 
-// A polygon with a corner that is nowhere is counted and never seen, so it must not be drawn from where that corner
-// stands now.
+// Writes the indices. A polygon with a corner that is not finite has a number and is never visible, so it must not be
+// drawn with the corner's placeholder.
 void write_indices(const scene& s, const packed_order& order, const std::vector<bool>& moves,
                    const std::vector<std::uint32_t>& broken, std::span<std::byte> into) {
   for (std::size_t i = 0; i < order.source_of_stored.size(); ++i) {
@@ -85,7 +85,7 @@ struct gltf_packer::state {
     }
   }
 
-  // bytes: of the whole file, as far as is known.
+  // bytes: size of the whole file, as far as it is known.
   void check_size(std::uint64_t bytes) const {
     if (bytes > std::numeric_limits<std::uint32_t>::max())
       refuse(source.name, "pack.too-large",

@@ -69,7 +69,8 @@ class document_writer {
   }
 
  private:
-  // A bake anew gives the same scene another order, and a file of one order goes with no other.
+  // Returns a hash of the order, because another bake of the same scene has another order, and a packed file fits one
+  // order only.
   std::string order_hash() const {
     XXH64_canonical_t canonical;
     XXH64_canonicalFromHash(&canonical, XXH3_64bits(order_.source_of_stored.data(),
@@ -107,7 +108,7 @@ class document_writer {
     if (group.moves) {
       if (first.node < scene_.node_names.size() && !scene_.node_names[first.node].empty())
         node["name"] = scene_.node_names[first.node];
-      // Which draw it was: so the host finds the animation that moves it.
+      // The source of the draw, so that the host finds the animation that moves it.
       node["extras"]["source"] = {
           {"node", first.node}, {"mesh", first.mesh}, {"primitive", first.primitive}, {"instance", first.instance}};
       if (first.to_world != glm::dmat4(1.0) && is_finite(first.to_world))
@@ -137,7 +138,7 @@ class document_writer {
     return primitive;
   }
 
-  // Those that all draws of a group have: a node cannot say more.
+  // Returns the marks that all draws of a group share, because a node has one set of marks.
   json marks_of(const packed_group& group) const {
     const auto all = [&](auto has) {
       return std::all_of(group.draws.begin(), group.draws.end(),
@@ -154,7 +155,7 @@ class document_writer {
     return marks;
   }
 
-  // Objects with levels of detail become nodes of their own behind the groups, a node for each level.
+  // Writes objects with levels of detail as further nodes after the groups, one node per level.
   void write_levels(json& roots) {
     std::map<std::uint32_t, std::map<std::uint32_t, json>> objects;  // groups by object and level
     for (std::size_t g = 0; g < order_.groups.size(); ++g) {

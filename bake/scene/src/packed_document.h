@@ -1,5 +1,5 @@
 #pragma once
-// The JSON of a packed file.
+// Writes the JSON of a packed file.
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,10 +11,10 @@
 
 namespace sightcell::scene {
 
-// Where a packed file's one buffer has what: vertices from 0 on, then indices, then images.
+// Offsets in the single buffer of a packed file: vertices from 0 on, then indices, then images.
 struct packed_places {
   std::uint64_t indices = 0;
-  std::vector<std::uint64_t> images;  // as carried_materials has them
+  std::vector<std::uint64_t> images;  // in the order of carried_materials
   std::uint64_t bytes = 0;
 };
 

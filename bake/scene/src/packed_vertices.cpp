@@ -26,7 +26,7 @@ void put_vec3(std::vector<float>& values, std::size_t at, const glm::vec3& v) {
   values[at] = v.x, values[at + 1] = v.y, values[at + 2] = v.z;
 }
 
-// What has no direction gets this one: zeros would be read as broken.
+// Returns a unit vector, or `otherwise` if v has no direction: readers would reject zeros.
 glm::vec3 direction(const glm::dvec3& v, const glm::vec3& otherwise) {
   const double length = glm::length(v);
   return length > 0.0 && std::isfinite(length) ? glm::vec3(v / length) : otherwise;
@@ -34,8 +34,8 @@ glm::vec3 direction(const glm::dvec3& v, const glm::vec3& otherwise) {
 
 constexpr glm::vec3 any_normal(0, 1, 0), any_tangent(1, 0, 0);
 
-// Normals turn by the inverse transpose. The matrix of cofactors is that but for the length, and there is one where a
-// scale is 0 too.
+// Normals are transformed by the inverse transpose. The matrix of cofactors equals it except for the length, and
+// exists for a scale of 0 too.
 struct direction_map {
   explicit direction_map(const glm::dmat3& m) : matrix(m), mirrored(glm::determinant(m) < 0.0) {
     const double sign = mirrored ? -1.0 : 1.0;
@@ -48,7 +48,8 @@ struct direction_map {
   bool mirrored;
 };
 
-// Corners of one polygon alone get its normal; others the mean of their polygons', by area.
+// Returns normals: a corner of a single polygon gets the polygon's normal, others the mean of their polygons'
+// weighted by area.
 std::vector<float> normals_of(const geometry& g) {
   std::vector<glm::dvec3> sums(g.positions.size(), glm::dvec3(0.0));
   for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) {
@@ -62,7 +63,7 @@ std::vector<float> normals_of(const geometry& g) {
   return out;
 }
 
-// What vertices have of an attribute that their primitive lacks.
+// Returns the value of an attribute that the primitive lacks.
 float missing_value(const std::string& name, std::uint32_t component) {
   if (name == "NORMAL") return any_normal[static_cast<int>(component)];
   if (name == "TANGENT") return component == 0 || component == 3 ? 1.0f : 0.0f;
@@ -140,12 +141,12 @@ void packed_vertices::find_bounds() {
   }
 }
 
-// values: as the file has them.
+// values: as in the file.
 attribute_values packed_vertices::at_rest(const draw& d, attribute_values values) {
   const geometry& g = scene_.geometries[d.geometry];
   const bool wanted = std::any_of(columns_.begin(), columns_.end(), [](const auto& c) { return c.name == "NORMAL"; });
   const bool from_file = values.contains("NORMAL");
-  if (wanted && !from_file) values["NORMAL"] = normals_of(g);  // of the pose that it rests in
+  if (wanted && !from_file) values["NORMAL"] = normals_of(g);  // of the rest pose
   const auto posed = poses_.find(d.geometry);
   if (posed == poses_.end()) return values;
   const rest_pose& rest = posed->second;
@@ -175,7 +176,7 @@ void packed_vertices::write_draw(const draw& d, std::size_t number, const attrib
   for (const vertex_column& column : columns_) {
     row.resize(g.positions.size() * column.width);
     const auto found = values.find(column.name);
-    // Colors may have three numbers here and four elsewhere.
+    // Colors may have three numbers here and four in other primitives.
     const std::size_t has =
         found == values.end() || g.positions.empty() ? 0 : found->second.size() / g.positions.size();
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -202,7 +203,7 @@ void packed_vertices::write_draw(const draw& d, std::size_t number, const attrib
 void packed_vertices::write(std::span<std::byte> into) {
   std::vector<std::uint32_t> numbers(scene_.draws.size());
   std::iota(numbers.begin(), numbers.end(), 0u);
-  // A primitive's attributes are read once for all its draws, and no others are held besides.
+  // The attributes of a primitive are read once for all its draws, and only those of one primitive are in memory.
   const auto key = [this](std::uint32_t number) {
     const draw& d = scene_.draws[number];
     return std::tuple(d.mesh, d.primitive, d.geometry);

@@ -1,5 +1,5 @@
 #pragma once
-// All vertices of a scene, attribute by attribute, as a packed file has them.
+// All vertices of a scene for a packed file, attribute by attribute.
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -16,28 +16,28 @@ namespace sightcell::scene {
 struct vertex_column {
   std::string name;
   std::uint32_t width = 0;   // floats per vertex
-  std::uint64_t offset = 0;  // of the first vertex's, in bytes
+  std::uint64_t offset = 0;  // of the first vertex, in bytes
 };
 
 class packed_vertices {
  public:
-  // moves: by draw. All must outlive it.
+  // moves: by draw. References must outlive the object.
   packed_vertices(const scene& s, const pose_list& poses, const std::vector<bool>& moves, gltf_attributes& attributes);
 
   std::uint32_t count() const { return count_; }
   std::uint64_t bytes() const { return bytes_; }
   const std::vector<vertex_column>& columns() const { return columns_; }  // POSITION first
-  // Attributes that a draw's primitive has in the file.
+  // Returns the attributes that the primitive of a draw has in the file.
   const attribute_widths& attributes_of(std::uint32_t draw) const;
 
-  // Looks at all positions, for the next three.
+  // Computes the results of the next three functions from all positions.
   void find_bounds();
   glm::vec3 min() const { return min_; }
   glm::vec3 max() const { return max_; }
-  // Vertices that are not finite and stand at the origin; ascending.
+  // Returns the vertices that are not finite and are placed at the origin; ascending.
   const std::vector<std::uint32_t>& broken() const { return broken_; }
 
-  // into: bytes() of them.
+  // into: has bytes() bytes.
   void write(std::span<std::byte> into);
 
  private:

@@ -15,7 +15,7 @@ std::optional<std::size_t> bend(std::vector<glm::dvec3>& positions, std::span<co
     double sum = 0.0;
     for (const influence_set& set : sets)
       for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) sum += set.weights[k];
-    const bool weighted = sum > 0.0;  // not where one is NaN
+    const bool weighted = sum > 0.0;  // not if one is NaN
     glm::dvec4 bent(0.0);
     glm::dmat3 frame(0.0);
     for (const influence_set& set : sets) {

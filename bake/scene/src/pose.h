@@ -1,5 +1,5 @@
 #pragma once
-// Vertices in the pose that a file gives them at rest: displaced by morph targets, bent by the joints of a skin.
+// Vertices in the rest pose of a file: displaced by morph targets, bent by the joints of a skin.
 #include <cstddef>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
@@ -18,9 +18,11 @@ struct influence_set {
   std::vector<float> joints, weights;
 };
 
-// matrices: from the mesh's space to the world, by joint. Weights count in proportion to their sum; a vertex without
-// any hangs on its first joint. frames: what that does to directions, by vertex; null: nobody asks. A vertex that hangs
-// on a joint that is not there comes back; the positions are then of no use.
+// Transforms positions by the joints of a skin. Weights are divided by their sum; a vertex without weights follows
+// its first joint.
+// matrices: by joint, from the mesh's space to the world.
+// frames: receives the transform of directions per vertex; may be null.
+// Returns the number of a vertex whose joint does not exist, after which positions are unusable; else nothing.
 std::optional<std::size_t> bend(std::vector<glm::dvec3>& positions, std::span<const influence_set> sets,
                                 std::span<const glm::dmat4> matrices, std::vector<glm::dmat3>* frames = nullptr);
 

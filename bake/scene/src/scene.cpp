@@ -139,8 +139,8 @@ class fingerprint_hash {
   std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
 };
 
-// Texture coordinates and images decide what is seen only where alpha is tested, so only masked materials bring them
-// in: a new color texture must not void a bake.
+// Texture coordinates and images decide visibility only where alpha is tested, so only those of masked materials are
+// included: a new color texture must not invalidate a bake.
 std::array<std::uint8_t, 16> fingerprint_of(const scene& s) {
   std::vector<bool> masked(s.geometries.size(), false);
   for (const draw& d : s.draws) {
@@ -180,7 +180,7 @@ std::array<std::uint8_t, 16> fingerprint_of(const scene& s) {
     for (int column = 0; column < 4; ++column) {
       for (int row = 0; row < 4; ++row) hash.value(d.to_world[column][row]);
     }
-    // A marker first: without tags the hash is what it was.
+    // A marker first: without tags the hash stays that of scenes from before tags existed.
     if (d.tags != draw_tags{}) {
       const draw_tags& t = d.tags;
       hash.value(std::uint8_t{1});

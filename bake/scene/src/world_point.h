@@ -1,5 +1,6 @@
 #pragma once
-// How points come into world space: in double precision, rounded once. All who flatten do it so, bit for bit.
+// Transforms points into world space: in double precision, rounded once. All code that flattens uses it, so results
+// are equal bit for bit.
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
@@ -12,7 +13,8 @@ inline glm::vec3 world_point(const glm::dmat4& to_world, const glm::vec3& local)
   return glm::vec3(to_world[0] * p.x + to_world[1] * p.y + to_world[2] * p.z + to_world[3]);
 }
 
-// Its polygons then have two corners swapped, so that front faces stay counter-clockwise.
+// Returns whether a transform mirrors. Polygons of such a draw have two corners swapped, so that front faces stay
+// counter-clockwise.
 inline bool is_mirrored(const glm::dmat4& to_world) {
   return glm::determinant(glm::dmat3(to_world)) < 0.0;
 }
