@@ -2,8 +2,8 @@
 
 namespace sightcell::picture {
 
-// Makes the software OpenGL that a bundle carries known to libEGL, behind every driver that the machine has itself.
-// Does nothing outside a bundle, and nothing to what the user chose by environment variable. Call before EGL is used.
+// Lets libEGL find the software OpenGL of an installed bundle, with lower priority than the drivers of the machine.
+// Does nothing outside a bundle, and does not override environment variables of the user. Call before EGL is used.
 void offer_bundled_driver();
 
 }  // namespace sightcell::picture

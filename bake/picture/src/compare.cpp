@@ -23,7 +23,7 @@ difference compare(const image_rgba& a, const image_rgba& b) {
     result.differing_pixels += differs != 0 ? 1u : 0u;
 
     std::uint8_t* out = &result.marked.pixels[at];
-    // Rec. 709 luma, dimmed so that red stands out.
+    // Rec. 709 luma, dimmed so that red is easy to see.
     const int gray = (54 * a.pixels[at] + 183 * a.pixels[at + 1] + 19 * a.pixels[at + 2]) / 320;
     out[0] = differs != 0 ? std::uint8_t{255} : static_cast<std::uint8_t>(gray);
     out[1] = out[2] = differs != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(gray);

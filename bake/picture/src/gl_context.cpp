@@ -1,6 +1,6 @@
 #include "sightcell/picture/gl_context.h"
 
-// epoxy brings its own EGL and GL headers and must come before any other.
+// epoxy has its own EGL and GL headers and must be included before any other.
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
@@ -31,7 +31,7 @@ bool is_software_renderer(const std::string& name) {
   return false;
 }
 
-// One way to a display, in the order they are tried.
+// A way to open a display; they are tried in order.
 struct candidate {
   EGLenum platform = 0;
   void* native = nullptr;
@@ -69,8 +69,8 @@ struct made_context {
   std::string renderer;
 };
 
-// A context that says so when its device was reset, where the driver can make one: otherwise what is read back after a
-// reset may be anything.
+// Creates a context that reports a reset of its device, if the driver supports that. Without the report, data read
+// back after a reset may be anything.
 EGLContext create_context(EGLDisplay display, EGLConfig config, bool debug) {
   const std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,
                                        4,
@@ -87,8 +87,8 @@ EGLContext create_context(EGLDisplay display, EGLConfig config, bool debug) {
   return made != EGL_NO_CONTEXT ? made : eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
 }
 
-// Tries one candidate; on success the context is current. The display stays initialized in any case: EGL hands the same
-// one to everybody in the process, and terminating it would end the contexts of others.
+// Tries one candidate; on success the context is current. The display stays initialized in any case: EGL returns the
+// same display to all code in the process, and terminating it would end the contexts of other code.
 bool try_candidate(const candidate& c, bool debug, made_context& made, std::string& why_not) {
   made.display = eglGetPlatformDisplayEXT(c.platform, c.native, nullptr);
   if (made.display == EGL_NO_DISPLAY || eglInitialize(made.display, nullptr, nullptr) == EGL_FALSE) {
@@ -131,8 +131,8 @@ void drop(const made_context& made) {
 
 enum class devices { hardware, all };
 
-// Hardware first. A device that is not marked as software can still end in a software rasterizer when its driver is
-// missing: such contexts are taken only when nothing better is there.
+// Chooses hardware first. A device that is not marked as software can still use a software rasterizer if its driver
+// is missing. Such contexts are chosen only if there is no hardware.
 bool choose(devices wanted, bool debug, made_context& made, candidate& chosen, std::string& tried) {
   const std::vector<candidate> all = list_candidates();
   for (const bool take_software : {false, true}) {
@@ -184,7 +184,7 @@ void APIENTRY on_debug_message(GLenum, GLenum, GLuint, GLenum severity, GLsizei,
 
 }  // namespace
 
-// Nothing, and what was tried, where there is no context on such a device.
+// Returns null if there is no context on such a device; `tried` then lists the attempts.
 std::unique_ptr<gl_context::state> gl_context::state::make(devices wanted, bool debug, std::string& tried) {
   offer_bundled_driver();
   tried = "libEGL is not installed";
@@ -276,7 +276,7 @@ void gl_context::require_device(const char* where) {
 void gl_context::check(const char* where) const {
   require_device(where);
   const GLenum code = glGetError();
-  // Each kind of error has its own flag; a lost context may report for ever.
+  // Each kind of error has its own flag. The loop is limited because a lost context may report errors without end.
   for (int i = 0; code != GL_NO_ERROR && i < 16 && glGetError() != GL_NO_ERROR; ++i) {
   }
   std::string message;

@@ -37,7 +37,7 @@ gl_program::gl_program(const char* name, std::initializer_list<stage> stages) : 
     glShaderSource(shader, 1, &s.text, nullptr);
     glCompileShader(shader);
     glAttachShader(id_, shader);
-    glDeleteShader(shader);  // goes with the program
+    glDeleteShader(shader);  // deleted with the program
     GLint compiled = GL_FALSE;
     glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     if (compiled != GL_TRUE) {

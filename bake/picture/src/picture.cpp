@@ -18,15 +18,15 @@
 namespace sightcell::picture {
 namespace {
 
-constexpr float near_plane = 0.001f;      // metres; as near as the bake looks
-constexpr float haze_over_scene = 0.35f;  // optical depth across the scene's diagonal, but at most
-constexpr float thickest_haze = 0.001f;   // this per metre: none inside a room
+constexpr float near_plane = 0.001f;      // meters; that of the bake
+constexpr float haze_over_scene = 0.35f;  // optical depth across the scene's diagonal
+constexpr float thickest_haze = 0.001f;   // limit per meter, so that rooms have no haze
 
 shaders::vec4 with_w(const glm::vec3& v, float w) {
   return {v.x, v.y, v.z, w};
 }
 
-// A material's block in the uniform buffer. 256 is the largest alignment that a device may ask for.
+// The block of a material in the uniform buffer. 256 is the largest alignment that a device may require.
 struct alignas(256) material_block {
   shaders::picture_material material;
 };
@@ -51,7 +51,7 @@ shaders::picture_view view_of(const camera& c, float aspect, float haze) {
   const glm::vec3 forward = c.forward / length;
   glm::vec3 right = glm::cross(forward, c.up);
   if (!(glm::dot(right, right) > 1e-10f)) {
-    // Looking along up: any other direction will do.
+    // forward is parallel to up: any other direction will do.
     right = glm::cross(forward, std::abs(forward.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1));
   }
   right = glm::normalize(right);
@@ -65,7 +65,7 @@ double cpu_milliseconds() {
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-// Color and depth of one size.
+// Color and depth images of one size.
 class frame {
  public:
   frame(std::uint32_t width, std::uint32_t height) : width_(width), height_(height) {
@@ -141,7 +141,7 @@ struct renderer::state {
 
   void upload_vertices(const scene::scene& s, const scene::world_geometry& g) {
     std::vector<glm::vec2> uvs(g.positions.size(), glm::vec2(0.0f));
-    std::vector<glm::u8vec4> colors;  // only where the scene has any
+    std::vector<glm::u8vec4> colors;  // only if the scene has vertex colors
     for (const scene::draw& d : s.draws) {
       const std::vector<glm::vec2>& own = s.geometries[d.geometry].uvs;
       if (d.base_vertex + own.size() <= uvs.size()) {
@@ -164,14 +164,14 @@ struct renderer::state {
     glEnableVertexArrayAttrib(vertex_array, shaders::picture_attribute_uv);
     glVertexArrayAttribFormat(vertex_array, shaders::picture_attribute_uv, 2, GL_FLOAT, GL_FALSE, 0);
     glVertexArrayAttribBinding(vertex_array, shaders::picture_attribute_uv, 1);
-    if (colors.empty()) return;  // the shader reads the constant that set_state gives
+    if (colors.empty()) return;  // the shader reads the constant of set_state
     glVertexArrayVertexBuffer(vertex_array, 2, buffers[vertex_colors], 0, sizeof(glm::u8vec4));
     glEnableVertexArrayAttrib(vertex_array, shaders::picture_attribute_color);
     glVertexArrayAttribFormat(vertex_array, shaders::picture_attribute_color, 4, GL_UNSIGNED_BYTE, GL_TRUE, 0);
     glVertexArrayAttribBinding(vertex_array, shaders::picture_attribute_color, 2);
   }
 
-  // glTF's default material comes last, for draws without one.
+  // The default material of glTF is last, for draws without a material.
   void upload_materials(const scene::scene& s) {
     std::vector<material_block> blocks;
     for (const scene::material& m : s.materials) {
@@ -193,7 +193,7 @@ struct renderer::state {
     for (const GLenum off : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_DITHER}) glDisable(off);
     glEnable(GL_FRAMEBUFFER_SRGB);
     glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);  // reversed depth: larger is nearer
+    glDepthFunc(GL_GREATER);  // reversed depth: larger is closer
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
@@ -246,7 +246,7 @@ struct renderer::state {
   GLuint buffers[buffer_count] = {};
   GLuint vertex_array = 0;
   std::vector<unsigned> texture_of;  // by material block
-  std::vector<std::uint32_t> list;   // index list of the last gathering
+  std::vector<std::uint32_t> list;   // index list of the last draw
   std::vector<index_range> all_ranges, some_ranges;
   std::unique_ptr<frame> target;
   float haze = 0.0f;
@@ -276,7 +276,7 @@ image_rgba renderer::draw(const camera& view, std::uint32_t width, std::uint32_t
   }
   const auto block = view_of(view, static_cast<float>(width) / static_cast<float>(height), r.haze);
 
-  glFinish();  // what others left to do is not part of this picture's time
+  glFinish();  // work of other code is not part of this picture's time
   const double start = cpu_milliseconds();
   if (source_ids) {
     r.lists.gather(source_ids, r.list, r.some_ranges);

@@ -20,7 +20,8 @@ bool less(const draw_group& a, const draw_group& b) {
 }  // namespace
 
 polygon_lists::polygon_lists(const scene::scene& s, const scene::world_geometry& geometry) : geometry_(geometry) {
-  // The kind comes from the flattened polygons and not from the material: a host may have changed sidedness there.
+  // The kind comes from the flattened polygons and not from the material, because a host may have changed sidedness
+  // there.
   const auto group_of = [&](const scene::draw& d, std::uint32_t id) {
     const scene::polygon_kind kind = geometry.kinds[id];
     return draw_group{kind.alpha, kind.double_sided, d.material};

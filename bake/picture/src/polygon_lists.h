@@ -1,6 +1,6 @@
 #pragma once
-// Index lists in the order of drawing: polygons that are drawn with the same state lie together, so that a picture of
-// any set of polygons takes one draw call per state.
+// Index lists in drawing order: polygons with the same state are contiguous, so that a picture of any set of polygons
+// takes one draw call per state.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace sightcell::picture {
 
-// All polygons drawn with one state.
+// The state of polygons that are drawn together.
 struct draw_group {
   scene::alpha_mode alpha = scene::alpha_mode::opaque;
   bool double_sided = false;
@@ -28,12 +28,12 @@ class polygon_lists {
   // References must outlive the object.
   polygon_lists(const scene::scene& s, const scene::world_geometry& geometry);
 
-  // Opaque groups first, then mask, then blend: blended polygons need all others behind them.
+  // Returns the groups: opaque, then mask, then blend, because blended polygons need the others behind them.
   const std::vector<draw_group>& groups() const { return groups_; }
 
-  // Lists the polygons with these source ids, or all; absent ones are left out. Inside a group the order is that of
-  // source_ids, so a subset is drawn in the order in which the whole scene is. Throws sightcell::error when an id is
-  // not in the scene.
+  // Lists the polygons with these source ids, or all; absent polygons are left out. Inside a group the order is that
+  // of source_ids, so a subset is drawn in the same order as the whole scene. Throws sightcell::error if an id is not
+  // in the scene.
   void gather(std::optional<std::span<const std::uint32_t>> source_ids, std::vector<std::uint32_t>& indices,
               std::vector<index_range>& ranges) const;
 

@@ -18,10 +18,10 @@ GLuint make_texture(GLsizei width, GLsizei height, const unsigned char* rgba) {
   glGenerateTextureMipmap(id);
   glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  return id;  // repeats, OpenGL's default and glTF's
+  return id;  // repeats, the default of OpenGL and glTF
 }
 
-// 0 when the image cannot be decoded or is larger than the device's textures.
+// Returns 0 if the image cannot be decoded or is larger than the device's textures.
 GLuint decode_and_upload(const scene::image& image) {
   GLint limit = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
@@ -38,7 +38,7 @@ bool repeats(const scene::material& m) {
   return m.wrap_u == scene::wrap::repeat && m.wrap_v == scene::wrap::repeat;
 }
 
-// The pixels of a texture under parameters of their own.
+// Returns a view of a texture with other wrap modes.
 GLuint make_wrapped(GLuint texture, scene::wrap wrap_u, scene::wrap wrap_v) {
   GLint levels = 0;
   glGetTextureParameteriv(texture, GL_TEXTURE_IMMUTABLE_LEVELS, &levels);

@@ -30,7 +30,8 @@ void write_png(const std::filesystem::path& path, const image_rgba& picture) {
     throw error(error_kind::wrong_use, "picture.empty", path.string(), "the picture has no or too few pixels",
                 "write a picture that was drawn");
   }
-  // Written beside the target, so that the rename stays on one file system and nobody reads half a picture.
+  // Written beside the target, so that the rename stays on one file system and no other process reads an incomplete
+  // picture.
   std::filesystem::path temporary = path;
   temporary += ".tmp-" + std::to_string(getpid());
   bool written = false;
