@@ -66,37 +66,37 @@ void check_range(const added_polygons& wanted, const format::reader& file, const
 
 // Adds polygons to a set. Returns those that it did not contain, as (cell, first, count).
 std::vector<added_polygons> add(const added_polygons& wanted, std::vector<std::uint32_t>& set) {
-  std::vector<added_polygons> fresh;
+  std::vector<added_polygons> newly_added;
   const auto from = std::lower_bound(set.begin(), set.end(), wanted.first);
   auto known = from;
   for (std::uint32_t i = 0; i < wanted.count; ++i) {
     const std::uint32_t polygon = wanted.first + i;
     if (known != set.end() && *known == polygon) {
       ++known;
-    } else if (!fresh.empty() && fresh.back().first + fresh.back().count == polygon) {
-      ++fresh.back().count;
+    } else if (!newly_added.empty() && newly_added.back().first + newly_added.back().count == polygon) {
+      ++newly_added.back().count;
     } else {
-      fresh.push_back({wanted.cell, polygon, 1});
+      newly_added.push_back({wanted.cell, polygon, 1});
     }
   }
-  if (fresh.empty()) return fresh;
+  if (newly_added.empty()) return newly_added;
   std::vector<std::uint32_t> all(set.begin(), from);
   for (std::uint32_t i = 0; i < wanted.count; ++i) all.push_back(wanted.first + i);
   all.insert(all.end(), known, set.end());
   set = std::move(all);
-  return fresh;
+  return newly_added;
 }
 
 // Returns the settings text with the added polygons after those of earlier patches. A text that is no JSON object is
 // kept inside one.
-std::string with_added(std::string_view settings, const std::vector<added_polygons>& fresh) {
+std::string with_added(std::string_view settings, const std::vector<added_polygons>& newly_added) {
   auto text = scene::parse_ordered_json(settings, false);
   if (!text.is_object())
     text = settings.empty() ? nlohmann::ordered_json::object()
                             : nlohmann::ordered_json{{"settings", std::string(settings)}};
   auto& list = text["added"];
   if (!list.is_array()) list = nlohmann::ordered_json::array();
-  for (const added_polygons& a : fresh) list.push_back({a.cell, a.first, a.count});
+  for (const added_polygons& a : newly_added) list.push_back({a.cell, a.first, a.count});
   return text.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -111,16 +111,16 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
   format::file_parts parts;
   require_ok(format::take_apart(opened, parts), name);
   patch_result result;
-  std::vector<added_polygons> fresh;
+  std::vector<added_polygons> newly_added;
   for (const added_polygons& wanted : additions) {
     const auto more = add(wanted, sets.to_change(wanted.cell, name));
     std::uint64_t added = 0;
     for (const added_polygons& a : more) added += a.count;
     result.added += added;
     result.already_there += wanted.count - added;
-    fresh.insert(fresh.end(), more.begin(), more.end());
+    newly_added.insert(newly_added.end(), more.begin(), more.end());
   }
-  if (!fresh.empty()) parts.settings = with_added(opened.settings(), fresh);
+  if (!newly_added.empty()) parts.settings = with_added(opened.settings(), newly_added);
   const format::file_contents changed = parts.contents(
       {parts.cells.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { return sets.get(cell, set); }});
   std::vector<std::byte> bytes;

@@ -42,7 +42,7 @@ int widest_edge(const triangle& t, const glm::vec3& eye) {
 
 // Returns a point of the part, another one for each number. The centers of the parts would be a grid, which may miss
 // narrow straight shapes. Uses a sequence that fills the unit square (Roberts 2018), folded into the triangle.
-glm::vec3 place_in(const part& where) {
+glm::vec3 point_in(const part& where) {
   const auto number = static_cast<std::uint32_t>(where.number + 1);
   float u = static_cast<float>((number * 3242174889u) >> 8) * 0x1p-24f;
   float v = static_cast<float>((number * 2447445414u) >> 8) * 0x1p-24f;
@@ -65,7 +65,7 @@ class looker {
       const part next = parts_.top();
       if (next.size < pixel && result_.rays >= fewest_rays) break;
       parts_.pop();
-      look_at(place_in(next));
+      look_at(point_in(next));
       split(next.corners);
     }
     return result_;

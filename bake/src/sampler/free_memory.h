@@ -10,7 +10,7 @@ namespace sightcell::bake {
 
 class free_memory {
  public:
-  explicit free_memory(std::size_t cells) : in_vain_(cells * parts_of_cell) {}
+  explicit free_memory(std::size_t cells) : invalid_in_a_row_(cells * parts_of_cell) {}
 
   // Returns the part of the cell's box that contains the point.
   static std::uint32_t part_of(const box& cell, const glm::vec3& place) {
@@ -21,20 +21,22 @@ class free_memory {
     return (along(share.z, wide) * high + along(share.y, high)) * wide + along(share.x, wide);
   }
   // Returns whether the last few viewpoints tested in this part were all invalid.
-  bool is_barren(std::uint32_t cell, std::uint32_t part) const { return in_vain_[number_of(cell, part)] >= enough; }
+  bool is_barren(std::uint32_t cell, std::uint32_t part) const {
+    return invalid_in_a_row_[number_of(cell, part)] >= barren_after;
+  }
   void note(std::uint32_t cell, std::uint32_t part, bool free) {
-    std::uint8_t& in_vain = in_vain_[number_of(cell, part)];
-    in_vain = free ? std::uint8_t{0} : static_cast<std::uint8_t>(std::min(in_vain + 1, int{enough}));
+    std::uint8_t& invalid = invalid_in_a_row_[number_of(cell, part)];
+    invalid = free ? std::uint8_t{0} : static_cast<std::uint8_t>(std::min(invalid + 1, int{barren_after}));
   }
 
  private:
   static constexpr std::uint32_t wide = 8, high = 4, parts_of_cell = wide * wide * high;
-  static constexpr std::uint8_t enough = 3;
+  static constexpr std::uint8_t barren_after = 3;
   static std::size_t number_of(std::uint32_t cell, std::uint32_t part) {
     return cell * std::size_t{parts_of_cell} + part;
   }
 
-  std::vector<std::uint8_t> in_vain_;  // per part of each cell: number of consecutive invalid viewpoints
+  std::vector<std::uint8_t> invalid_in_a_row_;  // per part of each cell: number of consecutive invalid viewpoints
 };
 
 }  // namespace sightcell::bake

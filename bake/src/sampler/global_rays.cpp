@@ -17,12 +17,12 @@ namespace {
 constexpr std::size_t viewpoints = 32;      // per cell
 constexpr std::uint64_t free_tries = 4096;  // to find the first viewpoint of a cell; cells without any are not stored
 constexpr int tries = 4;                    // to find a polygon that faces a cell
-constexpr double lately = 0.5;              // weight of the last round
+constexpr double last_round_weight = 0.5;   // weight of the last round
 // Distance of the closest silhouette ray from the edge, as a share of the polygon's size.
 constexpr float past_edge = 1e-3f;
 
 // Returns a nearly normal number of variance 1. Sums and products alone give the same bits on every machine.
-float bell(random_stream& numbers) {
+float nearly_normal(random_stream& numbers) {
   float sum = -2.0f;
   for (int i = 0; i < 4; ++i) sum += numbers.uniform();
   return sum * 1.7320508f;
@@ -36,7 +36,7 @@ float longest_edge(const triangle& t) {
 glm::vec3 beside(const glm::vec3& place, const glm::vec3& direction, float by, random_stream& numbers) {
   const glm::vec3 up = std::abs(direction.y) < 0.9f ? glm::vec3{0, 1, 0} : glm::vec3{1, 0, 0};
   const glm::vec3 right = glm::normalize(glm::cross(direction, up));
-  const float x = by * bell(numbers), y = by * bell(numbers);
+  const float x = by * nearly_normal(numbers), y = by * nearly_normal(numbers);
   return place + right * x + glm::cross(right, direction) * y;
 }
 
@@ -193,7 +193,7 @@ std::array<std::uint64_t, ray_kinds> adaptive_shares::rays_of_round(
 void adaptive_shares::found(ray_kind kind, std::uint64_t rays, std::uint64_t pairs) {
   if (rays == 0) return;
   double& mean = per_ray_[static_cast<std::size_t>(kind)];
-  mean += lately * (static_cast<double>(pairs) / static_cast<double>(rays) - mean);
+  mean += last_round_weight * (static_cast<double>(pairs) / static_cast<double>(rays) - mean);
 }
 
 }  // namespace sightcell::bake

@@ -71,14 +71,14 @@ class part_sampling {
     const std::size_t each = budget_ / faces_.size();
     if (each < 4) {
       for (std::uint32_t face = 0; face < faces_.size(); ++face) want(face, {steps / 2, steps / 2});
-      take_wanted();
+      render_queued();
       return;
     }
     const std::uint32_t size = each < 9 ? steps : steps / 2;
     for (std::uint32_t face = 0; face < faces_.size(); ++face)
       for (std::uint32_t y = 0; y <= steps; y += size)
         for (std::uint32_t x = 0; x <= steps; x += size) want(face, {x, y});
-    take_wanted();
+    render_queued();
     for (std::uint32_t face = 0; face < faces_.size(); ++face)
       for (std::uint32_t y = 0; y < steps; y += size)
         for (std::uint32_t x = 0; x < steps; x += size) add_quad({0.0, face, x, y, size}, 0.0);
@@ -88,7 +88,7 @@ class part_sampling {
     const std::uint32_t half = whole.size / 2;
     for (std::uint32_t y = 0; y <= 2; ++y)
       for (std::uint32_t x = 0; x <= 2; ++x) want(whole.face, {whole.x + x * half, whole.y + y * half});
-    take_wanted();
+    render_queued();
     for (std::uint32_t y = 0; y < 2; ++y)
       for (std::uint32_t x = 0; x < 2; ++x)
         add_quad({0.0, whole.face, whole.x + x * half, whole.y + y * half, half}, whole.difference);
@@ -114,21 +114,21 @@ class part_sampling {
     if (!is_new) return;
     const pose where = faces_[face].at(glm::vec2{at.first, at.second} / static_cast<float>(steps));
     if (!is_free_(where.eye)) return;
-    wanted_.push_back(&found->second);
+    queued_.push_back(&found->second);
     poses_.push_back(where);
   }
 
   // If the budget ends within a batch, the first poses get it.
-  void take_wanted() {
+  void render_queued() {
     const std::size_t count = std::min<std::size_t>(left(), poses_.size());
     views_.resize(count);
     cell_.take(std::span(poses_).first(count), views_);
     taken_ += static_cast<std::uint32_t>(count);
     for (std::size_t i = 0; i < count; ++i) {
-      wanted_[i]->free = true;
-      wanted_[i]->seen = std::move(views_[i].seen);
+      queued_[i]->free = true;
+      queued_[i]->seen = std::move(views_[i].seen);
     }
-    wanted_.clear();
+    queued_.clear();
     poses_.clear();
   }
 
@@ -140,7 +140,7 @@ class part_sampling {
   std::uint32_t budget_ = 0, taken_ = 0;
   std::array<std::map<place, corner>, 6> corners_;  // pointers into it stay valid
   std::priority_queue<quad> quads_;
-  std::vector<corner*> wanted_;
+  std::vector<corner*> queued_;
   std::vector<pose> poses_;
   std::vector<hemicube_view> views_;
 };

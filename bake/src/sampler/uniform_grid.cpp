@@ -32,12 +32,12 @@ uniform_grid::uniform_grid(const glm::vec2& face_size, std::uint32_t samples) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
   for (std::uint32_t i = 0; i < samples; ++i) order.emplace_back(mirrored(i), i);
   std::sort(order.begin(), order.end());
-  for (const auto& [key, i] : order) places_.push_back(grid[i]);
+  for (const auto& [key, i] : order) positions_.push_back(grid[i]);
 }
 
 std::optional<glm::vec2> uniform_grid::next() {
-  if (next_ == places_.size()) return std::nullopt;
-  return places_[next_++];
+  if (next_ == positions_.size()) return std::nullopt;
+  return positions_[next_++];
 }
 
 }  // namespace sightcell::bake

@@ -16,7 +16,7 @@ class uniform_grid final : public face_sampler {
   void rejected(const glm::vec2&) override {}
 
  private:
-  std::vector<glm::vec2> places_;
+  std::vector<glm::vec2> positions_;
   std::size_t next_ = 0;
 };
 

@@ -35,23 +35,23 @@ bool aimed_rays::aim(const glm::vec3& eye, const glm::vec3& point, std::uint32_t
 bool aimed_rays::take(const sight_line& line, const sight& seen, float length, std::uint32_t target,
                       std::vector<found_polygon>& found) {
   bool hit = seen.front == target;
-  note(seen.front, line.eye, line.direction, seen.distance, found);
+  add_new(seen.front, line.eye, line.direction, seen.distance, found);
   for (const passed_polygon& p : seen.before) {
-    note(p.polygon, line.eye, line.direction, p.distance, found);
+    add_new(p.polygon, line.eye, line.direction, p.distance, found);
     hit = hit || p.polygon == target;
   }
   // Rule 2: the target may coincide with the polygon that was hit at its distance.
   if (hit || !(std::abs(seen.distance - length) <= coincidence_reach(seen.distance))) return hit;
   rays_.coincident(line.eye, line.direction, seen.distance, coincident_);
   for (const std::uint32_t polygon : coincident_) {
-    note(polygon, line.eye, line.direction, seen.distance, found);
+    add_new(polygon, line.eye, line.direction, seen.distance, found);
     hit = hit || polygon == target;
   }
   return hit;
 }
 
-void aimed_rays::note(std::uint32_t polygon, const glm::vec3& eye, const glm::vec3& direction, float distance,
-                      std::vector<found_polygon>& found) const {
+void aimed_rays::add_new(std::uint32_t polygon, const glm::vec3& eye, const glm::vec3& direction, float distance,
+                         std::vector<found_polygon>& found) const {
   if (polygon == no_polygon || set_.contains(polygon)) return;
   if (rays_.through_gap(eye, direction, distance, smallest_gap_)) return;
   found.push_back({polygon, eye});

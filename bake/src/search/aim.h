@@ -50,8 +50,8 @@ class aimed_rays {
 
  private:
   // Appends the polygon to found unless the set contains it or it is visible only through a light leak.
-  void note(std::uint32_t polygon, const glm::vec3& eye, const glm::vec3& direction, float distance,
-            std::vector<found_polygon>& found) const;
+  void add_new(std::uint32_t polygon, const glm::vec3& eye, const glm::vec3& direction, float distance,
+               std::vector<found_polygon>& found) const;
 
   const ray_scene& rays_;
   float smallest_gap_;  // meters; polygons visible only through narrower gaps are not added (visibility rule 3)

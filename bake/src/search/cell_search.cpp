@@ -30,10 +30,10 @@ double cost_of(std::uint32_t resolution, double seen, double masked) {
   return static_cast<double>(std::uint64_t{resolution} * resolution) / 650.0 + 0.25 * seen + 4.0 * masked;
 }
 
-std::vector<glm::vec3> sorted_places(std::vector<glm::vec3> places) {
-  std::sort(places.begin(), places.end(), is_lower);
-  places.erase(std::unique(places.begin(), places.end()), places.end());
-  return places;
+std::vector<glm::vec3> sorted_unique(std::vector<glm::vec3> points) {
+  std::sort(points.begin(), points.end(), is_lower);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
 }
 
 }  // namespace
@@ -53,16 +53,16 @@ cell_search::cell_search(const ray_scene& rays, const near_polygons& neighbors, 
       views_(views),
       how_(how),
       set_(set),
-      places_(sorted_places(set.eyes())),
-      beside_(rays, neighbors,
-              {.seed = how.seed,
-               .place = how.place,
-               .smallest_gap = how.smallest_gap,
-               .places = &places_,
-               .limit = how.limit,
-               .known = how.known,
-               .tried = how.tried},
-              set),
+      viewpoints_(sorted_unique(set.eyes())),
+      dilation_(rays, neighbors,
+                {.seed = how.seed,
+                 .place = how.place,
+                 .smallest_gap = how.smallest_gap,
+                 .places = &viewpoints_,
+                 .limit = how.limit,
+                 .known = how.known,
+                 .tried = how.tried},
+                set),
       cost_of_view_(views ? cost_of(views->places.resolution(), 0.0, 0.0) : 0.0) {
   missing_.fill(1.0);
 }
@@ -83,8 +83,9 @@ std::uint64_t cell_search::cost_of_views() const {
 }
 
 void cell_search::look_beside(std::uint64_t max_cost) {
-  const double priority = std::ldexp(priority_after(priority_, views_ ? views_->places.taken() : 0), -2 * deeper_);
-  const std::uint64_t rays = beside_.run(priority, max_cost - std::min(max_cost, spent_));
+  const double priority =
+      std::ldexp(priority_after(priority_, views_ ? views_->places.taken() : 0), -2 * searches_by_rays_);
+  const std::uint64_t rays = dilation_.run(priority, max_cost - std::min(max_cost, spent_));
   spent_ += rays;
   cast_ += rays;
 }
@@ -92,30 +93,30 @@ void cell_search::look_beside(std::uint64_t max_cost) {
 // Renders the poses. Returns the number of pixels that show new polygons, each weighted by the metric along the line
 // through one pixel of its polygon.
 double cell_search::take(const std::vector<pose>& poses) {
-  gap_filter without_leaks(views_->source, rays_, set_, how_.smallest_gap);
+  gap_filter filtered(views_->source, rays_, set_, how_.smallest_gap);
   std::vector<hemicube_view> views(poses.size());
-  without_leaks.render(poses, views);
+  filtered.render(poses, views);
   const std::function<bool(std::uint32_t)> contains = [this](std::uint32_t polygon) { return set_.contains(polygon); };
-  double fresh = 0.0;
+  double new_pixels = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    places_.push_back(poses[i].eye);
+    viewpoints_.push_back(poses[i].eye);
     double masked = 0.0;
     for (const seen_polygon& s : views[i].seen) {
       if (rays_.geometry().kinds[s.id].alpha_tested) ++masked;
       if (contains(s.id)) continue;
       const sight_line line{poses[i].eye, pixel_direction(poses[i], views_->places.resolution(), s.pixel)};
-      fresh += s.pixels * how_.metric->weight(s.id, line, contains);
+      new_pixels += s.pixels * how_.metric->weight(s.id, line, contains);
     }
     cost_of_round_ += cost_of(views_->places.resolution(), static_cast<double>(views[i].seen.size()), masked);
     set_.add_view(poses[i].eye, views[i].seen);
   }
-  return fresh;
+  return new_pixels;
 }
 
 void cell_search::view() {
   const std::uint32_t before = views_->places.taken(), resolution = views_->places.resolution();
   const std::uint32_t count = next_views();
-  double fresh = 0.0;
+  double new_pixels = 0.0;
   std::uint32_t taken = 0;
   cost_of_round_ = 0.0;
   while (taken < count && !over()) {
@@ -124,12 +125,12 @@ void cell_search::view() {
       views_->most = 0;  // no viewpoint is valid
       break;
     }
-    fresh += take(poses);
+    new_pixels += take(poses);
     taken += static_cast<std::uint32_t>(poses.size());
   }
   spent_ += static_cast<std::uint64_t>(cost_of_round_);
   if (taken > 0) cost_of_view_ = cost_of_round_ / taken;
-  if (before > 0 && taken > 0) missing_ = scaled(left_of_round, fresh / (3.0 * resolution * resolution * taken));
+  if (before > 0 && taken > 0) missing_ = scaled(left_of_round, new_pixels / (3.0 * resolution * resolution * taken));
 }
 
 void cell_search::hear(double missing) {
@@ -146,7 +147,7 @@ void cell_search::look_for(const search_goal& goal) {
   }
   if (any) return;
   look_beside(goal.max_cost);
-  ++deeper_;
+  ++searches_by_rays_;
 }
 
 }  // namespace sightcell::bake

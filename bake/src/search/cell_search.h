@@ -94,11 +94,11 @@ class cell_search {
   search_views* views_;
   const search_settings how_;
   cell_set& set_;
-  std::vector<glm::vec3> places_;  // viewpoints of hemicubes and origins of rays
-  refinement beside_;
+  std::vector<glm::vec3> viewpoints_;  // viewpoints of hemicubes and origins of rays
+  refinement dilation_;
   double priority_ = 0.0;  // of the goal, sr
   // Number of searches without hemicubes. Each lowers the priority as if the number of hemicubes had doubled.
-  std::uint32_t deeper_ = 0;
+  std::uint32_t searches_by_rays_ = 0;
   // In rays: of one hemicube, as measured in the last round; of the current round so far.
   double cost_of_view_, cost_of_round_ = 0.0;
   error_guess missing_;

@@ -15,8 +15,9 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr double share_of_places = 0.01;  // of an interim test's risk: that too many viewpoints are counted as valid
-constexpr double of_a_bound_ray = 0.2;    // cost of a verification ray, in aimed rays
+constexpr double viewpoint_risk_share =
+    0.01;  // of an interim test's risk: that too many viewpoints are counted as valid
+constexpr double verification_ray_cost = 0.2;  // cost of a verification ray, in aimed rays
 constexpr double left_after_round =
     0.45;                                // share of the miss probability that is left after another round of hemicubes
 constexpr double left_after_rays = 0.7;  // and after rays toward the neighbors of what a batch found
@@ -123,13 +124,13 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
   const double left = cost_of_views > 0 ? left_after_round : left_after_rays;
   for (const interim_test& next : interim_tests) {
     if (next.misses < batch.misses() && &next != &interim_tests.back()) continue;
-    std::uint64_t trials = batch.trials(share_of_places * next.risk);
+    std::uint64_t trials = batch.trials(viewpoint_risk_share * next.risk);
     while (trials < next.trials && batch.spent() < max_cost) {
       const auto more = static_cast<double>(next.trials - trials);
       const double most = static_cast<double>(max_cost - batch.spent()) * std::max(how.valid_share, 1e-3);
       batch.cast(static_cast<std::uint64_t>(std::clamp(headroom(more, how.valid_share) * more, 1.0, most + 1.0)));
       if (batch.given_up()) return {};
-      trials = batch.trials(share_of_places * next.risk);
+      trials = batch.trials(viewpoint_risk_share * next.risk);
     }
     // The planned number of trials, even if there are more, because a planned number does not depend on the misses.
     const proof now{{next.misses, std::max(std::min(trials, next.trials), batch.misses()), next.risk}, batch.misses()};
@@ -137,8 +138,8 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
     const double rate = static_cast<double>(now.misses) / static_cast<double>(trials);
     const double whole = expected_trials(interim_tests, rate, now.misses, trials),
                  again = expected_trials(interim_tests, left * rate);
-    const double go_on = cost_of_trial * (whole - static_cast<double>(trials));
-    if (!std::isfinite(whole) || go_on > static_cast<double>(cost_of_views) + cost_of_trial * again) return now;
+    const double finishing = cost_of_trial * (whole - static_cast<double>(trials));
+    if (!std::isfinite(whole) || finishing > static_cast<double>(cost_of_views) + cost_of_trial * again) return now;
   }
   return {};  // not reached: the last interim test returns
 }
@@ -159,7 +160,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                       .tried = views ? priority_after(priority_beside(how.known_to), views->places.taken()) : 0.0},
                      set);
   search_of_volumes volumes(rays, grown, how, set);
-  const double cost_of_trial = of_a_bound_ray / std::max(how.valid_share, 1e-3);
+  const double cost_of_trial = verification_ray_cost / std::max(how.valid_share, 1e-3);
   const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
   std::uint64_t of_batches = 0;
   std::vector<interim_test> interim_tests;
@@ -173,7 +174,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
 
   for (std::uint64_t turn = 1; turn == 1 || result.rays_spent < how.max_rays; ++turn) {
     const std::uint64_t number = how.batches_before + turn;
-    interim_tests = plan_interim_tests(target, risk_of(number), share_of_places);
+    interim_tests = plan_interim_tests(target, risk_of(number), viewpoint_risk_share);
     goal.max_cost = how.max_rays - std::min(how.max_rays, of_batches);
     search.look_for(goal);
     volumes.look_for();
@@ -191,7 +192,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
       result.misses = found.misses;
       result.confidence = 1.0 - found.at.risk;
       result.upper_bound =
-          clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - share_of_places) * found.at.risk);
+          clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - viewpoint_risk_share) * found.at.risk);
       result.bound_met = result.upper_bound <= target;
     }
 

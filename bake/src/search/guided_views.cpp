@@ -28,7 +28,7 @@ guided_views::guided_views(const ray_scene& rays, const box& grown, const guided
       how_(how),
       faces_(faces_of(grown.min, grown.max)),
       used_inside_(how.taken),
-      anywhere_(how.seed, how.place, purpose::interior, 1, how.taken) {
+      random_inside_(how.seed, how.place, purpose::interior, 1, how.taken) {
   random_stream on_faces(how.seed, how.place, purpose::boundary), in_the_middle(how.seed, how.place, purpose::interior);
   for (glm::vec2& shift : shifts_) {
     shift.x = on_faces.uniform();
@@ -47,7 +47,7 @@ std::optional<pose> guided_views::on_a_face() {
       const std::uint32_t i = ++used_[face];
       const glm::vec2 halton{radical_inverse(i, 2), radical_inverse(i, 3)};
       const pose where = faces_[face].at(glm::fract(halton + shifts_[face]));
-      if (may_look_from(where.eye)) return turn % 2 == 1 ? rotated(where) : where;
+      if (is_nearly_valid(where.eye)) return turn % 2 == 1 ? rotated(where) : where;
     }
     walled_[face] = true;
   }
@@ -59,10 +59,10 @@ std::optional<glm::vec3> guided_views::inside() {
     const std::uint32_t i = ++used_inside_;
     const glm::vec3 halton{radical_inverse(i, 2), radical_inverse(i, 3), radical_inverse(i, 5)};
     const glm::vec3 eye = grown_.min + (grown_.max - grown_.min) * glm::fract(halton + shift_inside_);
-    if (may_look_from(eye)) return eye;
+    if (is_nearly_valid(eye)) return eye;
   }
   std::uint64_t tested = 0;
-  const auto found = draw_viewpoints(rays_, grown_, how_.player_radius, 1, most_tests, anywhere_, tested);
+  const auto found = draw_viewpoints(rays_, grown_, how_.player_radius, 1, most_tests, random_inside_, tested);
   return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
@@ -76,9 +76,9 @@ std::vector<pose> guided_views::next(std::uint32_t count) {
     return true;
   };
   while (poses.size() < count) {
-    if (how_.geometry_inside) owed_inside_ += how_.interior_share;
-    if (owed_inside_ >= 2.0 && poses.size() + 2 <= count) {
-      owed_inside_ += how_.interior_share - 2.0;  // a cube is two hemicubes
+    if (how_.geometry_inside) due_inside_ += how_.interior_share;
+    if (due_inside_ >= 2.0 && poses.size() + 2 <= count) {
+      due_inside_ += how_.interior_share - 2.0;  // a cube is two hemicubes
       if (add_cube()) continue;
     }
     if (const auto where = on_a_face())

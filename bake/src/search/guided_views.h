@@ -46,7 +46,7 @@ class guided_views {
   std::optional<pose> on_a_face();
   // Returns the next viewpoint inside the box; nothing if none is found.
   std::optional<glm::vec3> inside();
-  bool may_look_from(const glm::vec3& eye) const { return rays_.is_nearly_free(eye, how_.player_radius); }
+  bool is_nearly_valid(const glm::vec3& eye) const { return rays_.is_nearly_free(eye, how_.player_radius); }
 
   const ray_scene& rays_;
   const box grown_;
@@ -57,8 +57,8 @@ class guided_views {
   std::array<bool, 6> walled_{};         // faces without valid viewpoints
   glm::vec3 shift_inside_{0.0f};
   std::uint32_t used_inside_ = 0, turns_ = 0;
-  random_stream anywhere_;    // points inside where those of the sequence are not valid
-  double owed_inside_ = 0.0;  // hemicubes due inside
+  random_stream random_inside_;  // points inside where those of the sequence are not valid
+  double due_inside_ = 0.0;      // hemicubes due inside
 };
 
 }  // namespace sightcell::bake

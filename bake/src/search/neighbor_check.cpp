@@ -20,7 +20,7 @@ namespace {
 // in the neighbors' sets are most of what a cell lacks: in a street 4.6e-6 of a miss probability of 5.2e-6, after
 // four rays for each polygon. More rays are cheap: with these numbers 3.1e-6 is left.
 constexpr std::size_t most_nearest = 4;
-constexpr int any_eyes = 28;
+constexpr int random_eyes = 28;
 
 // A polygon that neighbors have and this cell lacks, with its witnesses in the nearest two of them.
 struct candidate {
@@ -52,7 +52,7 @@ std::vector<candidate> candidates_of(std::span<const cell_record> neighbors, con
 
 // Returns a selection of eyes from all over the cell, since all of them are examined for each candidate, and each ray
 // that found something has left one.
-std::vector<glm::vec3> some_of(std::vector<glm::vec3> eyes) {
+std::vector<glm::vec3> selection_of(std::vector<glm::vec3> eyes) {
   constexpr std::size_t most = 64;
   std::sort(eyes.begin(), eyes.end(), is_lower);
   eyes.erase(std::unique(eyes.begin(), eyes.end()), eyes.end());
@@ -107,7 +107,7 @@ class tester {
     }
     for (std::size_t i = 1; i < nearest; ++i)
       if (aim(eyes_[order_[i].second], random_point(corners, random))) return;
-    for (int i = 0; i < any_eyes && !eyes_.empty(); ++i)
+    for (int i = 0; i < random_eyes && !eyes_.empty(); ++i)
       if (aim(eyes_[random.bits() % eyes_.size()], random_point(corners, random))) return;
   }
 
@@ -157,7 +157,7 @@ std::uint64_t neighbor_check(const ray_scene& rays, const box& grown, const neig
                              std::span<const cell_record> neighbors, cell_set& set) {
   constexpr std::size_t stretch = 64;
   const std::vector<candidate> wanted = candidates_of(neighbors, set);
-  const std::vector<glm::vec3> eyes = some_of(set.eyes());
+  const std::vector<glm::vec3> eyes = selection_of(set.eyes());
   std::vector<outcome_of_rays> outcomes((wanted.size() + stretch - 1) / stretch);
   tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t i) {
     tester one(rays, grown, how, eyes, set);

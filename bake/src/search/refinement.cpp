@@ -164,7 +164,7 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
   };
   std::vector<outcome> outcomes((aimed.size() + stretch - 1) / stretch);
   tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t k) {
-    aimed_rays judge(rays_, how_.smallest_gap, set_);
+    aimed_rays caster(rays_, how_.smallest_gap, set_);
     const std::size_t first = k * stretch, count = std::min(aimed.size() - first, stretch);
     std::array<sight_line, stretch> lines;
     std::vector<sight> seen(count);
@@ -173,7 +173,7 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
     for (std::size_t i = 0; i < count; ++i) {
       const aimed_try& ray = aimed[first + i];
       attempt one = now[ray.which];
-      if (ray.length > 0.0f && judge.take(ray.line, seen[i], ray.length, one.target, outcomes[k].found)) continue;
+      if (ray.length > 0.0f && caster.take(ray.line, seen[i], ray.length, one.target, outcomes[k].found)) continue;
       if (++one.misses == most_misses) continue;
       one.priority *= priority_after_miss;
       outcomes[k].missed.push_back(one);

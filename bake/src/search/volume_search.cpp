@@ -19,16 +19,16 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::size_t places_wanted = 256;  // testing a viewpoint costs about as much as thirty rays from it
-constexpr std::uint64_t most_place_tries = 16384;
-constexpr int rays_all_around = 64;        // per viewpoint
-constexpr std::size_t wave = 2048;         // lines that are cast with one state of the set
-constexpr std::size_t stretch = 64;        // lines of a wave per thread
-constexpr std::uint8_t not_beside = 0xFF;  // value of tries_: no neighbor is a member
+constexpr std::size_t viewpoint_count = 256;  // testing a viewpoint costs about as much as thirty rays from it
+constexpr std::uint64_t most_viewpoint_tests = 16384;
+constexpr int rays_in_all_directions = 64;     // per viewpoint
+constexpr std::size_t wave = 2048;             // lines that are cast with one state of the set
+constexpr std::size_t stretch = 64;            // lines of a wave per thread
+constexpr std::uint8_t not_a_neighbor = 0xFF;  // value of tries_: no neighbor is a member
 // Limits the rays toward a volume with a high priority that is not visible, such as one below a visible floor.
 constexpr std::uint8_t most_tries = 254;
 
-std::array<volume_place, 6> beside(const volume_place& at) {
+std::array<volume_place, 6> neighbors_of(const volume_place& at) {
   return {{{at.x - 1, at.y, at.z},
            {at.x + 1, at.y, at.z},
            {at.x, at.y - 1, at.z},
@@ -47,14 +47,14 @@ volume_search::volume_search(const ray_scene& rays, const volume_grid& grid, con
       how_(how),
       set_(set),
       eye_of_(grid.count(), volume_grid::none),
-      tries_(grid.count(), not_beside) {
+      tries_(grid.count(), not_a_neighbor) {
   random_stream random(how.seed, how.place, purpose::volumes);
-  places_ = draw_viewpoints(rays, grown, how.player_radius, places_wanted, most_place_tries, random, spent_);
-  if (places_.empty()) places_ = set.eyes();
-  if (places_.empty()) return;
+  viewpoints_ = draw_viewpoints(rays, grown, how.player_radius, viewpoint_count, most_viewpoint_tests, random, spent_);
+  if (viewpoints_.empty()) viewpoints_ = set.eyes();
+  if (viewpoints_.empty()) return;
   for (const std::uint32_t volume : grid.touching(grown)) set_.volumes().add(volume);
   // Eyes that found volumes in an earlier run are not stored.
-  for (const std::uint32_t volume : set_.volumes().members()) join(volume, places_.front());
+  for (const std::uint32_t volume : set_.volumes().members()) join(volume, viewpoints_.front());
 }
 
 void volume_search::join(std::uint32_t volume, const glm::vec3& eye) {
@@ -62,9 +62,9 @@ void volume_search::join(std::uint32_t volume, const glm::vec3& eye) {
   if (eye_of_[volume] != volume_grid::none) return;
   if (eyes_.empty() || eyes_.back() != eye) eyes_.push_back(eye);
   eye_of_[volume] = static_cast<std::uint32_t>(eyes_.size() - 1);
-  for (const volume_place& place : beside(grid_.places()[volume])) {
+  for (const volume_place& place : neighbors_of(grid_.places()[volume])) {
     const std::uint32_t other = grid_.at(place);
-    if (other == volume_grid::none || tries_[other] != not_beside || set_.volumes().contains(other)) continue;
+    if (other == volume_grid::none || tries_[other] != not_a_neighbor || set_.volumes().contains(other)) continue;
     tries_[other] = 0;
     candidates_.push_back(other);
   }
@@ -87,10 +87,10 @@ double volume_search::priority_of(std::uint32_t volume) const {
 // directions.
 std::vector<volume_search::line_to_cast> volume_search::first_lines() const {
   std::vector<line_to_cast> lines;
-  lines.reserve(set_.members().size() + places_.size() * rays_all_around);
+  lines.reserve(set_.members().size() + viewpoints_.size() * rays_in_all_directions);
   random_stream random(how_.seed, how_.place, purpose::volumes, 1);
-  for (const glm::vec3& eye : places_)
-    for (int i = 0; i < rays_all_around; ++i) lines.push_back({{eye, random.on_sphere()}});
+  for (const glm::vec3& eye : viewpoints_)
+    for (int i = 0; i < rays_in_all_directions; ++i) lines.push_back({{eye, random.on_sphere()}});
   for (const std::uint32_t polygon : set_.members()) {
     const triangle corners = corners_of(rays_.geometry(), polygon);
     random_stream of_polygon(how_.seed, how_.place, purpose::volumes, 2, name_of(corners));
@@ -102,12 +102,12 @@ std::vector<volume_search::line_to_cast> volume_search::first_lines() const {
 }
 
 // Returns the eye that found a neighbor of a candidate.
-const glm::vec3& volume_search::eye_beside(std::uint32_t volume) const {
-  for (const volume_place& place : beside(grid_.places()[volume])) {
+const glm::vec3& volume_search::eye_of_neighbor(std::uint32_t volume) const {
+  for (const volume_place& place : neighbors_of(grid_.places()[volume])) {
     const std::uint32_t other = grid_.at(place);
     if (other != volume_grid::none && eye_of_[other] != volume_grid::none) return eyes_[eye_of_[other]];
   }
-  return places_.front();
+  return viewpoints_.front();
 }
 
 // Returns one try for each neighbor of a member with enough priority: first from the eye that found its neighbor,
@@ -120,8 +120,8 @@ std::vector<volume_search::line_to_cast> volume_search::next_lines(double priori
     std::uint8_t& tries = tries_[volume];
     if (tries == most_tries || priority_of(volume) / (tries + 1.0) < priority) continue;
     random_stream random(how_.seed, how_.place, purpose::volumes, 3 + std::uint64_t{tries}, volume);
-    glm::vec3 eye = places_[random.bits() % places_.size()];
-    if (tries == 0) eye = eye_beside(volume);
+    glm::vec3 eye = viewpoints_[random.bits() % viewpoints_.size()];
+    if (tries == 0) eye = eye_of_neighbor(volume);
     ++tries;
     const box where = grid_.box_of(volume);
     const glm::vec3 toward = random.in_box(where.min, where.max) - eye;
@@ -141,11 +141,11 @@ void volume_search::cast_wave(std::span<const line_to_cast> lines) {
     std::vector<sight> seen(some.size());
     for (std::size_t i = 0; i < some.size(); ++i) sent[i] = some[i].line;
     rays_.trace(std::span(sent).first(some.size()), seen);
-    std::vector<passed_volume> fresh;
+    std::vector<passed_volume> missing;
     for (std::size_t i = 0; i < some.size(); ++i) {
-      trial.lacking(sent[i], free_length(seen[i]), fresh);
-      drop_behind_gaps(rays_, sent[i], how_.smallest_gap, fresh);
-      for (const passed_volume& p : fresh) found[k].push_back({p.volume, sent[i].eye});
+      trial.lacking(sent[i], free_length(seen[i]), missing);
+      drop_behind_gaps(rays_, sent[i], how_.smallest_gap, missing);
+      for (const passed_volume& p : missing) found[k].push_back({p.volume, sent[i].eye});
     }
   });
   spent_ += lines.size();
@@ -177,7 +177,7 @@ void volume_search::cast(std::vector<line_to_cast> lines) {
 }
 
 void volume_search::look_for(double priority) {
-  if (places_.empty()) return;
+  if (viewpoints_.empty()) return;
   if (!began_) cast(first_lines());
   began_ = true;
   for (;;) {

@@ -62,14 +62,14 @@ class volume_search {
   std::vector<line_to_cast> first_lines() const;
   std::vector<line_to_cast> next_lines(double priority);
   double priority_of(std::uint32_t volume) const;
-  const glm::vec3& eye_beside(std::uint32_t volume) const;
+  const glm::vec3& eye_of_neighbor(std::uint32_t volume) const;
 
   const ray_scene& rays_;
   const volume_grid& grid_;
   const box grown_;
   const volume_search_settings how_;
   cell_set& set_;
-  std::vector<glm::vec3> places_;          // origins of rays
+  std::vector<glm::vec3> viewpoints_;      // origins of rays
   std::vector<glm::vec3> eyes_;            // that found a volume
   std::vector<std::uint32_t> eye_of_;      // per volume: index into eyes_; none: not a member
   std::vector<std::uint8_t> tries_;        // per volume: number of rays aimed at it

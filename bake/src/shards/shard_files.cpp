@@ -33,16 +33,16 @@ shard_files::shard_files(std::span<const std::filesystem::path> files, const std
     files_.back().list([&](std::uint32_t cell, cell_stage stage) {
       if (cell >= cell_limit)
         throw error(error_kind::bad_input, "shard.damaged", path.string(), "is damaged", "bake that shard again");
-      std::uint32_t& file = place(cell, stage);
+      std::uint32_t& file = entry(cell, stage);
       if (file == 0) file = number;
     });
   }
 }
 
-std::uint32_t& shard_files::place(std::uint32_t cell, cell_stage stage) {
-  std::vector<std::uint32_t>& places = places_[static_cast<std::size_t>(stage)];
-  if (places.size() <= cell) places.resize(std::size_t{cell} + 1);
-  return places[cell];
+std::uint32_t& shard_files::entry(std::uint32_t cell, cell_stage stage) {
+  std::vector<std::uint32_t>& entries = entries_[static_cast<std::size_t>(stage)];
+  if (entries.size() <= cell) entries.resize(std::size_t{cell} + 1);
+  return entries[cell];
 }
 
 bake_plan shard_files::plan() const {
@@ -50,9 +50,9 @@ bake_plan shard_files::plan() const {
 }
 
 std::optional<std::size_t> shard_files::file_with(std::uint32_t cell, cell_stage stage) const {
-  const std::vector<std::uint32_t>& places = places_[static_cast<std::size_t>(stage)];
-  if (cell >= places.size() || places[cell] == 0) return std::nullopt;
-  return places[cell] - 1;
+  const std::vector<std::uint32_t>& entries = entries_[static_cast<std::size_t>(stage)];
+  if (cell >= entries.size() || entries[cell] == 0) return std::nullopt;
+  return entries[cell] - 1;
 }
 
 cell_record shard_files::load_from(std::size_t file, std::uint32_t cell, cell_stage stage) const {

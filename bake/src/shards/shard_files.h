@@ -33,11 +33,11 @@ class shard_files {
 
  private:
   // Returns the entry of a cell: 1 + the index of the first file that has its record; 0: none.
-  std::uint32_t& place(std::uint32_t cell, cell_stage stage);
+  std::uint32_t& entry(std::uint32_t cell, cell_stage stage);
 
   std::vector<std::filesystem::path> paths_;
   std::vector<checkpoint> files_;
-  std::vector<std::uint32_t> places_[3];
+  std::vector<std::uint32_t> entries_[3];
 };
 
 // Throws an error with the names of blocks whose records are missing: "block 3,-1 (...), block 4,-1 (...) and 12
