@@ -258,10 +258,9 @@ bool gl_context::software() const {
 namespace {
 
 [[noreturn]] void fail_lost(const char* where, const char* why) {
-  throw error(
-      error_kind::failed, "gl.lost", std::string("OpenGL in ") + where,
-      std::string("the graphics device was lost: ") + why,
-      "run the same command again: a bake goes on where it was; where it is lost again, bake with --source cpu");
+  throw error(error_kind::failed, "gl.lost", std::string("OpenGL in ") + where,
+              std::string("the graphics device was lost: ") + why,
+              "run the same command again: a bake resumes; if the device is lost again, bake with --source cpu");
 }
 
 }  // namespace
@@ -282,7 +281,7 @@ void gl_context::check(const char* where) const {
   std::string message;
   message.swap(state_->first_message);
   if (code == GL_NO_ERROR && message.empty()) return;
-  if (code == GL_CONTEXT_LOST) fail_lost(where, "the context says so");
+  if (code == GL_CONTEXT_LOST) fail_lost(where, "the context reports a loss");
   const char* name = code == GL_OUT_OF_MEMORY   ? "out of memory"
                      : code == GL_INVALID_ENUM  ? "invalid enum"
                      : code == GL_INVALID_VALUE ? "invalid value"

@@ -13,7 +13,7 @@ namespace {
   for (char& c : log) {
     if (c == '\n' || c == '\r' || c == '\0') c = ' ';
   }
-  throw error(error_kind::failed, "gl.shader", std::string("shader ") + name, "the driver refused it: " + log,
+  throw error(error_kind::failed, "gl.shader", std::string("shader ") + name, "the driver rejected it: " + log,
               "report this with the name of your graphics driver");
 }
 

@@ -45,7 +45,8 @@ shaders::picture_view view_of(const camera& c, float aspect, float haze) {
   const float length = glm::length(c.forward);
   if (!finite(c.eye) || !finite(c.up) || !(length > 0.0f) || !std::isfinite(length) || !(c.vertical_fov > 0.0f) ||
       !(c.vertical_fov < 3.1f)) {
-    throw error(error_kind::wrong_use, "picture.camera", "camera", "it has no direction, place or field of view",
+    throw error(error_kind::wrong_use, "picture.camera", "camera",
+                "it has no valid direction, position or field of view",
                 "pass finite numbers and a field of view below 3.1 radians");
   }
   const glm::vec3 forward = c.forward / length;
@@ -266,9 +267,10 @@ image_rgba renderer::draw(const camera& view, std::uint32_t width, std::uint32_t
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &limit);
   const auto largest = static_cast<std::uint32_t>(limit);
   if (width < 1 || height < 1 || width > largest || height > largest) {
-    throw error(error_kind::wrong_use, "picture.size", "picture",
-                std::to_string(width) + " x " + std::to_string(height) + " pixels is not a size this device draws",
-                "use 1 to " + std::to_string(largest));
+    throw error(
+        error_kind::wrong_use, "picture.size", "picture",
+        std::to_string(width) + " x " + std::to_string(height) + " pixels is not a size that this device supports",
+        "use 1 to " + std::to_string(largest));
   }
   if (!r.target || !r.target->has_size(width, height)) {
     r.target.reset();

@@ -42,7 +42,7 @@ std::optional<std::string> problem_with_header(std::span<const std::uint8_t> byt
   if (!draco::DecodeVarint(&one, &buffer) || !draco::DecodeVarint(&other, &buffer)) return std::nullopt;
   const std::uint64_t elements = std::uint64_t{one} + other;
   if (elements <= free_elements + elements_per_byte * bytes.size()) return std::nullopt;
-  return "it promises " + std::to_string(elements) + " triangles and points in " + std::to_string(bytes.size()) +
+  return "it claims " + std::to_string(elements) + " triangles and points in " + std::to_string(bytes.size()) +
          " bytes";
 }
 
@@ -59,7 +59,7 @@ std::optional<draco_mesh> decode_draco(std::span<const std::uint8_t> bytes, std:
   draco::Decoder decoder;
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) {
-    why_not = std::string("Draco says: ") + decoded.status().error_msg();
+    why_not = std::string("Draco reports: ") + decoded.status().error_msg();
     return std::nullopt;
   }
   const std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();
@@ -70,7 +70,7 @@ std::optional<draco_mesh> decode_draco(std::span<const std::uint8_t> bytes, std:
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t corner = mesh->face(f)[k].value();
       if (corner >= out.vertex_count) {
-        why_not = "a triangle has a corner that is not there";
+        why_not = "a triangle has a corner that does not exist";
         return std::nullopt;
       }
       out.indices.push_back(corner);

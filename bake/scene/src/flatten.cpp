@@ -138,7 +138,7 @@ class flattener {
     const auto pixels = decode(source, image_side_limit);
     if (!pixels) {
       out_.warnings.push_back(scene_.name + ": image \"" + source.name + "\" of the MASK material \"" + m.name +
-                              "\" cannot be decoded; it hides nothing");
+                              "\" cannot be decoded; its polygons occlude nothing");
       return decoded_[m.base_color_image] = mask;
     }
     mask.width = pixels->width, mask.height = pixels->height;
@@ -197,7 +197,7 @@ class flattener {
     if (a.no_area + a.not_finite == 0) return;
     out_.warnings.push_back(scene_.name + ": " + std::to_string(a.no_area) + " polygons have no area and " +
                             std::to_string(a.not_finite) +
-                            " a corner that is not finite; they are counted and never seen");
+                            " a corner that is not finite; they keep their source ids and are never visible");
   }
 
   // A coarser level whose tags keep it out of all sets stays out.

@@ -59,7 +59,7 @@ std::span<const std::uint8_t> accessor_table::buffer(std::uint32_t index) {
   } else if (index == 0 && binary_) {
     if (length > binary_->size()) {
       source.fail("scene.buffer-size",
-                  "needs " + std::to_string(length) + " bytes but the .glb holds " + std::to_string(binary_->size()),
+                  "needs " + std::to_string(length) + " bytes but the .glb has " + std::to_string(binary_->size()),
                   "the file is cut short: copy or export it again");
     }
     bytes = *std::move(binary_);

@@ -84,7 +84,8 @@ attribute_values gltf_attributes::read(std::uint32_t mesh, std::uint32_t primiti
     const attribute_values& values = decoded(*draco, wanted);
     const auto [name, width] = *wanted.begin();
     if (values.at(name).size() != width * vertex_count)
-      draco->fail("scene.draco", "holds other vertices than before", "load it again when nothing writes it");
+      draco->fail("scene.draco", "has changed since it was loaded",
+                  "run the command again while no other program writes the file");
     return values;
   }
   attribute_values out;

@@ -30,8 +30,7 @@ std::vector<std::uint8_t> read_bytes(const std::filesystem::path& path, const st
     refuse(name, "scene.not-found", what + " does not exist or cannot be reached", "check the path");
   }
   if (!std::filesystem::is_regular_file(status)) {
-    refuse(name, "scene.not-found", what + " is not a file",
-           "name a .glb or .gltf file and keep its resources beside it");
+    refuse(name, "scene.not-found", what + " is not a file", "give a .glb or .gltf file, with its resources beside it");
   }
   const std::uint64_t available = std::filesystem::file_size(path, code);
   if (code) refuse(name, "scene.read", what + " cannot be read: " + code.message(), "check its permissions");
@@ -62,7 +61,9 @@ gltf_file split_glb(std::span<const std::uint8_t> bytes, const std::string& name
   const std::uint32_t length = u32_at(bytes, 8);
   if (length > bytes.size()) {
     refuse(name, "scene.truncated",
-           "the .glb says it has " + std::to_string(length) + " bytes but has " + std::to_string(bytes.size()), remedy);
+           "the header of the .glb states " + std::to_string(length) + " bytes, but it has " +
+               std::to_string(bytes.size()),
+           remedy);
   }
   if (length < bytes.size()) out.warnings.push_back("bytes after the end of the .glb are ignored");
   bool first = true;

@@ -42,7 +42,7 @@ class node_reader {
 
   void ignore(const json_object& node, const std::string& key, const std::string& why) {
     warn_once("key " + key,
-              "extras.sightcell of " + node.where() + " " + why + "; it is ignored there and wherever it comes again");
+              "extras.sightcell of " + node.where() + " " + why + "; it is ignored there and in all other nodes");
   }
 
   void read_extras(const json_object& node, node_marks& marks) {
@@ -120,7 +120,7 @@ class node_reader {
     } else if (section == "meshes") {
       morphing_meshes_.insert(static_cast<double>(index));
     } else if (section == "materials") {
-      warn_once("materials", "animations change materials: they are taken as they rest");
+      warn_once("materials", "animations change materials: they are read without animation");
     }
   }
 

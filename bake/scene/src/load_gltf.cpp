@@ -52,7 +52,7 @@ tinygltf::Model parse(gltf_document& document, const std::string& name) {
   if (document.json.size() > std::numeric_limits<unsigned int>::max() ||
       !reader.LoadASCIIFromString(&model, &problem, &warning, document.json.data(),
                                   static_cast<unsigned int>(document.json.size()), "", tinygltf::NO_REQUIRE)) {
-    refuse(name, "scene.bad-json", "tinygltf refuses it: " + printable(problem, 160), "export the file again");
+    refuse(name, "scene.bad-json", "tinygltf rejects it: " + printable(problem, 160), "export the file again");
   }
   document.json = std::string();
   return model;
@@ -272,7 +272,7 @@ void importer::take_pose(geometry& g, const tinygltf::Primitive& primitive, cons
     const std::vector<glm::dmat4>& matrices = joint_matrices(posed.skin);
     if (const auto missing = bend(positions, sets, matrices, rest == nullptr ? nullptr : &rest->frames)) {
       refuse(file_, "scene.index-out-of-range",
-             where + " hangs vertex " + std::to_string(*missing) + " on a joint that is none of the " +
+             where + " attaches vertex " + std::to_string(*missing) + " to a joint that is none of the " +
                  std::to_string(matrices.size()) + " of skins[" + std::to_string(posed.skin) + "]",
              "export the file again");
     }
@@ -327,7 +327,7 @@ void importer::count_vertices(int positions) {
   if (vertices_ > vertex_limit) {
     refuse(file_, "scene.too-large",
            "the primitives of the scene have more than " + std::to_string(vertex_limit) + " vertices",
-           "let each primitive have its own vertices");
+           "export it with separate vertices for each primitive");
   }
 }
 
@@ -420,7 +420,7 @@ void importer::warn_of_movement() {
   if (draws == 0) return;
   out_.warnings.push_back("animations and skins move " + std::to_string(draws) + (draws == 1 ? " draw" : " draws") +
                           " of " + std::to_string(polygons) +
-                          " polygons: unless --animated says otherwise they are in every set and hide nothing");
+                          " polygons: they are in every set and occlude nothing, unless --animated changes that");
 }
 
 void importer::add_node(std::size_t node, const from_above& here) {
@@ -494,7 +494,7 @@ std::vector<int> roots_of(const tinygltf::Model& model, int scene_index, const s
     if (static_cast<std::size_t>(scene_index) >= model.scenes.size()) {
       throw error(error_kind::wrong_use, "scene.no-such-scene", name,
                   "has no scene " + std::to_string(scene_index) + ", only " + std::to_string(model.scenes.size()),
-                  "choose another or leave the choice to the file");
+                  "choose another, or leave out the number for the default scene");
     }
     return model.scenes[static_cast<std::size_t>(scene_index)].nodes;
   }
@@ -534,7 +534,7 @@ scene import_gltf(gltf_file file, const gltf_source& source, std::string name, i
 
 void refuse_for_memory(const std::string& file) {
   throw error(error_kind::failed, "scene.out-of-memory", file, "there is not enough memory to load it",
-              "close other programs or take a larger machine");
+              "close other programs or use a machine with more memory");
 }
 
 scene load_gltf(const std::filesystem::path& path, int scene_index) {

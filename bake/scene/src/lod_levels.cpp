@@ -25,8 +25,9 @@ lod_levels::lod_levels(const node_list& nodes, const std::vector<int>& roots,
     for (const std::uint32_t node : nodes.nodes[object].coarser) claim(object, ++level, node);
   }
   if (missing_ > 0) {
-    warnings_.push_back(std::to_string(missing_) + (missing_ == 1 ? " level of detail is" : " levels of detail are") +
-                        " not in the scene (MSFT_lod): left out; visible is such a level wherever its finest one is");
+    warnings_.push_back(
+        std::to_string(missing_) + (missing_ == 1 ? " level of detail is" : " levels of detail are") +
+        " not in the scene (MSFT_lod): left out; the host must draw such a level wherever its finest one is visible");
   }
 }
 
@@ -38,7 +39,7 @@ void lod_levels::claim(std::uint32_t object, std::uint32_t level, std::uint32_t 
   if (!reached(node)) {
     ++missing_;
   } else if (is_above(node, object)) {
-    ignore(node == object ? "is itself" : "it hangs below");
+    ignore(node == object ? "is itself" : "is an ancestor of it");
   } else if (places_[node].object != no_index) {
     ignore("is a level of nodes[" + std::to_string(places_[node].object) + "] already");
   } else if (united(node) == united(object)) {

@@ -26,7 +26,7 @@ namespace sightcell::scene {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
-              "glTF is little-endian, and arrays go out as they lie in memory");
+              "glTF is little-endian, and arrays are written as they are in memory");
 
 using corner_list = std::array<std::uint32_t, 3>;
 

@@ -13,7 +13,7 @@
 namespace sightcell::scene {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the fingerprint hashes arrays as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "the fingerprint hashes arrays as they are in memory");
 
 [[noreturn]] void refuse(const scene& s, const std::string& id, const std::string& cause, const std::string& remedy) {
   throw error(error_kind::bad_input, id, s.name, cause, remedy);
@@ -86,7 +86,7 @@ void number_draws(scene& s) {
     draw& d = s.draws[i];
     if (d.geometry >= s.geometries.size() || (d.material != no_index && d.material >= s.materials.size())) {
       refuse(s, "scene.index-out-of-range",
-             "draw " + std::to_string(i) + " uses a geometry or material that is not there", "correct the index");
+             "draw " + std::to_string(i) + " uses a geometry or material that does not exist", "correct the index");
     }
     if (d.tags.group != no_index && d.tags.group >= s.groups.size()) {
       refuse(s, "scene.index-out-of-range",

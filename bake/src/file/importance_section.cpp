@@ -17,7 +17,7 @@ namespace {
 
 void require_ok(format::status outcome, const std::string& name) {
   if (outcome != format::status::ok)
-    throw error(error_kind::failed, "output.encode", name, "its polygons could not be put in order of importance",
+    throw error(error_kind::failed, "output.encode", name, "the importance of its polygons could not be encoded",
                 "report this file");
 }
 

@@ -20,7 +20,7 @@ void require_ok(format::status outcome, const std::string& name) {
 
 [[noreturn]] void refuse_other_scene(const std::string& name, const scene::scene& s) {
   throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s.name,
-              "name the scene of the bake, or bake again");
+              "give the scene of the bake, or bake again");
 }
 
 void require_permutation(const std::vector<std::uint32_t>& source_of_stored, const std::string& name) {
@@ -64,8 +64,8 @@ pack_result pack(const std::filesystem::path& scene_path, int scene_index, std::
   require_ok(format::reader::open(file, opened), name);
   if (opened.facts().layout != format::host_layout::merged)
     throw error(error_kind::wrong_use, "pack.instanced", name,
-                "is of the instanced layout, whose host keeps the scene's own meshes",
-                "for a host of one mesh: sightcell recode FILE --layout merged --scene SCENE");
+                "has the instanced layout, whose host uses the meshes of the scene",
+                "for a host with one mesh: sightcell recode FILE --layout merged --scene SCENE");
   scene::gltf_packer packer(scene_path, scene_index);
   const scene::scene& s = packer.content();
   const scene::packed_order order = order_of(opened, s, name);

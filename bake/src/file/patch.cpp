@@ -56,7 +56,7 @@ void check_range(const added_polygons& wanted, const format::reader& file, const
   if (wanted.cell >= file.cell_count())
     throw error(error_kind::wrong_use, "patch.no-such-cell", name,
                 fmt::format("has no cell {}, only {}", wanted.cell, file.cell_count()),
-                "give a number that info shows");
+                "give the number of a cell of this file");
   const std::uint64_t end = std::uint64_t{wanted.first} + wanted.count;
   if (end > file.polygon_count())
     throw error(error_kind::wrong_use, "patch.no-such-polygon", name,
@@ -125,12 +125,13 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
       {parts.cells.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { return sets.get(cell, set); }});
   std::vector<std::byte> bytes;
   if (format::encode(changed, bytes) != format::status::ok)
-    throw error(error_kind::failed, "output.encode", output.string(), "what was added does not fit into the file",
+    throw error(error_kind::failed, "output.encode", output.string(),
+                "with the added polygons it exceeds the limits of the format",
                 "bake again with these polygons in the cells file");
   carry_importance(opened, bytes, output.string());
   if (format::write_file(output.string().c_str(), bytes) != format::status::ok)
     throw error(error_kind::failed, "patch.not-written", output.string(), "cannot be written",
-                "free space or choose another -o; the file is what it was");
+                "free space or choose another -o; the file is unchanged");
   result.bytes = bytes.size();
   return result;
 }

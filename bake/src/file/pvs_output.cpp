@@ -141,12 +141,13 @@ bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std
                const callbacks& tell, summary& sum, const file_completion& complete) {
   stored_cells stored = first_pass(frame, record_of, sum);
   if (stored.places.empty())
-    throw error(error_kind::failed, "bake.no-free-cell", frame.scene_name, "no cell has a place where an eye can be",
+    throw error(error_kind::failed, "bake.no-free-cell", frame.scene_name, "no cell has a valid viewpoint",
                 "give boxes with --cells-file or --cells-grid, or a smaller --player-radius");
   if (sum.cells_left_out > 0 && tell.on_message)
-    tell.on_message(severity::warning,
-                    fmt::format("{} of {} cells have no free point and are left out; an eye there is outside",
-                                sum.cells_left_out, frame.cells.size()));
+    tell.on_message(
+        severity::warning,
+        fmt::format("{} of {} cells have no valid viewpoint and are left out; a camera there is outside all cells",
+                    sum.cells_left_out, frame.cells.size()));
   stored.parts.facts = frame.facts;
   stored.parts.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
   stored.parts.settings = frame.settings;

@@ -39,9 +39,9 @@ double slack_left(const format::file_facts& facts, slack_profile profile, const 
   const auto has = static_cast<double>(facts.slack);
   if (has > most + 1e-6)  // the file has it as a float, rounded up
     throw error(error_kind::wrong_use, "recode.has-slack", name,
-                fmt::format("holds {:.1f} % of polygons that nobody sees, more than {} allows", 100.0 * has,
+                fmt::format("has {:.1f} % slack, more than the profile {} allows", 100.0 * has,
                             slack_profile_names[static_cast<std::size_t>(profile)]),
-                "recode a file of less slack: what was added once cannot be told from what is seen");
+                "recode a file with less slack: slack cannot be removed");
   return std::max((1.0 + most) / (1.0 + has) - 1.0, 0.0);
 }
 
@@ -79,8 +79,8 @@ void require_same_scene(const format::reader& opened, const std::string& name, c
 void change_layout(format::file_parts& parts, const std::string& name, format::host_layout layout,
                    const scene::scene* s) {
   if (layout == format::host_layout::merged && s == nullptr)
-    throw error(error_kind::wrong_use, "recode.no-scene", name, "does not say which draws its host shows together",
-                "name the scene it was baked from: --scene SCENE");
+    throw error(error_kind::wrong_use, "recode.no-scene", name, "does not contain the draw groups of the merged layout",
+                "give the scene it was baked from: --scene SCENE");
   const auto place_of = [](const format::draw_record& d) {
     return std::tuple(d.first_source, d.node, d.mesh, d.primitive, d.instance);
   };
@@ -110,8 +110,8 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   const auto layout = how.layout ? static_cast<format::host_layout>(*how.layout) : parts.facts.layout;
   const bool other_layout = layout != parts.facts.layout;
   if (layout == format::host_layout::merged && how.order == polygon_order_kind::per_instance)
-    throw error(error_kind::wrong_use, "recode.merged", name, "is of the merged layout, where instances share nothing",
-                "leave out --order per-instance");
+    throw error(error_kind::wrong_use, "recode.merged", name,
+                "has the merged layout, in which instances share no polygon order", "leave out --order per-instance");
   if (other_layout) change_layout(parts, name, layout, how.layout_from);
 
   const bool old = opened.format_version() != format::layout::version;
@@ -135,7 +135,7 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   contents.slack = slack;
   std::vector<std::byte> bytes;
   if (format::encode(contents, bytes) != format::status::ok)
-    throw error(error_kind::failed, "output.encode", output.string(), "the file does not fit into this format",
+    throw error(error_kind::failed, "output.encode", output.string(), "its content exceeds the limits of the format",
                 "report this file");
   return bytes;
 }
@@ -168,8 +168,8 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   require_same_scene(opened, name, how.layout_from);
   if (s != nullptr && stored_cells_from(opened.settings()))
     throw error(error_kind::wrong_use, "recode.two-scenes", name,
-                "says what the cells of another scene see, which hides some of this one",
-                "bake with --importance: that knows both");
+                "has cells of another scene, which occludes parts of this one",
+                "bake with --importance, which uses both scenes");
   require_ok(sets.open(opened), name);
   require_ok(sets.check(), name);
   // With importance alone the other bytes stay the same. Encoding sets with slack again could change them.
@@ -187,7 +187,7 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   require_ok(format::reader::open(bytes, made), output.string());
   if (format::write_file(output.string().c_str(), bytes) != format::status::ok)
     throw error(error_kind::failed, "recode.not-written", output.string(), "cannot be written",
-                "free space or choose another -o; the file is what it was");
+                "free space or choose another -o; the file is unchanged");
   result.bytes = bytes.size();
   result.slack = static_cast<double>(made.facts().slack);
   return result;

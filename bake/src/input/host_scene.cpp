@@ -194,7 +194,7 @@ scene::scene scene_of(const host_scene& host) {
 void require_no_colors(const metric_settings& how) {
   if (how.kind == metric_kind::color)
     throw error(error_kind::wrong_use, "host.no-colors", "metric", "is color, and the arrays of a host have no colors",
-                "measure by pixel or by view");
+                "choose the metric pixel or view");
 }
 
 }  // namespace sightcell::bake

@@ -40,7 +40,7 @@ void check(const char* option, T value, T low, T high, const char* unit) {
 
 void check_grid(const std::array<float, 6>& grid) {
   for (const float value : grid) {
-    if (!(std::abs(value) <= 1e7f)) refuse("--cells-grid", fmt::format("{}", value), "metres within 1e7 of the origin");
+    if (!(std::abs(value) <= 1e7f)) refuse("--cells-grid", fmt::format("{}", value), "meters within 1e7 of the origin");
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(grid[axis] < grid[axis + 3]))
@@ -103,9 +103,9 @@ void check_time_budget(const settings& s) {
   const auto refuse_with = [](const char* cause, const char* remedy) {
     throw error(error_kind::wrong_use, "settings.time-budget", "--time-budget", cause, remedy);
   };
-  if (s.sampler != "guided") refuse_with("is for the sampler guided alone", "leave out --sampler, or --time-budget");
+  if (s.sampler != "guided") refuse_with("works with the sampler guided only", "leave out --sampler, or --time-budget");
   if (s.max_pixel_error == 0.0)
-    refuse_with("is spent by bounds, and --max-pixel-error 0 has none", "give the smallest bound that is worth time");
+    refuse_with("needs a bound to improve, and --max-pixel-error 0 has none", "give a --max-pixel-error above 0");
   if (s.seconds_per_cell > 0.0) refuse_with("is given together with --seconds-per-cell", "give one of them");
 }
 
@@ -121,10 +121,11 @@ void check_volumes(const settings& s) {
   if (s.max_pixel_error == 0.0)
     throw error(error_kind::wrong_use, "settings.volumes", "--volumes",
                 "are found by rays, and --max-pixel-error 0 casts none",
-                "give a --max-pixel-error, or leave --volumes out");
+                "give a --max-pixel-error above 0, or leave out --volumes");
   if (s.cells_from != nullptr)
     throw error(error_kind::wrong_use, "settings.volumes", "--volumes",
-                "are of one scene, and --cells-from names another", "bake them with the cells' own scene");
+                "work with one scene only, and --cells-from names a second one",
+                "leave out --volumes here, and bake them with the scene of the cells");
 }
 
 const char* kind_of_cells(const settings& s) {

@@ -53,8 +53,9 @@ std::optional<std::string> stored_cells_from(std::string_view settings) {
 }
 
 void refuse_colors_of_two_scenes(const char* option) {
-  throw error(error_kind::wrong_use, "settings.two-scenes", option, "looks at colors, and --cells-from has none",
-              "choose another sampler, and measure by pixel or by view");
+  throw error(error_kind::wrong_use, "settings.two-scenes", option,
+              "needs colors, which a bake with --cells-from does not have",
+              "choose another sampler and --metric pixel or view");
 }
 
 void append(scene::world_geometry& geometry, scene::world_geometry&& other, bool all_double_sided,

@@ -17,7 +17,7 @@ using nlohmann::json;
 
 constexpr std::uintmax_t file_size_limit = 16u << 20;  // bytes; about 300,000 misses
 constexpr double farthest = 1e7;                       // meters, as for cells
-constexpr const char* shape = R"(write {"misses":[{"eye":[x,y,z],"polygon":1234}]}, metres and source ids)";
+constexpr const char* shape = R"(write {"misses":[{"eye":[x,y,z],"polygon":1234}]}, meters and source ids)";
 
 [[noreturn]] void refuse(const char* id, const std::string& subject, const std::string& cause,
                          const std::string& remedy = shape) {
@@ -48,7 +48,7 @@ void check_fingerprint(const json& document, const std::string& subject, const s
   if (digits != own)
     refuse("misses.other-scene", subject,
            fmt::format("is of a scene with the fingerprint {}, and {} has {}", digits, s.name, own),
-           "give misses of this scene: polygons have other numbers in another");
+           "give misses of this scene: source ids of another scene mean other polygons");
 }
 
 glm::vec3 read_eye(const json& miss, const std::string& label, const std::string& subject) {
@@ -59,7 +59,7 @@ glm::vec3 read_eye(const json& miss, const std::string& label, const std::string
   for (glm::length_t axis = 0; axis < 3; ++axis) {
     const json& number = (*found)[static_cast<std::size_t>(axis)];
     if (!number.is_number())
-      refuse("misses.bad-report", subject, fmt::format("{}: its \"eye\" holds a {}", label, number.type_name()));
+      refuse("misses.bad-report", subject, fmt::format("{}: its \"eye\" contains a {}", label, number.type_name()));
     const auto value = number.get<double>();
     if (!(std::abs(value) <= farthest))
       refuse("misses.bad-report", subject, fmt::format("{}: its eye is at {} m", label, value),
@@ -92,7 +92,7 @@ std::string read_text(const std::filesystem::path& path) {
   if (code) refuse("misses.unreadable", subject, "cannot be read: " + code.message(), "check its path");
   if (size > file_size_limit)
     refuse("misses.too-large", subject, fmt::format("is {} bytes long, more than {}", size, file_size_limit),
-           "give the misses in several files, one after the other");
+           "split it, and give the files to one run after the other");
   std::string text(size, '\0');
   std::ifstream in(path, std::ios::binary);
   if (!in.read(text.data(), static_cast<std::streamsize>(size)))

@@ -64,8 +64,8 @@ std::string file_without_cells(const pvs_frame& frame) {
   contents.volumes = {{frame.volume_width, frame.volume_width}, frame.volumes};
   std::vector<std::byte> bytes;
   if (format::encode(contents, bytes) != format::status::ok)
-    throw error(error_kind::failed, "output.encode", frame.scene_name, "its draws or settings do not fit into a file",
-                "report this scene");
+    throw error(error_kind::failed, "output.encode", frame.scene_name,
+                "its draws or settings exceed the limits of the format", "report this scene");
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 

@@ -91,7 +91,7 @@ shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& pl
   if (missing.empty()) return found;
   std::vector<std::string> names;
   for (const std::uint32_t block : missing) names.push_back(all.name_of(block));
-  refuse_missing(names, output, fmt::format("phase 1 of {} blocks is not there", names.size()),
+  refuse_missing(names, output, fmt::format("phase 1 of {} blocks is missing", names.size()),
                  "bake phase 1 of all shards first");
 }
 
@@ -179,7 +179,7 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
                     fmt::format("shard {} of {}, phase {}: {} cells in {} of {} blocks", part.index, part.count,
                                 part.phase, sum.cells, blocks.size(), context->cells->blocks.count()));
   if (!fresh && is_there(shard_file(output, part), context->key)) {
-    if (tell.on_message) tell.on_message(severity::note, "it is there already, and complete");
+    if (tell.on_message) tell.on_message(severity::note, "its file exists and is complete");
     sum.cells_resumed = sum.cells;
   } else {
     bake_blocks(*context, plan, blocks, part, output, arena, fresh, tell, sum);

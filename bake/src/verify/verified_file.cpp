@@ -16,12 +16,12 @@ void require_ok(format::status outcome, const std::string& name) {
 void require_cells_from(const format::reader& file, const std::string& name, const scene::scene* given) {
   const std::optional<std::string> stored = stored_cells_from(file.settings());
   if (stored && given == nullptr)
-    throw error(error_kind::wrong_use, "pvs.two-scenes", name, "says what the cells of another scene see",
-                "name both: --polygons-from SCENE --cells-from SCENE");
+    throw error(error_kind::wrong_use, "pvs.two-scenes", name, "has cells of another scene",
+                "give both scenes: --polygons-from SCENE --cells-from SCENE");
   if (given == nullptr || stored == fingerprint_text(*given)) return;
   throw error(error_kind::bad_input, "pvs.other-scene", name,
               stored ? "was baked with cells of another scene than " + given->name : "has cells of its own scene",
-              stored ? "give as --cells-from the scene whose cells it has" : "give that scene alone");
+              stored ? "give the scene of its cells as --cells-from" : "leave out --cells-from");
 }
 
 }  // namespace

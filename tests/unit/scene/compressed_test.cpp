@@ -196,7 +196,7 @@ TEST(draco, absurd_promises_are_refused_before_decoding) {
     return refusal_line(g);
   };
   for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING})
-    EXPECT_NE(after(method).find("it promises 2147483646 triangles and points in 2"), std::string::npos)
+    EXPECT_NE(after(method).find("it claims 2147483646 triangles and points in 2"), std::string::npos)
         << after(method);
   gltf_sketch old = draco_sketch();
   old.binary[6] = 1;

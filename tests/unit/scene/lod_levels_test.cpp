@@ -127,7 +127,7 @@ TEST(lod, what_contradicts_itself_is_a_warning) {
   };
   EXPECT_EQ(after({{0, {0, 1}}}, "nodes[0] has nodes[0] as a level of detail, which is itself"),
             (places{{0, 0}, {0, 2}, {-1, 0}, {-1, 0}}));
-  EXPECT_EQ(after({{3, {2, 1}}}, "which it hangs below"), (places{{-1, 0}, {0, 2}, {-1, 0}, {0, 0}}));
+  EXPECT_EQ(after({{3, {2, 1}}}, "which is an ancestor of it"), (places{{-1, 0}, {0, 2}, {-1, 0}, {0, 0}}));
   EXPECT_EQ(after({{0, {1}}, {2, {1}}}, "is a level of nodes[0] already"), (places{{0, 0}, {0, 1}, {-1, 0}, {-1, 0}}));
   EXPECT_EQ(after({{0, {1, 1}}}, "is a level of nodes[0] already"), (places{{0, 0}, {0, 1}, {-1, 0}, {-1, 0}}));
   EXPECT_EQ(after({{0, {1}}, {1, {0}}}, "has it as a level in turn"), (places{{0, 0}, {0, 1}, {-1, 0}, {-1, 0}}));
