@@ -23,6 +23,7 @@ struct index_range {
   std::uint32_t first = 0, count = 0;  // in indices
 };
 
+// Lists the polygons of a picture.
 class polygon_lists {
  public:
   // References must outlive the object.

@@ -11,6 +11,7 @@ namespace sightcell::scene {
 // Returns the bytes of a glTF component type, given by its number in the file; 0 for any other number.
 std::size_t component_size(int component_type);
 
+// An accessor whose bytes were checked.
 struct accessor_view {
   std::span<const std::uint8_t> bytes;  // from the first element on; empty: all zero
   std::size_t count = 0;

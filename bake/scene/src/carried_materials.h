@@ -21,6 +21,8 @@ struct carried_materials {
   std::vector<std::pair<std::size_t, std::vector<std::uint8_t>>> images;
 };
 
+// Returns the materials of `document`, of which `root` is the checked access. warnings: receives one line per image
+// that could not be read.
 carried_materials carry_materials(const nlohmann::json& document, const json_object& root, const gltf_source& source,
                                   accessor_table& table, std::vector<std::string>& warnings);
 

@@ -20,6 +20,7 @@
 
 namespace sightcell::scene {
 
+// A checked buffer view.
 struct view_bytes {
   std::uint32_t buffer = 0;
   std::uint64_t offset = 0;
@@ -27,6 +28,7 @@ struct view_bytes {
   std::uint64_t stride = 0;  // 0: tightly packed
 };
 
+// All accessors of a file, which are checked and decoded when they are used first.
 class accessor_table {
  public:
   // binary: the binary chunk of a .glb. The other arguments must outlive the table.
@@ -34,7 +36,9 @@ class accessor_table {
 
   std::size_t size() const { return accessors_.size(); }
   std::size_t view_count() const { return views_.size(); }
+  // Returns a buffer view after checking it; a compressed one is decoded first.
   view_bytes view(std::uint32_t index);
+  // Returns the bytes of a buffer view.
   std::span<const std::uint8_t> bytes_of_view(std::uint32_t index);
 
   // Marks the accessor as used. Throws sightcell::error if its bytes are missing or it has another type.
@@ -43,6 +47,7 @@ class accessor_table {
   std::uint64_t count(std::uint32_t index) const {  // of a used accessor
     return reduced_accessors_[index].at("count").get<std::uint64_t>();
   }
+  // Returns the JSON of an accessor.
   const json_object& source(std::uint32_t index) const { return accessors_[index]; }
 
   // Must be called before a stream is decoded. Each decoded stream is limited by itself; this limits streams that all

@@ -15,6 +15,7 @@
 
 namespace sightcell::scene {
 
+// The checked content of a file.
 struct gltf_document {
   std::string json;                                // for tinygltf; its accessors are stubs
   std::vector<accessor_view> accessors;            // content by accessor

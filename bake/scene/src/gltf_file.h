@@ -16,12 +16,14 @@ struct gltf_source {
   std::optional<std::filesystem::path> folder;  // of its resources; none: the scene may use data URIs only
 };
 
+// The parts of a container.
 struct gltf_file {
   std::string json;
   std::optional<std::vector<std::uint8_t>> binary;  // the BIN chunk of a .glb
   std::vector<std::string> warnings;
 };
 
+// Returns the origin of a scene on disk.
 gltf_source source_of(const std::filesystem::path& path);
 // Reads a scene from a regular file. Throws sightcell::error.
 std::vector<std::uint8_t> read_scene_bytes(const std::filesystem::path& path);

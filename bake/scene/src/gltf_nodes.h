@@ -21,6 +21,7 @@ struct node_marks {
   bool invisible = false;  // KHR_node_visibility: not shown at first, with all its descendants; the host may show it
 };
 
+// What a file states about one node.
 struct node_notes {
   node_marks marks;
   bool moves = false;                  // by an animation, with all its descendants
@@ -28,6 +29,7 @@ struct node_notes {
   std::vector<std::uint32_t> coarser;  // nodes with its levels of detail, finer ones first
 };
 
+// What a file states about all nodes.
 struct node_list {
   std::vector<node_notes> nodes;  // by glTF node number
   std::vector<std::string> groups;

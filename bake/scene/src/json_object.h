@@ -13,9 +13,11 @@ namespace sightcell::scene {
 // Returns text of a file for a message: printable, on one line, shortened to limit bytes.
 std::string printable(const std::string& text, std::size_t limit = 120);
 
+// Throws sightcell::error (bad_input).
 [[noreturn]] void refuse(const std::string& file, const std::string& id, const std::string& cause,
                          const std::string& remedy);
 
+// A JSON object with checked access. The value must outlive it.
 class json_object {
  public:
   // file, where: for messages; where is "accessors[3]", or empty for the whole document. Throws sightcell::error if
@@ -46,6 +48,7 @@ class json_object {
   std::string required_text(const char* key) const;
   json_object required_object(const char* key) const;
 
+  // Throws sightcell::error that names the file and the place of this object.
   [[noreturn]] void fail(const std::string& id, const std::string& cause, const std::string& remedy) const;
 
  private:

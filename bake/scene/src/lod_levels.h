@@ -10,6 +10,7 @@
 
 namespace sightcell::scene {
 
+// The object and level of a node.
 struct lod_place {
   std::uint32_t object = no_index;  // number of its node with the extension
   std::uint32_t level = 0;

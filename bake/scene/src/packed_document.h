@@ -18,8 +18,10 @@ struct packed_places {
   std::uint64_t bytes = 0;
 };
 
+// Returns the offsets of a packed file.
 packed_places places_of(const scene& s, const packed_vertices& vertices, const carried_materials& materials);
 
+// Returns the JSON of a packed file.
 nlohmann::json packed_document(const scene& s, const packed_order& order, const packed_vertices& vertices,
                                const carried_materials& materials, const packed_places& places);
 

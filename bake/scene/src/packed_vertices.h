@@ -13,6 +13,7 @@
 
 namespace sightcell::scene {
 
+// An attribute in the buffer.
 struct vertex_column {
   std::string name;
   std::uint32_t width = 0;   // floats per vertex
@@ -25,6 +26,7 @@ class packed_vertices {
   packed_vertices(const scene& s, const pose_list& poses, const std::vector<bool>& moves, gltf_attributes& attributes);
 
   std::uint32_t count() const { return count_; }
+  // Returns the bytes of all vertices.
   std::uint64_t bytes() const { return bytes_; }
   const std::vector<vertex_column>& columns() const { return columns_; }  // POSITION first
   // Returns the attributes that the primitive of a draw has in the file.

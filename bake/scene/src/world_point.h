@@ -8,6 +8,7 @@
 
 namespace sightcell::scene {
 
+// Returns the point in world space.
 inline glm::vec3 world_point(const glm::dmat4& to_world, const glm::vec3& local) {
   const glm::dvec3 p(local);
   return glm::vec3(to_world[0] * p.x + to_world[1] * p.y + to_world[2] * p.z + to_world[3]);

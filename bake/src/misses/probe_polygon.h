@@ -8,6 +8,7 @@
 
 namespace sightcell::bake {
 
+// The result of a test.
 struct polygon_sight {
   bool seen = false;       // a ray hit it, under all visibility rules
   bool counts = false;     // and the set contains none of the polygons that coincide with it there (rule 2)

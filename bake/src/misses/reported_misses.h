@@ -16,6 +16,7 @@
 
 namespace sightcell::bake {
 
+// The reported misses of a bake.
 class reported_misses {
  public:
   reported_misses() = default;

@@ -28,6 +28,7 @@ class agvs final : public cell_sampler {
   struct kind_result {
     std::uint64_t rays = 0, pairs = 0;  // pairs: new pairs (cell, polygon)
   };
+  // Returns rays and finds per kind of ray, in the order of ray_kind.
   const std::array<kind_result, ray_kinds>& results() const { return results_; }
   std::uint64_t pairs() const;  // returns the number of pairs (cell, polygon) of all cells
 

@@ -29,6 +29,7 @@ struct sampler_world {
   const near_polygons* neighbors = nullptr;  // required by guided
 };
 
+// The cell to sample.
 struct sampled_cell {
   box grown;
   std::uint64_t place = 0;  // key of the random numbers of the cell
@@ -36,11 +37,13 @@ struct sampled_cell {
   std::span<const glm::vec3> free;  // valid viewpoints of the grown box in a fixed order, at least one
 };
 
+// What a call of sample() used.
 struct sampling_effort {
   std::uint32_t samples = 0;  // hemicubes
   std::uint64_t rays = 0;
 };
 
+// Finds the polygons that are visible from a cell.
 class cell_sampler {
  public:
   virtual ~cell_sampler() = default;

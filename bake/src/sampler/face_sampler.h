@@ -12,6 +12,7 @@
 
 namespace sightcell::bake {
 
+// Chooses positions on one face.
 class face_sampler {
  public:
   virtual ~face_sampler() = default;
@@ -23,6 +24,7 @@ class face_sampler {
   virtual void rejected(const glm::vec2& place) = 0;
 };
 
+// The parameters of a face sampler.
 struct face_options {
   std::string_view sampler;      // name
   std::uint32_t samples = 0;     // limit for the face

@@ -8,6 +8,7 @@
 
 namespace sightcell::bake {
 
+// Divides each cell into 8 x 4 x 8 parts and counts invalid viewpoints per part.
 class free_memory {
  public:
   explicit free_memory(std::size_t cells) : invalid_in_a_row_(cells * parts_of_cell) {}
@@ -24,6 +25,7 @@ class free_memory {
   bool is_barren(std::uint32_t cell, std::uint32_t part) const {
     return invalid_in_a_row_[number_of(cell, part)] >= barren_after;
   }
+  // Records the result of a test.
   void note(std::uint32_t cell, std::uint32_t part, bool free) {
     std::uint8_t& invalid = invalid_in_a_row_[number_of(cell, part)];
     invalid = free ? std::uint8_t{0} : static_cast<std::uint8_t>(std::min(invalid + 1, int{barren_after}));

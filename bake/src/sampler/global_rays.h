@@ -39,6 +39,7 @@ struct blocked_ray {
   std::uint32_t occluder = no_polygon;
 };
 
+// A ray to cast for all cells.
 struct global_ray {
   glm::vec3 origin{0.0f};
   glm::vec3 direction{0.0f};  // unit vector; 0: no ray
@@ -48,6 +49,7 @@ struct global_ray {
   glm::vec3 point{0.0f}, aim{0.0f};
 };
 
+// Makes rays of each kind.
 class global_rays {
  public:
   // cells: must outlive the object.
@@ -57,6 +59,7 @@ class global_rays {
   // places: of the cells, keys of the random numbers.
   bool find_viewpoints(float player_radius, std::uint64_t seed, std::span<const std::uint64_t> places);
 
+  // Each of these returns a ray of the kind of its name; its direction is 0 if it made none.
   global_ray random(random_stream& numbers) const;
   global_ray object(random_stream& numbers) const;
   global_ray two_point(random_stream& numbers) const;
@@ -83,6 +86,7 @@ class adaptive_shares {
   // limits: largest number of rays of each kind.
   std::array<std::uint64_t, ray_kinds> rays_of_round(std::uint64_t rays,
                                                      const std::array<std::uint64_t, ray_kinds>& limits) const;
+  // Records how many pairs (cell, polygon) the rays of one kind found in a round.
   void found(ray_kind kind, std::uint64_t rays, std::uint64_t pairs);
 
  private:

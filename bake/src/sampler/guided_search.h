@@ -25,7 +25,9 @@ class guided_search {
   // References must outlive the search. The time limit starts here.
   guided_search(const settings& how, const sampler_world& world, const sampled_cell& cell, cell_set& set);
 
+  // Returns the number of rays cast.
   std::uint64_t spent() const { return spent_; }
+  // Returns whether the rays or the time are used up.
   bool over() const { return left() == 0 || limit_.reached(); }
   // Casts one round of random rays and queues the seed rays of their finds.
   void look_at_random();

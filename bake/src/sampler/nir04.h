@@ -21,6 +21,7 @@ using corner_view = std::vector<seen_polygon>;
 // pixels: of a whole hemicube.
 double quad_difference(std::span<const corner_view* const> corners, double pixels);
 
+// The parameters of nir04.
 struct nir04_options {
   double difference = 0.0;          // quads up to this difference are not divided
   std::uint32_t part_polygons = 0;  // a box that shows more polygons is sampled again in halves; 0: never

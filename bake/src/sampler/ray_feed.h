@@ -14,6 +14,7 @@
 
 namespace sightcell::bake {
 
+// A polygon that a ray found for a cell.
 struct found_pair {
   std::uint32_t cell = 0, polygon = no_polygon;
   glm::vec3 eye{0.0f};    // valid viewpoint of the cell

@@ -8,6 +8,7 @@
 
 namespace sightcell::bake {
 
+// The polygons of one cell.
 class seen_pairs {
  public:
   struct pair {

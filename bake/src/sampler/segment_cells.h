@@ -8,11 +8,13 @@
 
 namespace sightcell::bake {
 
+// A cell on a line, and the part of the line inside it.
 struct crossing {
   std::uint32_t cell = 0;
   float from = 0.0f, to = 0.0f;  // along the line, from < to
 };
 
+// The cells of a bake in a grid.
 class segment_cells {
  public:
   explicit segment_cells(std::vector<box> cells);

@@ -31,6 +31,7 @@ double priority_beside(double max_pixel_error);
 // the smaller are the polygons that it lacks.
 double priority_after(double priority, std::uint32_t hemicubes);
 
+// The parameters of a search in one cell.
 struct search_settings {
   std::uint64_t seed = 0, place = 0;
   float smallest_gap = 0.0f;          // meters, see aimed_rays
@@ -44,6 +45,7 @@ struct search_settings {
 // Five equally likely estimates of the miss probability under the metric, ascending.
 using error_guess = std::array<double, 5>;
 
+// When a search may stop.
 struct search_goal {
   double priority = 0.0;                         // lowest priority, in sr, of rays after the first round
   std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // limit on the cost including what was spent before, in rays
@@ -54,6 +56,7 @@ struct search_goal {
   std::function<bool(const error_guess& missing, std::uint64_t cost)> enough = {};
 };
 
+// The search in one cell. Its state lasts over several calls.
 class cell_search {
  public:
   // views: null: the search uses rays alone.

@@ -12,6 +12,7 @@
 
 namespace sightcell::bake {
 
+// The parameters of a run on one cell.
 struct finish_settings {
   double max_pixel_error = 1e-4;  // target of the upper bound
   // Player radius, light-leak tolerance and metric. Its member `volumes` is replaced by one made from the set.
@@ -33,6 +34,7 @@ struct finish_settings {
   const volume_grid* volumes = nullptr;  // visibility volumes to search for; null: none
 };
 
+// The certificate of the cell and what it cost.
 struct finish_result {
   bool bound_met = false;
   std::uint64_t rays = 0, misses = 0;  // of the last complete batch; its misses have joined the set since

@@ -16,6 +16,7 @@
 
 namespace sightcell::bake {
 
+// The parameters of guided_views for one cell.
 struct guided_places {
   std::uint64_t seed = 0, place = 0;
   float player_radius = 0.05f;  // meters
@@ -38,7 +39,9 @@ class guided_views {
   // Returns up to count poses; fewer if no more viewpoints are found. They depend on the arguments and on how many
   // poses were requested before.
   std::vector<pose> next(std::uint32_t count);
+  // Returns the number of hemicubes so far, including those rendered before.
   std::uint32_t taken() const { return how_.taken; }
+  // Returns the resolution of the hemicubes, pixels.
   std::uint32_t resolution() const { return how_.resolution; }
 
  private:

@@ -33,6 +33,7 @@ std::uint32_t interior_cubes(const hemicube_plan& plan);
 // of a pixel in the middle of the front face.
 pose jittered(const pose& where, std::uint32_t resolution, random_stream random);
 
+// Renders the hemicubes of one cell.
 class hemicubes {
  public:
   // References must outlive the object. The time limit starts here.
@@ -40,6 +41,7 @@ class hemicubes {
 
   std::uint32_t taken() const { return taken_; }
   std::uint32_t resolution() const { return source_.resolution(); }
+  // Returns the number of hemicubes that may still be rendered; 0 after the time limit.
   std::uint32_t left() const { return limit_.reached() ? 0 : plan_.samples - taken_; }
 
   // Renders the poses as one batch, up to left() of them, and adds what they show to the set.

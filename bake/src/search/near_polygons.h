@@ -9,6 +9,7 @@
 
 namespace sightcell::bake {
 
+// The neighbors of all polygons of a scene.
 struct near_polygons {
   explicit near_polygons(const ray_scene& rays) : sharing(rays.geometry()), coinciding(rays) {}
 

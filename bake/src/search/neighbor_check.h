@@ -12,6 +12,7 @@
 
 namespace sightcell::bake {
 
+// The parameters of a neighbor check in one cell.
 struct neighbor_check_settings {
   std::uint64_t seed = 0, place = 0;
   purpose use = purpose::neighbor_check;  // key of the random numbers

@@ -17,6 +17,7 @@ namespace sightcell::bake {
 
 inline constexpr double whole_sphere = 4.0 * std::numbers::pi;  // solid angle of all directions, sr
 
+// The parameters of a refinement in one cell.
 struct refinement_settings {
   std::uint64_t seed = 0, place = 0;
   float smallest_gap = 0.0f;  // meters; polygons visible only through narrower gaps do not join (visibility rule 3)

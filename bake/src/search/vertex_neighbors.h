@@ -7,6 +7,7 @@
 
 namespace sightcell::bake {
 
+// The table of a scene. The geometry is needed by the constructor only.
 class vertex_neighbors {
  public:
   explicit vertex_neighbors(const scene::world_geometry& geometry);

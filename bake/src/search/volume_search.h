@@ -16,6 +16,7 @@
 
 namespace sightcell::bake {
 
+// The parameters of a search for volumes in one cell.
 struct volume_search_settings {
   std::uint64_t seed = 0, place = 0;
   float player_radius = 0.05f;  // meters
@@ -28,6 +29,7 @@ inline std::size_t volume_search_bytes(const volume_grid& grid) {
   return volume_set::bytes_for(grid.count()) + std::size_t{grid.count()} * (sizeof(std::uint32_t) + 1);
 }
 
+// The search for volumes in one cell. Its state lasts over several calls.
 class volume_search {
  public:
   // Adds the volumes that touch the grown box to the set, since the camera can be in them.

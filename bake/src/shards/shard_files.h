@@ -13,6 +13,7 @@
 
 namespace sightcell::bake {
 
+// The records of several shards. The files stay open.
 class shard_files {
  public:
   // key: of the bake; without one, the key of the first file. Throws sightcell::error "shard.other-bake" if a file is
@@ -29,6 +30,7 @@ class shard_files {
   cell_record load(std::uint32_t cell, cell_stage stage) const;
   // Calls visit for each finished cell that is in two files.
   void for_each_double(const std::function<void(std::uint32_t cell, std::size_t, std::size_t)>& visit) const;
+  // Returns the record in one file. Throws sightcell::error if it is damaged.
   cell_record load_from(std::size_t file, std::uint32_t cell, cell_stage stage) const;
 
  private:

@@ -41,7 +41,9 @@ class verified_file {
   void cell_set(std::uint32_t cell, std::vector<std::uint32_t>& seen);
   // Does the same with volumes after the polygons, numbered from file().polygon_count() on.
   void cell_items(std::uint32_t cell, std::vector<std::uint32_t>& items);
+  // Returns the visibility volumes of the file.
   stored_volumes volumes() const;
+  // Returns the box of a cell, without the margin.
   box cell_box(std::uint32_t cell) const;
 
  private:
