@@ -28,7 +28,7 @@ struct gltf_document {
   std::vector<std::string> warnings;
 };
 
-// Throws sightcell::error (bad_input).
+// Returns the checked content of a file. Throws sightcell::error (bad_input).
 gltf_document read_gltf_document(gltf_file file, const gltf_source& source);
 
 }  // namespace sightcell::scene

@@ -26,8 +26,8 @@ struct material_set {
   std::vector<image> images;                     // in order of first use
 };
 
-// An image that cannot be read causes a warning and no error: pictures lack it, visibility stays the same.
-// bytes_of_view: returns the bytes of a buffer view.
+// Returns all materials. An image that cannot be read causes a warning and no error: pictures lack it, visibility stays
+// the same. bytes_of_view: returns the bytes of a buffer view.
 material_set read_materials(const json_object& root, const gltf_source& source,
                             const std::function<std::span<const std::uint8_t>(std::uint32_t)>& bytes_of_view,
                             std::size_t view_count, std::vector<std::string>& warnings);

@@ -19,6 +19,7 @@ struct rest_pose {
 
 using pose_list = std::map<std::uint32_t, rest_pose>;  // by geometry; without those that are as in their mesh
 
+// Converts a glTF file to a scene and calls finish.
 // name: of the scene.
 // poses: receives the rest poses; may be null.
 // Throws sightcell::error.

@@ -35,6 +35,7 @@ struct pvs_frame {
   std::string settings;                        // settings text of the file
 };
 
+// Returns the content of a file apart from the sets.
 // volumes: null: none.
 pvs_frame frame_of(const scene::scene& s, const settings& how, std::string settings_text,
                    const std::vector<view_cell>& cells, const volume_grid* volumes = nullptr);

@@ -35,7 +35,8 @@ class bulk_step {
                                                 static_cast<float>(how_.border_offset), how_.border_samples))
       if (cast(from.eye, point)) hidden.push_back(point);
     if (hidden.empty()) return;
-    // Each eye is paired with one hidden point; eyes that are neighbors on an edge get points far from each other.
+    // Each eye is paired with one occluded border point; eyes that are neighbors on an edge get points far from each
+    // other.
     std::size_t next = 0;
     for (const glm::vec3& eye : eyes_) {
       cast(eye, hidden[next % hidden.size()]);
