@@ -110,12 +110,11 @@ def main():
     parser.add_argument("--bin")
     parser.add_argument("--program")
     parser.add_argument("--data", default=os.environ.get("SIGHTCELL_DATA", ""))
-    parser.add_argument("--default-data", default="")
     parser.add_argument("--info-only", action="store_true")
     result_files.add_option(parser)
     options = parser.parse_args()
     program = options.program or os.path.join(options.bin or ".", "sightcell")
-    folder = os.path.join(options.data or options.default_data, "malformed")
+    folder = os.path.join(options.data, "malformed")
     files = scene_files(folder)
     if not files:
         print(f"skipped: no scenes in {folder}; SIGHTCELL_DATA names the folder of real scenes")

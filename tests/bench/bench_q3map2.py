@@ -29,7 +29,7 @@ import pair_sets
 import result_files
 
 LEVELS = ["accident", "czest3ctf", "oacmpctf3"]
-MARGIN = 0.26  # metres: the margin of a cell, and a little
+MARGIN = 0.26  # meters: the margin of a cell, and a little
 OUTSIDE_BOUND = 1e-3
 
 

@@ -18,7 +18,7 @@ namespace {
 
 std::filesystem::path data_folder() {
   const char* const named = std::getenv("SIGHTCELL_DATA");
-  return named != nullptr ? named : SIGHTCELL_DEFAULT_DATA;
+  return named != nullptr ? named : "";
 }
 
 class real_scenes : public testing::Test {
