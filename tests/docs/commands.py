@@ -182,8 +182,9 @@ def check_inline(code, known):
 SHIM = '''#!/bin/sh
 # {name} as the documents call it, but quick.
 case "$1 $*" in
-  *--cell-limit*) ;;
-  bake*) set -- "$@" --cell-limit {cells} ;;
+  bake*)
+    case "$*" in *--cell-limit*) ;; *) set -- "$@" --cell-limit {cells} ;; esac
+    case "$*" in *--quality*|*--max-pixel-error*) ;; *) set -- "$@" --quality draft ;; esac ;;
   *--rays*|*--from*) ;;
   verify*) set -- "$@" --rays {rays} ;;
 esac

@@ -93,25 +93,24 @@ def red(picture):
 
 class Pictures(UnderX):
     def test_from_inside_a_cell_nothing_is_missing(self):
-        for cell in range(3):
-            for yaw in (0, 150):
-                aim = ['--cell', cell, f'--look={yaw},5']
-                full, said = self.view(self.city, self.city_pvs, *aim, '--mode', 'all')
-                self.assertEqual((said['polygons_drawn'], said['polygons'], said['cells']), (3000, 3000, 3))
-                culled, said = self.view(self.city, self.city_pvs, *aim)
-                self.assertEqual((said['cell'], said['shown_cell'], said['flags']), (cell, cell, '-'))
-                self.assertLess(said['polygons_drawn'], 1500)
-                self.assertLess(commonest(full), 0.8, 'hardly anything to be seen')
-                self.assertLessEqual(differing(full, culled), SAME, aim)
-                tinted, _ = self.view(self.city, self.city_pvs, *aim, '--mode', 'tint')
-                self.assertLessEqual(red(tinted), SAME, aim)
-                self.assertLessEqual(differing(full, tinted), SAME, aim)
+        for cell, yaw in ((0, 0), (1, 150), (2, 60)):
+            aim = ['--cell', cell, f'--look={yaw},5']
+            full, said = self.view(self.city, self.city_pvs, *aim, '--mode', 'all')
+            self.assertEqual((said['polygons_drawn'], said['polygons'], said['cells']), (3000, 3000, 3))
+            culled, said = self.view(self.city, self.city_pvs, *aim)
+            self.assertEqual((said['cell'], said['shown_cell'], said['flags']), (cell, cell, '-'))
+            self.assertLess(said['polygons_drawn'], 1500)
+            self.assertLess(commonest(full), 0.8, 'hardly anything to be seen')
+            self.assertLessEqual(differing(full, culled), SAME, aim)
+            tinted, _ = self.view(self.city, self.city_pvs, *aim, '--mode', 'tint')
+            self.assertLessEqual(red(tinted), SAME, aim)
+            self.assertLessEqual(differing(full, tinted), SAME, aim)
 
     def test_a_merged_file_draws_the_same(self):
         instanced, merged = self.path('instanced.pvs'), self.path('merged.pvs')
         for output, layout in ((instanced, 'instanced'), (merged, 'merged')):
             self.bake(self.city, output, self.city_cells, '--cell-limit', 3, '--profile', 'exact', '--layout', layout)
-        for cell in range(3):
+        for cell in range(2):
             for mode in ('pvs', 'tint'):
                 aim = ['--cell', cell, '--look=40,-5', '--mode', mode]
                 expected, said = self.view(self.city, instanced, *aim)

@@ -56,6 +56,7 @@ trial_result try_hemicubes(const bake_context& context) {
 }
 
 constexpr std::uint64_t trial_sampling_rays = 65536, trial_rays_for_all = 8192;
+constexpr double trial_share_of_rays = 0.1, fewest_trial_rays = 1024, most_trial_rays = 32768;
 
 // Makes a sampler like that of the bake, with fewer rays.
 std::unique_ptr<cell_sampler> trial_sampler(const bake_context& context, const settings& how) {
@@ -100,9 +101,17 @@ trial_result try_sampling_rays(const bake_context& context) {
   return result;
 }
 
-// Returns the wall-clock seconds per verification ray, with all threads of the arena.
+// Returns the number of verification rays that most cells need: two or three batches, the first of about
+// 5 / max_pixel_error rays.
+double verification_rays_of_cell(const settings& how) {
+  return how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
+}
+
+// Returns the wall-clock seconds per verification ray, with all threads of the arena. A small part of the rays of a cell
+// is cast: a bake of few cells or few rays must not take longer to estimate than to run.
 double try_verification_rays(const bake_context& context) {
-  constexpr std::uint64_t trial_rays = 32768;  // enough that the tests of viewpoints are a small part
+  const auto trial_rays = static_cast<std::uint64_t>(
+      std::clamp(trial_share_of_rays * verification_rays_of_cell(context.how), fewest_trial_rays, most_trial_rays));
   const settings& how = context.how;
   double seconds = 0.0;
   for (std::size_t i = 0; i < trials; ++i) {
@@ -122,9 +131,8 @@ bake_estimate estimate_bake(const bake_context& context, std::size_t cells_left,
   if (cells_left == 0) return {};
   const settings& how = context.how;
   const trial_result trial = takes_hemicubes(how.sampler) ? try_hemicubes(context) : try_sampling_rays(context);
-  const double ray_seconds = try_verification_rays(context);
-  // Most cells need two or three batches, the first of about 5 / max_pixel_error rays.
-  const double rays = how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
+  const double rays = verification_rays_of_cell(how);
+  const double ray_seconds = rays > 0.0 ? try_verification_rays(context) : 0.0;
   // The threads bake different cells if the source is shared. The time of a verification ray has all threads already.
   const int at_once = context.device->source().shared() ? tbb::this_task_arena::max_concurrency() : 1;
   const double limit = how.seconds_per_cell > 0.0 ? how.seconds_per_cell : trial.sampling_seconds;

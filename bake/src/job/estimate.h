@@ -14,7 +14,8 @@ struct bake_estimate {
 // Times hemicubes, or the sampler's own rays, and verification rays in four cells spread over the list. Logs the
 // result as a note. Changes nothing that the bake computes.
 // cells_left: how many cells the estimate is for. 0: nothing is timed or logged, and the result is 0.
-// Threads: works on the calling thread's TBB arena. Cost: four hemicubes or 262,144 rays, and 131,072 rays.
+// Threads: works on the calling thread's TBB arena. Cost: four hemicubes or 262,144 rays, and a tenth of the
+// verification rays of four cells, at most 131,072.
 bake_estimate estimate_bake(const bake_context& context, std::size_t cells_left, const callbacks& events);
 
 }  // namespace sightcell::bake

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <memory>
 
 #include "importance_samples.h"
@@ -13,18 +12,13 @@
 #include "sightcell/format/importance_writer.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/reader.h"
+#include "unit/case_step.h"
 
 namespace {
 
 using namespace sightcell::format;
 using namespace sightcell::test;
 using bytes = std::vector<std::byte>;
-
-// As in reader_hostile_test.cpp.
-std::size_t case_step() {
-  const char* text = std::getenv("SIGHTCELL_TEST_STEP");
-  return text == nullptr ? 1 : static_cast<std::size_t>(std::max(1, std::atoi(text)));
-}
 
 reader opened(const bytes& file) {
   reader out;

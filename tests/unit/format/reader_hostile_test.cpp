@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <memory>
 
@@ -12,18 +11,12 @@
 #include "sample_contents.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/reader.h"
+#include "unit/case_step.h"
 
 namespace {
 
 using namespace sightcell::format;
 using namespace sightcell::test;
-
-// The step of the long loops below, in bytes or rounds: 1, or what the tree of an emulated platform sets. An odd step
-// still changes every byte of some record of each kind.
-std::size_t case_step() {
-  const char* text = std::getenv("SIGHTCELL_TEST_STEP");
-  return text == nullptr ? 1 : static_cast<std::size_t>(std::max(1, std::atoi(text)));
-}
 
 // A new block of exactly the file's size, at an odd address as often as at an even one.
 class exact_block {

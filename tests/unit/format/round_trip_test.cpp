@@ -15,6 +15,7 @@
 #include "sightcell/format/reader.h"
 #include "sightcell/format/set_reader.h"
 #include "sightcell/format/writer.h"
+#include "unit/case_step.h"
 #include "unit/runtime/loaded_file.h"
 
 namespace {
@@ -461,7 +462,7 @@ void expect_round_trip(std::uint32_t seed, kinds_met& met) {
 TEST(round_trip, contents_of_any_kind_come_back) {
   const std::uint32_t first = number_in_environment("SIGHTCELL_TEST_SEED", 1);
   const std::uint32_t rounds = number_in_environment("SIGHTCELL_TEST_ROUNDS", usual_rounds);
-  const std::uint32_t step = std::max(1u, number_in_environment("SIGHTCELL_TEST_STEP", 1));
+  const auto step = static_cast<std::uint32_t>(case_step());
   kinds_met met;
   for (std::uint32_t round = 0; round < rounds; round += step) {
     SCOPED_TRACE("SIGHTCELL_TEST_SEED=" + std::to_string(first + round) + " SIGHTCELL_TEST_ROUNDS=1");

@@ -474,7 +474,12 @@ class slack_file : public testing::Test {
     return all;
   }
 
-  set_list exact_ = like_sets(6, 400);  // of which a sample is planned first
+  static const set_list& exact_sets() {
+    static const set_list sets = like_sets(6, 400);  // of which a sample is planned first
+    return sets;
+  }
+
+  const set_list& exact_ = exact_sets();
   std::vector<draw_record> draws_ = some_draws();
   std::vector<std::uint32_t> order_of_draw_;
   std::vector<std::vector<std::uint32_t>> orders_;

@@ -10,7 +10,15 @@ std::atomic<std::size_t> allocations{0};
 
 }  // namespace
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SIGHTCELL_TEST_IS_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SIGHTCELL_TEST_IS_SANITIZED 1
+#endif
+#endif
+
+#if !defined(SIGHTCELL_TEST_IS_SANITIZED)
 #define SIGHTCELL_TEST_COUNTS_NEW 1
 
 void* operator new(std::size_t size) {

@@ -1,4 +1,4 @@
-// A million random steps, many of them on exact borders, edges and corners of boxes and grown boxes: the grown box of
+// A million random steps in a complete run, many of them on exact borders, edges and corners of boxes and grown boxes: the grown box of
 // the chosen cell always contains the eye, and no polygon that is visible from the exact position is missing.
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "loaded_file.h"
+#include "unit/case_step.h"
 #include "unit/format/random_source.h"
 
 namespace {
@@ -134,18 +135,22 @@ sample_contents world_of(std::uint32_t seed, std::uint32_t cells, bool overlappi
   return random_contents(seed, {.polygons = polygons, .draws = 12, .cells = cells, .overlapping = overlapping});
 }
 
+int steps() {
+  return static_cast<int>(250'000 / case_step());
+}
+
 TEST(margin_walk, grid) {
-  walk(world_of(1, 512, false), 11, 250'000);
+  walk(world_of(1, 512, false), 11, steps());
 }
 
 TEST(margin_walk, overlapping_boxes) {
-  walk(world_of(2, 60, true), 12, 250'000);
+  walk(world_of(2, 60, true), 12, steps());
 }
 
 TEST(margin_walk, lattice_of_two_levels) {
   sample_contents contents = world_of(3, 400, false);
   put_on_lattice(contents);
-  walk(contents, 13, 250'000);
+  walk(contents, 13, steps());
 }
 
 // Widths that are not floats, so that every border is rounded.
@@ -158,7 +163,7 @@ TEST(margin_walk, lattice_with_rounded_borders) {
   for (std::size_t i = 0; i < contents.places.size(); ++i) {
     contents.cells[i] = sightcell::format::box_of(*contents.lattice, contents.places[i]);
   }
-  walk(contents, 14, 250'000);
+  walk(contents, 14, steps());
 }
 
 }  // namespace

@@ -59,6 +59,7 @@ class built_index {
     EXPECT_EQ(space.used(), counted.used());
     EXPECT_TRUE(index_.build(table));
     visible_.resize(index_.chunk_count(), ~std::uint64_t{0});
+    for (const lattice_place& p : places_) volumes_.insert(key_of(p));
     show({});
   }
 
@@ -82,14 +83,12 @@ class built_index {
   }
   // The same by testing all positions around, of which those at the ends must be outside the box.
   [[nodiscard]] bool should_be(const format::box& b) const {
-    std::set<place_key> volumes;
-    for (const lattice_place& p : places_) volumes.insert(key_of(p));
     std::array<std::vector<std::int32_t>, 3> touched;
     for (std::size_t axis = 0; axis < 3; ++axis) touched[axis] = touched_on(axis, b);
     for (const std::int32_t x : touched[0]) {
       for (const std::int32_t y : touched[1]) {
         for (const std::int32_t z : touched[2]) {
-          if (!volumes.contains({x, y, z}) || shown_.contains({x, y, z})) return true;
+          if (!volumes_.contains({x, y, z}) || shown_.contains({x, y, z})) return true;
         }
       }
     }
@@ -128,7 +127,7 @@ class built_index {
   std::vector<std::max_align_t> memory_;
   volume_index index_;
   std::vector<std::uint64_t> visible_;
-  std::set<place_key> shown_;
+  std::set<place_key> volumes_, shown_;
 };
 
 // A block of positions with gaps, also where a position has no box.

@@ -284,7 +284,7 @@ TEST(load_gltf, what_lets_light_or_nobody_knows_what_through_hides_nothing) {
     gltf_sketch g;
     g.add_node({{"mesh", g.add_mesh(g.add_row_of_triangles(1))}});
     g.json["meshes"][0]["primitives"][0]["material"] = 0;
-    g.json["materials"] = {material};
+    g.json["materials"] = json::array({material});
     g.json["textures"] = {{{"source", 0}}};
     g.json["images"] = {{{"uri", "missing.png"}}};
     const polygon_kind kind = flatten(load(g)).kinds.at(0);

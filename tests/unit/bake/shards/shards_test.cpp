@@ -68,7 +68,7 @@ class shards : public testing::Test {
 
 TEST_F(shards, any_number_of_them_gives_the_bytes_of_one_bake) {
   const std::vector<std::byte> one = whole();
-  for (const std::uint32_t count : {1u, 2u, 4u, 9u}) {  // there are four blocks: some of nine shards have none
+  for (const std::uint32_t count : {1u, 3u, 9u}) {  // there are four blocks: some of nine shards have none
     const std::string name = "m" + std::to_string(count) + ".pvs";
     for (const std::uint32_t phase : {1u, 2u})
       for (std::uint32_t i = count; i-- > 0;) {
