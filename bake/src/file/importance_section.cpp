@@ -135,14 +135,16 @@ bool add_importance(std::vector<std::byte>& file, const std::string& name, const
 }
 
 file_completion importance_of(const settings& how, const ray_scene& rays, const std::filesystem::path& output,
-                              const callbacks& tell) {
+                              const callbacks& events) {
   if (!how.file.importance) return {};
   return [&](std::vector<std::byte>& file) {
+    if (events.on_phase) events.on_phase(bake_phase::measuring_importance);
     return add_importance(file, output.string(), rays, [&](std::uint32_t done, std::uint32_t total) {
       progress now;
+      now.phase = bake_phase::measuring_importance;
       now.cells_done = now.cells_checked = now.cells_total = total;
       now.importance = static_cast<double>(done) / total;
-      return !tell.on_progress || tell.on_progress(now);
+      return !events.on_progress || events.on_progress(now);
     });
   };
 }

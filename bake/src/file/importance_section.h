@@ -31,7 +31,7 @@ bool add_importance(std::vector<std::byte>& file, const std::string& name, const
 // Returns the function that adds the section to the file of a bake; empty unless the settings ask for importance. All
 // arguments must outlive it.
 file_completion importance_of(const settings& how, const ray_scene& rays, const std::filesystem::path& output,
-                              const callbacks& tell);
+                              const callbacks& events);
 
 // Copies the section from another file with the same cells and polygons into `file`, whose sets may be larger and
 // stored in another order. Polygons that are not in the sets of `from` get the least important class. Does nothing if

@@ -138,13 +138,14 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
 }
 
 bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
-               const callbacks& tell, summary& sum, const file_completion& complete) {
+               const callbacks& events, summary& sum, const file_completion& complete) {
+  if (events.on_phase) events.on_phase(bake_phase::writing_file);
   stored_cells stored = first_pass(frame, record_of, sum);
   if (stored.places.empty())
     throw error(error_kind::failed, "bake.no-free-cell", frame.scene_name, "no cell has a valid viewpoint",
                 "give boxes with --cells-file or --cells-grid, or a smaller --player-radius");
-  if (sum.cells_left_out > 0 && tell.on_message)
-    tell.on_message(
+  if (sum.cells_left_out > 0 && events.on_message)
+    events.on_message(
         severity::warning,
         fmt::format("{} of {} cells have no valid viewpoint and are left out; a camera there is outside all cells",
                     sum.cells_left_out, frame.cells.size()));

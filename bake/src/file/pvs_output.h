@@ -48,6 +48,6 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
 // Returns false if complete did; nothing is written then. Throws sightcell::error if no cell can be stored or the
 // file cannot be written.
 bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
-               const callbacks& tell, summary& sum, const file_completion& complete = {});
+               const callbacks& events, summary& sum, const file_completion& complete = {});
 
 }  // namespace sightcell::bake

@@ -36,8 +36,10 @@ void warn_of_geometry_inside(const progress_tracker& tracker, const settings& ho
 }
 
 // Checks the disks for the checkpoint, its copy and the file. Also logs the estimate of the time.
-void check_room(const bake_context& context, std::uint32_t cells_left, const work_file& file,
-                const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& events) {
+// Returns the estimated seconds.
+double check_room(const bake_context& context, std::uint32_t cells_left, const work_file& file,
+                  const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& events) {
+  if (cells_left > 0 && events.on_phase) events.on_phase(bake_phase::estimating);
   bake_estimate estimate;
   // The duration of a bake with a time budget is known: no message.
   const callbacks& listener = context.how.time_budget > 0.0 ? callbacks() : events;
@@ -47,6 +49,7 @@ void check_room(const bake_context& context, std::uint32_t cells_left, const wor
                     {folder_of(output), context.cells->blocks.cell_count() * file_bytes_of_cell(estimate.polygons)},
                     {folder_of(output), context.how.scratch.empty() ? 0 : of_records}},
                    events);
+  return estimate.seconds;
 }
 
 // Bakes all cells and writes the file.
@@ -55,10 +58,13 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
   std::vector<std::uint32_t> blocks(context.cells->blocks.count());
   std::iota(blocks.begin(), blocks.end(), 0u);
   checkpoint& done = file.records();
-  progress_tracker tracker(context.s.polygon_count, plan, context.cells->blocks.cell_count(), events);
+  progress_tracker tracker({.polygon_count = context.s.polygon_count,
+                            .cells = context.cells->list.cells,
+                            .total = context.cells->blocks.cell_count()},
+                           plan, events);
   resume(done, tracker, events);
   sum.cells_resumed = tracker.resumed();
-  check_room(context, tracker.cells_left(), file, output, arena, events);
+  tracker.expect(check_room(context, tracker.cells_left(), file, output, arena, events));
   const phase_work work{context, plan, blocks, arena, tracker, file};
   keeping(file, [&] {
     tracker.open();
@@ -105,7 +111,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   const stage_plan plan(context->cells->blocks, context->bounds());
   work_file file(output, how.scratch, context->key, fresh, {}, stale_test_of(context->key, context->cells->blocks));
   if (how.time_budget > 0.0) {
-    check_room(*context, context->cells->blocks.cell_count(), file, output, arena, events);
+    (void)check_room(*context, context->cells->blocks.cell_count(), file, output, arena, events);
     bake_in_time({*context, plan, arena, clock, file, output, events}, sum);
   } else {
     bake_all(*context, plan, arena, file, output, events, sum);

@@ -8,6 +8,15 @@
 namespace sightcell::bake {
 namespace {
 
+void report(bake_phase phase, const callbacks& events) {
+  if (events.on_phase) events.on_phase(phase);
+}
+
+bake_input input_of(const scene::scene& s, const settings& how, const callbacks& events) {
+  report(bake_phase::loading, events);
+  return load_input(s, how);
+}
+
 void report_parts(const bake_context& context, const callbacks& events) {
   if (!events.on_message) return;
   for (const std::string& warning : context.input.geometry.warnings) events.on_message(severity::warning, warning);
@@ -24,9 +33,11 @@ void report_parts(const bake_context& context, const callbacks& events) {
 }  // namespace
 
 bake_context::bake_context(const scene::scene& from, const settings& settings_of_bake, const callbacks& events)
-    : s(from), how(settings_of_bake), input(load_input(from, settings_of_bake)) {
+    : s(from), how(settings_of_bake), input(input_of(from, settings_of_bake, events)) {
+  report(bake_phase::finding_cells, events);
   // Cells do not depend on rays, and most of both is the work of one thread.
   tbb::parallel_invoke([&] { cells.emplace(input, how); }, [&] { traced.emplace(input.geometry, how); });
+  report(bake_phase::preparing_hemicubes, events);
   device.emplace(s, how, input.geometry, *traced, *cells);
   report_parts(*this, events);
   settings_text = settings_text_of(how, input, *device);

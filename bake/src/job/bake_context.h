@@ -15,8 +15,8 @@
 namespace sightcell::bake {
 
 struct bake_context {
-  // Builds all parts. Arguments must outlive the object, except events: it receives warnings, the device and the cells.
-  // Threads: works on the calling thread's TBB arena; an OpenGL context belongs to the calling thread.
+  // Builds all parts. Arguments must outlive the object, except events: it receives phases, warnings, the device and
+  // the cells. Threads: works on the calling thread's TBB arena; an OpenGL context belongs to the calling thread.
   // Throws sightcell::error, as the parts do.
   bake_context(const scene::scene& s, const settings& how, const callbacks& events);
   bake_context(const bake_context&) = delete;  // its parts refer to each other

@@ -23,16 +23,16 @@ constexpr std::size_t ended_limit = 64;
 // State that the workers and the calling thread share.
 class work_list {
  public:
-  explicit work_list(step_queue& queue) : queue_(queue) {}
+  work_list(step_queue& queue, std::size_t workers) : queue_(queue), single_(workers == 1) {}
 
   // Returns the next step; nothing if there is none. Waits while all steps that are left depend on others.
   std::optional<cell_step> begin_next() {
     std::unique_lock lock(mutex_);
     for (;;) {
       if (stopped_ || queue_.left() == 0) return std::nullopt;
-      if (ended_.size() < ended_limit) {
+      if (single_ ? not_committed_ == 0 : ended_.size() < ended_limit) {
         if (auto step = queue_.begin_next()) {
-          ++in_work_;
+          in_work_.push_back({step->cell, work_clock::now()});
           return step;
         }
       }
@@ -46,8 +46,9 @@ class work_list {
   }
   void add(stage_record one) {
     const std::scoped_lock lock(mutex_);
-    --in_work_;
+    std::erase_if(in_work_, [&](const step_in_work& step) { return step.cell == one.cell; });
     ended_.push_back(std::move(one));
+    ++not_committed_;
     changed_.notify_one();
   }
   // Stops all workers. The first exception is the one that the user sees.
@@ -62,16 +63,19 @@ class work_list {
     closed_ = true;
     changed_.notify_one();
   }
-  // Waits for steps to end, and returns their records. Empty if all workers have ended.
-  std::vector<stage_record> take(std::size_t& in_work) {
+  // Waits for steps to end, at most for the pause, and moves their records to ended.
+  // Returns false if there are none and all workers have ended.
+  bool take(std::chrono::milliseconds pause, std::vector<stage_record>& ended, std::vector<step_in_work>& in_work) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return closed_ || !ended_.empty(); });
+    changed_.wait_for(lock, pause, [&] { return closed_ || !ended_.empty(); });
     in_work = in_work_;
-    return std::exchange(ended_, {});
+    ended = std::exchange(ended_, {});
+    return !closed_ || !ended.empty();
   }
   void committed(std::span<const stage_record> records) {
     const std::scoped_lock lock(mutex_);
     for (const stage_record& one : records) queue_.committed({one.cell, one.stage});
+    not_committed_ -= records.size();
     room_.notify_all();
   }
   void rethrow() const {
@@ -80,10 +84,12 @@ class work_list {
 
  private:
   step_queue& queue_;
+  const bool single_;
   std::mutex mutex_;
   std::condition_variable changed_, room_;
   std::vector<stage_record> ended_;
-  std::size_t in_work_ = 0;
+  std::vector<step_in_work> in_work_;
+  std::size_t not_committed_ = 0;
   bool stopped_ = false, closed_ = false;
   std::exception_ptr failure_;
 };
@@ -111,7 +117,7 @@ void take_one_by_one(step_queue& queue, const std::function<cell_set()>& make_se
     cell_set set = make_set();
     while (const auto step = queue.begin_next()) {
       stage_record record{step->cell, step->to, take(*step, set)};
-      if (!ended({&record, 1}, 0)) return;
+      if (!ended({&record, 1}, {})) return;
       queue.committed(*step);
     }
   });
@@ -126,16 +132,18 @@ std::size_t worker_count(bool shared, int threads, std::size_t set_bytes) {
 }
 
 void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
-                std::size_t workers, tbb::task_arena& arena, const steps_ended& ended) {
-  workers = std::min(workers, queue.left());
-  if (workers <= 1) return take_one_by_one(queue, make_set, take, arena, ended);
+                const worker_pool& pool, const steps_ended& ended) {
+  if (queue.left() == 0) return;
+  if (pool.on_calling_thread) return take_one_by_one(queue, make_set, take, pool.arena, ended);
 
-  work_list work(queue);
+  const std::size_t workers = std::clamp<std::size_t>(pool.workers, 1, queue.left());
+  work_list work(queue, workers);
   // A thread of its own drives the loop of the workers and takes the calling thread's slot in the arena. So all slots
-  // of the arena compute, and the calling thread can commit and report each step at once.
+  // of the arena compute, and the calling thread can commit and report each step at once. A single worker is driven
+  // likewise: its cells are those of the largest scenes, of which the user waits longest for a report.
   std::jthread driver([&] {
     try {
-      arena.execute([&] {
+      pool.arena.execute([&] {
         tbb::parallel_for(
             std::size_t{0}, workers, [&](std::size_t) { run_worker(make_set, take, work); }, tbb::simple_partitioner());
       });
@@ -144,8 +152,10 @@ void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, co
     }
     work.close();
   });
-  std::size_t in_work = 0;
-  for (auto records = work.take(in_work); !records.empty(); records = work.take(in_work)) {
+  std::vector<stage_record> records;
+  std::vector<step_in_work> in_work;
+  while (work.take(pool.pause, records, in_work)) {
+    if (records.empty() && in_work.empty()) continue;  // the first worker makes its set
     try {
       if (!ended(records, in_work)) work.stop();
       work.committed(records);

@@ -2,6 +2,7 @@
 // A pool of workers that take the steps of a queue, several cells at a time.
 #include <tbb/task_arena.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -10,6 +11,7 @@
 #include "cell_set/cell_set.h"
 #include "checkpoint/checkpoint.h"
 #include "job/cell_steps.h"
+#include "job/steps_in_work.h"
 
 namespace sightcell::bake {
 
@@ -21,19 +23,30 @@ std::size_t worker_count(bool shared, int threads, std::size_t set_bytes);
 // Takes one step. set: working memory of the worker.
 using take_step = std::function<cell_record(const cell_step& step, cell_set& set)>;
 
-// Commits the records of all steps that have ended since the last call.
-// in_work: how many other steps the workers are busy with.
+// Commits the records of all steps that have ended since the last call. Without records: time has passed, and a caller
+// may want to know which steps are in work.
+// in_work: the other steps that the workers are busy with.
 // Returns false if no further step may begin.
-using steps_ended = std::function<bool(std::span<stage_record> ended, std::size_t in_work)>;
+using steps_ended = std::function<bool(std::span<stage_record> ended, std::span<const step_in_work> in_work)>;
 
-// Takes the steps of the queue on the arena, up to `workers` at a time.
+struct worker_pool {
+  tbb::task_arena& arena;
+  std::size_t workers = 1;  // how many steps are taken at a time
+  // True: the calling thread takes all steps, one after the other. A source that is not shared needs this: its OpenGL
+  // context belongs to that thread.
+  bool on_calling_thread = false;
+  std::chrono::milliseconds pause{1000};  // the longest time between calls of `ended` while steps are in work
+};
+
+// Takes the steps of the queue.
 // make_set: makes the working memory of a worker.
-// ended: called on the calling thread, one call at a time. Its steps count as committed when it returns.
+// ended: called on the calling thread, one call at a time. Its steps count as committed when it returns. If
+//   pool.on_calling_thread, it is called after each step only, because nothing else runs on that thread meanwhile.
 // Failure: if ended returns false or throws, or if a step throws, no further step begins. Steps in work come to their
 // end, and ended is called for them too. Then the first exception is thrown again.
-// Threads: the calling thread must not be inside the arena. With one worker everything runs on the calling thread, one
-// step after the other, as a source that is not shared needs it.
+// Threads: the calling thread must not be inside the arena. A single worker begins a step when the one before is
+// committed.
 void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
-                std::size_t workers, tbb::task_arena& arena, const steps_ended& ended);
+                const worker_pool& pool, const steps_ended& ended);
 
 }  // namespace sightcell::bake

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "job/cell_workers.h"
 #include "job/memory_limit.h"
 #include "search/neighbor_check.h"
 #include "sightcell/base/error.h"
@@ -18,10 +17,12 @@ namespace {
 
 constexpr std::chrono::milliseconds report_pause{200};  // between reports while the sampler prepares
 
-void run(const phase_work& work, const cell_baker& baker, step_queue queue, const take_step& take) {
+void run(const phase_work& work, const cell_baker& baker, bake_phase phase, step_queue queue, const take_step& take) {
+  if (queue.count() == 0) return;
+  work.tracker.begin(phase);
   take_steps(
-      queue, [&] { return baker.make_set(); }, take, workers_for(work.context, baker, work.arena), work.arena,
-      [&](std::span<const stage_record> ended, std::size_t in_work) {
+      queue, [&] { return baker.make_set(); }, take, workers_for(work.context, baker, work.arena),
+      [&](std::span<const stage_record> ended, std::span<const step_in_work> in_work) {
         const bool proceed = work.tracker.close(ended, in_work, work.file.records());
         work.file.copy_if_due();
         return proceed;
@@ -45,6 +46,7 @@ bool prepare(const phase_work& work) {
   clock::time_point reported = clock::now();
   work.arena.execute([&] {
     work.context.device->sampler->prepare([&](double share) {
+      work.tracker.begin(bake_phase::preparing_sampler);
       if (clock::now() - reported < report_pause) return true;
       reported = clock::now();
       return work.tracker.preparing(share);
@@ -67,11 +69,12 @@ cell_baker baker_of(const bake_context& context) {
           context.volumes_or_null()};
 }
 
-std::size_t workers_for(const bake_context& context, const cell_baker& baker, const tbb::task_arena& arena) {
-  const std::size_t most = worker_count(context.device->source().shared(), arena.max_concurrency(), baker.set_bytes());
+worker_pool workers_for(const bake_context& context, const cell_baker& baker, tbb::task_arena& arena) {
+  const bool shared = context.device->source().shared();
+  const std::size_t most = worker_count(shared, arena.max_concurrency(), baker.set_bytes());
   const std::uint64_t worker_bytes =
       memory_of_worker(context.input.geometry.kinds.size(), baker.set_bytes(), context.how);
-  return workers_that_fit(most, worker_bytes, context.how);
+  return {.arena = arena, .workers = workers_that_fit(most, worker_bytes, context.how), .on_calling_thread = !shared};
 }
 
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
@@ -132,7 +135,7 @@ void run_phase_1(const phase_work& work) {
     cell_record record = baker.sample_and_finish(cell, set);
     return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
   };
-  run(work, baker, step_queue::phase_1(work.plan, work.tracker.have(), work.blocks), take);
+  run(work, baker, bake_phase::baking_cells, step_queue::phase_1(work.plan, work.tracker.have(), work.blocks), take);
 }
 
 void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
@@ -145,7 +148,8 @@ void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
     const auto around = work.plan.blocks().neighbors_of(step.cell);
     return baker.finished(cell, baker.check(cell, own, neighbors_of(own, around, before), set));
   };
-  run(work, baker, step_queue::phase_2(work.plan, work.tracker.have(), work.blocks), take);
+  run(work, baker, bake_phase::checking_neighbors, step_queue::phase_2(work.plan, work.tracker.have(), work.blocks),
+      take);
 }
 
 }  // namespace sightcell::bake

@@ -1,6 +1,8 @@
 #include "job/progress_tracker.h"
 
 #include <algorithm>
+#include <chrono>
+#include <utility>
 
 namespace sightcell::bake {
 namespace {
@@ -10,17 +12,17 @@ constexpr double sampling_share = 0.4, check_share = 0.1;
 
 }  // namespace
 
-progress_tracker::progress_tracker(std::uint32_t polygon_count, const stage_plan& plan, std::uint32_t cells,
-                                   const callbacks& events, int last_phase)
-    : polygon_count_(polygon_count),
+progress_tracker::progress_tracker(tracked_cells tracked, const stage_plan& plan, const callbacks& events)
+    : tracked_(std::move(tracked)),
       plan_(plan),
       events_(events),
-      last_phase_(last_phase),
       have_(plan.blocks().cell_count()),
       counted_(plan.blocks().cell_count()),
       sizes_(plan.blocks().cell_count()),
-      work_of_(plan.blocks().cell_count()) {
-  now_.cells_total = cells;
+      work_of_(plan.blocks().cell_count()),
+      began_(tracked_.now()) {
+  now_.phase = bake_phase::estimating;
+  now_.cells_total = tracked_.total;
 }
 
 // Returns the part of a cell's work that is done with this stage.
@@ -49,7 +51,7 @@ void progress_tracker::count(std::uint32_t cell, cell_stage stage, const cell_su
     now_.worst_bound = std::max(now_.worst_bound, record.rays > 0 ? record.upper_bound : 0.0);
   }
   const auto size = static_cast<std::uint32_t>(std::max<std::uint64_t>(record.polygons, sizes_[cell]));
-  visible_ += 100.0 * (size - sizes_[cell]) / std::max(polygon_count_, 1u);
+  visible_ += 100.0 * (size - sizes_[cell]) / std::max(tracked_.polygon_count, 1u);
   sizes_[cell] = size;
   now_.visible_percent = visible_ / stored_;
 }
@@ -61,12 +63,19 @@ void progress_tracker::resume(std::uint32_t cell, cell_stage stage, const cell_s
 }
 
 bool progress_tracker::open() {
-  return report_progress(0);
+  began_ = tracked_.now();
+  return report_progress({});
+}
+
+void progress_tracker::begin(bake_phase phase) {
+  if (now_.phase == phase) return;
+  now_.phase = phase;
+  if (events_.on_phase) events_.on_phase(phase);
 }
 
 bool progress_tracker::preparing(double share) {
   now_.prepared = share;
-  const bool proceed = report_progress(0);
+  const bool proceed = report_progress({});
   now_.prepared = 1.0;
   return proceed;
 }
@@ -94,7 +103,9 @@ void progress_tracker::forget_first_rounds(std::span<const stage_record> records
   }
 }
 
-bool progress_tracker::close(std::span<const stage_record> records, std::size_t in_work, checkpoint& done) {
+bool progress_tracker::close(std::span<const stage_record> records, std::span<const step_in_work> in_work,
+                             checkpoint& done) {
+  if (records.empty()) return report_progress(in_work);
   std::vector<std::uint32_t> forget;
   forget_first_rounds(records, forget);
   done.store(records, forget);
@@ -109,20 +120,42 @@ bool progress_tracker::close(std::span<const stage_record> records, std::size_t 
   return report_progress(in_work);
 }
 
-bool progress_tracker::report_progress(std::size_t in_work) {
-  if (!events_.on_progress || stopped_) return !stopped_;
-  now_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+void progress_tracker::estimate_time(std::size_t in_work) {
+  now_.seconds = std::chrono::duration<double>(tracked_.now() - began_).count();
   if (fresh_work_ > 0.0) {
     // Steps in work are half done on average, and a step is about half of a cell.
     const double ahead = 0.25 * static_cast<double>(in_work);
     now_.cells_per_second = (fresh_work_ + ahead) / std::max(now_.seconds, 1e-9);
     now_.seconds_left = std::max(now_.cells_total - work_done_ - ahead, 0.0) / now_.cells_per_second;
+    return;
   }
-  const bool all = (last_phase_ == 1 ? now_.cells_done : now_.cells_checked) == now_.cells_total;
+  // The cells that have not begun take their share of the estimate, however long the first ones take.
+  const double left = std::max(now_.cells_total - work_done_, 1.0);
+  const double not_begun = std::max(left - static_cast<double>(in_work), 0.0) / left;
+  now_.seconds_left = std::max(expected_ - now_.seconds, expected_ * not_begun);
+}
+
+bool progress_tracker::report_progress(std::span<const step_in_work> in_work) {
+  if (stopped_) report_stopping(in_work);
+  if (!events_.on_progress || stopped_) return !stopped_;
+  estimate_time(in_work.size());
+  now_.cells_in_work = static_cast<std::uint32_t>(in_work.size());
+  now_.slow = longest_in_work(in_work, tracked_.cells, tracked_.now(), slow_seconds);
+  const bool all = (tracked_.last_phase == 1 ? now_.cells_done : now_.cells_checked) == now_.cells_total;
   if (all) now_.seconds_left = 0.0;  // without the rest that rounding leaves
   stopped_ = true;                   // stays true if the callback throws
-  stopped_ = !events_.on_progress(now_) && !all;
+  stopped_ = canceled_ = !events_.on_progress(now_) && !all;
   return !stopped_;
+}
+
+void progress_tracker::report_stopping(std::span<const step_in_work> in_work) {
+  if (!canceled_ || !events_.on_stopping || in_work.empty()) return;
+  now_.seconds = std::chrono::duration<double>(tracked_.now() - began_).count();
+  now_.cells_in_work = static_cast<std::uint32_t>(in_work.size());
+  now_.slow = longest_in_work(in_work, tracked_.cells, tracked_.now(), 0.0);
+  canceled_ = false;  // stays false if the callback throws
+  events_.on_stopping(now_);
+  canceled_ = true;
 }
 
 }  // namespace sightcell::bake

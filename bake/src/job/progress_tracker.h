@@ -1,34 +1,45 @@
 #pragma once
 // Commits the records of steps, counts them and reports progress. Everything runs on the calling thread.
-#include <chrono>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "checkpoint/checkpoint.h"
 #include "job/cell_steps.h"
+#include "job/steps_in_work.h"
 #include "sightcell/bake/progress.h"
 
 namespace sightcell::bake {
 
+// What is tracked.
+struct tracked_cells {
+  std::uint32_t polygon_count = 0;   // of the scene
+  std::span<const view_cell> cells;  // all cells of the plan
+  std::uint32_t total = 0;           // how many of them are to be baked
+  int last_phase = 2;                // 1 or 2; nothing is left to do after it
+  time_source now = work_clock::now;
+};
+
 class progress_tracker {
  public:
   // References must outlive the object.
-  // cells: how many cells of the plan are to be baked.
-  // last_phase: 1 or 2; nothing is left to do after it.
-  progress_tracker(std::uint32_t polygon_count, const stage_plan& plan, std::uint32_t cells, const callbacks& events,
-                   int last_phase = 2);
+  progress_tracker(tracked_cells tracked, const stage_plan& plan, const callbacks& events);
 
   // Takes a record of an earlier run. Before open().
   void resume(std::uint32_t cell, cell_stage stage, const cell_summary& record);
+  // Takes the estimated seconds of all cells that are left: the time left until the first step has ended.
+  void expect(double seconds) { expected_ = seconds; }
   // Reports the start. Before the first step. This, preparing and close return false if the caller canceled.
   bool open();
+  // Reports that a phase begins.
+  void begin(bake_phase phase);
   // Reports progress of what the sampler does for all cells together. Before the first step.
   // share: the part that is done, 0 .. 1.
   bool preparing(double share);
-  // Commits the records of steps that have ended, also after a cancel.
-  // in_work: how many other steps have begun.
-  bool close(std::span<const stage_record> records, std::size_t in_work, checkpoint& done);
+  // Commits the records of steps that have ended, also after a cancel, and reports progress.
+  // records: empty if no step has ended since the last report.
+  // in_work: the other steps that have begun.
+  bool close(std::span<const stage_record> records, std::span<const step_in_work> in_work, checkpoint& done);
 
   bool stopped() const { return stopped_; }
   std::uint32_t resumed() const { return resumed_; }      // cells of an earlier run that are through phase 1
@@ -43,23 +54,25 @@ class progress_tracker {
   static double work_until(cell_stage stage);
   void count(std::uint32_t cell, cell_stage stage, const cell_summary& record);
   void forget_first_rounds(std::span<const stage_record> records, std::vector<std::uint32_t>& forget) const;
-  bool report_progress(std::size_t in_work);
+  void estimate_time(std::size_t in_work);
+  bool report_progress(std::span<const step_in_work> in_work);
+  void report_stopping(std::span<const step_in_work> in_work);
 
-  std::uint32_t polygon_count_;
+  const tracked_cells tracked_;
   const stage_plan& plan_;
   const callbacks& events_;
-  int last_phase_;
   stage_table have_;
   std::vector<bool> counted_;         // through phase 1
   std::vector<std::uint32_t> sizes_;  // of the cell sets, as counted so far
   std::vector<double> work_of_;       // by cell: the part that is done, 0 .. 1
-  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  work_clock::time_point began_;
+  double expected_ = 0.0;                      // seconds for the cells that were left at the start
   progress now_;                               // over the cells of this run and of earlier runs
   double work_done_ = 0.0, fresh_work_ = 0.0;  // in cells
   std::uint64_t rays_ = 0, misses_ = 0;
   double visible_ = 0.0;
   std::uint32_t stored_ = 0, resumed_ = 0, not_empty_ = 0;
-  bool stopped_ = false;
+  bool stopped_ = false, canceled_ = false;  // canceled: stopped, and not by an exception
 };
 
 }  // namespace sightcell::bake

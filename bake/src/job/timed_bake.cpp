@@ -47,7 +47,7 @@ class timed_bake {
   const settings& how() const { return work_.context.how; }
   std::optional<cell_record> load(std::uint32_t cell) const;
   std::vector<cell_record> neighbors_of_now(std::uint32_t cell, const cell_record& own) const;
-  bool take_turns(const std::vector<std::uint32_t>& cells, const take_step& take);
+  bool take_turns(bake_phase phase, const std::vector<std::uint32_t>& cells, const take_step& take);
   void write_if_due();
   file_completion last_completion() const;
   void write(const callbacks& events, summary& sum, const file_completion& complete = {});
@@ -64,7 +64,7 @@ timed_bake::timed_bake(const timed_work& work)
     : work_(work),
       baker_(baker_of(work.context)),
       frame_(work.context.frame()),
-      progress_(work.context.s.polygon_count, work.context.cells->list.cells.size(), work.context.how.max_pixel_error,
+      progress_(work.context.s.polygon_count, work.context.cells->list.cells, work.context.how.max_pixel_error,
                 work.clock, work.events),
       pause_(std::min(share_between_files * work.context.how.time_budget, seconds_between_files)),
       next_file_(pause_) {}
@@ -91,15 +91,17 @@ std::vector<cell_record> timed_bake::neighbors_of_now(std::uint32_t cell, const 
 }
 
 // Returns false if no further turn may begin.
-bool timed_bake::take_turns(const std::vector<std::uint32_t>& cells, const take_step& take) {
+bool timed_bake::take_turns(bake_phase phase, const std::vector<std::uint32_t>& cells, const take_step& take) {
+  if (cells.empty()) return true;
+  progress_.begin(phase);
   std::vector<cell_step> steps;
   for (const std::uint32_t cell : cells) steps.push_back({cell, cell_stage::bounded});
   step_queue queue = step_queue::listed(work_.plan, steps);
   bool proceed = true;
   take_steps(
-      queue, [&] { return baker_.make_set(); }, take, workers_for(work_.context, baker_, work_.arena), work_.arena,
-      [&](std::span<const stage_record> ended, std::size_t) {
-        proceed = progress_.close(ended, work_.file.records()) && proceed;
+      queue, [&] { return baker_.make_set(); }, take, workers_for(work_.context, baker_, work_.arena),
+      [&](std::span<const stage_record> ended, std::span<const step_in_work> in_work) {
+        proceed = progress_.close(ended, in_work, work_.file.records()) && proceed;
         work_.file.copy_if_due();
         if (proceed) write_if_due();
         return proceed;
@@ -112,17 +114,17 @@ void timed_bake::run() {
   for (const double target : targets_of(how())) {
     if (!progress_.open(target) || work_.clock.over()) return;
     const auto max_rays = static_cast<std::uint64_t>(std::clamp(rays_times_target / target, fewest_rays, most_rays));
-    const bool proceed = take_turns(progress_.above(target), [&](const cell_step& step, cell_set& set) {
+    const take_step take = [&](const cell_step& step, cell_set& set) {
       const time_limit limit = work_.clock.limit();
       const std::optional<cell_record> before = load(step.cell);
       std::vector<cell_record> neighbors;
       if (before) neighbors = neighbors_of_now(step.cell, *before);
       return baker_.improve(cells[step.cell], before ? &*before : nullptr, neighbors, {target, max_rays, &limit}, set);
-    });
-    if (!proceed) return;
+    };
+    if (!take_turns(bake_phase::baking_cells, progress_.above(target), take)) return;
   }
   // The last neighbor check. It finds polygons that no bound needs.
-  (void)take_turns(progress_.known(), [&](const cell_step& step, cell_set& set) {
+  (void)take_turns(bake_phase::checking_neighbors, progress_.known(), [&](const cell_step& step, cell_set& set) {
     const time_limit limit = work_.clock.limit();
     const cell_record before = required(work_.file.records(), step.cell, cell_stage::bounded);
     if (limit.reached()) return before;
@@ -187,9 +189,10 @@ void timed_bake::end(summary& sum) {
   if (sum.cells_unreached > 0) {
     sum.result = outcome::bound_not_met;
     if (work_.events.on_message)
-      work_.events.on_message(severity::warning,
-                              fmt::format("{} of {} cells have no bound yet and are left out; an eye there is outside",
-                                          sum.cells_unreached, frame_.cells.size()));
+      work_.events.on_message(
+          severity::warning,
+          fmt::format("{} of {} cells have no bound yet and are left out; a camera there is outside all cells",
+                      sum.cells_unreached, frame_.cells.size()));
   }
   work_.file.remove();
 }

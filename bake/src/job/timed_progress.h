@@ -1,12 +1,12 @@
 #pragma once
 // The progress tracker of a bake with a time budget: commits records, orders the turns of the cells and reports
 // progress. Everything runs on the calling thread.
-#include <chrono>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "checkpoint/checkpoint.h"
+#include "job/steps_in_work.h"
 #include "sightcell/bake/progress.h"
 #include "sightcell/base/time_budget.h"
 
@@ -15,15 +15,19 @@ namespace sightcell::bake {
 class timed_progress {
  public:
   // last_target: the bound that every cell has to reach in the end. References must outlive the object.
-  timed_progress(std::uint32_t polygon_count, std::size_t cells, double last_target, const time_budget& clock,
-                 const callbacks& events);
+  timed_progress(std::uint32_t polygon_count, std::span<const view_cell> cells, double last_target,
+                 const time_budget& clock, const callbacks& events);
 
   // Takes a record of an earlier run.
   void resume(std::uint32_t cell, const cell_summary& record);
   // To be called before the turns to this target. open and close return false if no further turn may begin.
   bool open(double target);
-  // Commits the records of turns that have ended, also after a cancel.
-  bool close(std::span<const stage_record> records, checkpoint& done);
+  // Reports that a phase begins.
+  void begin(bake_phase phase);
+  // Commits the records of turns that have ended, also after a cancel, and reports progress.
+  // records: empty if no turn has ended since the last report.
+  // in_work: the other turns that have begun.
+  bool close(std::span<const stage_record> records, std::span<const step_in_work> in_work, checkpoint& done);
 
   // Returns the cells with a bound above the target or without a bound, the largest first. Cells without a valid
   // viewpoint are left out.
@@ -48,17 +52,21 @@ class timed_progress {
   template <typename Is>
   std::uint32_t count(Is is) const;
   void take(std::uint32_t cell, const cell_summary& record);
-  bool report_progress();
+  progress now() const;
+  bool report_progress(std::span<const step_in_work> in_work);
+  void report_stopping(std::span<const step_in_work> in_work);
 
   const std::uint32_t polygon_count_;
   const double last_target_;
   const time_budget& clock_;
   const callbacks& events_;
+  const std::span<const view_cell> boxes_;  // by cell
   std::vector<cell_state> cells_;
+  bake_phase phase_ = bake_phase::estimating;
   double target_ = 1.0;
   std::uint32_t resumed_ = 0, turns_ = 0;
-  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-  bool stopped_ = false;
+  const work_clock::time_point began_ = work_clock::now();
+  bool stopped_ = false, canceled_ = false;  // canceled: stopped, and not by an exception
 };
 
 }  // namespace sightcell::bake

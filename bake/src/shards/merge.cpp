@@ -43,7 +43,7 @@ void check_complete(const shard_files& files, const bake_plan& plan, const std::
 }  // namespace
 
 summary merge(std::span<const std::filesystem::path> files, const std::filesystem::path& output,
-              const callbacks& tell) {
+              const callbacks& events) {
   const double began = process_cpu_seconds();
   if (files.empty())
     throw error(error_kind::bad_input, "shard.none", output.string(), "has no shards beside it",
@@ -54,7 +54,7 @@ summary merge(std::span<const std::filesystem::path> files, const std::filesyste
   check_doubles(all, plan);
   summary sum;
   write_pvs(
-      plan.frame, [&](std::uint32_t cell) { return all.load(cell, cell_stage::finished); }, output, tell, sum);
+      plan.frame, [&](std::uint32_t cell) { return all.load(cell, cell_stage::finished); }, output, events, sum);
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;
 }

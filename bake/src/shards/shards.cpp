@@ -96,28 +96,35 @@ shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& pl
 }
 
 // Checks the disk space for the records and for the final file. The estimated time is logged for phase 1 only.
-void check_room(const bake_context& context, unsigned phase, std::size_t cells, const std::filesystem::path& work,
-                const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& tell) {
+// Returns the estimated seconds; 0 for phase 2, of which there is no estimate.
+double check_room(const bake_context& context, unsigned phase, std::size_t cells, const std::filesystem::path& work,
+                  const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& events) {
+  if (cells > 0 && events.on_phase) events.on_phase(bake_phase::estimating);
   bake_estimate estimate;
-  arena.execute([&] { estimate = estimate_bake(context, cells, phase == 1 ? tell : callbacks()); });
+  arena.execute([&] { estimate = estimate_bake(context, cells, phase == 1 ? events : callbacks()); });
   const std::uint64_t bytes = cells * checkpoint_bytes_of_cell(estimate.polygons);
-  check_disk_space({{folder_of(work), bytes}, {folder_of(output), bytes}}, tell);
+  check_disk_space({{folder_of(work), bytes}, {folder_of(output), bytes}}, events);
+  return phase == 1 ? estimate.seconds : 0.0;
 }
 
 // Bakes one shard from its first cell to its file.
 void bake_blocks(const bake_context& context, const stage_plan& plan, const std::vector<std::uint32_t>& blocks,
                  const shard& part, const std::filesystem::path& output, tbb::task_arena& arena, bool fresh,
-                 const callbacks& tell, summary& sum) {
+                 const callbacks& events, summary& sum) {
   const std::filesystem::path target = shard_file(output, part);
   std::optional<shard_files> before;
   if (part.phase == 2) before.emplace(phase_1_of(output, plan, blocks, context.key));
   const pvs_frame frame = context.frame();
   work_file file(target, context.how.scratch, context.key, fresh, encode(plan_of(frame, context.cells->blocks)),
                  stale_test_of(context.key, context.cells->blocks));
-  progress_tracker tracker(context.s.polygon_count, plan, sum.cells, tell, static_cast<int>(part.phase));
-  resume(file.records(), tracker, tell);
+  progress_tracker tracker({.polygon_count = context.s.polygon_count,
+                            .cells = context.cells->list.cells,
+                            .total = sum.cells,
+                            .last_phase = static_cast<int>(part.phase)},
+                           plan, events);
+  resume(file.records(), tracker, events);
   sum.cells_resumed = tracker.resumed();
-  check_room(context, part.phase, tracker.cells_left(), file.path(), output, arena, tell);
+  tracker.expect(check_room(context, part.phase, tracker.cells_left(), file.path(), output, arena, events));
   const phase_work work{context, plan, blocks, arena, tracker, file};
   keeping(file, [&] {
     tracker.open();
@@ -133,6 +140,7 @@ void bake_blocks(const bake_context& context, const stage_plan& plan, const std:
     file.copy();
     return;
   }
+  if (events.on_phase) events.on_phase(bake_phase::writing_file);
   file.records().copy_to(target);
   file.remove();
   sum.bytes = std::filesystem::file_size(target);
@@ -159,7 +167,7 @@ std::vector<std::filesystem::path> find_shard_files(const std::filesystem::path&
 }
 
 summary bake_shard(const scene::scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
-                   bool fresh, const callbacks& tell) {
+                   bool fresh, const callbacks& events) {
   validate(how);
   refuse_time_budget(how);
   refuse_importance(how);
@@ -168,31 +176,31 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   std::optional<bake_context> context;
-  arena.execute([&] { context.emplace(s, how, tell); });
+  arena.execute([&] { context.emplace(s, how, events); });
   sum.source = context->device->chosen.name;
   sum.device = context->device->source().device();
   const stage_plan plan(context->cells->blocks, context->bounds());
   const std::vector<std::uint32_t> blocks = blocks_of(part, context->cells->blocks);
   sum.cells = cells_in(blocks, context->cells->blocks);
-  if (tell.on_message)
-    tell.on_message(severity::note,
-                    fmt::format("shard {} of {}, phase {}: {} cells in {} of {} blocks", part.index, part.count,
-                                part.phase, sum.cells, blocks.size(), context->cells->blocks.count()));
+  if (events.on_message)
+    events.on_message(severity::note,
+                      fmt::format("shard {} of {}, phase {}: {} cells in {} of {} blocks", part.index, part.count,
+                                  part.phase, sum.cells, blocks.size(), context->cells->blocks.count()));
   if (!fresh && is_there(shard_file(output, part), context->key)) {
-    if (tell.on_message) tell.on_message(severity::note, "its file exists and is complete");
+    if (events.on_message) events.on_message(severity::note, "its file exists and is complete");
     sum.cells_resumed = sum.cells;
   } else {
-    bake_blocks(*context, plan, blocks, part, output, arena, fresh, tell, sum);
+    bake_blocks(*context, plan, blocks, part, output, arena, fresh, events, sum);
   }
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;
 }
 
 summary bake_shard(const host_scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
-                   bool fresh, const callbacks& tell) {
+                   bool fresh, const callbacks& events) {
   validate(how);  // before alpha functions are called
   require_no_colors(how.metric);
-  return bake_shard(scene_of(s), how, output, part, fresh, tell);
+  return bake_shard(scene_of(s), how, output, part, fresh, events);
 }
 
 }  // namespace sightcell::bake

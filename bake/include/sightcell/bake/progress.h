@@ -1,19 +1,47 @@
 #pragma once
 // How a caller follows a bake, and cancels it.
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace sightcell::bake {
 
+// ---- Phases ---------------------------------------------------------------------------------------------------------
+
+// What a bake is doing. The phases come in this order; those with nothing to do are left out.
+enum class bake_phase {
+  loading,               // reads the files that the settings name, and makes world geometry from the scene
+  finding_cells,         // and builds the structures that rays are cast in
+  preparing_hemicubes,   // the source of hemicubes: device, geometry
+  estimating,            // time and disk space, from a few trials
+  preparing_sampler,     // what the sampler does once for all cells; few samplers do
+  baking_cells,          // until the bound of each is known
+  checking_neighbors,    // tests in each cell what adjacent cells found
+  writing_file,          // orders and encodes the sets
+  measuring_importance,  // settings::file.importance
+};
+
 // ---- Progress -------------------------------------------------------------------------------------------------------
 
-// State of a bake. Reported before the first cell and after each step of a cell; several times per second while a
-// sampler prepares all cells together.
+// A cell that has been in work for long.
+struct slow_cell {
+  std::uint32_t cell = 0;         // in the order of the bake's cells, from 0; a .pvs file has an order of its own
+  std::array<float, 3> center{};  // of its box, meters
+  double seconds = 0.0;           // in work, without interruption
+};
+
+// State of a bake. Reported before the first cell, after each step of a cell, and about once per second while cells are
+// in work; several times per second while a sampler prepares all cells together. Exception: with the source `gpu`,
+// cells are baked on the calling thread, so that nothing is reported while one is in work.
 struct progress {
+  bake_phase phase = bake_phase::baking_cells;
+
   std::uint32_t cells_done = 0;  // whose bound is known and committed
   std::uint32_t cells_total = 0;
   std::uint32_t cells_checked = 0;  // of cells_done: finished. Time budget: whose bound is at most max_pixel_error
+  std::uint32_t cells_in_work = 0;  // now; 0 with the source `gpu`
 
   double importance = 0.0;  // part of the importance that is measured, 0 .. 1; 0 before that begins
   double target = 0.0;      // time budget: the bound that all cells are brought to now; else 0
@@ -21,11 +49,15 @@ struct progress {
 
   double seconds = 0.0;           // wall-clock time since the first cell
   double cells_per_second = 0.0;  // of this run, started cells included in part; 0 until a step has ended
-  double seconds_left = 0.0;      // estimate from this rate; 0 at the end and while the rate is 0
+  // Estimated from this rate, and before the first step has ended from trials. 0: at the end, or unknown because the
+  // only cells that are left take longer than the trials suggest.
+  double seconds_left = 0.0;
 
   double pixel_error = 0.0;      // misses / verification rays of all cells so far, 0 .. 1
   double worst_bound = 0.0;      // largest bound of a cell so far, 0 .. 1
   double visible_percent = 0.0;  // mean size of the cell sets so far, percent of all polygons
+
+  std::optional<slow_cell> slow = {};  // the cell longest in work, from 10 seconds on; always there in on_stopping
 };
 
 // ---- Messages -------------------------------------------------------------------------------------------------------
@@ -42,10 +74,17 @@ enum class severity {
 struct callbacks {
   // now: valid during the call.
   // Returns false to cancel: cells in work are finished and committed, then the bake returns `outcome::cancelled`.
-  std::function<bool(const progress& now)> on_progress;
+  std::function<bool(const progress& now)> on_progress = {};
 
   // text: one line without a line end.
-  std::function<void(severity how_bad, const std::string& text)> on_message;
+  std::function<void(severity how_bad, const std::string& text)> on_message = {};
+
+  // A phase begins. `progress::phase` has the same value from now on.
+  std::function<void(bake_phase phase)> on_phase = {};
+
+  // on_progress has canceled, and cells are still in work. Called about once per second until they end; not called with
+  // the source `gpu`.
+  std::function<void(const progress& now)> on_stopping = {};
 };
 
 }  // namespace sightcell::bake

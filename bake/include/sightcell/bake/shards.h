@@ -34,7 +34,7 @@ std::filesystem::path shard_file(const std::filesystem::path& output, const shar
 std::vector<std::filesystem::path> find_shard_files(const std::filesystem::path& output);
 
 // Bakes one shard into its file.
-// s, how, fresh, tell: as for bake(). how.time_budget and how.file.importance must not be set.
+// s, how, fresh, events: as for bake(). how.time_budget and how.file.importance must not be set.
 // output: the .pvs file of the whole bake. The file of the shard appears beside it when it is complete. If it is there
 //   already and fresh is false, nothing is done.
 // part: which shard.
@@ -42,21 +42,22 @@ std::vector<std::filesystem::path> find_shard_files(const std::filesystem::path&
 // Fails with shard.out-of-range, shard.importance, settings.time-budget, shard.missing-blocks (phase 2: the line names
 //   what phase 1 has not baked), shard.other-bake (a file of other settings), and as bake().
 summary bake_shard(const scene::scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
-                   bool fresh, const callbacks& tell);
+                   bool fresh, const callbacks& events);
 
 // As above, for the arrays of an engine.
 summary bake_shard(const host_scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
-                   bool fresh, const callbacks& tell);
+                   bool fresh, const callbacks& events);
 
 // ---- Merge ----------------------------------------------------------------------------------------------------------
 
 // Joins the shards of one bake. Needs no scene and no graphics device. The shards stay.
 // files: of all blocks and both phases, in any order and of any counts. A block may be in several files.
 // output: the .pvs file.
-// tell: on_message only.
+// events: on_message only.
 // Fails with shard.missing-blocks (no file has finished them), shard.doubles-differ (files disagree about a block),
 //   shard.other-bake, shard.damaged, output.io.
 // Cost: reads each file once; memory for the sets of all cells in compressed form.
-summary merge(std::span<const std::filesystem::path> files, const std::filesystem::path& output, const callbacks& tell);
+summary merge(std::span<const std::filesystem::path> files, const std::filesystem::path& output,
+              const callbacks& events);
 
 }  // namespace sightcell::bake

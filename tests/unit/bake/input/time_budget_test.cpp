@@ -16,10 +16,10 @@
 
 #include "checkpoint/checkpoint.h"
 #include "errors/error_id.h"
+#include "job/bake_context.h"
 #include "job/cell_bake.h"
 #include "job/phases.h"
 #include "job/timed_progress.h"
-#include "job/bake_context.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/bake/verify.h"
 #include "sightcell/base/error.h"
@@ -296,7 +296,8 @@ cell_summary with_bound(double bound, bool stored = true) {
 TEST(timed_progress, says_whose_turn_it_is) {
   const time_budget clock(1e6, 0.0);
   const callbacks silent;
-  timed_progress tracker(100, 6, 1e-3, clock, silent);
+  const std::vector<view_cell> cells(6);
+  timed_progress tracker(100, cells, 1e-3, clock, silent);
   EXPECT_EQ(tracker.above(1e-2), (polygons{0, 1, 2, 3, 4, 5})) << "in their order where nothing is known";
   tracker.resume(0, with_bound(2e-3));
   tracker.resume(1, with_bound(1.0, false));
@@ -319,10 +320,11 @@ TEST(timed_progress, tells_cells_without_rays_from_cells_without_time) {
     (void)tracker.open(target);
     stage_record ended{cell, cell_stage::bounded, {}};
     ended.record.upper_bound = 5e-3;
-    return tracker.close({&ended, 1}, file);
+    return tracker.close({&ended, 1}, {}, file);
   };
   const time_budget clock(1e6, 0.0), over(1.0, 2.0);
-  timed_progress in_time(100, 2, 1e-3, clock, silent), late(100, 2, 1e-3, over, silent);
+  const std::vector<view_cell> cells(2);
+  timed_progress in_time(100, cells, 1e-3, clock, silent), late(100, cells, 1e-3, over, silent);
   EXPECT_TRUE(turn(in_time, 0, 1e-2));
   EXPECT_EQ(in_time.out_of_rays(), 0u) << "it will have another turn";
   EXPECT_TRUE(turn(in_time, 0, 1e-3));

@@ -97,7 +97,7 @@ class cell_workers : public testing::Test {
         [&](const cell_step& step, cell_set& set) {
           return baker.finished(cells_[step.cell], baker.sample_and_finish(cells_[step.cell], set));
         },
-        lanes, arena, ended);
+        {.arena = arena, .workers = lanes}, ended);
   }
 
   struct told {
@@ -110,12 +110,12 @@ class cell_workers : public testing::Test {
     told out;
     tbb::task_arena arena(threads);
     const auto caller = std::this_thread::get_id();
-    run(lanes, arena, [&](std::span<stage_record> ended, std::size_t in_work) {
+    run(lanes, arena, [&](std::span<stage_record> ended, std::span<const step_in_work> in_work) {
       EXPECT_EQ(std::this_thread::get_id(), caller);
-      EXPECT_LE(in_work, lanes);
+      EXPECT_LE(in_work.size(), lanes);
       for (const stage_record& one : ended)
         EXPECT_TRUE(out.records.emplace(one.cell, one.record).second) << "told twice of " << one.cell;
-      out.in_work.push_back(in_work);
+      out.in_work.push_back(in_work.size());
       return out.records.size() < stop_after;
     });
     return out;
@@ -199,7 +199,7 @@ TEST_F(cell_workers, an_error_in_a_cell_ends_the_bake_and_spoils_no_other) {
     tbb::task_arena arena(4);
     std::map<std::uint32_t, cell_record> kept;
     try {
-      run(lanes, arena, [&](std::span<stage_record> ended, std::size_t) {
+      run(lanes, arena, [&](std::span<stage_record> ended, std::span<const step_in_work>) {
         for (const stage_record& one : ended) kept.emplace(one.cell, one.record);
         return true;
       });
@@ -221,9 +221,9 @@ TEST_F(cell_workers, what_the_user_throws_comes_out_and_cells_in_work_are_kept) 
     std::set<std::uint32_t> kept;
     std::size_t last_in_work = 99;
     EXPECT_THROW(run(lanes, arena,
-                     [&](std::span<stage_record> ended, std::size_t in_work) -> bool {
+                     [&](std::span<stage_record> ended, std::span<const step_in_work> in_work) -> bool {
                        for (const stage_record& one : ended) kept.insert(one.cell);
-                       last_in_work = in_work;
+                       last_in_work = in_work.size();
                        throw std::runtime_error("enough");
                      }),
                  std::runtime_error);
@@ -262,7 +262,7 @@ TEST_F(cell_workers, a_disk_that_is_slow_holds_the_lanes_up) {
   source_->on_render = [&](std::span<const pose>) { ++begun; };  // one round, so one call for each cell
   tbb::task_arena arena(2);
   std::size_t ended = 0;
-  const auto slow = [&](std::span<stage_record> records, std::size_t) {
+  const auto slow = [&](std::span<stage_record> records, std::span<const step_in_work>) {
     const bool first = ended == 0;
     ended += records.size();
     if (!first) return true;
