@@ -117,9 +117,10 @@ void add_expert_output_options(CLI::App& verb, bake_options& o) {
              "Which draws share a stored order of polygons: per-mesh (all instances of a mesh, which share an index "
              "buffer) or per-instance (none: fewer ranges, but the host needs an index buffer for each draw).")
       ->check(one_of(bake::polygon_order_names));
-  add_option(verb, group, "--progress", o.progress, "NAME",
-             "Progress on standard error: auto (a line that rewrites itself on a terminal, else a line now and then), "
-             "json (one object per line) or none.")
+  add_option(
+      verb, group, "--progress", o.progress, "NAME",
+      "Progress on standard error: auto (a line that rewrites itself on a terminal, else one every ten seconds), "
+      "json (one object per line) or none.")
       ->check(one_of(progress_names));
   verb.add_flag("--json", o.json, "Prints the summary as one JSON object on standard output.")->group(group);
   add_plain_option(verb, group, "--json-file", o.json_file, "FILE.json", "Writes the summary to this file too.");

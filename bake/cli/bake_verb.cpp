@@ -167,6 +167,7 @@ int run_bake(const bake_options& options) {
   refuse_bad_outputs(options);
   outlive_failed_writes();
   progress_line line(mode_of(options.progress));
+  line.loading(options.scenes.scene);
   const scene::scene s = scene::load_gltf(options.scenes.scene, how.scene);
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   line.message(fmt::format("{}: {} polygons in {} draws", s.name, grouped(s.polygon_count), grouped(s.draws.size())));
@@ -175,16 +176,23 @@ int run_bake(const bake_options& options) {
 
   how.time_spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const stop_signals signals;
-  bake::callbacks tell;
-  tell.on_progress = [&](const bake::progress& now) {
-    if (now.cells_per_second > 0.0 || now.cells_done > 0) line.update(now);
-    return !signals.asked();
+  bake::callbacks events;
+  events.on_progress = [&](const bake::progress& now) {
+    const bool stop = signals.asked();
+    if (stop)
+      line.stopping(now);
+    else
+      line.update(now);
+    return !stop;
   };
-  tell.on_message = [&line](bake::severity how_bad, const std::string& text) {
+  events.on_phase = [&](bake::bake_phase phase) { line.phase(phase); };
+  events.on_stopping = [&](const bake::progress& now) { line.stopping(now); };
+  events.on_message = [&line](bake::severity how_bad, const std::string& text) {
     line.message(how_bad == bake::severity::warning ? "warning: " + text : text);
   };
-  const bake::summary sum = part ? bake::bake_shard(s, how, options.output, *part, options.fresh, tell)
-                                 : bake::bake(s, how, options.output, options.fresh, tell);
+  const bake::summary sum = part ? bake::bake_shard(s, how, options.output, *part, options.fresh, events)
+                                 : bake::bake(s, how, options.output, options.fresh, events);
+  line.end();
   const int code =
       part ? report_shard(bake::shard_file(options.output, *part), sum, line) : report(options, how, sum, line);
   const std::string text =

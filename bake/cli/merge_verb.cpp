@@ -26,13 +26,15 @@ struct merge_options {
 
 int run_merge(const merge_options& options) {
   progress_line line(progress_mode::automatic);
-  bake::callbacks tell;
-  tell.on_message = [&line](bake::severity how_bad, const std::string& text) {
+  bake::callbacks events;
+  events.on_message = [&line](bake::severity how_bad, const std::string& text) {
     line.message(how_bad == bake::severity::warning ? "warning: " + text : text);
   };
   const std::vector<std::filesystem::path> shards =
       options.shards.empty() ? bake::find_shard_files(options.output) : options.shards;
-  const bake::summary sum = bake::merge(shards, options.output, tell);
+  events.on_phase = [&line](bake::bake_phase phase) { line.phase(phase); };
+  const bake::summary sum = bake::merge(shards, options.output, events);
+  line.end();
   if (options.json) {
     const nlohmann::ordered_json text{{"output", options.output.string()},
                                       {"shard_files", shards.size()},

@@ -44,9 +44,9 @@ void report(const std::filesystem::path& output, const bake::recode_result& resu
     fmt::print("{}\n", text.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return;
   }
-  fmt::print("{}: {} -> {} bytes, format version {} -> {}, {:.2f} % of polygons drawn that nobody sees\n",
-             output.string(), grouped(result.bytes_before), grouped(result.bytes), result.version_before,
-             format::layout::version, 100.0 * result.slack);
+  fmt::print("{}: {} -> {} bytes, format version {} -> {}, slack {:.2f} %\n", output.string(),
+             grouped(result.bytes_before), grouped(result.bytes), result.version_before, format::layout::version,
+             100.0 * result.slack);
 }
 
 // Measuring importance takes a while.
@@ -58,13 +58,15 @@ int run_with_scene(const recode_options& options, const pvs_file& file, bake::re
     throw error(error_kind::wrong_use, "cli.output-is-input", output.string(), "is the scene itself",
                 "choose another name");
   progress_line line(progress_mode::automatic);
+  line.loading(path);
   const scene::scene s = scene::load_gltf(path, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const stop_signals signals;
   how.layout_from = &s;
   if (!options.importance.empty()) how.importance_in = &s;
   how.on_progress = [&](std::uint32_t done, std::uint32_t total) {
-    line.update(bake::progress{.cells_done = total,
+    line.update(bake::progress{.phase = bake::bake_phase::measuring_importance,
+                               .cells_done = total,
                                .cells_total = total,
                                .importance = static_cast<double>(done) / static_cast<double>(total)});
     return !signals.asked();
@@ -74,6 +76,7 @@ int run_with_scene(const recode_options& options, const pvs_file& file, bake::re
     line.message("stopped: nothing was written");
     return exit_cancelled;
   }
+  line.end();
   report(output, result, options.json);
   return exit_done;
 }

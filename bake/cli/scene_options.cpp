@@ -36,6 +36,7 @@ void settle_scenes(scene_options& options, std::filesystem::path* file) {
 
 std::optional<scene::scene> load_scene_of_cells(const scene_options& options, progress_line& line) {
   if (!options.two()) return std::nullopt;
+  line.loading(options.cells_from);
   scene::scene s = scene::load_gltf(options.cells_from);
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   line.message(fmt::format("{}: cells among {} polygons, which occlude", s.name, grouped(s.polygon_count)));

@@ -192,6 +192,7 @@ int run_verify(verify_options options) {
   const pvs_file file = pvs_file::open(options.file);
   options.bound = options.max_pixel_error.value_or(file.requested_bound());
   options.how.rays = options.rays.value_or(std::max(options.how.rays, rays_for(options.bound)));
+  line.loading(options.scenes.scene);
   const scene::scene s = scene::load_gltf(options.scenes.scene, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const std::optional<scene::scene> of_cells = load_scene_of_cells(options.scenes, line);

@@ -63,15 +63,15 @@ bake::summary run(const museum::level& level, const bake::host_scene& scene, con
   bake::settings how;
   how.max_pixel_error = 1e-4;  // of each room: the share of view rays that may be wrong
   for (const museum::room& r : level.rooms) how.cells.push_back({r.name, r.min, r.max});
-  bake::callbacks tell;
-  tell.on_progress = [](const bake::progress& now) {
+  bake::callbacks events;
+  events.on_progress = [](const bake::progress& now) {
     std::fprintf(stderr, "%u of %u rooms, %.0f s left\n", now.cells_done, now.cells_total, now.seconds_left);
     return stop_asked == 0;  // finished rooms are kept: the same call goes on from there
   };
-  tell.on_message = [](bake::severity how_bad, const std::string& text) {
+  events.on_message = [](bake::severity how_bad, const std::string& text) {
     std::fprintf(stderr, "%s%s\n", how_bad == bake::severity::warning ? "warning: " : "", text.c_str());
   };
-  return bake::bake(scene, how, output, false, tell);
+  return bake::bake(scene, how, output, false, events);
 }
 
 int fail(const std::string& path, const char* what) {

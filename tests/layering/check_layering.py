@@ -58,7 +58,7 @@ ALLOWED = {
     'bake/src/cells/walkable.cpp': SCENE + ['Recast.h', 'fmt/'],
     'bake/src/hemicube': SCENE + PICTURE + SHADERS + GL + ['embree3/', 'tbb/', 'fmt/'],
     'bake/src/hemicube/cpu': SCENE + ['tbb/', 'hwy/'],
-    'bake/cli/console.cpp': ['unistd.h', 'fcntl.h'],
+    'bake/cli/console.cpp': ['unistd.h', 'fcntl.h', 'sys/ioctl.h'],
     'bake/cli': BAKE + SCENE + PICTURE + FORMAT_READ + ['sightcell/format/set_reader.h', 'CLI/', 'fmt/', 'nlohmann/',
                                                        'unistd.h'],
     'samples': RUNTIME + SCENE + PICTURE + ['CLI/', 'fmt/', 'nlohmann/', 'stb_image_write.h'] + GL,

@@ -308,11 +308,11 @@ TEST_F(host_bake, a_fence_shows_what_is_behind_its_holes_and_tags_come_back) {
   // Bars: solid but for a slit in the middle third of the height; the sheets stand right behind the slit.
   engine_.materials[0].alpha_function = [](float, float v) { return v > 0.4f && v < 0.6f ? 0.0f : 1.0f; };
   std::vector<std::string> warnings, notes;
-  callbacks tell;
-  tell.on_message = [&](severity how_bad, const std::string& text) {
+  callbacks events;
+  events.on_message = [&](severity how_bad, const std::string& text) {
     (how_bad == severity::warning ? warnings : notes).push_back(text);
   };
-  const summary sum = bake(engine_.view(), how_, path_, true, tell);
+  const summary sum = bake(engine_.view(), how_, path_, true, events);
   EXPECT_EQ(sum.result, outcome::done);
   EXPECT_EQ(sum.cells, 1u);
   EXPECT_TRUE(warnings.empty());
@@ -344,15 +344,15 @@ TEST_F(host_bake, another_alpha_is_another_scene) {
 }
 
 TEST_F(host_bake, can_be_cancelled_before_the_first_cell) {
-  callbacks tell;
+  callbacks events;
   std::uint32_t calls = 0;
-  tell.on_progress = [&](const progress& now) {
+  events.on_progress = [&](const progress& now) {
     ++calls;
     EXPECT_EQ(now.cells_done, 0u);
     EXPECT_EQ(now.cells_total, 1u);
     return false;
   };
-  EXPECT_EQ(bake(engine_.view(), how_, path_, true, tell).result, outcome::cancelled);
+  EXPECT_EQ(bake(engine_.view(), how_, path_, true, events).result, outcome::cancelled);
   EXPECT_EQ(calls, 1u);
   EXPECT_FALSE(std::filesystem::exists(path_));
 }

@@ -62,12 +62,12 @@ class time_budget_bake : public testing::Test {
 
   fs::path output() const { return folder_ / "room.pvs"; }
   fs::path records() const { return folder_ / "room.pvs.bake"; }
-  summary baked(const callbacks& tell = {}) { return bake(scene_, how_, output(), false, tell); }
+  summary baked(const callbacks& events = {}) { return bake(scene_, how_, output(), false, events); }
   // Until a pass to a smaller target than this begins.
   summary baked_to(double target) {
-    callbacks tell;
-    tell.on_progress = [=](const progress& now) { return now.target >= target; };
-    return baked(tell);
+    callbacks events;
+    events.on_progress = [=](const progress& now) { return now.target >= target; };
+    return baked(events);
   }
   std::map<std::uint32_t, cell_record> kept() const {
     std::map<std::uint32_t, cell_record> all;
@@ -113,13 +113,13 @@ TEST_F(time_budget_bake, goes_to_falling_targets_and_ends_when_all_are_met) {
   how_.threads = 1;
   std::vector<double> targets;
   int told_when_all_were_met = 0;
-  callbacks tell;
-  tell.on_progress = [&](const progress& now) {
+  callbacks events;
+  events.on_progress = [&](const progress& now) {
     if (targets.empty() || targets.back() != now.target) targets.push_back(now.target);
     told_when_all_were_met += now.cells_checked == now.cells_total;
     return true;
   };
-  const summary sum = baked(tell);
+  const summary sum = baked(events);
   EXPECT_EQ(targets, (std::vector<double>{1e-2, 2.5e-3, 1e-3}));
   EXPECT_GT(told_when_all_were_met, 15) << "then what neighbors see is tried once more";
   EXPECT_EQ(sum.result, outcome::done);
@@ -219,13 +219,13 @@ TEST_F(time_budget_bake, files_only_get_better) {
   how_.time_budget = 2.0;  // the first after a tenth of it
   how_.max_pixel_error = 1e-7;
   std::vector<std::vector<std::byte>> files;
-  callbacks tell;
-  tell.on_progress = [&](const progress&) {
+  callbacks events;
+  events.on_progress = [&](const progress&) {
     std::vector<std::byte> now = test::file_bytes(output());
     if (!now.empty() && (files.empty() || files.back() != now)) files.push_back(std::move(now));
     return true;
   };
-  const summary sum = baked(tell);
+  const summary sum = baked(events);
   EXPECT_EQ(sum.result, outcome::bound_not_met);
   EXPECT_EQ(sum.cells_over_bound, sum.cells);
   EXPECT_EQ(sum.cells_out_of_time, sum.cells);
@@ -240,15 +240,15 @@ TEST_F(time_budget_bake, cells_that_had_no_turn_are_not_in_the_file) {
   how_.threads = 1;
   time_budget clock(how_.time_budget, 0.0);
   std::string warnings;
-  callbacks tell;
-  tell.on_progress = [&](const progress& now) {
+  callbacks events;
+  events.on_progress = [&](const progress& now) {
     while (now.cells_done >= 4 && !clock.over()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return true;
   };
-  tell.on_message = [&](severity how_bad, const std::string& text) {
+  events.on_message = [&](severity how_bad, const std::string& text) {
     if (how_bad == severity::warning) warnings += text + "\n";
   };
-  const summary sum = baked(tell);
+  const summary sum = baked(events);
   EXPECT_EQ(sum.result, outcome::bound_not_met);
   EXPECT_EQ(sum.cells + sum.cells_left_out + sum.cells_unreached, 16u);
   EXPECT_GE(sum.cells_unreached, 11u);

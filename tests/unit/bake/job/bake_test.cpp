@@ -149,8 +149,8 @@ class several_cells : public bake_library {
     how_.samples = 12;
     how_.max_pixel_error = 0.05;
   }
-  std::vector<std::byte> baked(const char* name, const callbacks& tell = {}, outcome expected = outcome::done) {
-    const summary sum = bake(scene_, how_, folder_ / name, false, tell);
+  std::vector<std::byte> baked(const char* name, const callbacks& events = {}, outcome expected = outcome::done) {
+    const summary sum = bake(scene_, how_, folder_ / name, false, events);
     EXPECT_EQ(sum.result, expected);
     EXPECT_EQ(sum.source, how_.source);
     resumed_ = sum.cells_resumed;
@@ -214,14 +214,14 @@ TEST_F(several_cells, a_lost_graphics_device_costs_no_finished_cell) {
   std::uint32_t most = 0;
   for (const int at : {1, questions / 4, questions / 2, questions}) {
     std::uint32_t finished = 0;
-    callbacks tell;
-    tell.on_progress = [&](const progress& now) {
+    callbacks events;
+    events.on_progress = [&](const progress& now) {
       finished = now.cells_done;
       return true;
     };
     {
       const device_to_lose lost(at);
-      EXPECT_EQ(test::error_id([&] { (void)bake(scene_, how_, folder_ / "lost.pvs", false, tell); }), "gl.lost") << at;
+      EXPECT_EQ(test::error_id([&] { (void)bake(scene_, how_, folder_ / "lost.pvs", false, events); }), "gl.lost") << at;
     }
     EXPECT_FALSE(std::filesystem::exists(folder_ / "lost.pvs"));
     EXPECT_EQ(baked("lost.pvs"), whole) << "lost at " << at << " of " << questions;
@@ -240,23 +240,23 @@ TEST_F(several_cells, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_by
       how_.source = source;
       how_.threads = threads;
       const std::vector<std::byte> whole = baked("whole.pvs");
-      callbacks tell;
+      callbacks events;
       bool cancelled = false;
-      tell.on_progress = [&cancelled](const progress& now) {
+      events.on_progress = [&cancelled](const progress& now) {
         EXPECT_FALSE(cancelled) << "no word after the bake was cancelled";
         cancelled = now.cells_done >= 2;
         return !cancelled;
       };
-      EXPECT_TRUE(baked("broken.pvs", tell, outcome::cancelled).empty());
+      EXPECT_TRUE(baked("broken.pvs", events, outcome::cancelled).empty());
 
       const auto caller = std::this_thread::get_id();
       std::vector<progress> told;
-      tell.on_progress = [&](const progress& now) {
+      events.on_progress = [&](const progress& now) {
         EXPECT_EQ(std::this_thread::get_id(), caller);
         told.push_back(now);
         return true;
       };
-      EXPECT_EQ(baked("broken.pvs", tell), whole) << source << ", " << threads;
+      EXPECT_EQ(baked("broken.pvs", events), whole) << source << ", " << threads;
       EXPECT_GE(resumed_, 2u);
       most_resumed = std::max(most_resumed, resumed_);
       if (threads == 1 || source == "gpu") {
@@ -292,15 +292,15 @@ TEST_F(several_cells, what_a_callback_throws_ends_the_bake_and_finished_cells_ar
   for (const std::uint32_t threads : {1u, 4u}) {
     how_.threads = threads;
     const std::vector<std::byte> whole = baked("whole.pvs");
-    callbacks tell;
+    callbacks events;
     bool thrown = false;
-    tell.on_progress = [&thrown](const progress& now) -> bool {
+    events.on_progress = [&thrown](const progress& now) -> bool {
       EXPECT_FALSE(thrown) << "no word after that";
       thrown = now.cells_done >= 2;
       if (thrown) throw std::runtime_error("enough");
       return true;
     };
-    EXPECT_THROW((void)bake(scene_, how_, folder_ / "broken.pvs", false, tell), std::runtime_error);
+    EXPECT_THROW((void)bake(scene_, how_, folder_ / "broken.pvs", false, events), std::runtime_error);
     EXPECT_EQ(baked("broken.pvs"), whole);
     EXPECT_GE(resumed_, 2u);
     std::filesystem::remove(folder_ / "broken.pvs");
@@ -335,11 +335,11 @@ TEST_F(several_cells, auto_is_gpu_on_hardware_only_and_says_so) {
   how_.source = "auto";
   how_.cell_limit = 1;
   std::string device;
-  callbacks tell;
-  tell.on_message = [&](severity, const std::string& text) {
+  callbacks events;
+  events.on_message = [&](severity, const std::string& text) {
     if (text.find("device: ") == 0) device = text;
   };
-  const summary sum = bake(scene_, how_, folder_ / "room.pvs", false, tell);
+  const summary sum = bake(scene_, how_, folder_ / "room.pvs", false, events);
   const auto hardware = picture::gl_context::on_hardware();
   EXPECT_EQ(sum.source, hardware ? "gpu" : "cpu");
   EXPECT_FALSE(hardware && hardware->software());
@@ -477,9 +477,9 @@ TEST_F(bake_library, another_seed_is_another_bake) {
   std::uint32_t back = 0;
   const scene::scene s = room(back);
   settings how = four_cells();
-  callbacks tell;
-  tell.on_progress = [](const progress& now) { return now.cells_done < 2; };
-  (void)bake(s, how, folder_ / "a.pvs", false, tell);
+  callbacks events;
+  events.on_progress = [](const progress& now) { return now.cells_done < 2; };
+  (void)bake(s, how, folder_ / "a.pvs", false, events);
   how.seed = 2;
   try {
     (void)bake(s, how, folder_ / "a.pvs", false, {});

@@ -187,7 +187,6 @@ TEST_F(tracked_bake, a_cell_that_takes_long_does_not_silence_progress) {
     EXPECT_GE(reports_in_work, 2) << workers;
     EXPECT_EQ(reports_.back().cells_checked, cell_total);
     EXPECT_EQ(reports_.back().cells_in_work, 0u);
-    EXPECT_GE(reports_.size(), cell_total) << workers;
   }
 }
 
