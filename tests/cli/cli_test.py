@@ -449,7 +449,7 @@ class Bake(InRoom):
         self.city = self.make_city('city.glb', polygons=2000)
         sizes, file = {}, self.path('ring.pvs')
         for ring in ('none', 'edge', 'vertex'):
-            out, err = self.expect(0, 'bake', self.city, '-o', file, '--cell-limit', '4', *QUICK_BAKE, '--safety-ring',
+            out, err = self.expect(0, 'bake', self.city, '-o', file, '--cell-limit', '2', *QUICK_BAKE, '--safety-ring',
                                    ring, '--profile', 'exact', '--json')
             summary = json.loads(out)
             info = json.loads(self.expect(0, 'info', file, '--json')[0])

@@ -107,8 +107,8 @@ double verification_rays_of_cell(const settings& how) {
   return how.max_pixel_error > 0.0 ? 30.0 / how.max_pixel_error : 0.0;
 }
 
-// Returns the wall-clock seconds per verification ray, with all threads of the arena. A small part of the rays of a cell
-// is cast: a bake of few cells or few rays must not take longer to estimate than to run.
+// Returns the wall-clock seconds per verification ray, with all threads of the arena. A small part of the rays of a
+// cell is cast: a bake of few cells or few rays must not take longer to estimate than to run.
 double try_verification_rays(const bake_context& context) {
   const auto trial_rays = static_cast<std::uint64_t>(
       std::clamp(trial_share_of_rays * verification_rays_of_cell(context.how), fewest_trial_rays, most_trial_rays));

@@ -1,5 +1,6 @@
-// A million random steps in a complete run, many of them on exact borders, edges and corners of boxes and grown boxes: the grown box of
-// the chosen cell always contains the eye, and no polygon that is visible from the exact position is missing.
+// A million random steps in a complete run, many of them on exact borders, edges and corners of boxes and grown boxes:
+// the grown box of the chosen cell always contains the eye, and no polygon that is visible from the exact position is
+// missing.
 #include <gtest/gtest.h>
 
 #include <algorithm>

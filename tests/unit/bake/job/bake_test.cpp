@@ -221,7 +221,8 @@ TEST_F(several_cells, a_lost_graphics_device_costs_no_finished_cell) {
     };
     {
       const device_to_lose lost(at);
-      EXPECT_EQ(test::error_id([&] { (void)bake(scene_, how_, folder_ / "lost.pvs", false, events); }), "gl.lost") << at;
+      EXPECT_EQ(test::error_id([&] { (void)bake(scene_, how_, folder_ / "lost.pvs", false, events); }), "gl.lost")
+          << at;
     }
     EXPECT_FALSE(std::filesystem::exists(folder_ / "lost.pvs"));
     EXPECT_EQ(baked("lost.pvs"), whole) << "lost at " << at << " of " << questions;
