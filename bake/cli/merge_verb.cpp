@@ -62,7 +62,7 @@ void add_merge_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<merge_options>();
   CLI::App& verb = add_verb(
       program, "merge",
-      {.summary = "Joins the shards of a bake on several machines",
+      {.summary = "Joins the parts (shards) of a bake that ran on several machines",
        .usage = "FILE.pvs [SHARD...] [options]",
        .description = "Joins what sightcell bake --shard has written on several machines, once both phases of all "
                       "shards are complete. The result has the bytes of one bake. No scene is needed.",

@@ -43,7 +43,7 @@ struct trial {
   seeing_effort effort{};
   bool hemicubes = true;         // also without rays
   double hemicube_share = 1e-2;  // what hemicubes alone have to find
-  std::uint64_t verify_rays = 40'000;
+  std::uint64_t verify_rays = 20'000;
 
   static bake::settings usual();
 };

@@ -28,15 +28,19 @@ struct trial_result {
   std::string sampling;           // how sampling_seconds was computed, for the message
 };
 
-constexpr std::size_t trials = 4;
+// Returns the number of cells that are tried.
+std::size_t trials_of(const bake_context& context) {
+  return std::min<std::size_t>(context.cells->list.cells.size(), 4);
+}
 
 const view_cell& trial_cell(const bake_context& context, std::size_t i) {
   const std::vector<view_cell>& cells = context.cells->list.cells;
-  return cells[i * cells.size() / trials];
+  return cells[i * cells.size() / trials_of(context)];
 }
 
 trial_result try_hemicubes(const bake_context& context) {
   trial_result result;
+  const std::size_t trials = trials_of(context);
   hemicube_view view;
   hemicube_source& source = context.device->source();
   source.render({}, view);  // not timed: it includes compiling and uploading
@@ -45,10 +49,10 @@ trial_result try_hemicubes(const bake_context& context) {
     const view_cell& cell = trial_cell(context, i);
     const double start = seconds_now();
     source.render({.eye = 0.5f * (cell.min + cell.max)}, view);
-    seconds += (seconds_now() - start) / trials;
+    seconds += (seconds_now() - start) / static_cast<double>(trials);
     const auto own = std::count_if(view.seen.begin(), view.seen.end(),
                                    [&](const seen_polygon& one) { return one.id < context.s.polygon_count; });
-    result.polygons += static_cast<double>(own) / trials;
+    result.polygons += static_cast<double>(own) / static_cast<double>(trials);
   }
   result.sampling_seconds = context.how.samples * seconds;
   result.sampling = fmt::format("{} hemicubes each at {:.1f} ms", context.how.samples, 1e3 * seconds);
@@ -77,6 +81,7 @@ double try_rays_for_all(const bake_context& context) {
 
 trial_result try_sampling_rays(const bake_context& context) {
   trial_result result;
+  const std::size_t trials = trials_of(context);
   settings how = context.how;
   how.sampling_rays = std::min(how.sampling_rays, trial_sampling_rays);
   const bool for_all = how.sampler == "agvs";
@@ -113,6 +118,7 @@ double try_verification_rays(const bake_context& context) {
   const auto trial_rays = static_cast<std::uint64_t>(
       std::clamp(trial_share_of_rays * verification_rays_of_cell(context.how), fewest_trial_rays, most_trial_rays));
   const settings& how = context.how;
+  const std::size_t trials = trials_of(context);
   double seconds = 0.0;
   for (std::size_t i = 0; i < trials; ++i) {
     const view_cell& cell = trial_cell(context, i);
@@ -120,7 +126,7 @@ double try_verification_rays(const bake_context& context) {
     (void)cast_bound_rays(context.traced->rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap},
                           {.trials = trial_rays, .valid_share = 1.0, .risk = 0.01},
                           {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
-    seconds += (seconds_now() - start) / static_cast<double>(trial_rays) / trials;
+    seconds += (seconds_now() - start) / static_cast<double>(trial_rays * trials);
   }
   return seconds;
 }

@@ -11,7 +11,7 @@ struct bake_estimate {
   double seconds = 0.0;   // of wall-clock time, for all cells that are left
 };
 
-// Times hemicubes, or the sampler's own rays, and verification rays in four cells spread over the list. Logs the
+// Times hemicubes, or the sampler's own rays, and verification rays in up to four cells spread over the list. Logs the
 // result as a note. Changes nothing that the bake computes.
 // cells_left: how many cells the estimate is for. 0: nothing is timed or logged, and the result is 0.
 // Threads: works on the calling thread's TBB arena. Cost: four hemicubes or 262,144 rays, and a tenth of the

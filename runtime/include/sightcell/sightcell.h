@@ -114,7 +114,7 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_ARGUMENT = 1,    /* null pointer, number out of range, NaN */
   SIGHTCELL_ERR_MEMORY = 2,      /* the allocator returned NULL */
   SIGHTCELL_ERR_CAPACITY = 3,    /* dst is too small; *count is the number of elements */
-  SIGHTCELL_ERR_STALE = 4,       /* no difference is known: take the full list; or nothing waits for this ticket */
+  SIGHTCELL_ERR_STALE = 4,       /* the differences are not known: take the full list; or no request has this ticket */
   SIGHTCELL_ERR_IO = 10,         /* the file cannot be opened or read */
   SIGHTCELL_ERR_NOT_OURS = 20,   /* not a .pvs file */
   SIGHTCELL_ERR_VERSION = 21,    /* a .pvs file of a version that this library does not read */
@@ -283,7 +283,7 @@ typedef struct sightcell_view sightcell_view;
 /* Returns SIGHTCELL_API_VERSION of the library that is linked. */
 SIGHTCELL_API uint32_t sightcell_version(void);
 
-/* Returns one English line for a status, also for a value that is none. Static storage, never NULL. */
+/* Returns one line of English text for a status, also for a value that is no status. Static storage, never NULL. */
 SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
 
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
@@ -322,14 +322,14 @@ SIGHTCELL_API sightcell_status sightcell_db_open_source(const sightcell_source* 
  * ticket: of the request.
  * bytes, size: what was requested; read during the call only. NULL if it could not be read: it is requested again when
  *   it is needed.
- * Fails with STALE (nothing waits for this ticket: delivered before, or given up after 64 later requests), TRUNCATED
- *   and CORRUPT (too few or too many bytes; requested again), CHECKSUM (damaged: frames in its cells are DAMAGED from
- *   now on), CAPACITY (all chunks in memory are in use, or were wanted more recently).
+ * Fails with STALE (no request has this ticket: it was delivered before, or given up after 64 later requests),
+ *   TRUNCATED and CORRUPT (too few or too many bytes; requested again), CHECKSUM (damaged: frames in its cells are
+ *   DAMAGED from now on), CAPACITY (all chunks in memory are in use, or were wanted more recently).
  * Cost: O(chunks in memory) and a copy of the bytes. */
 SIGHTCELL_API sightcell_status sightcell_db_deliver(sightcell_db* db, uint32_t ticket, const void* bytes,
                                                     uint32_t size);
 
-/* Requests the chunks that a moving camera may need soon, those that it can reach first coming first: up to
+/* Requests the chunks that a moving camera may need soon, starting with those that it can reach first: up to
  * resident_bytes in all, and up to 32 requests per call. Does nothing for a db that is not paged.
  * eye: position, world space.
  * velocity: meters per second. The search region widens by half the distance traveled, because the camera may turn.

@@ -29,7 +29,7 @@ struct finding {
   const char* name;  // of the scene
   test::gap_scene (*scene)(std::uint64_t variant);
   std::uint64_t effort;  // hemicubes, or rays
-  int few;               // of 20 with a sixteenth of it, at most
+  int few;               // with a sixteenth of it, at most; half of the scenes where they are few
 };
 
 std::ostream& operator<<(std::ostream& out, const finding& f) {
@@ -84,7 +84,7 @@ TEST_P(gap_scenes_of, are_found_with_the_documented_effort_and_not_with_far_less
   RecordProperty("with_effort", enough);
   RecordProperty("with_a_sixteenth", little);
   EXPECT_GE(enough, variants() - 1) << f.effort << " find it";
-  EXPECT_LE(little, std::max(f.few * variants() / 20, 1)) << f.effort / 16 << " do not";
+  EXPECT_LE(little, std::min(f.few, variants() / 2)) << f.effort / 16 << " do not";
 }
 
 // A sampler joins by rows here and in tests/bench/results/gap_scenes.csv.
