@@ -20,7 +20,7 @@ struct candidate {
   std::string kind;
   glm::dvec2 center{0, 0};
   bool has_tree = false;
-  double largest = 8.0;  // metres that it may be wide
+  double largest = 8.0;  // meters that it may be wide
 };
 
 bool is_free(const plan& p, const named_cell& cell, bool is_passage) {

@@ -59,12 +59,12 @@ struct clutter_place {
   clutter kind = clutter::leaf;
   glm::dvec3 at{0, 0, 0};
   glm::dvec2 along{1, 0};  // unit; on a wall: to the right as seen from outside
-  double size = 1.0;       // a length in metres where the kind stretches, else unused
+  double size = 1.0;       // a length in meters where the kind stretches, else unused
   std::uint64_t seed = 0;
 };
 
 std::uint64_t clutter_cost(clutter kind);
-double clutter_reach(clutter kind);  // metres around its place in plan that it may take; without `size`
+double clutter_reach(clutter kind);  // meters around its place in plan that it may take; without `size`
 void build_clutter(mesh& m, const clutter_place& place);
 
 }  // namespace sightcell::city

@@ -1,5 +1,5 @@
 #pragma once
-// Triangle meshes under construction, and the few shapes that everything is made of. Metres, +Y up, right-handed;
+// Triangle meshes under construction, and the few shapes that everything is made of. Meters, +Y up, right-handed;
 // front faces are counter-clockwise. "Up order" of a ring of plan points (x, z) is the order in which it faces up.
 #include <array>
 #include <cstdint>

@@ -13,7 +13,7 @@ namespace sightcell::city {
 
 struct lot {
   ring footprint;                // edge 0 is the street front, edge 2 the back to the courtyard
-  double front_setback = 0;      // metres behind the building line
+  double front_setback = 0;      // meters behind the building line
   bool is_over_passage = false;  // the house begins above a covered passage into the yard
 };
 

@@ -44,6 +44,6 @@ struct prop_place {
   glm::dvec2 tilt{0, 0};  // x and z of the quaternion
 };
 
-double prop_radius(prop kind);  // metres around its place that it may take
+double prop_radius(prop kind);  // meters around its place that it may take
 
 }  // namespace sightcell::city

@@ -6,7 +6,7 @@
 
 namespace sightcell::city {
 
-// Streets, blocks and lots. Metres.
+// Streets, blocks and lots. Meters.
 struct plan_style {
   std::array<double, 4> street_widths = {11.0, 5.5, 14.0, 8.5};  // between building lines, street after street
   double boundary_width = 10.0;                                  // of the streets along the town's rim

@@ -21,7 +21,7 @@ enum class pattern : std::uint8_t { grain, bricks, tiles, slabs, planks, panes, 
 
 struct recipe {
   pattern kind = pattern::grain;
-  double metres = 2.0;  // that one repeat covers
+  double meters = 2.0;  // that one repeat covers
   double roughness = 0.1;
 };
 
@@ -144,7 +144,7 @@ std::vector<std::array<float, 2>> texture_coordinates(const primitive& p) {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = corners[i % 4];
     return out;
   }
-  const double metres = recipe_of(p.material).metres;
+  const double meters = recipe_of(p.material).meters;
   const auto point = [&p](std::uint32_t i) {
     return glm::dvec3(p.positions[i][0], p.positions[i][1], p.positions[i][2]);
   };
@@ -158,7 +158,7 @@ std::vector<std::array<float, 2>> texture_coordinates(const primitive& p) {
       glm::dvec2 uv(at.x, at.z);
       // Polygons share vertices only inside a quad, so each vertex gets one answer.
       if (std::abs(n.y) < 2.0 * flat) uv = {(at.x * n.z - at.z * n.x) / flat, -at.y};
-      out[index] = {static_cast<float>(uv.x / metres), static_cast<float>(uv.y / metres)};
+      out[index] = {static_cast<float>(uv.x / meters), static_cast<float>(uv.y / meters)};
     }
   }
   return out;

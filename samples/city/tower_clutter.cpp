@@ -1,4 +1,4 @@
-// What hangs on towers: loose sheets a few millimetres to centimetres in front of each other, overlapping, as in a city
+// What hangs on towers: loose sheets a few millimeters to centimeters in front of each other, overlapping, as in a city
 // merged from many drawings. The frame is the middle of a bay on the tower's wall; bays are 3 m high.
 #include "clutter_parts.h"
 
@@ -59,7 +59,7 @@ void air_conditioner(mesh& m, const frame& f, double size, random_stream& random
 void balcony(mesh& m, const frame& f, double size, random_stream& random) {
   const double half = size * 0.42;
   crate(m, surface::concrete, f.moved({0, -1.36, 0.55}), {half, 0.08, 0.58});
-  // A second slab, drawn once more a few millimetres off.
+  // A second slab, drawn once more a few millimeters off.
   crate(m, surface::concrete, f.moved({0.01, -1.36 + random.range(0.002, 0.006), 0.55}), {half - 0.004, 0.08, 0.585});
   card(m, surface::panel_rose, f.moved({0, -0.9, 1.128}), half - 0.02, 0.4);
   card(m, surface::panel_light, f.moved({0, -0.95, 1.133}), half * 0.6, 0.3);

@@ -5,11 +5,11 @@
 
 namespace engine_hook {
 
-inline constexpr float near_plane = 0.001f;  // metres; as near as the bake looks
+inline constexpr float near_plane = 0.001f;  // meters; as near as the bake looks
 
 struct picture {
   std::vector<std::uint32_t> surfaces;  // the nearest solid surface: its unit + 1; 0: none
-  std::vector<float> depths;            // of it: near_plane / metres along the view's axis; 0: none
+  std::vector<float> depths;            // of it: near_plane / meters along the view's axis; 0: none
   std::vector<float> layers;            // blended polygons in front of it
 };
 

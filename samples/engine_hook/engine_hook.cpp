@@ -30,7 +30,7 @@ using sightcell::error;
 using sightcell::error_kind;
 namespace scene = sightcell::scene;
 
-constexpr float eye_clearance = 0.05f;  // metres: as close to surfaces as the bake goes by default
+constexpr float eye_clearance = 0.05f;  // meters: as close to surfaces as the bake goes by default
 constexpr double most_backs = 0.1;      // of all that is seen: beyond, the bake calls a place solid
 constexpr double few_backs = 1.0 / 64;  // of all pixels: it looks in so many directions
 constexpr unsigned tries_per_cell = 16;

@@ -12,7 +12,7 @@ struct box {
 };
 
 // A place in the box, its middle if possible, that is not inside something solid: what is seen first along the six axes
-// is no back of an opaque single-sided polygon and is at least clearance metres away. None when 64 tries find none.
+// is no back of an opaque single-sided polygon and is at least clearance meters away. None when 64 tries find none.
 std::optional<glm::vec3> find_free_place(const sightcell::scene::world_geometry& world, const box& where,
                                          float clearance);
 

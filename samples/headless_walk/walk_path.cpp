@@ -7,7 +7,7 @@
 namespace headless_walk {
 namespace {
 
-constexpr float eye_clearance = 0.05f;    // metres: as close to surfaces as the bake goes by default
+constexpr float eye_clearance = 0.05f;    // meters: as close to surfaces as the bake goes by default
 constexpr float look_turn = 2.39996323f;  // radians, the golden angle: successive looks never repeat
 
 glm::vec3 middle(const box& b) {

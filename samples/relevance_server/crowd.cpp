@@ -7,8 +7,8 @@
 namespace relevance_server {
 namespace {
 
-constexpr float eye_over_floor = 1.65f, eye_below_top = 0.15f, half_width = 0.3f;  // metres
-constexpr float narrowest_door = 0.3f;                                             // metres
+constexpr float eye_over_floor = 1.65f, eye_below_top = 0.15f, half_width = 0.3f;  // meters
+constexpr float narrowest_door = 0.3f;                                             // meters
 
 box common(const box& a, const box& b) {
   box out;
@@ -73,8 +73,8 @@ float random_numbers::between(float low, float high) {
   return low + (high - low) * (static_cast<float>(next() >> 40) / 16777216.0f);
 }
 
-crowd::crowd(std::vector<box> cells, std::uint32_t players, float metres_per_second, std::uint64_t seed)
-    : cells_(std::move(cells)), beside_(neighbors_of(cells_)), speed_(metres_per_second), random_(seed) {
+crowd::crowd(std::vector<box> cells, std::uint32_t players, float meters_per_second, std::uint64_t seed)
+    : cells_(std::move(cells)), beside_(neighbors_of(cells_)), speed_(meters_per_second), random_(seed) {
   for (std::uint32_t p = 0; p < players; ++p) {
     path way;
     way.cell = random_.below(cells_.size());
@@ -104,18 +104,18 @@ void crowd::choose_way(path& p) {
   p.end = inside(cells_[p.cell]);
 }
 
-void crowd::go(place& eye, path& p, float metres) {
-  while (metres > 0.0f) {
+void crowd::go(place& eye, path& p, float meters) {
+  while (meters > 0.0f) {
     const place& target = p.through_door ? p.end : p.door;
     const float x = target[0] - eye[0], y = target[1] - eye[1], z = target[2] - eye[2];
     const float distance = std::sqrt(x * x + y * y + z * z);
-    if (distance > metres) {
-      const float part = metres / distance;
+    if (distance > meters) {
+      const float part = meters / distance;
       eye = {eye[0] + part * x, eye[1] + part * y, eye[2] + part * z};
       return;
     }
     eye = target;
-    metres -= std::max(distance, 0.01f);  // two targets in the same place must not hold it for ever
+    meters -= std::max(distance, 0.01f);  // two targets in the same place must not hold it for ever
     if (p.through_door) {
       choose_way(p);
     } else {

@@ -32,7 +32,7 @@ class random_numbers {
 class crowd {
  public:
   // cells: at least one.
-  crowd(std::vector<box> cells, std::uint32_t players, float metres_per_second, std::uint64_t seed);
+  crowd(std::vector<box> cells, std::uint32_t players, float meters_per_second, std::uint64_t seed);
 
   void walk(float seconds);
   std::span<const place> eyes() const { return eyes_; }
@@ -46,7 +46,7 @@ class crowd {
 
   place inside(const box& where);
   void choose_way(path& p);
-  void go(place& eye, path& p, float metres);
+  void go(place& eye, path& p, float meters);
 
   std::vector<box> cells_;
   std::vector<std::vector<std::uint32_t>> beside_;  // by cell: those that share a face with it, or overlap

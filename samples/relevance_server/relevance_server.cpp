@@ -68,7 +68,7 @@ class server {
 
   const sightcell_db* db() const { return db_.get(); }
 
-  // Where each player's eye is, or may be by now: within reach metres to the sides of where it was heard of last.
+  // Where each player's eye is, or may be by now: within reach meters to the sides of where it was heard of last.
   // Outside all cells the view shows all, so nobody is kept from the player.
   void move(std::span<const place> eyes, float reach) {
     for (std::size_t p = 0; p < eyes.size(); ++p) {
@@ -213,7 +213,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--seed", args.seed, "of the ways they go")->capture_default_str();
-  app.add_option("--speed", args.speed, "metres per second")->check(CLI::Range(0.0, 100.0))->capture_default_str();
+  app.add_option("--speed", args.speed, "meters per second")->check(CLI::Range(0.0, 100.0))->capture_default_str();
   app.add_option("--lag", args.lag, "seconds by which the server knows less than the players")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();

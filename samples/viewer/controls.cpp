@@ -11,7 +11,7 @@ namespace {
 
 constexpr float radians_per_pixel = 0.004f;
 constexpr float steepest = 0.49f * std::numbers::pi_v<float>;  // straight up has no right-hand side
-constexpr float slowest = 0.1f, fastest = 1000.0f;             // metres per second
+constexpr float slowest = 0.1f, fastest = 1000.0f;             // meters per second
 constexpr float per_notch = 1.25f;
 constexpr float when_faster = 5.0f;
 constexpr float longest_step = 0.1f;  // seconds: a frame that hung must not throw the camera through a wall

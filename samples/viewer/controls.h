@@ -63,7 +63,7 @@ struct input {
 
 struct controls {
   fly_camera camera;
-  float speed = 4.0f;  // metres per second
+  float speed = 4.0f;  // meters per second
   bool pvs = true, frozen = false, tint = false;
   bool box = true, all_cells = false, wireframe = false, hud = true;
   // Asked for by the last step.

@@ -18,11 +18,11 @@ namespace {
 namespace picture = sightcell::picture;
 namespace scene = sightcell::scene;
 
-constexpr float near_plane = 0.001f;                 // metres; as near as the bake looks
+constexpr float near_plane = 0.001f;                 // meters; as near as the bake looks
 constexpr float vertical_fov = 1.2f;                 // radians
 constexpr glm::vec3 sky_color(0.36f, 0.55f, 0.82f);  // linear
 constexpr float haze_over_scene = 0.35f;             // optical depth across the scene's diagonal, but at most
-constexpr float thickest_haze = 0.001f;              // this per metre: none inside a room
+constexpr float thickest_haze = 0.001f;              // this per meter: none inside a room
 constexpr float faint = 0.5f;                        // alpha of hidden outlines
 
 // Uniform locations, as in shader_text.h.

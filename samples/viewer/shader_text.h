@@ -27,7 +27,7 @@ void main() {
 // same light as in sightcell::picture. mark.a = 1 replaces the color: what a cell set leaves out must be seen from
 // afar, so it gets no haze and little shade.
 inline constexpr const char* scene_frag = R"(#version 450 core
-layout(location = 4) uniform vec4 sky;  // a: haze per metre
+layout(location = 4) uniform vec4 sky;  // a: haze per meter
 layout(location = 5) uniform vec4 base_color;
 layout(location = 6) uniform vec2 alpha;  // x: cutoff, y: 1 writes alpha as 1
 layout(location = 7) uniform vec4 mark;
@@ -90,7 +90,7 @@ void main() {
   uint begin = axis == 0u ? (low << 1) | (high << 2) : axis == 1u ? low | (high << 2) : low | (high << 1);
   vec4 a = to_clip(corner(begin)), b = to_clip(corner(begin | (1u << axis)));
   line_color = vec4(box_color.rgb, box_color.a * screen.w);
-  const float nearest = 0.01;  // metres
+  const float nearest = 0.01;  // meters
   if (a.w < nearest && b.w < nearest) {
     gl_Position = vec4(0.0, 0.0, 0.0, -1.0);  // behind the eye
     return;

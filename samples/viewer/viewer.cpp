@@ -35,7 +35,7 @@ constexpr float radians = std::numbers::pi_v<float> / 180.0f;
 constexpr glm::vec4 cell_color(1.0f, 0.78f, 0.05f, 1.0f), frozen_color(0.1f, 0.9f, 1.0f, 1.0f);
 constexpr glm::vec4 grown_color(1.0f, 0.3f, 0.02f, 0.8f), other_color(1.0f, 1.0f, 1.0f, 0.8f);
 constexpr float line_pixels = 2.0f;
-constexpr float frozen_eye_size = 0.15f;  // metres
+constexpr float frozen_eye_size = 0.15f;  // meters
 
 // GPU time of the scene, known two frames later: nobody waits for it.
 class gpu_timer {

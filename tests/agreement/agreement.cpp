@@ -46,7 +46,7 @@ glm::vec3 direction_beside(const bake::pose& from, std::uint32_t resolution, std
   return glm::vec3(glm::normalize(glm::dvec3(f.forward) + a * glm::dvec3(f.right) + b * glm::dvec3(f.up)));
 }
 
-// Right, up and forward of a face, metres.
+// Right, up and forward of a face, meters.
 glm::dvec3 in_frame(const bake::face_view& face, const glm::vec3& eye, const glm::vec3& point) {
   const glm::dvec3 d = glm::dvec3(point) - glm::dvec3(eye);
   return {glm::dot(d, glm::dvec3(face.right)), glm::dot(d, glm::dvec3(face.up)), glm::dot(d, glm::dvec3(face.forward))};

@@ -25,7 +25,7 @@ import pair_sets
 import result_files
 
 BOUND = 1e-3
-# first, second, tolerance of corners in metres (of the quantisation), bound of the difference in percent
+# first, second, tolerance of corners in meters (of the quantization), bound of the difference in percent
 # NODES as second: the first, with a node for every instance.
 NODES = "with instances as nodes"
 PAIRS = [("instancing/temple.instanced.glb", NODES, 1e-3, 0.1),

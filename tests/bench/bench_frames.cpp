@@ -67,7 +67,7 @@ double milliseconds(clockid_t clock) {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-// What one way took for one frame. On a software rasteriser vertices are transformed while calls are issued, and pixels
+// What one way took for one frame. On a software rasterizer vertices are transformed while calls are issued, and pixels
 // are filled by threads of its own until the frame is finished.
 ordered_json measure(way& how, stage& on, const frame_camera& camera) {
   const double frame_start = milliseconds(CLOCK_PROCESS_CPUTIME_ID);
@@ -145,7 +145,7 @@ int main(int argc, char** argv) {
   CLI::App* const walk = verb("walk", "writes a path through the scene's automatic view cells");
   walk->add_option("PATH", args.path, "where it goes")->required();
   walk->add_option("--frames", args.walk.frames, "of the path")->check(CLI::Range(2, 100000));
-  walk->add_option("--step", args.walk.step, "metres from frame to frame")->check(CLI::Range(0.001, 10.0));
+  walk->add_option("--step", args.walk.step, "meters from frame to frame")->check(CLI::Range(0.001, 10.0));
   walk->add_option("--seed", args.walk.seed, "of the walk");
   walk->add_option("--near", args.near, "the walk begins in a cell near this place; without: in the thick of it")
       ->type_name("x,y,z")

@@ -20,7 +20,7 @@ $SIGHTCELL_CACHE (default build/cache) by content; a run that was stopped goes o
   pvs_frustum   the set sorted into clusters when the cell changes, and each frame those of them that touch the frustum
   cull          before any call that draws: moves, lists, frustum tests, at a change of cells also the upload of a list
   submit        cull and all calls; CPU time of the calling thread
-  frame         submit and glFinish; CPU time of the program. Where the device is a software rasteriser this is mostly its
+  frame         submit and glFinish; CPU time of the program. Where the device is a software rasterizer this is mostly its
                 own work, and submit has its vertices.
   pixel error   share of the pixels that show another place than the full draw, or other blended layers before it
   in place      share of those that show another surface of the same place (rule 2 of seeing)

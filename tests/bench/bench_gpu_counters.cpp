@@ -1,5 +1,5 @@
 // What a device can do (pixels, triangles and atomics per second), and how many hemicubes per second come of it. Runs
-// on any device, a software rasteriser too; says which.
+// on any device, a software rasterizer too; says which.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>

@@ -224,7 +224,7 @@ void declare(CLI::App& app, options& how) {
   std::vector<std::string> known_sources = kernel_names();
   known_sources.insert(known_sources.end(), source_names().begin(), source_names().end());
   app.add_option("--scenes,--scene", how.scenes, "names or files");
-  app.add_option("--heights", how.heights, "street, or metres above the street: 20, 70, 200")
+  app.add_option("--heights", how.heights, "street, or meters above the street: 20, 70, 200")
       ->check(CLI::IsMember(known));
   app.add_option("--sources", how.sources,
                  "cpu, gpu, rays; cpu-avx2 and so on: the rasterizer with that instruction set")

@@ -215,7 +215,7 @@ def crossroads(bench, name, blocks, layers):
 
 
 def part_cells(bench):
-    """10 x 8 blocks of 8 m, two layers of half a metre at eye height."""
+    """10 x 8 blocks of 8 m, two layers of half a meter at eye height."""
     box = [-16, 1, -32, 16, 1.5, 32] if bench.options.quick else [-40, 1, -32, 40, 2, 32]
     rows = by_cells(bench, "town5k", box, [8, 1] if bench.options.quick else [8, 4, 2, 1], 8,
                     ["--cell-size", "1", *CHEAP])

@@ -119,7 +119,7 @@ def measure(options, scene, cells):
     rounds = []
     with tempfile.TemporaryDirectory(prefix="sightcell-threads-") as folder:
         for number in range(options.rounds):
-            # Who goes first changes, so that a machine that gets busier favours nobody.
+            # Who goes first changes, so that a machine that gets busier favors nobody.
             order = (1, 2) if number % 2 == 0 else (2, 1)
             pair = {threads: bake(options, scene, cells, threads, folder) for threads in order}
             if pair[1]["bytes"] != pair[2]["bytes"]:

@@ -53,7 +53,7 @@ class Call:
     named: str  # the error line has to contain it: the file or option that is to blame
     environment: dict = dataclasses.field(default_factory=dict)
     memory: int = 0  # limit of the address space, bytes; 0: none
-    slow: bool = False  # takes half a minute under a sanitizer
+    slow: bool = False  # only in complete runs
     stdout: str = ''  # a file that standard output goes to
     program: str = ''  # another copy of the program
     keep: object = None  # lives until the program has ended

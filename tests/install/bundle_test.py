@@ -144,7 +144,7 @@ class Bundle(unittest.TestCase):
 
         inside('sightcell-city', '--polygons', '2000', '--out', '/tmp/c.glb')
         bake = ['bake', '/tmp/c.glb', '-o', '/tmp/c.pvs', *QUICK_BAKE]
-        # Without any driver the rasteriser draws; with the bundle's own one OpenGL can be asked for.
+        # Without any driver the rasterizer draws; with the bundle's own one OpenGL can be asked for.
         no_driver = {'__EGL_VENDOR_LIBRARY_FILENAMES': '/usr/local/nvidia/none.json'}
         self.assertIn('source cpu', inside('sightcell', *bake, **no_driver))
         # What the user says holds, also when there is nothing: the bundle's own driver is not put in its place.

@@ -25,7 +25,7 @@ using sightcell::bake::ray_scene;
 using sightcell::bake::sight;
 using sightcell::bake::sight_line;
 
-constexpr float player_radius = 0.05f, smallest_gap = 0.002f;  // metres, the bake's defaults
+constexpr float player_radius = 0.05f, smallest_gap = 0.002f;  // meters, the bake's defaults
 constexpr int across = 4, upward = 9;                          // points of a box along its width and height
 
 struct pair_record {

@@ -2,7 +2,7 @@
 from sampler_plan import PUBLISHED, TOWN, guided, hemicubes, job, rays
 
 # Samples per cell (of GVS millions of rays) -> what the thesis printed: seconds, visible %, pixel error, color error.
-# GeForce GTX 260, 20 cells picked by hand; it says that its GVS was not optimised.
+# GeForce GTX 260, 20 cells picked by hand; it says that its GVS was not optimized.
 THESIS = {
     "vienna800k": {
         "importance-depth": {80: (6.22, 2.80, 5.5e-5, 1.5e-5), 180: (15.47, 3.05, 4.0e-6, 1.2e-6),

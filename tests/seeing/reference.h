@@ -13,7 +13,7 @@
 
 namespace sightcell::test {
 
-// The settings that decide what is seen; metres.
+// The settings that decide what is seen; meters.
 struct seeing_rules {
   double smallest_gap = 0.002;
   double player_radius = 0.05;

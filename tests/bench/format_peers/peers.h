@@ -18,7 +18,7 @@ namespace sightcell::bench {
 using byte_rows = std::vector<std::string>;  // one per cell
 std::uint64_t size_of(const byte_rows& rows);
 
-// Run-optimised, portable serialisation.
+// Run-optimized, portable serialization.
 std::string pack_roaring(std::span<const id_run> runs);
 // The ids of such a row, into dst; how many. Checks the row as CRoaring does where it is not trusted.
 std::size_t unpack_roaring(const char* row, std::size_t size, std::uint32_t* dst);

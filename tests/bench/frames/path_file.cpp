@@ -34,7 +34,7 @@ std::vector<path_frame> read_path(const std::filesystem::path& file) {
 
 void write_path(const std::filesystem::path& file, const std::vector<path_frame>& path) {
   std::ofstream out(file);
-  out << "# x y z heading: metres and radians, a frame per line\n";
+  out << "# x y z heading: meters and radians, a frame per line\n";
   for (const path_frame& f : path) {
     out << fmt::format("{:.2f} {:.2f} {:.2f} {:.3f}\n", f.eye.x, f.eye.y, f.eye.z, f.heading);
   }

@@ -7,7 +7,7 @@
 namespace sightcell::bench {
 
 struct path_frame {
-  glm::vec3 eye{0.0f};   // metres, world space
+  glm::vec3 eye{0.0f};   // meters, world space
   float heading = 0.0f;  // radians; 0 looks along -Z, a quarter turn along +X. Level.
 
   glm::vec3 forward() const;

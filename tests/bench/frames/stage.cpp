@@ -9,7 +9,7 @@
 namespace sightcell::bench {
 namespace {
 
-constexpr float near_plane = 0.001f;           // metres; as near as the bake looks
+constexpr float near_plane = 0.001f;           // meters; as near as the bake looks
 constexpr float half_height = 0.57735026919f;  // tangent of 30 degrees
 
 enum : GLint { at_eye, at_clip_x, at_clip_y, at_clip_w, at_group, at_alpha };  // as in shader_text.h

@@ -46,7 +46,7 @@ struct frame_camera {
 
 struct frame_picture {
   std::vector<std::uint32_t> surfaces;  // group + 1 of the nearest solid polygon; 0: none
-  std::vector<float> depths;            // of it: near plane / metres along the view's axis; 0: none
+  std::vector<float> depths;            // of it: near plane / meters along the view's axis; 0: none
   std::vector<float> layers;            // blended polygons in front of it
 };
 

@@ -18,9 +18,9 @@
 namespace sightcell::bench {
 namespace {
 
-constexpr float clearance = 0.2f;                 // metres that a walker keeps from surfaces
-constexpr float probe = 0.25f;                    // metres between the places of a way that are looked at
-constexpr float look_ahead = 3.0f;                // metres along the way that a walker looks at
+constexpr float clearance = 0.2f;                 // meters that a walker keeps from surfaces
+constexpr float probe = 0.25f;                    // meters between the places of a way that are looked at
+constexpr float look_ahead = 3.0f;                // meters along the way that a walker looks at
 constexpr float ease = 0.25f, most_turn = 0.14f;  // of a frame: share of what is left, radians
 
 constexpr std::pair<int, int> sides[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};  // x and z

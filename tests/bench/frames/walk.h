@@ -13,7 +13,7 @@ namespace sightcell::bench {
 
 struct walk_settings {
   std::uint32_t frames = 400;
-  float step = 0.25f;  // metres from frame to frame
+  float step = 0.25f;  // meters from frame to frame
   std::uint64_t seed = 1;
   std::optional<glm::vec3> near;  // where it begins; else in the middle of all corners of polygons
   unsigned starts = 48;           // cells, the nearest; the walk through the most cells is taken

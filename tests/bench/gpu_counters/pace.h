@@ -16,7 +16,7 @@ struct pace {
   std::uint32_t at_once = 1;          // poses per call of render()
   double samples_per_second = 0.0;    // best of three
   double cpu_ms_per_sample = 0.0;     // of the process, all threads; least of three
-  double triangles_per_sample = 0.0;  // given to the rasteriser
+  double triangles_per_sample = 0.0;  // given to the rasterizer
   double polygons_seen = 0.0;         // per sample: the same for all
 };
 

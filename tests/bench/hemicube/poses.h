@@ -11,7 +11,7 @@ namespace sightcell::bench {
 
 inline constexpr const char* all_heights[] = {"street", "20", "70", "200"};
 
-// Metres above the street's places; 0 for the street itself.
+// Meters above the street's places; 0 for the street itself.
 float metres_of(const std::string& height);
 
 // Job "poses": scene (a file), cells (a cells file, or empty: over walkable floor), poses, seed. The answer has for

@@ -10,6 +10,7 @@
 #include "sightcell/format/layout.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/set_reader.h"
+#include "unit/case_step.h"
 
 namespace {
 
@@ -47,7 +48,8 @@ TEST(writer, random_sets_come_back) {
   for (const std::uint32_t polygons : {1u, 7u, 300u, 5000u}) {
     for (const std::uint32_t cells : {1u, 63u, 64u, 65u, 200u}) {
       for (const double changed : {0.02, 0.6}) {
-        sample_contents contents = random_contents(seed++, {.polygons = polygons, .cells = cells, .changed = changed});
+        if (seed++ % std::min<std::size_t>(case_step(), 3) != 0) continue;
+        sample_contents contents = random_contents(seed, {.polygons = polygons, .cells = cells, .changed = changed});
         expect_round_trip(contents);
         put_in_order(contents, seed);
         put_on_lattice(contents);

@@ -29,7 +29,7 @@ struct strip {
   }
 };
 
-// The strip as a Draco stream in its own buffer view; positions are not quantised.
+// The strip as a Draco stream in its own buffer view; positions are not quantized.
 inline gltf_sketch draco_sketch(int uv_components = 2, bool skinned = false) {
   const strip s;
   draco::TriangleSoupMeshBuilder builder;

@@ -169,7 +169,7 @@ TEST_P(source_test, polygons_through_the_near_plane_are_cut_there) {
   EXPECT_TRUE(sees(view, blade));
 }
 
-TEST_P(source_test, a_wall_two_millimetres_away_is_seen) {
+TEST_P(source_test, a_wall_two_millimeters_away_is_seen) {
   tiny_scene s;
   const auto wall = s.wall_x(0.002f, -1, 10);
   const auto view = look_at(s);

@@ -1,5 +1,5 @@
 // The bytes of small bakes, pinned: a change of them needs a higher bake_version (job/bake_key.cpp).
-// They hold for our rasteriser and Embree with AVX2 and for exp() of glibc; a machine without AVX2 has a valid file of
+// They hold for our rasterizer and Embree with AVX2 and for exp() of glibc; a machine without AVX2 has a valid file of
 // its own, which says so.
 #include <gtest/gtest.h>
 #include <xxhash.h>

@@ -115,7 +115,7 @@ TEST_F(one_ray, no_place_in_a_wall_counts) {
   EXPECT_EQ(quads(got[0]), walls{0}) << "what is behind the solid's back is free";
   tiny_scene narrow = room();
   narrow.quad({-9, 0.41f, -9}, {-9, 0.41f, 9}, {9, 0.41f, 9}, {9, 0.41f, -9}, {scene::alpha_mode::opaque, true});
-  EXPECT_EQ(cast(narrow, along_x), std::vector<walls>(4)) << "a centimetre from a surface";
+  EXPECT_EQ(cast(narrow, along_x), std::vector<walls>(4)) << "a centimeter from a surface";
 }
 
 TEST_F(one_ray, tells_what_blocked_it) {

@@ -50,7 +50,7 @@ TEST(reliability_map, is_only_ever_raised_by_samples_of_equal_scale) {
 TEST(reliability_map, knows_its_lowest_place_and_follows_the_formula) {
   reliability_map map({4, 2});
   random_stream random(3, 3, purpose::verify);
-  // As the thesis has it, each texel on its own: distances through the longest side, normalised by the largest sum.
+  // As the thesis has it, each texel on its own: distances through the longest side, normalized by the largest sum.
   struct sample {
     glm::vec2 place;
     std::array<double, 4> importance;

@@ -23,7 +23,7 @@ TEST(uniform_grid, has_as_many_places_as_it_may_and_they_are_even) {
     for (std::size_t i = 0; i < all.size(); ++i)
       for (std::size_t k = 0; k < i; ++k) nearest = std::min(nearest, glm::length((all[i] - all[k]) * glm::vec2(8, 2)));
     if (samples >= 44) {
-      EXPECT_GT(nearest, 0.4f) << "16 square metres, so squares of 0.6 m";
+      EXPECT_GT(nearest, 0.4f) << "16 square meters, so squares of 0.6 m";
     }
   }
 }

@@ -122,7 +122,7 @@ TEST_F(gpu_culling_test, of_sheets_in_one_plane_the_last_drawn_is_kept) {
   }
 }
 
-// Heaps from a millimetre to a hundred metres wide, near and far, behind walls with slits, near the origin and far from
+// Heaps from a millimeter to a hundred meters wide, near and far, behind walls with slits, near the origin and far from
 // it: whatever rounding does to boxes and depths, nothing that is seen may be culled.
 TEST_F(gpu_culling_test, heaps_of_all_sizes_show_what_a_plain_draw_shows) {
   std::mt19937 engine(17);

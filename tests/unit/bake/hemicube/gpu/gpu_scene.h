@@ -51,7 +51,7 @@ inline void expect_same_view(const bake::hemicube_view& a, const bake::hemicube_
 class rooms {
  public:
   static constexpr int side = 6;       // rooms along x and z
-  static constexpr float size = 8.0f;  // metres
+  static constexpr float size = 8.0f;  // meters
 
   rooms() {
     for (int x = 0; x < side; ++x)
