@@ -11,6 +11,7 @@
 #include "help.h"
 #include "one_of.h"
 #include "sightcell/bake/sampler_options.h"
+#include "sightcell/base/error.h"
 
 namespace sightcell::cli {
 namespace {
@@ -43,12 +44,20 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
   CLI::Option* file =
       add_plain_option(verb, group, "--cells-file", o.cells_file, "FILE.json",
                        "View cells from a file: {\"cells\": [{\"name\", \"min\", \"max\"}]}, in meters. Without this "
-                       "option and --cells-grid, the bake places cells over all walkable floor.");
+                       "option and --cells-grid, the bake places cells over the floors that a player can reach.");
   add_plain_option(verb, group, "--cells-grid", o.cells_grid, "x0,y0,z0,x1,y1,z1",
                    "All lattice cells that intersect this box. Meters, the lower corner first.")
       ->delimiter(',')
       ->expected(6)
       ->excludes(file);
+  add_option(verb, group, "--reach", o.reach, "NAME",
+             "Which floors get cells. walk: those that a player reaches from the starts by walking, jumping and "
+             "falling. everywhere: all floors with head room, roofs too.")
+      ->check(one_of(bake::reach_names));
+  add_plain_option(verb, group, "--start", o.starts, "x,y,z",
+                   "A point on or above a floor where a player begins, in meters; may be repeated. Default: the nodes "
+                   "with extras.sightcell.start, else the cameras of the scene, else the largest floor.")
+      ->take_all();
   add_option(verb, group, "--cell-size", s.cell_size, "M",
              "Width of lattice cells in meters. They are half as high. Range: 0.25 to 1000.");
   add_option(verb, group, "--cell-limit", s.cell_limit, "N",
@@ -138,6 +147,26 @@ void add_expert_scene_options(CLI::App& verb, bake_options& o) {
                    "joins the sets of the cells that the eye may be in if a ray from there hits it.");
 }
 
+void add_expert_cell_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Expert: cells";
+  bake::player_settings& player = o.settings.player;
+  add_option(verb, group, "--player-height", player.height, "M",
+             "Meters that must be empty above a floor. Range: 0.1 to 100.");
+  add_option(verb, group, "--player-step", player.step, "M",
+             "Height of a step that a player climbs without a jump, in meters. Range: 0 to 100.");
+  add_option(verb, group, "--player-jump", player.jump, "M",
+             "Height that a player reaches with a jump, in meters. Range: 0 to 100.");
+  add_option(verb, group, "--player-gap", player.gap, "M",
+             "The widest gap that a player crosses with a jump, in meters. Range: 0 to 100.");
+  add_option(verb, group, "--player-slope", player.slope, "D",
+             "The steepest floor that a player can stand on, in degrees. Range: 0 to 89.");
+  add_plain_option(verb, group, "--eye-heights", o.eye_heights, "LOW,HIGH",
+                   "Heights of the camera above the floor that get cells, from crouching to jumping, in meters. "
+                   "Range: 0 to 100. Default: 0.9,2.1.")
+      ->delimiter(',')
+      ->expected(2);
+}
+
 std::string sentence(std::string text) {
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text + ".";
@@ -195,7 +224,27 @@ Kind value_of(const std::array<std::string_view, Count>& names, const std::strin
   return *bake::kind_of<Kind>(names, name);  // the parser has checked it
 }
 
+// Returns a point that is given as "x,y,z".
+std::array<float, 3> point_of(const std::string& text) {
+  std::array<float, 3> point{};
+  const std::vector<std::string> parts = CLI::detail::split(text, ',');
+  bool good = parts.size() == point.size();
+  for (std::size_t i = 0; good && i < point.size(); ++i) good = CLI::detail::lexical_cast(parts[i], point[i]);
+  if (!good)
+    throw error(error_kind::wrong_use, "settings.out-of-range", "--start", "is \"" + text + "\"",
+                "give x,y,z in meters");
+  return point;
+}
+
 }  // namespace
+
+void add_cells_options(CLI::App& verb, bake_options& options) {
+  add_scene_argument(verb, options.scenes, "The scene: a .glb or .gltf file, in meters.");
+  add_cell_options(verb, options);
+  add_expert_cell_options(verb, options);
+  add_two_scene_options(verb, options.scenes, "Expert: scenes");
+  verb.add_flag("--json", options.json, "Prints the cells as one JSON object on standard output.");
+}
 
 void add_bake_options(CLI::App& verb, bake_options& options) {
   add_scene_argument(verb, options.scenes, "The scene to bake: a .glb or .gltf file, in meters.");
@@ -205,6 +254,7 @@ void add_bake_options(CLI::App& verb, bake_options& options) {
   add_rule_options(verb, options);
   add_machine_options(verb, options);
   add_expert_output_options(verb, options);
+  add_expert_cell_options(verb, options);
   add_expert_scene_options(verb, options);
   add_metric_options(verb, options.metric, "Expert: metric");
   add_expert_sampling_options(verb, options);
@@ -213,6 +263,12 @@ void add_bake_options(CLI::App& verb, bake_options& options) {
 
 bake::settings settings_of(const bake_options& options) {
   bake::settings how = options.settings;
+  how.reach = value_of<bake::reach_kind>(bake::reach_names, options.reach);
+  for (const std::string& start : options.starts) how.starts.push_back(point_of(start));
+  if (!options.eye_heights.empty()) {
+    how.player.lowest_eye = options.eye_heights[0];
+    how.player.highest_eye = options.eye_heights[1];
+  }
   if (!options.cells_file.empty()) how.cells_file = options.cells_file;
   if (!options.misses_file.empty()) how.misses_file = options.misses_file;
   if (!options.cells_grid.empty()) {

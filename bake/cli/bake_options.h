@@ -19,7 +19,9 @@ struct bake_options {
 
   scene_options scenes;
   std::filesystem::path cells_file, misses_file;
-  std::vector<float> cells_grid;
+  std::vector<float> cells_grid, eye_heights;
+  std::vector<std::string> starts;  // "x,y,z"
+  std::string reach = std::string(bake::reach_names.front());
   std::string quality = std::string(bake::quality_names[static_cast<std::size_t>(bake::quality::normal)]);
   std::optional<double> max_pixel_error;  // instead of the bound of the quality
   metric_options metric;
@@ -38,6 +40,10 @@ struct bake_options {
 // Adds all options to the verb.
 // options: must outlive the verb.
 void add_bake_options(CLI::App& verb, bake_options& options);
+
+// Adds the scene and the options that decide which cells there are, and --json.
+// options: must outlive the verb.
+void add_cells_options(CLI::App& verb, bake_options& options);
 
 // Returns what was asked for.
 // Fails with settings.*; the line names the option.

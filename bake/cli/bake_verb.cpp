@@ -120,11 +120,12 @@ int report_shard(const std::filesystem::path& target, const bake::summary& sum, 
   return exit_done;
 }
 
-// Without a time budget there is one reason: a cell's rays were spent, or its seconds.
+// Without a limit of time there is one reason: the rays of a cell were spent.
 std::string why_over_bound(const bake::settings& how, const bake::summary& sum) {
-  if (how.time_budget == 0.0) return "";
+  if (how.time_budget == 0.0 && sum.cells_out_of_time == 0) return "";
   const std::uint32_t out_of_rays = sum.cells_over_bound - sum.cells_out_of_time;
-  return fmt::format(", {} because --time-budget was spent{}", grouped(sum.cells_out_of_time),
+  return fmt::format(", {} because {} was spent{}", grouped(sum.cells_out_of_time),
+                     how.time_budget > 0.0 ? "--time-budget" : "--seconds-per-cell",
                      out_of_rays > 0 ? fmt::format(" and {} because their rays were", grouped(out_of_rays)) : "");
 }
 

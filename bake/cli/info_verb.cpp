@@ -55,6 +55,8 @@ std::string section_name(std::uint32_t id) {
       return "volumes";
     case format::layout::section_named_groups:
       return "named groups";
+    case format::layout::section_viewpoints:
+      return "viewpoints";
     default:
       return fmt::format("unknown {}", id);
   }

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", SIGHTCELL_VERSION, "Prints the version.")->group("Help");
   action chosen;
   add_bake_verb(program, chosen);
+  add_cells_verb(program, chosen);
   add_verify_verb(program, chosen);
   add_view_verb(program, chosen);
   add_info_verb(program, chosen);

@@ -19,7 +19,7 @@ void ask_to_stop(int) {
     struct sigaction now {};
     if (sigaction(signal, nullptr, &now) == 0 && now.sa_handler == ask_to_stop) std::signal(signal, SIG_DFL);
   }
-  constexpr char text[] = "\nstopping after the cells in work; again to stop at once (finished cells are kept)\n";
+  constexpr char text[] = "\nstopping; again to stop at once (finished cells are kept)\n";
   if (write(STDERR_FILENO, text, sizeof text - 1) < 0) {
     // Nobody to tell.
   }

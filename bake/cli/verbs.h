@@ -12,6 +12,7 @@ namespace sightcell::cli {
 using action = std::function<int()>;
 
 void add_bake_verb(CLI::App& program, action& chosen);
+void add_cells_verb(CLI::App& program, action& chosen);
 void add_diff_verb(CLI::App& program, action& chosen);
 void add_info_verb(CLI::App& program, action& chosen);
 void add_merge_verb(CLI::App& program, action& chosen);

@@ -22,6 +22,21 @@ status read_orders(const reader& file, file_parts& out) {
   return status::ok;
 }
 
+status read_viewpoints(const reader& file, file_parts& out) {
+  const viewpoint_table& table = file.viewpoints();
+  out.player_radius = table.player_radius();
+  if (!table.exists()) return status::ok;
+  out.viewpoints.resize(file.cell_count());
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    const box grown = grown_box(out.cells[cell], out.facts.margin);
+    if (const status s = table.parts(cell, grown, [](const region_part&) {}); s != status::ok) return s;
+    const std::span<const std::byte> region = table.region_bytes(cell);
+    out.viewpoints[cell] = {
+        cell, table.valid_share(cell), static_cast<double>(table.outside_share(cell)), {region.begin(), region.end()}};
+  }
+  return status::ok;
+}
+
 std::vector<lattice_place> places_of(const cell_lattice& lattice) {
   std::vector<lattice_place> places;
   for (std::uint32_t number = 0; number < lattice.chunk_count(); ++number) {
@@ -47,6 +62,8 @@ file_contents file_parts::contents(cell_set_source sets) const {
   all.volumes = {volume_shape, volumes};
   all.cell_sets = std::move(sets);
   all.certificate = certificate;
+  all.viewpoints = viewpoints;
+  all.player_radius = player_radius;
   all.settings = settings;
   return all;
 }
@@ -83,6 +100,7 @@ status take_apart(const reader& file, file_parts& out) {
   for (std::uint32_t i = 0; i < file.certificate_count(); ++i) {
     if (const status s = file.certificate(i, parts.certificate[i]); s != status::ok) return s;
   }
+  if (const status s = read_viewpoints(file, parts); s != status::ok) return s;
   parts.settings = file.settings();
   out = std::move(parts);
   return status::ok;

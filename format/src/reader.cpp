@@ -129,13 +129,15 @@ status reader::read_sections() noexcept {
   if (!checked_reader(bytes_).read_u32(layout::header_table_checksum, stored_checksum)) return status::corrupt;
   if (crc32c(part({layout::header_size, table_size})) != stored_checksum) return status::checksum;
 
-  const std::array<std::uint32_t, 11> ids{
-      layout::section_draws,       layout::section_cells,    layout::section_rows,        layout::section_row_directory,
-      layout::section_certificate, layout::section_settings, layout::section_orders,      layout::section_codes,
-      layout::section_importance,  layout::section_volumes,  layout::section_named_groups};
-  const std::array<extent*, 11> places{&draws_,  &cells_, &rows_,       &directory_,    &certificate_,      &settings_,
-                                       &orders_, &codes_, &importance_, &volume_bytes_, &named_group_bytes_};
-  std::array<bool, 11> found{};
+  const std::array<std::uint32_t, 12> ids{
+      layout::section_draws,         layout::section_cells,        layout::section_rows,
+      layout::section_row_directory, layout::section_certificate,  layout::section_settings,
+      layout::section_orders,        layout::section_codes,        layout::section_importance,
+      layout::section_volumes,       layout::section_named_groups, layout::section_viewpoints};
+  const std::array<extent*, 12> places{
+      &draws_,  &cells_, &rows_,       &directory_,    &certificate_,       &settings_,
+      &orders_, &codes_, &importance_, &volume_bytes_, &named_group_bytes_, &viewpoint_bytes_};
+  std::array<bool, 12> found{};
   const std::size_t known_ids = version_ == 0 ? 6 : ids.size();
   std::uint64_t next = layout::header_size + table_size;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
@@ -146,7 +148,8 @@ status reader::read_sections() noexcept {
     std::size_t known = 0;
     while (known < known_ids && ids[known] != entry.id) ++known;
     // As readers did before these sections existed: they are never required.
-    const bool added = entry.id == layout::section_importance || entry.id == layout::section_named_groups;
+    const bool added = entry.id == layout::section_importance || entry.id == layout::section_named_groups ||
+                       entry.id == layout::section_viewpoints;
     if (known == known_ids || added) {
       if (entry.required) return status::version;
       if (known == known_ids) continue;
@@ -164,6 +167,7 @@ status reader::read_sections() noexcept {
   has_importance_ = found[8];
   has_volumes_ = found[9];
   has_named_groups_ = found[10];
+  has_viewpoints_ = found[11];
   return next == total_size_ && complete ? status::ok : status::corrupt;
 }
 
@@ -249,6 +253,10 @@ status reader::open_tables() noexcept {
   }
   if (has_named_groups_) {
     const status s = named_group_table::open(part(named_group_bytes_), draw_count_, named_groups_);
+    if (s != status::ok) return s;
+  }
+  if (has_viewpoints_) {
+    const status s = viewpoint_table::open(part(viewpoint_bytes_), cell_count_, viewpoints_);
     if (s != status::ok) return s;
   }
   std::uint32_t kind = 0;
@@ -457,6 +465,18 @@ status reader::certificate(std::uint32_t number, certificate_record& out) const 
                              .seed = wide(6)};
   if (!certificate_is_valid(c)) return status::corrupt;
   out = c;
+  return status::ok;
+}
+
+// open leaves the trees of regions out, which only tools use.
+status reader::check_regions() const noexcept {
+  if (!viewpoints_.exists()) return status::ok;
+  for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
+    box bounds;
+    if (const status s = cell_box(cell, bounds); s != status::ok) return s;
+    const status s = viewpoints_.parts(cell, grown_box(bounds, facts_.margin), [](const region_part&) {});
+    if (s != status::ok) return s;
+  }
   return status::ok;
 }
 

@@ -306,6 +306,7 @@ status reader::check(const row_codes* codes, std::span<run> out, std::span<std::
   }
   if (const status s = check_stored(stored.first(facts_.polygon_count)); s != status::ok) return s;
   if (!volumes_.places_differ(stored)) return status::corrupt;
+  if (const status s = check_regions(); s != status::ok) return s;
   if (const status s = check_rows(codes, out, scratch); s != status::ok) return s;
   return check_importance(codes, out, scratch, as_array<std::uint8_t>(std::as_writable_bytes(stored)));
 }

@@ -21,6 +21,16 @@ namespace sightcell::format {
   return value >= 0.0 && value <= 1.0;
 }
 
+// Meters. False for NaN too.
+[[nodiscard]] inline bool is_player_radius(float value) noexcept {
+  return value > 0.0f && std::isfinite(value);
+}
+
+// whole: the region of the cell is its whole grown box, so nothing is outside.
+[[nodiscard]] inline bool viewpoint_shares_are_valid(float valid, double outside, bool whole) noexcept {
+  return valid > 0.0f && valid <= 1.0f && is_share(outside) && (!whole || outside == 0.0);
+}
+
 [[nodiscard]] inline bool certificate_is_valid(const certificate_record& c) noexcept {
   return c.misses <= c.rays && is_share(c.upper_bound) && is_share(c.confidence);
 }

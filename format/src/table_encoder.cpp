@@ -20,6 +20,8 @@ std::uint32_t high(std::uint64_t value) {
   return static_cast<std::uint32_t>(value >> 32);
 }
 
+}  // namespace
+
 // A bound may only be rounded up, its confidence only down.
 std::uint32_t bits_toward(double value, float direction) {
   const auto nearest = static_cast<float>(value);
@@ -27,8 +29,6 @@ std::uint32_t bits_toward(double value, float direction) {
   const bool wrong = direction > 1.0f ? back < value : back > value;
   return std::bit_cast<std::uint32_t>(wrong ? std::nextafter(nearest, direction) : nearest);
 }
-
-}  // namespace
 
 std::vector<std::byte> encode_draws(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw) {
   column_list columns(layout::draw_columns);

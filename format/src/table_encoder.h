@@ -15,5 +15,7 @@ std::vector<std::byte> encode_draws(std::span<const draw_record> draws, std::spa
 // False if cells on a lattice are in a wrong order or have no valid box.
 [[nodiscard]] bool encode_cells(const file_contents& contents, std::vector<std::byte>& out);
 std::vector<std::byte> encode_certificate(std::span<const certificate_record> certificate);
+// The bits of a share as an f32, rounded up (direction 2) or down (direction -1).
+[[nodiscard]] std::uint32_t bits_toward(double value, float direction);
 
 }  // namespace sightcell::format

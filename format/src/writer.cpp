@@ -18,6 +18,7 @@
 #include "sightcell/format/layout.h"
 #include "stored_sets.h"
 #include "table_encoder.h"
+#include "viewpoint_table_writer.h"
 #include "volume_table_writer.h"
 
 namespace sightcell::format {
@@ -142,19 +143,23 @@ class complete_order {
 };
 
 // Encodes all but the rows, which come last, so that everything that a reader checks at open is at the front. The
-// directory has its final size. argument: invalid cells, volumes or named groups.
+// directory has its final size. argument: invalid cells, volumes, named groups or viewpoints.
 status front_sections(const file_contents& contents, const stored_order& order, const rows_encoder& rows,
                       std::vector<section_bytes>& sections) {
   std::vector<std::byte> cells;
   std::vector<std::byte> orders;
   std::vector<std::byte> volumes;
   std::vector<std::byte> named_groups;
+  std::vector<std::byte> viewpoints;
   if (!encode_cells(contents, cells)) return status::argument;
   if (!contents.volumes.places.empty()) {
     if (const status s = put_volumes(contents.volumes, volumes); s != status::ok) return s;
   }
   // Also without groups, since a draw may name one that does not exist.
   if (const status s = put_named_groups(contents.named_groups, contents.draws, named_groups); s != status::ok) return s;
+  if (!contents.viewpoints.empty()) {
+    if (const status s = put_viewpoints(contents, viewpoints); s != status::ok) return s;
+  }
   put_orders(order.orders, orders);
   sections.push_back({layout::section_draws, true, encode_draws(contents.draws, order.order_of_draw)});
   sections.push_back({layout::section_orders, true, std::move(orders)});
@@ -167,6 +172,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
   if (!contents.certificate.empty()) {
     sections.push_back({layout::section_certificate, false, encode_certificate(contents.certificate)});
   }
+  if (!viewpoints.empty()) sections.push_back({layout::section_viewpoints, false, std::move(viewpoints)});
   if (!contents.settings.empty()) {
     const auto text = std::as_bytes(std::span(contents.settings));
     sections.push_back({layout::section_settings, false, {text.begin(), text.end()}});

@@ -1,6 +1,7 @@
 // The C functions: each checks its arguments and calls the implementation. Statuses of format have the same numbers.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -24,13 +25,17 @@ namespace format = sightcell::format;
 namespace runtime = sightcell::runtime;
 
 static_assert(sizeof(sightcell_frame) == 64 && sizeof(sightcell_range) == 12 && sizeof(sightcell_draw) == 48);
-static_assert(sizeof(sightcell_info) == 56 && sizeof(sightcell_command) == 20);
+static_assert(sizeof(sightcell_info) == 60 && offsetof(sightcell_info, player_radius) == 56);
+static_assert(sizeof(sightcell_command) == 20);
 static_assert(static_cast<int>(format::status::limit) == SIGHTCELL_ERR_LIMIT &&
               static_cast<int>(format::status::other_scene) == SIGHTCELL_ERR_OTHER_SCENE &&
               static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE &&
               format::no_named_group == SIGHTCELL_NO_NAMED_GROUP);
 
 namespace {
+
+// The size of sightcell_info before player_radius was added.
+constexpr std::uint32_t first_info_size = offsetof(sightcell_info, player_radius);
 
 void write_box(const format::box& bounds, float min[3], float max[3]) noexcept {
   std::copy_n(bounds.min.data(), 3, min);
@@ -194,10 +199,10 @@ sightcell_status sightcell_db_named_groups_of_draws(const sightcell_db* db, uint
 }
 
 sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out) {
-  if (db == nullptr || out == nullptr || out->struct_size < sizeof(sightcell_info)) return SIGHTCELL_ERR_ARGUMENT;
+  if (db == nullptr || out == nullptr || out->struct_size < first_info_size) return SIGHTCELL_ERR_ARGUMENT;
   const format::file_facts& facts = db->file().facts();
   sightcell_info info{};
-  info.struct_size = sizeof(sightcell_info);
+  info.struct_size = out->struct_size < sizeof info ? first_info_size : sizeof info;
   info.format_version = db->file().format_version();
   info.layout = static_cast<std::uint32_t>(facts.layout);
   info.polygon_count = facts.polygon_count;
@@ -208,7 +213,22 @@ sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out) 
   info.max_pixel_error = facts.max_pixel_error;
   info.confidence = facts.confidence;
   std::memcpy(info.scene_fingerprint, facts.scene_fingerprint.data(), facts.scene_fingerprint.size());
-  *out = info;
+  info.player_radius = db->file().viewpoints().player_radius();
+  std::memcpy(out, &info, info.struct_size);
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_cell_viewpoints(const sightcell_db* db, uint32_t cell, float* valid_share,
+                                              float* outside_share) {
+  if (db == nullptr || valid_share == nullptr || outside_share == nullptr || cell >= db->file().cell_count()) {
+    return SIGHTCELL_ERR_ARGUMENT;
+  }
+  const float valid = db->file().viewpoints().valid_share(cell);
+  const float outside = db->file().viewpoints().outside_share(cell);
+  // Checked again: the bytes may have changed since open.
+  if (!(valid > 0.0f && valid <= 1.0f && outside >= 0.0f && outside <= 1.0f)) return SIGHTCELL_ERR_CORRUPT;
+  *valid_share = valid;
+  *outside_share = outside;
   return SIGHTCELL_OK;
 }
 
@@ -387,10 +407,10 @@ sightcell_status sightcell_db_statistics(const sightcell_db* db, sightcell_db_st
 sightcell_status sightcell_view_debug_lines(const sightcell_view* view, uint32_t kinds, sightcell_debug_line* dst,
                                             size_t capacity, size_t* count) {
   if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
-  const sightcell_status room = check_room(dst, capacity, runtime::count_debug_lines(*view, kinds), count);
-  if (room != SIGHTCELL_OK) return room;
-  runtime::write_debug_lines(*view, kinds, dst);
-  return SIGHTCELL_OK;
+  std::uint64_t need = 0;
+  if (const sightcell_status s = runtime::count_debug_lines(*view, kinds, need); s != SIGHTCELL_OK) return s;
+  const sightcell_status room = check_room(dst, capacity, need, count);
+  return room == SIGHTCELL_OK ? runtime::write_debug_lines(*view, kinds, {dst, *count}) : room;
 }
 
 sightcell_status sightcell_db_misses_text(const sightcell_db* db, const sightcell_miss* misses, size_t miss_count,

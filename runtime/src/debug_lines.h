@@ -1,14 +1,17 @@
 #pragma once
 // Lines along the edges of boxes near the eye of a view.
-#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "view.h"
 
 namespace sightcell::runtime {
 
-[[nodiscard]] std::uint64_t count_debug_lines(const sightcell_view& view, std::uint32_t kinds) noexcept;
-// Writes count_debug_lines lines.
-void write_debug_lines(const sightcell_view& view, std::uint32_t kinds, sightcell_debug_line* dst) noexcept;
+// CORRUPT: the region of the cell is damaged; count is unchanged.
+[[nodiscard]] sightcell_status count_debug_lines(const sightcell_view& view, std::uint32_t kinds,
+                                                 std::uint64_t& count) noexcept;
+// dst: of the size that count_debug_lines returned. CORRUPT: the bytes of the file changed since then.
+[[nodiscard]] sightcell_status write_debug_lines(const sightcell_view& view, std::uint32_t kinds,
+                                                 std::span<sightcell_debug_line> dst) noexcept;
 
 }  // namespace sightcell::runtime

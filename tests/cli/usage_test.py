@@ -7,7 +7,7 @@ import stat
 
 from harness import InRoom, program, run, write_triangles
 
-VERBS = ('bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'merge', 'samplers')
+VERBS = ('bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'merge', 'cells', 'samplers')
 
 
 class Usage(InRoom):
@@ -30,8 +30,8 @@ class Usage(InRoom):
     def test_help_of_bake_has_what_most_users_need_and_two_examples(self):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
-            '-o', '--profile', '--layout', '--volumes', '--importance', '--cells-file', '--cells-grid', '--cell-size',
-            '--cell-limit', '--margin', '--quality', '--max-pixel-error', '--safety-ring', '--player-radius',
+            '-o', '--profile', '--layout', '--volumes', '--importance', '--cells-file', '--cells-grid', '--reach',
+            '--start', '--cell-size', '--cell-limit', '--margin', '--quality', '--max-pixel-error', '--safety-ring', '--player-radius',
             '--smallest-gap', '--animated', '--all-double-sided', '--time-budget', '--threads', '--memory', '--shard',
             '--fresh', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),
@@ -47,7 +47,8 @@ class Usage(InRoom):
         for option in ('--order', '--progress', '--json', '--json-file', '--polygons-from', '--cells-from', '--scene',
                        '--misses', '--metric', '--view-resolution', '--view-fov', '--view-pitch', '--view-least',
                        '--sampler', '--samples', '--sampling-rays', '--source', '--resolution', '--seed', '--phase',
-                       '--scratch'):
+                       '--scratch', '--player-height', '--player-step', '--player-jump', '--player-gap', '--player-slope',
+                       '--eye-heights'):
             self.assertIn(f'\n  {option}', out)
             self.assertNotIn(f'\n  {option} ', everyday)
 
@@ -58,7 +59,7 @@ class Usage(InRoom):
         found = re.findall(r' (--[a-z-]+) \S+ (?:(?! --[a-z-]+ [A-Z]).)*?Range: (\S+) to ([0-9.e-]*[0-9])', text)
         self.assertGreater(len(found), 20)
         for option, low, high in found:
-            if option in ('--view-resolution', '--view-pitch'):  # two numbers: tested below
+            if option in ('--view-resolution', '--view-pitch', '--eye-heights'):  # two numbers
                 continue
             more = ['--metric', 'view'] if option.startswith('--view') else []
             bake = ['bake', self.path('missing.glb'), '-o', self.path('no.pvs'), *more]
@@ -133,6 +134,10 @@ class Usage(InRoom):
                               ('--max-pixel-error', '0.9'), ('--time-budget', '-1'),
                               ('--volumes', '0.2'), ('--volumes', '1001'),
                               ('--cells-grid', '0,0,0,1,0,1'), ('--cells-grid', '0,0,0,1,nan,1')):
+            _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)
+            self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
+        for option, value in (('--eye-heights', '2,1'), ('--eye-heights', '-1,2'), ('--start', '1,2'), ('--start', 'a,b,c'),
+                              ('--start', 'inf,0,0')):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)
             self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
         _, err = self.expect(2, 'verify', self.room, self.path('no.pvs'), '--rays', '0')

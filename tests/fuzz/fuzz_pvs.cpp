@@ -199,6 +199,30 @@ void ask_names(const sightcell_db* db, std::size_t draws) {
     require(group < groups || group == SIGHTCELL_NO_NAMED_GROUP, "a group of a draw is one");
 }
 
+// Shares are shares; the boxes outside the region of a cell are inside its grown box. sound: the whole file was
+// checked, so the regions are trees.
+void ask_viewpoints(const sightcell_db* db, const sightcell_view* view, const sightcell_frame& frame, bool sound) {
+  if (frame.cell == SIGHTCELL_NO_CELL) return;
+  float valid = 0, outside = -1, low[3], high[3];
+  require(sightcell_db_cell_viewpoints(db, frame.cell, &valid, &outside) == SIGHTCELL_OK, "cells have viewpoints");
+  require(valid > 0 && valid <= 1 && outside >= 0 && outside <= 1, "shares are shares");
+  require(sightcell_db_cell_box(db, frame.cell, low, high) == SIGHTCELL_OK, "cells have boxes");
+  std::size_t count = 0;
+  sightcell_status s = sightcell_view_debug_lines(view, SIGHTCELL_DEBUG_OUTSIDE_REGION, nullptr, 0, &count);
+  require(!sound || s != SIGHTCELL_ERR_CORRUPT, "regions of a sound file are trees");
+  if (s == SIGHTCELL_ERR_CORRUPT) return;
+  std::vector<sightcell_debug_line> lines(count);
+  s = sightcell_view_debug_lines(view, SIGHTCELL_DEBUG_OUTSIDE_REGION, lines.data(), lines.size(), &count);
+  require(s == SIGHTCELL_OK && count == lines.size() && count % 12 == 0, "lines fit");
+  sightcell_info info{};
+  info.struct_size = sizeof info;
+  require(sightcell_db_info(db, &info) == SIGHTCELL_OK, "an open file has facts");
+  for (const sightcell_debug_line& line : lines)
+    for (int k = 0; k < 3; ++k)
+      require(line.from[k] >= low[k] - info.margin && line.to[k] <= high[k] + info.margin,
+              "parts are in the grown box");
+}
+
 // Hidden, a group takes nothing but its own away; shown again, all is as it was.
 void hide_and_show(sightcell_view* view, const float eye[3], std::uint32_t group, const sightcell_info& info,
                    const sightcell_frame& shown, bool sound) {
@@ -225,6 +249,7 @@ void walk(std::span<const std::byte> file, const sightcell_db* db, sightcell_vie
     sightcell_frame frame;
     if (sightcell_view_move(view, eye, &frame) != SIGHTCELL_OK) continue;
     check_outputs(view, frame, info.polygon_count, info.range_bound, sound);
+    ask_viewpoints(db, view, frame, sound);
     if (groups > 0) hide_and_show(view, eye, cell % groups, info, frame, sound);
     if (frame.cell < info.cell_count && (frame.flags & SIGHTCELL_FRAME_DRAW_ALL) == 0)
       query_importance(file, frame.cell, frame.polygon_count, sound);

@@ -28,6 +28,7 @@ damaged_list damaged_rows();
 damaged_list damaged_importance();
 damaged_list damaged_volumes();
 damaged_list damaged_named_groups();
+damaged_list damaged_viewpoints();
 // All of them.
 damaged_list damaged_files();
 

@@ -16,7 +16,7 @@ import decode_v1  # noqa: E402
 from pvs_parts import Refused, crc32c, need  # noqa: E402
 
 MAGIC = bytes([0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A])
-ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS = 3, 4, 6, 9, 11
+ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS, VIEWPOINTS = 3, 4, 6, 9, 11, 12
 VERSIONS = {0: decode_v0, 1: decode_v1}
 
 
@@ -67,7 +67,7 @@ def sections_of(data, header, version):
         need(offset == place and flags < 2 and reserved == 0, "section record")
         place += size
         need(place <= len(data), "section leaves the file")
-        need(number not in (IMPORTANCE, NAMED_GROUPS) or flags == 0, f"required section {number}", "version")
+        need(number not in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS) or flags == 0, f"required section {number}", "version")
         if number in required or number in version.OPTIONAL:
             need(number not in found, "section is there twice")
             need(flags == (number in version.FLAGGED), "section flags")
@@ -90,6 +90,7 @@ class Contents:
         parts = sections_of(data, header, version)
         self.orders, self.lattice, self.certificate, self.volume_shape, self.volumes = [], None, [], None, []
         self.named_groups, self.named_group_of_draw = [], []
+        self.player_radius, self.viewpoints = 0, []
         self.settings = parts.get(SETTINGS, b"").decode("utf-8", "backslashreplace")
         version.decode_tables(header, parts, self)
         header.check_bounds(version.most_runs(len(parts[ROWS])))
@@ -172,9 +173,8 @@ class Contents:
         if self.lattice is not None:
             yield "lattice %.17g %.17g" % self.lattice
         for i, box in enumerate(self.boxes):
-            box = ["%.9g" % value for value in box]
             seen = "".join(f" {polygon}" for polygon in self.seen(i))
-            yield f"cell {i}: {' '.join(box[:3])}  {' '.join(box[3:])}  sees{seen}"
+            yield f"cell {i}: {box_text(box)}  sees{seen}"
         if self.volumes:
             yield "volumes %.17g %.17g" % self.volume_shape
             for i, place in enumerate(self.volumes):
@@ -183,8 +183,20 @@ class Contents:
                 yield f"volumes of {i}:" + "".join(f" {volume}" for volume in self.volumes_in(i))
         for i, (rays, misses, bound, sure, seed) in enumerate(self.certificate):
             yield f"certificate {i}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}"
+        if self.viewpoints:
+            yield f"player_radius {self.player_radius:.9g}"
+        for i, (valid, outside, _) in enumerate(self.viewpoints):
+            yield f"viewpoints {i}: {valid:.9g} {outside:.9g}"
+        for i, (_, _, parts) in enumerate(self.viewpoints):
+            for box, inside in parts:
+                yield f"{'inside' if inside else 'outside'} of {i}: {box_text(box)}"
         for i in range(len(self.importance)):
             yield f"importance {i}:" + "".join(f" {one}" for one in self.classes(i))
+
+
+def box_text(box):
+    numbers = ["%.9g" % value for value in box]
+    return f"{' '.join(numbers[:3])}  {' '.join(numbers[3:])}"
 
 
 def decode(data):

@@ -5,9 +5,9 @@ import struct
 from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
-VOLUMES, NAMED_GROUPS = 10, 11
+VOLUMES, NAMED_GROUPS, VIEWPOINTS = 10, 11, 12
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
-OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS)
 FLAGGED = REQUIRED + (VOLUMES,)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
@@ -15,6 +15,8 @@ FURTHEST_LAYER = 1 << 30
 FURTHEST_VOLUME = 1 << 30
 MOST_VOLUMES = 16777216
 MOST_NAMES = 16777216  # bytes
+MOST_REGION = 65536  # bytes
+DEEPEST = 18  # leaf of a region
 MOST_ITEMS = 4294967294  # polygons and volumes
 
 
@@ -141,10 +143,11 @@ def decode_cells(header, section):
     return None, [struct.unpack_from("<6f", section, 4 + 24 * i) for i in range(header.cells)]
 
 
-def decode_certificate(header, section):
-    def as_float(bits):
-        return struct.unpack("<f", struct.pack("<I", bits))[0]
+def as_float(bits):
+    return struct.unpack("<f", struct.pack("<I", bits))[0]
 
+
+def decode_certificate(header, section):
     return [(rays_high << 32 | rays, misses_high << 32 | misses, as_float(bound), as_float(sure), seed_high << 32 | seed)
             for rays, rays_high, misses, misses_high, bound, sure, seed, seed_high
             in zip(*whole_columns(section, 8, header.cells, "the certificate"))]
@@ -184,6 +187,54 @@ def decode_named_groups(header, section, draws):
     return [section[8 + a:8 + b] for a, b in zip(begins, ends)], groups
 
 
+def decode_region(region, grown):
+    """The parts of the grown box as (box, whether it is inside), box as min x, y, z, max x, y, z."""
+    if not region:
+        return [(grown, True)]
+    bits, parts = Bits(region, 0, 8 * len(region)), []
+
+    def node(box, depth):
+        kind = bits.take(2)
+        need(kind < 3, "node of a region")
+        if kind < 2:
+            need(depth > 0, "the root of a region is no split")
+            parts.append((box, kind == 1))
+            return
+        need(depth < DEEPEST, "leaf of a region is too deep")
+        sides = [to_float(box[axis + 3] - box[axis]) for axis in range(3)]
+        axis = sides.index(max(sides))
+        middle = to_float(0.5 * to_float(box[axis] + box[axis + 3]))
+        need(box[axis] < middle < box[axis + 3], "a side has no middle")
+        node(box[:axis + 3] + (middle,) + box[axis + 4:], depth + 1)
+        node(box[:axis] + (middle,) + box[axis + 1:], depth + 1)
+
+    node(grown, 0)
+    need((bits.at + 7) // 8 == len(region), "bytes behind a region")
+    need(bits.take(8 * len(region) - bits.at) == 0, "bits behind a region")
+    need(any(inside for _, inside in parts), "nothing is inside a region")
+    return parts
+
+
+def decode_viewpoints(header, section, boxes):
+    """The player radius; of each cell the share that is valid, the share that is outside, and the parts of its box."""
+    radius = unpack("<f", section, 0, "viewpoints")[0]
+    need(0 < radius < math.inf, "player radius")
+    columns, at = packed_columns(section, 4, 3, header.cells)
+    records, begin = [], 0
+    for valid, outside, end in zip(*columns):
+        need(begin <= end, "regions do not ascend")
+        need(end - begin <= MOST_REGION, "region", "limit")
+        valid, outside = as_float(valid), as_float(outside)
+        need(0 < valid <= 1 and 0 <= outside <= 1 and (end > begin or outside == 0), "shares of viewpoints")
+        records.append((valid, outside, section[at + begin:at + end]))
+        begin = end
+    need(at + begin == len(section), "regions do not end with the section")
+    margin = header.margin
+    grown = [tuple(to_float(value - margin) for value in box[:3]) + tuple(to_float(value + margin) for value in box[3:])
+             for box in boxes]
+    return radius, [(valid, outside, decode_region(region, box)) for (valid, outside, region), box in zip(records, grown)]
+
+
 def decode_tables(header, parts, contents):
     contents.orders = decode_orders(parts[ORDERS])
     contents.draws, contents.source_of_stored, contents.borders = decode_draws(header, parts[DRAWS], contents.orders)
@@ -196,6 +247,8 @@ def decode_tables(header, parts, contents):
     if NAMED_GROUPS in parts:
         contents.named_groups, contents.named_group_of_draw = decode_named_groups(header, parts[NAMED_GROUPS],
                                                                                   contents.draws)
+    if VIEWPOINTS in parts:
+        contents.player_radius, contents.viewpoints = decode_viewpoints(header, parts[VIEWPOINTS], contents.boxes)
 
 
 class RunCode:

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "sightcell/format/cell_lattice.h"
+#include "unit/format/viewpoint_samples.h"
 
 namespace sightcell::test {
 namespace {
@@ -147,9 +148,16 @@ sample_contents named_contents() {
   return contents;
 }
 
+sample_contents viewpoint_contents() {
+  sample_contents contents = lattice_contents();
+  add_viewpoints(contents, 7);
+  return contents;
+}
+
 std::vector<golden_file_contents> golden_files() {
-  return {{"v1_tiny", tiny_contents()},     {"v1_small", ordered_contents()},  {"v1_lattice", lattice_contents()},
-          {"v1_merged", merged_contents()}, {"v1_volumes", volume_contents()}, {"v1_groups", named_contents()}};
+  return {{"v1_tiny", tiny_contents()},           {"v1_small", ordered_contents()},  {"v1_lattice", lattice_contents()},
+          {"v1_merged", merged_contents()},       {"v1_volumes", volume_contents()}, {"v1_groups", named_contents()},
+          {"v1_viewpoints", viewpoint_contents()}};
 }
 
 }  // namespace sightcell::test

@@ -19,6 +19,9 @@ sample_contents merged_contents();
 // merged_contents() with three named groups.
 sample_contents named_contents();
 
+// lattice_contents() with viewpoints: whole boxes, trees of a few levels, and trees that are as deep as they may be.
+sample_contents viewpoint_contents();
+
 // ordered_contents() with 60 volumes on both sides of the origin.
 sample_contents volume_contents();
 

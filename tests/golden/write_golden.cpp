@@ -11,6 +11,7 @@
 #include "golden_contents.h"
 #include "golden_importance.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/format/viewpoint_table.h"
 #include "sightcell/format/writer.h"
 
 namespace {
@@ -83,14 +84,18 @@ void dump_volumes(const sample_contents& contents, std::FILE* out) {
   }
 }
 
+void dump_box(const sightcell::format::box& b, std::FILE* out) {
+  for (const float value : b.min) std::fprintf(out, " %.9g", static_cast<double>(value));
+  std::fputc(' ', out);
+  for (const float value : b.max) std::fprintf(out, " %.9g", static_cast<double>(value));
+}
+
 void dump_cells(const sample_contents& contents, std::FILE* out) {
   if (contents.lattice) std::fprintf(out, "lattice %.17g %.17g\n", contents.lattice->width, contents.lattice->height);
   for (std::size_t cell = 0; cell < contents.cells.size(); ++cell) {
     const auto& b = contents.cells[cell];
     std::fprintf(out, "cell %zu:", cell);
-    for (const float value : b.min) std::fprintf(out, " %.9g", static_cast<double>(value));
-    std::fputc(' ', out);
-    for (const float value : b.max) std::fprintf(out, " %.9g", static_cast<double>(value));
+    dump_box(b, out);
     std::fputs("  sees", out);
     dump_numbers(items_of(contents, cell, false), out);
   }
@@ -99,6 +104,23 @@ void dump_cells(const sample_contents& contents, std::FILE* out) {
     std::fprintf(out, "certificate %u: %llu %llu %.17g %.17g %llu\n", c.cell, static_cast<unsigned long long>(c.rays),
                  static_cast<unsigned long long>(c.misses), c.upper_bound, c.confidence,
                  static_cast<unsigned long long>(c.seed));
+  }
+}
+
+void dump_viewpoints(const sample_contents& contents, std::FILE* out) {
+  if (contents.viewpoints.empty()) return;
+  std::fprintf(out, "player_radius %.9g\n", static_cast<double>(contents.player_radius));
+  for (const auto& v : contents.viewpoints) {
+    std::fprintf(out, "viewpoints %u: %.9g %.9g\n", v.cell, static_cast<double>(v.valid_share), v.outside_share);
+  }
+  for (const auto& v : contents.viewpoints) {
+    sightcell::format::region_walk walk(v.region,
+                                        sightcell::format::grown_box(contents.cells[v.cell], contents.facts.margin));
+    for (sightcell::format::region_part part; walk.next(part);) {
+      std::fprintf(out, "%s of %u:", part.inside ? "inside" : "outside", v.cell);
+      dump_box(part.bounds, out);
+      std::fputc('\n', out);
+    }
   }
 }
 
@@ -121,6 +143,7 @@ bool write(const sample_contents& contents, const std::vector<std::byte>& bytes,
   dump_facts(contents, text);
   dump_draws(contents, text);
   dump_cells(contents, text);
+  dump_viewpoints(contents, text);
   if (importance) dump_importance(contents, text);
   return std::fclose(text) == 0;
 }

@@ -11,7 +11,7 @@ from installed import GOLDEN_ANSWER, build, golden, install, needed, run
 # What the machine has to bring. The rule of make_bundle.cmake.in, said once more on purpose.
 GLIBC = re.compile(r'(ld-linux[-\w]*|lib(c|m|mvec|pthread|dl|rt|util|resolv))\.so(\.\d+)?')
 MACHINE_VENDORS = ('/etc/glvnd/egl_vendor.d', '/usr/share/glvnd/egl_vendor.d')
-QUICK_BAKE = ['--cell-limit', '1', '--samples', '6', '--resolution', '64', '--max-pixel-error', '1e-2']
+QUICK_BAKE = ['--cell-limit', '4', '--samples', '6', '--resolution', '64', '--max-pixel-error', '1e-2']
 IN_NEW_NAMESPACE = ['unshare', '--mount', '--propagation', 'private']
 
 
@@ -150,7 +150,7 @@ class Bundle(unittest.TestCase):
         # What the user says holds, also when there is nothing: the bundle's own driver is not put in its place.
         self.assertIn('[gl.no-context]', inside('sightcell', *bake, '--source', 'gpu', code=1, **no_driver))
         self.assertIn('llvmpipe', inside('sightcell', *bake, '--source', 'gpu'))
-        self.assertIn('1 cells, 2,000 polygons', inside('sightcell', 'info', '/tmp/c.pvs'))
+        self.assertIn('4 cells, 2,000 polygons', inside('sightcell', 'info', '/tmp/c.pvs'))
         self.assertIn('passed', inside('sightcell', 'verify', '/tmp/c.glb', '/tmp/c.pvs', '--rays', '20000',
                                        '--max-pixel-error', '1e-2'))
         self.assertIn('overview.png', inside('sightcell-headless-walk', '/tmp/c.glb', '/tmp/c.pvs', '--frames', '2',

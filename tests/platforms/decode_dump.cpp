@@ -106,6 +106,18 @@ void add_answers(const sightcell_view* view, std::uint32_t cell, const stored_po
   if (from_ranges != set) add(text, "WRONG: the ranges of cell %" PRIu32 " are not its set\n", cell);
 }
 
+// Nothing for a file without viewpoints.
+void add_viewpoints(const sightcell_db* db, const sightcell_info& info, std::string& text) {
+  if (!(info.player_radius > 0.0f)) return;
+  add(text, "player_radius %.9g\n", static_cast<double>(info.player_radius));
+  for (std::uint32_t cell = 0; cell < info.cell_count; ++cell) {
+    float valid = 0.0f;
+    float outside = 0.0f;
+    if (sightcell_db_cell_viewpoints(db, cell, &valid, &outside) != SIGHTCELL_OK) text += "WRONG: no viewpoints\n";
+    add(text, "viewpoints %" PRIu32 ": %.9g %.9g\n", cell, static_cast<double>(valid), static_cast<double>(outside));
+  }
+}
+
 }  // namespace
 
 std::string dump(const sightcell_db* db) {
@@ -151,6 +163,7 @@ std::string dump(const sightcell_db* db) {
     add_answers(view, cell, stored, text);
   }
   sightcell_view_destroy(view);
+  add_viewpoints(db, info, text);
   return text;
 }
 

@@ -80,9 +80,9 @@ void add_lists(fnv_hash& hash, const sightcell_view* view, std::uint32_t min_gap
   std::vector<std::uint64_t> bits(words);
   add_status(hash, sightcell_view_objects(view, bits.data(), words));
   for (const std::uint64_t word : bits) add_wide(hash, word);
-  static_cast<void>(sightcell_view_debug_lines(view, 15, nullptr, 0, &count));
+  static_cast<void>(sightcell_view_debug_lines(view, 31, nullptr, 0, &count));
   std::vector<sightcell_debug_line> lines(count);
-  add_status(hash, sightcell_view_debug_lines(view, 15, lines.data(), lines.size(), &count));
+  add_status(hash, sightcell_view_debug_lines(view, 31, lines.data(), lines.size(), &count));
   for (const sightcell_debug_line& line : lines) {
     add_place(hash, line.from);
     add_place(hash, line.to);

@@ -26,7 +26,7 @@ std::vector<std::string> common_lines(std::istream& text) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) {
     for (const std::string word : {"version ", "fingerprint ", "polygons ", "margin ", "max_pixel_error ",
-                                   "confidence ", "draw ", "cell ", "named group "}) {
+                                   "confidence ", "draw ", "cell ", "named group ", "player_radius ", "viewpoints "}) {
       if (line.starts_with(word)) lines.push_back(line);
     }
   }
@@ -84,6 +84,7 @@ TEST(same_everywhere, golden_files) {
   expect_golden_text("v1_merged", 79);
   expect_golden_text("v1_volumes", 77);
   expect_golden_text("v1_groups", 87);
+  expect_golden_text("v1_viewpoints", 185);
 }
 TEST(same_everywhere, golden_files_of_version_0) {
   expect_golden_text("v0_tiny", 9, true);
@@ -117,7 +118,7 @@ TEST(same_everywhere, golden_answers) {
     sightcell_db_close(db);
     EXPECT_EQ(answer, line);
   }
-  EXPECT_EQ(files, 9u);
+  EXPECT_EQ(files, 10u);
 }
 
 // Checks frames and changes of a walk along the borders of cells and grown boxes.

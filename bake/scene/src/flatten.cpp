@@ -62,6 +62,7 @@ class flattener {
     for (const draw& d : scene_.draws) append_draw(d);
     warn_of_texels();
     list_lods();
+    out_.starts = scene_.starts;
     warn_of_broken_polygons();
     if (out_.min.x > out_.max.x) out_.min = out_.max = glm::vec3(0.0f);
     // Every polygon at a corner that is not finite is absent already, so any value will do. A NaN must not reach a

@@ -65,6 +65,13 @@ class node_reader {
         ignore(node, key, "has a \"group\" that is not a name");
       return;
     }
+    if (key == "start") {
+      if (value.is_boolean())
+        marks.start = value.get<bool>();
+      else
+        ignore(node, key, "has a \"start\" that is not true or false");
+      return;
+    }
     std::optional<bool>* const mark = key == "static"     ? &marks.is_static
                                       : key == "occluder" ? &marks.occluder
                                       : key == "dynamic"  ? &marks.dynamic

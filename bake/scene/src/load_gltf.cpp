@@ -121,6 +121,7 @@ class importer {
   };
 
   void add_node(std::size_t node, const from_above& here);
+  void add_start(std::size_t node, const glm::dmat4& to_world, bool marked);
   bool moves(std::size_t node, const from_above& here) const;
   draw_tags tags_of_node(std::size_t node, const from_above& here);
   void warn_of_movement();
@@ -453,6 +454,18 @@ void importer::add_node(std::size_t node, const from_above& here) {
   }
 }
 
+void importer::add_start(std::size_t node, const glm::dmat4& to_world, bool marked) {
+  const bool is_camera = !marked && model_.nodes[node].camera >= 0;
+  if (!marked && !is_camera) return;
+  const glm::dvec4 at = to_world[3];
+  start_point start{.is_camera = is_camera};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(at[axis])) return;
+    start.position[static_cast<std::size_t>(axis)] = static_cast<float>(at[axis]);
+  }
+  out_.starts.push_back(start);
+}
+
 void importer::walk(const std::vector<int>& roots) {
   struct pending {
     int node;
@@ -481,6 +494,7 @@ void importer::walk(const std::vector<int>& roots) {
                           inherited(next.parent.marks, notes.marks), next.parent.moves || notes.moves,
                           levels.below(next.parent.lod, static_cast<std::uint32_t>(node))};
     add_node(node, here);
+    add_start(node, here.to_world, notes.marks.start);
     push(model_.nodes[node].children, here);
   }
   levels.settle(out_.draws);

@@ -26,10 +26,11 @@ struct chunk_result {
 };
 
 // Returns rays from viewpoints that are not tested yet.
-std::vector<sight_line> draw(const box& grown, std::uint64_t count, const error_metric& metric, random_stream& random) {
+std::vector<sight_line> draw(const viewpoint_region& where, std::uint64_t count, const error_metric& metric,
+                             random_stream& random) {
   std::vector<sight_line> lines(count);
   for (sight_line& line : lines) {
-    line.eye = random.in_box(grown.min, grown.max);
+    line.eye = where.draw(random);
     line.direction = metric.direction(random);
   }
   return lines;
@@ -37,12 +38,13 @@ std::vector<sight_line> draw(const box& grown, std::uint64_t count, const error_
 
 // Returns the indices of the lines that met something which the set lacks, ascending. Lines are sorted so that those
 // with similar directions share packets.
-std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial, const box& grown,
+std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial, const viewpoint_region& where,
                                     const std::vector<sight_line>& lines) {
+  const box& around = where.whole();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order(lines.size());
   for (std::uint32_t i = 0; i < order.size(); ++i)
-    order[i] = {direction_code(lines[i].direction) << 15 | place_code(lines[i].eye, grown.min, grown.max - grown.min),
-                i};
+    order[i] = {
+        direction_code(lines[i].direction) << 15 | place_code(lines[i].eye, around.min, around.max - around.min), i};
   std::sort(order.begin(), order.end());
   std::vector<sight_line> sorted(lines.size());
   for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = lines[order[i].second];
@@ -55,13 +57,14 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
   return found;
 }
 
-chunk_result cast_chunk(const ray_scene& rays, const box& grown, const visibility_rules& rules, std::uint64_t count,
-                        std::uint64_t tests, random_stream random, const std::function<bool(std::uint32_t)>& contains) {
+chunk_result cast_chunk(const ray_scene& rays, const viewpoint_region& where, const visibility_rules& rules,
+                        std::uint64_t count, std::uint64_t tests, random_stream random,
+                        const std::function<bool(std::uint32_t)>& contains) {
   chunk_result result;
-  const std::vector<sight_line> lines = draw(grown, count, *rules.metric, random);
+  const std::vector<sight_line> lines = draw(where, count, *rules.metric, random);
   result.cast = count;
   ray_trial trial(rays, rules, contains);
-  const std::vector<std::uint32_t> suspect_lines = suspects(rays, trial, grown, lines);
+  const std::vector<std::uint32_t> suspect_lines = suspects(rays, trial, where, lines);
 
   std::vector<glm::vec3> viewpoints;
   for (std::size_t i = 0; i < std::min<std::size_t>(tests, lines.size()); ++i) viewpoints.push_back(lines[i].eye);
@@ -92,7 +95,7 @@ void bound_batch::cast_tested(std::uint64_t trials) {
   constexpr std::uint64_t most_parts = 1024;  // each part of each round has a random stream of its own
   verification_stream source = source_;
   source.round = source_.round * most_parts + parts_++;
-  const verification_batch part = cast_verification_rays(rays_, grown_, rules_, trials, source, contains_, give_up_);
+  const verification_batch part = cast_verification_rays(rays_, where_, rules_, trials, source, contains_, give_up_);
   given_up_ = given_up_ || part.given_up;
   cast_ += part.rays, tested_ += part.rays, valid_ += part.rays;
   misses_ += part.misses;
@@ -116,7 +119,7 @@ void bound_batch::cast(std::uint64_t trials) {
     }
     const std::uint64_t size = std::min(chunk_rays, count - i * chunk_rays);
     chunks[i] =
-        cast_chunk(rays_, grown_, rules_, size, tests_of_chunk,
+        cast_chunk(rays_, where_, rules_, size, tests_of_chunk,
                    random_stream(source_.seed, source_.place, source_.use, source_.round, parts_ + i), contains_);
   });
   given_up_ = given_up_ || given_up;
@@ -138,10 +141,10 @@ std::uint64_t bound_batch::trials(double risk) const {
   return std::max(valid_at_least(cast_, tested_, valid_, risk), misses_);
 }
 
-verification_batch cast_bound_rays(const ray_scene& rays, const box& grown, const visibility_rules& rules,
+verification_batch cast_bound_rays(const ray_scene& rays, const viewpoint_region& where, const visibility_rules& rules,
                                    const bound_plan& plan, const verification_stream& source,
                                    const std::function<bool(std::uint32_t)>& contains) {
-  bound_batch batch(rays, grown, rules, plan.valid_share, source, contains);
+  bound_batch batch(rays, where, rules, plan.valid_share, source, contains);
   batch.cast(plan.trials);
   const std::uint64_t trials = batch.trials(plan.risk);
   return {.rays = trials,

@@ -10,32 +10,33 @@
 
 namespace sightcell::bake {
 
-// If a smaller share of the box is valid, every viewpoint is tested. Most rays would start at invalid viewpoints
+// If a smaller share of the region is valid, every viewpoint is tested. Most rays would start at invalid viewpoints
 // otherwise, and many of those meet polygons that the set lacks.
 inline constexpr double fewest_valid = 0.005;
 
 // The size of a batch and the risk of its count of trials.
 struct bound_plan {
   std::uint64_t trials = 0;  // approximate number of rays from valid viewpoints
-  double valid_share = 1.0;  // estimated share of the grown box that is valid
+  double valid_share = 1.0;  // estimated share of the region that is valid
   double risk = 0.0;         // probability of claiming more trials than there were, in (0, 1)
 };
 
 // Casts a batch of verification rays and counts its trials with a lower confidence limit.
-// Rays are independent: the origin is uniform in the grown box, the direction is that of the metric. A test of a
+// Rays are independent: the origin is uniform in the region, the direction is that of the metric. A test of a
 // viewpoint takes up to 64 rays, so only two kinds of viewpoints are tested: those whose ray met something that the set
 // lacks, and the first ones of each chunk. From the latter follows a lower limit for the number of valid viewpoints,
 // which holds with a probability of at least 1 - risk (valid_at_least()). That number is the number of trials. Given
 // the number of valid viewpoints, misses among trials are binomial, and more trials only lower the bound. So a bound
-// computed at 1 - a holds with 1 - a - risk. If less than fewest_valid of the box is valid, every viewpoint is tested
-// and the number of trials is exact.
+// computed at 1 - a holds with 1 - a - risk. If less than fewest_valid of the region is valid, every viewpoint is
+// tested and the number of trials is exact.
+// where: the box or region that viewpoints are drawn from.
 // rules: what counts as a miss.
 // source: names the random numbers.
 // contains: returns whether a polygon is in the set. Called from several threads.
 // Returns the batch. rays is the lower limit of the trials. places is the number of tested viewpoints plus the rays
 // that were not trials.
 // Threads: runs in the TBB arena of the calling thread. The result depends on the arguments alone.
-verification_batch cast_bound_rays(const ray_scene& rays, const box& grown, const visibility_rules& rules,
+verification_batch cast_bound_rays(const ray_scene& rays, const viewpoint_region& where, const visibility_rules& rules,
                                    const bound_plan& plan, const verification_stream& source,
                                    const std::function<bool(std::uint32_t)>& contains);
 
@@ -45,11 +46,11 @@ class bound_batch {
   // All references must outlive the batch.
   // contains: as above; must return the same throughout.
   // give_up: called from several threads. Once it returns true the batch is given up. Empty: never.
-  bound_batch(const ray_scene& rays, const box& grown, const visibility_rules& rules, double valid_share,
+  bound_batch(const ray_scene& rays, const viewpoint_region& where, const visibility_rules& rules, double valid_share,
               const verification_stream& source, const std::function<bool(std::uint32_t)>& contains,
               std::function<bool()> give_up = {})
       : rays_(rays),
-        grown_(grown),
+        where_(where),
         rules_(rules),
         valid_share_(valid_share),
         source_(source),
@@ -76,7 +77,7 @@ class bound_batch {
   void cast_tested(std::uint64_t trials);
 
   const ray_scene& rays_;
-  const box grown_;
+  const viewpoint_region where_;
   const visibility_rules& rules_;
   const double valid_share_;
   const verification_stream source_;

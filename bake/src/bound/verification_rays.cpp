@@ -15,13 +15,13 @@ constexpr std::uint64_t chunk_rays = 512;
 // If less than one point in 256 is valid, a chunk casts fewer rays than requested instead of searching on.
 constexpr std::uint64_t max_places_per_ray = 256;
 
-verification_batch cast_chunk(const ray_scene& rays, const box& grown, const visibility_rules& rules,
+verification_batch cast_chunk(const ray_scene& rays, const viewpoint_region& where, const visibility_rules& rules,
                               std::uint64_t count, const verification_stream& source, std::uint64_t chunk,
                               const std::function<bool(std::uint32_t)>& contains) {
   verification_batch batch;
   random_stream random(source.seed, source.place, source.use, source.round, chunk);
   const auto eyes =
-      draw_viewpoints(rays, grown, rules.player_radius, count, count * max_places_per_ray, random, batch.places);
+      draw_viewpoints(rays, where, rules.player_radius, count, count * max_places_per_ray, random, batch.places);
   ray_trial one(rays, rules, contains);
   sight seen;
   for (const glm::vec3& eye : eyes) {
@@ -37,8 +37,9 @@ verification_batch cast_chunk(const ray_scene& rays, const box& grown, const vis
 
 }  // namespace
 
-verification_batch cast_verification_rays(const ray_scene& rays, const box& grown, const visibility_rules& rules,
-                                          std::uint64_t count, const verification_stream& source,
+verification_batch cast_verification_rays(const ray_scene& rays, const viewpoint_region& where,
+                                          const visibility_rules& rules, std::uint64_t count,
+                                          const verification_stream& source,
                                           const std::function<bool(std::uint32_t)>& contains,
                                           const std::function<bool()>& give_up) {
   std::vector<verification_batch> chunks((count + chunk_rays - 1) / chunk_rays);
@@ -49,7 +50,7 @@ verification_batch cast_verification_rays(const ray_scene& rays, const box& grow
       return;
     }
     const std::uint64_t size = std::min(chunk_rays, count - i * chunk_rays);
-    chunks[i] = cast_chunk(rays, grown, rules, size, source, i, contains);
+    chunks[i] = cast_chunk(rays, where, rules, size, source, i, contains);
   });
   verification_batch all;
   for (const verification_batch& chunk : chunks) {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "bound/metric.h"
-#include "sightcell/base/box.h"
 #include "sightcell/base/random.h"
 #include "trace/ray_scene.h"
+#include "trace/viewpoint_region.h"
 #include "volumes/volume_trial.h"
 
 namespace sightcell::bake {
@@ -51,15 +51,16 @@ struct visibility_rules {
 };
 
 // Casts verification rays and returns what the set lacks.
-// grown: the box that viewpoints are drawn from.
+// where: the box or region that viewpoints are drawn from.
 // rules: what counts as a miss; its metric chooses the directions.
 // count: number of rays.
 // source: names the random numbers.
 // contains: returns whether a polygon is in the set. Called from several threads.
 // give_up: called from several threads. Once it returns true the batch is given up. Empty: never.
 // Threads: runs in the TBB arena of the calling thread. The result depends on the arguments alone.
-verification_batch cast_verification_rays(const ray_scene& rays, const box& grown, const visibility_rules& rules,
-                                          std::uint64_t count, const verification_stream& source,
+verification_batch cast_verification_rays(const ray_scene& rays, const viewpoint_region& where,
+                                          const visibility_rules& rules, std::uint64_t count,
+                                          const verification_stream& source,
                                           const std::function<bool(std::uint32_t)>& contains,
                                           const std::function<bool()>& give_up = {});
 

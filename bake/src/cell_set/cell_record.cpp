@@ -8,7 +8,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint8_t record_version = 4;
+constexpr std::uint8_t record_version = 5;
 constexpr std::size_t checksum_size = 8;
 
 void put_bytes(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
@@ -129,7 +129,7 @@ std::optional<reader> body_of(std::span<const std::uint8_t> bytes) {
   return in;
 }
 
-constexpr std::uint64_t has_volumes = 8;  // a bit of the flags
+constexpr std::uint64_t has_volumes = 8, is_out_of_time = 16;  // bits of the flags
 
 // Reads the plain fields. Returns the flags.
 std::uint64_t take_plain_fields(reader& in, cell_record& record) {
@@ -137,6 +137,7 @@ std::uint64_t take_plain_fields(reader& in, cell_record& record) {
   record.stored = (flags & 1) != 0;
   record.bound_met = (flags & 2) != 0;
   record.geometry_inside = (flags & 4) != 0;
+  record.out_of_time = (flags & is_out_of_time) != 0;
   record.rays = in.take(8);
   record.misses = in.take(8);
   record.upper_bound = in.take_double();
@@ -146,6 +147,8 @@ std::uint64_t take_plain_fields(reader& in, cell_record& record) {
   record.valid_share = in.take_double();
   record.batches = static_cast<std::uint32_t>(in.take(4));
   record.unseen = in.take_varint();
+  record.outside_share = in.take_double();
+  record.seconds = in.take_double();
   return flags;
 }
 
@@ -161,7 +164,8 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   out.push_back(record_version);
   out.push_back(static_cast<std::uint8_t>((record.stored ? 1 : 0) | (record.bound_met ? 2 : 0) |
                                           (record.geometry_inside ? 4 : 0) |
-                                          (record.volumes.empty() ? 0 : has_volumes)));
+                                          (record.volumes.empty() ? 0 : has_volumes) |
+                                          (record.out_of_time ? is_out_of_time : 0)));
   put_bytes(out, record.rays, 8);
   put_bytes(out, record.misses, 8);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.upper_bound), 8);
@@ -171,8 +175,12 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   put_bytes(out, std::bit_cast<std::uint64_t>(record.valid_share), 8);
   put_bytes(out, record.batches, 4);
   put_varint(out, record.unseen);
+  put_bytes(out, std::bit_cast<std::uint64_t>(record.outside_share), 8);
+  put_bytes(out, std::bit_cast<std::uint64_t>(record.seconds), 8);
   put_set(out, record.set);
   put_witnesses(out, record);
+  put_varint(out, record.region.size());
+  out.insert(out.end(), record.region.begin(), record.region.end());
   if (!record.volumes.empty()) put_set(out, record.volumes);
   put_bytes(out, XXH3_64bits(out.data(), out.size()), checksum_size);
   return out;
@@ -185,6 +193,10 @@ std::optional<cell_record> decode(std::span<const std::uint8_t> bytes) {
   const std::uint64_t flags = take_plain_fields(*in, record);
   take_set(*in, record.set);
   take_witnesses(*in, record);
+  const std::uint64_t region_bytes = in->take_varint();
+  if (region_bytes > in->bytes.size()) return std::nullopt;
+  record.region.assign(in->bytes.begin(), in->bytes.begin() + static_cast<std::ptrdiff_t>(region_bytes));
+  in->bytes = in->bytes.subspan(region_bytes);
   if ((flags & has_volumes) != 0) take_set(*in, record.volumes);
   if (!in->good || !in->bytes.empty()) return std::nullopt;
   return record;

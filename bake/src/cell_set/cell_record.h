@@ -29,10 +29,17 @@ struct cell_record {
   std::uint64_t rays_spent = 0;  // cost of all ray work, in rays
   std::uint32_t samples = 0;     // number of hemicubes rendered
   bool bound_met = true;
+  // With settings::seconds_per_cell: the seconds that the stages took; the limit of the next stage follows from it.
+  double seconds = 0.0;
+  bool out_of_time = false;  // that limit ended the search before the bound was met
   std::uint64_t unseen = 0;  // polygons of a finished cell that joined by conservative dilation
 
+  // The part of the grown box in which viewpoints are drawn (viewpoint_region::encode()); empty: all of it.
+  std::vector<std::uint8_t> region;
+  double valid_share = 1.0;    // estimated share of the region that is valid
+  double outside_share = 0.0;  // upper limit (95 %) of the share of the valid viewpoints that are outside the region
+
   // For the next stages; a finished cell has none of the following.
-  double valid_share = 1.0;  // estimated share of the grown box that is valid
   // The witnesses of the set: witness_of[i] is the index into witnesses of the viewpoint from which set[i] was found
   // visible.
   std::vector<glm::vec3> witnesses;

@@ -46,12 +46,12 @@ cell_list cells_of_grid(const std::array<float, 6>& box, double cell_size) {
 
 cell_list automatic_cells(const scene::world_geometry& geometry, const settings& how) {
   const lattice asked(static_cast<double>(how.cell_size));
-  walkable_cells walkable = find_walkable_cells(geometry, asked, how.all_double_sided);
+  walkable_cells walkable = find_walkable_cells(geometry, asked, how);
   cell_list list;
   list.warnings = std::move(walkable.warnings);
   lattice on = walkable.on;
   auto before = static_cast<double>(walkable.positions.size());
-  const char* where = "over walkable floor";
+  std::string where = "over floors " + walkable.how;
   if (!walkable.positions.empty()) {
     on = coarsen_until(walkable.positions, on, automatic_limit);
     add_cells(walkable.positions, on, list);

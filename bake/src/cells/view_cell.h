@@ -35,9 +35,9 @@ struct cell_list {
 
 // Returns the cells that settings request: the host's own, else those of --cells-file, else --cells-grid, else
 // automatic cells.
-// Automatic cells are the lattice cells that contain an eye 1.6 m above an up-facing floor with head room. A lattice
-// cell is cell_size wide and deep and half as high, anchored at the world origin. If no floor is found, they are a grid
-// over the bounding box grown by 2 m.
+// Automatic cells are the lattice cells that contain an eye of a player above a floor that can be reached
+// (walkable.h). A lattice cell is cell_size wide and deep and half as high, anchored at the world origin. If no floor
+// is found, they are a grid over the bounding box grown by 2 m.
 // --cell-limit is applied. Whether a cell has a valid viewpoint is not tested here. Deterministic.
 // Throws sightcell::error (bad_input) on a broken cells file.
 cell_list make_cells(const scene::world_geometry& geometry, const settings& how);

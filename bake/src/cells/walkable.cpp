@@ -9,7 +9,10 @@
 #include <glm/geometric.hpp>
 #include <memory>
 #include <new>
+#include <numbers>
 #include <optional>
+
+#include "cells/reach.h"
 
 namespace sightcell::bake {
 
@@ -18,8 +21,9 @@ namespace {
 constexpr double fine_voxel = 0.25;       // meters: the width of a person
 constexpr double coarse_voxel = 0.5;      // meters: the widest that keeps doors and alleys open
 constexpr double column_limit = 4 << 20;  // columns of the field: 32 MB of pointers, plus the spans
-constexpr double fine_step = 0.1;         // meters, height of a voxel
-constexpr double slope_limit = 0.70710;   // cosine of 45 degrees, rounded down so that 45 degrees itself counts
+// A floor without a way from the one with the most polygons around it gets cells if it has this share of them.
+constexpr double share_of_richest = 0.015, smallest_floor = 20.0;  // of polygons; square meters
+constexpr double fine_step = 0.1;                                 // meters, height of a voxel
 
 struct bounds {
   glm::dvec3 min{0.0}, max{0.0};
@@ -146,7 +150,18 @@ field_shape choose_field(const scene::world_geometry& geometry, const bounds& al
   return shape;
 }
 
-bool is_floor(const std::array<glm::dvec3, 3>& at, bool double_sided) {
+player_moves moves_of(const player_settings& player, const field_shape& shape) {
+  const auto up = [&](float meters) {
+    return static_cast<std::int32_t>(std::floor(static_cast<double>(meters) / shape.step + 1e-6));
+  };
+  const auto height = static_cast<std::int32_t>(std::ceil(static_cast<double>(player.height) / shape.step - 1e-6));
+  return {.height = std::max(1, height),
+          .step = up(player.step),
+          .jump = std::max(up(player.step), up(player.jump)),
+          .gap = static_cast<std::int32_t>(static_cast<double>(player.gap) / shape.voxel)};
+}
+
+bool is_floor(const std::array<glm::dvec3, 3>& at, double slope_limit, bool double_sided) {
   const glm::dvec3 normal = glm::cross(at[1] - at[0], at[2] - at[0]);
   const double length = glm::length(normal);
   const double up = double_sided ? std::abs(normal.y) : normal.y;
@@ -158,7 +173,10 @@ struct free_heightfield {
 };
 using heightfield = std::unique_ptr<rcHeightfield, free_heightfield>;
 
-heightfield rasterize(const scene::world_geometry& geometry, const field_shape& shape, bool all_double_sided) {
+heightfield rasterize(const scene::world_geometry& geometry, const field_shape& shape, const player_moves& moves,
+                      const settings& how) {
+  // The cosine of the slope, rounded down so that the slope itself counts.
+  const double slope_limit = std::cos(static_cast<double>(how.player.slope) * std::numbers::pi / 180.0) - 1e-5;
   rcContext context(false);
   heightfield field(rcAllocHeightfield());
   const glm::vec3 min(shape.world.min), max(shape.world.max);
@@ -176,31 +194,150 @@ heightfield rasterize(const scene::world_geometry& geometry, const field_shape& 
     if (low.x < shape.world.min.x - reach || low.z < shape.world.min.z - reach || high.x > shape.world.max.x + reach ||
         high.z > shape.world.max.z + reach)
       continue;
-    const unsigned char area = is_floor(at, kind.double_sided || all_double_sided) ? RC_WALKABLE_AREA : RC_NULL_AREA;
+    const unsigned char area =
+        is_floor(at, slope_limit, kind.double_sided || how.all_double_sided) ? RC_WALKABLE_AREA : RC_NULL_AREA;
     const auto corner = [&](std::size_t i) { return &geometry.positions[geometry.indices[3 * p + i]].x; };
     if (!rcRasterizeTriangle(&context, corner(0), corner(1), corner(2), area, *field)) throw std::bad_alloc();
   }
-  const int open_voxels = std::max(1, static_cast<int>(std::ceil(head_room / shape.step)));
-  rcFilterWalkableLowHeightSpans(&context, open_voxels, *field);
+  rcFilterLowHangingWalkableObstacles(&context, moves.step, *field);
+  rcFilterWalkableLowHeightSpans(&context, moves.height, *field);
   return field;
 }
 
-// Adds the heights (lattice y) of all eyes above one column of voxels.
-void collect_heights(const rcSpan* span, const field_shape& shape, std::vector<std::int64_t>& heights) {
-  for (; span != nullptr; span = span->next) {
-    if (span->area == RC_NULL_AREA) continue;
-    // The floor is somewhere in the topmost voxel of its span, so the height of the eye has an uncertainty of one
-    // voxel.
-    const double top = shape.world.min.y + static_cast<double>(span->smax) * shape.step + eye_height;
-    const auto last = static_cast<std::int64_t>(std::floor(top / shape.on.height()));
-    auto height = static_cast<std::int64_t>(std::floor((top - shape.step) / shape.on.height()));
-    for (; height <= last; ++height) {
-      if (heights.empty() || heights.back() != height) heights.push_back(height);
+// Returns the open spaces of the field that are high enough for a player.
+open_field open_spaces(const rcHeightfield& field, const player_moves& moves) {
+  open_field open;
+  open.width = static_cast<std::size_t>(field.width);
+  open.depth = static_cast<std::size_t>(field.height);
+  const std::size_t columns = open.width * open.depth;
+  open.begins.reserve(columns + 1);
+  for (std::size_t column = 0; column < columns; ++column) {
+    open.begins.push_back(static_cast<std::uint32_t>(open.spaces.size()));
+    for (const rcSpan* span = field.spans[column]; span != nullptr; span = span->next) {
+      const auto floor = static_cast<std::int32_t>(span->smax);
+      const auto ceiling =
+          span->next != nullptr ? static_cast<std::int32_t>(span->next->smin) : std::int32_t{RC_SPAN_MAX_HEIGHT};
+      if (ceiling - floor >= moves.height) open.spaces.push_back({floor, ceiling, span->area != RC_NULL_AREA});
     }
   }
+  open.begins.push_back(static_cast<std::uint32_t>(open.spaces.size()));
+  return open;
 }
 
-std::vector<lattice_position> collect_cells(const rcHeightfield& field, const field_shape& shape) {
+// Returns the space whose floor is below a point, at most 8 m; nothing if there is none.
+std::optional<std::uint32_t> space_below(const open_field& open, const field_shape& shape,
+                                         const std::array<float, 3>& point) {
+  constexpr double deepest = 8.0, into_floor = 0.25;  // meters
+  const double x = (static_cast<double>(point[0]) - shape.world.min.x) / shape.voxel;
+  const double z = (static_cast<double>(point[2]) - shape.world.min.z) / shape.voxel;
+  if (!(x >= 0.0 && x < static_cast<double>(shape.width) && z >= 0.0 && z < static_cast<double>(shape.depth)))
+    return std::nullopt;
+  const std::size_t column = static_cast<std::size_t>(z) * open.width + static_cast<std::size_t>(x);
+  std::optional<std::uint32_t> found;
+  for (std::uint32_t i = open.begins[column]; i < open.begins[column + 1]; ++i) {
+    const double floor = shape.world.min.y + open.spaces[i].floor * shape.step;
+    const double above = static_cast<double>(point[1]) - floor;
+    if (above >= -into_floor && above <= deepest) found = i;  // the highest of them
+  }
+  return found;
+}
+
+// Returns for each region the number of polygons whose centers lie in its spaces or beside them, up to 8 m above the
+// floor: floors, walls and things. The outside of a closed level and the bottom of its sky are large and made of few
+// polygons; the inside has most of them.
+std::vector<std::uint32_t> polygons_of_regions(const open_field& open, const field_shape& shape,
+                                               const scene::world_geometry& geometry,
+                                               const std::vector<std::uint32_t>& region_of, std::size_t regions) {
+  constexpr double highest = 8.0;  // meters
+  constexpr double slack = 2.0;    // voxels: the surfaces of a space are in the voxels at its ends
+  std::vector<std::uint32_t> counts(regions, 0), beside;
+  for (std::size_t p = 0; p < geometry.kinds.size(); ++p) {
+    if (!is_obstacle(geometry.kinds[p])) continue;
+    const auto at = corners(geometry, p);
+    const glm::dvec3 center = (at[0] + at[1] + at[2]) / 3.0 - shape.world.min;
+    const glm::dvec3 voxel{center.x / shape.voxel, center.y / shape.step, center.z / shape.voxel};
+    if (!(voxel.x >= 0.0 && voxel.x < shape.width && voxel.z >= 0.0 && voxel.z < shape.depth)) continue;
+    const int x = static_cast<int>(voxel.x), z = static_cast<int>(voxel.z);
+    beside.clear();
+    for (int dz = std::max(z - 1, 0); dz <= std::min(z + 1, shape.depth - 1); ++dz)
+      for (int dx = std::max(x - 1, 0); dx <= std::min(x + 1, shape.width - 1); ++dx) {
+        const std::size_t column = static_cast<std::size_t>(dz) * open.width + static_cast<std::size_t>(dx);
+        for (std::uint32_t i = open.begins[column]; i < open.begins[column + 1]; ++i) {
+          const open_space& space = open.spaces[i];
+          const double top = std::min(space.ceiling + slack, space.floor + highest / shape.step);
+          if (region_of[i] != no_region && voxel.y >= space.floor - slack && voxel.y <= top)
+            beside.push_back(region_of[i]);
+        }
+      }
+    std::sort(beside.begin(), beside.end());
+    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    for (const std::uint32_t region : beside) ++counts[region];
+  }
+  return counts;
+}
+
+// Returns the spaces where the flood begins, and describes them.
+std::vector<std::uint32_t> starts_of(const open_field& open, const field_shape& shape, const player_moves& moves,
+                                     const settings& how, const scene::world_geometry& geometry,
+                                     walkable_cells& result) {
+  // A camera is a start only where nothing else is, and only over a floor: many show the scene from far above.
+  std::vector<std::uint32_t> starts, cameras;
+  const auto add = [&](const std::array<float, 3>& point, bool is_camera) {
+    if (const auto space = space_below(open, shape, point))
+      (is_camera ? cameras : starts).push_back(*space);
+    else if (!is_camera)
+      result.warnings.push_back(
+          fmt::format("no floor is within 8 m below the start ({:g}, {:g}, {:g}) m", point[0], point[1], point[2]));
+  };
+  for (const std::array<float, 3>& point : how.starts) add(point, false);
+  if (how.starts.empty())
+    for (const scene::start_point& start : geometry.starts) add(start.position, start.is_camera);
+  const char* const what = starts.empty() ? "camera" : "start";
+  if (starts.empty()) starts = cameras;
+  if (!starts.empty()) {
+    result.how = fmt::format("reached from {} {}{}", starts.size(), what, starts.size() == 1 ? "" : "s");
+    return starts;
+  }
+  std::vector<std::uint32_t> sizes;
+  const std::vector<std::uint32_t> region_of = find_regions(open, moves, sizes);
+  if (sizes.empty()) return starts;
+  const std::vector<std::uint32_t> polygons = polygons_of_regions(open, shape, geometry, region_of, sizes.size());
+  // Several floors can belong to a level without a way that a flood finds: lifts, ladders, jump pads, closed doors.
+  const std::uint32_t most = *std::max_element(polygons.begin(), polygons.end());
+  const auto belongs = [&](std::uint32_t region) {
+    const double area = sizes[region] * shape.voxel * shape.voxel;
+    return polygons[region] == most || (area >= smallest_floor && polygons[region] >= share_of_richest * most);
+  };
+  std::vector<bool> started(sizes.size(), false);
+  double area = 0.0;
+  for (std::uint32_t space = 0; space < open.spaces.size(); ++space) {
+    const std::uint32_t region = region_of[space];
+    if (region == no_region || started[region] || !belongs(region)) continue;
+    started[region] = true;
+    area += sizes[region] * shape.voxel * shape.voxel;
+    starts.push_back(space);
+  }
+  result.how = fmt::format(
+      "reached from the {} with the most polygons around {}, {:.0f} square meters (--start chooses others)",
+      starts.size() == 1 ? "floor" : fmt::format("{} floors", starts.size()), starts.size() == 1 ? "it" : "them", area);
+  return starts;
+}
+
+// Adds the heights (lattice y) of all eyes above one floor.
+void collect_heights(const open_space& space, const field_shape& shape, const player_settings& player,
+                     std::vector<std::int64_t>& heights) {
+  // The floor is somewhere in the topmost voxel of its span, and the ceiling in the lowest of its span.
+  const double floor = shape.world.min.y + space.floor * shape.step;
+  const double ceiling = shape.world.min.y + (space.ceiling + 1) * shape.step;
+  const double highest = std::min(floor + static_cast<double>(player.highest_eye), ceiling);
+  const double lowest = std::min(floor - shape.step + static_cast<double>(player.lowest_eye), highest);
+  const auto last = static_cast<std::int64_t>(std::floor(highest / shape.on.height()));
+  for (auto height = static_cast<std::int64_t>(std::floor(lowest / shape.on.height())); height <= last; ++height)
+    if (heights.empty() || heights.back() != height) heights.push_back(height);
+}
+
+std::vector<lattice_position> collect_cells(const open_field& open, const std::vector<std::uint8_t>& reached,
+                                            const field_shape& shape, const player_settings& player) {
   std::vector<lattice_position> found;
   std::vector<std::int64_t> heights;
   const int n = shape.voxels_per_cell;
@@ -208,10 +345,11 @@ std::vector<lattice_position> collect_cells(const rcHeightfield& field, const fi
     for (int cell_x = 0; cell_x < shape.width / n; ++cell_x) {
       heights.clear();
       for (int z = cell_z * n; z < (cell_z + 1) * n; ++z) {
-        for (int x = cell_x * n; x < (cell_x + 1) * n; ++x)
-          collect_heights(field.spans[static_cast<std::size_t>(z) * static_cast<std::size_t>(shape.width) +
-                                      static_cast<std::size_t>(x)],
-                          shape, heights);
+        for (int x = cell_x * n; x < (cell_x + 1) * n; ++x) {
+          const std::size_t column = static_cast<std::size_t>(z) * open.width + static_cast<std::size_t>(x);
+          for (std::uint32_t i = open.begins[column]; i < open.begins[column + 1]; ++i)
+            if (reached[i] && open.spaces[i].walkable) collect_heights(open.spaces[i], shape, player, heights);
+        }
       }
       std::sort(heights.begin(), heights.end());
       heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
@@ -225,14 +363,21 @@ std::vector<lattice_position> collect_cells(const rcHeightfield& field, const fi
 
 }  // namespace
 
-walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, bool all_double_sided) {
+walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, const settings& how) {
   walkable_cells result;
   result.on = on;
   const std::optional<bounds> all = bounds_of_obstacles(geometry);
   if (!all) return result;
   const field_shape shape = choose_field(geometry, *all, on, result.warnings);
-  const heightfield field = rasterize(geometry, shape, all_double_sided);
-  result.positions = collect_cells(*field, shape);
+  const player_moves moves = moves_of(how.player, shape);
+  const heightfield field = rasterize(geometry, shape, moves, how);
+  const open_field open = open_spaces(*field, moves);
+  std::vector<std::uint8_t> reached(open.spaces.size(), 1);
+  if (how.reach == reach_kind::walk)
+    reached = find_reached(open, moves, starts_of(open, shape, moves, how, geometry, result));
+  else
+    result.how = "wherever there is head room";
+  result.positions = collect_cells(open, reached, shape, how.player);
   result.on = shape.on;
   return result;
 }

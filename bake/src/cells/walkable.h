@@ -1,27 +1,33 @@
 #pragma once
-// Finds where a player can walk: floors with head room, found by Recast in a voxel field.
+// Finds where a player can walk: floors with head room that can be reached, found in a voxel field of Recast.
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "cells/lattice.h"
+#include "sightcell/bake/settings.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::bake {
 
-inline constexpr double eye_height = 1.6;  // meters above the floor
-inline constexpr double head_room = 1.8;   // meters that must be empty above a floor
+inline constexpr double eye_height = 1.6;  // meters above the floor, of a standing player
 
 struct walkable_cells {
   std::vector<lattice_position> positions;  // sorted, unique; empty if no floor was found
   lattice on{1.0};                          // coarser than requested if the scene is too wide
+  std::string how;                          // for messages: "over floors reached from the largest region"
   std::vector<std::string> warnings;        // one line each
 };
 
-// Returns the lattice cells that contain an eye above an up-facing floor (slope at most 45 degrees) with head room.
-// Opaque and MASK polygons are floors and obstacles; BLEND polygons (glass, water) are neither.
+// Returns the lattice cells that contain an eye above a floor that the player of the settings reaches: eyes from
+// crouching to jumping height (player_settings), where the ceiling leaves room. Floors are up-facing polygons that are
+// flat enough, with head room. Opaque and MASK polygons are floors and obstacles; BLEND polygons (glass, water) are
+// neither.
 // on: the requested lattice.
-// all_double_sided: down-facing polygons are floors as well.
+// Starts of the flood: how.starts, else geometry.starts, else the largest region of connected floors. With
+// how.reach == reach::everywhere each floor is reached.
 // Deterministic. Memory is bounded by the size of the voxel field, not by the extent of the scene.
-walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, bool all_double_sided);
+walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, const settings& how);
 
 }  // namespace sightcell::bake

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
+#include "file/stored_rules.h"
 #include "order/draw_table.h"
 #include "order/file_order.h"
 #include "order/stored_draws.h"
@@ -34,16 +36,23 @@ void require_ok(format::status outcome, const std::filesystem::path& output, con
 }
 
 struct stored_cells {
-  format::file_parts parts;                     // the content of the file about its cells, without sets
-  std::vector<std::uint32_t> places;            // indices into the list of all cells
-  double polygons = 0.0;                        // in all sets together
-  double unseen = 0.0;                          // of these, added by the conservative dilation
-  double volumes = 0.0;                         // in all sets together
-  std::vector<std::uint32_t> number_of_volume;  // in the file, by the number in records
+  format::file_parts parts;                                   // the content of the file about its cells, without sets
+  std::vector<std::uint32_t> places;                          // indices into the list of all cells
+  double polygons = 0.0;                                      // in all sets together
+  double unseen = 0.0;                                        // of these, added by the conservative dilation
+  double volumes = 0.0;                                       // in all sets together
+  std::vector<std::uint32_t> number_of_volume;                // in the file, by the number in records
+  std::vector<std::pair<double, std::uint32_t>> out_of_time;  // bound and place of cells that a limit of time ended
 };
+
+// Returns a share above 0 as the file has it.
+float share_in_file(double share) {
+  return std::max(static_cast<float>(share), std::numeric_limits<float>::min());
+}
 
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
   stored_cells out;
+  out.parts.player_radius = stored_rules_of(frame.settings).player_radius;
   sum.max_upper_bound = 0.0;
   for (std::uint32_t i = 0; i < frame.cells.size(); ++i) {
     const cell_record record = record_of(i);
@@ -57,6 +66,11 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
                                      .upper_bound = record.upper_bound,
                                      .confidence = record.confidence,
                                      .seed = frame.seed});
+    const auto region = std::as_bytes(std::span(record.region));
+    out.parts.viewpoints.push_back({.cell = static_cast<std::uint32_t>(out.places.size()),
+                                    .valid_share = share_in_file(record.valid_share),
+                                    .outside_share = record.outside_share,
+                                    .region = {region.begin(), region.end()}});
     out.parts.cells.push_back(frame.cells[i]);
     out.places.push_back(i);
     out.polygons += static_cast<double>(record.set.size());
@@ -64,8 +78,37 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
     out.volumes += static_cast<double>(record.volumes.size());
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;
+    if (record.out_of_time) out.out_of_time.emplace_back(record.upper_bound, i);
   }
   return out;
+}
+
+void warn_of_cells_left_out(const pvs_frame& frame, const summary& sum, const callbacks& events) {
+  if (sum.cells_left_out == 0 || !events.on_message) return;
+  events.on_message(severity::warning,
+                    fmt::format("{} of {} cells have no valid viewpoint, or too few for a camera, and are left out; a "
+                                "camera there is outside all cells",
+                                sum.cells_left_out, frame.cells.size()));
+}
+
+// Names the cells with the largest bounds.
+void warn_of_cells_out_of_time(const pvs_frame& frame, stored_cells& stored, summary& sum, const callbacks& events) {
+  sum.cells_out_of_time = static_cast<std::uint32_t>(stored.out_of_time.size());
+  if (stored.out_of_time.empty() || !events.on_message) return;
+  constexpr std::size_t most_named = 5;
+  std::sort(stored.out_of_time.begin(), stored.out_of_time.end(),
+            [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
+  std::string names;
+  for (std::size_t i = 0; i < std::min(most_named, stored.out_of_time.size()); ++i) {
+    const auto& [bound, place] = stored.out_of_time[i];
+    const format::box& box = frame.cells[place];
+    names += fmt::format("{}{:.1e} in cell {} at ({:.4g}, {:.4g}, {:.4g}) m", i == 0 ? "" : ", ", bound, place,
+                         0.5f * (box.min[0] + box.max[0]), 0.5f * (box.min[1] + box.max[1]),
+                         0.5f * (box.min[2] + box.max[2]));
+  }
+  events.on_message(severity::warning,
+                    fmt::format("--seconds-per-cell ended {} cells above the bound: {}{}", stored.out_of_time.size(),
+                                names, stored.out_of_time.size() > most_named ? " and others" : ""));
 }
 
 // Returns the slack that the file states.
@@ -144,11 +187,8 @@ bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   if (stored.places.empty())
     throw error(error_kind::failed, "bake.no-free-cell", frame.scene_name, "no cell has a valid viewpoint",
                 "give boxes with --cells-file or --cells-grid, or a smaller --player-radius");
-  if (sum.cells_left_out > 0 && events.on_message)
-    events.on_message(
-        severity::warning,
-        fmt::format("{} of {} cells have no valid viewpoint and are left out; a camera there is outside all cells",
-                    sum.cells_left_out, frame.cells.size()));
+  warn_of_cells_left_out(frame, sum, events);
+  warn_of_cells_out_of_time(frame, stored, sum, events);
   stored.parts.facts = frame.facts;
   stored.parts.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
   stored.parts.settings = frame.settings;

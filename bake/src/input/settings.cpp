@@ -96,6 +96,47 @@ std::string metric_text(const metric_settings& s) {
   return text;
 }
 
+void check_player(const settings& s) {
+  if (static_cast<std::size_t>(s.reach) >= reach_names.size())
+    refuse("--reach", number(static_cast<int>(s.reach)), "walk or everywhere");
+  for (const std::array<float, 3>& start : s.starts)
+    for (const float value : start)
+      if (!(std::abs(value) <= 1e7f)) refuse("--start", fmt::format("{}", value), "meters within 1e7 of the origin");
+  const player_settings& p = s.player;
+  check("--player-height", p.height, 0.1f, 100.0f, " m");
+  check("--player-step", p.step, 0.0f, 100.0f, " m");
+  check("--player-jump", p.jump, 0.0f, 100.0f, " m");
+  check("--player-gap", p.gap, 0.0f, 100.0f, " m");
+  check("--player-slope", p.slope, 0.0f, 89.0f, " degrees");
+  check("--eye-heights", p.lowest_eye, 0.0f, 100.0f, " m");
+  check("--eye-heights", p.highest_eye, 0.0f, 100.0f, " m");
+  if (!(p.lowest_eye <= p.highest_eye))
+    refuse("--eye-heights", fmt::format("{},{}", p.lowest_eye, p.highest_eye), "the lower height first");
+}
+
+// Returns what decides where automatic cells are, as far as it differs from the default.
+std::string player_text(const settings& s) {
+  if (!s.cells.empty() || s.cells_file || s.cells_grid) return {};
+  std::string text;
+  if (s.reach != reach_kind::walk)
+    text += fmt::format(R"(,"reach":"{}")", reach_names[static_cast<std::size_t>(s.reach)]);
+  for (std::size_t i = 0; i < s.starts.size(); ++i)
+    text += fmt::format("{}[{},{},{}]{}", i == 0 ? R"(,"starts":[)" : ",", s.starts[i][0], s.starts[i][1],
+                        s.starts[i][2], i + 1 == s.starts.size() ? "]" : "");
+  const player_settings standard;
+  const auto add = [&](const char* key, float value, float of_standard) {
+    if (value != of_standard) text += fmt::format(R"(,"{}":{})", key, value);
+  };
+  add("player_height", s.player.height, standard.height);
+  add("player_step", s.player.step, standard.step);
+  add("player_jump", s.player.jump, standard.jump);
+  add("player_gap", s.player.gap, standard.gap);
+  add("player_slope", s.player.slope, standard.slope);
+  add("lowest_eye", s.player.lowest_eye, standard.lowest_eye);
+  add("highest_eye", s.player.highest_eye, standard.highest_eye);
+  return text;
+}
+
 // A time budget needs a search that can be resumed, and a bound that selects the next cell.
 void check_time_budget(const settings& s) {
   if (!(s.time_budget >= 0.0 && s.time_budget <= 1e7)) refuse("--time-budget", number(s.time_budget), "0 to 1e+07");
@@ -157,6 +198,7 @@ void validate(const settings& s) {
                 "is given together with a file or a grid of cells", "give one of them");
   if (s.cells_grid) check_grid(*s.cells_grid);
   check("--cell-size", s.cell_size, 0.25f, 1000.0f, " m");
+  check_player(s);
   check("--margin", s.margin, 0.0f, 10.0f, " m");
   check("--player-radius", s.player_radius, 0.001f, 1.0f, " m");
   check("--smallest-gap", s.smallest_gap, 0.0f, 0.1f, " m");
@@ -196,6 +238,7 @@ std::string describe(const settings& s) {
   }
   text += fmt::format(R"(,"cell_size":{},"cell_limit":{},"margin":{},"player_radius":{})", number(s.cell_size),
                       s.cell_limit, number(s.margin), number(s.player_radius));
+  text += player_text(s);
   text += fmt::format(R"(,"sampler":{},"samples":{},"resolution":{},"max_pixel_error":{},"seed":{})",
                       nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);
   text += sampler_text(s);

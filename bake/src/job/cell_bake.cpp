@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "bound/explore_viewpoints.h"
 #include "misses/join_misses.h"
 #include "search/dilation.h"
 #include "search/neighbor_check.h"
@@ -15,8 +16,10 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint64_t viewpoint_tries = 4096;  // a cell without a valid viewpoint among them is not stored
-constexpr std::size_t viewpoints_wanted = 128;   // for cubes inside the cell and the test of polygons inside
+// The shares of --seconds-per-cell until which the stages may work. What a stage leaves, the next ones have.
+constexpr double sampling_time = 0.4, bounding_time = 0.9;
+constexpr double neighbor_time = 0.25;          // of the time for the bound: the neighbor check before it
+constexpr std::size_t viewpoints_wanted = 128;  // for cubes inside the cell and the test of polygons inside
 
 // Adds all polygons of the coarser levels of detail of each object of which the set has a polygon of the finest level.
 // set: ascending, before and after.
@@ -73,38 +76,58 @@ std::size_t cell_baker::set_bytes() const {
   return cell_set::bytes_for(rays_.geometry().kinds.size()) + (volumes_ ? volume_search_bytes(*volumes_) : 0);
 }
 
-bool cell_baker::find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& viewpoints, double& valid_share) const {
-  // The runtime looks up the cell by its own box. It uses the margin only for a camera that leaves the box. So only the
-  // box without margin decides whether the cell is stored.
-  std::uint64_t tries = 0;
-  random_stream random(how_.seed, cell.place, purpose::viewpoints);
-  if (draw_viewpoints(rays_, {cell.min, cell.max}, how_.player_radius, 1, viewpoint_tries, random, tries).empty())
-    return false;
-  tries = 0;
-  const auto wanted =
-      std::max<std::size_t>(viewpoints_wanted, static_cast<std::size_t>(how_.samples * how_.interior_share / 2.0));
-  viewpoints = draw_viewpoints(rays_, grown(cell), how_.player_radius, wanted, 16 * viewpoint_tries, random, tries);
-  valid_share = static_cast<double>(viewpoints.size()) / static_cast<double>(tries);
-  return !viewpoints.empty();
+// A damaged record has a checksum that fails, so the bytes are those of encode().
+viewpoint_region cell_baker::region_of(const view_cell& cell, const cell_record& record) const {
+  return viewpoint_region::decode(grown(cell), record.region).value_or(viewpoint_region(grown(cell)));
 }
 
-cell_record cell_baker::sample(const view_cell& cell, cell_set& set) const {
+// The limit of a stage: the stages up to it together may take this share of --seconds-per-cell. A stage whose time is
+// used up still does the least that it can.
+time_limit cell_baker::limit_until(double share, const cell_record& record, stop_request* stop) const {
+  const double cap = how_.seconds_per_cell;
+  const double left = cap > 0.0 ? std::max(share * cap - record.seconds, 1e-9) : 0.0;
+  return {left, !sampler_.uses_device(), stop};
+}
+
+// Without the option a record must not depend on time.
+void cell_baker::note_time(const time_limit& limit, cell_record& record) const {
+  if (limit.has_time()) record.seconds += limit.spent();
+}
+
+cell_record cell_baker::sample(const view_cell& cell, cell_set& set, stop_request* stop) const {
+  return sample(cell, set, limit_until(how_.max_pixel_error > 0.0 ? sampling_time : 1.0, {}, stop));
+}
+
+cell_record cell_baker::sample(const view_cell& cell, cell_set& set, const time_limit& limit) const {
   cell_record record;
-  std::vector<glm::vec3> viewpoints;
   set.clear();
-  if (!find_viewpoints(cell, viewpoints, record.valid_share)) {
+  const auto wanted =
+      std::max<std::size_t>(viewpoints_wanted, static_cast<std::size_t>(how_.samples * how_.interior_share / 2.0));
+  random_stream random(how_.seed, cell.place, purpose::viewpoints);
+  std::uint64_t tests = 0;
+  const auto found = explore_viewpoints(
+      rays_, {.own = {cell.min, cell.max}, .grown = grown(cell), .radius = how_.player_radius, .wanted = wanted},
+      random, tests);
+  if (!found) {
     record.stored = false;
     return record;
   }
+  record.region = found->region.encode();
+  record.valid_share = found->valid_share;
+  record.outside_share = found->outside_share;
+  const std::vector<glm::vec3>& viewpoints = found->viewpoints;
   for (const std::uint32_t polygon : always_) set.add(polygon, viewpoints.front());
   const auto inside = rays_.touching(grown(cell).min, grown(cell).max);
   record.geometry_inside = !inside.empty();
-  const sampling_effort effort = sampler_.sample({grown(cell), cell.place, record.geometry_inside, viewpoints}, set);
+  const sampling_effort effort =
+
+      sampler_.sample({grown(cell), cell.place, record.geometry_inside, viewpoints, &found->region, &limit}, set);
   record.samples = effort.samples;
   record.rays_spent = effort.rays;
 
   add_inside(cell, inside, viewpoints, set);
   set.save(record);
+  note_time(limit, record);
   return record;
 }
 
@@ -150,7 +173,8 @@ void cell_baker::add_misses(const view_cell& cell, cell_set& set, cell_record& r
 }
 
 std::optional<search_views> cell_baker::views_of(const view_cell& cell, const cell_record& record) const {
-  return sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}}, record.samples);
+  const viewpoint_region region = region_of(cell, record);
+  return sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}, &region}, record.samples);
 }
 
 // Searches and verifies. Stores the set and the effort in the record, but not the bound.
@@ -162,7 +186,8 @@ finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std
   how.seed = how_.seed;
   how.place = cell.place;
   how.volumes = volumes_;
-  const finish_result proof = finish_with_rays(rays_, *neighbors_, grown(cell), how, set, views ? &*views : nullptr);
+  const finish_result proof =
+      finish_with_rays(rays_, *neighbors_, region_of(cell, record), how, set, views ? &*views : nullptr);
   if (views) record.samples = views->places.taken();
   record.batches = static_cast<std::uint32_t>(proof.batches);
   record.rays_spent += proof.rays_spent;
@@ -172,45 +197,54 @@ finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std
 
 // Searches and verifies up to the target of the settings.
 // set: the cell's set so far. known: the number of its members that the sampler found; they come first.
-void cell_baker::bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const {
+void cell_baker::bound(const view_cell& cell, std::size_t known, const time_limit& limit, cell_set& set,
+                       cell_record& record) const {
   auto views = views_of(cell, record);
-  const time_limit limit(views ? how_.seconds_per_cell : 0.0, views && views->source.shared());
   const finish_settings how{
       .max_pixel_error = how_.max_pixel_error, .limit = &limit, .known = known, .known_to = how_.max_pixel_error};
   take_bound(finish(cell, how, views, set, record), record);
+  record.out_of_time = limit.reached() && !record.bound_met;
 }
 
 cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& own,
-                                    std::span<const cell_record> neighbors, cell_set& set) const {
+                                    std::span<const cell_record> neighbors, cell_set& set, stop_request* stop) const {
   cell_record record = own;
   if (!record.stored) return record;
+  const time_limit limit = limit_until(bounding_time, record, stop);
   set.load(record);
   const std::size_t known = set.members().size();
+  const time_limit of_check = limit.part(neighbor_time);
   record.rays_spent += neighbor_check(
-      rays_, grown(cell), {how_.seed, cell.place, purpose::neighbor_check, {how_.player_radius, how_.smallest_gap}},
-      neighbors, set);
+      rays_, grown(cell),
+      {how_.seed, cell.place, purpose::neighbor_check, {how_.player_radius, how_.smallest_gap}, &of_check}, neighbors,
+      set);
   add_misses(cell, set, record);
-  bound(cell, known, set, record);
+  bound(cell, known, limit, set, record);
+  note_time(limit, record);
   return record;
 }
 
-cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set) const {
-  cell_record record = sample(cell, set);
+cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set, stop_request* stop) const {
+  cell_record record = sample(cell, set, stop);
   if (!record.stored) return record;
+  const time_limit limit = limit_until(bounding_time, record, stop);
   const std::size_t known = set.members().size();
   add_misses(cell, set, record);
-  if (shares()) bound(cell, known, set, record);
+  if (shares()) bound(cell, known, limit, set, record);
+  note_time(limit, record);
   return record;
 }
 
 cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
-                              cell_set& set, const time_limit* limit) const {
+                              cell_set& set, stop_request* stop, const time_limit* limit) const {
   cell_record record = own;
   if (!record.stored) return record;
+  const time_limit own_limit = limit_until(1.0, record, stop);
+  if (!limit) limit = &own_limit;
   set.load(record);
   const std::size_t before = set.members().size();
   record.rays_spent += neighbor_check(
-      rays_, grown(cell), {how_.seed, cell.place, purpose::check_all, {how_.player_radius, how_.smallest_gap}},
+      rays_, grown(cell), {how_.seed, cell.place, purpose::check_all, {how_.player_radius, how_.smallest_gap}, limit},
       neighbors, set);
   refinement dilation(rays_, *neighbors_,
                       {.seed = how_.seed,
@@ -222,19 +256,23 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
                       set);
   record.rays_spent += dilation.run(how_.max_pixel_error * whole_sphere, finish_settings().max_rays);
   set.save(record);
+  note_time(own_limit, record);
   return record;
 }
 
 cell_record cell_baker::improve(const view_cell& cell, const cell_record* before,
                                 std::span<const cell_record> neighbors, const cell_turn& turn, cell_set& set) const {
   if (turn.limit->reached()) return before ? *before : cell_record();
-  cell_record record = before ? *before : sample(cell, set);
+  cell_record record = before ? *before : sample(cell, set, *turn.limit);
   if (!record.stored) return record;
   if (before) set.load(record);
   const std::size_t known = set.members().size();
   if (before) {
-    const neighbor_check_settings how{
-        seed_after(record.batches, how_.seed), cell.place, purpose::check_all, {how_.player_radius, how_.smallest_gap}};
+    const neighbor_check_settings how{seed_after(record.batches, how_.seed),
+                                      cell.place,
+                                      purpose::check_all,
+                                      {how_.player_radius, how_.smallest_gap},
+                                      turn.limit};
     record.rays_spent += neighbor_check(rays_, grown(cell), how, neighbors, set);
   } else {
     add_misses(cell, set, record);
@@ -264,7 +302,6 @@ void cell_baker::complete(const view_cell& cell, std::vector<std::uint32_t>& set
 cell_record cell_baker::finished(const view_cell& cell, cell_record last) const {
   last.witnesses.clear();
   last.witness_of.clear();
-  last.valid_share = 1.0;
   if (!last.stored) return last;
   std::vector<std::uint32_t> dilated = last.set;
   complete(cell, last.set);

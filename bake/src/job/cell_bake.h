@@ -18,6 +18,7 @@
 #include "sightcell/bake/settings.h"
 #include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
+#include "trace/viewpoint_region.h"
 #include "volumes/volume_grid.h"
 
 namespace sightcell::bake {
@@ -32,6 +33,7 @@ struct cell_turn {
 // Computes the records of cells. A record depends only on the settings, the scene, the box and the place of the cell,
 // and the records that are passed in. The exceptions are limits of time.
 //
+// stop, in all calls: a request ends the step with step_stopped within a few tenths of a second. Null for none.
 // set, in all calls: working memory, overwritten. It is as large as the scene (set_bytes()), so make it once per
 // worker. Threads: if the source of hemicubes is shared(), several threads may call at the same time, each with a set
 // of its own. All functions work on the calling thread's TBB arena.
@@ -55,19 +57,19 @@ class cell_baker {
   std::size_t set_bytes() const;
 
   // Phase 1, first round. Returns what the sampler finds and the polygons inside the cell.
-  cell_record sample(const view_cell& cell, cell_set& set) const;
+  cell_record sample(const view_cell& cell, cell_set& set, stop_request* stop = nullptr) const;
   // Phase 1, second round. Checks the polygons of the neighbors, then searches with rays until verification rays bound
   // the miss probability.
   // own: the record of the first round.
   // neighbors: records of the first round of the neighbors in the cell's block.
   cell_record finish_rays(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
-                          cell_set& set) const;
+                          cell_set& set, stop_request* stop = nullptr) const;
   // Both rounds of a cell that touches no other cell of its block.
-  cell_record sample_and_finish(const view_cell& cell, cell_set& set) const;
+  cell_record sample_and_finish(const view_cell& cell, cell_set& set, stop_request* stop = nullptr) const;
   // Phase 2. Checks the polygons that the neighbors in all blocks have after phase 1. Only adds to the set, so the
-  // bound still holds. limit: null for none.
+  // bound still holds. limit: of a time budget; null: that of the settings.
   cell_record check(const view_cell& cell, const cell_record& own, std::span<const cell_record> neighbors,
-                    cell_set& set, const time_limit* limit = nullptr) const;
+                    cell_set& set, stop_request* stop = nullptr, const time_limit* limit = nullptr) const;
   // One turn of a cell in a bake with a time budget: neighbor check, search and verification rays. The set does not
   // shrink and the bound does not rise.
   // before: the record of the turn before; null for the first turn, which samples first.
@@ -83,7 +85,7 @@ class cell_baker {
 
  private:
   box grown(const view_cell& cell) const { return box{cell.min, cell.max}.grown(how_.margin); }
-  bool find_viewpoints(const view_cell& cell, std::vector<glm::vec3>& viewpoints, double& valid_share) const;
+  viewpoint_region region_of(const view_cell& cell, const cell_record& record) const;
   void add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside,
                   const std::vector<glm::vec3>& viewpoints, cell_set& set) const;
   void add_misses(const view_cell& cell, cell_set& set, cell_record& record) const;
@@ -91,7 +93,11 @@ class cell_baker {
   std::optional<search_views> views_of(const view_cell& cell, const cell_record& record) const;
   finish_result finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views, cell_set& set,
                        cell_record& record) const;
-  void bound(const view_cell& cell, std::size_t known, cell_set& set, cell_record& record) const;
+  void bound(const view_cell& cell, std::size_t known, const time_limit& limit, cell_set& set,
+             cell_record& record) const;
+  cell_record sample(const view_cell& cell, cell_set& set, const time_limit& limit) const;
+  time_limit limit_until(double share, const cell_record& record, stop_request* stop) const;
+  void note_time(const time_limit& limit, cell_record& record) const;
 
   const settings& how_;
   const overrides& given_;

@@ -106,18 +106,32 @@ void run_worker(const std::function<cell_set()>& make_set, const take_step& take
       if (!set) set.emplace(make_set());
       work.add({step->cell, step->to, tbb::this_task_arena::isolate([&] { return take(*step, *set); })});
     }
+  } catch (const step_stopped&) {
+    // The list is stopped already.
   } catch (...) {
     work.fail(std::current_exception());
   }
 }
 
 void take_one_by_one(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
-                     tbb::task_arena& arena, const steps_ended& ended) {
-  arena.execute([&] {
+                     const worker_pool& pool, const steps_ended& ended) {
+  pool.arena.execute([&] {
     cell_set set = make_set();
     while (const auto step = queue.begin_next()) {
-      stage_record record{step->cell, step->to, take(*step, set)};
-      if (!ended({&record, 1}, {})) return;
+      const step_in_work now{step->cell, work_clock::now()};
+      pool.stop.poll_with(
+          [&] {
+            if (!ended({}, {&now, 1})) pool.stop.ask();
+          },
+          pool.pause);
+      try {
+        stage_record record{step->cell, step->to, take(*step, set)};
+        pool.stop.poll_with({}, pool.pause);
+        if (!ended({&record, 1}, {})) return;
+      } catch (const step_stopped&) {
+        pool.stop.poll_with({}, pool.pause);
+        return;
+      }
       queue.committed(*step);
     }
   });
@@ -134,7 +148,7 @@ std::size_t worker_count(bool shared, int threads, std::size_t set_bytes) {
 void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
                 const worker_pool& pool, const steps_ended& ended) {
   if (queue.left() == 0) return;
-  if (pool.on_calling_thread) return take_one_by_one(queue, make_set, take, pool.arena, ended);
+  if (pool.on_calling_thread) return take_one_by_one(queue, make_set, take, pool, ended);
 
   const std::size_t workers = std::clamp<std::size_t>(pool.workers, 1, queue.left());
   work_list work(queue, workers);
@@ -157,10 +171,14 @@ void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, co
   while (work.take(pool.pause, records, in_work)) {
     if (records.empty() && in_work.empty()) continue;  // the first worker makes its set
     try {
-      if (!ended(records, in_work)) work.stop();
+      if (!ended(records, in_work)) {
+        work.stop();
+        pool.stop.ask();
+      }
       work.committed(records);
     } catch (...) {
       work.fail(std::current_exception());
+      pool.stop.ask();
     }
   }
   driver.join();

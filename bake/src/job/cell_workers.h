@@ -12,6 +12,7 @@
 #include "checkpoint/checkpoint.h"
 #include "job/cell_steps.h"
 #include "job/steps_in_work.h"
+#include "sightcell/base/stop_request.h"
 
 namespace sightcell::bake {
 
@@ -31,19 +32,22 @@ using steps_ended = std::function<bool(std::span<stage_record> ended, std::span<
 
 struct worker_pool {
   tbb::task_arena& arena;
+  stop_request& stop;       // made when `ended` returns false or throws: steps in work end soon, without a record
   std::size_t workers = 1;  // how many steps are taken at a time
   // True: the calling thread takes all steps, one after the other. A source that is not shared needs this: its OpenGL
   // context belongs to that thread.
   bool on_calling_thread = false;
-  std::chrono::milliseconds pause{1000};  // the longest time between calls of `ended` while steps are in work
+  // The longest time between calls of `ended` while steps are in work. A cancel takes effect within twice this time.
+  std::chrono::milliseconds pause{250};
 };
 
 // Takes the steps of the queue.
 // make_set: makes the working memory of a worker.
 // ended: called on the calling thread, one call at a time. Its steps count as committed when it returns. If
-//   pool.on_calling_thread, it is called after each step only, because nothing else runs on that thread meanwhile.
-// Failure: if ended returns false or throws, or if a step throws, no further step begins. Steps in work come to their
-// end, and ended is called for them too. Then the first exception is thrown again.
+//   pool.on_calling_thread, it is also called from inside a step, where the step looks for a request to stop.
+// Failure: if ended returns false or throws, or if a step throws, no further step begins, and pool.stop is requested.
+// Steps in work that throw step_stopped have no record; others come to their end, and ended is called for them too.
+// Then the first exception is thrown again.
 // Threads: the calling thread must not be inside the arena. A single worker begins a step when the one before is
 // committed.
 void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,

@@ -123,7 +123,7 @@ double try_verification_rays(const bake_context& context) {
   for (std::size_t i = 0; i < trials; ++i) {
     const view_cell& cell = trial_cell(context, i);
     const double start = seconds_now();
-    (void)cast_bound_rays(context.traced->rays, {cell.min, cell.max}, {how.player_radius, how.smallest_gap},
+    (void)cast_bound_rays(context.traced->rays, box{cell.min, cell.max}, {how.player_radius, how.smallest_gap},
                           {.trials = trial_rays, .valid_share = 1.0, .risk = 0.01},
                           {how.seed, cell.place, purpose::estimate, 0}, [](std::uint32_t) { return true; });
     seconds += (seconds_now() - start) / static_cast<double>(trial_rays * trials);

@@ -17,11 +17,12 @@ namespace {
 
 constexpr std::chrono::milliseconds report_pause{200};  // between reports while the sampler prepares
 
-void run(const phase_work& work, const cell_baker& baker, bake_phase phase, step_queue queue, const take_step& take) {
+void run(const phase_work& work, const cell_baker& baker, bake_phase phase, step_queue queue, stop_request& stop,
+         const take_step& take) {
   if (queue.count() == 0) return;
   work.tracker.begin(phase);
   take_steps(
-      queue, [&] { return baker.make_set(); }, take, workers_for(work.context, baker, work.arena),
+      queue, [&] { return baker.make_set(); }, take, workers_for(work.context, baker, work.arena, stop),
       [&](std::span<const stage_record> ended, std::span<const step_in_work> in_work) {
         const bool proceed = work.tracker.close(ended, in_work, work.file.records());
         work.file.copy_if_due();
@@ -69,12 +70,16 @@ cell_baker baker_of(const bake_context& context) {
           context.volumes_or_null()};
 }
 
-worker_pool workers_for(const bake_context& context, const cell_baker& baker, tbb::task_arena& arena) {
+worker_pool workers_for(const bake_context& context, const cell_baker& baker, tbb::task_arena& arena,
+                        stop_request& stop) {
   const bool shared = context.device->source().shared();
   const std::size_t most = worker_count(shared, arena.max_concurrency(), baker.set_bytes());
   const std::uint64_t worker_bytes =
       memory_of_worker(context.input.geometry.kinds.size(), baker.set_bytes(), context.how);
-  return {.arena = arena, .workers = workers_that_fit(most, worker_bytes, context.how), .on_calling_thread = !shared};
+  return {.arena = arena,
+          .stop = stop,
+          .workers = workers_that_fit(most, worker_bytes, context.how),
+          .on_calling_thread = !shared};
 }
 
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,
@@ -124,32 +129,35 @@ void run_phase_1(const phase_work& work) {
   if (work.tracker.stopped() || !prepare(work)) return;
   const cell_baker baker = baker_of(work.context);
   const auto sampled = [&](std::uint32_t cell) { return required(work.file.records(), cell, cell_stage::sampled); };
+  stop_request stop;
   const take_step take = [&](const cell_step& step, cell_set& set) {
     const view_cell& cell = work.context.cells->list.cells[step.cell];
-    if (step.to == cell_stage::sampled) return baker.sample(cell, set);
+    if (step.to == cell_stage::sampled) return baker.sample(cell, set, &stop);
     if (work.plan.shares_in_block(step.cell)) {
       const cell_record own = sampled(step.cell);
       const auto around = work.plan.blocks().neighbors_in_block(step.cell);
-      return baker.finish_rays(cell, own, neighbors_of(own, around, sampled), set);
+      return baker.finish_rays(cell, own, neighbors_of(own, around, sampled), set, &stop);
     }
-    cell_record record = baker.sample_and_finish(cell, set);
+    cell_record record = baker.sample_and_finish(cell, set, &stop);
     return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
   };
-  run(work, baker, bake_phase::baking_cells, step_queue::phase_1(work.plan, work.tracker.have(), work.blocks), take);
+  run(work, baker, bake_phase::baking_cells, step_queue::phase_1(work.plan, work.tracker.have(), work.blocks), stop,
+      take);
 }
 
 void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
   if (work.tracker.stopped()) return;
   const cell_baker baker = baker_of(work.context);
+  stop_request stop;
   const take_step take = [&](const cell_step& step, cell_set& set) {
     const view_cell& cell = work.context.cells->list.cells[step.cell];
     cell_record own = before(step.cell);
     if (work.plan.end_of_phase_1(step.cell) == cell_stage::finished) return own;  // it touches no other cell
     const auto around = work.plan.blocks().neighbors_of(step.cell);
-    return baker.finished(cell, baker.check(cell, own, neighbors_of(own, around, before), set));
+    return baker.finished(cell, baker.check(cell, own, neighbors_of(own, around, before), set, &stop));
   };
   run(work, baker, bake_phase::checking_neighbors, step_queue::phase_2(work.plan, work.tracker.have(), work.blocks),
-      take);
+      stop, take);
 }
 
 }  // namespace sightcell::bake

@@ -19,7 +19,8 @@ namespace sightcell::bake {
 // Returns the baker of the context's cells, which must outlive it.
 cell_baker baker_of(const bake_context& context);
 // Returns the workers that the source of hemicubes, the arena and the memory limit allow.
-worker_pool workers_for(const bake_context& context, const cell_baker& baker, tbb::task_arena& arena);
+worker_pool workers_for(const bake_context& context, const cell_baker& baker, tbb::task_arena& arena,
+                        stop_request& stop);
 
 // Returns the record of a cell after phase 1. Called from several threads at a time.
 using record_of_phase_1 = std::function<cell_record(std::uint32_t cell)>;

@@ -58,6 +58,7 @@ class timed_bake {
   timed_progress progress_;
   const double pause_;  // seconds between files
   double next_file_;    // seconds of the budget when the next file is due
+  stop_request stop_;
 };
 
 timed_bake::timed_bake(const timed_work& work)
@@ -99,7 +100,7 @@ bool timed_bake::take_turns(bake_phase phase, const std::vector<std::uint32_t>& 
   step_queue queue = step_queue::listed(work_.plan, steps);
   bool proceed = true;
   take_steps(
-      queue, [&] { return baker_.make_set(); }, take, workers_for(work_.context, baker_, work_.arena),
+      queue, [&] { return baker_.make_set(); }, take, workers_for(work_.context, baker_, work_.arena, stop_),
       [&](std::span<const stage_record> ended, std::span<const step_in_work> in_work) {
         proceed = progress_.close(ended, in_work, work_.file.records()) && proceed;
         work_.file.copy_if_due();
@@ -115,7 +116,7 @@ void timed_bake::run() {
     if (!progress_.open(target) || work_.clock.over()) return;
     const auto max_rays = static_cast<std::uint64_t>(std::clamp(rays_times_target / target, fewest_rays, most_rays));
     const take_step take = [&](const cell_step& step, cell_set& set) {
-      const time_limit limit = work_.clock.limit();
+      const time_limit limit = work_.clock.limit(&stop_);
       const std::optional<cell_record> before = load(step.cell);
       std::vector<cell_record> neighbors;
       if (before) neighbors = neighbors_of_now(step.cell, *before);
@@ -125,10 +126,10 @@ void timed_bake::run() {
   }
   // The last neighbor check. It finds polygons that no bound needs.
   (void)take_turns(bake_phase::checking_neighbors, progress_.known(), [&](const cell_step& step, cell_set& set) {
-    const time_limit limit = work_.clock.limit();
+    const time_limit limit = work_.clock.limit(&stop_);
     const cell_record before = required(work_.file.records(), step.cell, cell_stage::bounded);
     if (limit.reached()) return before;
-    return baker_.check(cells[step.cell], before, neighbors_of_now(step.cell, before), set, &limit);
+    return baker_.check(cells[step.cell], before, neighbors_of_now(step.cell, before), set, nullptr, &limit);
   });
 }
 

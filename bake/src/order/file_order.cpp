@@ -26,6 +26,8 @@ std::vector<std::uint32_t> order_cells(format::file_parts& parts) {
   permute(parts.cells, found->cells);
   if (!parts.certificate.empty()) permute(parts.certificate, found->cells);
   for (std::uint32_t i = 0; i < parts.certificate.size(); ++i) parts.certificate[i].cell = i;
+  if (!parts.viewpoints.empty()) permute(parts.viewpoints, found->cells);
+  for (std::uint32_t i = 0; i < parts.viewpoints.size(); ++i) parts.viewpoints[i].cell = i;
   parts.lattice = found->shape;
   parts.places = std::move(found->places);
   return std::move(found->cells);

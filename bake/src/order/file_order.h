@@ -9,8 +9,8 @@
 
 namespace sightcell::bake {
 
-// Sorts cells into lattice order, with their certificates, if the settings text of parts names a lattice and all cells
-// are on it.
+// Sorts cells into lattice order, with their certificates and viewpoints, if the settings text of parts names a lattice
+// and all cells are on it.
 // Returns the previous number of each cell; empty if the cells were not sorted.
 std::vector<std::uint32_t> order_cells(format::file_parts& parts);
 

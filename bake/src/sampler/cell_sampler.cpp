@@ -18,6 +18,8 @@ class hemicube_sampler final : public cell_sampler {
  public:
   hemicube_sampler(const settings& how, const sampler_world& world) : how_(how), world_(world) {}
 
+  bool uses_device() const override { return !world_.source.shared(); }
+
   sampling_effort sample(const sampled_cell& cell, cell_set& set) const override {
     gap_filter without_leaks(world_.source, world_.rays, set, how_.smallest_gap);
     const hemicube_plan plan{.samples = how_.samples,
@@ -26,7 +28,7 @@ class hemicube_sampler final : public cell_sampler {
                              .geometry_inside = cell.geometry_inside,
                              .interior_share = how_.interior_share,
                              .jitter = how_.jitter,
-                             .seconds = how_.seconds_per_cell};
+                             .limit = cell.limit};
     const auto is_free = [&](const glm::vec3& eye) { return world_.rays.is_free(eye, how_.player_radius); };
     hemicubes taken(plan, without_leaks, set);
     taken.take_interior(cell.free);

@@ -13,7 +13,9 @@
 #include "search/cell_search.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/base/box.h"
+#include "sightcell/base/time_limit.h"
 #include "trace/ray_scene.h"
+#include "trace/viewpoint_region.h"
 
 namespace sightcell::bake {
 
@@ -34,7 +36,11 @@ struct sampled_cell {
   box grown;
   std::uint64_t place = 0;  // key of the random numbers of the cell
   bool geometry_inside = false;
-  std::span<const glm::vec3> free;  // valid viewpoints of the grown box in a fixed order, at least one
+  std::span<const glm::vec3> free;           // valid viewpoints of the region in a fixed order, at least one
+  const viewpoint_region* region = nullptr;  // of the grown box, where viewpoints are drawn; null: all of it
+  const time_limit* limit = nullptr;         // the sampler ends when it is reached; null: no limit
+
+  viewpoint_region where() const { return region ? *region : viewpoint_region(grown); }
 };
 
 // What a call of sample() used.
@@ -55,6 +61,8 @@ class cell_sampler {
   // alone unless a time limit ends it. May be called from several threads at a time, each with its own set, if the
   // source is shared(). Uses the calling thread's TBB arena.
   virtual sampling_effort sample(const sampled_cell& cell, cell_set& set) const = 0;
+  // Returns whether a device does the work, so that limits of time count wall-clock time and not that of a thread.
+  virtual bool uses_device() const { return false; }
   // Returns hemicubes for a later search that continues after `taken` of them; nothing if the sampler does not
   // support that. cell.free may be empty.
   virtual std::optional<search_views> later_views(const sampled_cell& cell, std::uint32_t taken) const {

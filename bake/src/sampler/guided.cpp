@@ -19,15 +19,15 @@ std::optional<search_views> guided::later_views(const sampled_cell& cell, std::u
                              .geometry_inside = cell.geometry_inside,
                              .resolution = world_.source.resolution(),
                              .taken = taken};
-  return search_views{guided_views(world_.rays, cell.grown, places), world_.source};
+  return search_views{guided_views(world_.rays, cell.where(), places), world_.source};
 }
 
 sampling_effort guided::sample(const sampled_cell& cell, cell_set& set) const {
-  const time_limit limit(how_.seconds_per_cell, world_.source.shared());
   auto views = later_views(cell, 0);
   views->most = how_.samples;
   cell_search search(world_.rays, *world_.neighbors, &*views,
-                     {.seed = how_.seed, .place = cell.place, .smallest_gap = how_.smallest_gap, .limit = &limit}, set);
+                     {.seed = how_.seed, .place = cell.place, .smallest_gap = how_.smallest_gap, .limit = cell.limit},
+                     set);
   search.look_for({.priority = priority_beside(how_.max_pixel_error > 0.0 ? first_target(how_) : error_without_one)});
   return {.samples = views->places.taken(), .rays = search.rays()};
 }

@@ -24,7 +24,7 @@ guided_search::guided_search(const settings& how, const sampler_world& world, co
                .interior_share = how.interior_share,
                .player_radius = how.player_radius},
               cell.grown, cell.free),
-      limit_(how.seconds_per_cell, true) {}
+      limit_(cell.limit ? cell.limit->part(1.0) : time_limit(0.0, true)) {}
 
 void guided_search::join(const std::vector<followed>& wave) {
   found_.clear();

@@ -22,7 +22,7 @@ struct followed {
 // arena. Its finds join when it ends.
 class guided_search {
  public:
-  // References must outlive the search. The time limit starts here.
+  // References must outlive the search.
   guided_search(const settings& how, const sampler_world& world, const sampled_cell& cell, cell_set& set);
 
   // Returns the number of rays cast.

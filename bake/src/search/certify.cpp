@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,7 +17,8 @@ namespace sightcell::bake {
 namespace {
 
 constexpr double viewpoint_risk_share =
-    0.01;  // of an interim test's risk: that too many viewpoints are counted as valid
+    0.01;                             // of an interim test's risk: that too many viewpoints are counted as valid
+constexpr double search_share = 0.6;  // of the time that is left, before each batch
 constexpr double verification_ray_cost = 0.2;  // cost of a verification ray, in aimed rays
 constexpr double left_after_round =
     0.45;                                // share of the miss probability that is left after another round of hemicubes
@@ -77,12 +79,12 @@ bool batch_pays(const std::vector<interim_test>& interim_tests, const error_gues
 // The search for visibility volumes. It does nothing if there are none.
 class search_of_volumes {
  public:
-  search_of_volumes(const ray_scene& rays, const box& grown, const finish_settings& how, cell_set& set)
+  search_of_volumes(const ray_scene& rays, const viewpoint_region& where, const finish_settings& how, cell_set& set)
       : priority_(first_priority * how.max_pixel_error * whole_sphere), rules_(how.rules) {
     if (!how.volumes) return;
     trial_.emplace(*how.volumes, set.volumes());
     rules_.volumes = &*trial_;
-    search_ = std::make_unique<volume_search>(rays, *how.volumes, grown,
+    search_ = std::make_unique<volume_search>(rays, *how.volumes, where,
                                               volume_search_settings{.seed = seed_after(how.batches_before, how.seed),
                                                                      .place = how.place,
                                                                      .player_radius = how.rules.player_radius,
@@ -117,13 +119,28 @@ struct proof {
   std::uint64_t misses = 0;  // among these trials
 };
 
+// Returns the number of trials that the time of a limit allows, from the time of other rays: a number that follows from
+// the rays of a batch itself would void its bound.
+std::uint64_t trials_in(const time_limit& limit, bound_batch& other_rays) {
+  constexpr std::uint64_t pilot = 4096, fewest = 8192;
+  constexpr double share = 0.8;  // of the time that is left
+  const double before = limit.spent();
+  other_rays.cast(pilot);
+  const double seconds = std::max(limit.spent() - before, 1e-9);
+  const double trials = share * limit.left() / seconds * pilot;
+  return static_cast<std::uint64_t>(std::clamp(trials, static_cast<double>(fewest), 1e15));
+}
+
 // Casts rays until an interim test meets the target, until finishing the batch is expected to cost more than another
 // search and a new batch, or until max_cost is spent.
+// most_trials: planned before the batch began.
 proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, const finish_settings& how,
-            std::uint64_t cost_of_views, double cost_of_trial, std::uint64_t max_cost) {
+            std::uint64_t cost_of_views, double cost_of_trial, std::uint64_t max_cost, std::uint64_t most_trials) {
   const double left = cost_of_views > 0 ? left_after_round : left_after_rays;
-  for (const interim_test& next : interim_tests) {
-    if (next.misses < batch.misses() && &next != &interim_tests.back()) continue;
+  for (interim_test next : interim_tests) {
+    const bool last = next.misses == interim_tests.back().misses || next.trials >= most_trials;
+    if (next.misses < batch.misses() && !last) continue;
+    next.trials = std::min(next.trials, most_trials);
     std::uint64_t trials = batch.trials(viewpoint_risk_share * next.risk);
     while (trials < next.trials && batch.spent() < max_cost) {
       const auto more = static_cast<double>(next.trials - trials);
@@ -134,7 +151,7 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
     }
     // The planned number of trials, even if there are more, because a planned number does not depend on the misses.
     const proof now{{next.misses, std::max(std::min(trials, next.trials), batch.misses()), next.risk}, batch.misses()};
-    if (now.misses <= next.misses || trials < next.trials || (how.limit && how.limit->reached())) return now;
+    if (now.misses <= next.misses || trials < next.trials || last || (how.limit && how.limit->reached())) return now;
     const double rate = static_cast<double>(now.misses) / static_cast<double>(trials);
     const double whole = expected_trials(interim_tests, rate, now.misses, trials),
                  again = expected_trials(interim_tests, left * rate);
@@ -146,20 +163,22 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
 
 }  // namespace
 
-finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
+finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const viewpoint_region& where,
                                const finish_settings& how, cell_set& set, search_views* views) {
   finish_result result;
   const double target = how.max_pixel_error, priority = priority_beside(target);
+  const time_limit& limit = how.limit ? *how.limit : no_limit;
+  time_limit of_search = limit.part(search_share);
   cell_search search(rays, neighbors, views,
                      {.seed = seed_after(how.batches_before, how.seed),
                       .place = how.place,
                       .smallest_gap = how.rules.smallest_gap,
-                      .limit = how.limit,
+                      .limit = &of_search,
                       .metric = how.rules.metric,
                       .known = views ? how.known : 0,
                       .tried = views ? priority_after(priority_beside(how.known_to), views->places.taken()) : 0.0},
                      set);
-  search_of_volumes volumes(rays, grown, how, set);
+  search_of_volumes volumes(rays, where, how, set);
   const double cost_of_trial = verification_ray_cost / std::max(how.valid_share, 1e-3);
   const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
   std::uint64_t of_batches = 0;
@@ -169,24 +188,33 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     return batch_pays(interim_tests, missing, cost, cost_of_trial);
   };
 
-  std::function<bool()> give_up;
-  if (how.limit && how.limit_ends_batches) give_up = [&] { return how.limit->reached(); };
+  const std::function<bool()> give_up = [&] {
+    return limit.stopped() || (how.limit_ends_batches && limit.has_time() && limit.left() <= 0.0);
+  };
 
   for (std::uint64_t turn = 1; turn == 1 || result.rays_spent < how.max_rays; ++turn) {
     const std::uint64_t number = how.batches_before + turn;
     interim_tests = plan_interim_tests(target, risk_of(number), viewpoint_risk_share);
     goal.max_cost = how.max_rays - std::min(how.max_rays, of_batches);
+    of_search = limit.part(how.limit_ends_batches ? 1.0 : search_share);
     search.look_for(goal);
     volumes.look_for();
     result.rays_spent = of_batches + search.spent() + volumes.spent();
 
-    bound_batch batch(rays, grown, volumes.rules(), how.valid_share, {how.seed, how.place, purpose::bound, number},
+    bound_batch batch(rays, where, volumes.rules(), how.valid_share, {how.seed, how.place, purpose::bound, number},
                       contains, give_up);
     const std::uint64_t left = how.max_rays - std::min(result.rays_spent, how.max_rays);
-    const proof found =
-        prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial, std::max<std::uint64_t>(left, 1));
+    std::uint64_t most_trials = std::numeric_limits<std::uint64_t>::max();
+    if (limit.has_time() && !how.limit_ends_batches) {
+      bound_batch pilot(rays, where, volumes.rules(), how.valid_share, {how.seed, how.place, purpose::estimate, number},
+                        contains, give_up);
+      most_trials = trials_in(limit, pilot);
+    }
+    const proof found = prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial,
+                              std::max<std::uint64_t>(left, 1), most_trials);
     result.batches = number;
     of_batches += std::max<std::uint64_t>(batch.spent(), 1);
+    (void)limit.reached();  // throws where a stop was requested: the batch is not complete then
     if (!batch.given_up()) {
       result.rays = found.at.trials;
       result.misses = found.misses;
@@ -198,9 +226,10 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
 
     for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
     volumes.add(batch.missed_volumes());
+    of_search = limit.part(1.0);
     search.look_beside(how.max_rays - std::min(how.max_rays, of_batches));
     result.rays_spent = of_batches + search.spent() + volumes.spent();
-    if (result.bound_met || (how.limit && how.limit->reached())) break;
+    if (result.bound_met || limit.reached() || most_trials < interim_tests.front().trials) break;
     // Misses of volumes are left out, because hemicubes and rays toward polygons find no volumes.
     const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
     search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));

@@ -6,8 +6,8 @@
 #include "cell_set/cell_set.h"
 #include "search/cell_search.h"
 #include "search/near_polygons.h"
-#include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
+#include "trace/viewpoint_region.h"
 #include "volumes/volume_grid.h"
 
 namespace sightcell::bake {
@@ -17,7 +17,7 @@ struct finish_settings {
   double max_pixel_error = 1e-4;  // target of the upper bound
   // Player radius, light-leak tolerance and metric. Its member `volumes` is replaced by one made from the set.
   visibility_rules rules = {};
-  // Estimated share of the grown box that is valid viewpoints. Decides only the size of batches.
+  // Estimated share of the region that is valid viewpoints. Decides only the size of batches.
   double valid_share = 1.0;
   // Limit on the cost: sight rays, tested viewpoints, and hemicubes by what they show.
   std::uint64_t max_rays = 100'000'000;
@@ -50,7 +50,7 @@ constexpr std::uint64_t seed_after(std::uint64_t batches, std::uint64_t seed) no
 }
 
 // Searches the cell, then casts batches of independent verification rays. The origin is uniform over the valid
-// viewpoints of the grown box and the direction has the distribution of the metric, so for a fixed set the number of
+// viewpoints of the region and the direction has the distribution of the metric, so for a fixed set the number of
 // misses is binomial and the bound is exact.
 //
 // Batch j has the share 0.05 / 2^j of the confidence, divided among its interim tests (sequential_test.h). The run
@@ -61,7 +61,7 @@ constexpr std::uint64_t seed_after(std::uint64_t batches, std::uint64_t seed) no
 //
 // views: hemicubes that may be rendered if more is missing than rays find; null: none.
 // Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
-finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const box& grown,
+finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const viewpoint_region& where,
                                const finish_settings& how, cell_set& set, search_views* views = nullptr);
 
 }  // namespace sightcell::bake

@@ -13,6 +13,7 @@ namespace {
 
 // Number of invalid viewpoints in a row after which a face counts as a wall, or points inside are drawn at random.
 constexpr std::uint32_t give_up_after = 64;
+constexpr std::uint32_t most_points = 4096;   // of the sequence, for one viewpoint: most may lie outside the region
 constexpr std::uint64_t most_tests = 16'384;  // after these no viewpoint inside is searched for
 
 pose rotated(const pose& where) {
@@ -22,11 +23,11 @@ pose rotated(const pose& where) {
 
 }  // namespace
 
-guided_views::guided_views(const ray_scene& rays, const box& grown, const guided_places& how)
+guided_views::guided_views(const ray_scene& rays, const viewpoint_region& where, const guided_places& how)
     : rays_(rays),
-      grown_(grown),
+      where_(where),
       how_(how),
-      faces_(faces_of(grown.min, grown.max)),
+      faces_(faces_of(where.whole().min, where.whole().max)),
       used_inside_(how.taken),
       random_inside_(how.seed, how.place, purpose::interior, 1, how.taken) {
   random_stream on_faces(how.seed, how.place, purpose::boundary), in_the_middle(how.seed, how.place, purpose::interior);
@@ -43,11 +44,13 @@ std::optional<pose> guided_views::on_a_face() {
     const std::uint32_t face = turns_ % 6, turn = turns_ / 6;
     ++turns_;
     if (walled_[face]) continue;
-    for (std::uint32_t tries = 0; tries < give_up_after; ++tries) {
+    for (std::uint32_t tests = 0, points = 0; tests < give_up_after && points < most_points; ++points) {
       const std::uint32_t i = ++used_[face];
       const glm::vec2 halton{radical_inverse(i, 2), radical_inverse(i, 3)};
       const pose where = faces_[face].at(glm::fract(halton + shifts_[face]));
+      if (!where_.contains(where.eye)) continue;
       if (is_nearly_valid(where.eye)) return turn % 2 == 1 ? rotated(where) : where;
+      ++tests;
     }
     walled_[face] = true;
   }
@@ -55,14 +58,17 @@ std::optional<pose> guided_views::on_a_face() {
 }
 
 std::optional<glm::vec3> guided_views::inside() {
-  for (std::uint32_t tries = 0; tries < give_up_after; ++tries) {
+  const box& whole = where_.whole();
+  for (std::uint32_t tests = 0, points = 0; tests < give_up_after && points < most_points; ++points) {
     const std::uint32_t i = ++used_inside_;
     const glm::vec3 halton{radical_inverse(i, 2), radical_inverse(i, 3), radical_inverse(i, 5)};
-    const glm::vec3 eye = grown_.min + (grown_.max - grown_.min) * glm::fract(halton + shift_inside_);
+    const glm::vec3 eye = whole.min + (whole.max - whole.min) * glm::fract(halton + shift_inside_);
+    if (!where_.contains(eye)) continue;
     if (is_nearly_valid(eye)) return eye;
+    ++tests;
   }
   std::uint64_t tested = 0;
-  const auto found = draw_viewpoints(rays_, grown_, how_.player_radius, 1, most_tests, random_inside_, tested);
+  const auto found = draw_viewpoints(rays_, where_, how_.player_radius, 1, most_tests, random_inside_, tested);
   return found.empty() ? std::nullopt : std::optional(found.front());
 }
 

@@ -10,9 +10,9 @@
 
 #include "hemicube/hemicube_source.h"
 #include "search/boundary_face.h"
-#include "sightcell/base/box.h"
 #include "sightcell/base/random.h"
 #include "trace/ray_scene.h"
+#include "trace/viewpoint_region.h"
 
 namespace sightcell::bake {
 
@@ -34,7 +34,8 @@ struct guided_places {
 // viewpoints are used too, because a test with other directions may find them valid.
 class guided_views {
  public:
-  guided_views(const ray_scene& rays, const box& grown, const guided_places& how);
+  // where: the region of viewpoints of the grown box. Copied.
+  guided_views(const ray_scene& rays, const viewpoint_region& where, const guided_places& how);
 
   // Returns up to count poses; fewer if no more viewpoints are found. They depend on the arguments and on how many
   // poses were requested before.
@@ -52,7 +53,7 @@ class guided_views {
   bool is_nearly_valid(const glm::vec3& eye) const { return rays_.is_nearly_free(eye, how_.player_radius); }
 
   const ray_scene& rays_;
-  const box grown_;
+  const viewpoint_region where_;
   guided_places how_;
   const std::array<boundary_face, 6> faces_;
   std::array<glm::vec2, 6> shifts_{};

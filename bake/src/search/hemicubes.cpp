@@ -27,7 +27,7 @@ pose jittered(const pose& where, std::uint32_t resolution, random_stream random)
 }
 
 hemicubes::hemicubes(const hemicube_plan& plan, hemicube_source& source, cell_set& set)
-    : plan_(plan), source_(source), set_(set), limit_(plan.seconds, source.shared()) {}
+    : plan_(plan), source_(source), set_(set) {}
 
 void hemicubes::take(std::span<const pose> poses, std::span<hemicube_view> views, const importance_weight& weigh) {
   turned_.assign(poses.begin(), poses.end());
@@ -51,7 +51,8 @@ void hemicubes::take_interior(std::span<const glm::vec3> points) {
     for (const float side : {1.0f, -1.0f})
       poses.push_back({eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
   std::vector<hemicube_view> views(std::min(poses.size(), interior_batch));
-  const time_limit of_cubes(plan_.seconds * plan_.interior_share, source_.shared());  // leaves time for the faces
+  // Leaves time for the faces.
+  const time_limit of_cubes = plan_.limit ? plan_.limit->part(plan_.interior_share) : time_limit(0.0, true);
   for (std::size_t first = 0; first < poses.size();) {
     const std::size_t count = std::min({interior_batch, poses.size() - first, std::size_t{left()}});
     if (count == 0 || of_cubes.reached()) return;

@@ -23,7 +23,7 @@ struct hemicube_plan {
   // Share of hemicubes that form full cubes at interior points, if there is geometry inside.
   double interior_share = 0.5;
   bool jitter = false;
-  double seconds = 0.0;  // time limit; 0: none
+  const time_limit* limit = nullptr;  // null: none
 };
 
 // Returns the number of full cubes of a plan. A full cube is two hemicubes back to back and counts as two samples.
@@ -36,13 +36,13 @@ pose jittered(const pose& where, std::uint32_t resolution, random_stream random)
 // Renders the hemicubes of one cell.
 class hemicubes {
  public:
-  // References must outlive the object. The time limit starts here.
+  // References must outlive the object.
   hemicubes(const hemicube_plan& plan, hemicube_source& source, cell_set& set);
 
   std::uint32_t taken() const { return taken_; }
   std::uint32_t resolution() const { return source_.resolution(); }
   // Returns the number of hemicubes that may still be rendered; 0 after the time limit.
-  std::uint32_t left() const { return limit_.reached() ? 0 : plan_.samples - taken_; }
+  std::uint32_t left() const { return plan_.limit && plan_.limit->reached() ? 0 : plan_.samples - taken_; }
 
   // Renders the poses as one batch, up to left() of them, and adds what they show to the set.
   // poses, views: of the same size; views are overwritten.
@@ -55,7 +55,6 @@ class hemicubes {
   const hemicube_plan& plan_;
   hemicube_source& source_;
   cell_set& set_;
-  time_limit limit_;
   std::uint32_t taken_ = 0;
   std::vector<pose> turned_;
 };

@@ -158,12 +158,14 @@ std::uint64_t neighbor_check(const ray_scene& rays, const box& grown, const neig
   constexpr std::size_t stretch = 64;
   const std::vector<candidate> wanted = candidates_of(neighbors, set);
   const std::vector<glm::vec3> eyes = selection_of(set.eyes());
+  constexpr std::size_t wave = 64;  // stretches between two looks at the limit
   std::vector<outcome_of_rays> outcomes((wanted.size() + stretch - 1) / stretch);
-  tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t i) {
-    tester one(rays, grown, how, eyes, set);
-    const std::size_t end = std::min(wanted.size(), (i + 1) * stretch);
-    for (std::size_t k = i * stretch; k < end; ++k) one.test(wanted[k], outcomes[i]);
-  });
+  for (std::size_t first = 0; first < outcomes.size() && !(how.limit && how.limit->reached()); first += wave)
+    tbb::parallel_for(first, std::min(outcomes.size(), first + wave), [&](std::size_t i) {
+      tester one(rays, grown, how, eyes, set);
+      const std::size_t end = std::min(wanted.size(), (i + 1) * stretch);
+      for (std::size_t k = i * stretch; k < end; ++k) one.test(wanted[k], outcomes[i]);
+    });
   std::uint64_t spent = 0;
   std::vector<found_polygon> found;
   for (const outcome_of_rays& o : outcomes) {

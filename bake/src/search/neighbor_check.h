@@ -8,6 +8,7 @@
 #include "cell_set/cell_record.h"
 #include "cell_set/cell_set.h"
 #include "sightcell/base/box.h"
+#include "sightcell/base/time_limit.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bake {
@@ -17,6 +18,7 @@ struct neighbor_check_settings {
   std::uint64_t seed = 0, place = 0;
   purpose use = purpose::neighbor_check;  // key of the random numbers
   visibility_rules rules;
+  const time_limit* limit = nullptr;  // polygons that are left when it is reached are not tested; null: no limit
 };
 
 // Removes from a neighbor's record the polygons that the cell has. They need no test, and they are most of the memory

@@ -58,6 +58,7 @@ void refinement::take_members() {
   taken_ = end;
   std::vector<std::vector<attempt>> found((end - first + stretch - 1) / stretch);
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t k) {
+    if (stopped()) return;
     std::vector<std::uint32_t> near;
     for (std::size_t i = first + k * stretch; i < std::min(end, first + (k + 1) * stretch); ++i) {
       const std::uint32_t member = set_.members()[i];
@@ -164,6 +165,7 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
   };
   std::vector<outcome> outcomes((aimed.size() + stretch - 1) / stretch);
   tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t k) {
+    if (stopped()) return;  // the next call of over() throws
     aimed_rays caster(rays_, how_.smallest_gap, set_);
     const std::size_t first = k * stretch, count = std::min(aimed.size() - first, stretch);
     std::array<sight_line, stretch> lines;

@@ -74,6 +74,7 @@ class refinement {
   std::vector<aimed_try> aim(const std::vector<attempt>& tries) const;
   std::uint64_t run_wave(std::vector<attempt>& wave);
   bool over() const { return how_.limit && how_.limit->reached(); }
+  bool stopped() const { return how_.limit && how_.limit->stopped(); }
 
   const ray_scene& rays_;
   const near_polygons& neighbors_;

@@ -39,20 +39,20 @@ std::array<volume_place, 6> neighbors_of(const volume_place& at) {
 
 }  // namespace
 
-volume_search::volume_search(const ray_scene& rays, const volume_grid& grid, const box& grown,
+volume_search::volume_search(const ray_scene& rays, const volume_grid& grid, const viewpoint_region& where,
                              const volume_search_settings& how, cell_set& set)
     : rays_(rays),
       grid_(grid),
-      grown_(grown),
+      grown_(where.whole()),
       how_(how),
       set_(set),
       eye_of_(grid.count(), volume_grid::none),
       tries_(grid.count(), not_a_neighbor) {
   random_stream random(how.seed, how.place, purpose::volumes);
-  viewpoints_ = draw_viewpoints(rays, grown, how.player_radius, viewpoint_count, most_viewpoint_tests, random, spent_);
+  viewpoints_ = draw_viewpoints(rays, where, how.player_radius, viewpoint_count, most_viewpoint_tests, random, spent_);
   if (viewpoints_.empty()) viewpoints_ = set.eyes();
   if (viewpoints_.empty()) return;
-  for (const std::uint32_t volume : grid.touching(grown)) set_.volumes().add(volume);
+  for (const std::uint32_t volume : grid.touching(grown_)) set_.volumes().add(volume);
   // Eyes that found volumes in an earlier run are not stored.
   for (const std::uint32_t volume : set_.volumes().members()) join(volume, viewpoints_.front());
 }

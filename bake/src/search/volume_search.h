@@ -11,6 +11,7 @@
 #include "sightcell/base/box.h"
 #include "sightcell/base/time_limit.h"
 #include "trace/ray_scene.h"
+#include "trace/viewpoint_region.h"
 #include "volumes/volume_grid.h"
 #include "volumes/volume_trial.h"
 
@@ -32,11 +33,12 @@ inline std::size_t volume_search_bytes(const volume_grid& grid) {
 // The search for volumes in one cell. Its state lasts over several calls.
 class volume_search {
  public:
-  // Adds the volumes that touch the grown box to the set, since the camera can be in them.
+  // Adds the volumes that touch the grown box of the cell to the set, since the camera can be in them.
+  // where: the region of viewpoints of the grown box.
   // set: its polygons are those found so far.
   // References must outlive the object.
-  volume_search(const ray_scene& rays, const volume_grid& grid, const box& grown, const volume_search_settings& how,
-                cell_set& set);
+  volume_search(const ray_scene& rays, const volume_grid& grid, const viewpoint_region& where,
+                const volume_search_settings& how, cell_set& set);
 
   // Casts rays toward neighbors of visible volumes while a try has this priority (sr) or more. The priority is the
   // solid angle of the volume divided by one more than the number of tries, after Laplace's rule of succession: if k

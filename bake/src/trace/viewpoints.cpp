@@ -7,8 +7,9 @@
 
 namespace sightcell::bake {
 
-std::vector<glm::vec3> draw_viewpoints(const ray_scene& rays, const box& where, float radius, std::size_t wanted,
-                                       std::uint64_t max_tries, random_stream& random, std::uint64_t& tries) {
+std::vector<glm::vec3> draw_viewpoints(const ray_scene& rays, const viewpoint_region& where, float radius,
+                                       std::size_t wanted, std::uint64_t max_tries, random_stream& random,
+                                       std::uint64_t& tries) {
   constexpr std::size_t group = 64;
   std::vector<glm::vec3> found, candidates;
   std::vector<std::uint8_t> free;
@@ -16,7 +17,7 @@ std::vector<glm::vec3> draw_viewpoints(const ray_scene& rays, const box& where, 
   while (found.size() < wanted && tested < max_tries) {
     const std::size_t count = std::min<std::uint64_t>({group, max_tries - tested, 2 * (wanted - found.size()) + 6});
     candidates.clear();
-    for (std::size_t i = 0; i < count; ++i) candidates.push_back(random.in_box(where.min, where.max));
+    for (std::size_t i = 0; i < count; ++i) candidates.push_back(where.draw(random));
     free.assign(count, 0);
     rays.find_free(candidates, radius, free);
     for (std::size_t i = 0; i < count && found.size() < wanted; ++i)

@@ -63,6 +63,14 @@ stored_volumes verified_file::volumes() const {
   return {file_.volumes().shape(), places};
 }
 
+viewpoint_region verified_file::region(std::uint32_t cell) const {
+  const box grown = cell_box(cell).grown(file_.facts().margin);
+  const std::span<const std::byte> bytes = file_.viewpoints().region_bytes(cell);
+  auto region = viewpoint_region::decode(grown, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  if (!region) require_ok(format::status::corrupt, name_);
+  return std::move(*region);
+}
+
 box verified_file::cell_box(std::uint32_t cell) const {
   format::box corners;
   require_ok(file_.cell_box(cell, corners), name_);

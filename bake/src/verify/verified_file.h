@@ -14,6 +14,7 @@
 #include "sightcell/format/set_reader.h"
 #include "sightcell/scene/scene.h"
 #include "trace/ray_scene.h"
+#include "trace/viewpoint_region.h"
 #include "volumes/stored_volumes.h"
 
 namespace sightcell::bake {
@@ -45,6 +46,9 @@ class verified_file {
   stored_volumes volumes() const;
   // Returns the box of a cell, without the margin.
   box cell_box(std::uint32_t cell) const;
+  // Returns the part of the grown box of a cell that its certificate is about.
+  // Throws sightcell::error "pvs.broken" if it is damaged.
+  viewpoint_region region(std::uint32_t cell) const;
 
  private:
   const scene::scene& scene_;

@@ -89,9 +89,8 @@ verification verify_cells(const scene::scene& s, verified_file& opened, const ve
     const auto cell = static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen);
     opened.cell_items(cell, seen);
     set.assign(seen);
-    const box grown = opened.cell_box(cell).grown(file.facts().margin);
     const verification_batch batch =
-        cast_verification_rays(rays, grown, fresh, rays_each, {how.seed, cell, purpose::verify, 0},
+        cast_verification_rays(rays, opened.region(cell), fresh, rays_each, {how.seed, cell, purpose::verify, 0},
                                [&](std::uint32_t polygon) { return set.contains(polygon); });
     cell_verification one{.cell = cell, .rays = batch.rays, .misses = batch.misses};
     one.error = batch.rays > 0 ? static_cast<double>(batch.misses) / static_cast<double>(batch.rays) : 0.0;

@@ -1,8 +1,9 @@
-/* sightcell.h: the Sightcell runtime, a C11 library that gives a renderer the polygons that its camera may see.
+/* sightcell.h: the C11 interface of the Sightcell runtime, which gives a renderer the polygons that its camera may see.
  *
- * `sightcell bake` divides the space in which a camera moves into view cells. It stores for each cell its potentially
- * visible set (PVS) in a .pvs file: the polygons that can be seen from some viewpoint in the cell. The runtime finds
- * the cell of the camera in each frame and returns the polygons of its set:
+ * `sightcell bake` divides the space in which a camera moves into boxes, the view cells. It stores the potentially
+ * visible set (PVS) of each cell in a .pvs file: the polygons that can be visible from some viewpoint in the cell. A
+ * host is a program that uses the runtime. In each frame, the runtime finds the cell of the host's camera and returns
+ * the polygons of the set of this cell:
  *
  *   1. sightcell_db_open_file     once per file
  *   2. sightcell_view_create      once per camera
@@ -12,8 +13,9 @@
  * The following conventions hold for all functions.
  *
  * COORDINATES AND UNITS. Axes are those of glTF: right-handed, +Y up. Lengths are in meters and times in seconds.
- * Positions are in the world space of the baked scene, relative to the origin of the view (sightcell_view_origin) where
- * a function takes a view. The box of a cell or volume contains the points with min <= p < max on each axis.
+ * Positions are in the world space of the baked scene. Where a function takes a view, they are relative to the origin
+ * of the view (sightcell_view_origin). The box of a cell or volume contains the points with min <= p < max on each
+ * axis.
  *
  * POLYGONS. A polygon is one triangle of one instance of one primitive. It has two numbers in 0 .. polygon_count - 1.
  * The source id is its number in the glTF scene: nodes depth-first, then the primitives of the mesh of a node, then
@@ -31,41 +33,43 @@
  * INDEX BUFFERS. The host permutes its index buffers once after loading: triangle i of draw d becomes the triangle
  * source_id_of_stored[first_stored + i] - first_source of its primitive. This order is the same for all draws of one
  * primitive, so that its instances keep sharing one index buffer. (Files baked with `--order per-instance` are the
- * exception: there each draw needs an index buffer of its own.)
+ * exception: each of their draws needs an index buffer of its own.)
  *
- * MERGED FILES. A host of a merged file (`bake --layout merged`) has flattened its scene into world space. All draws of
- * one material form a draw group, which the host issues instead of draws. A draw that moves is a group of its own.
- * Stored numbers go group by group, and the polygons of the draws of one group are mixed. What is said about the ranges
- * and commands of draws then holds for draw groups.
+ * MERGED FILES. A host of a merged file (`bake --layout merged`) has flattened its scene into world space. The draws of
+ * one material form a draw group, which the host issues instead of draws. A draw that moves is a group of its own, and
+ * draws of different named groups or levels of detail are in different groups. Stored numbers go group by group, and
+ * the polygons of the draws of one group are mixed. Descriptions of ranges and commands of draws hold for draw groups.
  *
  * EYE POSITIONS. The set of a cell is computed for the valid viewpoints in its box grown by sightcell_info.margin:
- * those that keep the bake's --player-radius from every surface and are not inside a solid. The runtime does not have
- * the geometry, so it cannot test this. An eye inside a solid, or nearer to a surface, gets the set of its cell like
- * any other eye, and no flag reports it. Polygons that such an eye sees may be missing from the set, and no error bound
- * covers it. A host whose camera can enter solids should draw everything while it is in one. A cell that has no valid
- * viewpoint is not in the file: an eye there is outside all cells.
+ * those that keep the bake's --player-radius (sightcell_info.player_radius) from every surface and are not inside a
+ * solid. The runtime does not have the geometry, so it cannot test this. An eye inside a solid, or nearer to a surface,
+ * gets the set of its cell like any other eye, and no flag reports it. Polygons that are visible from such an eye may
+ * be missing from the set, and the error bound does not cover them. A host whose camera can enter solids should draw
+ * everything while it is in one.
+ * A cell that has no valid viewpoint is not in the file: an eye there is outside all cells.
  *
  * ERROR BOUND. The miss probability of a cell is the probability that a ray from a random valid viewpoint, in a random
- * direction, meets a polygon that the set lacks. Options and fields call it pixel error. The file has an upper bound of
- * it for each cell; sightcell_info.max_pixel_error is the largest one.
+ * direction, meets a polygon that the set lacks. Options and fields call it pixel error. The bake computes an upper
+ * bound of it for each cell; sightcell_info.max_pixel_error is the largest one. A file may restrict the bound to a part
+ * of the valid viewpoints of a cell: see sightcell_db_cell_viewpoints.
  *
- * FAIL OPEN. Where the runtime cannot know what is visible (outside all cells, for a NaN, for damaged data, for data
- * that is not loaded yet) the frame has SIGHTCELL_FRAME_DRAW_ALL and each output function returns everything except the
- * named groups that the host has hidden. A host that ignores the flags draws too much, never too little.
+ * FAIL OPEN. Where the runtime cannot know which polygons are visible (outside all cells, for a NaN, for damaged data,
+ * for data that is not loaded yet) the frame has SIGHTCELL_FRAME_DRAW_ALL, and each output function returns everything
+ * except the named groups that the host has hidden. A host that ignores the flags draws too much, never too little.
  *
  * ERRORS. A function that can fail returns a sightcell_status. Each of these returns SIGHTCELL_ERR_ARGUMENT for a null
- * pointer and for a number out of range; outputs are unchanged then, unless the function states otherwise. Functions
- * list the statuses that they return besides OK and ARGUMENT. A file whose bytes change while it is open gives
- * SIGHTCELL_ERR_CORRUPT or wrong sets, never an access outside of buffers. Nothing is logged.
+ * pointer and for a number out of range; outputs are unchanged then, unless the comment of the function states
+ * otherwise. The comment lists the other statuses besides OK. If the bytes of a file change while it is open, functions
+ * return SIGHTCELL_ERR_CORRUPT or wrong sets, but never access memory outside of buffers. The runtime logs nothing.
  *
- * LISTS. A function that fills dst takes its capacity, and sets *count to the number of elements that there are. If
- * they do not fit it returns SIGHTCELL_ERR_CAPACITY and writes nothing to dst. With capacity 0, dst may be NULL: this
- * is how to ask for the number.
+ * LISTS. A function that fills dst takes its capacity, and sets *count to the number of elements of the list. If they
+ * do not fit, it returns SIGHTCELL_ERR_CAPACITY and writes nothing to dst. With capacity 0, dst may be NULL: a call
+ * with capacity 0 returns the number.
  *
  * OWNERSHIP AND MEMORY. The caller owns each sightcell_db and sightcell_view, and closes or destroys it. Memory comes
- * from the allocator that was given to open, or from malloc. Functions of the sections "Open and close" and "Views"
- * state what they allocate, and sightcell_db_check allocates while it runs. All other functions, and so all that run
- * per frame, allocate nothing.
+ * from the allocator that the caller passes to open, or from malloc. Comments of the sections "Open and close" and
+ * "Views" state the allocations of their functions, and sightcell_db_check allocates while it runs. No other function
+ * allocates, so none that runs per frame does.
  *
  * THREADS. All functions may be called on any thread. A sightcell_db may be used by any number of threads at once. A
  * sightcell_view may be used by one thread at a time; different views are independent. The library starts no threads.
@@ -99,13 +103,13 @@ extern "C" {
 
 /* ---- Constants --------------------------------------------------------------------------------------------------- */
 
-/* Version of this interface. sightcell_version returns that of the library that is linked. */
+/* Version of this interface. sightcell_version returns the version of the linked library. */
 #define SIGHTCELL_API_VERSION 1
 
-/* sightcell_frame.cell of an eye outside all cells. */
+/* Value of sightcell_frame.cell for an eye outside all cells. */
 #define SIGHTCELL_NO_CELL 0xFFFFFFFFu
 
-/* Number of the named group of a draw that is in none. */
+/* Number of the named group for a draw that is in no named group. */
 #define SIGHTCELL_NO_NAMED_GROUP 0xFFFFFFFFu
 
 /* Result of a function. */
@@ -114,7 +118,7 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_ARGUMENT = 1,    /* null pointer, number out of range, NaN */
   SIGHTCELL_ERR_MEMORY = 2,      /* the allocator returned NULL */
   SIGHTCELL_ERR_CAPACITY = 3,    /* dst is too small; *count is the number of elements */
-  SIGHTCELL_ERR_STALE = 4,       /* the differences are not known: take the full list; or no request has this ticket */
+  SIGHTCELL_ERR_STALE = 4,       /* view_changes has no differences for this revision; deliver has no such ticket */
   SIGHTCELL_ERR_IO = 10,         /* the file cannot be opened or read */
   SIGHTCELL_ERR_NOT_OURS = 20,   /* not a .pvs file */
   SIGHTCELL_ERR_VERSION = 21,    /* a .pvs file of a version that this library does not read */
@@ -125,7 +129,7 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_OTHER_SCENE = 26 /* the file belongs to another scene; no function returns it yet */
 } sightcell_status;
 
-/* What a view shows outside all cells: sightcell_view_policy. */
+/* The set that a view returns outside all cells: sightcell_view_policy. */
 enum {
   SIGHTCELL_OUTSIDE_ALL = 0,     /* everything; the default */
   SIGHTCELL_OUTSIDE_NEAREST = 1, /* the set of the nearest cell */
@@ -137,18 +141,18 @@ enum {
   SIGHTCELL_FRAME_CHANGED = 1u,  /* the polygons to draw differ from those after the last move; set by the first move */
   SIGHTCELL_FRAME_DRAW_ALL = 2u, /* the visible polygons are not known: outputs return everything */
   SIGHTCELL_FRAME_OUTSIDE = 4u,  /* the eye is in no cell */
-  SIGHTCELL_FRAME_PENDING = 8u,  /* the data of the cell is requested; with DRAW_ALL; only after open_source */
+  SIGHTCELL_FRAME_PENDING = 8u,  /* the data of the cell has not arrived; with DRAW_ALL; only after open_source */
   SIGHTCELL_FRAME_DAMAGED = 16u  /* the data of the cell is damaged; with DRAW_ALL; other cells are not affected */
 };
 
 /* ---- Structs ----------------------------------------------------------------------------------------------------- */
 
-/* Result of a move. The size stays 64 bytes. */
+/* Result of a move. Its size is 64 bytes in all versions. */
 typedef struct sightcell_frame {
   uint32_t cell;          /* the view cell that contains the eye, or SIGHTCELL_NO_CELL */
   uint32_t flags;         /* SIGHTCELL_FRAME_* */
   uint32_t polygon_count; /* polygons to draw */
-  uint32_t revision;      /* 0 before the first move, plus 1 for each change of the polygons to draw; wraps around */
+  uint32_t revision;      /* number of changes of the polygons to draw since the view was created; wraps around */
   uint32_t reserved[12];  /* 0 */
 } sightcell_frame;
 
@@ -170,7 +174,7 @@ typedef struct sightcell_command {
   uint32_t first_instance; /* the draw, or draw group */
 } sightcell_command;
 
-/* An entry of the draw table: where a draw comes from and which polygons it has. */
+/* An entry of the draw table: the origin of a draw in the scene, and its polygons. */
 typedef struct sightcell_draw {
   uint32_t node;          /* glTF index */
   uint32_t mesh;          /* glTF index */
@@ -198,6 +202,7 @@ typedef struct sightcell_info {
   float max_pixel_error; /* largest upper bound of any cell, 0 .. 1; of the miss probability, or the bake's --metric */
   float confidence;      /* with which that bound holds, 0 .. 1 */
   uint8_t scene_fingerprint[16];
+  float player_radius; /* meters: what valid viewpoints keep from surfaces; 0 if the file does not state it */
 } sightcell_info;
 
 /* A reported miss: a polygon that is visible from an eye and is missing from the set of its cell. */
@@ -207,7 +212,7 @@ typedef struct sightcell_miss {
   uint32_t reserved; /* 0 */
 } sightcell_miss;
 
-/* Counts of a view since it was created. */
+/* Counts of a view since its creation. */
 typedef struct sightcell_view_stats {
   uint32_t struct_size; /* set by the caller to sizeof(sightcell_view_stats) */
   uint32_t reserved;
@@ -220,10 +225,11 @@ typedef struct sightcell_view_stats {
   uint64_t polygons;       /* sum of polygon_count over all moves */
 } sightcell_view_stats;
 
-/* Memory of a db, and the chunks of one that is paged (sightcell_db_open_source); for others these counts are 0. */
+/* Counts of a db. A chunk is the sets of 64 cells. resident_bytes and the members after it are 0 for a db that is not
+ * paged (sightcell_db_open_source). */
 typedef struct sightcell_db_stats {
   uint32_t struct_size;        /* set by the caller to sizeof(sightcell_db_stats) */
-  uint32_t chunk_count;        /* chunks of the file, 64 cells each */
+  uint32_t chunk_count;        /* chunks of the file */
   uint64_t memory_bytes;       /* allocated for the db, with the bytes of the file that it owns, without views */
   uint64_t resident_bytes;     /* chunks that are in memory now */
   uint64_t requests;           /* requests for chunks */
@@ -234,10 +240,11 @@ typedef struct sightcell_db_stats {
 
 /* Kinds of lines of sightcell_view_debug_lines; may be combined. */
 enum {
-  SIGHTCELL_DEBUG_CELL = 1u,      /* the box of the cell that contains the eye */
-  SIGHTCELL_DEBUG_KEPT = 2u,      /* the same box grown by the margin, in which the view keeps the cell */
-  SIGHTCELL_DEBUG_NEIGHBORS = 4u, /* the boxes of up to 64 other cells that touch the grown box */
-  SIGHTCELL_DEBUG_VOLUMES = 8u    /* visible volumes */
+  SIGHTCELL_DEBUG_CELL = 1u,           /* the box of the cell that contains the eye */
+  SIGHTCELL_DEBUG_KEPT = 2u,           /* the same box grown by the margin, in which the view keeps the cell */
+  SIGHTCELL_DEBUG_NEIGHBORS = 4u,      /* the boxes of up to 64 other cells that touch the grown box */
+  SIGHTCELL_DEBUG_VOLUMES = 8u,        /* visible volumes */
+  SIGHTCELL_DEBUG_OUTSIDE_REGION = 16u /* parts of the grown box that are outside the region of the cell */
 };
 
 /* One edge of a box. */
@@ -247,10 +254,9 @@ typedef struct sightcell_debug_line {
   uint32_t number;      /* of the cell or volume */
 } sightcell_debug_line;
 
-/* Source of memory. Called on the thread of the caller, and only by functions that open, close, check, create and
- * destroy.
+/* Source of memory. Only functions that open, close, check, create and destroy call it, on the thread of the caller.
  * alloc: returns size bytes at a multiple of align (a power of two, at most 16), or NULL.
- * release: takes back a block of alloc; size is the size that it was allocated with.
+ * release: takes back a block of alloc; size is the size that was passed to alloc.
  * user: passed to both. */
 typedef struct sightcell_allocator {
   void* (*alloc)(void* user, size_t size, size_t align);
@@ -262,10 +268,10 @@ typedef struct sightcell_allocator {
  * user: passed to request.
  * size: of the whole file, in bytes.
  * request: asks for size bytes from offset. The host passes them to sightcell_db_deliver with the same ticket, on any
- *   thread, before request returns or later. A result other than OK means that they will not come. Each request that
- *   returned OK needs a delivery of bytes or of NULL: a chunk without one is requested again only after 64 other
- *   requests. Called on the threads that call sightcell_db_open_source, sightcell_db_prefetch, sightcell_view_move and
- *   sightcell_view_move_box. */
+ *   thread, before request returns or later. A result other than OK means that no delivery follows. Each request that
+ *   returned OK needs a delivery of bytes or of NULL: without one, the chunk is requested again only after 64 other
+ *   requests. sightcell_db_open_source, sightcell_db_prefetch, sightcell_view_move and sightcell_view_move_box call
+ *   request, on their own threads. */
 typedef struct sightcell_source {
   void* user;
   uint64_t size;
@@ -280,36 +286,37 @@ typedef struct sightcell_view sightcell_view;
 
 /* ---- Library ----------------------------------------------------------------------------------------------------- */
 
-/* Returns SIGHTCELL_API_VERSION of the library that is linked. */
+/* Returns SIGHTCELL_API_VERSION of the linked library. */
 SIGHTCELL_API uint32_t sightcell_version(void);
 
-/* Returns one line of English text for a status, also for a value that is no status. Static storage, never NULL. */
+/* Returns one line of English text for a status, also for a value that is no status. The text is static, never NULL. */
 SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
 
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
 
-/* Opens a file that is in memory. Checks all of it but the sets, which are checked 64 cells at a time when first used.
+/* Opens a file that is in memory. Checks all of it but the sets: the first use of a set checks those of its 64 cells.
  * bytes: the whole file, at any alignment. The db refers to them: the caller keeps them until sightcell_db_close.
  * size: of the file, in bytes.
- * mem: copied. NULL for malloc and free.
+ * mem: copied. NULL means malloc and free.
  * out: receives the db, or NULL on failure.
  * Fails with MEMORY, NOT_OURS, VERSION, TRUNCATED, CHECKSUM, CORRUPT, LIMIT.
  * Cost: one pass over all but the sets. One allocation: 40 to 60 bytes per cell (48 per 8 x 8 positions for cells on a
- *   lattice, so 0.75 per cell at best), 12 per draw or draw group, 4 per polygon of a primitive whatever the number of
- *   its instances (merged: 4 per polygon), 4 per volume plus 50 to 100 per block of 4 x 4 x 4 volumes, and 62,000 for
- *   code tables. */
+ *   lattice, so 0.75 per cell at best), 16 per draw (merged: 4 per draw and 20 per draw group), 4 per polygon of a
+ *   primitive whatever the number of its instances (merged: 4 per polygon), 4 per volume plus 50 to 100 per block of
+ *   4 x 4 x 4 volumes, and 62,000 for code tables. */
 SIGHTCELL_API sightcell_status sightcell_db_open(const void* bytes, size_t size, const sightcell_allocator* mem,
                                                  sightcell_db** out);
 
-/* Opens a file on disk: reads it whole into memory of the allocator, closes it, and goes on as sightcell_db_open.
+/* Opens a file on disk: reads all of it into memory of the allocator, closes it, and then does what sightcell_db_open
+ * does.
  * path: UTF-8.
  * Fails with IO and as sightcell_db_open. The WebAssembly module has no files and always returns IO. */
 SIGHTCELL_API sightcell_status sightcell_db_open_file(const char* path, const sightcell_allocator* mem,
                                                       sightcell_db** out);
 
-/* Opens a paged file: the sets stay out of memory until they are needed, in chunks of 64 cells. All else is loaded now.
- * source: copied. The requests of this call must be delivered before request returns.
- * resident_bytes: the most bytes of chunks to keep in memory. The least recently used chunks are removed first.
+/* Opens a paged file: loads everything but the sets now, and the sets when they are needed, in chunks of 64 cells.
+ * source: copied. The host must deliver the bytes of the requests of this call before request returns.
+ * resident_bytes: the maximum of bytes of chunks in memory. The least recently used chunks are removed first.
  * out: receives the db before the first request, so that request can deliver to it; NULL on failure.
  * Fails with IO (nothing was delivered), CAPACITY (a chunk is larger than resident_bytes), VERSION (also for files of
  *   version 0), LIMIT (also if all but the sets takes 4 GiB or more), the result of request, and as sightcell_db_open.
@@ -318,13 +325,14 @@ SIGHTCELL_API sightcell_status sightcell_db_open_file(const char* path, const si
 SIGHTCELL_API sightcell_status sightcell_db_open_source(const sightcell_source* source, const sightcell_allocator* mem,
                                                         uint64_t resident_bytes, sightcell_db** out);
 
-/* Delivers the bytes of a request. Any thread; also from within request.
+/* Delivers the bytes of a request. May be called on any thread, also from within request.
  * ticket: of the request.
- * bytes, size: what was requested; read during the call only. NULL if it could not be read: it is requested again when
- *   it is needed.
+ * bytes, size: the requested bytes; read during the call only. NULL if the host could not read them: they are requested
+ *   again when they are needed.
  * Fails with STALE (no request has this ticket: it was delivered before, or given up after 64 later requests),
  *   TRUNCATED and CORRUPT (too few or too many bytes; requested again), CHECKSUM (damaged: frames in its cells are
- *   DAMAGED from now on), CAPACITY (all chunks in memory are in use, or were wanted more recently).
+ *   DAMAGED from now on), CAPACITY (all chunks in memory are in use, or were wanted more recently), ARGUMENT also for a
+ *   db that is not paged.
  * Cost: O(chunks in memory) and a copy of the bytes. */
 SIGHTCELL_API sightcell_status sightcell_db_deliver(sightcell_db* db, uint32_t ticket, const void* bytes,
                                                     uint32_t size);
@@ -335,7 +343,7 @@ SIGHTCELL_API sightcell_status sightcell_db_deliver(sightcell_db* db, uint32_t t
  * velocity: meters per second. The search region widens by half the distance traveled, because the camera may turn.
  * seconds: the time ahead, 0 or more.
  * Fails with ARGUMENT for numbers that are not finite.
- * Cost: O(chunks). Call it in each frame or less often. */
+ * Cost: O(chunks). May be called in each frame, or less often. */
 SIGHTCELL_API sightcell_status sightcell_db_prefetch(sightcell_db* db, const float eye[3], const float velocity[3],
                                                      float seconds);
 
@@ -345,8 +353,9 @@ SIGHTCELL_API void sightcell_db_close(sightcell_db* db);
 /* ---- What a file contains ---------------------------------------------------------------------------------------- */
 
 /* Returns facts about the file.
- * out: out->struct_size is set by the caller. If it is larger than this library's struct, the known part is filled and
- *   struct_size becomes the size of that part. ARGUMENT if it is smaller. */
+ * out: the caller sets out->struct_size. If it differs from the size of the struct of this library, because the caller
+ *   was compiled with another header, the function fills the members that both have, and sets struct_size to the size
+ *   of that part. Fails with ARGUMENT if it is smaller than 56: the first struct ended with scene_fingerprint. */
 SIGHTCELL_API sightcell_status sightcell_db_info(const sightcell_db* db, sightcell_info* out);
 
 /* Returns the number of polygons of the scene, 0 for NULL. */
@@ -358,6 +367,15 @@ SIGHTCELL_API uint32_t sightcell_db_cell_count(const sightcell_db* db);
 /* Returns the box of a cell, without the margin.
  * min, max: receive its corners, in meters of world space. */
 SIGHTCELL_API sightcell_status sightcell_db_cell_box(const sightcell_db* db, uint32_t cell, float min[3], float max[3]);
+
+/* Returns which share of a cell its error bound is about. The region of a cell is a part of its grown box, or all of
+ * it. The bound holds for the valid viewpoints in the region (see EYE POSITIONS above).
+ * valid_share: receives the estimated share of the region that is valid viewpoints, above 0 and at most 1.
+ * outside_share: receives the upper limit, at 95 % confidence, of the share of the valid viewpoints of the grown box
+ *   that are outside the region: 0 .. 1, and 0 if the region is the whole box.
+ * For a file that does not state this (sightcell_info.player_radius is 0), they receive 1 and 0. */
+SIGHTCELL_API sightcell_status sightcell_db_cell_viewpoints(const sightcell_db* db, uint32_t cell, float* valid_share,
+                                                            float* outside_share);
 
 /* Lists the draw table. It is not in source order: see DRAWS above.
  * dst, capacity, count: in draws. */
@@ -372,8 +390,8 @@ SIGHTCELL_API sightcell_status sightcell_db_order(const sightcell_db* db, uint32
                                                   size_t capacity, size_t* count);
 
 /* Returns the number of visibility volumes, 0 for NULL and for files baked without --volumes. A volume is a coarse box
- * of space in which something may move. The set of a cell contains volumes as it contains polygons; nothing draws them,
- * and no other count includes them. sightcell_view_box_visible tests a box against them. */
+ * of space in which an object may move. The set of a cell contains the volumes that are visible from it. They are never
+ * drawn, and no other count includes them. sightcell_view_box_visible tests a box against them. */
 SIGHTCELL_API uint32_t sightcell_db_volume_count(const sightcell_db* db);
 
 /* Returns the box of a volume.
@@ -381,10 +399,10 @@ SIGHTCELL_API uint32_t sightcell_db_volume_count(const sightcell_db* db);
 SIGHTCELL_API sightcell_status sightcell_db_volume_box(const sightcell_db* db, uint32_t volume, float min[3],
                                                        float max[3]);
 
-/* Returns the number of named groups, 0 for NULL. A named group is the draws to which the scene gave one name
+/* Returns the number of named groups, 0 for NULL. A named group is the draws to which the scene gives one name
  * (extras.sightcell.group), such as a door. They never occlude anything, so a host can show and hide them at run time
- * without a new bake: by itself, or with sightcell_view_show_named_group. The draws of one draw group of a merged file
- * are all in the same named group, or all in none. */
+ * without a new bake: in its own code, or with sightcell_view_show_named_group. The draws of one draw group of a merged
+ * file are all in the same named group, or all in none. */
 SIGHTCELL_API uint32_t sightcell_db_named_group_count(const sightcell_db* db);
 
 /* Returns the name of a named group.
@@ -404,11 +422,11 @@ SIGHTCELL_API sightcell_status sightcell_db_named_groups_of_draws(const sightcel
 
 /* ---- Views ------------------------------------------------------------------------------------------------------- */
 
-/* Creates a view. Before its first move it has revision 0 and its outputs are empty.
+/* Creates a view. Before its first move, it has revision 0 and its outputs are empty.
  * db: must outlive the view.
  * out: receives the view, or NULL on failure.
  * Fails with MEMORY.
- * Cost: one allocation of about 110 bytes per range of the largest set, for all that the view will ever need. */
+ * Cost: one allocation of about 110 bytes per range of the largest set; the view needs no other. */
 SIGHTCELL_API sightcell_status sightcell_view_create(const sightcell_db* db, sightcell_view** out);
 
 /* Destroys a view and releases its memory. NULL is allowed. */
@@ -419,42 +437,45 @@ SIGHTCELL_API void sightcell_view_destroy(sightcell_view* view);
  * origin: meters, world space, finite. (0, 0, 0) in a new view. */
 SIGHTCELL_API sightcell_status sightcell_view_origin(sightcell_view* view, const double origin[3]);
 
-/* Sets what later moves show outside all cells. Frames there keep SIGHTCELL_NO_CELL and OUTSIDE.
+/* Sets which polygons later moves return outside all cells. Frames there still have SIGHTCELL_NO_CELL and OUTSIDE.
  * outside: SIGHTCELL_OUTSIDE_*.
  * max_distance: meters, 0 or more, may be infinite. NEAREST and LAST hold up to this distance from the box of the cell;
- *   beyond it the view shows everything.
- * Cost of NEAREST: a move visits all cells, O(chunks of 8 x 8) for cells on a lattice, but only when the eye has moved
+ *   beyond it, the view returns everything.
+ * Cost of NEAREST: a move visits all cells (on a lattice, all blocks of 8 x 8 cells), but only when the eye has moved
  *   so far that another cell may be nearer. */
 SIGHTCELL_API sightcell_status sightcell_view_policy(sightcell_view* view, uint32_t outside, float max_distance);
 
-/* Shows or hides a named group from the next move on. New views show all.
+/* Shows or hides a named group from the next move on. New views show all named groups.
  * group: its number.
  * shown: 0 hides it. Then no output contains its polygons, also under DRAW_ALL, and frame.polygon_count does not count
- *   them. Sets contain what is behind a closed door, as if it were open.
- * The next move has CHANGED if this makes a difference, and sightcell_view_changes returns which. O(draws). */
+ *   them. Sets contain the polygons behind a closed door, as if it were open.
+ * The next move has CHANGED if this changes the polygons to draw, and sightcell_view_changes returns the difference.
+ * Cost: O(draws). */
 SIGHTCELL_API sightcell_status sightcell_view_show_named_group(sightcell_view* view, uint32_t group, uint32_t shown);
 
 /* ---- Moves ------------------------------------------------------------------------------------------------------- */
 
-/* Moves the camera. Finds its cell, and decodes the set of the cell if it is another one.
+/* Moves the camera. Finds its cell, and decodes the set of the cell if the cell has changed.
  * The view keeps its cell while the eye is inside the box of that cell grown by info.margin and in no cell of smaller
- * volume. Else it takes the cell that contains the eye; of several, that of the smallest volume, then the lowest
+ * volume. Else it takes the cell that contains the eye; of several, the one of the smallest volume, then of the lowest
  * number. Both eyes of a headset can share a view if the margin exceeds their distance.
  * eye: position. See EYE POSITIONS above for eyes inside solids.
  * frame: receives the result. Outside all cells: OK, with DRAW_ALL | OUTSIDE unless sightcell_view_policy changed that.
  *   A damaged cell: OK, with DRAW_ALL | DAMAGED.
- * Fails with ARGUMENT if eye is NULL or has a NaN, or frame is NULL: the view then shows everything, and frame (if
- *   there is one) reports that.
+ * Fails with ARGUMENT if eye is NULL or has a NaN, or frame is NULL: the view then returns everything, and *frame has
+ *   DRAW_ALL unless frame is NULL.
  * Cost: a few nanoseconds while the cell stays the same, a lookup and O(runs of the set) when it changes. */
 SIGHTCELL_API sightcell_status sightcell_view_move(sightcell_view* view, const float eye[3], sightcell_frame* frame);
 
-/* Moves the camera to an unknown position in a box: two eyes, the estimate of a server, the next frames.
+/* Moves the camera to an unknown position in a box, such as that of two eyes, of a server's estimate or of the next
+ * frames.
  * Takes the cell of the center of the box if the grown box of that cell contains all of the box. Else the result is the
  * union of the sets of all cells that the box touches; where it has more than info.range_bound ranges, the smallest
  * gaps between them are filled with polygons.
  * min, max: corners, which belong to the box. min <= max.
- * frame: as sightcell_view_move. cell: that of the center. OUTSIDE if a part of the box is in no grown box, with
- *   DRAW_ALL under SIGHTCELL_OUTSIDE_ALL. DRAW_ALL if the box touches more than 64 cells.
+ * frame: as for sightcell_view_move. frame->cell is the cell of the center. The frame has OUTSIDE if a part of the box
+ *   is in no grown box, with DRAW_ALL under SIGHTCELL_OUTSIDE_ALL. It has DRAW_ALL if the box touches more than 64
+ *   cells.
  * Fails as sightcell_view_move, also if min is above max.
  * Cost: the sum of the moves into each of the cells. */
 SIGHTCELL_API sightcell_status sightcell_view_move_box(sightcell_view* view, const float min[3], const float max[3],
@@ -469,7 +490,7 @@ SIGHTCELL_API sightcell_status sightcell_view_ranges(const sightcell_view* view,
                                                      size_t* count);
 
 /* Lists the source ids of the polygons to draw, each once, in stored order.
- * source_ids, capacity, count: in polygons; there are frame.polygon_count. */
+ * source_ids, capacity, count: in polygons; the list has frame.polygon_count. */
 SIGHTCELL_API sightcell_status sightcell_view_polygons(const sightcell_view* view, uint32_t* source_ids,
                                                        size_t capacity, size_t* count);
 
@@ -478,18 +499,18 @@ SIGHTCELL_API sightcell_status sightcell_view_polygons(const sightcell_view* vie
  *   draw's own mesh; in a merged file base_vertex of the draw is added.
  * dst: receives 3 indices per polygon. Written from front to back and never read, so it may be mapped GPU memory. Must
  *   not overlap stored_indices.
- * capacity, count: in indices; there are 3 * frame.polygon_count. */
+ * capacity, count: in indices; the list has 3 * frame.polygon_count. */
 SIGHTCELL_API sightcell_status sightcell_view_indices(const sightcell_view* view, const uint32_t* stored_indices,
                                                       uint32_t* dst, size_t capacity, size_t* count);
 
 /* Lists the polygons to draw as indirect draws, in the order of sightcell_view_ranges.
- * min_gap: two ranges of a draw with fewer than min_gap polygons between them become one command that draws these too.
- *   0 and 1 join none.
+ * min_gap: two ranges of a draw with fewer than min_gap polygons between them become one command, which also draws
+ *   these polygons. 0 and 1 join no ranges.
  * dst: receives a sightcell_command every stride bytes, at any alignment. Written from front to back and never read;
  *   only 20 bytes of each stride are written.
  * stride: bytes, 20 or more.
  * capacity, count: in commands; never more than ranges.
- * Fails with LIMIT if the scene has more than 1,431,655,765 polygons, whose indices 32 bits cannot number. */
+ * Fails with LIMIT if the scene has more than 1,431,655,765 polygons, because their indices do not fit into 32 bits. */
 SIGHTCELL_API sightcell_status sightcell_view_commands(const sightcell_view* view, uint32_t min_gap, void* dst,
                                                        size_t stride, size_t capacity, size_t* count);
 
@@ -501,19 +522,20 @@ SIGHTCELL_API sightcell_status sightcell_view_commands(const sightcell_view* vie
 SIGHTCELL_API sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bits_by_draw, size_t words);
 
 /* Lists the polygons that were added and removed since a revision, as ranges.
- * since_revision: frame.revision of the last frame that the caller has drawn: the current revision (no differences) or
- *   the one before.
+ * since_revision: frame.revision of the last frame that the caller has drawn. It must be the current revision (no
+ *   differences) or the one before.
  * added, removed: with capacity and count in ranges.
- * Fails with STALE for any other revision, and if either of the two sets is DRAW_ALL: both counts are 0, take the full
- *   list. Fails with CAPACITY if one of the lists does not fit: both counts are set, nothing is written. */
+ * Fails with STALE for any other revision, and if either of the two frames has DRAW_ALL: both counts are 0, and the
+ *   caller takes the full list. Fails with CAPACITY if one of the lists does not fit: both counts are set, and neither
+ *   list is written. */
 SIGHTCELL_API sightcell_status sightcell_view_changes(const sightcell_view* view, uint32_t since_revision,
                                                       sightcell_range* added, size_t added_capacity,
                                                       size_t* added_count, sightcell_range* removed,
                                                       size_t removed_capacity, size_t* removed_count);
 
-/* Tests whether anything in a box can be visible: a player, an object that moves, a sound. For files with volumes.
+/* Tests whether anything in a box (a player, an object that moves, a sound) can be visible. For files with volumes.
  * min, max: corners, which belong to the box. min <= max.
- * visible: receives 0 if the box lies within volumes and none that it touches is visible; else 1. So it is 1 for a file
+ * visible: receives 0 if volumes cover the box and none that it touches is visible; else 1. So it is 1 for a file
  *   without volumes and under DRAW_ALL.
  * Fails with ARGUMENT for a NaN or if min is above max: *visible is 1 then.
  * Cost: some tens of nanoseconds for a box that touches few volumes. */
@@ -521,7 +543,7 @@ SIGHTCELL_API sightcell_status sightcell_view_box_visible(const sightcell_view* 
                                                           const float max[3], uint32_t* visible);
 
 /* ---- Tools and tests --------------------------------------------------------------------------------------------- */
-/* Not needed to draw. */
+/* A renderer does not need these functions. */
 
 /* Reads the whole file and checks everything. Returns OK or the first fault.
  * Fails with CHECKSUM, CORRUPT, MEMORY (it allocates while it runs) and IO (the db is paged). */
@@ -531,18 +553,21 @@ SIGHTCELL_API sightcell_status sightcell_db_check(const sightcell_db* db);
  * out: out->struct_size as for sightcell_db_info. */
 SIGHTCELL_API sightcell_status sightcell_db_statistics(const sightcell_db* db, sightcell_db_stats* out);
 
-/* Returns the counts of a view since it was created.
+/* Returns the counts of a view since its creation.
  * out: out->struct_size as for sightcell_db_info. */
 SIGHTCELL_API sightcell_status sightcell_view_statistics(const sightcell_view* view, sightcell_view_stats* out);
 
-/* Lists the edges of boxes near the eye, twelve per box, to be drawn over the picture.
- * kinds: SIGHTCELL_DEBUG_* combined. Outside all cells there are only lines of volumes.
- * dst, capacity, count: in lines. */
+/* Lists the edges of boxes of cells and volumes, twelve per box, which a host can draw over the picture.
+ * kinds: SIGHTCELL_DEBUG_* combined. Outside all cells, the list has only lines of volumes. The boxes of OUTSIDE_REGION
+ *   are the part of the grown box where the error bound of the cell does not hold, as sightcell_db_cell_viewpoints
+ *   describes it. There are none if the region is the whole box.
+ * dst, capacity, count: in lines.
+ * Fails with CORRUPT for OUTSIDE_REGION if the region of the cell is damaged, which open does not check. */
 SIGHTCELL_API sightcell_status sightcell_view_debug_lines(const sightcell_view* view, uint32_t kinds,
                                                           sightcell_debug_line* dst, size_t capacity, size_t* count);
 
-/* Writes the text of a file for `sightcell verify --from` and `sightcell bake --misses`: polygons that a host found
- * missing, for example by comparing a full picture with the culled one.
+/* Writes the text of a misses file, which `sightcell verify --from` and `sightcell bake --misses` read. It lists
+ * polygons that a host found missing, for example by comparing a full picture with the culled one.
  * misses, miss_count: eyes within 1,000,000 km of the origin; they are rounded to a nanometer.
  * dst, capacity, count: in bytes, JSON in ASCII, without a zero at the end.
  * Fails with ARGUMENT for a polygon that does not exist and for an eye that is not finite or too far away. */

@@ -52,6 +52,12 @@ struct cell_bounds {
   std::array<float, 3> max{};
 };
 
+// How much of a cell the bound of the file is about: see sightcell_db_cell_viewpoints.
+struct cell_viewpoints {
+  float valid_share = 1.0f;
+  float outside_share = 0.0f;
+};
+
 // Result of a function that fills a list.
 struct [[nodiscard]] list_result {
   sightcell_status status = SIGHTCELL_OK;
@@ -126,6 +132,13 @@ class db {
     cell_bounds box;
     const sightcell_status s = sightcell_db_cell_box(handle_, cell, box.min.data(), box.max.data());
     return s == SIGHTCELL_OK ? result<cell_bounds>(box) : result<cell_bounds>(s);
+  }
+
+  // How much of a cell the bound of the file is about.
+  [[nodiscard]] result<cell_viewpoints> viewpoints_of_cell(std::uint32_t cell) const noexcept {
+    cell_viewpoints out;
+    const sightcell_status s = sightcell_db_cell_viewpoints(handle_, cell, &out.valid_share, &out.outside_share);
+    return s == SIGHTCELL_OK ? result<cell_viewpoints>(out) : result<cell_viewpoints>(s);
   }
 
   // The number of a named group, SIGHTCELL_NO_NAMED_GROUP if there is none. name: UTF-8, with a zero at the end.

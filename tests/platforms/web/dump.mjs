@@ -11,14 +11,16 @@ export function nine_digits(value) {
 }
 
 function facts_of(host, db) {
-  const at = host.room(56);
-  host.u32(at, 1)[0] = 56;
+  const at = host.room(60);
+  host.u32(at, 1)[0] = 60;
   require(host.c.sightcell_db_info(db, at) === status.ok, "no info");
   const [, version, layout, polygons, cells, draws, range_bound] = host.u32(at, 7);
   const [margin, max_pixel_error, confidence] = host.f32(at + 28, 3);
   const fingerprint = Buffer.from(host.bytes(at + 40, 16)).toString("hex");
+  const [player_radius] = host.f32(at + 56, 1);
   host.c.free(at);
-  return { version, layout, polygons, cells, draws, range_bound, margin, max_pixel_error, confidence, fingerprint };
+  return { version, layout, polygons, cells, draws, range_bound, margin, max_pixel_error, confidence, fingerprint,
+    player_radius };
 }
 
 function draws_of(host, db) {
@@ -95,6 +97,20 @@ function cells_of(host, db, count, stored) {
   });
 }
 
+// Nothing for a file without viewpoints.
+function viewpoints_of(host, db, facts) {
+  if (!(facts.player_radius > 0)) return "";
+  let text = `player_radius ${nine_digits(facts.player_radius)}\n`;
+  const at = host.room(8);
+  for (let cell = 0; cell < facts.cells; ++cell) {
+    require(host.c.sightcell_db_cell_viewpoints(db, cell, at, at + 4) === status.ok, "no viewpoints");
+    const [valid, outside] = Array.from(host.f32(at, 2), nine_digits);
+    text += `viewpoints ${cell}: ${valid} ${outside}\n`;
+  }
+  host.c.free(at);
+  return text;
+}
+
 export function dump(host, db) {
   const facts = facts_of(host, db);
   let text = `version ${facts.version}\nfingerprint ${facts.fingerprint}\npolygons ${facts.polygons}\n` +
@@ -113,5 +129,6 @@ export function dump(host, db) {
   stored.indices = host.put(Uint32Array.from({ length: 3 * facts.polygons }, (_, i) => Math.imul(i, 2654435761)));
   text += cells_of(host, db, facts.cells, stored);
   host.c.free(stored.indices);
+  text += viewpoints_of(host, db, facts);
   return text;
 }

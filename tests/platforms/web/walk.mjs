@@ -66,7 +66,7 @@ class walk {
     this.add_words(this.commands, 5 * host.written());
     this.hash.add(c.sightcell_view_objects(view, this.bits, this.words));
     this.add_words(this.bits, 2 * this.words);
-    const lines = host.list_u32(8, (dst, room, count) => c.sightcell_view_debug_lines(view, 15, dst, room, count));
+    const lines = host.list_u32(8, (dst, room, count) => c.sightcell_view_debug_lines(view, 31, dst, room, count));
     this.hash.add(0);
     for (const word of lines) this.hash.add(word);
   }

@@ -12,6 +12,7 @@
 
 #include "random_source.h"
 #include "sightcell/format/cell_lattice.h"
+#include "viewpoint_samples.h"
 
 namespace sightcell::test {
 
@@ -368,6 +369,7 @@ any_contents make_any_contents(std::uint32_t seed) {
   if (!choose.one_in(3)) choose_certificate(choose, out);
   choose_sets(choose, out);
   if (choose.one_in(3)) choose_volumes(choose, out);
+  if (choose.one_in(3)) add_viewpoints(out, choose.bits());
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sample_contents.h"
+#include "viewpoint_samples.h"
 
 namespace {
 
@@ -37,6 +38,8 @@ TEST(file_parts, make_the_same_file_again) {
   for (auto& d : contents.draws) d.named_group = d.group % 3 == 1 ? no_named_group : d.group % 3;
   expect_same_file(contents);
   add_volumes(contents, 100, 8);
+  expect_same_file(contents);
+  add_viewpoints(contents, 9);
   expect_same_file(contents);
 }
 

@@ -59,6 +59,19 @@ void expect_facts(const any_contents& in, const reader& file) {
   }
 }
 
+void expect_viewpoints(const any_contents& in, const reader& file) {
+  ASSERT_EQ(file.viewpoints().exists(), !in.viewpoints.empty());
+  if (in.viewpoints.empty()) return;
+  EXPECT_EQ(file.viewpoints().player_radius(), in.player_radius);
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    const viewpoint_record& given = in.viewpoints[cell];
+    EXPECT_EQ(file.viewpoints().valid_share(cell), given.valid_share) << cell;
+    EXPECT_EQ(static_cast<double>(file.viewpoints().outside_share(cell)), given.outside_share) << cell;
+    const auto region = file.viewpoints().region_bytes(cell);
+    EXPECT_TRUE(std::equal(region.begin(), region.end(), given.region.begin(), given.region.end())) << cell;
+  }
+}
+
 bool same_draw(const draw_record& a, const draw_record& b) {
   return a.node == b.node && a.mesh == b.mesh && a.primitive == b.primitive && a.instance == b.instance &&
          a.material == b.material && a.group == b.group && a.first_source == b.first_source &&
@@ -321,6 +334,14 @@ void expect_info(const any_contents& in, const reader& file, const sightcell_db*
   const std::uint64_t of_everything = ranges_of(in, all_polygons(in.facts.polygon_count));
   EXPECT_EQ(info.range_bound, std::max<std::uint64_t>(file.range_bound(), of_everything));
   EXPECT_EQ(info.margin, in.facts.margin);
+  EXPECT_EQ(info.player_radius, in.player_radius);
+  for (std::uint32_t cell = 0; cell < in.cells.size(); ++cell) {
+    float valid = 0.0f;
+    float outside = 0.0f;
+    ASSERT_EQ(sightcell_db_cell_viewpoints(db, cell, &valid, &outside), SIGHTCELL_OK);
+    EXPECT_EQ(valid, in.viewpoints.empty() ? 1.0f : in.viewpoints[cell].valid_share) << cell;
+    EXPECT_EQ(static_cast<double>(outside), in.viewpoints.empty() ? 0.0 : in.viewpoints[cell].outside_share) << cell;
+  }
   EXPECT_EQ(std::memcmp(info.scene_fingerprint, in.facts.scene_fingerprint.data(), 16), 0);
   EXPECT_EQ(sightcell_db_check(db), SIGHTCELL_OK);
   std::size_t count = 0;
@@ -451,6 +472,7 @@ void expect_round_trip(std::uint32_t seed, kinds_met& met) {
   expect_draws_and_orders(in, file);
   expect_cells(in, file);
   expect_volumes(in, file);
+  expect_viewpoints(in, file);
   if (testing::Test::HasFailure()) return;
   const read_sets sets = expect_sets_agree(in, file);
   expect_sets(in, file, sets, met);

@@ -6,7 +6,9 @@
 #include <fstream>
 
 #include "loaded_file.h"
+#include "paged_host.h"
 #include "sightcell/format/layout.h"
+#include "unit/format/viewpoint_samples.h"
 
 namespace {
 
@@ -35,7 +37,7 @@ TEST(c_api, facts) {
   sightcell_info info{};
   info.struct_size = sizeof(info);
   ASSERT_EQ(sightcell_db_info(file.db(), &info), SIGHTCELL_OK);
-  EXPECT_EQ(info.struct_size, 56u);
+  EXPECT_EQ(info.struct_size, 60u);
   EXPECT_EQ(info.format_version, 1u);
   EXPECT_EQ(info.layout, 0u);
   EXPECT_EQ(info.polygon_count, 300u);
@@ -44,6 +46,7 @@ TEST(c_api, facts) {
   EXPECT_EQ(info.margin, 0.25f);
   EXPECT_EQ(info.max_pixel_error, 0.5f);
   EXPECT_EQ(info.confidence, 0.95f);
+  EXPECT_EQ(info.player_radius, 0.0f);
   EXPECT_EQ(std::memcmp(info.scene_fingerprint, contents.facts.scene_fingerprint.data(), 16), 0);
   for (std::uint32_t cell = 0; cell < 67; ++cell) {
     float min[3];
@@ -115,8 +118,59 @@ TEST(c_api, info_of_callers_with_other_headers) {
   EXPECT_EQ(later.more, 42u);
   sightcell_info info{};
   EXPECT_EQ(sightcell_db_info(file.db(), &info), SIGHTCELL_ERR_ARGUMENT);
-  info.struct_size = sizeof(info) - 1;
+  info.struct_size = 55;
   EXPECT_EQ(sightcell_db_info(file.db(), &info), SIGHTCELL_ERR_ARGUMENT);
+}
+
+// The struct ended with the fingerprint before player_radius was added.
+TEST(c_api, info_of_callers_from_before_player_radius) {
+  sample_contents contents = tiny_contents();
+  add_viewpoints(contents, 1);
+  const loaded_file file(contents);
+  for (const std::uint32_t size : {56u, 57u, 59u}) {
+    sightcell_info info{};
+    info.struct_size = size;
+    info.player_radius = 42.0f;  // what is behind the struct of the caller
+    EXPECT_EQ(sightcell_db_info(file.db(), &info), SIGHTCELL_OK);
+    EXPECT_EQ(info.struct_size, 56u);
+    EXPECT_EQ(info.polygon_count, 6u);
+    EXPECT_EQ(info.scene_fingerprint[15], 0xAF);
+    EXPECT_EQ(info.player_radius, 42.0f);
+  }
+  EXPECT_EQ(file.info().player_radius, 0.05f);
+}
+
+void expect_viewpoints(const sightcell_db* db, const sample_contents& contents) {
+  for (std::uint32_t cell = 0; cell < contents.cells.size(); ++cell) {
+    float valid = 0.0f;
+    float outside = 0.0f;
+    ASSERT_EQ(sightcell_db_cell_viewpoints(db, cell, &valid, &outside), SIGHTCELL_OK);
+    const bool there = !contents.viewpoints.empty();
+    EXPECT_EQ(valid, there ? contents.viewpoints[cell].valid_share : 1.0f) << cell;
+    EXPECT_EQ(static_cast<double>(outside), there ? contents.viewpoints[cell].outside_share : 0.0) << cell;
+  }
+}
+
+TEST(c_api, viewpoints_of_cells) {
+  sample_contents contents = small_contents();
+  expect_viewpoints(loaded_file(contents).db(), contents);
+  add_viewpoints(contents, 3);
+  const loaded_file file(contents);
+  expect_viewpoints(file.db(), contents);
+  float valid = 7.0f;
+  float outside = 7.0f;
+  EXPECT_EQ(sightcell_db_cell_viewpoints(nullptr, 0, &valid, &outside), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_db_cell_viewpoints(file.db(), 0, nullptr, &outside), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_db_cell_viewpoints(file.db(), 0, &valid, nullptr), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_db_cell_viewpoints(file.db(), 67, &valid, &outside), SIGHTCELL_ERR_ARGUMENT);
+  const loaded_file without(small_contents());
+  EXPECT_EQ(sightcell_db_cell_viewpoints(without.db(), 67, &valid, &outside), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(valid, 7.0f);
+  EXPECT_EQ(outside, 7.0f);
+  paged_host paged(contents.encode());
+  ASSERT_EQ(paged.open(1u << 20), SIGHTCELL_OK);
+  expect_viewpoints(paged.db(), contents);
+  EXPECT_EQ(paged.requests, 0u) << "no set is needed";
 }
 
 TEST(c_api, nulls_are_arguments) {

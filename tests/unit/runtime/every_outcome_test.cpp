@@ -19,6 +19,7 @@
 #include "polygon_orders_writer.h"
 #include "sightcell/format/layout.h"
 #include "table_encoder.h"
+#include "unit/format/viewpoint_samples.h"
 
 namespace {
 
@@ -49,6 +50,7 @@ const std::map<std::string, statuses> promised{
                                SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CAPACITY}},
     {"sightcell_db_prefetch", with_arguments},
     {"sightcell_db_cell_box", with_arguments},
+    {"sightcell_db_cell_viewpoints", with_arguments},
     {"sightcell_db_volume_box", with_arguments},
     {"sightcell_db_named_group_name", of_lists},
     {"sightcell_db_find_named_group", with_arguments},
@@ -74,7 +76,7 @@ const std::map<std::string, statuses> promised{
     {"sightcell_view_changes", of_lists + statuses{SIGHTCELL_ERR_STALE}},
     {"sightcell_view_statistics", with_arguments},
     {"sightcell_db_statistics", with_arguments},
-    {"sightcell_view_debug_lines", of_lists},
+    {"sightcell_view_debug_lines", of_lists + statuses{SIGHTCELL_ERR_CORRUPT}},
     {"sightcell_db_misses_text", of_lists},
 };
 // Statuses that no function returns yet.
@@ -260,6 +262,8 @@ void facts(outcomes& out) {
   float max[3];
   RETURNS(OK, sightcell_db_cell_box(db, 66, min, max));
   RETURNS(ERR_ARGUMENT, sightcell_db_cell_box(db, 67, min, max));
+  RETURNS(OK, sightcell_db_cell_viewpoints(db, 66, min, max));
+  RETURNS(ERR_ARGUMENT, sightcell_db_cell_viewpoints(db, 67, min, max));
   RETURNS(OK, sightcell_db_volume_box(db, 2, min, max));
   RETURNS(ERR_ARGUMENT, sightcell_db_volume_box(db, 3, min, max));
   sightcell_info info{};
@@ -437,6 +441,8 @@ void boxes(outcomes& out) {
   sample_contents contents = tiny_contents();
   add_volumes(contents, 4, 3);
   contents.sets = {{0, 6}, {5, 7}};
+  add_viewpoints(contents, 4);
+  contents.viewpoints[0].region = packed_nodes("201");
   const loaded_file file(contents);
   test_view view(file.db());
   const auto* const v = view.get();
@@ -446,14 +452,24 @@ void boxes(outcomes& out) {
   std::uint32_t visible = 0;
   RETURNS(OK, sightcell_view_box_visible(v, low, high, &visible));
   RETURNS(ERR_ARGUMENT, sightcell_view_box_visible(v, high, low, &visible));
-  std::array<sightcell_debug_line, 48> lines;  // a box of each kind
+  std::array<sightcell_debug_line, 60> lines;  // a box of each kind
   constexpr std::uint32_t every_kind = 0xFFFFFFFFu;
   std::size_t count = 0;
   RETURNS(OK, sightcell_view_debug_lines(v, every_kind, lines.data(), lines.size(), &count));
   ASSERT_EQ(count, lines.size());
   for (const sightcell_debug_line& line : lines) out.debug_kinds |= line.kind;
-  RETURNS(ERR_CAPACITY, sightcell_view_debug_lines(v, every_kind, lines.data(), 47, &count));
-  RETURNS(ERR_ARGUMENT, sightcell_view_debug_lines(v, every_kind, nullptr, 48, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_debug_lines(v, every_kind, lines.data(), 59, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_debug_lines(v, every_kind, nullptr, 60, &count));
+  bytes changed = contents.encode();
+  const std::size_t place = section_place(changed, layout::section_viewpoints);
+  const auto regions = section_of(changed, layout::section_viewpoints).size() - contents.viewpoints[0].region.size() -
+                       contents.viewpoints[1].region.size();
+  changed[get_u64(changed, place + 8) + regions] = std::byte{3};  // no node
+  reseal(changed);
+  const loaded_file damaged(std::move(changed));
+  test_view other(damaged.db());
+  static_cast<void>(other.move(1, 1, 1));
+  RETURNS(ERR_CORRUPT, sightcell_view_debug_lines(other.get(), every_kind, lines.data(), lines.size(), &count));
 }
 
 struct header {

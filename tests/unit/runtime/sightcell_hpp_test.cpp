@@ -87,6 +87,23 @@ TEST(sightcell_hpp, named_groups) {
   EXPECT_EQ(camera.show_named_group(2, true), SIGHTCELL_ERR_ARGUMENT);
 }
 
+TEST(sightcell_hpp, viewpoints) {
+  auto contents = sightcell::test::tiny_contents();
+  contents.player_radius = 0.125f;
+  contents.viewpoints = {{.cell = 0, .valid_share = 0.5f, .outside_share = 0.25, .region = {std::byte{0x12}}},
+                         {.cell = 1, .region = {}}};
+  const auto bytes = contents.encode();
+  const auto file = sightcell::db::open(bytes);
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->info()->player_radius, 0.125f);
+  const auto shares = file->viewpoints_of_cell(0);
+  ASSERT_TRUE(shares);
+  EXPECT_EQ(shares->valid_share, 0.5f);
+  EXPECT_EQ(shares->outside_share, 0.25f);
+  EXPECT_EQ(file->viewpoints_of_cell(1)->valid_share, 1.0f);
+  EXPECT_EQ(file->viewpoints_of_cell(2).status(), SIGHTCELL_ERR_ARGUMENT);
+}
+
 TEST(sightcell_hpp, failures_are_values) {
   const auto file = sightcell::db::open({});
   EXPECT_FALSE(file);

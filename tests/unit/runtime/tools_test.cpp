@@ -14,6 +14,8 @@
 #include "held_memory.h"
 #include "loaded_file.h"
 #include "paged_host.h"
+#include "sightcell/format/layout.h"
+#include "unit/format/viewpoint_samples.h"
 
 namespace {
 
@@ -243,6 +245,63 @@ TEST(tools, debug_lines_of_volumes) {
   EXPECT_EQ(lines[12].number, 29u);
   static_cast<void>(view.move(-1e5f, 0, 0));
   EXPECT_EQ(lines_of(view, SIGHTCELL_DEBUG_VOLUMES).size(), 360u) << "everything is visible";
+}
+
+// tiny_contents(): the lower x half of the grown box of cell 0 is outside, and half of the upper one.
+sample_contents contents_with_regions() {
+  sample_contents contents = tiny_contents();
+  add_viewpoints(contents, 4);
+  contents.viewpoints[0].region = packed_nodes("20210");
+  contents.viewpoints[1].region = {};
+  contents.viewpoints[1].outside_share = 0.0;
+  return contents;
+}
+
+TEST(tools, debug_lines_outside_the_region) {
+  const loaded_file file(contents_with_regions());
+  test_view view(file.db());
+  EXPECT_TRUE(lines_of(view, SIGHTCELL_DEBUG_OUTSIDE_REGION).empty()) << "before the first move";
+  static_cast<void>(view.move(1, 1, 1));
+  const auto lines = lines_of(view, SIGHTCELL_DEBUG_OUTSIDE_REGION);
+  ASSERT_EQ(lines.size(), 24u);
+  expect_box(std::span(lines).first(12), {-0.25f, -0.25f, -0.25f}, {2, 2.25f, 4.25f});
+  expect_box(std::span(lines).last(12), {2, -0.25f, 2}, {4.25f, 2.25f, 4.25f});
+  for (const sightcell_debug_line& line : lines) {
+    EXPECT_EQ(line.kind, SIGHTCELL_DEBUG_OUTSIDE_REGION);
+    EXPECT_EQ(line.number, 0u);
+  }
+  EXPECT_EQ(lines_of(view, 15).size(), 36u) << "no other kind";
+  EXPECT_EQ(lines_of(view, 31).size(), 60u);
+  std::size_t count = 0;
+  std::vector<sightcell_debug_line> few(23);
+  EXPECT_EQ(sightcell_view_debug_lines(view.get(), SIGHTCELL_DEBUG_OUTSIDE_REGION, few.data(), few.size(), &count),
+            SIGHTCELL_ERR_CAPACITY);
+  EXPECT_EQ(count, 24u);
+  EXPECT_EQ(few[0].kind, 0u) << "nothing is written";
+  static_cast<void>(view.move(7, 1, 1));
+  EXPECT_TRUE(lines_of(view, SIGHTCELL_DEBUG_OUTSIDE_REGION).empty()) << "the whole box";
+  static_cast<void>(view.move(90, 1, 1));
+  EXPECT_TRUE(lines_of(view, SIGHTCELL_DEBUG_OUTSIDE_REGION).empty()) << "outside all cells";
+  const loaded_file without(tiny_contents());
+  test_view other(without.db());
+  static_cast<void>(other.move(1, 1, 1));
+  EXPECT_TRUE(lines_of(other, SIGHTCELL_DEBUG_OUTSIDE_REGION).empty());
+}
+
+TEST(tools, debug_lines_of_a_damaged_region) {
+  auto bytes = contents_with_regions().encode();
+  const std::size_t place = section_place(bytes, sightcell::format::layout::section_viewpoints);
+  bytes[get_u64(bytes, place + 8) + get_u64(bytes, place + 16) - 1] = std::byte{3};  // the last node is left alone
+  reseal(bytes);
+  const loaded_file file(std::move(bytes));
+  test_view view(file.db());
+  static_cast<void>(view.move(1, 1, 1));
+  std::size_t count = 7;
+  EXPECT_EQ(sightcell_view_debug_lines(view.get(), 31, nullptr, 0, &count), SIGHTCELL_ERR_CORRUPT);
+  EXPECT_EQ(count, 7u);
+  EXPECT_EQ(lines_of(view, 15).size(), 36u) << "other kinds do not need it";
+  static_cast<void>(view.move(7, 1, 1));
+  EXPECT_EQ(lines_of(view, 31).size(), 36u) << "nor do other cells";
 }
 
 // A small cell in 80 large ones.

@@ -59,13 +59,13 @@ struct summary {
   outcome result = outcome::done;
 
   std::uint32_t cells = 0;             // in the file
-  std::uint32_t cells_left_out = 0;    // not in the file: they have no valid viewpoint
+  std::uint32_t cells_left_out = 0;    // not in the file: they have no valid viewpoint, or too few for a camera
   std::uint32_t cells_over_bound = 0;  // whose bound is above settings::max_pixel_error
   std::uint32_t cells_resumed = 0;     // taken from the checkpoint of an earlier run
 
-  // Of a bake with settings::time_budget.
-  std::uint32_t cells_out_of_time = 0;  // of cells_over_bound: the budget ended first; the others used all their rays
-  std::uint32_t cells_unreached = 0;    // not in the file: without a bound when the budget ended
+  // Of cells_over_bound: settings::time_budget or settings::seconds_per_cell ended first; the others used all their rays.
+  std::uint32_t cells_out_of_time = 0;
+  std::uint32_t cells_unreached = 0;  // with settings::time_budget: not in the file, without a bound when it ended
 
   double visible_percent = 0.0;  // mean size of the cell sets
 

@@ -32,16 +32,15 @@ struct slow_cell {
   double seconds = 0.0;           // in work, without interruption
 };
 
-// State of a bake. Reported before the first cell, after each step of a cell, and about once per second while cells are
-// in work; several times per second while a sampler prepares all cells together. Exception: with the source `gpu`,
-// cells are baked on the calling thread, so that nothing is reported while one is in work.
+// State of a bake. Reported before the first cell, after each step of a cell, and several times per second while cells
+// are in work or a sampler prepares all cells together.
 struct progress {
   bake_phase phase = bake_phase::baking_cells;
 
   std::uint32_t cells_done = 0;  // whose bound is known and committed
   std::uint32_t cells_total = 0;
   std::uint32_t cells_checked = 0;  // of cells_done: finished. Time budget: whose bound is at most max_pixel_error
-  std::uint32_t cells_in_work = 0;  // now; 0 with the source `gpu`
+  std::uint32_t cells_in_work = 0;  // now
 
   double importance = 0.0;  // part of the importance that is measured, 0 .. 1; 0 before that begins
   double target = 0.0;      // time budget: the bound that all cells are brought to now; else 0
@@ -73,7 +72,7 @@ enum class severity {
 // was canceled, and the exception passes through.
 struct callbacks {
   // now: valid during the call.
-  // Returns false to cancel: cells in work are finished and committed, then the bake returns `outcome::cancelled`.
+  // Returns false to cancel: cells in work end within a second and are not committed; the bake returns `outcome::cancelled`.
   std::function<bool(const progress& now)> on_progress = {};
 
   // text: one line without a line end.
@@ -82,8 +81,8 @@ struct callbacks {
   // A phase begins. `progress::phase` has the same value from now on.
   std::function<void(bake_phase phase)> on_phase = {};
 
-  // on_progress has canceled, and cells are still in work. Called about once per second until they end; not called with
-  // the source `gpu`.
+  // on_progress has canceled, and cells are still in work. Called several times per second until they end; not called
+  // with the source `gpu`.
   std::function<void(const progress& now)> on_stopping = {};
 };
 

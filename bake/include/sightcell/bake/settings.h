@@ -29,6 +29,26 @@ struct cell_box {
   std::array<float, 3> max{};  // meters
 };
 
+// ---- Player ---------------------------------------------------------------------------------------------------------
+
+// Where automatic cells are.
+enum class reach_kind : std::uint8_t {
+  walk,       // over floors that a player gets to from the starts
+  everywhere  // over all floors with head room, roofs included
+};
+inline constexpr std::array<std::string_view, 2> reach_names{"walk", "everywhere"};  // as --reach calls them
+
+// How a player moves and where the eyes are, in meters. The default is a person.
+struct player_settings {
+  float height = 1.8f;       // --player-height: what must be empty above a floor, 0.1 .. 100
+  float step = 0.45f;        // --player-step: steps that are climbed without a jump, 0 .. 100
+  float jump = 1.2f;         // --player-jump: up with a jump, 0 .. 100
+  float gap = 3.0f;          // --player-gap: the widest gap that a jump crosses, 0 .. 100
+  float slope = 45.0f;       // --player-slope: the steepest floor to stand on, degrees, 0 .. 89
+  float lowest_eye = 0.9f;   // --eye-heights LOW,HIGH: above the floor, when crouching, 0 .. 100
+  float highest_eye = 2.1f;  // --eye-heights LOW,HIGH: when jumping, 0 .. 100
+};
+
 // ---- Metric ---------------------------------------------------------------------------------------------------------
 
 // What the error of a cell is, and so what its upper bound bounds.
@@ -85,8 +105,11 @@ struct settings {
   std::optional<std::array<float, 6>> cells_grid;   // --cells-grid x0,y0,z0,x1,y1,z1: all lattice cells of this box
   float cell_size = 4.0f;        // --cell-size: width of lattice cells, meters, 0.25 .. 1000; they are half as high
   std::uint32_t cell_limit = 0;  // --cell-limit: bake this many cells, spread evenly; 0 for all
-  float margin = 0.25f;          // --margin: each cell is grown by this for the bake, meters, 0 .. 10
-  float player_radius = 0.05f;   // --player-radius: distance of viewpoints from surfaces, meters, 0.001 .. 1
+  reach_kind reach = reach_kind::walk;       // --reach, of automatic cells
+  std::vector<std::array<float, 3>> starts;  // --start x,y,z: on or above a floor, meters; none: those of the scene
+  player_settings player;                    // of automatic cells
+  float margin = 0.25f;                      // --margin: each cell is grown by this for the bake, meters, 0 .. 10
+  float player_radius = 0.05f;  // --player-radius: distance of viewpoints from surfaces, meters, 0.001 .. 1
 
   // --cells-from: a second scene in the same world. Cells are those of this scene, and its polygons are visible and
   // occlude, but sets have only polygons of the scene that is baked. Null for one scene. The caller keeps it during the

@@ -25,6 +25,8 @@ struct file_parts {
   lattice_shape volume_shape;            // of each volume; set if there are volumes
   std::vector<lattice_place> volumes;
   std::vector<certificate_record> certificate;
+  std::vector<viewpoint_record> viewpoints;  // one per cell, or none
+  float player_radius = 0.0f;                // meters; 0 without viewpoints
   std::string settings;
 
   // For encode(). sets: by the numbers of these cells; with volumes, as set_reader::item_ids returns them. The result

@@ -20,6 +20,7 @@ inline constexpr std::uint64_t chunk_record_size = 16;
 inline constexpr std::uint32_t draw_columns = 13;
 inline constexpr std::uint32_t certificate_columns = 8;
 inline constexpr std::uint32_t volume_columns = 3;
+inline constexpr std::uint32_t viewpoint_columns = 3;
 // Sizes of further fixed records of version 0.
 inline constexpr std::uint64_t v0_draw_record_size = 48;
 inline constexpr std::uint64_t v0_row_record_size = 8;
@@ -60,6 +61,7 @@ inline constexpr std::uint32_t section_codes = 8;          // since version 1
 inline constexpr std::uint32_t section_importance = 9;     // since version 1; optional
 inline constexpr std::uint32_t section_volumes = 10;       // since version 1; a file with volumes requires it
 inline constexpr std::uint32_t section_named_groups = 11;  // since version 1; optional
+inline constexpr std::uint32_t section_viewpoints = 12;    // since version 1; optional
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
 
@@ -68,6 +70,9 @@ inline constexpr std::uint64_t volumes_head_size = 20;
 
 // The named groups section begins with two u32.
 inline constexpr std::uint64_t named_groups_head_size = 8;
+
+// The viewpoints section begins with an f32.
+inline constexpr std::uint64_t viewpoints_head_size = 4;
 
 // The cells section of version 1 begins with one of these.
 inline constexpr std::uint32_t cells_are_boxes = 0;
@@ -80,12 +85,17 @@ inline constexpr std::uint32_t max_cells = 1u << 24;
 inline constexpr std::uint32_t max_draws = 1u << 26;
 inline constexpr std::uint32_t max_sections = 64;
 inline constexpr std::uint64_t max_settings_size = 1u << 24;
-inline constexpr std::uint64_t max_names_size = 1u << 24;  // all named groups together
+inline constexpr std::uint64_t max_names_size = 1u << 24;       // all named groups together
+inline constexpr std::uint32_t max_region_size = 1u << 16;      // bytes of the region of a cell
+inline constexpr std::uint64_t max_regions_size = 0xFFFFFFFFu;  // of all cells together
 inline constexpr std::uint64_t max_chunk_size = 0xFFFFFFFFu;
 inline constexpr float max_margin = 1.0e6f;  // meters
 
 // Rows.
 inline constexpr std::uint32_t cells_per_chunk = 64;     // a chunk is 64 consecutive cells, aligned
 inline constexpr std::uint32_t max_reference_depth = 2;  // row -> reference -> reference
+
+// Regions of viewpoints.
+inline constexpr std::uint32_t max_region_depth = 18;  // of a leaf; the root has 0
 
 }  // namespace sightcell::format::layout

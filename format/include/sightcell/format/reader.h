@@ -29,6 +29,7 @@
 #include "sightcell/format/packed_columns.h"
 #include "sightcell/format/records.h"
 #include "sightcell/format/status.h"
+#include "sightcell/format/viewpoint_table.h"
 #include "sightcell/format/volume_table.h"
 
 namespace sightcell::format {
@@ -91,8 +92,9 @@ struct row_statistics {
 // A view of one file: cheap to copy, valid as long as the bytes are. A default-constructed reader is an empty file.
 class reader {
  public:
-  // Opens a file. Checks header, section table, draw table, named groups, cells, volumes, row directory, certificate
-  // and settings, with their checksums. check_chunk and decode_row check the rows.
+  // Opens a file. Checks header, section table, draw table, named groups, cells, volumes, row directory, certificate,
+  // viewpoints without the trees of regions, and settings, with their checksums. check_chunk and decode_row check the
+  // rows.
   // bytes: the whole file and nothing after it, at any alignment. They belong to the caller and must outlive out.
   // out: set only on ok.
   // Fails with not_ours (not a .pvs file), version (another version, or a required section that this reader does not
@@ -159,6 +161,9 @@ class reader {
 
   // The named groups of the file, mostly none. draw_record::named_group is a number in it.
   [[nodiscard]] const named_group_table& named_groups() const noexcept { return named_groups_; }
+
+  // The valid viewpoints of the cells; viewpoints().exists() is false for a file without this section.
+  [[nodiscard]] const viewpoint_table& viewpoints() const noexcept { return viewpoints_; }
 
   // The volumes of the file, mostly none. In sets, volume v has the number polygon_count() + v.
   [[nodiscard]] const volume_table& volumes() const noexcept { return volumes_; }
@@ -232,7 +237,8 @@ class reader {
 
   // Checks what open leaves out: the checksum of every section, every chunk and row, that rows fill their chunks
   // without gaps and keep the bounds, the importance, that each source id is stored once, that no two volumes are the
-  // same. Returns ok or the first fault. out, scratch, codes: as for decode_row; stored: room for check_room() numbers.
+  // same, the regions of viewpoints. Returns ok or the first fault. out, scratch, codes: as for decode_row; stored:
+  // room for check_room() numbers.
   [[nodiscard]] std::size_t check_room() const noexcept;
   status check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                std::span<std::uint32_t> stored) const noexcept;
@@ -267,6 +273,7 @@ class reader {
   status check_cells() const noexcept;
   status check_directory() const noexcept;
   status check_certificate() const noexcept;
+  status check_regions() const noexcept;
   status check_stored(std::span<std::uint32_t> stored) const noexcept;
   status check_rows(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept;
 
@@ -306,14 +313,16 @@ class reader {
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
   extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_, importance_, volume_bytes_,
-      named_group_bytes_;
+      named_group_bytes_, viewpoint_bytes_;
   bool has_importance_ = false;
   bool has_volumes_ = false;
   bool has_named_groups_ = false;
+  bool has_viewpoints_ = false;
   bool on_lattice_ = false;
   cell_lattice lattice_;
   volume_table volumes_;
   named_group_table named_groups_;
+  viewpoint_table viewpoints_;
   std::array<packed_column, layout::draw_columns> draw_columns_;
   std::array<packed_column, layout::certificate_columns> certificate_columns_;
   packed_column order_begin_;

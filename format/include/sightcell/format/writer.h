@@ -54,6 +54,15 @@ struct lattice_volumes {
 // The order of lattice cells in a file: by level, then by chunks of 8 x 8.
 [[nodiscard]] bool lattice_comes_before(const lattice_place& a, const lattice_place& b) noexcept;
 
+// The valid viewpoints of one cell (SPEC.md, "Viewpoints").
+struct viewpoint_record {
+  std::uint32_t cell = 0;
+  float valid_share = 1.0f;       // estimated share of the region that is valid viewpoints, in (0, 1]
+  double outside_share = 0.0;     // upper limit, at 95 % confidence, of the share of the valid viewpoints outside the
+                                  // region, 0 .. 1; 0 if the region is the whole grown box
+  std::vector<std::byte> region;  // tree over the grown box (viewpoint_table.h); empty: the whole grown box
+};
+
 // The contents of a file. Used only during the call of encode.
 struct file_contents {
   file_facts facts;
@@ -67,6 +76,8 @@ struct file_contents {
   lattice_volumes volumes;
   cell_set_source cell_sets;
   std::span<const certificate_record> certificate;  // empty, or one per cell in cell order
+  std::span<const viewpoint_record> viewpoints;     // empty, or one per cell in cell order
+  float player_radius = 0.0f;                       // meters, above 0; not used without viewpoints
   std::string_view settings;                        // JSON text of the settings that made the file; may be empty
   // The share of polygons that encode may add to each set, 0 .. 1, in steps of a millionth; 0: sets are stored as they
   // are. encode chooses polygons that make the file smaller and (draw, first, count) ranges fewer. It removes none, and
@@ -77,8 +88,8 @@ struct file_contents {
 // Encodes contents. The same contents give the same bytes.
 // out: replaced on ok, else unchanged.
 // Fails with argument (contents that contradict themselves: unsorted ids, counts that differ, boxes that are not
-//   finite, two volumes at one position), limit (a number above the limits of layout.h), memory, and the status of a
-//   source.
+//   finite, two volumes at one position, a region that is no valid tree), limit (a number above the limits of
+//   layout.h), memory, and the status of a source.
 // Cost: memory for the file, for the sets of 64 cells at a time, 8 bytes per run of each, and 4 bytes per polygon; with
 //   slack about 60 bytes per different border of these 64 sets. No shared state, any thread.
 status encode(const file_contents& contents, std::vector<std::byte>& out);

@@ -31,8 +31,24 @@ void add_floor(scene::world_geometry& g, float x0, float z0, float x1, float z1,
   }
 }
 
-cell_list cells_of(const scene::world_geometry& g, const settings& how = {}) {
+// Settings of cells around a standing eye over all floors.
+settings standing() {
+  settings how;
+  how.reach = reach_kind::everywhere;
+  how.player.lowest_eye = how.player.highest_eye = static_cast<float>(eye_height);
+  return how;
+}
+
+cell_list cells_of(const scene::world_geometry& g, const settings& how = standing()) {
   return make_cells(g, how);
+}
+
+// Many small floors: a place with many polygons around it.
+void add_tiles(scene::world_geometry& g, float x0, float z0, int count, float y) {
+  for (int i = 0; i < count * count; ++i) {
+    const float x = x0 + static_cast<float>(i % count), z = z0 + static_cast<float>(i / count);
+    add_floor(g, x, z, x + 1.0f, z + 1.0f, y);
+  }
 }
 
 bool holds(const view_cell& cell, glm::vec3 p) {
@@ -115,11 +131,11 @@ TEST(walkable, back_of_a_floor_counts_only_when_double_sided) {
   scene::world_geometry g;
   add_floor(g, 0.0f, 0.0f, 4.0f, 4.0f, 0.0f, false);
   EXPECT_NE(cells_of(g).how.find("grid"), std::string::npos);
-  settings how;
+  settings how = standing();
   how.all_double_sided = true;
-  EXPECT_NE(cells_of(g, how).how.find("walkable"), std::string::npos);
+  EXPECT_NE(cells_of(g, how).how.find("over floors"), std::string::npos);
   for (scene::polygon_kind& kind : g.kinds) kind.double_sided = true;
-  EXPECT_NE(cells_of(g).how.find("walkable"), std::string::npos);
+  EXPECT_NE(cells_of(g).how.find("over floors"), std::string::npos);
 }
 
 TEST(walkable, no_floor_gives_a_grid_and_says_so) {
@@ -162,6 +178,67 @@ TEST(walkable, huge_terrain_gets_larger_cells_and_a_warning) {
   EXPECT_GT(list.cells.size(), 40'000u);
   EXPECT_EQ(list.cells[0].max.x - list.cells[0].min.x, 16.0f);
   EXPECT_FALSE(list.warnings.empty());
+}
+
+TEST(walkable, eyes_from_crouching_to_jumping_have_cells) {
+  scene::world_geometry g;
+  add_floor(g, 0.0f, 0.0f, 8.0f, 4.0f, 0.0f);
+  add_floor(g, 4.0f, 0.0f, 8.0f, 4.0f, 1.9f, false);  // a ceiling
+  const cell_list list = cells_of(g, settings());
+  for (const float eye : {0.9f, 1.6f, 2.09f}) EXPECT_TRUE(any_holds(list, {2.0f, eye, 2.0f})) << eye;
+  EXPECT_FALSE(any_holds(list, {2.0f, 4.1f, 2.0f}));
+  EXPECT_FALSE(any_holds(list, {6.0f, 2.09f, 2.0f})) << "above the ceiling";
+}
+
+// A street and a roof 6 m above it, which nobody can climb.
+scene::world_geometry street_and_roof() {
+  scene::world_geometry g;
+  add_tiles(g, 0.0f, 0.0f, 16, 0.0f);
+  add_floor(g, 20.0f, 0.0f, 40.0f, 16.0f, 6.0f);
+  return g;
+}
+
+TEST(walkable, roofs_that_nobody_reaches_have_no_cells) {
+  const scene::world_geometry g = street_and_roof();
+  const glm::vec3 in_the_street{8.0f, 1.6f, 8.0f}, on_the_roof{30.0f, 7.6f, 8.0f};
+  const cell_list walked = cells_of(g, settings());
+  EXPECT_TRUE(any_holds(walked, in_the_street));
+  EXPECT_FALSE(any_holds(walked, on_the_roof));
+  EXPECT_NE(walked.how.find("reached from the floor with the most polygons around it"), std::string::npos);
+  settings how;
+  how.reach = reach_kind::everywhere;
+  EXPECT_TRUE(any_holds(cells_of(g, how), on_the_roof));
+}
+
+TEST(walkable, a_start_decides_which_floors_are_reached) {
+  scene::world_geometry g = street_and_roof();
+  const glm::vec3 in_the_street{8.0f, 1.6f, 8.0f}, on_the_roof{30.0f, 7.6f, 8.0f};
+  settings how;
+  how.starts = {{30.0f, 8.0f, 8.0f}};
+  const cell_list list = cells_of(g, how);
+  EXPECT_TRUE(any_holds(list, on_the_roof));
+  EXPECT_FALSE(any_holds(list, in_the_street)) << "the gap between the two is wider than a jump";
+  EXPECT_TRUE(list.warnings.empty());
+  // Marked nodes of the scene are starts too; cameras only where there is no other, and only above a floor.
+  g.starts = {{{30.0f, 8.0f, 8.0f}, false}, {{8.0f, 2.0f, 8.0f}, true}};
+  EXPECT_TRUE(any_holds(cells_of(g, settings()), on_the_roof));
+  EXPECT_FALSE(any_holds(cells_of(g, settings()), in_the_street));
+  g.starts = {{{30.0f, 8.0f, 8.0f}, true}, {{8.0f, 200.0f, 8.0f}, true}};
+  EXPECT_TRUE(any_holds(cells_of(g, settings()), on_the_roof));
+  how.starts = {{-50.0f, 0.0f, 0.0f}};
+  const cell_list nowhere = cells_of(g, how);
+  ASSERT_EQ(nowhere.warnings.size(), 1u);
+  EXPECT_NE(nowhere.warnings[0].find("no floor is within 8 m below the start (-50, 0, 0) m"), std::string::npos);
+  EXPECT_TRUE(any_holds(nowhere, in_the_street)) << "a start without a floor is no start";
+}
+
+// A second floor that no way leads to belongs to a level if enough of the level's polygons are around it.
+TEST(walkable, a_floor_with_many_polygons_around_it_is_a_start_too) {
+  scene::world_geometry g = street_and_roof();
+  add_tiles(g, 24.0f, 30.0f, 8, 9.0f);
+  const cell_list list = cells_of(g, settings());
+  EXPECT_TRUE(any_holds(list, {28.0f, 10.6f, 34.0f}));
+  EXPECT_FALSE(any_holds(list, {30.0f, 7.6f, 8.0f}));
 }
 
 TEST(walkable, numbers_beyond_all_scenes_are_survived) {

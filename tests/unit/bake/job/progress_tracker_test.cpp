@@ -168,6 +168,7 @@ TEST_F(tracked_bake, a_cell_that_takes_long_does_not_silence_progress) {
     std::iota(blocks.begin(), blocks.end(), 0u);
     step_queue queue = step_queue::phase_1(*plan_, stage_table(cell_total), blocks);
     tbb::task_arena arena(2);
+    stop_request stop;
     const auto caller = std::this_thread::get_id();
     take_steps(
         queue, [] { return cell_set(10, nullptr, 10); },
@@ -177,7 +178,7 @@ TEST_F(tracked_bake, a_cell_that_takes_long_does_not_silence_progress) {
             std::this_thread::sleep_for(milliseconds(1));
           return cell_record();
         },
-        {.arena = arena, .workers = workers, .pause = milliseconds(1)},
+        {.arena = arena, .stop = stop, .workers = workers, .pause = milliseconds(1)},
         [&](std::span<stage_record> ended, std::span<const step_in_work> in_work) {
           EXPECT_EQ(std::this_thread::get_id(), caller);
           const bool proceed = tracked.close(ended, in_work, *done_);
@@ -195,6 +196,7 @@ TEST_F(tracked_bake, on_the_calling_thread_each_step_is_reported_at_its_end) {
   std::iota(blocks.begin(), blocks.end(), 0u);
   step_queue queue = step_queue::phase_1(*plan_, stage_table(cell_total), blocks);
   tbb::task_arena arena(2);
+  stop_request stop;
   const auto caller = std::this_thread::get_id();
   int reports = 0;
   take_steps(
@@ -203,7 +205,7 @@ TEST_F(tracked_bake, on_the_calling_thread_each_step_is_reported_at_its_end) {
         EXPECT_EQ(std::this_thread::get_id(), caller) << "its OpenGL context belongs to that thread";
         return cell_record();
       },
-      {.arena = arena, .on_calling_thread = true, .pause = milliseconds(1)},
+      {.arena = arena, .stop = stop, .on_calling_thread = true, .pause = milliseconds(1)},
       [&](std::span<stage_record> ended, std::span<const step_in_work> in_work) {
         EXPECT_EQ(ended.size(), 1u);
         EXPECT_TRUE(in_work.empty());

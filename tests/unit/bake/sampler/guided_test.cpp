@@ -67,7 +67,8 @@ sampler_outcome sample(const settings& how, const scene::scene& from, int thread
   tbb::task_arena arena(threads);
   arena.execute([&] {
     sampler->prepare([](double) { return true; });
-    result.rays = sampler->sample({grown, 5, geometry_inside, free}, set).rays;
+    const time_limit limit(how.seconds_per_cell, true);
+    result.rays = sampler->sample({grown, 5, geometry_inside, free, nullptr, &limit}, set).rays;
   });
   result.members = set.members();
   for (const std::uint32_t polygon : result.members) result.names.push_back(name_of(corners_of(geometry, polygon)));

@@ -36,7 +36,8 @@ TEST(hemicubes, jitter_turns_by_at_most_half_a_pixel) {
 TEST(hemicubes, a_limit_of_time_ends_a_cell) {
   scripted_source source;
   cell_set set(10);
-  const hemicube_plan plan{.samples = 1000, .seconds = 1e-9};
+  const time_limit over(1e-9, true);
+  const hemicube_plan plan{.samples = 1000, .limit = &over};
   hemicubes taken(plan, source, set);
   sample_faces(
       {.sampler = "halton"}, plan, {{0, 0, 0}, {4, 2, 4}}, [](const glm::vec3&) { return true; }, taken);
@@ -69,7 +70,8 @@ TEST(hemicubes, cubes_leave_time_for_the_faces) {
   };
   cell_set set(10);
   const std::vector<glm::vec3> interior(100'000, glm::vec3{2, 1, 2});
-  const hemicube_plan plan{.samples = 100'000, .geometry_inside = true, .interior_share = 0.25, .seconds = 0.1};
+  const time_limit limit(0.1, true);
+  const hemicube_plan plan{.samples = 100'000, .geometry_inside = true, .interior_share = 0.25, .limit = &limit};
   hemicubes taken(plan, source, set);
   taken.take_interior(interior);
   const std::uint32_t cubes = taken.taken();

@@ -21,7 +21,7 @@ class time_budget {
   double left() const { return seconds_ - kept_back_ - spent(); }
   bool over() const { return left() <= 0.0; }
   // Returns the limit of a piece of work that starts now.
-  time_limit limit() const { return {std::max(left(), 1e-9), false}; }
+  time_limit limit(stop_request* stop = nullptr) const { return {std::max(left(), 1e-9), false, stop}; }
 
   // Reserves seconds for what follows the last cell, such as writing the file.
   void keep_back(double seconds) { kept_back_ = seconds; }

@@ -116,6 +116,12 @@ struct extension_use {
   bool is_read = false;  // false: it changes nothing that is visible, or scene::warnings names it
 };
 
+// Where a player begins: a node with extras.sightcell.start, or with a camera.
+struct start_point {
+  std::array<float, 3> position{};  // world space, meters
+  bool is_camera = false;
+};
+
 struct scene {
   std::string name;  // file name, for messages
   std::vector<material> materials;
@@ -124,6 +130,7 @@ struct scene {
   std::vector<geometry> geometries;
   std::vector<draw> draws;
   std::vector<std::string> groups;  // names of named groups
+  std::vector<start_point> starts;  // where players begin; not part of the fingerprint
 
   std::uint32_t polygon_count = 0;             // of all draws; set by finish
   std::vector<std::string> node_names;         // by node, for messages
@@ -206,6 +213,7 @@ struct world_geometry {
   std::vector<masked_polygon> masked;  // ascending ids
   std::vector<alpha_mask> masks;
   std::vector<lod_object> lods;  // objects that have coarser levels
+  std::vector<start_point> starts;
   absent_counts absent;
   std::vector<std::string> warnings;  // images that could not be used, one line each
   glm::vec3 min{0.0f}, max{0.0f};     // bounds of all polygons that are not absent
