@@ -11,8 +11,6 @@
 namespace sightcell::format {
 namespace {
 
-constexpr std::uint32_t column_count = 7;
-
 // Whether the positions of a chunk are within the limits.
 bool is_near(std::int32_t chunk) noexcept {
   constexpr std::int32_t most = (1 << 30) / lattice_chunk_width;
@@ -32,8 +30,7 @@ lattice_place place_of(const lattice_chunk& chunk, unsigned bit) noexcept {
 }
 
 box box_of(const lattice_shape& shape, const lattice_place& place) noexcept {
-  const double width = std::ldexp(shape.width, -static_cast<int>(place.level));
-  const double height = std::ldexp(shape.height, -static_cast<int>(place.level));
+  const double width = shape.width_of(place.level), height = shape.height_of(place.level);
   const auto corner = [&](double more) {
     return std::array<float, 3>{static_cast<float>((place.x + more) * width),
                                 static_cast<float>((place.y + more) * height),
@@ -42,22 +39,18 @@ box box_of(const lattice_shape& shape, const lattice_place& place) noexcept {
   return {corner(0.0), corner(1.0)};
 }
 
-bool cell_lattice::open(std::span<const std::byte> bytes, std::uint32_t cells) noexcept {
-  *this = cell_lattice{};
+bool cell_lattice::open(std::span<const std::byte> bytes, std::uint32_t cells, bool layers) noexcept {
   cell_lattice made;
+  made.shape_.layers = layers;
   const checked_reader in(bytes);
   if (!in.read_f64(0, made.shape_.width) || !in.read_f64(8, made.shape_.height) || !in.read_u32(16, made.chunks_)) {
     return false;
   }
   const bool finite = std::isfinite(made.shape_.width) && std::isfinite(made.shape_.height);
   if (!finite || !(made.shape_.width > 0.0) || !(made.shape_.height > 0.0) || made.chunks_ > cells) return false;
-  packed_columns columns;
-  if (!columns.open(bytes.subspan(20), column_count, made.chunks_)) return false;
-  std::uint32_t number = 0;
-  for (packed_column* column :
-       {&made.x_, &made.y_, &made.z_, &made.level_, &made.first_, &made.mask_low_, &made.mask_high_}) {
-    *column = packed_column(columns, number++);
-  }
+  packed_columns table;
+  if (!table.open(bytes.subspan(20), columns, made.chunks_)) return false;
+  for (std::uint32_t i = 0; i < columns; ++i) made.columns_[i] = packed_column(table, i);
   if (!made.chunks_are_good(cells)) return false;
   *this = made;
   return true;
@@ -81,8 +74,10 @@ bool cell_lattice::chunks_are_good(std::uint32_t cells) const noexcept {
 }
 
 lattice_chunk cell_lattice::chunk(std::uint32_t number) const noexcept {
-  return {to_signed(x_[number]), to_signed(y_[number]), to_signed(z_[number]),
-          level_[number],        first_[number],        std::uint64_t{mask_high_[number]} << 32 | mask_low_[number]};
+  const auto value = [&](column which) { return columns_[which][number]; };
+  return {to_signed(value(column_x)), to_signed(value(column_y)),
+          to_signed(value(column_z)), value(column_level),
+          value(column_first),        std::uint64_t{value(column_mask_high)} << 32 | value(column_mask_low)};
 }
 
 bool cell_lattice::cell_box(std::uint32_t cell, box& out) const noexcept {
@@ -91,7 +86,7 @@ bool cell_lattice::cell_box(std::uint32_t cell, box& out) const noexcept {
   std::uint32_t high = chunks_;
   while (low < high) {
     const std::uint32_t middle = low + (high - low) / 2;
-    if (first_[middle] <= cell) {
+    if (columns_[column_first][middle] <= cell) {
       low = middle + 1;
     } else {
       high = middle;

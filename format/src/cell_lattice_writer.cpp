@@ -40,7 +40,8 @@ bool put_lattice(const lattice_shape& shape, std::span<const lattice_place> plac
   };
   for (std::size_t i = 0; i < places.size(); ++i) {
     const lattice_place& p = places[i];
-    if (!box_is_valid(box_of(shape, p)) || (i > 0 && !lattice_comes_before(places[i - 1], p))) return false;
+    if (p.level > max_lattice_level || !box_is_valid(box_of(shape, p))) return false;
+    if (i > 0 && !lattice_comes_before(places[i - 1], p)) return false;
     if (i == 0 || chunk_key(places[i - 1]) != chunk_key(p)) {
       if (i > 0) finish_chunk();
       columns[0].push_back(from_signed(chunk_of(p.x)));

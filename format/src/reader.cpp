@@ -261,11 +261,15 @@ status reader::open_tables() noexcept {
   }
   std::uint32_t kind = 0;
   if (!checked_reader(part(cells_)).read_u32(0, kind)) return status::corrupt;
-  on_lattice_ = kind == layout::cells_are_on_lattice;
   const std::span<const std::byte> cells = part(cells_).subspan(4);
-  if (on_lattice_) return lattice_.open(cells, cell_count_) ? status::ok : status::corrupt;
-  const bool boxes = kind == layout::cells_are_boxes && cells.size() == cell_count_ * layout::cell_record_size;
-  return boxes ? status::ok : status::corrupt;
+  on_lattice_ = kind != layout::cells_are_boxes;
+  bool good = false;
+  if (!on_lattice_) {
+    good = cells.size() == cell_count_ * layout::cell_record_size;
+  } else if (kind <= layout::cells_are_in_layers) {
+    good = lattice_.open(cells, cell_count_, kind == layout::cells_are_in_layers);
+  }
+  return good ? status::ok : status::corrupt;
 }
 
 std::uint32_t reader::order_of_draw(std::uint32_t draw) const noexcept {

@@ -49,7 +49,7 @@ std::vector<std::byte> encode_draws(std::span<const draw_record> draws, std::spa
 bool encode_cells(const file_contents& contents, std::vector<std::byte>& bytes) {
   byte_sink out(bytes);
   if (contents.lattice) {
-    out.put_u32(layout::cells_are_on_lattice);
+    out.put_u32(contents.lattice->shape.layers ? layout::cells_are_in_layers : layout::cells_are_on_lattice);
     return put_lattice(contents.lattice->shape, contents.lattice->places, bytes);
   }
   out.put_u32(layout::cells_are_boxes);

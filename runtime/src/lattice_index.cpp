@@ -140,8 +140,7 @@ bool lattice_index::build(const format::cell_lattice& lattice, std::uint32_t cel
   }
   for (std::uint32_t level = format::max_lattice_level + 1; level-- > 0;) {
     if ((used_levels >> level & 1) == 0) continue;
-    const double width = std::ldexp(shape_.width, -static_cast<int>(level));
-    const double height = std::ldexp(shape_.height, -static_cast<int>(level));
+    const double width = shape_.width_of(level), height = shape_.height_of(level);
     levels_[level_count_++] = {level, width, height, 1.0 / width, 1.0 / height};
   }
   return next == cells;
@@ -216,7 +215,7 @@ bool lattice_index::has_smaller_inside(const format::box& bounds, double volume_
   if (!finer_is_smaller_) return level_count_ > 1;
   const wide_box inside = widened(bounds);
   for (const level_shape& level : levels()) {
-    // The volumes of two levels differ by a factor of 8, of which rounding changes at most a third.
+    // The volumes of two levels differ by a factor of 8, or 4 in layers, of which rounding changes at most a third.
     if (level.width * level.width * level.height > 0.5 * volume_limit) continue;
     if (inside.max[0] - inside.min[0] > chunk_width * level.width) return true;  // too many chunks to search
     const auto reaches_in = [&](const wide_box& cell) { return boxes_meet(cell, inside); };

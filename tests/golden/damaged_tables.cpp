@@ -180,7 +180,7 @@ void damage_cells(damaged_list& list) {
   const auto add = [&](const char* name, std::size_t at, std::uint32_t value) {
     list.push_back({name, status::corrupt, changed(tiny, cells + at, value)});
   };
-  add("cells_of_kind_2", 0, 2);
+  add("cells_of_kind_3", 0, 3);
   add("cell_without_width", 4, as_bits(4.0f));
   add("cell_begins_nowhere", 4, as_bits(std::numeric_limits<float>::quiet_NaN()));
   add("cell_without_end", 16, as_bits(std::numeric_limits<float>::infinity()));
@@ -237,7 +237,7 @@ bytes lattice_of(const format::lattice_shape& shape, const chunk_list& chunks) {
   }
   bytes out;
   format::byte_sink sink(out);
-  sink.put_u32(layout::cells_are_on_lattice);
+  sink.put_u32(shape.layers ? layout::cells_are_in_layers : layout::cells_are_on_lattice);
   sink.put_f64(shape.width);
   sink.put_f64(shape.height);
   sink.put_u32(static_cast<std::uint32_t>(chunks.size()));
@@ -279,6 +279,20 @@ void damage_far_places(damaged_list& list) {
   add("lattice_layer_far_below", {.y = -(1 << 30) - 65, .mask = 1}, status::corrupt);
 }
 
+// Of two cells that have boxes only if all levels are equally high, or only if they are not.
+void damage_layers(damaged_list& list) {
+  const bytes tiny = tiny_contents().encode();
+  const auto add = [&](const char* name, status expected, const format::lattice_shape& shape, std::int32_t y,
+                       std::uint32_t level) {
+    const format::lattice_chunk two_cells{.y = y, .level = level, .mask = 3};
+    list.push_back({name, expected, with_section(tiny, layout::section_cells, lattice_of(shape, {two_cells}))});
+  };
+  add("undamaged_layers_of_level_31", status::ok, {1.0, 1e-36, true}, 0, 31);
+  add("lattice_below_floats_on_level_31", status::corrupt, {1.0, 1e-36, false}, 0, 31);
+  add("undamaged_lattice_of_level_2", status::ok, {1.0, 1e38, false}, 3, 2);
+  add("layers_beyond_floats", status::corrupt, {1.0, 1e38, true}, 3, 2);
+}
+
 }  // namespace
 
 damaged_list damaged_tables() {
@@ -307,9 +321,13 @@ damaged_list damaged_lattices() {
   };
   damage_shapes(list);
   damage_far_places(list);
+  damage_layers(list);
   add("lattice_beyond_floats", lattice_of({1e300, shape.height}, chunks));
   add("lattice_below_floats", lattice_of({shape.width, 1e-300}, chunks));
   add("lattice_longer", longer(lattice_of(shape, chunks), 1));
+  bytes of_kind_3 = lattice_of(shape, chunks);
+  set_u32(of_kind_3, 0, 3);
+  add("lattice_of_kind_3", of_kind_3);
   const auto add_changed = [&](const char* name, const std::function<void(chunk_list&)>& damage) {
     chunk_list damaged = chunks;
     damage(damaged);

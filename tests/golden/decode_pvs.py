@@ -171,7 +171,7 @@ class Contents:
         for i, order in enumerate(self.orders):
             yield f"order {i}:" + "".join(f" {polygon}" for polygon in order)
         if self.lattice is not None:
-            yield "lattice %.17g %.17g" % self.lattice
+            yield "%s %.17g %.17g" % self.lattice
         for i, box in enumerate(self.boxes):
             seen = "".join(f" {polygon}" for polygon in self.seen(i))
             yield f"cell {i}: {box_text(box)}  sees{seen}"

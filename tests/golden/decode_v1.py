@@ -108,9 +108,11 @@ def to_float(value):
         return math.inf
 
 
-def chunk_boxes(width, height, chunk):
+def chunk_boxes(width, height, layers, chunk):
     x, y, z, level, mask = chunk
-    width, height = math.ldexp(width, -level), math.ldexp(height, -level)
+    width = math.ldexp(width, -level)
+    if not layers:
+        height = math.ldexp(height, -level)
     for bit in range(64):
         if mask >> bit & 1:
             place = (8 * x + bit % 8, y, 8 * z + bit // 8)
@@ -118,7 +120,8 @@ def chunk_boxes(width, height, chunk):
                         for more in (0, 1) for axis, size in enumerate((width, height, width)))
 
 
-def decode_lattice(header, section):
+def decode_lattice(header, section, layers):
+    """The lattice as (word for its kind, width, height), and the boxes of the cells."""
     width, height, count = unpack("<ddI", section, 4, "lattice")
     need(0 < width < math.inf and 0 < height < math.inf, "shape of the lattice")
     boxes, last = [], ()
@@ -129,16 +132,16 @@ def decode_lattice(header, section):
         need(first == len(boxes) and (low or high), "cells of a lattice's chunk")
         need(last < (level, z, x, y), "chunks of the lattice do not ascend")
         last = (level, z, x, y)
-        boxes.extend(chunk_boxes(width, height, (x, y, z, level, high << 32 | low)))
+        boxes.extend(chunk_boxes(width, height, layers, (x, y, z, level, high << 32 | low)))
     need(len(boxes) == header.cells, "the lattice does not have all cells")
-    return (width, height), boxes
+    return ("layers" if layers else "lattice", width, height), boxes
 
 
 def decode_cells(header, section):
     kind = unpack("<I", section, 0, "cells")[0]
-    need(kind in (0, 1), "kind of cells")
-    if kind == 1:
-        return decode_lattice(header, section)
+    need(kind in (0, 1, 2), "kind of cells")
+    if kind > 0:
+        return decode_lattice(header, section, kind == 2)
     need(len(section) == 4 + 24 * header.cells, "size of the cells")
     return None, [struct.unpack_from("<6f", section, 4 + 24 * i) for i in range(header.cells)]
 

@@ -28,6 +28,46 @@ std::vector<std::uint32_t> gathered_order(std::uint32_t polygons) {
   return order;
 }
 
+// What the contents with cells on a lattice have in common.
+sample_contents forty_polygons() {
+  sample_contents contents;
+  contents.facts.polygon_count = 40;
+  contents.facts.margin = 0.125f;
+  contents.facts.slack = 0.0625f;
+  for (std::uint8_t i = 0; i < 16; ++i) contents.facts.scene_fingerprint[i] = static_cast<std::uint8_t>(0xF0 - i);
+  contents.draws = {{.node = 1, .polygon_count = 20},
+                    {.node = 2, .first_source = 20, .polygon_count = 20, .first_stored = 20, .base_vertex = 24}};
+  return contents;
+}
+
+// Sorts the places, and makes their cells. sees(place, polygon): whether the cell there sees the polygon.
+template <class Sees>
+void add_cells_at_places(sample_contents& contents, const Sees& sees) {
+  std::sort(contents.places.begin(), contents.places.end(), format::lattice_comes_before);
+  for (const format::lattice_place& place : contents.places) {
+    contents.cells.push_back(format::box_of(*contents.lattice, place));
+    std::vector<std::uint32_t>& set = contents.sets.emplace_back();
+    for (std::int32_t polygon = 0; polygon < 40; ++polygon) {
+      if (sees(place, polygon)) set.push_back(static_cast<std::uint32_t>(polygon));
+    }
+  }
+}
+
+// Adds a cell, or its quarters, which are divided likewise down to level 3. Some cells contain two cells of a quarter
+// of their width. These are in corners, because the tests look for a cell at its center.
+void add_divided(const format::lattice_place& place, std::vector<format::lattice_place>& places) {
+  const auto turn = 5 * place.x + 3 * place.z + place.y + 2 * static_cast<std::int32_t>(place.level);
+  if (place.level < 3 && (turn & 3) == 0) {
+    for (std::int32_t part = 0; part < 4; ++part)
+      add_divided({2 * place.x + part % 2, place.y, 2 * place.z + part / 2, place.level + 1}, places);
+    return;
+  }
+  places.push_back(place);
+  if (place.level > 1 || (turn & 7) != 1) return;
+  for (const std::int32_t corner : {0, 3})
+    places.push_back({4 * place.x + corner, place.y, 4 * place.z + corner, place.level + 2});
+}
+
 }  // namespace
 
 sample_contents ordered_contents() {
@@ -53,13 +93,7 @@ sample_contents ordered_contents() {
 }
 
 sample_contents lattice_contents() {
-  sample_contents contents;
-  contents.facts.polygon_count = 40;
-  contents.facts.margin = 0.125f;
-  contents.facts.slack = 0.0625f;
-  for (std::uint8_t i = 0; i < 16; ++i) contents.facts.scene_fingerprint[i] = static_cast<std::uint8_t>(0xF0 - i);
-  contents.draws = {{.node = 1, .polygon_count = 20},
-                    {.node = 2, .first_source = 20, .polygon_count = 20, .first_stored = 20, .base_vertex = 24}};
+  sample_contents contents = forty_polygons();
   contents.lattice = format::lattice_shape{0.75, 1.5};
   for (std::int32_t z = -4; z <= 4; ++z) {
     for (std::int32_t x = -5; x <= 3; ++x) {
@@ -70,18 +104,25 @@ sample_contents lattice_contents() {
       if (x != 1 || z != -2) contents.places.push_back({x, -1, z, 0});
     }
   }
-  std::sort(contents.places.begin(), contents.places.end(), format::lattice_comes_before);
-  for (const format::lattice_place& place : contents.places) {
-    contents.cells.push_back(format::box_of(*contents.lattice, place));
-    std::vector<std::uint32_t> set;
-    for (std::int32_t polygon = 0; polygon < 40; ++polygon) {
-      const std::int32_t far = 4 * (1 - static_cast<std::int32_t>(place.level)) + 3;
-      if (std::abs(polygon - 20 - 3 * place.x) <= far || (polygon + place.z) % 13 == 0) {
-        set.push_back(static_cast<std::uint32_t>(polygon));
-      }
-    }
-    contents.sets.push_back(std::move(set));
-  }
+  add_cells_at_places(contents, [](const format::lattice_place& place, std::int32_t polygon) {
+    const std::int32_t far = 4 * (1 - static_cast<std::int32_t>(place.level)) + 3;
+    return std::abs(polygon - 20 - 3 * place.x) <= far || (polygon + place.z) % 13 == 0;
+  });
+  return contents;
+}
+
+// No size is a float, so that every border is rounded.
+sample_contents layers_contents() {
+  sample_contents contents = forty_polygons();
+  contents.lattice = format::lattice_shape{2.8, 1.1, true};
+  for (const std::int32_t y : {-3, -2, 1})
+    for (std::int32_t z = -2; z < 2; ++z)
+      for (std::int32_t x = -2; x < 2; ++x) add_divided({x, y, z, 0}, contents.places);
+  add_cells_at_places(contents, [](const format::lattice_place& place, std::int32_t polygon) {
+    const std::int32_t finest = 8 >> place.level;  // widths of level 3 in the cell's own
+    const std::int32_t middle = (2 * place.x + 1) * finest;
+    return std::abs(2 * (polygon - 20) - middle) <= 2 * finest + 5 || (polygon + place.z + 5 * place.y) % 13 == 0;
+  });
   return contents;
 }
 
@@ -155,9 +196,14 @@ sample_contents viewpoint_contents() {
 }
 
 std::vector<golden_file_contents> golden_files() {
-  return {{"v1_tiny", tiny_contents()},           {"v1_small", ordered_contents()},  {"v1_lattice", lattice_contents()},
-          {"v1_merged", merged_contents()},       {"v1_volumes", volume_contents()}, {"v1_groups", named_contents()},
-          {"v1_viewpoints", viewpoint_contents()}};
+  return {{"v1_tiny", tiny_contents()},
+          {"v1_small", ordered_contents()},
+          {"v1_lattice", lattice_contents()},
+          {"v1_merged", merged_contents()},
+          {"v1_volumes", volume_contents()},
+          {"v1_groups", named_contents()},
+          {"v1_viewpoints", viewpoint_contents()},
+          {"v1_layers", layers_contents()}};
 }
 
 }  // namespace sightcell::test

@@ -85,6 +85,7 @@ TEST(same_everywhere, golden_files) {
   expect_golden_text("v1_volumes", 77);
   expect_golden_text("v1_groups", 87);
   expect_golden_text("v1_viewpoints", 185);
+  expect_golden_text("v1_layers", 202);
 }
 TEST(same_everywhere, golden_files_of_version_0) {
   expect_golden_text("v0_tiny", 9, true);
@@ -118,7 +119,7 @@ TEST(same_everywhere, golden_answers) {
     sightcell_db_close(db);
     EXPECT_EQ(answer, line);
   }
-  EXPECT_EQ(files, 10u);
+  EXPECT_EQ(files, 11u);
 }
 
 // Checks frames and changes of a walk along the borders of cells and grown boxes.

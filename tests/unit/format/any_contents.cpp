@@ -245,9 +245,10 @@ void choose_boxes(choices& choose, std::uint32_t cells, any_contents& out) {
   }
 }
 
-// Around the origin or far away, on one level or on several that overlap.
+// Around the origin or far away, in layers or not, on one level or on several that overlap.
 void choose_lattice(choices& choose, std::uint32_t cells, any_contents& out) {
-  out.lattice = format::lattice_shape{choose.one_of({4.0, 0.75, 1.0 / 3.0}), choose.one_of({2.0, 1.5, 0.7})};
+  out.lattice =
+      format::lattice_shape{choose.one_of({4.0, 0.75, 1.0 / 3.0}), choose.one_of({2.0, 1.5, 0.7}), choose.one_in(2)};
   const std::uint32_t levels = choose.one_of({1u, 2u, 4u});
   const std::int32_t middle = choose.one_of({0, 0, 5, -100000, 1 << 20});
   std::set<std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int32_t>> taken;

@@ -32,6 +32,8 @@ TEST(file_parts, make_the_same_file_again) {
   expect_same_file(contents);
   put_on_lattice(contents);
   expect_same_file(contents);
+  put_on_lattice(contents, true);
+  expect_same_file(contents);
   put_in_groups(contents, 7);
   expect_same_file(contents);
   contents.named_groups = {"door", "a", "lamp"};

@@ -127,13 +127,15 @@ std::vector<std::vector<std::byte>> all_kinds() {
   sample_contents on_lattice = small_contents();
   put_in_order(on_lattice, 8);
   put_on_lattice(on_lattice);
+  sample_contents in_layers = tiny_contents();
+  put_on_lattice(in_layers, true);
   sample_contents merged = small_contents();
   add_draws(merged, 300, 9);
   put_in_groups(merged, 3);
   sample_contents with_volumes = tiny_contents();
   add_volumes(with_volumes, 40, 5);
-  return {small_contents().encode(), on_lattice.encode(), merged.encode(), with_volumes.encode(),
-          golden_file("v0_small")};
+  return {small_contents().encode(), on_lattice.encode(),   in_layers.encode(),
+          merged.encode(),           with_volumes.encode(), golden_file("v0_small")};
 }
 
 TEST(reader_hostile, cut_at_every_length) {

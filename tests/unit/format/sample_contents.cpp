@@ -169,8 +169,8 @@ void put_in_groups(sample_contents& contents, std::uint32_t seed) {
   }
 }
 
-void put_on_lattice(sample_contents& contents) {
-  contents.lattice = format::lattice_shape{4.0, 2.0};
+void put_on_lattice(sample_contents& contents, bool layers) {
+  contents.lattice = format::lattice_shape{4.0, 2.0, layers};
   contents.places.clear();
   const auto cells = static_cast<int>(contents.cells.size());
   for (int i = 0; i < cells; ++i) {

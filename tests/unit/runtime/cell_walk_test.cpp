@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "golden/golden_contents.h"
 #include "loaded_file.h"
 #include "unit/format/random_source.h"
 
@@ -145,6 +146,11 @@ TEST(cell_walk, slowly_among_small_boxes) {
     EXPECT_GT(in_small, 300);
     EXPECT_GT(in_large, 300);
   }
+}
+
+// Four widths of one height: most cells tile their layer, and some contain others. The smallest wins.
+TEST(cell_walk, lattice_of_layers) {
+  walk(layers_contents(), 4, 40000);
 }
 
 TEST(cell_walk, one_box_inside_another) {

@@ -1,6 +1,7 @@
 #pragma once
 // View cells on a lattice (SPEC.md, "Cells"): chunks of 8 x 8 positions of one layer, each with a bit per position that
 // is a cell. The counterpart for writing is cell_lattice_writer.h.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -21,7 +22,8 @@ namespace sightcell::format {
 inline constexpr std::int32_t lattice_chunk_width = 8;  // positions in x and z
 inline constexpr std::uint32_t max_lattice_level = 31;
 
-// The box of the cell at a position. Adjacent cells share exact floats. Not checked by box_is_valid().
+// The box of the cell at a position, whose level is at most max_lattice_level. Adjacent cells share exact floats. Not
+// checked by box_is_valid().
 [[nodiscard]] box box_of(const lattice_shape& shape, const lattice_place& place) noexcept;
 
 // 8 x 8 positions of one layer. Bit 8 (z mod 8) + x mod 8 of mask: there is a cell.
@@ -40,9 +42,9 @@ class cell_lattice {
   // A lattice without cells.
   cell_lattice() noexcept = default;
 
-  // Opens a lattice. bytes: the lattice and nothing after it; not copied. False unless it has exactly `cells` cells
-  // with valid boxes, all different, in the order of SPEC.md. O(cells).
-  [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t cells) noexcept;
+  // Opens a lattice. bytes: the lattice and nothing after it; not copied. layers: of its shape. False, and unchanged,
+  // unless it has exactly `cells` cells with valid boxes, all different, in the order of SPEC.md. O(cells).
+  [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t cells, bool layers) noexcept;
 
   [[nodiscard]] const lattice_shape& shape() const noexcept { return shape_; }
   [[nodiscard]] std::uint32_t chunk_count() const noexcept { return chunks_; }
@@ -54,11 +56,14 @@ class cell_lattice {
   [[nodiscard]] bool cell_box(std::uint32_t cell, box& out) const noexcept;
 
  private:
+  // In the order of the file.
+  enum column { column_x, column_y, column_z, column_level, column_first, column_mask_low, column_mask_high, columns };
+
   [[nodiscard]] bool chunks_are_good(std::uint32_t cells) const noexcept;
 
   lattice_shape shape_;
   std::uint32_t chunks_ = 0;
-  packed_column x_, y_, z_, level_, first_, mask_low_, mask_high_;
+  std::array<packed_column, columns> columns_;
 };
 
 }  // namespace sightcell::format
