@@ -12,6 +12,7 @@
 #include "help.h"
 #include "number_text.h"
 #include "sightcell/bake/cells.h"
+#include "stop_signals.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
@@ -37,9 +38,17 @@ int run_cells(const bake_options& options) {
   const scene::scene s = scene::load_gltf(options.scenes.scene, how.scene);
   const std::optional<scene::scene> of_cells = load_scene_of_cells(options.scenes, line);
   if (of_cells) how.cells_from = &*of_cells;
-  line.phase(bake::bake_phase::finding_cells);
-  const bake::cell_preview preview = bake::preview_cells(s, how);
+  const stop_signals signals;
+  bake::callbacks events;
+  events.on_phase = [&](bake::bake_phase phase) { line.phase(phase); };
+  events.on_progress = [&](const bake::progress& now) {
+    line.update(now);
+    return !signals.asked();
+  };
+  const std::optional<bake::cell_preview> found = bake::preview_cells(s, how, events);
   line.end();
+  if (!found) return exit_cancelled;
+  const bake::cell_preview& preview = *found;
   for (const std::string& warning : s.warnings) say_line("warning: " + warning);
   for (const std::string& warning : preview.warnings) say_line("warning: " + warning);
   if (options.json)

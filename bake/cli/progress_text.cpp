@@ -20,6 +20,7 @@ struct phase_words {
 constexpr phase_words words_of_phases[] = {{"loading", "loading"},
                                            {"finding_cells", "finding cells"},
                                            {"preparing_hemicubes", "preparing hemicubes"},
+                                           {"merging_cells", "merging cells"},
                                            {"estimating", "estimating the time"},
                                            {"preparing_sampler", "preparing the sampler"},
                                            {"baking_cells", "baking cells"},
@@ -161,7 +162,7 @@ std::string progress_text(const bake::progress& now, std::size_t width) {
   const std::string phase(phase_text(now.phase));
   if (now.phase == baking_cells || now.phase == checking_neighbors) return cells_text(now, width);
   std::vector<field> fields{{rank::head, phase}};
-  if (now.phase == preparing_sampler && now.prepared < 1.0) {
+  if ((now.phase == preparing_sampler || now.phase == merging_cells) && now.prepared < 1.0) {
     fields.back().text += fmt::format(": {:.0f} %", 100.0 * now.prepared);
     add_time_left(now, fields);
   }

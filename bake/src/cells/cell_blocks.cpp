@@ -14,7 +14,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr int block_shift = 3;  // 8 cells
+constexpr int block_shift = cell_blocks::highest_level;  // 8 cells of level 0
 
 // Sort key that places the cells of a block next to each other: lattice blocks by z, then x; explicit cells by their
 // index in the list.
@@ -22,16 +22,18 @@ using block_key = std::tuple<bool, std::int64_t, std::int64_t>;
 
 block_key key_of(const view_cell& cell, std::uint32_t place) {
   if (!cell.on_lattice) return {true, place, 0};
-  return {false, cell.position.z >> block_shift, cell.position.x >> block_shift};
+  const int shift = block_shift - cell.position.level;
+  return {false, cell.position.z >> shift, cell.position.x >> shift};
 }
 
 std::string name_of_block(const view_cell& cell) {
   if (!cell.on_lattice)
     return cell.name.empty() ? fmt::format("cell {}", cell.number)
                              : fmt::format("cell {} \"{}\"", cell.number, cell.name);
-  const std::int64_t x = cell.position.x >> block_shift, z = cell.position.z >> block_shift;
+  const int shift = block_shift - cell.position.level;
+  const std::int64_t x = cell.position.x >> shift, z = cell.position.z >> shift;
   const double width = static_cast<double>(cell.max.x) - static_cast<double>(cell.min.x);
-  const double size = width * (1 << block_shift);
+  const double size = width * (1 << shift);
   return fmt::format("block {},{} (x {:g} to {:g} m, z {:g} to {:g} m)", x, z, static_cast<double>(x) * size,
                      static_cast<double>(x + 1) * size, static_cast<double>(z) * size,
                      static_cast<double>(z + 1) * size);
@@ -44,7 +46,7 @@ float square_of_distance(const view_cell& a, const view_cell& b) {
 
 using neighbor_lists = std::vector<std::vector<std::uint32_t>>;
 
-// Returns the up to 26 lattice neighbors of each cell.
+// Returns the up to 26 lattice neighbors of each cell, of cells that are all of level 0.
 neighbor_lists around_on_lattice(std::span<const view_cell> cells) {
   std::vector<std::pair<lattice_position, std::uint32_t>> places;
   for (std::uint32_t i = 0; i < cells.size(); ++i) places.emplace_back(cells[i].position, i);
@@ -119,7 +121,10 @@ void cell_blocks::make_blocks(std::span<const view_cell> cells) {
 
 void cell_blocks::find_neighbors(std::span<const view_cell> cells, float margin) {
   const bool on_lattice = !cells.empty() && cells.front().on_lattice;  // all cells are, or none
-  std::vector<std::vector<std::uint32_t>> found = on_lattice ? around_on_lattice(cells) : touching(cells, margin);
+  const bool one_level =
+      on_lattice && std::all_of(cells.begin(), cells.end(), [](const view_cell& c) { return c.position.level == 0; });
+  std::vector<std::vector<std::uint32_t>> found =
+      one_level ? around_on_lattice(cells) : touching(cells, on_lattice ? 0.0f : margin);
   for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
     neighbor_begins_.push_back(static_cast<std::uint32_t>(neighbors_.size()));
     std::vector<std::uint32_t>& near = found[cell];

@@ -1,7 +1,7 @@
 #pragma once
 // Blocks of cells: the unit of work that is shared between cells and between machines
-// (docs/method/determinism-and-sharding.md). A block is an aligned chunk of 8 x 8 lattice cells with all cells above
-// them. An explicit cell is a block by itself.
+// (docs/method/determinism-and-sharding.md). A block is an aligned chunk of 8 x 8 lattice cells of level 0 with all
+// cells above them; wider cells fill a part of it. An explicit cell is a block by itself.
 //
 // In phase 1 a cell uses what the other cells of its block found, and nothing crosses the border of a block. Phase 2
 // reads what phase 1 found in the adjacent blocks.
@@ -30,8 +30,12 @@ class cell_blocks {
   // Returns the name of a block for messages: "block 3,-1 (x 24 to 32 m, z -8 to 0 m)" or "cell 12 \"lane\"".
   const std::string& name_of(std::uint32_t block) const { return names_[block]; }
 
-  // Returns the neighbors of a cell, at most neighbor_limit. Those of a lattice cell are the 26 cells around it. Those
-  // of an explicit cell are the cells whose grown boxes touch its own. Nearest centers come first, then lower values of
+  // The highest level of a lattice cell: it fills a block.
+  static constexpr std::int32_t highest_level = 3;
+
+  // Returns the neighbors of a cell, at most neighbor_limit. Those of a lattice cell are the 26 cells around it; where
+  // cells have several levels, those that touch it. Those of an explicit cell are the cells whose grown boxes touch its
+  // own. Nearest centers come first, then lower values of
   // view_cell::place, so that the order of the list does not matter.
   std::span<const std::uint32_t> neighbors_of(std::uint32_t cell) const {
     return std::span(neighbors_).subspan(neighbor_begins_[cell], neighbor_begins_[cell + 1] - neighbor_begins_[cell]);

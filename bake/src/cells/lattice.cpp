@@ -43,6 +43,10 @@ lattice_position lattice::coarser(const lattice_position& p) {
   return {.z = p.z >> 1, .y = p.y >> 1, .x = p.x >> 1};  // arithmetic shift: rounds down for negative numbers too
 }
 
+lattice_position lattice::wider(const lattice_position& p) {
+  return {.z = p.z >> 1, .y = p.y, .x = p.x >> 1, .level = p.level + 1};
+}
+
 lattice_range lattice::overlapping(const glm::dvec3& min, const glm::dvec3& max) const {
   lattice_range range;
   range.first = {.z = index_of(min.z, width_), .y = index_of(min.y, height_), .x = index_of(min.x, width_)};
@@ -53,10 +57,11 @@ lattice_range lattice::overlapping(const glm::dvec3& min, const glm::dvec3& max)
 }
 
 view_cell lattice::cell(const lattice_position& p) const {
-  const auto corner = [this](std::int64_t x, std::int64_t y, std::int64_t z) {
-    return glm::vec3(static_cast<float>(static_cast<double>(x) * width_),
+  const double width = std::ldexp(width_, p.level);
+  const auto corner = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return glm::vec3(static_cast<float>(static_cast<double>(x) * width),
                      static_cast<float>(static_cast<double>(y) * height_),
-                     static_cast<float>(static_cast<double>(z) * width_));
+                     static_cast<float>(static_cast<double>(z) * width));
   };
   view_cell made;
   made.min = corner(p.x, p.y, p.z);
@@ -66,16 +71,26 @@ view_cell lattice::cell(const lattice_position& p) const {
   }
   made.place = mix(mix(mix(0, static_cast<std::uint64_t>(p.x)), static_cast<std::uint64_t>(p.y)),
                    static_cast<std::uint64_t>(p.z));
+  if (p.level > 0) made.place = mix(made.place, static_cast<std::uint64_t>(p.level));
   made.on_lattice = true;
   made.position = p;
   return made;
 }
 
-lattice coarsen_until(std::vector<lattice_position>& positions, lattice on, std::size_t most) {
-  while (positions.size() > most) {
-    for (lattice_position& p : positions) p = lattice::coarser(p);
-    std::sort(positions.begin(), positions.end());
-    positions.erase(std::unique(positions.begin(), positions.end()), positions.end());
+lattice coarsen_until(std::vector<floor_cell>& cells, lattice on, std::size_t most) {
+  while (cells.size() > most) {
+    for (floor_cell& cell : cells) cell.position = lattice::coarser(cell.position);
+    // Stable, so that areas are added in one order.
+    std::stable_sort(cells.begin(), cells.end(),
+                     [](const floor_cell& a, const floor_cell& b) { return a.position < b.position; });
+    std::size_t kept = 0;
+    for (std::size_t i = 1; i < cells.size(); ++i) {
+      if (cells[i].position == cells[kept].position)
+        cells[kept].area += cells[i].area;
+      else
+        cells[++kept] = cells[i];
+    }
+    cells.resize(kept + 1);
     on = on.coarser();
   }
   return on;

@@ -1,7 +1,7 @@
 #pragma once
 // The lattice of automatic and grid cells: boxes that are cell_size wide and deep and half as high, anchored at the
-// world origin. Code works with lattice positions and makes boxes at the end, so that adjacent cells have bitwise equal
-// coordinates at their common side.
+// world origin. Cells of higher levels are wider (lattice_position). Code works with lattice positions and makes boxes
+// at the end, so that adjacent cells have bitwise equal coordinates at their common side.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -26,6 +26,8 @@ class lattice {
   // quotient p / 2 rounded down.
   lattice coarser() const { return lattice(width_ * 2.0); }
   static lattice_position coarser(const lattice_position& p);
+  // Returns the position of the next level that covers p: wider, and as high.
+  static lattice_position wider(const lattice_position& p);
 
   // Returns the cells that share volume with a box.
   // min, max: in meters.
@@ -39,9 +41,15 @@ class lattice {
   double width_, height_;
 };
 
+// A lattice cell and what view_cell::floor_area says of it.
+struct floor_cell {
+  lattice_position position;
+  double area = 0.0;
+};
+
 // Doubles the cell size until there are at most `most` cells.
-// positions: sorted and unique; becomes positions on the returned lattice.
-lattice coarsen_until(std::vector<lattice_position>& positions, lattice on, std::size_t most);
+// cells: sorted by position, unique; becomes those of the returned lattice.
+lattice coarsen_until(std::vector<floor_cell>& cells, lattice on, std::size_t most);
 
 // Returns a 64-bit hash of state and value, the same on every machine. Chained calls give view_cell::place, which names
 // the random numbers of a cell.

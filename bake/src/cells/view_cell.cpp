@@ -50,14 +50,20 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
   cell_list list;
   list.warnings = std::move(walkable.warnings);
   lattice on = walkable.on;
-  auto before = static_cast<double>(walkable.positions.size());
-  std::string where = "over floors " + walkable.how;
-  if (!walkable.positions.empty()) {
-    on = coarsen_until(walkable.positions, on, automatic_limit);
-    add_cells(walkable.positions, on, list);
+  auto before = static_cast<double>(walkable.cells.size());
+  list.where = "over floors " + walkable.how;
+  if (!walkable.cells.empty()) {
+    on = coarsen_until(walkable.cells, on, automatic_limit);
+    list.cells.reserve(walkable.cells.size());
+    for (const floor_cell& cell : walkable.cells) {
+      list.cells.push_back(on.cell(cell.position));
+      list.cells.back().floor_area = cell.area;
+    }
+    list.can_merge = true;
+    list.cell_width = on.width();
   } else {
     list.warnings.push_back("no floor with head room was found: cells fill the bounding box");
-    where = "in a grid over the bounding box";
+    list.where = "in a grid over the bounding box";
     const glm::dvec3 min = glm::dvec3(geometry.min) - border, max = glm::dvec3(geometry.max) + border;
     on = asked;
     lattice_range range = on.overlapping(min, max);
@@ -72,7 +78,7 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
     list.warnings.push_back(
         fmt::format("the scene is too large for cells of {:g} m ({:.0f} or more): cells have {:g} m now", asked.width(),
                     before, on.width()));
-  list.how = fmt::format("{} cells of {:g} m {}", list.cells.size(), on.width(), where);
+  list.how = fmt::format("{} cells of {:g} m {}", list.cells.size(), on.width(), list.where);
   return list;
 }
 

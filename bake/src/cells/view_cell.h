@@ -11,9 +11,11 @@
 
 namespace sightcell::bake {
 
-// A position on the lattice. Cells are sorted by z, then y, then x, the order of the members.
+// A position on the lattice. Cells are sorted by z, then y, then x, the order of the members. A cell of level l is 2^l
+// times as wide and deep as one of level 0 and covers 2^l x 2^l of them; it is as high as they are.
 struct lattice_position {
   std::int64_t z = 0, y = 0, x = 0;
+  std::int32_t level = 0;
   auto operator<=>(const lattice_position&) const = default;
 };
 
@@ -25,11 +27,15 @@ struct view_cell {
   std::uint32_t number = 0;  // of explicit cells: index in the list that was given
   bool on_lattice = false;
   lattice_position position{};  // of lattice cells
+  double floor_area = 0.0;      // of automatic cells: square meters of reached floor whose eyes are in the cell
 };
 
 struct cell_list {
   std::vector<view_cell> cells;
   std::string how;                    // one line for messages: "1,204 cells of 4 m over walkable floor"
+  std::string where;                  // its end, for lists that are made from this one: "over walkable floor"
+  bool can_merge = false;             // automatic cells over floors, all of level 0
+  double cell_width = 0.0;            // meters: of the lattice, where can_merge
   std::vector<std::string> warnings;  // one line each
 };
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <memory>
 #include <new>
 #include <numbers>
@@ -23,7 +24,7 @@ constexpr double coarse_voxel = 0.5;      // meters: the widest that keeps doors
 constexpr double column_limit = 4 << 20;  // columns of the field: 32 MB of pointers, plus the spans
 // A floor without a way from the one with the most polygons around it gets cells if it has this share of them.
 constexpr double share_of_richest = 0.015, smallest_floor = 20.0;  // of polygons; square meters
-constexpr double fine_step = 0.1;                                 // meters, height of a voxel
+constexpr double fine_step = 0.1;                                  // meters, height of a voxel
 
 struct bounds {
   glm::dvec3 min{0.0}, max{0.0};
@@ -323,41 +324,45 @@ std::vector<std::uint32_t> starts_of(const open_field& open, const field_shape& 
   return starts;
 }
 
-// Adds the heights (lattice y) of all eyes above one floor.
+// Adds the floor of a column to the cells, by lattice y, that contain eyes above it: to each by the share of the eyes
+// that it contains.
 void collect_heights(const open_space& space, const field_shape& shape, const player_settings& player,
-                     std::vector<std::int64_t>& heights) {
+                     std::map<std::int64_t, double>& area_of) {
   // The floor is somewhere in the topmost voxel of its span, and the ceiling in the lowest of its span.
   const double floor = shape.world.min.y + space.floor * shape.step;
   const double ceiling = shape.world.min.y + (space.ceiling + 1) * shape.step;
   const double highest = std::min(floor + static_cast<double>(player.highest_eye), ceiling);
   const double lowest = std::min(floor - shape.step + static_cast<double>(player.lowest_eye), highest);
-  const auto last = static_cast<std::int64_t>(std::floor(highest / shape.on.height()));
-  for (auto height = static_cast<std::int64_t>(std::floor(lowest / shape.on.height())); height <= last; ++height)
-    if (heights.empty() || heights.back() != height) heights.push_back(height);
+  const double layer = shape.on.height(), column = shape.voxel * shape.voxel;
+  const auto last = static_cast<std::int64_t>(std::floor(highest / layer));
+  for (auto height = static_cast<std::int64_t>(std::floor(lowest / layer)); height <= last; ++height) {
+    const double low = std::max(lowest, static_cast<double>(height) * layer);
+    const double high = std::min(highest, static_cast<double>(height + 1) * layer);
+    area_of[height] += highest > lowest ? column * (high - low) / (highest - lowest) : column;
+  }
 }
 
-std::vector<lattice_position> collect_cells(const open_field& open, const std::vector<std::uint8_t>& reached,
-                                            const field_shape& shape, const player_settings& player) {
-  std::vector<lattice_position> found;
-  std::vector<std::int64_t> heights;
+std::vector<floor_cell> collect_cells(const open_field& open, const std::vector<std::uint8_t>& reached,
+                                      const field_shape& shape, const player_settings& player) {
+  std::vector<floor_cell> found;
+  std::map<std::int64_t, double> area_of;
   const int n = shape.voxels_per_cell;
   for (int cell_z = 0; cell_z < shape.depth / n; ++cell_z) {
     for (int cell_x = 0; cell_x < shape.width / n; ++cell_x) {
-      heights.clear();
+      area_of.clear();
       for (int z = cell_z * n; z < (cell_z + 1) * n; ++z) {
         for (int x = cell_x * n; x < (cell_x + 1) * n; ++x) {
           const std::size_t column = static_cast<std::size_t>(z) * open.width + static_cast<std::size_t>(x);
           for (std::uint32_t i = open.begins[column]; i < open.begins[column + 1]; ++i)
-            if (reached[i] && open.spaces[i].walkable) collect_heights(open.spaces[i], shape, player, heights);
+            if (reached[i] && open.spaces[i].walkable) collect_heights(open.spaces[i], shape, player, area_of);
         }
       }
-      std::sort(heights.begin(), heights.end());
-      heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
-      for (const std::int64_t height : heights)
-        found.push_back({.z = shape.cells.first.z + cell_z, .y = height, .x = shape.cells.first.x + cell_x});
+      for (const auto& [height, area] : area_of)
+        found.push_back({{.z = shape.cells.first.z + cell_z, .y = height, .x = shape.cells.first.x + cell_x}, area});
     }
   }
-  std::sort(found.begin(), found.end());
+  std::sort(found.begin(), found.end(),
+            [](const floor_cell& a, const floor_cell& b) { return a.position < b.position; });
   return found;
 }
 
@@ -377,7 +382,7 @@ walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattic
     reached = find_reached(open, moves, starts_of(open, shape, moves, how, geometry, result));
   else
     result.how = "wherever there is head room";
-  result.positions = collect_cells(open, reached, shape, how.player);
+  result.cells = collect_cells(open, reached, shape, how.player);
   result.on = shape.on;
   return result;
 }

@@ -14,10 +14,10 @@ namespace sightcell::bake {
 inline constexpr double eye_height = 1.6;  // meters above the floor, of a standing player
 
 struct walkable_cells {
-  std::vector<lattice_position> positions;  // sorted, unique; empty if no floor was found
-  lattice on{1.0};                          // coarser than requested if the scene is too wide
-  std::string how;                          // for messages: "over floors reached from the largest region"
-  std::vector<std::string> warnings;        // one line each
+  std::vector<floor_cell> cells;      // sorted by position, unique; empty if no floor was found
+  lattice on{1.0};                    // coarser than requested if the scene is too wide
+  std::string how;                    // for messages: "over floors reached from the largest region"
+  std::vector<std::string> warnings;  // one line each
 };
 
 // Returns the lattice cells that contain an eye above a floor that the player of the settings reaches: eyes from

@@ -118,6 +118,7 @@ void check_player(const settings& s) {
 std::string player_text(const settings& s) {
   if (!s.cells.empty() || s.cells_file || s.cells_grid) return {};
   std::string text;
+  if (takes_hemicubes(s.sampler)) text += fmt::format(R"(,"merge_cells":{})", number(s.merge_cells));
   if (s.reach != reach_kind::walk)
     text += fmt::format(R"(,"reach":"{}")", reach_names[static_cast<std::size_t>(s.reach)]);
   for (std::size_t i = 0; i < s.starts.size(); ++i)
@@ -198,6 +199,7 @@ void validate(const settings& s) {
                 "is given together with a file or a grid of cells", "give one of them");
   if (s.cells_grid) check_grid(*s.cells_grid);
   check("--cell-size", s.cell_size, 0.25f, 1000.0f, " m");
+  check("--merge-cells", s.merge_cells, 0.0, 10.0, "");
   check_player(s);
   check("--margin", s.margin, 0.0f, 10.0f, " m");
   check("--player-radius", s.player_radius, 0.001f, 1.0f, " m");

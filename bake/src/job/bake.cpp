@@ -36,20 +36,20 @@ void warn_of_geometry_inside(const progress_tracker& tracker, const settings& ho
 }
 
 // Checks the disks for the checkpoint, its copy and the file. Also logs the estimate of the time.
-// Returns the estimated seconds.
-double check_room(const bake_context& context, std::uint32_t cells_left, const work_file& file,
-                  const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& events) {
+// Returns the estimated seconds; nothing if the caller canceled.
+std::optional<double> check_room(const bake_context& context, std::uint32_t cells_left, const work_file& file,
+                                 const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& events) {
   if (cells_left > 0 && events.on_phase) events.on_phase(bake_phase::estimating);
-  bake_estimate estimate;
   // The duration of a bake with a time budget is known: no message.
   const callbacks& listener = context.how.time_budget > 0.0 ? callbacks() : events;
-  arena.execute([&] { estimate = estimate_bake(context, cells_left, listener); });
-  const std::uint64_t of_records = cells_left * checkpoint_bytes_of_cell(estimate.polygons);
+  const std::optional<bake_estimate> estimate = estimate_bake(context, cells_left, arena, listener);
+  if (!estimate) return std::nullopt;
+  const std::uint64_t of_records = cells_left * checkpoint_bytes_of_cell(estimate->polygons);
   check_disk_space({{folder_of(file.path()), of_records},
-                    {folder_of(output), context.cells->blocks.cell_count() * file_bytes_of_cell(estimate.polygons)},
+                    {folder_of(output), context.cells->blocks.cell_count() * file_bytes_of_cell(estimate->polygons)},
                     {folder_of(output), context.how.scratch.empty() ? 0 : of_records}},
                    events);
-  return estimate.seconds;
+  return estimate->seconds;
 }
 
 // Bakes all cells and writes the file.
@@ -64,7 +64,12 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
                            plan, events);
   resume(done, tracker, events);
   sum.cells_resumed = tracker.resumed();
-  tracker.expect(check_room(context, tracker.cells_left(), file, output, arena, events));
+  const std::optional<double> expected = check_room(context, tracker.cells_left(), file, output, arena, events);
+  if (!expected) {
+    sum.result = outcome::cancelled;
+    return;
+  }
+  tracker.expect(*expected);
   const phase_work work{context, plan, blocks, arena, tracker, file};
   keeping(file, [&] {
     tracker.open();
@@ -104,14 +109,20 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   std::optional<bake_context> context;
-  arena.execute([&] { context.emplace(s, how, events); });
+  if (!build(context, s, how, arena, events)) {
+    sum.result = outcome::cancelled;
+    return sum;
+  }
   sum.source = context->device->chosen.name;
   sum.device = context->device->source().device();
 
   const stage_plan plan(context->cells->blocks, context->bounds());
   work_file file(output, how.scratch, context->key, fresh, {}, stale_test_of(context->key, context->cells->blocks));
   if (how.time_budget > 0.0) {
-    (void)check_room(*context, context->cells->blocks.cell_count(), file, output, arena, events);
+    if (!check_room(*context, context->cells->blocks.cell_count(), file, output, arena, events)) {
+      sum.result = outcome::cancelled;
+      return sum;
+    }
     bake_in_time({*context, plan, arena, clock, file, output, events}, sum);
   } else {
     bake_all(*context, plan, arena, file, output, events, sum);

@@ -3,7 +3,14 @@
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
 
+#include <chrono>
+#include <utility>
+#include <vector>
+
 #include "job/bake_key.h"
+#include "job/merge_cells.h"
+#include "sightcell/bake/sampler_options.h"
+#include "sightcell/base/stop_request.h"
 
 namespace sightcell::bake {
 namespace {
@@ -15,6 +22,18 @@ void report(bake_phase phase, const callbacks& events) {
 bake_input input_of(const scene::scene& s, const settings& how, const callbacks& events) {
   report(bake_phase::loading, events);
   return load_input(s, how);
+}
+
+void merge(cell_list& list, const settings& how, const merge_tools& tools, const callbacks& events) {
+  report(bake_phase::merging_cells, events);
+  constexpr std::chrono::milliseconds pause{200};
+  std::chrono::steady_clock::time_point reported{};
+  merge_cells(list, how, tools, [&](double share) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!events.on_progress || now - reported < pause) return;
+    reported = now;
+    if (!events.on_progress({.phase = bake_phase::merging_cells, .prepared = share})) throw step_stopped();
+  });
 }
 
 void report_parts(const bake_context& context, const callbacks& events) {
@@ -36,12 +55,29 @@ bake_context::bake_context(const scene::scene& from, const settings& settings_of
     : s(from), how(settings_of_bake), input(input_of(from, settings_of_bake, events)) {
   report(bake_phase::finding_cells, events);
   // Cells do not depend on rays, and most of both is the work of one thread.
-  tbb::parallel_invoke([&] { cells.emplace(input, how); }, [&] { traced.emplace(input.geometry, how); });
+  cell_list list;
+  tbb::parallel_invoke([&] { list = all_cells(input, how); }, [&] { traced.emplace(input.geometry, how); });
   report(bake_phase::preparing_hemicubes, events);
-  device.emplace(s, how, input.geometry, *traced, *cells);
+  device.emplace(s, how, input.geometry, *traced);
+  std::vector<view_cell> boxes = list.cells;
+  if (list.can_merge && how.merge_cells > 0.0 && takes_hemicubes(how.sampler))
+    merge(list, how, {traced->rays, device->source(), s.polygon_count}, events);
+  cells.emplace(input, std::move(list), std::move(boxes), how);
+  sampler = make_cell_sampler(
+      how, {traced->rays, device->source(), device->colors_or_null(), cells->list.cells, traced->neighbors_or_null()});
   report_parts(*this, events);
   settings_text = settings_text_of(how, input, *device);
   key = key_of(s, how, input, *cells, *device);
+}
+
+bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, tbb::task_arena& arena,
+           const callbacks& events) {
+  try {
+    arena.execute([&] { context.emplace(s, how, events); });
+  } catch (const step_stopped&) {
+    return false;
+  }
+  return true;
 }
 
 pvs_frame bake_context::frame() const {

@@ -1,5 +1,8 @@
 #pragma once
 // Everything that a bake has before its first cell, as parts in the order in which they are built.
+#include <tbb/task_arena.h>
+
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -8,6 +11,7 @@
 #include "job/bake_device.h"
 #include "job/bake_input.h"
 #include "job/traced_scene.h"
+#include "sampler/cell_sampler.h"
 #include "sightcell/bake/progress.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/scene/scene.h"
@@ -17,7 +21,7 @@ namespace sightcell::bake {
 struct bake_context {
   // Builds all parts. Arguments must outlive the object, except events: it receives phases, warnings, the device and
   // the cells. Threads: works on the calling thread's TBB arena; an OpenGL context belongs to the calling thread.
-  // Throws sightcell::error, as the parts do.
+  // Throws sightcell::error, as the parts do, and step_stopped if events.on_progress cancels.
   bake_context(const scene::scene& s, const settings& how, const callbacks& events);
   bake_context(const bake_context&) = delete;  // its parts refer to each other
   bake_context& operator=(const bake_context&) = delete;
@@ -31,12 +35,17 @@ struct bake_context {
   const scene::scene& s;
   const settings& how;
   const bake_input input;
-  // Never empty once the constructor has returned. Optional because cells and traced are built in parallel.
-  std::optional<const bake_cells> cells;
+  // Never empty once the constructor has returned. Optional because the constructor builds them in several steps.
   std::optional<const traced_scene> traced;
   std::optional<const bake_device> device;
+  std::optional<const bake_cells> cells;
+  std::unique_ptr<cell_sampler> sampler;
   std::string settings_text;  // as in bake_key.h
   std::string key;
 };
+
+// Builds a context in an arena. The calling thread must not be inside it. Returns false if events.on_progress cancels.
+bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, tbb::task_arena& arena,
+           const callbacks& events);
 
 }  // namespace sightcell::bake

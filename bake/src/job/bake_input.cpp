@@ -31,7 +31,7 @@ bake_input load_input(const scene::scene& s, const settings& how) {
   input.geometry = flatten_with(input.given, s, how);
   if (how.cells_from) {
     scene::world_geometry other = scene::flatten(*how.cells_from, how.animated);
-    input.cells = make_cells(other, how);
+    input.cells = make_all_cells(other, how);
     append(input.geometry, std::move(other), how.all_double_sided, how.cells_from->name);
   }
   require_memory(s, how, &input.geometry);

@@ -15,7 +15,7 @@ struct bake_input {
   overrides given;                 // of the cells file
   reported_misses misses;          // of the misses file
   scene::world_geometry geometry;  // both scenes with how.cells_from, overrides applied
-  std::optional<cell_list> cells;  // the cells of how.cells_from; nothing: they are made from geometry
+  std::optional<cell_list> cells;  // all cells of how.cells_from; nothing: they are made from geometry
 };
 
 // Reads and flattens what the settings name. Checks how.memory before and after flattening.

@@ -8,11 +8,16 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "bound/bound_rays.h"
+#include "job/cell_workers.h"
+#include "job/phases.h"
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/base/process_time.h"
+#include "sightcell/base/stop_request.h"
 
 namespace sightcell::bake {
 namespace {
@@ -21,14 +26,19 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Means over the trial cells, which stand for all cells.
+std::string time_text(double seconds) {
+  if (seconds < 120.0) return fmt::format("{:.0f} s", std::ceil(seconds));
+  return seconds < 7200.0 ? fmt::format("{:.0f} min", seconds / 60.0) : fmt::format("{:.1f} h", seconds / 3600.0);
+}
+
+// What the trials of a ray sampler say of a cell.
 struct trial_result {
-  double sampling_seconds = 0.0;  // per cell, on one thread
-  double polygons = 0.0;          // visible from a cell, or in one of its hemicubes
-  std::string sampling;           // how sampling_seconds was computed, for the message
+  double sampling_seconds = 0.0;  // on one thread
+  double polygons = 0.0;
+  std::string sampling;  // how sampling_seconds was computed, for the message
 };
 
-// Returns the number of cells that are tried.
+// Returns the number of cells in which rays are tried.
 std::size_t trials_of(const bake_context& context) {
   return std::min<std::size_t>(context.cells->list.cells.size(), 4);
 }
@@ -36,27 +46,6 @@ std::size_t trials_of(const bake_context& context) {
 const view_cell& trial_cell(const bake_context& context, std::size_t i) {
   const std::vector<view_cell>& cells = context.cells->list.cells;
   return cells[i * cells.size() / trials_of(context)];
-}
-
-trial_result try_hemicubes(const bake_context& context) {
-  trial_result result;
-  const std::size_t trials = trials_of(context);
-  hemicube_view view;
-  hemicube_source& source = context.device->source();
-  source.render({}, view);  // not timed: it includes compiling and uploading
-  double seconds = 0.0;
-  for (std::size_t i = 0; i < trials; ++i) {
-    const view_cell& cell = trial_cell(context, i);
-    const double start = seconds_now();
-    source.render({.eye = 0.5f * (cell.min + cell.max)}, view);
-    seconds += (seconds_now() - start) / static_cast<double>(trials);
-    const auto own = std::count_if(view.seen.begin(), view.seen.end(),
-                                   [&](const seen_polygon& one) { return one.id < context.s.polygon_count; });
-    result.polygons += static_cast<double>(own) / static_cast<double>(trials);
-  }
-  result.sampling_seconds = context.how.samples * seconds;
-  result.sampling = fmt::format("{} hemicubes each at {:.1f} ms", context.how.samples, 1e3 * seconds);
-  return result;
 }
 
 constexpr std::uint64_t trial_sampling_rays = 65536, trial_rays_for_all = 8192;
@@ -131,25 +120,86 @@ double try_verification_rays(const bake_context& context) {
   return seconds;
 }
 
-}  // namespace
-
-bake_estimate estimate_bake(const bake_context& context, std::size_t cells_left, const callbacks& events) {
-  if (cells_left == 0) return {};
+bake_estimate estimate_from_rays(const bake_context& context, std::size_t cells_left, const callbacks& events) {
   const settings& how = context.how;
-  const trial_result trial = takes_hemicubes(how.sampler) ? try_hemicubes(context) : try_sampling_rays(context);
+  const trial_result trial = try_sampling_rays(context);
   const double rays = verification_rays_of_cell(how);
   const double ray_seconds = rays > 0.0 ? try_verification_rays(context) : 0.0;
-  // The threads bake different cells if the source is shared. The time of a verification ray has all threads already.
-  const int at_once = context.device->source().shared() ? tbb::this_task_arena::max_concurrency() : 1;
+  // The threads bake different cells. The time of a verification ray has all threads already.
+  const int at_once = tbb::this_task_arena::max_concurrency();
   const double limit = how.seconds_per_cell > 0.0 ? how.seconds_per_cell : trial.sampling_seconds;
   const double per_cell = std::min(trial.sampling_seconds, limit) / at_once + rays * ray_seconds;
   const double seconds = per_cell * static_cast<double>(cells_left);
   if (events.on_message)
     events.on_message(severity::note,
-                      fmt::format("estimate: {} cells, {}{}: about {:.0f} s", cells_left, trial.sampling,
+                      fmt::format("estimate: {} cells, {}{}: about {}", cells_left, trial.sampling,
                                   rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
-                                  std::ceil(seconds)));
+                                  time_text(seconds)));
   return {trial.polygons, seconds};
+}
+
+constexpr std::size_t fewest_trials = 4, most_trials = 32;
+constexpr double longest_trials = 10.0;  // seconds, of all
+
+std::size_t trial_cells(std::size_t cells, std::size_t cells_left) {
+  const std::size_t wanted = cells_left < 40 ? std::max<std::size_t>(cells_left / 10, 1)
+                                             : std::clamp<std::size_t>(cells_left / 50, fewest_trials, most_trials);
+  return std::min(wanted, cells);
+}
+
+std::optional<bake_estimate> estimate_from_cells(const bake_context& context, std::size_t cells_left,
+                                                 tbb::task_arena& arena, const callbacks& events) {
+  const std::vector<view_cell>& cells = context.cells->list.cells;
+  const std::size_t trials = trial_cells(cells.size(), cells_left);
+  const stage_plan plan(context.cells->blocks, false);
+  std::vector<cell_step> steps;
+  for (std::size_t i = 0; i < trials; ++i)
+    steps.push_back({static_cast<std::uint32_t>((2 * i + 1) * cells.size() / (2 * trials)), cell_stage::finished});
+  step_queue queue = step_queue::listed(plan, steps);
+  const cell_baker baker = baker_of(context);
+  stop_request stop;
+  const bool whole = context.how.time_budget == 0.0;
+  std::size_t done = 0;
+  double polygons = 0.0;
+  bool canceled = false;
+  const progress now{.phase = bake_phase::estimating, .cells_total = static_cast<std::uint32_t>(cells.size())};
+  const double cpu_before = process_cpu_seconds(), began = seconds_now();
+  take_steps(
+      queue, [&] { return baker.make_set(); },
+      [&](const cell_step& step, cell_set& set) {
+        const view_cell& cell = cells[step.cell];
+        return whole ? baker.sample_and_finish(cell, set, &stop) : baker.sample(cell, set, &stop);
+      },
+      workers_for(context, baker, arena, stop),
+      [&](std::span<stage_record> ended, std::span<const step_in_work>) {
+        done += ended.size();
+        for (const stage_record& one : ended) polygons += static_cast<double>(one.record.set.size());
+        if (events.on_progress && !events.on_progress(now)) canceled = true;
+        return !canceled && (done < fewest_trials || seconds_now() - began < longest_trials);
+      });
+  if (canceled) return std::nullopt;
+  const double per_trial = 1.0 / static_cast<double>(done);
+  const double cpu = (process_cpu_seconds() - cpu_before) * per_trial, wall = (seconds_now() - began) * per_trial;
+  // A few cells do not keep all threads busy to their end, as those of a bake do.
+  const bool shared = context.device->source().shared();
+  const double seconds =
+      static_cast<double>(cells_left) * (shared ? std::min(wall, cpu / arena.max_concurrency()) : wall);
+  if (events.on_message)
+    events.on_message(severity::note,
+                      fmt::format("estimate: {} cells at {:.2g} s of CPU time: about {}, from {} {}", cells_left, cpu,
+                                  time_text(seconds), done, done == 1 ? "cell" : "cells"));
+  return bake_estimate{polygons * per_trial, seconds};
+}
+
+}  // namespace
+
+std::optional<bake_estimate> estimate_bake(const bake_context& context, std::size_t cells_left, tbb::task_arena& arena,
+                                           const callbacks& events) {
+  if (cells_left == 0) return bake_estimate{};
+  if (takes_hemicubes(context.how.sampler)) return estimate_from_cells(context, cells_left, arena, events);
+  bake_estimate estimate;
+  arena.execute([&] { estimate = estimate_from_rays(context, cells_left, events); });
+  return estimate;
 }
 
 }  // namespace sightcell::bake

@@ -46,7 +46,7 @@ bool prepare(const phase_work& work) {
   using clock = std::chrono::steady_clock;
   clock::time_point reported = clock::now();
   work.arena.execute([&] {
-    work.context.device->sampler->prepare([&](double share) {
+    work.context.sampler->prepare([&](double share) {
       work.tracker.begin(bake_phase::preparing_sampler);
       if (clock::now() - reported < report_pause) return true;
       reported = clock::now();
@@ -63,7 +63,7 @@ cell_baker baker_of(const bake_context& context) {
           context.input.given,
           context.traced->rays,
           context.traced->neighbors_or_null(),
-          *context.device->sampler,
+          *context.sampler,
           context.device->metric,
           &context.input.misses,
           context.s.polygon_count,

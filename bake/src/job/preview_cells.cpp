@@ -1,13 +1,20 @@
-#include "cells/view_cell.h"
-#include "job/bake_input.h"
+#include <tbb/task_arena.h>
+
+#include <optional>
+
+#include "job/bake_context.h"
 #include "sightcell/bake/cells.h"
 
 namespace sightcell::bake {
 
-cell_preview preview_cells(const scene::scene& s, const settings& how) {
+std::optional<cell_preview> preview_cells(const scene::scene& s, const settings& how, const callbacks& events) {
   validate(how);
-  const bake_input input = load_input(s, how);
-  const cell_list list = input.cells ? *input.cells : make_cells(input.geometry, how);
+  tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
+  std::optional<bake_context> context;
+  callbacks quiet = events;
+  quiet.on_message = {};
+  if (!build(context, s, how, arena, quiet)) return std::nullopt;
+  const cell_list& list = context->cells->list;
   cell_preview preview{.cells = {}, .how = list.how, .warnings = list.warnings};
   preview.cells.reserve(list.cells.size());
   for (const view_cell& cell : list.cells)

@@ -23,10 +23,23 @@ double cell_size_of(std::string_view settings) {
   return static_cast<double>(text["cell_size"].get<float>());  // settings store a float
 }
 
+double width_of(const format::box& b) {
+  return static_cast<double>(b.max[0]) - static_cast<double>(b.min[0]);
+}
+
+// Returns the power of 2 by which a size is nearest to cell_size.
+double doublings(double size, double cell_size) {
+  return std::round(std::log2(size / cell_size));
+}
+
 // Returns the lattice position of a box, nothing if the box is not a lattice cell.
 std::optional<format::lattice_place> place_of(const format::box& b, const format::lattice_shape& shape) {
+  const double level = -doublings(width_of(b), shape.width);
+  if (!(level >= 0.0 && level <= format::max_lattice_level)) return std::nullopt;
   format::lattice_place place;
-  const std::array<double, 3> size{shape.width, shape.height, shape.width};
+  place.level = static_cast<std::uint32_t>(level);
+  const double width = shape.width_of(place.level);
+  const std::array<double, 3> size{width, shape.height_of(place.level), width};
   const std::array<std::int32_t*, 3> out{&place.x, &place.y, &place.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double at = std::round(static_cast<double>(b.min[axis]) / size[axis]);
@@ -43,10 +56,15 @@ std::optional<format::lattice_place> place_of(const format::box& b, const format
 std::optional<cells_on_lattice> find_lattice(std::span<const format::box> cells, std::string_view settings) {
   const double cell_size = cell_size_of(settings);
   if (!(cell_size > 0.0) || cells.empty()) return std::nullopt;
-  const format::box& any = cells.front();
-  const double coarser = std::exp2(std::round(std::log2((any.max[0] - any.min[0]) / cell_size)));
+  // Level 0 is that of the widest cells. All cells are equally high: more than half the cell size where the lattice was
+  // made coarser for a large scene.
+  const auto narrower = [](const format::box& a, const format::box& b) { return width_of(a) < width_of(b); };
+  const auto [narrowest, widest] = std::minmax_element(cells.begin(), cells.end(), narrower);
+  const double height = static_cast<double>(widest->max[1]) - static_cast<double>(widest->min[1]);
+  const double low = doublings(width_of(*narrowest), cell_size), high = doublings(width_of(*widest), cell_size);
   cells_on_lattice found;
-  found.shape = {cell_size * coarser, cell_size * coarser / 2.0};
+  found.shape = {cell_size * std::exp2(high), cell_size * std::exp2(doublings(2.0 * height, cell_size)) / 2.0,
+                 high > low};
   std::vector<format::lattice_place> places;
   for (const format::box& b : cells) {
     const std::optional<format::lattice_place> place = place_of(b, found.shape);

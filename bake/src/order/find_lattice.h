@@ -17,8 +17,8 @@ struct cells_on_lattice {
 };
 
 // Returns the lattice positions of cells. Returns nothing unless the settings text of the file names automatic or grid
-// cells, and each box equals bitwise that of a cell on a lattice of the cell size, or of the cell size times a power of
-// two. Explicit cells keep their numbers.
+// cells, and each box equals bitwise that of a cell on a lattice of the cell size times powers of two. Where cells have
+// several widths, it is a lattice of layers. Explicit cells keep their numbers.
 std::optional<cells_on_lattice> find_lattice(std::span<const format::box> cells, std::string_view settings);
 
 }  // namespace sightcell::bake

@@ -96,15 +96,16 @@ shard_files phase_1_of(const std::filesystem::path& output, const stage_plan& pl
 }
 
 // Checks the disk space for the records and for the final file. The estimated time is logged for phase 1 only.
-// Returns the estimated seconds; 0 for phase 2, of which there is no estimate.
-double check_room(const bake_context& context, unsigned phase, std::size_t cells, const std::filesystem::path& work,
-                  const std::filesystem::path& output, tbb::task_arena& arena, const callbacks& events) {
+// Returns the estimated seconds; 0 for phase 2, of which there is no estimate. Returns nothing if the caller canceled.
+std::optional<double> check_room(const bake_context& context, unsigned phase, std::size_t cells,
+                                 const std::filesystem::path& work, const std::filesystem::path& output,
+                                 tbb::task_arena& arena, const callbacks& events) {
   if (cells > 0 && events.on_phase) events.on_phase(bake_phase::estimating);
-  bake_estimate estimate;
-  arena.execute([&] { estimate = estimate_bake(context, cells, phase == 1 ? events : callbacks()); });
-  const std::uint64_t bytes = cells * checkpoint_bytes_of_cell(estimate.polygons);
+  const std::optional<bake_estimate> estimate = estimate_bake(context, cells, arena, phase == 1 ? events : callbacks());
+  if (!estimate) return std::nullopt;
+  const std::uint64_t bytes = cells * checkpoint_bytes_of_cell(estimate->polygons);
   check_disk_space({{folder_of(work), bytes}, {folder_of(output), bytes}}, events);
-  return phase == 1 ? estimate.seconds : 0.0;
+  return phase == 1 ? estimate->seconds : 0.0;
 }
 
 // Bakes one shard from its first cell to its file.
@@ -124,7 +125,13 @@ void bake_blocks(const bake_context& context, const stage_plan& plan, const std:
                            plan, events);
   resume(file.records(), tracker, events);
   sum.cells_resumed = tracker.resumed();
-  tracker.expect(check_room(context, part.phase, tracker.cells_left(), file.path(), output, arena, events));
+  const std::optional<double> expected =
+      check_room(context, part.phase, tracker.cells_left(), file.path(), output, arena, events);
+  if (!expected) {
+    sum.result = outcome::cancelled;
+    return;
+  }
+  tracker.expect(*expected);
   const phase_work work{context, plan, blocks, arena, tracker, file};
   keeping(file, [&] {
     tracker.open();
@@ -176,7 +183,10 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   std::optional<bake_context> context;
-  arena.execute([&] { context.emplace(s, how, events); });
+  if (!build(context, s, how, arena, events)) {
+    sum.result = outcome::cancelled;
+    return sum;
+  }
   sum.source = context->device->chosen.name;
   sum.device = context->device->source().device();
   const stage_plan plan(context->cells->blocks, context->bounds());

@@ -183,8 +183,8 @@ TEST(progress_text, phases_have_names_of_their_own) {
     names.insert(phase_name(static_cast<bake_phase>(phase)));
     texts.insert(phase_text(static_cast<bake_phase>(phase)));
   }
-  EXPECT_EQ(names.size(), 9u);
-  EXPECT_EQ(texts.size(), 9u);
+  EXPECT_EQ(names.size(), 10u);
+  EXPECT_EQ(texts.size(), 10u);
   EXPECT_FALSE(names.contains(""));
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 // The view cells of a bake, before it. bake.h has the conventions.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "sightcell/bake/progress.h"
 #include "sightcell/bake/settings.h"
 
 namespace sightcell::scene {
@@ -21,10 +23,14 @@ struct cell_preview {
 
 // Returns the cells that the settings request (settings::cells_file and the options after it).
 // s: the scene.
-// how: settings::cells_from counts; everything about sampling is ignored.
-// Fails with settings.* and cells.*, and with bake.nothing-to-see.
-// Cost: up to some seconds and some hundred megabytes, for the voxels of automatic cells. Whether a cell has valid
-//   viewpoints is not tested: the bake leaves out those that have none.
-cell_preview preview_cells(const scene::scene& s, const settings& how);
+// how: settings::cells_from counts. Of what is about sampling only the source of hemicubes counts, and whether the
+//   sampler uses it: cells are merged by hemicubes (settings::merge_cells).
+// events: on_phase is called, and on_progress while cells are merged; they may be empty.
+// Returns nothing if events.on_progress cancels.
+// Fails with settings.* and cells.*, with bake.nothing-to-see, and as the source does.
+// Cost: some seconds and some hundred megabytes for the voxels of automatic cells, and what a bake needs for the scene.
+//   Four hemicubes per cell before they are merged. Whether a cell has valid viewpoints is not tested: the bake leaves
+//   out those that have none.
+std::optional<cell_preview> preview_cells(const scene::scene& s, const settings& how, const callbacks& events);
 
 }  // namespace sightcell::bake

@@ -15,6 +15,7 @@ enum class bake_phase {
   loading,               // reads the files that the settings name, and makes world geometry from the scene
   finding_cells,         // and builds the structures that rays are cast in
   preparing_hemicubes,   // the source of hemicubes: device, geometry
+  merging_cells,         // that see nearly the same polygons
   estimating,            // time and disk space, from a few trials
   preparing_sampler,     // what the sampler does once for all cells; few samplers do
   baking_cells,          // until the bound of each is known
@@ -44,7 +45,9 @@ struct progress {
 
   double importance = 0.0;  // part of the importance that is measured, 0 .. 1; 0 before that begins
   double target = 0.0;      // time budget: the bound that all cells are brought to now; else 0
-  double prepared = 1.0;    // part of what the sampler does once for all cells, 0 .. 1; 1 if there is nothing to do
+  // Part that is done of merging cells, or of what the sampler does once for all cells, 0 .. 1; 1 if there is nothing
+  // to do.
+  double prepared = 1.0;
 
   double seconds = 0.0;           // wall-clock time since the first cell
   double cells_per_second = 0.0;  // of this run, started cells included in part; 0 until a step has ended
@@ -72,7 +75,8 @@ enum class severity {
 // was canceled, and the exception passes through.
 struct callbacks {
   // now: valid during the call.
-  // Returns false to cancel: cells in work end within a second and are not committed; the bake returns `outcome::cancelled`.
+  // Returns false to cancel: cells in work end within a second and are not committed; the bake returns
+  // `outcome::cancelled`.
   std::function<bool(const progress& now)> on_progress = {};
 
   // text: one line without a line end.

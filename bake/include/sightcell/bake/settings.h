@@ -103,8 +103,11 @@ struct settings {
   std::optional<std::filesystem::path> cells_file;  // --cells-file: explicit cells, JSON
   std::vector<cell_box> cells;                      // explicit cells of a host
   std::optional<std::array<float, 6>> cells_grid;   // --cells-grid x0,y0,z0,x1,y1,z1: all lattice cells of this box
-  float cell_size = 4.0f;        // --cell-size: width of lattice cells, meters, 0.25 .. 1000; they are half as high
-  std::uint32_t cell_limit = 0;  // --cell-limit: bake this many cells, spread evenly; 0 for all
+  float cell_size = 4.0f;  // --cell-size: width of lattice cells, meters, 0.25 .. 1000; they are half as high
+  // --merge-cells: automatic cells are merged with neighbors while the polygons that a player draws grow by at most
+  // this part, in the mean over all floor; an estimate. 0 .. 10; 0: none is. Samplers of rays alone merge none.
+  double merge_cells = 0.1;
+  std::uint32_t cell_limit = 0;              // --cell-limit: bake this many cells, spread evenly; 0 for all
   reach_kind reach = reach_kind::walk;       // --reach, of automatic cells
   std::vector<std::array<float, 3>> starts;  // --start x,y,z: on or above a floor, meters; none: those of the scene
   player_settings player;                    // of automatic cells

@@ -146,9 +146,10 @@ TEST(settings, ends_of_the_ranges_are_inside) {
 }
 
 TEST(settings, description_is_one_line_of_json_in_fixed_order) {
-  EXPECT_EQ(describe({}), R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,)"
-                          R"("sampler":"guided","samples":24,"resolution":512,"max_pixel_error":0.0001,"seed":1,)"
-                          R"("all_double_sided":false,"smallest_gap":0.002,"profile":"balanced"})");
+  EXPECT_EQ(describe({}),
+            R"({"cells":"automatic","cell_size":4,"cell_limit":0,"margin":0.25,"player_radius":0.05,"merge_cells":0.1,)"
+            R"("sampler":"guided","samples":24,"resolution":512,"max_pixel_error":0.0001,"seed":1,)"
+            R"("all_double_sided":false,"smallest_gap":0.002,"profile":"balanced"})");
 }
 
 TEST(settings, the_default_is_the_normal_quality) {

@@ -56,6 +56,30 @@ TEST(find_lattice, finds_the_lattice_of_a_bake) {
   EXPECT_TRUE(find_lattice(boxes_of(4.0), settings_with("4", "grid")));
 }
 
+// Cells of several widths in layers of one height; the second time in layers of twice the height, as they are where a
+// large scene made the lattice coarser.
+TEST(find_lattice, finds_merged_cells) {
+  for (const double coarser : {1.0, 2.0}) {
+    const lattice on(1.7f * coarser);
+    std::vector<format::box> boxes;
+    for (std::int32_t level = 1; level <= 3; ++level)
+      for (std::int64_t x = -3; x < 4; ++x) {
+        const view_cell c = on.cell({.z = 4 * level - 9, .y = level - 2, .x = x, .level = level});
+        boxes.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
+      }
+    const auto found = find_lattice(boxes, settings_with("1.7"));
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->shape.layers);
+    EXPECT_EQ(found->shape.width, static_cast<double>(1.7f) * coarser * 8.0);
+    expect_same_boxes(boxes, *found);
+    boxes.resize(7);  // all of one width
+    const auto of_one_width = find_lattice(boxes, settings_with("1.7"));
+    ASSERT_TRUE(of_one_width);
+    EXPECT_FALSE(of_one_width->shape.layers);
+    expect_same_boxes(boxes, *of_one_width);
+  }
+}
+
 TEST(find_lattice, cells_by_hand_keep_their_numbers) {
   EXPECT_FALSE(find_lattice(boxes_of(4.0), settings_with("4", "file")));
   EXPECT_FALSE(find_lattice(boxes_of(4.0), settings_with("4", "given")));

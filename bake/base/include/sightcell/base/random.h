@@ -31,7 +31,8 @@ enum class purpose : std::uint64_t {
   agvs = 14,        // rays for all cells
   agvs_place = 15,  // of a cell on such a ray
   importance = 16,
-  volumes = 17
+  volumes = 17,
+  merging = 18  // of cells
 };
 
 class random_stream {
