@@ -245,6 +245,7 @@ std::array<float, 3> point_of(const std::string& text) {
 void add_cells_options(CLI::App& verb, bake_options& options) {
   add_scene_argument(verb, options.scenes, "The scene: a .glb or .gltf file, in meters.");
   add_cell_options(verb, options);
+  add_quality_options(verb, options);
   add_expert_cell_options(verb, options);
   add_two_scene_options(verb, options.scenes, "Expert: scenes");
   verb.add_flag("--json", options.json, "Prints the cells as one JSON object on standard output.");

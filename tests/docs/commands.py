@@ -182,7 +182,7 @@ def check_inline(code, known):
 SHIM = '''#!/bin/sh
 # {name} as the documents call it, but quick.
 case "$1 $*" in
-  bake*)
+  bake*|cells*)
     case "$*" in *--cell-limit*) ;; *) set -- "$@" --cell-limit {cells} ;; esac
     case "$*" in *--quality*|*--max-pixel-error*) ;; *) set -- "$@" --quality draft ;; esac ;;
   *--rays*|*--from*) ;;

@@ -14,9 +14,7 @@
 namespace sightcell::bake {
 namespace {
 
-// The set of a cell has about 3 times the polygons that one hemicube in its center shows. Bytes are per polygon of the
-// set. Measured: docs/baking.md, "Memory and disk".
-constexpr double set_of_view = 3.0;
+// Per polygon of the set of a cell. Measured: docs/baking.md, "Memory and disk".
 constexpr double checkpoint_bytes = 5.0, file_bytes = 1.0;
 constexpr std::uint64_t of_cell = 256;  // box, certificate, directory, SQLite's pages
 
@@ -24,8 +22,8 @@ constexpr std::uint64_t of_cell = 256;  // box, certificate, directory, SQLite's
 constexpr std::uint64_t too_little = 4;
 constexpr std::uint64_t tight = 2;
 
-std::uint64_t bytes_of_cell(double polygons_of_view, double per_polygon) {
-  return of_cell + static_cast<std::uint64_t>(std::ceil(polygons_of_view * set_of_view * per_polygon));
+std::uint64_t bytes_of_cell(double polygons, double per_polygon) {
+  return of_cell + static_cast<std::uint64_t>(std::ceil(polygons * per_polygon));
 }
 
 struct disk {
@@ -57,12 +55,12 @@ std::string text(std::uint64_t bytes) {
 
 }  // namespace
 
-std::uint64_t checkpoint_bytes_of_cell(double polygons_of_view) {
-  return bytes_of_cell(polygons_of_view, checkpoint_bytes);
+std::uint64_t checkpoint_bytes_of_cell(double polygons) {
+  return bytes_of_cell(polygons, checkpoint_bytes);
 }
 
-std::uint64_t file_bytes_of_cell(double polygons_of_view) {
-  return bytes_of_cell(polygons_of_view, file_bytes);
+std::uint64_t file_bytes_of_cell(double polygons) {
+  return bytes_of_cell(polygons, file_bytes);
 }
 
 void check_disk_space(const std::vector<disk_need>& needs, const callbacks& events) {

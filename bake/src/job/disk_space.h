@@ -15,9 +15,9 @@ struct disk_need {
 };
 
 // Return the bytes that a cell adds to the checkpoint, and to the .pvs file.
-// polygons_of_view: how many polygons are visible from the center of the cell.
-std::uint64_t checkpoint_bytes_of_cell(double polygons_of_view);
-std::uint64_t file_bytes_of_cell(double polygons_of_view);
+// polygons: how many polygons are in its set.
+std::uint64_t checkpoint_bytes_of_cell(double polygons);
+std::uint64_t file_bytes_of_cell(double polygons);
 
 // Compares the needs of each disk with its free space. Needs on one disk are added. Sends a warning to events if less
 // than twice the need is free. A disk that reports no size is taken as large enough.

@@ -135,7 +135,7 @@ bake_estimate estimate_from_rays(const bake_context& context, std::size_t cells_
                       fmt::format("estimate: {} cells, {}{}: about {}", cells_left, trial.sampling,
                                   rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
                                   time_text(seconds)));
-  return {trial.polygons, seconds};
+  return {trial.polygons, seconds, seconds * at_once};
 }
 
 constexpr std::size_t fewest_trials = 4, most_trials = 32;
@@ -188,7 +188,7 @@ std::optional<bake_estimate> estimate_from_cells(const bake_context& context, st
     events.on_message(severity::note,
                       fmt::format("estimate: {} cells at {:.2g} s of CPU time: about {}, from {} {}", cells_left, cpu,
                                   time_text(seconds), done, done == 1 ? "cell" : "cells"));
-  return bake_estimate{polygons * per_trial, seconds};
+  return bake_estimate{polygons * per_trial, seconds, cpu * static_cast<double>(cells_left)};
 }
 
 }  // namespace

@@ -10,8 +10,9 @@
 namespace sightcell::bake {
 
 struct bake_estimate {
-  double polygons = 0.0;  // visible from a cell, or found by the trial of its sampler; mean over the trials
-  double seconds = 0.0;   // of wall-clock time, for all cells that are left
+  double polygons = 0.0;     // visible from a cell, or found by the trial of its sampler; mean over the trials
+  double seconds = 0.0;      // of wall-clock time, for all cells that are left
+  double cpu_seconds = 0.0;  // the same on all threads together
 };
 
 // Bakes some cells that are spread over the list, one in 50 but 4 to 32 of them, and drops the results. A sampler that

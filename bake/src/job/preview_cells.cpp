@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "job/bake_context.h"
+#include "job/estimate.h"
 #include "sightcell/bake/cells.h"
 
 namespace sightcell::bake {
@@ -15,7 +16,14 @@ std::optional<cell_preview> preview_cells(const scene::scene& s, const settings&
   quiet.on_message = {};
   if (!build(context, s, how, arena, quiet)) return std::nullopt;
   const cell_list& list = context->cells->list;
-  cell_preview preview{.cells = {}, .how = list.how, .warnings = list.warnings};
+  if (events.on_phase) events.on_phase(bake_phase::estimating);
+  const std::optional<bake_estimate> estimate = estimate_bake(*context, list.cells.size(), arena, quiet);
+  if (!estimate) return std::nullopt;
+  cell_preview preview{.cells = {},
+                       .how = list.how,
+                       .warnings = list.warnings,
+                       .cpu_seconds = estimate->cpu_seconds,
+                       .polygons_per_cell = estimate->polygons};
   preview.cells.reserve(list.cells.size());
   for (const view_cell& cell : list.cells)
     preview.cells.push_back({cell.name, {cell.min.x, cell.min.y, cell.min.z}, {cell.max.x, cell.max.y, cell.max.z}});

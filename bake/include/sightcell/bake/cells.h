@@ -19,17 +19,19 @@ struct cell_preview {
   std::vector<cell_box> cells;        // without the margin; in the order of the bake
   std::string how;                    // one line: how many cells, their width, and how they were chosen
   std::vector<std::string> warnings;  // one line each
+  double cpu_seconds = 0.0;           // estimated: of a bake of these cells, on all threads together
+  double polygons_per_cell = 0.0;     // estimated: the mean size of the cell sets
 };
 
 // Returns the cells that the settings request (settings::cells_file and the options after it).
 // s: the scene.
-// how: settings::cells_from counts. Of what is about sampling only the source of hemicubes counts, and whether the
-//   sampler uses it: cells are merged by hemicubes (settings::merge_cells).
-// events: on_phase is called, and on_progress while cells are merged; they may be empty.
+// how: as for bake(). What is about sampling decides the estimates, and whether cells are merged, which is done by
+//   hemicubes (settings::merge_cells).
+// events: on_phase is called, and on_progress while cells are merged and tried; they may be empty.
 // Returns nothing if events.on_progress cancels.
 // Fails with settings.* and cells.*, with bake.nothing-to-see, and as the source does.
 // Cost: some seconds and some hundred megabytes for the voxels of automatic cells, and what a bake needs for the scene.
-//   Four hemicubes per cell before they are merged. Whether a cell has valid viewpoints is not tested: the bake leaves
+//   Five hemicubes per cell before they are merged, and some trial cells, of up to ten seconds, for the estimates. Whether a cell has valid viewpoints is not tested: the bake leaves
 //   out those that have none.
 std::optional<cell_preview> preview_cells(const scene::scene& s, const settings& how, const callbacks& events);
 
