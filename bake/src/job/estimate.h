@@ -15,13 +15,12 @@ struct bake_estimate {
   double cpu_seconds = 0.0;  // the same on all threads together
 };
 
-// Bakes some cells that are spread over the list, one in 50 but 4 to 32 of them, and drops the results. A sampler that
+// Bakes some cells that are spread over the list, one in 25 but 8 to 32 of them, and drops the results. A sampler that
 // uses rays alone is not tried with whole cells, because it may need all cells at a time: here its own rays and
 // verification rays are timed in up to four cells. Trials of whole cells end after ten seconds. With a time budget they
 // are sampled and not bounded. Logs the result as a note. Changes nothing that the bake computes.
-// cells_left: how many cells the estimate is for. 0: nothing is timed or logged, and the result is 0. Below 40 one in
-// 10
-//   is tried.
+// cells_left: how many cells the estimate is for. 0: nothing is timed or logged, and the result is 0.
+//   Below 80 one in 10 is tried.
 // events: on_progress is called several times per second while cells are tried. Returns nothing if it cancels.
 // Threads: the calling thread must not be inside the arena.
 std::optional<bake_estimate> estimate_bake(const bake_context& context, std::size_t cells_left, tbb::task_arena& arena,
