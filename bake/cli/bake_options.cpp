@@ -62,7 +62,7 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
              "Width of the smallest lattice cells in meters. All cells are half as high as that. Range: 0.25 to 1000.");
   add_option(verb, group, "--merge-cells", s.merge_cells, "G",
              "Merges cells over a floor that see nearly the same polygons into wider ones, while the polygons that a "
-             "player draws grow by at most this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "
+             "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "
              "all cells have the width of --cell-size. Range: 0 to 10.");
   add_option(verb, group, "--cell-limit", s.cell_limit, "N",
              "Bakes this many cells only, spread evenly over the scene, as a trial. 0: all cells.");
