@@ -43,13 +43,17 @@ TEST(cell_blocks, are_aligned_chunks_of_eight_by_eight_and_all_layers) {
 // A cell of each level: each is in the block that it fills a part of, and cells that touch are neighbors.
 TEST(cell_blocks, wider_cells_are_in_the_block_of_what_they_cover) {
   const lattice on(4.0);
-  const std::vector<view_cell> cells{on.cell({.z = 0, .x = -1, .level = 3}), on.cell({.z = 0, .x = 0, .level = 2}),
-                                     on.cell({.z = 2, .x = 2, .level = 1}), on.cell({.z = 7, .x = 7}),
-                                     on.cell({.z = 8, .x = 8})};
+  const std::vector<view_cell> cells{on.cell({.z = 0, .x = -1, .level = 3}),
+                                     on.cell({.z = 0, .x = 0, .level = 2}),
+                                     on.cell({.z = 2, .x = 2, .level = 1}),
+                                     on.cell({.z = 7, .x = 7}),
+                                     on.cell({.z = 8, .x = 8}),
+                                     on.cell({.z = 6, .x = 6, .level = 1})};
   const cell_blocks blocks(cells, 0.25f);
   EXPECT_EQ(blocks.count(), 3u);
   EXPECT_EQ(blocks.block_of(1), blocks.block_of(2));
   EXPECT_EQ(blocks.block_of(1), blocks.block_of(3));
+  EXPECT_EQ(blocks.block_of(4), blocks.block_of(5));
   EXPECT_EQ(blocks.name_of(blocks.block_of(0)), "block -1,0 (x -32 to 0 m, z 0 to 32 m)");
   EXPECT_EQ(blocks.name_of(blocks.block_of(1)), "block 0,0 (x 0 to 32 m, z 0 to 32 m)");
   EXPECT_EQ(blocks.name_of(blocks.block_of(4)), "block 1,1 (x 32 to 64 m, z 32 to 64 m)");
