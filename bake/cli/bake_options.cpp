@@ -59,7 +59,7 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
                    "with extras.sightcell.start, else the cameras of the scene, else the largest floor.")
       ->take_all();
   add_option(verb, group, "--cell-size", s.cell_size, "M",
-             "Width of the smallest lattice cells in meters. All cells are half as high as that. Range: 0.25 to 1000.");
+             "Width of the smallest lattice cells in meters. Cells of a grid are half as high. Range: 0.25 to 1000.");
   add_option(verb, group, "--merge-cells", s.merge_cells, "G",
              "Merges cells over a floor that see nearly the same polygons into wider ones, while the polygons that a "
              "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "

@@ -46,7 +46,7 @@ float square_of_distance(const view_cell& a, const view_cell& b) {
 
 using neighbor_lists = std::vector<std::vector<std::uint32_t>>;
 
-// Returns the up to 26 lattice neighbors of each cell, of cells that are all of level 0.
+// Returns the up to 26 lattice neighbors of each cell, of cells that are all of level 0 and one layer.
 neighbor_lists around_on_lattice(std::span<const view_cell> cells) {
   std::vector<std::pair<lattice_position, std::uint32_t>> places;
   for (std::uint32_t i = 0; i < cells.size(); ++i) places.emplace_back(cells[i].position, i);
@@ -121,10 +121,11 @@ void cell_blocks::make_blocks(std::span<const view_cell> cells) {
 
 void cell_blocks::find_neighbors(std::span<const view_cell> cells, float margin) {
   const bool on_lattice = !cells.empty() && cells.front().on_lattice;  // all cells are, or none
-  const bool one_level =
-      on_lattice && std::all_of(cells.begin(), cells.end(), [](const view_cell& c) { return c.position.level == 0; });
+  const bool in_a_grid = on_lattice && std::all_of(cells.begin(), cells.end(), [](const view_cell& c) {
+                           return c.position.level == 0 && c.position.layers == 1;
+                         });
   std::vector<std::vector<std::uint32_t>> found =
-      one_level ? around_on_lattice(cells) : touching(cells, on_lattice ? 0.0f : margin);
+      in_a_grid ? around_on_lattice(cells) : touching(cells, on_lattice ? 0.0f : margin);
   for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
     neighbor_begins_.push_back(static_cast<std::uint32_t>(neighbors_.size()));
     std::vector<std::uint32_t>& near = found[cell];

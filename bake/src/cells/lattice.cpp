@@ -39,14 +39,6 @@ double lattice_range::count() const {
          static_cast<double>(last.z - first.z + 1);
 }
 
-lattice_position lattice::coarser(const lattice_position& p) {
-  return {.z = p.z >> 1, .y = p.y >> 1, .x = p.x >> 1};  // arithmetic shift: rounds down for negative numbers too
-}
-
-lattice_position lattice::wider(const lattice_position& p) {
-  return {.z = p.z >> 1, .y = p.y, .x = p.x >> 1, .level = p.level + 1};
-}
-
 lattice_range lattice::overlapping(const glm::dvec3& min, const glm::dvec3& max) const {
   lattice_range range;
   range.first = {.z = index_of(min.z, width_), .y = index_of(min.y, height_), .x = index_of(min.x, width_)};
@@ -65,35 +57,17 @@ view_cell lattice::cell(const lattice_position& p) const {
   };
   view_cell made;
   made.min = corner(p.x, p.y, p.z);
-  made.max = corner(p.x + 1, p.y + 1, p.z + 1);
+  made.max = corner(p.x + 1, p.y + p.layers, p.z + 1);
   for (int axis = 0; axis < 3; ++axis) {
     if (!(made.min[axis] < made.max[axis])) refuse_distance(static_cast<double>(made.min[axis]));
   }
   made.place = mix(mix(mix(0, static_cast<std::uint64_t>(p.x)), static_cast<std::uint64_t>(p.y)),
                    static_cast<std::uint64_t>(p.z));
   if (p.level > 0) made.place = mix(made.place, static_cast<std::uint64_t>(p.level));
+  if (p.layers != 1) made.place = mix(made.place, static_cast<std::uint64_t>(p.layers));
   made.on_lattice = true;
   made.position = p;
   return made;
-}
-
-lattice coarsen_until(std::vector<floor_cell>& cells, lattice on, std::size_t most) {
-  while (cells.size() > most) {
-    for (floor_cell& cell : cells) cell.position = lattice::coarser(cell.position);
-    // Stable, so that areas are added in one order.
-    std::stable_sort(cells.begin(), cells.end(),
-                     [](const floor_cell& a, const floor_cell& b) { return a.position < b.position; });
-    std::size_t kept = 0;
-    for (std::size_t i = 1; i < cells.size(); ++i) {
-      if (cells[i].position == cells[kept].position)
-        cells[kept].area += cells[i].area;
-      else
-        cells[++kept] = cells[i];
-    }
-    cells.resize(kept + 1);
-    on = on.coarser();
-  }
-  return on;
 }
 
 std::uint64_t mix(std::uint64_t state, std::uint64_t value) {

@@ -1,7 +1,8 @@
 #pragma once
-// The lattice of automatic and grid cells: boxes that are cell_size wide and deep and half as high, anchored at the
-// world origin. Cells of higher levels are wider (lattice_position). Code works with lattice positions and makes boxes
-// at the end, so that adjacent cells have bitwise equal coordinates at their common side.
+// The lattice of automatic and grid cells: boxes that are cell_size wide and deep, anchored at the world origin. A cell
+// of a grid is one layer, which is half as high. Over floors a layer is an eighth as high, and a cell has several.
+// Cells of higher levels are wider (lattice_position). Code works with lattice positions and makes boxes at the end, so
+// that adjacent cells have bitwise equal coordinates at their common side.
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -18,16 +19,17 @@ struct lattice_range {
 
 class lattice {
  public:
-  explicit lattice(double cell_size) : width_(cell_size), height_(cell_size / 2.0) {}
+  // The lattice of a grid.
+  explicit lattice(double cell_size) : lattice(cell_size, cell_size / 2.0) {}
+  // The lattice of cells over floors.
+  static lattice over_floors(double cell_size) { return {cell_size, cell_size / layers_per_width}; }
+  // A cell over a floor of level 0 has at most this number of layers: it is at most as high as wide.
+  static constexpr std::int32_t layers_per_width = 8;
 
   double width() const { return width_; }
-  double height() const { return height_; }
-  // Returns the lattice of twice the cell size, and the position on it that contains position p of this one, the
-  // quotient p / 2 rounded down.
-  lattice coarser() const { return lattice(width_ * 2.0); }
-  static lattice_position coarser(const lattice_position& p);
-  // Returns the position of the next level that covers p: wider, and as high.
-  static lattice_position wider(const lattice_position& p);
+  double height() const { return height_; }  // of a layer
+  // Returns the lattice of twice the cell size.
+  lattice coarser() const { return {width_ * 2.0, height_ * 2.0}; }
 
   // Returns the cells that share volume with a box.
   // min, max: in meters.
@@ -38,18 +40,10 @@ class lattice {
   view_cell cell(const lattice_position& p) const;
 
  private:
+  lattice(double width, double height) : width_(width), height_(height) {}
+
   double width_, height_;
 };
-
-// A lattice cell and what view_cell::floor_area says of it.
-struct floor_cell {
-  lattice_position position;
-  double area = 0.0;
-};
-
-// Doubles the cell size until there are at most `most` cells.
-// cells: sorted by position, unique; becomes those of the returned lattice.
-lattice coarsen_until(std::vector<floor_cell>& cells, lattice on, std::size_t most);
 
 // Returns a 64-bit hash of state and value, the same on every machine. Chained calls give view_cell::place, which names
 // the random numbers of a cell.

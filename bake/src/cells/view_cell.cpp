@@ -45,7 +45,7 @@ cell_list cells_of_grid(const std::array<float, 6>& box, double cell_size) {
 }
 
 cell_list automatic_cells(const scene::world_geometry& geometry, const settings& how) {
-  const lattice asked(static_cast<double>(how.cell_size));
+  const lattice asked = lattice::over_floors(static_cast<double>(how.cell_size));
   walkable_cells walkable = find_walkable_cells(geometry, asked, how);
   cell_list list;
   list.warnings = std::move(walkable.warnings);
@@ -53,7 +53,7 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
   auto before = static_cast<double>(walkable.cells.size());
   list.where = "over floors " + walkable.how;
   if (!walkable.cells.empty()) {
-    on = coarsen_until(walkable.cells, on, automatic_limit);
+    on = widen_until(walkable.cells, on, automatic_limit);
     list.cells.reserve(walkable.cells.size());
     for (const floor_cell& cell : walkable.cells) {
       list.cells.push_back(on.cell(cell.position));
@@ -65,7 +65,7 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
     list.warnings.push_back("no floor with head room was found: cells fill the bounding box");
     list.where = "in a grid over the bounding box";
     const glm::dvec3 min = glm::dvec3(geometry.min) - border, max = glm::dvec3(geometry.max) + border;
-    on = asked;
+    on = lattice(asked.width());
     lattice_range range = on.overlapping(min, max);
     before = range.count();
     while (range.count() > static_cast<double>(automatic_limit)) {

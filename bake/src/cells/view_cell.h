@@ -12,10 +12,11 @@
 namespace sightcell::bake {
 
 // A position on the lattice. Cells are sorted by z, then y, then x, the order of the members. A cell of level l is 2^l
-// times as wide and deep as one of level 0 and covers 2^l x 2^l of them; it is as high as they are.
+// times as wide and deep as one of level 0 and covers 2^l x 2^l of them. It reaches over `layers` layers from y up.
 struct lattice_position {
   std::int64_t z = 0, y = 0, x = 0;
   std::int32_t level = 0;
+  std::int32_t layers = 1;
   auto operator<=>(const lattice_position&) const = default;
 };
 
@@ -41,9 +42,9 @@ struct cell_list {
 
 // Returns the cells that settings request: the host's own, else those of --cells-file, else --cells-grid, else
 // automatic cells.
-// Automatic cells are the lattice cells that contain an eye of a player above a floor that can be reached
-// (walkable.h). A lattice cell is cell_size wide and deep and half as high, anchored at the world origin. If no floor
-// is found, they are a grid over the bounding box grown by 2 m.
+// Automatic cells are boxes around the eyes of players above the floors that can be reached (walkable.h). They are
+// cell_size wide and deep, on a lattice that is anchored at the world origin, and as high as the eyes require. If no
+// floor is found, they are a grid over the bounding box grown by 2 m, of cells that are half as high as wide.
 // --cell-limit is applied. Whether a cell has a valid viewpoint is not tested here. Deterministic.
 // Throws sightcell::error (bad_input) on a broken cells file.
 cell_list make_cells(const scene::world_geometry& geometry, const settings& how);

@@ -7,12 +7,12 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <map>
 #include <memory>
 #include <new>
 #include <numbers>
 #include <optional>
 
+#include "cells/floor_cells.h"
 #include "cells/reach.h"
 
 namespace sightcell::bake {
@@ -324,41 +324,33 @@ std::vector<std::uint32_t> starts_of(const open_field& open, const field_shape& 
   return starts;
 }
 
-// Adds the floor of a column to the cells, by lattice y, that contain eyes above it: to each by the share of the eyes
-// that it contains.
-void collect_heights(const open_space& space, const field_shape& shape, const player_settings& player,
-                     std::map<std::int64_t, double>& area_of) {
+// Returns the layers of the eyes above a floor.
+eye_layers layers_of(const open_space& space, const field_shape& shape, const player_settings& player) {
   // The floor is somewhere in the topmost voxel of its span, and the ceiling in the lowest of its span.
   const double floor = shape.world.min.y + space.floor * shape.step;
   const double ceiling = shape.world.min.y + (space.ceiling + 1) * shape.step;
   const double highest = std::min(floor + static_cast<double>(player.highest_eye), ceiling);
   const double lowest = std::min(floor - shape.step + static_cast<double>(player.lowest_eye), highest);
-  const double layer = shape.on.height(), column = shape.voxel * shape.voxel;
-  const auto last = static_cast<std::int64_t>(std::floor(highest / layer));
-  for (auto height = static_cast<std::int64_t>(std::floor(lowest / layer)); height <= last; ++height) {
-    const double low = std::max(lowest, static_cast<double>(height) * layer);
-    const double high = std::min(highest, static_cast<double>(height + 1) * layer);
-    area_of[height] += highest > lowest ? column * (high - low) / (highest - lowest) : column;
-  }
+  const auto layer_of = [&](double y) { return static_cast<std::int64_t>(std::floor(y / shape.on.height())); };
+  return {layer_of(lowest), layer_of(highest) + 1, shape.voxel * shape.voxel};
 }
 
 std::vector<floor_cell> collect_cells(const open_field& open, const std::vector<std::uint8_t>& reached,
                                       const field_shape& shape, const player_settings& player) {
   std::vector<floor_cell> found;
-  std::map<std::int64_t, double> area_of;
+  std::vector<eye_layers> eyes;
   const int n = shape.voxels_per_cell;
   for (int cell_z = 0; cell_z < shape.depth / n; ++cell_z) {
     for (int cell_x = 0; cell_x < shape.width / n; ++cell_x) {
-      area_of.clear();
+      eyes.clear();
       for (int z = cell_z * n; z < (cell_z + 1) * n; ++z) {
         for (int x = cell_x * n; x < (cell_x + 1) * n; ++x) {
           const std::size_t column = static_cast<std::size_t>(z) * open.width + static_cast<std::size_t>(x);
           for (std::uint32_t i = open.begins[column]; i < open.begins[column + 1]; ++i)
-            if (reached[i] && open.spaces[i].walkable) collect_heights(open.spaces[i], shape, player, area_of);
+            if (reached[i] && open.spaces[i].walkable) eyes.push_back(layers_of(open.spaces[i], shape, player));
         }
       }
-      for (const auto& [height, area] : area_of)
-        found.push_back({{.z = shape.cells.first.z + cell_z, .y = height, .x = shape.cells.first.x + cell_x}, area});
+      add_floor_cells(eyes, {.z = shape.cells.first.z + cell_z, .x = shape.cells.first.x + cell_x}, found);
     }
   }
   std::sort(found.begin(), found.end(),

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cells/floor_cells.h"
 #include "cells/lattice.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/scene/scene.h"
@@ -20,11 +21,11 @@ struct walkable_cells {
   std::vector<std::string> warnings;  // one line each
 };
 
-// Returns the lattice cells that contain an eye above a floor that the player of the settings reaches: eyes from
-// crouching to jumping height (player_settings), where the ceiling leaves room. Floors are up-facing polygons that are
+// Returns the cells around the eyes above the floors that the player of the settings reaches: eyes from crouching to
+// jumping height (player_settings), where the ceiling leaves room. Floors are up-facing polygons that are
 // flat enough, with head room. Opaque and MASK polygons are floors and obstacles; BLEND polygons (glass, water) are
 // neither.
-// on: the requested lattice.
+// on: the requested lattice, over_floors().
 // Starts of the flood: how.starts, else geometry.starts, else the largest region of connected floors. With
 // how.reach == reach::everywhere each floor is reached.
 // Deterministic. Memory is bounded by the size of the voxel field, not by the extent of the scene.

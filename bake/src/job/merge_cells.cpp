@@ -10,13 +10,16 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "cells/cell_blocks.h"
 #include "cells/cell_sizes.h"
 #include "cells/lattice.h"
+#include "cells/merge_tree.h"
 #include "sightcell/base/random.h"
+#include "trace/viewpoint_region.h"
 #include "trace/viewpoints.h"
 
 namespace sightcell::bake {
@@ -29,8 +32,8 @@ namespace {
 // times. Estimates from 4 cubes on all levels are too low in both, those from 8, 16 and 32 too high; these numbers lie
 // between.
 constexpr std::array<std::size_t, cell_blocks::highest_level + 1> cubes_drawn{4, 6, 9, 13};
-constexpr std::uint64_t most_tests = 256;        // of points, for an eye inside a cell
-constexpr std::uint64_t most_corner_tests = 32;  // for an eye at a corner
+constexpr std::uint64_t most_tests = 256;        // of points, for a viewpoint in a box
+constexpr std::uint64_t most_corner_tests = 32;  // for one at a corner
 constexpr std::size_t cubes_at_once = 128;       // between two reports
 // Of how many blocks the cells of --cell-limit are: each has some dozen cells.
 constexpr std::uint32_t cells_of_limited_block = 8;
@@ -38,45 +41,12 @@ constexpr std::uint32_t cells_of_limited_block = 8;
 // Ascending ids of the polygons that a full cube shows.
 using cube = std::vector<std::uint32_t>;
 
-// A cell of level 0 of a block, or a place without floor in a square that may become a cell.
-struct looked_at {
-  double floor_area = 0.0;
-  bool valid = false;  // has a valid viewpoint
+// Where a cube is rendered: at a random valid viewpoint of a box.
+struct cube_place {
+  viewpoint_region where;
+  std::uint64_t most_tests = 0;                   // of points
+  std::uint64_t name = 0, kind = 0, of_kind = 0;  // name the random numbers
 };
-
-using block_places = std::map<lattice_position, looked_at>;
-
-// Where cubes are rendered: inside a cell, or at the lower corner of a cell in x and z, so that up to four cells have
-// the cube in common.
-struct eye_place {
-  lattice_position position;
-  bool corner = false;
-  auto operator<=>(const eye_place&) const = default;
-};
-
-using block_cubes = std::map<eye_place, std::optional<cube>>;
-
-lattice_position square_around(lattice_position p, std::int32_t level) {
-  while (p.level < level) p = lattice::wider(p);
-  return p;
-}
-
-// Returns the squares of a block that may become cells, and adds their places without floor.
-std::vector<lattice_position> squares_of(block_places& places) {
-  std::vector<lattice_position> squares;
-  std::map<lattice_position, std::uint32_t> floors;
-  for (const auto& [position, place] : places)
-    for (std::int32_t level = 1; level <= cell_blocks::highest_level; ++level) ++floors[square_around(position, level)];
-  for (const auto& [square, count] : floors) {
-    const std::int64_t side = std::int64_t{1} << square.level;
-    if (count < 2 || 2 * std::int64_t{count} < side * side) continue;
-    squares.push_back(square);
-    for (std::int64_t z = square.z * side; z < (square.z + 1) * side; ++z)
-      for (std::int64_t x = square.x * side; x < (square.x + 1) * side; ++x)
-        places.try_emplace({.z = z, .y = square.y, .x = x});
-  }
-  return squares;
-}
 
 // Counts in how many cubes each polygon is.
 class cube_counts {
@@ -108,20 +78,124 @@ class cube_counts {
   std::vector<std::uint32_t> touched_;
 };
 
+// Where cubes of a block are rendered, and which of them each node of its tree contains.
+class block_cubes {
+ public:
+  // tree: of the cells of a block.
+  block_cubes(std::span<const merge_node> tree, std::size_t cells, const lattice& on, float margin);
+
+  std::span<const cube_place> places() const { return places_; }
+  // Returns the places of a node, ascending. That of cell i is place i, inside the cell.
+  std::span<const std::uint32_t> in_node(std::size_t node) const { return in_node_[node]; }
+
+ private:
+  enum kind : std::uint64_t { inside, corner, between };
+
+  void add_corners(float margin);
+  void add_between();
+  std::uint32_t add(const viewpoint_region& where, std::uint64_t most_tests, std::uint64_t name, kind kind,
+                    std::uint64_t of_kind = 0);
+
+  const std::span<const merge_node> tree_;
+  const std::size_t cells_;
+  const lattice on_;
+  std::vector<cube_place> places_;
+  std::vector<std::vector<std::uint32_t>> in_node_;
+};
+
+std::uint32_t block_cubes::add(const viewpoint_region& where, std::uint64_t most_tests, std::uint64_t name, kind kind,
+                               std::uint64_t of_kind) {
+  places_.push_back({where, most_tests, name, kind, of_kind});
+  return static_cast<std::uint32_t>(places_.size() - 1);
+}
+
+block_cubes::block_cubes(std::span<const merge_node> tree, std::size_t cells, const lattice& on, float margin)
+    : tree_(tree), cells_(cells), on_(on), in_node_(tree.size()) {
+  for (std::size_t i = 0; i < cells; ++i) {
+    const view_cell cell = on.cell(tree[i].position);
+    in_node_[i].push_back(add({cell.min, cell.max}, most_tests, cell.place, inside));
+  }
+  add_corners(margin);
+  add_between();
+}
+
+// One cube at each corner of a column, for all cells there whose heights have a part in common.
+void block_cubes::add_corners(float margin) {
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> at_corner;
+  for (std::size_t i = 0; i < cells_; ++i) {
+    const lattice_position& p = tree_[i].position;
+    for (const std::int64_t z : {p.z, p.z + 1})
+      for (const std::int64_t x : {p.x, p.x + 1}) at_corner[{z, x}].push_back(i);
+  }
+  const glm::vec3 aside{margin, 0.0f, margin};
+  for (auto& [corner, cells] : at_corner) {
+    std::sort(cells.begin(), cells.end(), [&](std::size_t a, std::size_t b) {
+      const lattice_position &p = tree_[a].position, &q = tree_[b].position;
+      return std::tie(p.y, p.layers, p.z, p.x) < std::tie(q.y, q.layers, q.z, q.x);
+    });
+    for (std::size_t begin = 0; begin < cells.size();) {
+      const auto end_of = [&](std::size_t i) { return tree_[i].position.y + tree_[i].position.layers; };
+      std::int64_t low = tree_[cells[begin]].position.y, high = end_of(cells[begin]);
+      std::size_t next = begin + 1;
+      for (; next < cells.size() && tree_[cells[next]].position.y < high; ++next)
+        low = tree_[cells[next]].position.y, high = std::min(high, end_of(cells[next]));
+      const view_cell common =
+          on_.cell({.z = corner.first, .y = low, .x = corner.second, .layers = static_cast<std::int32_t>(high - low)});
+      // Within the margin of the corner: in the grown boxes of all these cells.
+      const glm::vec3 bottom = common.min, top{common.min.x, common.max.y, common.min.z};
+      const std::uint32_t place = add({bottom - aside, top + aside}, most_corner_tests, common.place, kind::corner);
+      for (; begin < next; ++begin) in_node_[cells[begin]].push_back(place);
+    }
+  }
+}
+
+// As many cubes per volume as cells have, where a wider node contains more than the nodes below it.
+void block_cubes::add_between() {
+  std::vector<std::vector<std::size_t>> children(tree_.size());
+  std::vector<bool> counts(tree_.size());  // the node or one around it may be a cell
+  for (std::size_t i = tree_.size(); i-- > 0;)
+    counts[i] = tree_[i].may_be_cell || (tree_[i].parent != i && counts[tree_[i].parent]);
+  std::vector<std::pair<std::int64_t, std::int64_t>> layers_and_cells(tree_.size());
+  for (std::size_t i = 0; i < tree_.size(); ++i) {
+    auto& [layers, cells] = layers_and_cells[i];
+    if (i < cells_) layers = tree_[i].position.layers, cells = 1;
+    if (i >= cells_ && counts[i]) {
+      const double mean = static_cast<double>(layers) / static_cast<double>(cells);
+      double passed = 0.5 * mean;  // layers since the last cube
+      std::uint64_t number = 0;
+      for (const column_part& part : uncovered_by_children(tree_, i, children[i])) {
+        const auto height = static_cast<std::int32_t>(part.end - part.first);
+        const view_cell box = on_.cell({.z = part.z, .y = part.first, .x = part.x, .layers = height});
+        for (passed += height; passed >= mean; passed -= mean)
+          in_node_[i].push_back(
+              add({box.min, box.max}, most_tests, on_.cell(tree_[i].position).place, between, number++));
+      }
+    }
+    std::vector<std::uint32_t>& own = in_node_[i];
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    const std::size_t parent = tree_[i].parent;
+    if (parent == i) continue;
+    children[parent].push_back(i);
+    layers_and_cells[parent].first += layers, layers_and_cells[parent].second += cells;
+    in_node_[parent].insert(in_node_[parent].end(), own.begin(), own.end());
+  }
+}
+
 class block_estimates {
  public:
   block_estimates(const lattice& on, const settings& how, const merge_tools& tools)
       : on_(on), how_(how), tools_(tools), counts_([&] { return cube_counts(tools.own_polygons); }) {}
 
-  // Adds the options of a block: its cells of level 0, and the squares that may become cells.
+  // Adds the options of a block: its cells, and the wider cells that they may become.
   // cells: those of the block.
+  // positions: receives the position of each option.
   void add(std::span<const view_cell* const> cells, const std::function<void()>& pause,
-           std::vector<cell_option>& options);
+           std::vector<cell_option>& options, std::vector<lattice_position>& positions);
 
  private:
-  std::optional<glm::vec3> find_eye(const eye_place& at) const;
-  std::optional<cube> look(const eye_place& at) const;
-  double drawn_from(const lattice_position& square, const block_places& places, const block_cubes& cubes);
+  std::optional<cube> look(const cube_place& at) const;
+  std::vector<std::optional<cube>> look_at_all(std::span<const cube_place> places, const std::function<void()>& pause);
 
   const lattice on_;
   const settings& how_;
@@ -129,29 +203,17 @@ class block_estimates {
   tbb::enumerable_thread_specific<cube_counts> counts_;
 };
 
-// Returns a random valid viewpoint: anywhere in a cell; within the margin of a corner, which is in the grown boxes of
-// all cells that meet there.
-std::optional<glm::vec3> block_estimates::find_eye(const eye_place& at) const {
-  const view_cell cell = on_.cell(at.position);
-  random_stream random(how_.seed, cell.place, purpose::merging, at.corner ? 1 : 0);
-  const glm::vec3 aside{how_.margin, 0.0f, how_.margin};
-  const glm::vec3 corner{cell.min.x, cell.max.y, cell.min.z};
-  const viewpoint_region where =
-      at.corner ? viewpoint_region(cell.min - aside, corner + aside) : viewpoint_region(cell.min, cell.max);
+// Returns what a cube shows; nothing if there is no valid viewpoint.
+std::optional<cube> block_estimates::look(const cube_place& at) const {
+  random_stream random(how_.seed, at.name, purpose::merging, at.kind, at.of_kind);
   std::uint64_t tests = 0;
-  const auto eyes = draw_viewpoints(tools_.rays, where, how_.player_radius, 1,
-                                    at.corner ? most_corner_tests : most_tests, random, tests);
-  return eyes.empty() ? std::nullopt : std::optional(eyes.front());
-}
-
-std::optional<cube> block_estimates::look(const eye_place& at) const {
-  const std::optional<glm::vec3> eye = find_eye(at);
-  if (!eye) return std::nullopt;
+  const auto eyes = draw_viewpoints(tools_.rays, at.where, how_.player_radius, 1, at.most_tests, random, tests);
+  if (eyes.empty()) return std::nullopt;
   std::array<pose, 2> poses;
   std::array<hemicube_view, 2> views;
   for (std::size_t i = 0; i < 2; ++i) {
     const float side = i == 0 ? 1.0f : -1.0f;
-    poses[i] = {*eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
+    poses[i] = {eyes.front(), {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
   }
   tools_.source.render(poses, views);
   cube seen;
@@ -163,58 +225,48 @@ std::optional<cube> block_estimates::look(const eye_place& at) const {
   return seen;
 }
 
-double block_estimates::drawn_from(const lattice_position& square, const block_places& places,
-                                   const block_cubes& cubes) {
-  const std::int64_t side = std::int64_t{1} << square.level;
-  std::vector<const cube*> seen;
-  const auto add = [&](const lattice_position& at, bool corner) {
-    const std::optional<cube>& one = cubes.at({at, corner});
-    if (one) seen.push_back(&*one);
-  };
-  double area = 0.0;
-  for (std::int64_t z = square.z * side; z <= (square.z + 1) * side; ++z)
-    for (std::int64_t x = square.x * side; x <= (square.x + 1) * side; ++x) {
-      const lattice_position at{.z = z, .y = square.y, .x = x};
-      add(at, true);
-      if (z == (square.z + 1) * side || x == (square.x + 1) * side) continue;
-      add(at, false);
-      const looked_at& place = places.at(at);
-      area += place.valid ? place.floor_area : 0.0;  // of a solid place nothing is drawn
-    }
-  return area * counts_.local().expected_union(seen, cubes_drawn[static_cast<std::size_t>(square.level)]);
-}
-
-void block_estimates::add(std::span<const view_cell* const> cells, const std::function<void()>& pause,
-                          std::vector<cell_option>& options) {
-  block_places places;
-  for (const view_cell* cell : cells) places[cell->position].floor_area = cell->floor_area;
-  std::vector<lattice_position> positions;
-  for (const auto& [position, place] : places) positions.push_back(position);
-  const std::vector<lattice_position> squares = squares_of(places);
-  positions.insert(positions.end(), squares.begin(), squares.end());
-
-  block_cubes cubes;
-  for (const auto& [at, place] : places) {
-    cubes.try_emplace({at, false});
-    for (const std::int64_t z : {at.z, at.z + 1})
-      for (const std::int64_t x : {at.x, at.x + 1}) cubes.try_emplace({{.z = z, .y = at.y, .x = x}, true});
-  }
-  std::vector<block_cubes::pointer> all;
-  for (auto& entry : cubes) all.push_back(&entry);
-  for (std::size_t first = 0; first < all.size(); first += cubes_at_once) {
-    const std::size_t end = std::min(all.size(), first + cubes_at_once);
-    const auto look_at = [&](std::size_t i) { all[i]->second = look(all[i]->first); };
+std::vector<std::optional<cube>> block_estimates::look_at_all(std::span<const cube_place> places,
+                                                              const std::function<void()>& pause) {
+  std::vector<std::optional<cube>> cubes(places.size());
+  for (std::size_t first = 0; first < places.size(); first += cubes_at_once) {
+    const std::size_t end = std::min(places.size(), first + cubes_at_once);
+    const auto look_at = [&](std::size_t i) { cubes[i] = look(places[i]); };
     if (tools_.source.shared())
       tbb::parallel_for(first, end, look_at);
     else
       for (std::size_t i = first; i < end; ++i) look_at(i);
     pause();
   }
-  for (auto& [at, place] : places) place.valid = cubes.at({at, false}).has_value();
+  return cubes;
+}
+
+void block_estimates::add(std::span<const view_cell* const> cells, const std::function<void()>& pause,
+                          std::vector<cell_option>& options, std::vector<lattice_position>& positions) {
+  std::map<lattice_position, double> area_of;
+  for (const view_cell* cell : cells) area_of[cell->position] = cell->floor_area;
+  std::vector<lattice_position> smallest;
+  for (const auto& [position, area] : area_of) smallest.push_back(position);
+  const std::vector<merge_node> tree = make_merge_tree(smallest, cell_blocks::highest_level);
+  const block_cubes where(tree, smallest.size(), on_, how_.margin);
+  const std::vector<std::optional<cube>> cubes = look_at_all(where.places(), pause);
+
   const std::size_t before = options.size();
-  options.resize(before + positions.size());
-  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
-    options[before + i] = {positions[i], drawn_from(positions[i], places, cubes)};
+  options.resize(before + tree.size());
+  std::vector<double> areas(tree.size(), 0.0);
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    positions.push_back(tree[i].position);
+    options[before + i] = {before + tree[i].parent, i < smallest.size()};
+    // Where no viewpoint is valid nothing is drawn.
+    if (i < smallest.size() && cubes[i]) areas[i] = area_of[tree[i].position];
+    if (tree[i].parent != i) areas[tree[i].parent] += areas[i];
+  }
+  tbb::parallel_for(std::size_t{0}, tree.size(), [&](std::size_t i) {
+    if (!tree[i].may_be_cell) return;
+    std::vector<const cube*> seen;
+    for (const std::uint32_t place : where.in_node(i))
+      if (cubes[place]) seen.push_back(&*cubes[place]);
+    const std::size_t drawn = cubes_drawn[static_cast<std::size_t>(tree[i].position.level)];
+    options[before + i].drawn = areas[i] * counts_.local().expected_union(seen, drawn);
   });
   pause();
 }
@@ -222,7 +274,7 @@ void block_estimates::add(std::span<const view_cell* const> cells, const std::fu
 // Sorts cells along rows of cells of level 0.
 bool comes_before(const view_cell& a, const view_cell& b) {
   const auto key = [](const lattice_position& p) {
-    return lattice_position{.z = p.z << p.level, .y = p.y, .x = p.x << p.level, .level = p.level};
+    return lattice_position{.z = p.z << p.level, .y = p.y, .x = p.x << p.level, .level = p.level, .layers = p.layers};
   };
   return key(a.position) < key(b.position);
 }
@@ -244,23 +296,25 @@ std::vector<std::uint32_t> chosen_blocks(const cell_blocks& blocks, std::uint32_
 
 void merge_cells(cell_list& list, const settings& how, const merge_tools& tools,
                  const std::function<void(double share)>& report) {
-  const lattice on(list.cell_width);
+  const lattice on = lattice::over_floors(list.cell_width);
   const cell_blocks blocks(list.cells, how.margin);
   const std::vector<std::uint32_t> chosen = chosen_blocks(blocks, how.cell_limit);
   std::size_t all = 0, done = 0;
   for (const std::uint32_t block : chosen) all += blocks.cells_of(block).size();
   block_estimates estimates(on, how, tools);
   std::vector<cell_option> options;
+  std::vector<lattice_position> positions;
   for (const std::uint32_t block : chosen) {
     std::vector<const view_cell*> cells;
     for (const std::uint32_t cell : blocks.cells_of(block)) cells.push_back(&list.cells[cell]);
     const auto pause = [&] { report(static_cast<double>(done) / static_cast<double>(all)); };
-    estimates.add(cells, pause, options);
+    estimates.add(cells, pause, options, positions);
     done += cells.size();
   }
   list.cells.clear();
   double widest = on.width();
-  for (const lattice_position& position : choose_cell_sizes(options, how.merge_cells)) {
+  for (const std::size_t chosen_option : choose_cell_sizes(options, how.merge_cells)) {
+    const lattice_position& position = positions[chosen_option];
     list.cells.push_back(on.cell(position));
     widest = std::max(widest, on.width() * static_cast<double>(1 << position.level));
   }

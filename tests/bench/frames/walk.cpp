@@ -25,14 +25,13 @@ constexpr float ease = 0.25f, most_turn = 0.14f;  // of a frame: share of what i
 
 constexpr std::pair<int, int> sides[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};  // x and z
 
-using bake::lattice_position;
-
 // Cells, where in them somebody can stand, and which of them one can walk between; looked at when it is asked for.
 class walkable_graph {
  public:
   explicit walkable_graph(const scene::world_geometry& geometry) : rays_(geometry, false) {
     for (bake::view_cell& cell : bake::make_all_cells(geometry, {}).cells) {
-      if (cell.on_lattice) at_.emplace(cell.position, static_cast<std::uint32_t>(cells_.size()));
+      if (cell.on_lattice)
+        in_column_[{cell.position.z, cell.position.x}].push_back(static_cast<std::uint32_t>(cells_.size()));
       cells_.push_back(std::move(cell));
     }
     places_.resize(cells_.size());
@@ -54,16 +53,15 @@ class walkable_graph {
     return *places_[cell];
   }
 
-  // Beside the cell, and one layer up or down beside it.
+  // In the four columns beside the cell.
   std::vector<std::uint32_t> reachable(std::uint32_t from) {
     std::vector<std::uint32_t> out;
-    const lattice_position& p = cells_[from].position;
+    const bake::lattice_position& p = cells_[from].position;
     for (const auto& [dx, dz] : sides) {
-      for (const int dy : {0, 1, -1}) {
-        const auto found = at_.find({p.z + dz, p.y + dy, p.x + dx});
-        if (found != at_.end() && place(found->second) && is_passable(*place(from), *place(found->second)))
-          out.push_back(found->second);
-      }
+      const auto column = in_column_.find({p.z + dz, p.x + dx});
+      if (column == in_column_.end()) continue;
+      for (const std::uint32_t to : column->second)
+        if (place(to) && is_passable(*place(from), *place(to))) out.push_back(to);
     }
     return out;
   }
@@ -71,9 +69,12 @@ class walkable_graph {
  private:
   bool is_in_cell(const glm::vec3& p) const {
     if (cells_.empty()) return false;
-    const glm::vec3 size = cells_[0].max - cells_[0].min;
-    const auto floor_of = [&](int axis) { return static_cast<std::int64_t>(std::floor(p[axis] / size[axis])); };
-    return at_.contains({floor_of(2), floor_of(1), floor_of(0)});
+    const float width = cells_[0].max.x - cells_[0].min.x;
+    const auto floor_of = [&](float at) { return static_cast<std::int64_t>(std::floor(at / width)); };
+    const auto column = in_column_.find({floor_of(p.z), floor_of(p.x)});
+    return column != in_column_.end() &&
+           std::any_of(column->second.begin(), column->second.end(),
+                       [&](std::uint32_t cell) { return p.y >= cells_[cell].min.y && p.y < cells_[cell].max.y; });
   }
 
   // Eye height above the floor below, as near the middle as a few tries find it.
@@ -108,7 +109,7 @@ class walkable_graph {
 
   bake::ray_scene rays_;
   std::vector<bake::view_cell> cells_;
-  std::map<lattice_position, std::uint32_t> at_;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::uint32_t>> in_column_;  // by z and x
   std::vector<std::optional<std::optional<glm::vec3>>> places_;
 };
 

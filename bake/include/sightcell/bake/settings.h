@@ -103,7 +103,7 @@ struct settings {
   std::optional<std::filesystem::path> cells_file;  // --cells-file: explicit cells, JSON
   std::vector<cell_box> cells;                      // explicit cells of a host
   std::optional<std::array<float, 6>> cells_grid;   // --cells-grid x0,y0,z0,x1,y1,z1: all lattice cells of this box
-  float cell_size = 4.0f;  // --cell-size: width of lattice cells, meters, 0.25 .. 1000; they are half as high
+  float cell_size = 4.0f;  // --cell-size: width of the smallest lattice cells, meters, 0.25 .. 1000
   // --merge-cells: automatic cells are merged with neighbors while the polygons that a player draws grow by at most
   // this part, in the mean over all floor; an estimate. 0 .. 10; 0: none is. Samplers of rays alone merge none.
   double merge_cells = 0.1;

@@ -53,25 +53,16 @@ TEST(cell_limit, spreads_over_the_list) {
   EXPECT_EQ(make_cells({}, how).cells.size(), 10u);
 }
 
-TEST(lattice, coarser_places_round_down) {
-  EXPECT_EQ(lattice::coarser({.z = -1, .y = -2, .x = 3}), (lattice_position{.z = -1, .y = -1, .x = 1}));
-  std::vector<floor_cell> p = {{{0, 0, -2}, 1.0}, {{0, 0, -1}, 2.0}, {{0, 0, 0}, 4.0}, {{0, 0, 1}, 8.0}};
-  const lattice on = coarsen_until(p, lattice(4.0), 2);
-  EXPECT_EQ(on.width(), 8.0);
-  ASSERT_EQ(p.size(), 2u);
-  EXPECT_EQ(on.cell(p[0].position).min.x, -8.0f);
-  EXPECT_EQ(p[0].area, 3.0);
-  EXPECT_EQ(p[1].area, 12.0);
-}
-
-TEST(lattice, wider_cells_have_the_height_of_all) {
-  const lattice on(4.0);
-  const lattice_position at = lattice::wider(lattice::wider({.z = -1, .y = -3, .x = 5}));
-  EXPECT_EQ(at, (lattice_position{.z = -1, .y = -3, .x = 1, .level = 2}));
-  const view_cell cell = on.cell(at);
-  EXPECT_EQ(cell.min, glm::vec3(16, -6, -16));
-  EXPECT_EQ(cell.max, glm::vec3(32, -4, 0));
-  EXPECT_NE(cell.place, on.cell({.z = -1, .y = -3, .x = 1}).place) << "other random numbers";
+TEST(lattice, cells_over_floors_are_wider_by_levels_and_higher_by_layers) {
+  const lattice on = lattice::over_floors(4.0);
+  const view_cell cell = on.cell({.z = -1, .y = -3, .x = 1, .level = 2, .layers = 5});
+  EXPECT_EQ(cell.min, glm::vec3(16, -1.5f, -16));
+  EXPECT_EQ(cell.max, glm::vec3(32, 1.0f, 0));
+  std::set<std::uint64_t> places;
+  for (const std::int32_t level : {0, 2})
+    for (const std::int32_t layers : {1, 5})
+      places.insert(on.cell({.z = -1, .y = -3, .x = 1, .level = level, .layers = layers}).place);
+  EXPECT_EQ(places.size(), 4u) << "other random numbers";
 }
 
 }  // namespace

@@ -60,16 +60,30 @@ bool any_holds(const cell_list& list, glm::vec3 p) {
   return std::any_of(list.cells.begin(), list.cells.end(), [&](const view_cell& c) { return holds(c, p); });
 }
 
-TEST(walkable, one_layer_of_cells_over_a_floor) {
+TEST(walkable, a_flat_floor_has_one_cell_per_column) {
   scene::world_geometry g;
   add_floor(g, 0.5f, 0.5f, 7.5f, 7.5f, 0.0f);
   const cell_list list = cells_of(g);
   ASSERT_EQ(list.cells.size(), 4u);
   for (const view_cell& c : list.cells) {
-    EXPECT_EQ(c.min.y, 0.0f);
+    EXPECT_EQ(c.min.y, 1.5f) << "half a meter is a layer, and the eyes are at 1.6 m";
     EXPECT_EQ(c.max.y, 2.0f);
+    EXPECT_NEAR(c.floor_area, 12.25, 1.0);
   }
   EXPECT_TRUE(list.warnings.empty());
+}
+
+TEST(walkable, a_cell_is_as_high_as_the_eyes_over_a_slope) {
+  scene::world_geometry g;
+  add_floor(g, 0.0f, 0.0f, 8.0f, 4.0f, 0.0f);
+  for (glm::vec3& p : g.positions) p.y = 0.25f * p.x;
+  g.max.y = 2.0f;
+  const cell_list list = cells_of(g, settings());
+  ASSERT_EQ(list.cells.size(), 2u);
+  for (const view_cell& c : list.cells) {
+    EXPECT_NEAR(c.min.y, 0.25f * c.min.x + 0.75f, 0.3f);
+    EXPECT_NEAR(c.max.y, 0.25f * c.max.x + 2.35f, 0.3f);
+  }
 }
 
 TEST(walkable, every_eye_over_the_floor_has_a_cell) {

@@ -26,13 +26,13 @@ tiny_scene field() {
   return tiny;
 }
 
-// Cells of 4 m over part of it, 16 m2 of floor each.
-cell_list cells_over(std::int64_t from, std::int64_t to) {
-  const lattice on(4.0);
+// Cells of 4 m over part of it, 16 m2 of floor each, that begin `rise` layers higher from column to column along x.
+cell_list cells_over(std::int64_t from, std::int64_t to, std::int64_t rise = 0) {
+  const lattice on = lattice::over_floors(4.0);
   cell_list list;
   for (std::int64_t z = from; z < to; ++z)
     for (std::int64_t x = from; x < to; ++x) {
-      list.cells.push_back(on.cell({.z = z, .y = 0, .x = x}));
+      list.cells.push_back(on.cell({.z = z, .y = 1 + rise * x, .x = x, .layers = 4}));
       list.cells.back().floor_area = 16.0;
     }
   list.can_merge = true;
@@ -76,6 +76,31 @@ TEST(merge_cells, an_open_field_has_wide_cells) {
     EXPECT_EQ(c.max.y - c.min.y, 2.0f);
   }
   EXPECT_EQ(list.how, "4 cells of 4 to 32 m, merged from 256 of 4 m, over grass");
+}
+
+// One layer of 0.5 m higher per 4 m: a block of eight columns is a cell that contains all of theirs.
+TEST(merge_cells, cells_up_a_slope_become_one_that_is_higher) {
+  const cell_list list = merge_of(field(), cells_over(0, 8, 1), small_cubes(0.3));
+  ASSERT_EQ(list.cells.size(), 1u);
+  EXPECT_EQ(list.cells[0].min, glm::vec3(0, 0.5f, 0));
+  EXPECT_EQ(list.cells[0].max, glm::vec3(32, 6, 32));
+}
+
+// Columns of 0.5 to 2.5 m in a room, and columns of 2 to 4 m behind a wall. Posts are visible only from the roof of the
+// room, which is in the cell around all of them and in none of the columns.
+TEST(merge_cells, what_is_visible_from_between_the_cells_counts) {
+  tiny_scene tiny = field();
+  tiny.closed_box({4, 0, -40}, {4.1f, 40, 40});
+  tiny.closed_box({-1.1f, 0, -1}, {-1, 2.6f, 9});
+  tiny.closed_box({-1, 0, -1.1f}, {4, 2.6f, -1});
+  tiny.closed_box({-1, 0, 9}, {4, 2.6f, 9.1f});
+  tiny.closed_box({-1, 2.6f, -1}, {4, 2.65f, 9});
+  EXPECT_EQ(merge_of(tiny, cells_over(0, 2, 3), small_cubes(1.3)).cells.size(), 1u);
+  for (int i = 0; i < 200; ++i) {
+    const float x = -5.0f - static_cast<float>(i % 14), z = -5.0f + static_cast<float>(i / 14);
+    tiny.closed_box({x, 3, z}, {x + 0.2f, 8, z + 0.2f});
+  }
+  EXPECT_EQ(merge_of(tiny, cells_over(0, 2, 3), small_cubes(1.3)).cells.size(), 4u);
 }
 
 // Two walls that cross at (16, 16), so in the middle of a block, and 200 posts in one of the quarters.
