@@ -36,6 +36,9 @@ void add_output_options(CLI::App& verb, bake_options& o) {
                 "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
                 "largest polygons first.")
       ->group(group);
+  add_plain_option(verb, group, "--report-unseen", o.unseen_file, "FILE.json",
+                   "Writes the polygons that are in the set of no cell to this file, by object, those with the most "
+                   "first: what a level could do without. sightcell strip does so later.");
 }
 
 void add_cell_options(CLI::App& verb, bake_options& o) {
@@ -117,7 +120,8 @@ void add_machine_options(CLI::App& verb, bake_options& o) {
       ->transform(CLI::AsSizeValue(false));
   add_plain_option(verb, group, "--shard", o.shard, "I/N",
                    "Bakes part I of N on this machine, with I from 0 to N - 1; sightcell merge joins the parts. array "
-                   "and array/N take I from the array of a Slurm, Kubernetes or AWS Batch job.");
+                   "and array/N take I from the array of a Slurm, Kubernetes or AWS Batch job.")
+      ->excludes("--report-unseen");
   verb.add_flag("--fresh", o.fresh, "Discards an unfinished bake of the same output instead of resuming it.")
       ->group(group);
 }

@@ -18,13 +18,16 @@
 #include "help.h"
 #include "number_text.h"
 #include "progress_line.h"
+#include "pvs_file.h"
 #include "safety_ring_text.h"
 #include "shard_option.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/bake/shards.h"
+#include "sightcell/bake/unseen.h"
 #include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 #include "stop_signals.h"
+#include "unseen_report.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
@@ -61,9 +64,9 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"seed", options.settings.seed}};
 }
 
-[[noreturn]] void refuse_json_file(const std::filesystem::path& path) {
+[[noreturn]] void refuse_unwritable(const std::filesystem::path& path, const char* option) {
   throw error(error_kind::failed, "cli.not-writable", path.string(), "cannot be written",
-              "choose a --json-file in a folder that exists and can be written");
+              fmt::format("choose a {} in a folder that exists and can be written", option));
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
@@ -74,24 +77,28 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path, ignored))
     std::filesystem::remove(path, ignored);  // half of it helps nobody
-  refuse_json_file(path);
+  refuse_unwritable(path, "--json-file");
 }
 
-// A file that the bake writes must not be one that it reads, or the other one that it writes.
+// A file that the bake writes must not be one that it reads, or another one that it writes.
 void refuse_overwriting(const bake_options& options) {
   const auto refuse = [](const std::filesystem::path& output, const char* what) {
     throw error(error_kind::wrong_use, "cli.output-is-input", output.string(), what, "choose another name");
   };
   std::error_code ignored;
-  for (const std::filesystem::path& output : {options.output, options.json_file}) {
+  for (const std::filesystem::path& output : {options.output, options.json_file, options.unseen_file}) {
     for (const std::filesystem::path& scene : {options.scenes.scene, options.scenes.cells_from})
       if (std::filesystem::equivalent(scene, output, ignored)) refuse(output, "is the scene itself");
     if (std::filesystem::equivalent(options.cells_file, output, ignored)) refuse(output, "is the cells file");
     if (std::filesystem::equivalent(options.misses_file, output, ignored)) refuse(output, "is the file of misses");
   }
-  if (!options.json_file.empty() && std::filesystem::weakly_canonical(options.json_file, ignored) ==
-                                        std::filesystem::weakly_canonical(options.output, ignored))
-    refuse(options.json_file, "is both -o and --json-file");
+  const auto is_same = [&](const std::filesystem::path& a, const std::filesystem::path& b) {
+    return !a.empty() && std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
+  };
+  if (is_same(options.json_file, options.output)) refuse(options.json_file, "is both -o and --json-file");
+  if (is_same(options.unseen_file, options.output)) refuse(options.unseen_file, "is both -o and --report-unseen");
+  if (is_same(options.unseen_file, options.json_file))
+    refuse(options.unseen_file, "is both --json-file and --report-unseen");
 }
 
 // What could not be written after hours is refused before.
@@ -102,12 +109,14 @@ void refuse_bad_outputs(const bake_options& options) {
   if (!options.output.has_filename() || (fs::exists(there) && !fs::is_regular_file(there)))
     throw error(error_kind::failed, "output.io", options.output.string(),
                 fs::is_directory(there) ? "is a folder" : "names no file", "choose a file as -o");
-  if (options.json_file.empty()) return;
-  const fs::path folder = options.json_file.has_parent_path() ? options.json_file.parent_path() : fs::path(".");
-  const bool exists = fs::exists(options.json_file, ignored);
-  if (fs::is_directory(options.json_file, ignored) ||
-      access(exists ? options.json_file.c_str() : folder.c_str(), W_OK) != 0)
-    refuse_json_file(options.json_file);
+  for (const auto& [path, option] :
+       {std::pair(options.json_file, "--json-file"), {options.unseen_file, "--report-unseen"}}) {
+    if (path.empty()) continue;
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const bool exists = fs::exists(path, ignored);
+    if (fs::is_directory(path, ignored) || access(exists ? path.c_str() : folder.c_str(), W_OK) != 0)
+      refuse_unwritable(path, option);
+  }
 }
 
 int report_shard(const std::filesystem::path& target, const bake::summary& sum, progress_line& line) {
@@ -156,6 +165,14 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
   return exit_done;
 }
 
+void report_unseen(const bake_options& options, const scene::scene& s, progress_line& line) {
+  const pvs_file file = pvs_file::open(options.output);
+  const bake::unseen_polygons found = bake::find_unseen(s, file.bytes(), options.output.string());
+  for (const std::string& warning : found.warnings) line.message("warning: " + warning);
+  write_unseen_report(found, options.unseen_file);
+  line.message(fmt::format("{}: {}", unseen_text(found), options.unseen_file.string()));
+}
+
 int run_bake(const bake_options& options) {
   const auto began = std::chrono::steady_clock::now();
   bake::settings how = settings_of(options);  // fails before minutes of loading
@@ -196,6 +213,7 @@ int run_bake(const bake_options& options) {
   line.end();
   const int code =
       part ? report_shard(bake::shard_file(options.output, *part), sum, line) : report(options, how, sum, line);
+  if (!options.unseen_file.empty() && sum.result != bake::outcome::cancelled) report_unseen(options, s, line);
   const std::string text =
       summary_json(options, s, sum).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   if (!options.json_file.empty()) write_text(options.json_file, text);

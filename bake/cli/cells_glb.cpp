@@ -4,13 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "sightcell/base/disk.h"
-#include "sightcell/base/error.h"
+#include "whole_file.h"
 
 namespace sightcell::cli {
 namespace {
@@ -100,22 +98,7 @@ void write_cells_glb(std::span<const bake::cell_box> cells, const std::filesyste
   put_u32(file, 2);
   put_u32(file, static_cast<std::uint32_t>(12 + chunks.size()));
   file += chunks;
-  std::filesystem::path unfinished = path;
-  unfinished += ".part";
-  std::ofstream out(unfinished, std::ios::binary);
-  out << file;
-  out.close();
-  std::error_code ignored;
-  if (out) {
-    try {
-      return bake::publish(unfinished, path);
-    } catch (const std::filesystem::filesystem_error&) {
-      // Reported below, as a file that could not be opened is.
-    }
-  }
-  std::filesystem::remove(unfinished, ignored);
-  throw error(error_kind::failed, "cli.not-writable", path.string(), "cannot be written",
-              "choose a file in a folder that exists and can be written");
+  write_whole_file(path, file);
 }
 
 }  // namespace sightcell::cli

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   add_recode_verb(program, chosen);
   add_migrate_verb(program, chosen);
   add_pack_verb(program, chosen);
+  add_strip_verb(program, chosen);
   add_merge_verb(program, chosen);
   add_samplers_verb(program, chosen);
   try {

@@ -21,6 +21,7 @@ void add_pack_verb(CLI::App& program, action& chosen);
 void add_patch_verb(CLI::App& program, action& chosen);
 void add_recode_verb(CLI::App& program, action& chosen);
 void add_samplers_verb(CLI::App& program, action& chosen);
+void add_strip_verb(CLI::App& program, action& chosen);
 void add_verify_verb(CLI::App& program, action& chosen);
 void add_view_verb(CLI::App& program, action& chosen);
 

@@ -7,7 +7,7 @@ import stat
 
 from harness import InRoom, program, run, write_triangles
 
-VERBS = ('bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'merge', 'cells', 'samplers')
+VERBS = ('bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'strip', 'merge', 'cells', 'samplers')
 
 
 class Usage(InRoom):
@@ -30,7 +30,7 @@ class Usage(InRoom):
     def test_help_of_bake_has_what_most_users_need_and_two_examples(self):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
-            '-o', '--profile', '--layout', '--volumes', '--importance', '--cells-file', '--cells-grid', '--reach',
+            '-o', '--profile', '--layout', '--volumes', '--importance', '--report-unseen', '--cells-file', '--cells-grid', '--reach',
             '--start', '--cell-size', '--merge-cells', '--cell-limit', '--margin', '--quality', '--max-pixel-error',
             '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',
             '--threads', '--memory', '--shard', '--fresh', '--help-all'])
@@ -123,7 +123,7 @@ class Usage(InRoom):
             self.assertIn(expected, err)
 
     def test_words_that_are_like_none_name_none(self):
-        for arguments in (['fly'], ['bake', self.room, '-o', self.path('no.pvs'), '--report', 'x'],
+        for arguments in (['fly'], ['bake', self.room, '-o', self.path('no.pvs'), '--zoom', 'x'],
                           ['bake', self.room, '-o', self.path('no.pvs'), '--profile', 'gigantic']):
             _, err = self.expect(2, *arguments)
             self.assertNotIn('did you mean', err)

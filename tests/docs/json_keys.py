@@ -84,6 +84,11 @@ def main():
         compare('pack', verbs.get('pack', set()), keys('pack', 's.glb', 'b.pvs', '-o', 'p.glb'))
         compare('patch', verbs.get('patch', set()), keys('patch', 'a.pvs', '--add', '0:1'))
         compare('recode', verbs.get('recode', set()), keys('recode', 'a.pvs', '--profile', 'small', '-o', 'c.pvs'))
+        unseen = keys_of_table(section(text, 'Unseen polygons'), 'key')
+        compare('strip', unseen, keys('strip', 's.glb', 'a.pvs'))
+        run('sightcell', 'strip', 's.glb', 'a.pvs', '--report', 'u.json')
+        with open(os.path.join(folder, 'u.json'), encoding='utf-8') as file:
+            compare('strip --report', unseen, set(json.load(file)))
         compare('migrate', verbs.get('migrate', set()), keys('migrate', 'c.pvs'))
     print('\n'.join(problems) or 'keys: fine')
     return 1 if problems else 0

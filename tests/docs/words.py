@@ -37,7 +37,7 @@ PLACES = [
     ('samples/hello_cull/*.c', 'header'),
 ]
 # Verbs of the program whose `--help` is checked; '' is the program's own.
-HELP = ['', 'bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'merge', 'cells', 'samplers']
+HELP = ['', 'bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'strip', 'merge', 'cells', 'samplers']
 
 # The few legitimate uses: (pattern of places, phrase, regular expression for the text around it: 60 characters on each
 # side, in one line). An entry that no text needs any more is a problem too.
