@@ -42,6 +42,7 @@ UNIT_TESTS = {
     'shard.missing-blocks': 'tests/unit/bake/shards/shards_test.cpp',
     'shard.other-bake': 'tests/unit/bake/shards/shards_test.cpp',
     'settings.two-kinds-of-cells': 'tests/unit/bake/input/settings_test.cpp',
+    'strip.too-large': 'tests/unit/scene/strip_test.cpp',
 }
 
 QUICK = ['--samples', '6', '--resolution', '16', '--max-pixel-error', '0']
@@ -227,13 +228,13 @@ def patch(add, *more, named='--add'):
     return lambda folder: Call(['patch', golden(folder, 'v1_tiny.pvs', 'a.pvs'), '--add', add, *more], named)
 
 
-def packed(*more, named, layout='merged', scene_of=room):
-    """`pack` of a bake of the room."""
+def packed(*more, named, layout='merged', scene_of=room, verb='pack'):
+    """`pack`, or another verb with the same arguments, of a bake of the room."""
     def prepare(folder, program):
         import subprocess
         file = os.path.join(folder, 'out.pvs')
         subprocess.run([program, *bake(folder, '--layout', layout)], check=True, capture_output=True, timeout=120)
-        return Call(['pack', scene_of(folder), file, '-o', *more], named)
+        return Call([verb, scene_of(folder), file, '-o', *more], named)
     return prepare
 
 
@@ -450,6 +451,7 @@ CASES = [
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--sampler', 'halton')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--shard', '0/2')),
     ('settings.volumes', 2, options('--volumes', '--volumes', '2', '--max-pixel-error', '0')),
+    ('strip.not-written', 1, packed('no/s.glb', named='no/s.glb', verb='strip')),
     ('view.not-installed', 1, view_without_viewer),
     ('volumes.too-many', 2, options('--volumes', '--volumes', '0.25', '--cells-grid', '0,0,0,999,499,999', '--cell-size',
                                     '1000')),

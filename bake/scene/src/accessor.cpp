@@ -124,4 +124,26 @@ bool read_indices(const accessor_view& view, std::vector<std::uint32_t>& out) {
   return true;
 }
 
+bool read_bytes(const accessor_view& view, std::size_t stride, std::vector<std::uint8_t>& out) {
+  const std::size_t element = view.width * component_size(view.component_type);
+  out.assign(view.count * stride, 0);
+  if (!view.bytes.empty())
+    for (std::size_t i = 0; i < view.count; ++i) std::memcpy(&out[i * stride], &view.bytes[i * view.stride], element);
+  if (view.sparse_count == 0) return true;
+  std::vector<std::uint32_t> places;
+  if (!read_indices({.bytes = view.sparse_indices,
+                     .count = view.sparse_count,
+                     .stride = component_size(view.sparse_index_type),
+                     .component_type = view.sparse_index_type,
+                     .sparse_indices = {},
+                     .sparse_values = {}},
+                    places))
+    return false;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] >= view.count) return false;
+    std::memcpy(&out[places[i] * stride], &view.sparse_values[i * element], element);
+  }
+  return true;
+}
+
 }  // namespace sightcell::scene

@@ -34,4 +34,9 @@ bool read_numbers(const accessor_view& view, std::vector<double>& out);
 // Reads scalars of an unsigned type. Returns false for another type or a sparse index that is not below count.
 bool read_indices(const accessor_view& view, std::vector<std::uint32_t>& out);
 
+// Copies the elements unconverted, each to a multiple of `stride` bytes; bytes between them are 0. Returns false if a
+// sparse index is not below count.
+// stride: width components or more.
+bool read_bytes(const accessor_view& view, std::size_t stride, std::vector<std::uint8_t>& out);
+
 }  // namespace sightcell::scene

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "sightcell/base/error.h"
+#include "used_extensions.h"
 
 namespace sightcell::scene {
 namespace {
@@ -29,20 +30,6 @@ std::vector<std::uint8_t> image_bytes(const json_object& image, const gltf_sourc
   return {bytes.begin(), bytes.end()};
 }
 
-// Collects the names of all extensions at any depth. Uses its own stack, because files may be hostile.
-void gather_extensions(const json& top, std::set<std::string>& names) {
-  std::vector<const json*> open{&top};
-  while (!open.empty()) {
-    const json& value = *open.back();
-    open.pop_back();
-    if (!value.is_structured()) continue;
-    const auto found = value.is_object() ? value.find("extensions") : value.end();
-    if (found != value.end() && found->is_object())
-      for (auto it = found->begin(); it != found->end(); ++it) names.insert(it.key());
-    for (const json& inner : value) open.push_back(&inner);
-  }
-}
-
 }  // namespace
 
 carried_materials carry_materials(const json& document, const json_object& root, const gltf_source& source,
@@ -54,7 +41,7 @@ carried_materials carry_materials(const json& document, const json_object& root,
     const auto found = document.find(section);
     if (found == document.end() || !found->is_array() || found->empty()) continue;
     out.sections[section] = *found;
-    gather_extensions(*found, used);
+    used.merge(used_extensions(*found));
   }
   for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
     json kept = json::array();

@@ -34,7 +34,13 @@ const char* type_of(std::uint32_t width) {
   return width == 2 ? "VEC2" : width == 3 ? "VEC3" : "VEC4";
 }
 
-// Chooses like the import: a file may contain the same triangles uncompressed too.
+void make_finite(std::vector<float>& values) {
+  for (float& v : values)
+    if (!std::isfinite(v)) v = 0.0f;
+}
+
+}  // namespace
+
 std::optional<json_object> draco_of(const json_object& primitive, const json_object& attributes,
                                     const accessor_table& table) {
   const auto extensions = primitive.object("extensions");
@@ -43,13 +49,6 @@ std::optional<json_object> draco_of(const json_object& primitive, const json_obj
   if (table.source(position).has("bufferView")) return std::nullopt;
   return extensions->required_object("KHR_draco_mesh_compression");
 }
-
-void make_finite(std::vector<float>& values) {
-  for (float& v : values)
-    if (!std::isfinite(v)) v = 0.0f;
-}
-
-}  // namespace
 
 gltf_attributes::gltf_attributes(const json_object& root, accessor_table& table)
     : table_(table), meshes_(root.objects("meshes")) {}

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,12 @@ namespace sightcell::scene {
 
 using attribute_values = std::map<std::string, std::vector<float>>;  // by name
 using attribute_widths = std::map<std::string, std::uint32_t>;       // numbers per vertex, by name
+
+// Returns the Draco stream that the triangles of a primitive are read from. Chooses like the import: a file may contain
+// the same triangles uncompressed too.
+// attributes: of the primitive, with POSITION.
+std::optional<json_object> draco_of(const json_object& primitive, const json_object& attributes,
+                                    const accessor_table& table);
 
 class gltf_attributes {
  public:

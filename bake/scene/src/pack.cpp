@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "carried_materials.h"
+#include "glb_bytes.h"
 #include "gltf_accessors.h"
 #include "gltf_attributes.h"
 #include "gltf_file.h"
@@ -52,15 +52,6 @@ void write_indices(const scene& s, const packed_order& order, const std::vector<
   }
 }
 
-void append_u32(std::vector<std::byte>& out, std::uint64_t value) {
-  for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::byte>(value >> shift & 0xFFu));
-}
-
-void append_text(std::vector<std::byte>& out, const std::string& text) {
-  const auto* const bytes = reinterpret_cast<const std::byte*>(text.data());
-  out.insert(out.end(), bytes, bytes + text.size());
-}
-
 }  // namespace
 
 struct gltf_packer::state {
@@ -87,7 +78,7 @@ struct gltf_packer::state {
 
   // bytes: size of the whole file, as far as it is known.
   void check_size(std::uint64_t bytes) const {
-    if (bytes > std::numeric_limits<std::uint32_t>::max())
+    if (bytes > longest_glb)
       refuse(source.name, "pack.too-large",
              "would be a .glb of " + std::to_string(bytes) + " bytes, and lengths in one have 32 bits",
              "pack it in parts");
@@ -116,24 +107,9 @@ std::vector<std::byte> gltf_packer::pack(const packed_order& order, std::vector<
   vertices.find_bounds();
   std::string json = packed_document(s, order, vertices, materials, places)
                          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  json.resize((json.size() + 3) / 4 * 4, ' ');
-  constexpr std::uint64_t headers = 12 + 8 + 8;
-  const std::uint64_t size = headers + json.size() + places.bytes;
-  state_->check_size(size);
-
-  std::vector<std::byte> out;
-  out.reserve(size);
-  append_text(out, "glTF");
-  append_u32(out, 2);
-  append_u32(out, size);
-  append_u32(out, json.size());
-  append_text(out, "JSON");
-  append_text(out, json);
-  append_u32(out, places.bytes);
-  append_text(out, std::string("BIN\0", 4));
-  const std::size_t begin = out.size();
-  out.resize(size);
-  const std::span<std::byte> buffer = std::span(out).subspan(begin);
+  state_->check_size(glb_size(json, places.bytes));
+  std::vector<std::byte> out = glb_with_room(std::move(json), places.bytes);
+  const std::span<std::byte> buffer = std::span(out).last(places.bytes);
   vertices.write(buffer);
   write_indices(s, order, moves, vertices.broken(), buffer.subspan(places.indices));
   for (std::size_t i = 0; i < materials.images.size(); ++i) {
