@@ -16,6 +16,9 @@ namespace {
 
 using nlohmann::json;
 
+// Targets of buffer views in glTF; 0 here for views without.
+constexpr int no_target = 0, target_vertices = 34962, target_indices = 34963;
+
 json* member_of(json* value, const char* key) {
   if (value == nullptr || !value->is_object()) return nullptr;
   const auto found = value->find(key);
@@ -28,17 +31,18 @@ void for_each_in(json* value, const std::function<void(json&)>& visit) {
     for (json& one : *value) visit(one);
 }
 
-// Calls with each number of an accessor, and with whether it has one element per vertex or instance.
-void visit_accessors(json& document, const std::function<void(json&, bool vertices)>& visit) {
-  const auto of_vertices = [&](json& number) { visit(number, true); };
+// Calls with each number of an accessor, and with the target of its buffer view.
+void visit_accessors(json& document, const std::function<void(json&, int target)>& visit) {
+  const auto of_vertices = [&](json& number) { visit(number, target_vertices); };
+  const auto of_instances = [&](json& number) { visit(number, no_target); };
   const auto other = [&](json* number) {
-    if (number != nullptr) visit(*number, false);
+    if (number != nullptr) visit(*number, no_target);
   };
   for_each_in(member_of(&document, "meshes"), [&](json& mesh) {
     for_each_in(member_of(&mesh, "primitives"), [&](json& primitive) {
       for_each_in(member_of(&primitive, "attributes"), of_vertices);
       for_each_in(member_of(&primitive, "targets"), [&](json& target) { for_each_in(&target, of_vertices); });
-      other(member_of(&primitive, "indices"));
+      if (json* const indices = member_of(&primitive, "indices")) visit(*indices, target_indices);
       json* const extensions = member_of(&primitive, "extensions");
       other(member_of(member_of(extensions, "CESIUM_primitive_outline"), "indices"));
     });
@@ -52,7 +56,7 @@ void visit_accessors(json& document, const std::function<void(json&, bool vertic
   });
   for_each_in(member_of(&document, "nodes"), [&](json& node) {
     json* const instancing = member_of(member_of(&node, "extensions"), "EXT_mesh_gpu_instancing");
-    for_each_in(member_of(instancing, "attributes"), of_vertices);
+    for_each_in(member_of(instancing, "attributes"), of_instances);
   });
 }
 
@@ -99,8 +103,13 @@ rebuilt_buffers::rebuilt_buffers(json& document, const json_object& root, access
     : root_(root), table_(table), added_(added), file_(file) {
   renumber_accessors(document);
   renumber_views(document);
-  for (const auto& [number, bytes] : images)
-    document["images"][number]["bufferView"] = add_piece({.size = bytes.size(), .bytes = bytes, .elements = {}}, 0);
+  std::map<std::string_view, std::size_t> views_of_images;  // some files have an image under several numbers
+  for (const auto& [number, bytes] : images) {
+    const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const auto [known, is_new] = views_of_images.try_emplace(content, 0);
+    if (is_new) known->second = add_piece({.size = bytes.size(), .bytes = bytes, .elements = {}}, 0, no_target);
+    document["images"][number]["bufferView"] = known->second;
+  }
   for (const char* section : {"bufferViews", "buffers"}) document.erase(section);
   if (views_.empty()) return;
   document["bufferViews"] = views_;
@@ -110,18 +119,18 @@ rebuilt_buffers::rebuilt_buffers(json& document, const json_object& root, access
 void rebuilt_buffers::renumber_accessors(json& document) {
   const json old = document.contains("accessors") ? std::move(document["accessors"]) : json::array();
   document.erase("accessors");
-  std::map<std::pair<std::size_t, bool>, std::size_t> known;
+  std::map<std::pair<std::size_t, int>, std::size_t> known;
   json made = json::array();
-  visit_accessors(document, [&](json& number, bool vertices) {
+  visit_accessors(document, [&](json& number, int target) {
     const std::size_t before = index_of(number, old.size(), "accessors");
-    const auto [entry, is_new] = known.try_emplace({before, vertices}, made.size());
-    if (is_new) made.push_back(rebuilt_accessor(old[before], before, vertices));
+    const auto [entry, is_new] = known.try_emplace({before, target}, made.size());
+    if (is_new) made.push_back(rebuilt_accessor(old[before], before, target));
     number = entry->second;
   });
   if (!made.empty()) document["accessors"] = std::move(made);
 }
 
-json rebuilt_buffers::rebuilt_accessor(const json& source, std::size_t number, bool vertices) {
+json rebuilt_buffers::rebuilt_accessor(const json& source, std::size_t number, int target) {
   json made = source;
   for (const char* key : {"bufferView", "byteOffset", "sparse"}) made.erase(key);
   piece from;
@@ -140,10 +149,10 @@ json rebuilt_buffers::rebuilt_accessor(const json& source, std::size_t number, b
     from.elements = table_.elements(at);
   }
   const std::size_t element = from.elements.width * component_size(from.elements.component_type);
-  from.stride = vertices ? (element + 3) / 4 * 4 : element;
+  from.stride = target == target_vertices ? (element + 3) / 4 * 4 : element;  // as glTF requires
   from.size = std::uint64_t{from.elements.count} * from.stride;
   if (from.size == 0) return made;
-  made["bufferView"] = add_piece(from, from.stride == element ? 0 : from.stride);
+  made["bufferView"] = add_piece(from, from.stride == element ? 0 : from.stride, target);
   return made;
 }
 
@@ -154,18 +163,19 @@ void rebuilt_buffers::renumber_views(json& document) {
     const auto [entry, is_new] = known.try_emplace(before, 0);
     if (is_new) {
       const std::span<const std::uint8_t> bytes = table_.bytes_of_view(static_cast<std::uint32_t>(before));
-      entry->second = add_piece({.size = bytes.size(), .bytes = bytes, .elements = {}}, 0);
+      entry->second = add_piece({.size = bytes.size(), .bytes = bytes, .elements = {}}, 0, no_target);
     }
     number = entry->second;
   });
 }
 
 // byte_stride: 0: tightly packed.
-std::size_t rebuilt_buffers::add_piece(piece made, std::size_t byte_stride) {
+std::size_t rebuilt_buffers::add_piece(piece made, std::size_t byte_stride, int target) {
   const accessor_view& e = made.elements;
   if (!e.bytes.empty() && e.sparse_count == 0) {
     const auto [known, is_new] = views_of_elements_.try_emplace(
-        {e.bytes.data(), e.count, e.stride, e.width * component_size(e.component_type), made.stride}, pieces_.size());
+        {e.bytes.data(), e.count, e.stride, e.width * component_size(e.component_type), made.stride, target},
+        pieces_.size());
     if (!is_new) return known->second;
   }
   made.offset = bytes_;
@@ -173,6 +183,7 @@ std::size_t rebuilt_buffers::add_piece(piece made, std::size_t byte_stride) {
   bytes_ += (length + 3) / 4 * 4;
   json view = {{"buffer", 0}, {"byteOffset", made.offset}, {"byteLength", length}};
   if (byte_stride != 0) view["byteStride"] = byte_stride;
+  if (target != no_target) view["target"] = target;
   views_.push_back(std::move(view));
   pieces_.push_back(std::move(made));
   return pieces_.size() - 1;

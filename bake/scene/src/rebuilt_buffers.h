@@ -42,9 +42,9 @@ class rebuilt_buffers {
   };
 
   void renumber_accessors(nlohmann::json& document);
-  nlohmann::json rebuilt_accessor(const nlohmann::json& source, std::size_t number, bool vertices);
+  nlohmann::json rebuilt_accessor(const nlohmann::json& source, std::size_t number, int target);
   void renumber_views(nlohmann::json& document);
-  std::size_t add_piece(piece made, std::size_t byte_stride);
+  std::size_t add_piece(piece made, std::size_t byte_stride, int target);
   std::size_t index_of(const nlohmann::json& value, std::size_t size, const char* section) const;
 
   const json_object& root_;
@@ -52,8 +52,9 @@ class rebuilt_buffers {
   const added_accessors& added_;
   const std::string& file_;
   std::vector<piece> pieces_;
-  // By the elements: where they begin, how many, their distance and size in the file; their distance here.
-  std::map<std::tuple<const std::uint8_t*, std::size_t, std::size_t, std::size_t, std::size_t>, std::size_t>
+  // By the elements: where they begin, how many, their distance and size in the file; their distance here,
+  // and the target of the view.
+  std::map<std::tuple<const std::uint8_t*, std::size_t, std::size_t, std::size_t, std::size_t, int>, std::size_t>
       views_of_elements_;
   std::uint64_t bytes_ = 0;
   std::vector<nlohmann::json> views_;

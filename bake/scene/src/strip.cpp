@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <span>
@@ -158,17 +160,17 @@ struct gltf_stripper::state {
 
   // Returns the bytes of the source with all files that it names.
   std::uint64_t source_bytes(const carried_materials& materials) const {
-    const auto is_file = [](const json_object& one) {
-      const auto uri = one.text("uri");
-      return uri && !uri->starts_with("data:");
+    std::map<std::string, std::uint64_t> files;
+    const auto add = [&files](const json_object& user, std::uint64_t bytes) {
+      const auto uri = user.text("uri");
+      if (uri && !uri->starts_with("data:")) files[*uri] = bytes;
     };
-    std::uint64_t bytes = file_bytes;
     for (const json_object& buffer : root->objects("buffers"))
-      if (is_file(buffer)) bytes += buffer.required_number("byteLength", std::uint64_t{1} << 40);
+      add(buffer, buffer.number("byteLength", std::uint64_t{1} << 40).value_or(0));
     const std::vector<json_object> images = root->objects("images");
-    for (const auto& [number, image] : materials.images)
-      if (is_file(images[number])) bytes += image.size();
-    return bytes;
+    for (const auto& [number, image] : materials.images) add(images[number], image.size());
+    return std::accumulate(files.begin(), files.end(), file_bytes,
+                           [](std::uint64_t sum, const auto& file) { return sum + file.second; });
   }
 };
 

@@ -10,6 +10,7 @@
 #include "loaded_sketch.h"
 #include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
+#include "sightcell/scene/strip.h"
 
 namespace sightcell::scene {
 namespace {
@@ -101,6 +102,19 @@ TEST(meshopt, attributes_and_both_kinds_of_indices) {
   ASSERT_EQ(expected.size(), 8u);
   EXPECT_EQ(triangles_of(load(meshopt("TRIANGLES"))), expected);
   EXPECT_EQ(triangles_of(load(meshopt("INDICES"))), expected);
+}
+
+TEST(meshopt, a_stripped_file_is_plain) {
+  const temporary_folder folder;
+  gltf_stripper stripper(folder.write("sketch.glb", meshopt("TRIANGLES").glb()));
+  std::vector<std::string> warnings;
+  const scene left =
+      load_gltf(stripper.strip({false, true, false, false, false, false, true, false}, warnings).glb, "");
+  auto expected = triangles_of(load(plain()));
+  expected.erase(expected.begin() + 6);
+  expected.erase(expected.begin() + 1);
+  EXPECT_EQ(triangles_of(left), expected);
+  EXPECT_TRUE(left.extensions.empty());
 }
 
 TEST(meshopt, the_exponential_filter) {
@@ -196,8 +210,7 @@ TEST(draco, absurd_promises_are_refused_before_decoding) {
     return refusal_line(g);
   };
   for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING})
-    EXPECT_NE(after(method).find("it claims 2147483646 triangles and points in 2"), std::string::npos)
-        << after(method);
+    EXPECT_NE(after(method).find("it claims 2147483646 triangles and points in 2"), std::string::npos) << after(method);
   gltf_sketch old = draco_sketch();
   old.binary[6] = 1;
   EXPECT_NE(refusal_line(old).find("its bitstream is 2.1, and glTF has 2.2"), std::string::npos) << refusal_line(old);

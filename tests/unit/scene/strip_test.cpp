@@ -128,8 +128,8 @@ TEST(strip, a_triangle_goes_when_all_its_instances_do) {
   g.add_mesh(g.add_row_of_triangles(3));
   g.add_node({{"mesh", 0}});
   g.add_node({{"mesh", 0}, {"translation", {0, 5, 0}}});
-  // Triangle 0 is unwanted in one node, triangle 2 in both.
-  const stripped_sketch s(g, {0, 2, 5});
+  // Triangle 0 is unwanted in the first node, triangle 1 in the second, triangle 2 in both.
+  const stripped_sketch s(g, {0, 4, 2, 5});
   s.expect_gone({2, 5});
 }
 
@@ -324,7 +324,7 @@ TEST(strip, materials_and_images_stay) {
   gltf_sketch g;
   g.add_mesh(g.add_row_of_triangles(2));
   primitive_of(g)["material"] = 1;
-  g.json["images"] = {{{"uri", "picture.png"}, {"name", "p"}}};
+  g.json["images"] = {{{"uri", "picture.png"}, {"name", "p"}}, {{"uri", "picture.png"}, {"name", "q"}}};
   g.json["textures"] = {{{"source", 0}}};
   const json transform = {{"KHR_texture_transform", {{"offset", {0.5, 0}}}}};
   g.json["materials"] = {{{"name", "of nothing"}},
@@ -342,6 +342,8 @@ TEST(strip, materials_and_images_stay) {
     EXPECT_EQ(file.json[section], g.json[section]) << section;
   EXPECT_FALSE(file.json["images"][0].contains("uri"));
   EXPECT_EQ(file.view(file.json["images"][0]["bufferView"].get<std::size_t>()).size(), png.size());
+  EXPECT_EQ(file.json["images"][0]["bufferView"], file.json["images"][1]["bufferView"]);
+  EXPECT_EQ(file.json["images"][1]["name"], "q");
   EXPECT_EQ(result.source_bytes, g.glb().size() + png.size());
 }
 
