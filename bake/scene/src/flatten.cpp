@@ -63,6 +63,7 @@ class flattener {
     warn_of_texels();
     list_lods();
     out_.starts = scene_.starts;
+    out_.cells = scene_.cells;
     warn_of_broken_polygons();
     if (out_.min.x > out_.max.x) out_.min = out_.max = glm::vec3(0.0f);
     // Every polygon at a corner that is not finite is absent already, so any value will do. A NaN must not reach a

@@ -65,11 +65,11 @@ class node_reader {
         ignore(node, key, "has a \"group\" that is not a name");
       return;
     }
-    if (key == "start") {
+    if (key == "start" || key == "cell") {
       if (value.is_boolean())
-        marks.start = value.get<bool>();
+        (key == "start" ? marks.start : marks.cell) = value.get<bool>();
       else
-        ignore(node, key, "has a \"start\" that is not true or false");
+        ignore(node, key, "has a \"" + key + "\" that is not true or false");
       return;
     }
     std::optional<bool>* const mark = key == "static"     ? &marks.is_static

@@ -18,7 +18,8 @@ inline constexpr std::uint32_t no_group = 0xFFFFFFFEu;
 struct node_marks {
   std::optional<bool> is_static, occluder, dynamic, always, never;
   std::uint32_t group = no_index;  // in node_list::groups
-  bool start = false;      // a player begins here; not inherited
+  bool start = false;              // a player begins here; not inherited
+  bool cell = false;               // the box of the node is a view cell; not inherited
   bool invisible = false;  // KHR_node_visibility: not shown at first, with all its descendants; the host may show it
 };
 

@@ -17,6 +17,8 @@
 #include "import_scene.h"
 #include "json_object.h"
 #include "lod_levels.h"
+#include "marked_cells.h"
+#include "node_transform.h"
 #include "pose.h"
 #include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
@@ -56,15 +58,6 @@ tinygltf::Model parse(gltf_document& document, const std::string& name) {
   }
   document.json = std::string();
   return model;
-}
-
-glm::dmat4 from_trs(const double* t, const double* q, const double* s) {
-  const double x = q[0], y = q[1], z = q[2], w = q[3];
-  // Not normalized: a scaled quaternion scales, as in every reader that uses this formula.
-  return {glm::dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0) * s[0],
-          glm::dvec4(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0) * s[1],
-          glm::dvec4(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0) * s[2],
-          glm::dvec4(t[0], t[1], t[2], 1)};
 }
 
 constexpr double no_translation[] = {0, 0, 0};
@@ -435,7 +428,8 @@ void importer::add_node(std::size_t node, const from_above& here) {
     if (!geometry || out_.geometries[*geometry].indices.empty()) continue;
     check_draws(instances.size());
     const int material = model_.meshes[mesh].primitives[primitive].material;
-    const draw_tags tags = tags_of_node(node, here);
+    const bool is_cell = nodes_.nodes[node].marks.cell;
+    const draw_tags tags = is_cell ? draw_tags{.never = true} : tags_of_node(node, here);
     for (std::size_t i = 0; i < instances.size(); ++i) {
       draw d;
       d.node = static_cast<std::uint32_t>(node);
@@ -446,7 +440,7 @@ void importer::add_node(std::size_t node, const from_above& here) {
       d.geometry = *geometry;
       d.to_world = posed.skin >= 0 ? instances[i] : here.to_world * instances[i];
       d.tags = tags;
-      d.moves = tags.dynamic || (moves(node, here) && !here.marks.is_static.value_or(false));
+      d.moves = tags.dynamic || (!is_cell && moves(node, here) && !here.marks.is_static.value_or(false));
       d.lod_object = here.lod.object;
       d.lod_level = here.lod.level;
       out_.draws.push_back(d);
@@ -493,8 +487,13 @@ void importer::walk(const std::vector<int>& roots) {
     const from_above here{next.parent.to_world * local_transform(model_.nodes[node]),
                           inherited(next.parent.marks, notes.marks), next.parent.moves || notes.moves,
                           levels.below(next.parent.lod, static_cast<std::uint32_t>(node))};
+    const std::size_t first_draw = out_.draws.size();
     add_node(node, here);
     add_start(node, here.to_world, notes.marks.start);
+    if (notes.marks.cell) {
+      const bool has_mesh = model_.nodes[node].mesh >= 0;
+      add_marked_cells(out_, static_cast<std::uint32_t>(node), here.to_world, has_mesh ? &first_draw : nullptr);
+    }
     push(model_.nodes[node].children, here);
   }
   levels.settle(out_.draws);

@@ -122,6 +122,12 @@ struct start_point {
   bool is_camera = false;
 };
 
+// A view cell that the scene contains: the box of a node with extras.sightcell.cell.
+struct marked_cell {
+  std::string name;                   // of the node
+  std::array<float, 3> min{}, max{};  // world space, meters
+};
+
 struct scene {
   std::string name;  // file name, for messages
   std::vector<material> materials;
@@ -131,6 +137,7 @@ struct scene {
   std::vector<draw> draws;
   std::vector<std::string> groups;  // names of named groups
   std::vector<start_point> starts;  // where players begin; not part of the fingerprint
+  std::vector<marked_cell> cells;   // view cells, in the order of the nodes; not part of the fingerprint
 
   std::uint32_t polygon_count = 0;             // of all draws; set by finish
   std::vector<std::string> node_names;         // by node, for messages
@@ -214,6 +221,7 @@ struct world_geometry {
   std::vector<alpha_mask> masks;
   std::vector<lod_object> lods;  // objects that have coarser levels
   std::vector<start_point> starts;
+  std::vector<marked_cell> cells;
   absent_counts absent;
   std::vector<std::string> warnings;  // images that could not be used, one line each
   glm::vec3 min{0.0f}, max{0.0f};     // bounds of all polygons that are not absent
