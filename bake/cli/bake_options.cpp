@@ -55,16 +55,23 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
       ->excludes(file);
   add_option(verb, group, "--reach", o.reach, "NAME",
              "Which floors get cells. walk: those that a player reaches from the starts by walking, jumping and "
-             "falling. everywhere: all floors with head room, roofs too.")
+             "falling. everywhere: all floors with head room, roofs too. none: no floor, with --fly or --path.")
       ->check(one_of(bake::reach_names));
   add_plain_option(verb, group, "--start", o.starts, "x,y,z",
                    "A point on or above a floor where a player begins, in meters; may be repeated. Default: the nodes "
                    "with extras.sightcell.start, else the cameras of the scene, else the largest floor.")
       ->take_all();
+  add_plain_option(verb, group, "--fly", o.fly, "x0,y0,z0,x1,y1,z1",
+                   "A box that a camera flies in gets cells too, all of it that is not solid. Meters, the lower corner "
+                   "first; may be repeated.")
+      ->take_all();
+  add_plain_option(verb, group, "--path", o.path_file, "FILE.json",
+                   "Space around the path of a camera gets cells too: {\"path\": [[x, y, z], ...]}, in meters; "
+                   "\"paths\" has a list of paths.");
   add_option(verb, group, "--cell-size", s.cell_size, "M",
              "Width of the smallest lattice cells in meters. Cells of a grid are half as high. Range: 0.25 to 1000.");
   add_option(verb, group, "--merge-cells", s.merge_cells, "G",
-             "Merges cells over a floor that see nearly the same polygons into wider ones, while the polygons that a "
+             "Merges cells side by side that see nearly the same polygons into wider ones, while the polygons that a "
              "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "
              "all cells have the width of --cell-size. Range: 0 to 10.");
   add_option(verb, group, "--cell-limit", s.cell_limit, "N",
@@ -173,6 +180,8 @@ void add_expert_cell_options(CLI::App& verb, bake_options& o) {
                    "Range: 0 to 100. Default: 0.9,2.1.")
       ->delimiter(',')
       ->expected(2);
+  add_option(verb, group, "--path-radius", o.settings.path_radius, "M",
+             "How near to a path of --path a cell is, on each axis, in meters. Range: 0 to 100.");
 }
 
 std::string sentence(std::string text) {
@@ -232,16 +241,18 @@ Kind value_of(const std::array<std::string_view, Count>& names, const std::strin
   return *bake::kind_of<Kind>(names, name);  // the parser has checked it
 }
 
-// Returns a point that is given as "x,y,z".
-std::array<float, 3> point_of(const std::string& text) {
-  std::array<float, 3> point{};
+// Returns numbers that are given as "x,y,z".
+// form: for the error, "x,y,z".
+template <std::size_t Count>
+std::array<float, Count> numbers_of(const char* option, const std::string& text, const char* form) {
+  std::array<float, Count> numbers{};
   const std::vector<std::string> parts = CLI::detail::split(text, ',');
-  bool good = parts.size() == point.size();
-  for (std::size_t i = 0; good && i < point.size(); ++i) good = CLI::detail::lexical_cast(parts[i], point[i]);
+  bool good = parts.size() == Count;
+  for (std::size_t i = 0; good && i < Count; ++i) good = CLI::detail::lexical_cast(parts[i], numbers[i]);
   if (!good)
-    throw error(error_kind::wrong_use, "settings.out-of-range", "--start", "is \"" + text + "\"",
-                "give x,y,z in meters");
-  return point;
+    throw error(error_kind::wrong_use, "settings.out-of-range", option, "is \"" + text + "\"",
+                fmt::format("give {} in meters", form));
+  return numbers;
 }
 
 }  // namespace
@@ -273,7 +284,9 @@ void add_bake_options(CLI::App& verb, bake_options& options) {
 bake::settings settings_of(const bake_options& options) {
   bake::settings how = options.settings;
   how.reach = value_of<bake::reach_kind>(bake::reach_names, options.reach);
-  for (const std::string& start : options.starts) how.starts.push_back(point_of(start));
+  for (const std::string& start : options.starts) how.starts.push_back(numbers_of<3>("--start", start, "x,y,z"));
+  for (const std::string& box : options.fly) how.fly.push_back(numbers_of<6>("--fly", box, "x0,y0,z0,x1,y1,z1"));
+  if (!options.path_file.empty()) how.path_file = options.path_file;
   if (!options.eye_heights.empty()) {
     how.player.lowest_eye = options.eye_heights[0];
     how.player.highest_eye = options.eye_heights[1];

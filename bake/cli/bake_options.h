@@ -18,9 +18,10 @@ struct bake_options {
   bake::settings settings;  // what is not below as text or list
 
   scene_options scenes;
-  std::filesystem::path cells_file, misses_file;
+  std::filesystem::path cells_file, misses_file, path_file;
   std::vector<float> cells_grid, eye_heights;
   std::vector<std::string> starts;  // "x,y,z"
+  std::vector<std::string> fly;     // "x0,y0,z0,x1,y1,z1"
   std::string reach = std::string(bake::reach_names.front());
   std::string quality = std::string(bake::quality_names[static_cast<std::size_t>(bake::quality::normal)]);
   std::optional<double> max_pixel_error;  // instead of the bound of the quality

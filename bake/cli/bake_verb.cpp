@@ -90,6 +90,7 @@ void refuse_overwriting(const bake_options& options) {
     for (const std::filesystem::path& scene : {options.scenes.scene, options.scenes.cells_from})
       if (std::filesystem::equivalent(scene, output, ignored)) refuse(output, "is the scene itself");
     if (std::filesystem::equivalent(options.cells_file, output, ignored)) refuse(output, "is the cells file");
+    if (std::filesystem::equivalent(options.path_file, output, ignored)) refuse(output, "is the file of paths");
     if (std::filesystem::equivalent(options.misses_file, output, ignored)) refuse(output, "is the file of misses");
   }
   const auto is_same = [&](const std::filesystem::path& a, const std::filesystem::path& b) {

@@ -3,7 +3,7 @@ import json
 import os
 import struct
 
-from harness import InFolder, read
+from harness import InFolder, read, write_triangles
 
 # Few cells.
 QUICK = ['--cell-size', '8', '--quality', 'draft']
@@ -77,3 +77,99 @@ class Cells(InFolder):
         self.assert_one_error_line(
             self.expect(1, 'cells', self.city, '--boxes', self.path('none/boxes.glb'))[1], 'cli.not-writable')
         self.assertFalse(os.path.exists(self.path('none')))
+
+
+# Cells without floors: 4 x 8 x 4 of 8 x 4 x 8 m, in four blocks.
+FLY = ['--fly=-16,0,-16,16,32,16', '--reach', 'none', '--max-pixel-error', '3e-2', '--cell-size', '8']
+
+
+class OtherWays(InFolder):
+    """Cells where no floor is: --fly, --path, and boxes in the scene."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.city = cls.make_city('city.glb', polygons=600)
+
+    def cells(self, scene, *options):
+        return json.loads(self.expect(0, 'cells', scene, '--json', *options)[0])
+
+    def bake(self, scene, name, *options):
+        file = self.path(name)
+        err = self.expect(0, 'bake', scene, '-o', file, '--progress', 'none', *options)[1]
+        return read(file), json.loads(self.expect(0, 'info', file, '--json')[0]), err
+
+    def test_a_box_is_all_cells_and_merged(self):
+        all_cells = self.cells(self.city, *FLY, '--merge-cells', '0')
+        self.assertEqual(len(all_cells['cells']), 4 * 8 * 4)
+        self.assertEqual(all_cells['description'], '128 cells of 8 m in 1 box of --fly')
+        merged = self.cells(self.city, *FLY, '--merge-cells', '0.5')
+        self.assertLess(len(merged['cells']), 64)
+
+        def volume(cell):
+            sides = [b - a for a, b in zip(cell['min'], cell['max'])]
+            return sides[0] * sides[1] * sides[2]
+
+        self.assertEqual(sum(map(volume, merged['cells'])), 32 ** 3)
+
+    def test_shards_of_a_box_give_the_same_bytes(self):
+        alone, info, _ = self.bake(self.city, 'alone.pvs', *FLY)
+        self.assertEqual(info['settings']['fly'], [[-16, 0, -16, 16, 32, 16]])
+        self.assertEqual(info['settings']['reach'], 'none')
+        shards = self.path('shards.pvs')
+        for phase in '1', '2':
+            for shard in '0/2', '1/2':
+                self.expect(0, 'bake', self.city, '-o', shards, *FLY, '--progress', 'none', '--shard', shard, '--phase',
+                            phase)
+        self.expect(0, 'merge', shards)
+        self.assertEqual(read(shards), alone)
+
+    def test_another_box_is_another_bake(self):
+        file = self.path('kept.pvs')
+        options = ['--quality', 'draft', '--cell-size', '8', '--reach', 'none', '--progress', 'none']
+        # A shard leaves its file, which has the key of its bake.
+        self.expect(0, 'bake', self.city, '-o', file, *options, '--fly', '0,0,0,8,4,8', '--shard', '0/1')
+        self.assert_one_error_line(
+            self.expect(2, 'bake', self.city, '-o', file, *options, '--fly', '0,0,0,16,4,8', '--shard', '0/1')[1],
+            'shard.other-bake')
+
+    def test_a_path_has_the_cells_along_it(self):
+        path = self.path('path.json')
+        with open(path, 'w', encoding='utf-8') as out:
+            json.dump({'path': [[1, 18, 1], [30, 18, 1]]}, out)
+        options = ['--path', path, '--reach', 'none', '--cell-size', '8', '--merge-cells', '0']
+        found = self.cells(self.city, *options)
+        self.assertEqual(sorted(cell['min'] for cell in found['cells']), [[x, 16, 0] for x in (0, 8, 16, 24)])
+        self.assertEqual(len(self.cells(self.city, *options, '--path-radius', '1.5')['cells']), 5 * 2)
+        _, info, err = self.bake(self.city, 'path.pvs', *options, '--quality', 'draft')
+        self.assertIn('cells: 4 cells of 8 m within 0.5 m of 1 path', err)
+        self.assertEqual(info['settings']['path_radius'], 0.5)
+
+    def test_a_path_file_is_not_overwritten(self):
+        path = self.path('kept.json')
+        with open(path, 'w', encoding='utf-8') as out:
+            out.write('{"path": [[0, 0, 0]]}')
+        self.assert_one_error_line(self.expect(2, 'bake', self.city, '-o', path, '--path', path)[1],
+                                   'cli.output-is-input')
+        self.assertEqual(read(path), b'{"path": [[0, 0, 0]]}')
+
+    def test_boxes_of_the_scene_are_cells(self):
+        scene = self.path('marked.gltf')
+        mark = {'sightcell': {'cell': True}}
+        faces = [((0, 1, 2), 0), ((0, 2, 3), 0), ((0, 3, 1), 0), ((1, 3, 2), 0)]
+        write_triangles(scene, faces, [{'doubleSided': True}], scenes=[{'nodes': [0, 1, 2]}],
+                        nodes=[{'mesh': 0},
+                               {'name': 'above', 'extras': mark, 'translation': [0, 4, 0]},
+                               {'name': 'aside', 'mesh': 0, 'extras': mark, 'translation': [3, 0, 0]}])
+        found = self.cells(scene)
+        self.assertEqual(found['cells'], [{'name': 'above', 'min': [-1, 3, -1], 'max': [1, 5, 1]},
+                                          {'name': 'aside', 'min': [3, 0, 0], 'max': [4, 1, 1]}])
+        _, info, err = self.bake(scene, 'marked.pvs', '--quality', 'draft')
+        self.assertIn('cells: 2 cells of the scene (extras.sightcell.cell), instead of cells over floors', err)
+        self.assertEqual((info['cells'], info['polygons'], info['settings']['cells']), (2, 8, 'scene'))
+        # The box mesh at 3 m does not occlude: each polygon of the other one is visible from inside of it or above.
+        self.assertLessEqual(info['visible_set_percent'], 50)
+        self.expect(0, 'verify', scene, self.path('marked.pvs'), '--rays', '20000')
+        other = self.cells(scene, '--fly', '0,0,0,4,4,4', '--reach', 'none')
+        self.assertEqual(len(other['cells']), 2)
+        self.assertIn('2 cells of the scene (extras.sightcell.cell) are left out', other['warnings'][0])

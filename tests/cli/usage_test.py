@@ -31,7 +31,7 @@ class Usage(InRoom):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
             '-o', '--profile', '--layout', '--volumes', '--importance', '--report-unseen', '--cells-file', '--cells-grid', '--reach',
-            '--start', '--cell-size', '--merge-cells', '--cell-limit', '--margin', '--quality', '--max-pixel-error',
+            '--start', '--fly', '--path', '--cell-size', '--merge-cells', '--cell-limit', '--margin', '--quality', '--max-pixel-error',
             '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',
             '--threads', '--memory', '--shard', '--fresh', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),
@@ -48,7 +48,7 @@ class Usage(InRoom):
                        '--misses', '--metric', '--view-resolution', '--view-fov', '--view-pitch', '--view-least',
                        '--sampler', '--samples', '--sampling-rays', '--source', '--resolution', '--seed', '--phase',
                        '--scratch', '--player-height', '--player-step', '--player-jump', '--player-gap', '--player-slope',
-                       '--eye-heights'):
+                       '--eye-heights', '--path-radius'):
             self.assertIn(f'\n  {option}', out)
             self.assertNotIn(f'\n  {option} ', everyday)
 
@@ -137,7 +137,8 @@ class Usage(InRoom):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)
             self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
         for option, value in (('--eye-heights', '2,1'), ('--eye-heights', '-1,2'), ('--start', '1,2'), ('--start', 'a,b,c'),
-                              ('--start', 'inf,0,0')):
+                              ('--start', 'inf,0,0'), ('--fly', '1,2,3'), ('--fly', '0,0,0,1,0,1'),
+                              ('--fly', '0,0,0,1,nan,1'), ('--reach', 'none'), ('--path-radius', '101')):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option, value)
             self.assertIn(option, self.assert_one_error_line(err, 'settings.out-of-range'))
         _, err = self.expect(2, 'verify', self.room, self.path('no.pvs'), '--rays', '0')

@@ -212,6 +212,8 @@ def prepare(root, folder, work):
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=SECONDS)
     with open(os.path.join(shared, 'misses.json'), 'w', encoding='utf-8') as file:
         json.dump({'misses': [{'eye': [1.0, 1.7, 2.0], 'polygon': 17}]}, file)
+    with open(os.path.join(shared, 'path.json'), 'w', encoding='utf-8') as file:
+        json.dump({'path': [[0.0, 1.7, 0.0], [4.0, 1.7, 0.0]]}, file)
     os.makedirs(os.path.join(shared, 'build/release'))
     os.symlink(programs, os.path.join(shared, 'build/release/bin'))
     for name in ('scripts', 'samples', 'tests'):

@@ -137,6 +137,14 @@ def bake(folder, *more, scene_file=None, cells_file=None):
             cells_file or cells(folder), *QUICK, *more]
 
 
+def bake_with_path(content):
+    """make(folder): a bake along the path of a file with this content, or one that content(folder) makes."""
+    def make(folder):
+        path = content(folder) if callable(content) else write(folder, 'path.json', content)
+        return Call(['bake', room(folder), '-o', os.path.join(folder, 'out.pvs'), '--path', path, *QUICK], path)
+    return make
+
+
 def bake_with_cells(content, slow=False):
     def prepare(folder):
         path = content(folder) if callable(content) else cells(folder, content)
@@ -287,6 +295,12 @@ def too_many_cells(folder):
     return cells(folder, '{"cells":[' + ','.join([box] * 1_000_001) + ']}')
 
 
+def too_large_path(folder):
+    path = write(folder, 'path.json', '{}')
+    os.truncate(path, (64 << 20) + 1)
+    return path
+
+
 def too_large_cells(folder):
     path = cells(folder)
     os.truncate(path, (256 << 20) + 1)
@@ -369,6 +383,7 @@ CASES = [
     ('cells.too-large', 4, bake_with_cells(too_large_cells)),
     ('cells.too-many', 2, lambda f: Call(['bake', room(f), '-o', os.path.join(f, 'out.pvs'), '--cells-grid',
                                           '0,0,0,9999,9999,9999', '--cell-size', '1'], '--cells-grid')),
+    ('cells.too-many', 2, options('--fly', '--fly', '0,0,0,9999,9999,9999')),
     ('cells.too-many', 4, bake_with_cells(too_many_cells, slow=True)),
     ('cells.unreadable', 4, bake_with_cells(lambda f: os.path.join(f, 'missing.json'))),
     ('checkpoint.damaged', 4, checkpoint(not_a_database)),
@@ -428,6 +443,11 @@ CASES = [
     ('scene.index-out-of-range', 4, info_of(set_in('nodes', 0, 'mesh', value=5))),
     ('scene.meshopt', 4, info_of(meshopt)),
     ('scene.missing-field', 4, info_of(set_in('bufferViews', 0, 'buffer', value=None))),
+    ('path.bad-point', 4, bake_with_path('{"path":[[0,0,0],[0,1e9,0]]}')),
+    ('path.no-points', 4, bake_with_path('{"path":[]}')),
+    ('path.not-json', 4, bake_with_path('{"path":')),
+    ('path.too-large', 4, bake_with_path(too_large_path)),
+    ('path.unreadable', 4, bake_with_path(lambda f: os.path.join(f, 'missing.json'))),
     ('scene.no-such-scene', 2, lambda f: Call(['info', room(f), '--scene', '3'], 'room.gltf')),
     ('scene.node-cycle', 4, info_of(set_in('nodes', 0, 'children', value=[0]))),
     ('scene.not-found', 4, info(lambda f: os.path.join(f, 'missing.glb'))),
@@ -445,6 +465,7 @@ CASES = [
     ('shard.out-of-range', 2, lambda f: Call(bake(f, '--shard', '3/3'), '--shard')),
     ('settings.out-of-range', 2, option('--cell-size', '0.1')),
     ('settings.out-of-range', 2, option('--resolution', '255')),
+    ('settings.out-of-range', 2, options('--reach', '--reach', 'none')),
     ('settings.out-of-range', 2, option('--source', 'opengl')),
     ('settings.two-scenes', 2, lambda f: Call(['bake', '--polygons-from', room(f), '--cells-from', room(f), '-o',
                                                os.path.join(f, 'out.pvs'), '--metric', 'color'], '--metric')),

@@ -21,7 +21,7 @@ struct merge_node {
 // is around all nodes of the level below in its 2 x 2 columns whose heights overlap, directly or through each other. It
 // may be a cell if at least half of its columns have floor, because otherwise most of the places in it would be places
 // that no player reaches, and if it is at most as high as wide.
-// cells: of level 0, disjoint.
+// cells: of level 0.
 // highest: level of the top nodes, at most 3.
 // Deterministic; the nodes of a level are sorted by their columns, from the lowest up.
 std::vector<merge_node> make_merge_tree(std::span<const lattice_position> cells, std::int32_t highest);

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <map>
+#include <utility>
+
 #include "cells/cells_file.h"
 #include "cells/explicit_cells.h"
+#include "cells/flight.h"
 #include "cells/lattice.h"
 #include "cells/walkable.h"
 #include "sightcell/base/error.h"
@@ -44,41 +48,93 @@ cell_list cells_of_grid(const std::array<float, 6>& box, double cell_size) {
   return list;
 }
 
+// Unites the cells over floors with those of flight, and makes boxes of them. A cell over a floor that is inside of one
+// of flight is left out. One of flight counts as one with floor below all of it: a camera is there as often.
+// on: over_floors(). flight: positions on a lattice of that width whose layers are half as high as wide.
+void add_united(const std::vector<floor_cell>& floors, const std::vector<lattice_position>& flight, const lattice& on,
+                cell_list& list) {
+  constexpr std::int32_t height = lattice::layers_per_width / 2;
+  std::map<lattice_position, double> areas;
+  for (lattice_position position : flight) {
+    position.y *= height, position.layers = height;
+    areas.emplace(position, on.width() * on.width());
+  }
+  const auto flies_at = [&](lattice_position at, std::int64_t layer) {
+    at.y = layer - (layer % height + height) % height, at.layers = height;
+    return areas.contains(at);
+  };
+  std::vector<floor_cell> kept;
+  for (const floor_cell& cell : floors) {
+    bool inside = !flight.empty();
+    for (std::int32_t i = 0; i < cell.position.layers && inside; ++i)
+      inside = flies_at(cell.position, cell.position.y + i);
+    if (!inside) kept.push_back(cell);
+  }
+  for (const floor_cell& cell : kept) areas.emplace(cell.position, cell.area);
+  list.cells.reserve(areas.size());
+  for (const auto& [position, area] : areas) {
+    list.cells.push_back(on.cell(position));
+    list.cells.back().floor_area = area;
+  }
+  list.can_merge = true;
+  list.cell_width = on.width();
+}
+
+// Fills the bounding box with cells, made larger until they are few enough.
+// Returns their lattice.
+// before: receives how many cells of the requested size there were.
+lattice fill_bounds(const scene::world_geometry& geometry, lattice on, double& before, cell_list& list) {
+  list.warnings.push_back("no floor with head room was found: cells fill the bounding box");
+  list.where = "in a grid over the bounding box";
+  const glm::dvec3 min = glm::dvec3(geometry.min) - border, max = glm::dvec3(geometry.max) + border;
+  lattice_range range = on.overlapping(min, max);
+  before = range.count();
+  while (range.count() > static_cast<double>(automatic_limit)) {
+    on = on.coarser();
+    range = on.overlapping(min, max);
+  }
+  add_cells(positions_of(range), on, list);
+  return on;
+}
+
 cell_list automatic_cells(const scene::world_geometry& geometry, const settings& how) {
   const lattice asked = lattice::over_floors(static_cast<double>(how.cell_size));
-  walkable_cells walkable = find_walkable_cells(geometry, asked, how);
+  walkable_cells walkable;
+  walkable.on = asked;
+  if (how.reach != reach_kind::none) walkable = find_walkable_cells(geometry, asked, how);
   cell_list list;
   list.warnings = std::move(walkable.warnings);
-  lattice on = walkable.on;
   auto before = static_cast<double>(walkable.cells.size());
-  list.where = "over floors " + walkable.how;
-  if (!walkable.cells.empty()) {
-    on = widen_until(walkable.cells, on, automatic_limit);
-    list.cells.reserve(walkable.cells.size());
-    for (const floor_cell& cell : walkable.cells) {
-      list.cells.push_back(on.cell(cell.position));
-      list.cells.back().floor_area = cell.area;
-    }
-    list.can_merge = true;
-    list.cell_width = on.width();
+  if (!walkable.cells.empty()) list.where = "over floors " + walkable.how;
+  lattice on = widen_until(walkable.cells, walkable.on, automatic_limit);
+  if (flies(how)) {
+    if (walkable.cells.empty() && how.reach != reach_kind::none)
+      list.warnings.push_back("no floor with head room was found");
+    const flight_cells flight = find_flight_cells(geometry, lattice(on.width()), how);
+    list.where += (list.where.empty() ? "" : ", ") + flight.how;
+    list.warnings.insert(list.warnings.end(), flight.warnings.begin(), flight.warnings.end());
+    add_united(walkable.cells, flight.cells, on, list);
+  } else if (!walkable.cells.empty()) {
+    add_united(walkable.cells, {}, on, list);
   } else {
-    list.warnings.push_back("no floor with head room was found: cells fill the bounding box");
-    list.where = "in a grid over the bounding box";
-    const glm::dvec3 min = glm::dvec3(geometry.min) - border, max = glm::dvec3(geometry.max) + border;
-    on = lattice(asked.width());
-    lattice_range range = on.overlapping(min, max);
-    before = range.count();
-    while (range.count() > static_cast<double>(automatic_limit)) {
-      on = on.coarser();
-      range = on.overlapping(min, max);
-    }
-    add_cells(positions_of(range), on, list);
+    on = fill_bounds(geometry, lattice(asked.width()), before, list);
   }
   if (on.width() > asked.width())
     list.warnings.push_back(
         fmt::format("the scene is too large for cells of {:g} m ({:.0f} or more): cells have {:g} m now", asked.width(),
                     before, on.width()));
   list.how = fmt::format("{} cells of {:g} m {}", list.cells.size(), on.width(), list.where);
+  return list;
+}
+
+// Returns the boxes that the scene contains as cells.
+cell_list cells_of_scene(const scene::world_geometry& geometry) {
+  std::vector<cell_box> boxes;
+  for (const scene::marked_cell& cell : geometry.cells) boxes.push_back({cell.name, cell.min, cell.max});
+  cell_list list;
+  list.cells = explicit_cells(boxes, "extras.sightcell.cell", "give the node a box with a volume, near the origin");
+  list.how = fmt::format("{} cells of the scene (extras.sightcell.cell), instead of cells over floors", boxes.size());
+  list.of_scene = true;
   return list;
 }
 
@@ -106,8 +162,14 @@ cell_list make_all_cells(const scene::world_geometry& geometry, const settings& 
     list.how = fmt::format("{} cells from {}", list.cells.size(), how.cells_file->filename().string());
   } else if (how.cells_grid) {
     list = cells_of_grid(*how.cells_grid, static_cast<double>(how.cell_size));
+  } else if (!geometry.cells.empty() && !flies(how)) {
+    list = cells_of_scene(geometry);
   } else {
     list = automatic_cells(geometry, how);
+    if (!geometry.cells.empty())
+      list.warnings.push_back(
+          fmt::format("{} cells of the scene (extras.sightcell.cell) are left out, because --fly or a path is given",
+                      geometry.cells.size()));
   }
   return list;
 }

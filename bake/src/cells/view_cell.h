@@ -22,29 +22,33 @@ struct lattice_position {
 
 struct view_cell {
   glm::vec3 min{0.0f}, max{0.0f};  // meters; half-open; without the margin
-  std::string name;                // from a cells file, else empty
+  std::string name;                // from a cells file or the scene, else empty
   // Names the random numbers of the cell: a hash of its lattice position, or of the six coordinates of its box.
   std::uint64_t place = 0;
   std::uint32_t number = 0;  // of explicit cells: index in the list that was given
   bool on_lattice = false;
   lattice_position position{};  // of lattice cells
-  double floor_area = 0.0;      // of automatic cells: square meters of reached floor whose eyes are in the cell
+  // Of automatic cells: square meters of reached floor whose eyes are in the cell. Of one in a box of --fly or near a
+  // path: those of the cell.
+  double floor_area = 0.0;
 };
 
 struct cell_list {
   std::vector<view_cell> cells;
   std::string how;                    // one line for messages: "1,204 cells of 4 m over walkable floor"
   std::string where;                  // its end, for lists that are made from this one: "over walkable floor"
-  bool can_merge = false;             // automatic cells over floors, all of level 0
+  bool can_merge = false;             // automatic cells over floors and of flight, all of level 0
   double cell_width = 0.0;            // meters: of the lattice, where can_merge
+  bool of_scene = false;              // explicit cells that the scene contains
   std::vector<std::string> warnings;  // one line each
 };
 
-// Returns the cells that settings request: the host's own, else those of --cells-file, else --cells-grid, else
-// automatic cells.
-// Automatic cells are boxes around the eyes of players above the floors that can be reached (walkable.h). They are
-// cell_size wide and deep, on a lattice that is anchored at the world origin, and as high as the eyes require. If no
-// floor is found, they are a grid over the bounding box grown by 2 m, of cells that are half as high as wide.
+// Returns the cells that settings request: the host's own, else those of --cells-file, else --cells-grid, else those
+// that the scene contains unless flies(how), else automatic cells.
+// Automatic cells are boxes around the eyes of players above the floors that can be reached (walkable.h), and the cells
+// of flight (flight.h), which may overlap these. They are cell_size wide and deep, on a lattice that is anchored at the
+// world origin. Over floors they are as high as the eyes require, else half as high as wide. If there are none, they
+// are a grid over the bounding box grown by 2 m.
 // --cell-limit is applied. Whether a cell has a valid viewpoint is not tested here. Deterministic.
 // Throws sightcell::error (bad_input) on a broken cells file.
 cell_list make_cells(const scene::world_geometry& geometry, const settings& how);

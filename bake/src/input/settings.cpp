@@ -38,13 +38,13 @@ void check(const char* option, T value, T low, T high, const char* unit) {
     refuse(option, fmt::format("{}", value), fmt::format("{} to {}{}", low, high, unit));
 }
 
-void check_grid(const std::array<float, 6>& grid) {
-  for (const float value : grid) {
-    if (!(std::abs(value) <= 1e7f)) refuse("--cells-grid", fmt::format("{}", value), "meters within 1e7 of the origin");
+void check_box(const char* option, const std::array<float, 6>& box) {
+  for (const float value : box) {
+    if (!(std::abs(value) <= 1e7f)) refuse(option, fmt::format("{}", value), "meters within 1e7 of the origin");
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!(grid[axis] < grid[axis + 3]))
-      refuse("--cells-grid", fmt::format("{} to {} on {}", grid[axis], grid[axis + 3], "xyz"[axis]),
+    if (!(box[axis] < box[axis + 3]))
+      refuse(option, fmt::format("{} to {} on {}", box[axis], box[axis + 3], "xyz"[axis]),
              "x0,y0,z0,x1,y1,z1 with the first corner below the second");
   }
 }
@@ -96,9 +96,30 @@ std::string metric_text(const metric_settings& s) {
   return text;
 }
 
+bool names_cells(const settings& s) {
+  return !s.cells.empty() || s.cells_file || s.cells_grid;
+}
+
+void check_flight(const settings& s) {
+  for (const std::array<float, 6>& box : s.fly) check_box("--fly", box);
+  check("--path-radius", s.path_radius, 0.0f, 100.0f, " m");
+  for (const camera_path& path : s.paths) {
+    if (path.empty()) refuse("--path", "a path without points", "one point or more");
+    for (const std::array<float, 3>& point : path)
+      for (const float value : point)
+        if (!(std::abs(value) <= 1e7f))
+          refuse("--path", fmt::format("a path to {} m", value), "meters within 1e7 of the origin");
+  }
+  if (names_cells(s) && flies(s))
+    throw error(error_kind::wrong_use, "settings.two-kinds-of-cells", s.fly.empty() ? "--path" : "--fly",
+                "is given together with cells of a file, a grid or a host", "give one of them");
+  if (s.reach == reach_kind::none && !names_cells(s) && !flies(s))
+    refuse("--reach", "none, without --fly and without a path", "walk or everywhere, or --fly or --path");
+}
+
 void check_player(const settings& s) {
   if (static_cast<std::size_t>(s.reach) >= reach_names.size())
-    refuse("--reach", number(static_cast<int>(s.reach)), "walk or everywhere");
+    refuse("--reach", number(static_cast<int>(s.reach)), "walk, everywhere or none");
   for (const std::array<float, 3>& start : s.starts)
     for (const float value : start)
       if (!(std::abs(value) <= 1e7f)) refuse("--start", fmt::format("{}", value), "meters within 1e7 of the origin");
@@ -116,7 +137,7 @@ void check_player(const settings& s) {
 
 // Returns what decides where automatic cells are, as far as it differs from the default.
 std::string player_text(const settings& s) {
-  if (!s.cells.empty() || s.cells_file || s.cells_grid) return {};
+  if (names_cells(s)) return {};
   std::string text;
   if (takes_hemicubes(s.sampler)) text += fmt::format(R"(,"merge_cells":{})", number(s.merge_cells));
   if (s.reach != reach_kind::walk)
@@ -124,6 +145,11 @@ std::string player_text(const settings& s) {
   for (std::size_t i = 0; i < s.starts.size(); ++i)
     text += fmt::format("{}[{},{},{}]{}", i == 0 ? R"(,"starts":[)" : ",", s.starts[i][0], s.starts[i][1],
                         s.starts[i][2], i + 1 == s.starts.size() ? "]" : "");
+  for (std::size_t i = 0; i < s.fly.size(); ++i)
+    text += fmt::format("{}[{}]{}", i == 0 ? R"(,"fly":[)" : ",", fmt::join(s.fly[i], ","),
+                        i + 1 == s.fly.size() ? "]" : "");
+  // Like the boxes of a cells file, the points are left out: the file contains the cells that they lead to.
+  if (s.path_file || !s.paths.empty()) text += fmt::format(R"(,"path_radius":{})", number(s.path_radius));
   const player_settings standard;
   const auto add = [&](const char* key, float value, float of_standard) {
     if (value != of_standard) text += fmt::format(R"(,"{}":{})", key, value);
@@ -190,6 +216,10 @@ void validate_metric(const metric_settings& s) {
   check("--view-least", s.view_least, 0.0, 1e6, "");
 }
 
+bool flies(const settings& s) {
+  return !s.fly.empty() || s.path_file || !s.paths.empty();
+}
+
 void validate(const settings& s) {
   if (s.cells_file && s.cells_grid)
     throw error(error_kind::wrong_use, "settings.two-kinds-of-cells", "--cells-grid",
@@ -197,10 +227,11 @@ void validate(const settings& s) {
   if (!s.cells.empty() && (s.cells_file || s.cells_grid))
     throw error(error_kind::wrong_use, "settings.two-kinds-of-cells", "settings.cells",
                 "is given together with a file or a grid of cells", "give one of them");
-  if (s.cells_grid) check_grid(*s.cells_grid);
+  if (s.cells_grid) check_box("--cells-grid", *s.cells_grid);
   check("--cell-size", s.cell_size, 0.25f, 1000.0f, " m");
   check("--merge-cells", s.merge_cells, 0.0, 10.0, "");
   check_player(s);
+  check_flight(s);
   check("--margin", s.margin, 0.0f, 10.0f, " m");
   check("--player-radius", s.player_radius, 0.001f, 1.0f, " m");
   check("--smallest-gap", s.smallest_gap, 0.0f, 0.1f, " m");

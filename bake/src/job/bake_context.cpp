@@ -66,7 +66,7 @@ bake_context::bake_context(const scene::scene& from, const settings& settings_of
   sampler = make_cell_sampler(
       how, {traced->rays, device->source(), device->colors_or_null(), cells->list.cells, traced->neighbors_or_null()});
   report_parts(*this, events);
-  settings_text = settings_text_of(how, input, *device);
+  settings_text = settings_text_of(how, input, *cells, *device);
   key = key_of(s, how, input, *cells, *device);
 }
 

@@ -15,8 +15,9 @@ namespace {
 // Raised whenever the same settings may result in other bytes. A bake rejects checkpoints of another version by name.
 constexpr int bake_version = 15;
 
-std::string text_of(const settings& how, const chosen_source& chosen) {
+std::string text_of(const settings& how, const bake_cells& cells, const chosen_source& chosen) {
   auto text = scene::parse_ordered_json(describe(how));
+  if (cells.list.of_scene) text["cells"] = "scene";  // instead of "automatic": describe() does not know the scene
   text["source"] = chosen.name;
   text["device"] = chosen.source->device();
   text["bake_version"] = bake_version;
@@ -42,8 +43,9 @@ std::uint64_t hash_of_cells(const bake_cells& cells, const overrides& given) {
 
 }  // namespace
 
-std::string settings_text_of(const settings& how, const bake_input& input, const bake_device& device) {
-  return with_misses(text_of(how, device.chosen), input.misses, fmt::format("{}", input.misses.all().size()));
+std::string settings_text_of(const settings& how, const bake_input& input, const bake_cells& cells,
+                             const bake_device& device) {
+  return with_misses(text_of(how, cells, device.chosen), input.misses, fmt::format("{}", input.misses.all().size()));
 }
 
 std::string key_of(const scene::scene& s, const settings& how, const bake_input& input, const bake_cells& cells,
@@ -52,7 +54,7 @@ std::string key_of(const scene::scene& s, const settings& how, const bake_input&
   of_records.time_budget = how.time_budget > 0.0 ? 1.0 : 0.0;
   const std::string of_blocks = input.misses.key_of(cells.blocks, cells.list.cells, how.margin);
   const std::string settings_text =
-      with_misses(text_of(of_records, device.chosen), input.misses, fmt::format("\"{}\"", of_blocks));
+      with_misses(text_of(of_records, cells, device.chosen), input.misses, fmt::format("\"{}\"", of_blocks));
   return fmt::format("scene {:02x} cells {} {:016x} settings {}", fmt::join(s.fingerprint, ""), cells.list.cells.size(),
                      hash_of_cells(cells, input.given), settings_text);
 }

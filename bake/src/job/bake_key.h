@@ -13,7 +13,8 @@ namespace sightcell::bake {
 
 // Returns the settings as JSON with source, device, bake version and the number of reported misses. The text in a file
 // also has the overrides.
-std::string settings_text_of(const settings& how, const bake_input& input, const bake_device& device);
+std::string settings_text_of(const settings& how, const bake_input& input, const bake_cells& cells,
+                             const bake_device& device);
 
 // Returns the key of the checkpoint. It names everything that decides a byte of the file: the scene with the textures
 // that decide alpha, cells, overrides, volumes, settings, device and version.

@@ -84,7 +84,7 @@ std::uint64_t memory_of_worker(std::uint64_t polygons, std::uint64_t set_bytes, 
 }
 
 std::uint64_t memory_of_floors(double width, double depth, const settings& how) {
-  if (how.cells_file || how.cells_grid || !how.cells.empty()) return 0;
+  if (how.cells_file || how.cells_grid || !how.cells.empty() || how.reach == reach_kind::none) return 0;
   const double columns = std::min(width * depth * columns_per_square_meter, most_columns);
   return of_column * static_cast<std::uint64_t>(std::max(columns, 0.0));
 }

@@ -33,10 +33,14 @@ struct cell_box {
 
 // Where automatic cells are.
 enum class reach_kind : std::uint8_t {
-  walk,       // over floors that a player gets to from the starts
-  everywhere  // over all floors with head room, roofs included
+  walk,        // over floors that a player gets to from the starts
+  everywhere,  // over all floors with head room, roofs included
+  none         // over none: only where settings::fly and the paths are
 };
-inline constexpr std::array<std::string_view, 2> reach_names{"walk", "everywhere"};  // as --reach calls them
+inline constexpr std::array<std::string_view, 3> reach_names{"walk", "everywhere", "none"};  // as --reach calls them
+
+// Where a camera was, as points in meters; straight between them. One point or more, within 1e7 m of the origin.
+using camera_path = std::vector<std::array<float, 3>>;
 
 // How a player moves and where the eyes are, in meters. The default is a person.
 struct player_settings {
@@ -98,11 +102,19 @@ struct settings {
   // the number goes into the settings text, so that verify loads the same scene.
   std::int32_t scene = -1;
 
-  // ---- Cells. Without cells_file, cells and cells_grid (at most one of them) cells lie at eye height over each floor
-  // with enough head room.
+  // ---- Cells. At most one of cells_file, cells and cells_grid. Without them, cells are those that the scene contains
+  // (scene::cells); else automatic cells: at eye height over floors with enough head room (reach), in the boxes of fly
+  // and near the paths. With fly or a path, those of the scene are left out.
   std::optional<std::filesystem::path> cells_file;  // --cells-file: explicit cells, JSON
   std::vector<cell_box> cells;                      // explicit cells of a host
   std::optional<std::array<float, 6>> cells_grid;   // --cells-grid x0,y0,z0,x1,y1,z1: all lattice cells of this box
+  // --fly x0,y0,z0,x1,y1,z1: a camera flies in these boxes, lower corners first, meters within 1e7 of the origin. All
+  // lattice cells of a box are cells.
+  std::vector<std::array<float, 6>> fly;
+  std::optional<std::filesystem::path> path_file;  // --path: paths of cameras, JSON
+  std::vector<camera_path> paths;                  // likewise, of a host or of --path-camera
+  // --path-radius: lattice cells that are this near to a path, on each axis, are cells; meters, 0 .. 100
+  float path_radius = 0.5f;
   float cell_size = 4.0f;  // --cell-size: width of the smallest lattice cells, meters, 0.25 .. 1000
   // --merge-cells: automatic cells are merged with neighbors while the polygons that a player draws grow by at most
   // this part, in the mean over all floor; an estimate. 0 .. 10; 0: none is. Samplers of rays alone merge none.
@@ -176,6 +188,9 @@ struct settings {
   // when the bake ends early. Empty: the unfinished bake is beside the output.
   std::filesystem::path scratch;
 };
+
+// Returns whether cells are where a camera flies: in boxes or near paths.
+bool flies(const settings& s);
 
 // Checks ranges and combinations.
 // Fails with settings.out-of-range, settings.two-kinds-of-cells, settings.time-budget, settings.volumes,

@@ -77,6 +77,21 @@ TEST(settings, errors_name_the_option) {
     s.cells_grid = {{0, 0, 0, 1, 1, 1}};
     s.cells_file = "cells.json";
   });
+  expect("--fly", [](settings& s) { s.fly = {{0, 0, 0, 1, 1, 1}, {0, 0, 0, 1, 1, 0}}; });
+  expect("--fly", [](settings& s) { s.fly = {{0, 0, 0, 1, NAN, 1}}; });
+  expect("--fly", [](settings& s) {
+    s.fly = {{0, 0, 0, 1, 1, 1}};
+    s.cells_file = "cells.json";
+  });
+  expect("--path", [](settings& s) {
+    s.path_file = "path.json";
+    s.cells_grid = {{0, 0, 0, 1, 1, 1}};
+  });
+  expect("--path-radius", [](settings& s) { s.path_radius = 101.0f; });
+  expect("--path", [](settings& s) { s.paths = {{}}; });
+  expect("--path", [](settings& s) { s.paths = {{{0, NAN, 0}}}; });
+  expect("--reach", [](settings& s) { s.reach = reach_kind::none; });
+  expect("--reach", [](settings& s) { s.reach = static_cast<reach_kind>(3); });
 }
 
 TEST(sampler_options, every_sampler_is_known_and_every_option_is_somebodys) {
@@ -155,6 +170,19 @@ TEST(settings, description_is_one_line_of_json_in_fixed_order) {
 TEST(settings, the_default_is_the_normal_quality) {
   EXPECT_EQ(settings().max_pixel_error, max_pixel_error_of_quality[static_cast<std::size_t>(quality::normal)]);
   EXPECT_EQ(kind_of<quality>(quality_names, "final"), quality::final);
+}
+
+TEST(settings, where_a_camera_flies_stands_in_the_description) {
+  settings s;
+  s.path_radius = 2.0f;
+  EXPECT_EQ(describe(s), describe({})) << "without a path";
+  s.reach = reach_kind::none;
+  s.fly = {{0, 0, 0, 1, 1, 1}, {-1.5f, 0, 0, 1, 2, 1}};
+  s.path_file = "path.json";
+  EXPECT_NO_THROW(validate(s));
+  EXPECT_NE(describe(s).find(R"(,"reach":"none","fly":[[0,0,0,1,1,1],[-1.5,0,0,1,2,1]],"path_radius":2,)"),
+            std::string::npos)
+      << describe(s);
 }
 
 TEST(settings, a_metric_other_than_pixel_stands_in_the_description) {
