@@ -12,6 +12,7 @@
 #include "one_of.h"
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/base/error.h"
+#include "sightcell/scene/camera_path.h"
 
 namespace sightcell::cli {
 namespace {
@@ -180,8 +181,11 @@ void add_expert_cell_options(CLI::App& verb, bake_options& o) {
                    "Range: 0 to 100. Default: 0.9,2.1.")
       ->delimiter(',')
       ->expected(2);
+  add_plain_option(verb, group, "--path-camera", o.path_cameras, "NAME",
+                   "A camera or node of the scene that animations move: its path, like one of --path. May be repeated.")
+      ->take_all();
   add_option(verb, group, "--path-radius", o.settings.path_radius, "M",
-             "How near to a path of --path a cell is, on each axis, in meters. Range: 0 to 100.");
+             "How near to a path a cell is, on each axis, in meters. Range: 0 to 100.");
 }
 
 std::string sentence(std::string text) {
@@ -287,6 +291,10 @@ bake::settings settings_of(const bake_options& options) {
   for (const std::string& start : options.starts) how.starts.push_back(numbers_of<3>("--start", start, "x,y,z"));
   for (const std::string& box : options.fly) how.fly.push_back(numbers_of<6>("--fly", box, "x0,y0,z0,x1,y1,z1"));
   if (!options.path_file.empty()) how.path_file = options.path_file;
+  for (const std::string& name : options.path_cameras)
+    for (scene::point_path& path :
+         scene::camera_paths(options.scenes.two() ? options.scenes.cells_from : options.scenes.scene, name))
+      how.paths.push_back(std::move(path));
   if (!options.eye_heights.empty()) {
     how.player.lowest_eye = options.eye_heights[0];
     how.player.highest_eye = options.eye_heights[1];

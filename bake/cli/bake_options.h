@@ -22,6 +22,7 @@ struct bake_options {
   std::vector<float> cells_grid, eye_heights;
   std::vector<std::string> starts;  // "x,y,z"
   std::vector<std::string> fly;     // "x0,y0,z0,x1,y1,z1"
+  std::vector<std::string> path_cameras;
   std::string reach = std::string(bake::reach_names.front());
   std::string quality = std::string(bake::quality_names[static_cast<std::size_t>(bake::quality::normal)]);
   std::optional<double> max_pixel_error;  // instead of the bound of the quality
@@ -46,8 +47,8 @@ void add_bake_options(CLI::App& verb, bake_options& options);
 // options: must outlive the verb.
 void add_cells_options(CLI::App& verb, bake_options& options);
 
-// Returns what was asked for.
-// Fails with settings.*; the line names the option.
+// Returns what was asked for. Reads the paths of cameras from the scene, if there are such.
+// Fails with settings.*; the line names the option. With paths of cameras also with scene.*.
 bake::settings settings_of(const bake_options& options);
 
 }  // namespace sightcell::cli

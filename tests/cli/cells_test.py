@@ -1,4 +1,5 @@
 """Cells without a bake: what `sightcell cells` says is what a bake of the same options has."""
+import base64
 import json
 import os
 import struct
@@ -79,8 +80,8 @@ class Cells(InFolder):
         self.assertFalse(os.path.exists(self.path('none')))
 
 
-# Cells without floors: 4 x 8 x 4 of 8 x 4 x 8 m, in four blocks.
-FLY = ['--fly=-16,0,-16,16,32,16', '--reach', 'none', '--max-pixel-error', '3e-2', '--cell-size', '8']
+# Cells without floors: 4 x 4 x 4 of 8 x 4 x 8 m, in four blocks.
+FLY = ['--fly=-16,0,-16,16,16,16', '--reach', 'none', '--max-pixel-error', '3e-2', '--cell-size', '8']
 
 
 class OtherWays(InFolder):
@@ -101,20 +102,20 @@ class OtherWays(InFolder):
 
     def test_a_box_is_all_cells_and_merged(self):
         all_cells = self.cells(self.city, *FLY, '--merge-cells', '0')
-        self.assertEqual(len(all_cells['cells']), 4 * 8 * 4)
-        self.assertEqual(all_cells['description'], '128 cells of 8 m in 1 box of --fly')
+        self.assertEqual(len(all_cells['cells']), 4 * 4 * 4)
+        self.assertEqual(all_cells['description'], '64 cells of 8 m in 1 box of --fly')
         merged = self.cells(self.city, *FLY, '--merge-cells', '0.5')
-        self.assertLess(len(merged['cells']), 64)
+        self.assertLess(len(merged['cells']), 32)
 
         def volume(cell):
             sides = [b - a for a, b in zip(cell['min'], cell['max'])]
             return sides[0] * sides[1] * sides[2]
 
-        self.assertEqual(sum(map(volume, merged['cells'])), 32 ** 3)
+        self.assertEqual(sum(map(volume, merged['cells'])), 32 * 32 * 16)
 
     def test_shards_of_a_box_give_the_same_bytes(self):
         alone, info, _ = self.bake(self.city, 'alone.pvs', *FLY)
-        self.assertEqual(info['settings']['fly'], [[-16, 0, -16, 16, 32, 16]])
+        self.assertEqual(info['settings']['fly'], [[-16, 0, -16, 16, 16, 16]])
         self.assertEqual(info['settings']['reach'], 'none')
         shards = self.path('shards.pvs')
         for phase in '1', '2':
@@ -173,3 +174,25 @@ class OtherWays(InFolder):
         other = self.cells(scene, '--fly', '0,0,0,4,4,4', '--reach', 'none')
         self.assertEqual(len(other['cells']), 2)
         self.assertIn('2 cells of the scene (extras.sightcell.cell) are left out', other['warnings'][0])
+
+    def test_a_camera_that_moves_is_a_path(self):
+        scene = self.path('ride.gltf')
+        write_triangles(scene, [((0, 1, 2), 0)], [{'doubleSided': True}], scenes=[{'nodes': [0, 1]}],
+                        nodes=[{'mesh': 0}, {'name': 'ride', 'camera': 0}],
+                        cameras=[{'type': 'perspective', 'perspective': {'yfov': 1, 'znear': 0.1}}])
+        with open(scene, encoding='utf-8') as file:
+            document = json.load(file)
+        keys = struct.pack('<8f', 0, 1, 1, 1, 1, 11, 1, 1)
+        document['buffers'].append({'byteLength': len(keys), 'uri': 'data:application/octet-stream;base64,' +
+                                    base64.b64encode(keys).decode()})
+        document['bufferViews'].append({'buffer': 1, 'byteLength': len(keys)})
+        first = len(document['accessors'])
+        document['accessors'] += [{'bufferView': 1, 'componentType': 5126, 'count': 2, 'type': 'SCALAR'},
+                                  {'bufferView': 1, 'byteOffset': 8, 'componentType': 5126, 'count': 2, 'type': 'VEC3'}]
+        document['animations'] = [{'samplers': [{'input': first, 'output': first + 1}],
+                                   'channels': [{'sampler': 0, 'target': {'node': 1, 'path': 'translation'}}]}]
+        with open(scene, 'w', encoding='utf-8') as file:
+            json.dump(document, file)
+        found = self.cells(scene, '--path-camera', 'ride', '--reach', 'none', '--merge-cells', '0')
+        self.assertEqual([cell['min'] for cell in found['cells']], [[0, 0, 0], [4, 0, 0], [8, 0, 0]])
+        self.assertEqual(found['description'], '3 cells of 4 m within 0.5 m of 1 path')

@@ -48,7 +48,7 @@ class Usage(InRoom):
                        '--misses', '--metric', '--view-resolution', '--view-fov', '--view-pitch', '--view-least',
                        '--sampler', '--samples', '--sampling-rays', '--source', '--resolution', '--seed', '--phase',
                        '--scratch', '--player-height', '--player-step', '--player-jump', '--player-gap', '--player-slope',
-                       '--eye-heights', '--path-radius'):
+                       '--eye-heights', '--path-camera', '--path-radius'):
             self.assertIn(f'\n  {option}', out)
             self.assertNotIn(f'\n  {option} ', everyday)
 
