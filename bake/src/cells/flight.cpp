@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 #include <set>
-#include <span>
 
 #include "cells/path_file.h"
 #include "sightcell/base/error.h"
