@@ -1,12 +1,12 @@
 #include "sightcell/format/cell_lattice.h"
 
-#include <array>
 #include <bit>
-#include <cmath>
 #include <tuple>
 
 #include "checked_reader.h"
 #include "record_rules.h"
+#include "shape_reader.h"
+#include "sightcell/format/grid_boxes.h"
 
 namespace sightcell::format {
 namespace {
@@ -30,27 +30,15 @@ lattice_place place_of(const lattice_chunk& chunk, unsigned bit) noexcept {
 }
 
 box box_of(const lattice_shape& shape, const lattice_place& place) noexcept {
-  const double width = shape.width_of(place.level), height = shape.height_of(place.level);
-  const auto corner = [&](double more) {
-    return std::array<float, 3>{static_cast<float>((place.x + more) * width),
-                                static_cast<float>((place.y + more) * height),
-                                static_cast<float>((place.z + more) * width)};
-  };
-  return {corner(0.0), corner(1.0)};
+  const lattice_shape cell{shape.width_of(place.level), shape.height_of(place.level)};
+  return box_of(cell, grid_box{place.x, place.y, place.z});
 }
 
-bool cell_lattice::open(std::span<const std::byte> bytes, std::uint32_t cells, bool layers) noexcept {
+bool cell_lattice::open(std::span<const std::byte> bytes, std::uint32_t cells) noexcept {
   cell_lattice made;
-  made.shape_.layers = layers;
   const checked_reader in(bytes);
-  if (!in.read_f64(0, made.shape_.width) || !in.read_f64(8, made.shape_.height) || !in.read_u32(16, made.chunks_)) {
-    return false;
-  }
-  const bool finite = std::isfinite(made.shape_.width) && std::isfinite(made.shape_.height);
-  if (!finite || !(made.shape_.width > 0.0) || !(made.shape_.height > 0.0) || made.chunks_ > cells) return false;
-  packed_columns table;
-  if (!table.open(bytes.subspan(20), columns, made.chunks_)) return false;
-  for (std::uint32_t i = 0; i < columns; ++i) made.columns_[i] = packed_column(table, i);
+  if (!read_shape(in, made.shape_) || !in.read_u32(shape_size, made.chunks_) || made.chunks_ > cells) return false;
+  if (!open_columns(bytes.subspan(shape_size + 4), made.chunks_, made.columns_)) return false;
   if (!made.chunks_are_good(cells)) return false;
   *this = made;
   return true;

@@ -31,6 +31,7 @@ bool lattice_comes_before(const lattice_place& a, const lattice_place& b) noexce
 }
 
 bool put_lattice(const lattice_shape& shape, std::span<const lattice_place> places, std::vector<std::byte>& out) {
+  if (!shape_is_valid(shape)) return false;
   std::vector<std::vector<std::uint32_t>> columns(7);
   std::uint64_t mask = 0;
   const auto finish_chunk = [&] {

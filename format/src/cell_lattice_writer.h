@@ -9,8 +9,8 @@
 
 namespace sightcell::format {
 
-// Appends the lattice. False, and nothing appended, if the positions are not in order, one occurs twice, or the level
-// or the box of a cell is invalid.
+// Appends the lattice. False, and nothing appended, if the shape is invalid, the positions are not in order, one occurs
+// twice, or the level or the box of a cell is invalid.
 [[nodiscard]] bool put_lattice(const lattice_shape& shape, std::span<const lattice_place> places,
                                std::vector<std::byte>& out);
 

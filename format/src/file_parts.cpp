@@ -57,6 +57,8 @@ file_contents file_parts::contents(cell_set_source sets) const {
   all.order = {order_of_draw, orders};
   if (lattice)
     all.lattice = lattice_cells{*lattice, places};
+  else if (grid)
+    all.grid = grid_cells{*grid, grid_places};
   else
     all.cells = cells;
   all.volumes = {volume_shape, volumes};
@@ -90,6 +92,12 @@ status take_apart(const reader& file, file_parts& out) {
     parts.lattice = file.lattice()->shape();
     parts.places = places_of(*file.lattice());
     if (parts.places.size() != parts.cells.size()) return status::corrupt;
+  }
+  if (file.grid() != nullptr) {
+    parts.grid = file.grid()->step();
+    for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+      parts.grid_places.push_back(file.grid()->place(cell));
+    }
   }
   parts.volume_shape = file.volumes().shape();
   parts.volumes.resize(file.volumes().count());

@@ -73,4 +73,12 @@ std::uint32_t packed_column::operator[](std::uint32_t row) const noexcept {
   return base_ + static_cast<std::uint32_t>(value);
 }
 
+bool open_columns(std::span<const std::byte> bytes, std::uint32_t rows, std::span<packed_column> out) noexcept {
+  const auto columns = static_cast<std::uint32_t>(out.size());
+  packed_columns table;
+  if (!table.open(bytes, columns, rows)) return false;
+  for (std::uint32_t i = 0; i < columns; ++i) out[i] = packed_column(table, i);
+  return true;
+}
+
 }  // namespace sightcell::format

@@ -231,16 +231,13 @@ status reader::open_tables() noexcept {
     order_count_ = draw_count_;
     return status::ok;
   }
-  packed_columns table;
   // Draws with polygons differ, so each takes a bit: else few bytes could claim millions.
-  if (draw_count_ > 8 * draws_.size || !table.open(part(draws_), layout::draw_columns, draw_count_)) {
+  if (draw_count_ > 8 * draws_.size || !open_columns(part(draws_), draw_count_, draw_columns_)) return status::corrupt;
+  const std::span<packed_column> certificate_columns(certificate_columns_);
+  if (!open_columns(part(certificate_), certificate_count_,
+                    certificate_columns.first(certificate_count_ == 0 ? 0 : layout::certificate_columns))) {
     return status::corrupt;
   }
-  for (std::uint32_t i = 0; i < layout::draw_columns; ++i) draw_columns_[i] = packed_column(table, i);
-  if (!table.open(part(certificate_), certificate_count_ == 0 ? 0 : layout::certificate_columns, certificate_count_)) {
-    return status::corrupt;
-  }
-  for (std::uint32_t i = 0; i < layout::certificate_columns; ++i) certificate_columns_[i] = packed_column(table, i);
 
   const polygon_orders orders(part(orders_), draw_count_);
   if (!orders.good()) return status::corrupt;
@@ -262,12 +259,20 @@ status reader::open_tables() noexcept {
   std::uint32_t kind = 0;
   if (!checked_reader(part(cells_)).read_u32(0, kind)) return status::corrupt;
   const std::span<const std::byte> cells = part(cells_).subspan(4);
-  on_lattice_ = kind != layout::cells_are_boxes;
+  cell_kind_ = kind;
   bool good = false;
-  if (!on_lattice_) {
-    good = cells.size() == cell_count_ * layout::cell_record_size;
-  } else if (kind <= layout::cells_are_in_layers) {
-    good = lattice_.open(cells, cell_count_, kind == layout::cells_are_in_layers);
+  switch (kind) {
+    case layout::cells_are_boxes:
+      good = cells.size() == cell_count_ * layout::cell_record_size;
+      break;
+    case layout::cells_are_on_lattice:
+      good = lattice_.open(cells, cell_count_);
+      break;
+    case layout::cells_are_on_grid:
+      good = grid_.open(cells, cell_count_);
+      break;
+    default:
+      break;
   }
   return good ? status::ok : status::corrupt;
 }
@@ -428,11 +433,12 @@ status reader::make_sources(std::uint32_t range_unit, std::span<std::uint32_t> p
 
 status reader::cell_box(std::uint32_t cell, box& out) const noexcept {
   if (cell >= cell_count_) return status::argument;
-  if (on_lattice_) return lattice_.cell_box(cell, out) ? status::ok : status::corrupt;
+  if (lattice() != nullptr) return lattice_.cell_box(cell, out) ? status::ok : status::corrupt;
   const checked_reader in(part(cells_).subspan(version_ == 0 ? 0 : 4));
   const std::uint64_t at = cell * layout::cell_record_size;
   box b;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
+  if (grid() != nullptr) b = box_of(grid_.step(), grid_.place(cell));
+  for (std::size_t axis = 0; axis < 3 && grid() == nullptr; ++axis) {
     if (!in.read_f32(at + 4 * axis, b.min[axis]) || !in.read_f32(at + 12 + 4 * axis, b.max[axis])) {
       return status::corrupt;
     }
@@ -445,7 +451,7 @@ status reader::cell_box(std::uint32_t cell, box& out) const noexcept {
 // open has checked the cells of a lattice.
 status reader::check_cells() const noexcept {
   box b;
-  for (std::uint32_t i = 0; i < cell_count_ && !on_lattice_; ++i) {
+  for (std::uint32_t i = 0; i < cell_count_ && lattice() == nullptr; ++i) {
     if (const status s = cell_box(i, b); s != status::ok) return s;
   }
   return status::ok;

@@ -16,6 +16,10 @@ namespace sightcell::format {
   return true;
 }
 
+[[nodiscard]] inline bool shape_is_valid(const lattice_shape& shape) noexcept {
+  return std::isfinite(shape.width) && std::isfinite(shape.height) && shape.width > 0.0 && shape.height > 0.0;
+}
+
 // False for NaN too.
 [[nodiscard]] inline bool is_share(double value) noexcept {
   return value >= 0.0 && value <= 1.0;

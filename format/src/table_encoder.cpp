@@ -5,6 +5,7 @@
 
 #include "byte_sink.h"
 #include "cell_lattice_writer.h"
+#include "grid_boxes_writer.h"
 #include "packed_columns_writer.h"
 #include "sightcell/format/layout.h"
 
@@ -46,11 +47,25 @@ std::vector<std::byte> encode_draws(std::span<const draw_record> draws, std::spa
   return bytes;
 }
 
+std::size_t cell_count(const file_contents& contents) noexcept {
+  if (contents.lattice) return contents.lattice->places.size();
+  return contents.grid ? contents.grid->places.size() : contents.cells.size();
+}
+
+box box_of_cell(const file_contents& contents, std::size_t cell) noexcept {
+  if (contents.lattice) return box_of(contents.lattice->shape, contents.lattice->places[cell]);
+  return contents.grid ? box_of(contents.grid->step, contents.grid->places[cell]) : contents.cells[cell];
+}
+
 bool encode_cells(const file_contents& contents, std::vector<std::byte>& bytes) {
   byte_sink out(bytes);
   if (contents.lattice) {
-    out.put_u32(contents.lattice->shape.layers ? layout::cells_are_in_layers : layout::cells_are_on_lattice);
+    out.put_u32(layout::cells_are_on_lattice);
     return put_lattice(contents.lattice->shape, contents.lattice->places, bytes);
+  }
+  if (contents.grid) {
+    out.put_u32(layout::cells_are_on_grid);
+    return put_grid(contents.grid->step, contents.grid->places, bytes);
   }
   out.put_u32(layout::cells_are_boxes);
   for (const box& b : contents.cells) {

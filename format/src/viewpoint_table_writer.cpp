@@ -6,17 +6,12 @@
 #include "byte_sink.h"
 #include "packed_columns_writer.h"
 #include "record_rules.h"
-#include "sightcell/format/cell_lattice.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/viewpoint_table.h"
 #include "table_encoder.h"
 
 namespace sightcell::format {
 namespace {
-
-box box_of_cell(const file_contents& contents, std::size_t cell) {
-  return contents.lattice ? box_of(contents.lattice->shape, contents.lattice->places[cell]) : contents.cells[cell];
-}
 
 status check_region(std::span<const std::byte> region, const box& grown) {
   region_walk walk(region, grown);
@@ -28,7 +23,7 @@ status check_region(std::span<const std::byte> region, const box& grown) {
 }  // namespace
 
 status put_viewpoints(const file_contents& contents, std::vector<std::byte>& out) {
-  const std::size_t cells = contents.lattice ? contents.lattice->places.size() : contents.cells.size();
+  const std::size_t cells = cell_count(contents);
   if (contents.viewpoints.size() != cells || !is_player_radius(contents.player_radius)) return status::argument;
   std::vector<std::vector<std::uint32_t>> columns(layout::viewpoint_columns);
   std::vector<std::byte> regions;

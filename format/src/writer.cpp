@@ -75,16 +75,13 @@ status check_draws(const file_contents& contents, const stored_order& order) {
   return good ? status::ok : status::argument;
 }
 
-std::size_t cell_count(const file_contents& contents) {
-  return contents.lattice ? contents.lattice->places.size() : contents.cells.size();
-}
-
-// Cells on a lattice are checked when they are encoded.
+// Cells on a lattice or grid are checked when they are encoded.
 status check_cells(const file_contents& contents) {
   const std::size_t cells = cell_count(contents);
   const bool sets_missing = cells > 0 && !contents.cell_sets.get;
   if (sets_missing || cells != contents.cell_sets.count) return status::argument;
-  if (contents.lattice && !contents.cells.empty()) return status::argument;
+  if ((contents.lattice || contents.grid) && !contents.cells.empty()) return status::argument;
+  if (contents.lattice && contents.grid) return status::argument;
   for (const box& b : contents.cells) {
     if (!box_is_valid(b)) return status::argument;
   }

@@ -215,7 +215,7 @@ bool lattice_index::has_smaller_inside(const format::box& bounds, double volume_
   if (!finer_is_smaller_) return level_count_ > 1;
   const wide_box inside = widened(bounds);
   for (const level_shape& level : levels()) {
-    // The volumes of two levels differ by a factor of 8, or 4 in layers, of which rounding changes at most a third.
+    // The volumes of two levels differ by a factor of 8, of which rounding changes at most a third.
     if (level.width * level.width * level.height > 0.5 * volume_limit) continue;
     if (inside.max[0] - inside.min[0] > chunk_width * level.width) return true;  // too many chunks to search
     const auto reaches_in = [&](const wide_box& cell) { return boxes_meet(cell, inside); };

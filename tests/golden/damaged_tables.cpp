@@ -237,7 +237,7 @@ bytes lattice_of(const format::lattice_shape& shape, const chunk_list& chunks) {
   }
   bytes out;
   format::byte_sink sink(out);
-  sink.put_u32(shape.layers ? layout::cells_are_in_layers : layout::cells_are_on_lattice);
+  sink.put_u32(layout::cells_are_on_lattice);
   sink.put_f64(shape.width);
   sink.put_f64(shape.height);
   sink.put_u32(static_cast<std::uint32_t>(chunks.size()));
@@ -279,18 +279,68 @@ void damage_far_places(damaged_list& list) {
   add("lattice_layer_far_below", {.y = -(1 << 30) - 65, .mask = 1}, status::corrupt);
 }
 
-// Of two cells that have boxes only if all levels are equally high, or only if they are not.
-void damage_layers(damaged_list& list) {
-  const bytes tiny = tiny_contents().encode();
-  const auto add = [&](const char* name, status expected, const format::lattice_shape& shape, std::int32_t y,
-                       std::uint32_t level) {
-    const format::lattice_chunk two_cells{.y = y, .level = level, .mask = 3};
-    list.push_back({name, expected, with_section(tiny, layout::section_cells, lattice_of(shape, {two_cells}))});
+bytes grid_of(const format::lattice_shape& step, const std::vector<format::grid_box>& places) {
+  std::vector<numbers> columns(6);
+  for (const format::grid_box& p : places) {
+    std::size_t column = 0;
+    for (const std::uint32_t value : {format::from_signed(p.x), format::from_signed(p.y), format::from_signed(p.z),
+                                      p.steps_x, p.steps_y, p.steps_z}) {
+      columns[column++].push_back(value);
+    }
+  }
+  bytes out;
+  format::byte_sink sink(out);
+  sink.put_u32(layout::cells_are_on_grid);
+  sink.put_f64(step.width);
+  sink.put_f64(step.height);
+  format::put_columns(columns, out);
+  return out;
+}
+
+// Of a grid without cells, as for lattices.
+void damage_steps(damaged_list& list) {
+  sample_contents contents = tiny_contents();
+  contents.cells.clear();
+  contents.sets.clear();
+  contents.grid = format::lattice_shape{1.0, 0.5};
+  const bytes file = contents.encode();
+  list.push_back({"undamaged_grid_without_cells", status::ok, file});
+  const auto add = [&](const char* name, const format::lattice_shape& step) {
+    list.push_back({name, status::corrupt, with_section(file, layout::section_cells, grid_of(step, {}))});
   };
-  add("undamaged_layers_of_level_31", status::ok, {1.0, 1e-36, true}, 0, 31);
-  add("lattice_below_floats_on_level_31", status::corrupt, {1.0, 1e-36, false}, 0, 31);
-  add("undamaged_lattice_of_level_2", status::ok, {1.0, 1e38, false}, 3, 2);
-  add("layers_beyond_floats", status::corrupt, {1.0, 1e38, true}, 3, 2);
+  add("grid_width_0", {0.0, 2.0});
+  add("grid_height_negative", {4.0, -2.0});
+  add("grid_height_nan", {4.0, std::numeric_limits<double>::quiet_NaN()});
+  add("grid_width_infinite", {std::numeric_limits<double>::infinity(), 2.0});
+}
+
+// Of two cells.
+void damage_grid(damaged_list& list) {
+  const bytes tiny = tiny_contents().encode();
+  const auto add_section = [&](const char* name, status expected, const bytes& section) {
+    list.push_back({name, expected, with_section(tiny, layout::section_cells, section)});
+  };
+  const format::grid_box other{-3, -2, 7, 2, 4, 2};
+  const auto add = [&](const char* name, status expected, const format::lattice_shape& step,
+                       const format::grid_box& place) {
+    add_section(name, expected, grid_of(step, {other, place}));
+  };
+  constexpr std::int32_t first = std::numeric_limits<std::int32_t>::min();
+  constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+  add("undamaged_grid_boxes_alike", status::ok, {1.0, 0.5}, other);
+  add("grid_box_without_width", status::corrupt, {1.0, 0.5}, {1, 2, 3, 0, 1, 1});
+  add("grid_box_without_height", status::corrupt, {1.0, 0.5}, {1, 2, 3, 1, 0, 1});
+  add("grid_box_without_depth", status::corrupt, {1.0, 0.5}, {1, 2, 3, 1, 1, 0});
+  add("undamaged_grid_of_most_steps", status::ok, {1.0, 0.5}, {first, first, first, most, most, most});
+  add("grid_box_far_behind", status::corrupt, {1.0, 0.5}, {1, 2, first, 1, 1, 1});
+  add("undamaged_grid_up_to_largest_floats", status::ok, {1.0, 1e38}, {0, 2, 0, 1, 1, 1});
+  add("grid_beyond_floats", status::corrupt, {1.0, 1e38}, {0, 2, 0, 1, 2, 1});
+  add("grid_below_floats", status::corrupt, {1e-300, 1.0}, {1, 2, 3, 1, 1, 1});
+  const bytes good = grid_of({1.0, 0.5}, {other, {1, 2, 3, 1, 1, 1}});
+  add_section("grid_longer", status::corrupt, longer(good, 1));
+  add_section("grid_of_3_cells", status::corrupt, grid_of({1.0, 0.5}, {other, {1, 2, 3, 1, 1, 1}, {2, 2, 3, 1, 1, 1}}));
+  add_section("grid_ends_in_columns", status::corrupt, bytes(good.begin(), good.end() - 1));
+  add_section("grid_ends_in_step", status::corrupt, bytes(good.begin(), good.begin() + 12));
 }
 
 }  // namespace
@@ -321,7 +371,8 @@ damaged_list damaged_lattices() {
   };
   damage_shapes(list);
   damage_far_places(list);
-  damage_layers(list);
+  damage_steps(list);
+  damage_grid(list);
   add("lattice_beyond_floats", lattice_of({1e300, shape.height}, chunks));
   add("lattice_below_floats", lattice_of({shape.width, 1e-300}, chunks));
   add("lattice_longer", longer(lattice_of(shape, chunks), 1));

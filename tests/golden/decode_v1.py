@@ -108,19 +108,21 @@ def to_float(value):
         return math.inf
 
 
-def chunk_boxes(width, height, layers, chunk):
+def box_of_steps(width, height, first, last):
+    return tuple(to_float(corner[axis] * size)
+                 for corner in (first, last) for axis, size in enumerate((width, height, width)))
+
+
+def chunk_boxes(width, height, chunk):
     x, y, z, level, mask = chunk
-    width = math.ldexp(width, -level)
-    if not layers:
-        height = math.ldexp(height, -level)
+    width, height = math.ldexp(width, -level), math.ldexp(height, -level)
     for bit in range(64):
         if mask >> bit & 1:
             place = (8 * x + bit % 8, y, 8 * z + bit // 8)
-            yield tuple(to_float((place[axis] + more) * size)
-                        for more in (0, 1) for axis, size in enumerate((width, height, width)))
+            yield box_of_steps(width, height, place, [at + 1 for at in place])
 
 
-def decode_lattice(header, section, layers):
+def decode_lattice(header, section):
     """The lattice as (word for its kind, width, height), and the boxes of the cells."""
     width, height, count = unpack("<ddI", section, 4, "lattice")
     need(0 < width < math.inf and 0 < height < math.inf, "shape of the lattice")
@@ -132,16 +134,28 @@ def decode_lattice(header, section, layers):
         need(first == len(boxes) and (low or high), "cells of a lattice's chunk")
         need(last < (level, z, x, y), "chunks of the lattice do not ascend")
         last = (level, z, x, y)
-        boxes.extend(chunk_boxes(width, height, layers, (x, y, z, level, high << 32 | low)))
+        boxes.extend(chunk_boxes(width, height, (x, y, z, level, high << 32 | low)))
     need(len(boxes) == header.cells, "the lattice does not have all cells")
-    return ("layers" if layers else "lattice", width, height), boxes
+    return ("lattice", width, height), boxes
+
+
+def decode_grid(header, section):
+    """As decode_lattice."""
+    width, height = unpack("<dd", section, 4, "grid")
+    need(0 < width < math.inf and 0 < height < math.inf, "step of the grid")
+    boxes = []
+    for row in zip(*whole_columns(section, 6, header.cells, "the grid", 20)):
+        first, steps = [number - (1 << 31) for number in row[:3]], row[3:]
+        need(min(steps) >= 1, "cell of the grid without a step")
+        boxes.append(box_of_steps(width, height, first, [at + more for at, more in zip(first, steps)]))
+    return ("grid", width, height), boxes
 
 
 def decode_cells(header, section):
     kind = unpack("<I", section, 0, "cells")[0]
     need(kind in (0, 1, 2), "kind of cells")
     if kind > 0:
-        return decode_lattice(header, section, kind == 2)
+        return (decode_lattice if kind == 1 else decode_grid)(header, section)
     need(len(section) == 4 + 24 * header.cells, "size of the cells")
     return None, [struct.unpack_from("<6f", section, 4 + 24 * i) for i in range(header.cells)]
 

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/grid_boxes.h"
 #include "unit/format/viewpoint_samples.h"
 
 namespace sightcell::test {
@@ -40,12 +41,12 @@ sample_contents forty_polygons() {
   return contents;
 }
 
-// Sorts the places, and makes their cells. sees(place, polygon): whether the cell there sees the polygon.
-template <class Sees>
-void add_cells_at_places(sample_contents& contents, const Sees& sees) {
-  std::sort(contents.places.begin(), contents.places.end(), format::lattice_comes_before);
-  for (const format::lattice_place& place : contents.places) {
-    contents.cells.push_back(format::box_of(*contents.lattice, place));
+// Adds a cell for each place. sees(place, polygon): whether the cell there sees the polygon.
+template <class Place, class Sees>
+void add_cells_at(sample_contents& contents, const format::lattice_shape& shape, const std::vector<Place>& places,
+                  const Sees& sees) {
+  for (const Place& place : places) {
+    contents.cells.push_back(format::box_of(shape, place));
     std::vector<std::uint32_t>& set = contents.sets.emplace_back();
     for (std::int32_t polygon = 0; polygon < 40; ++polygon) {
       if (sees(place, polygon)) set.push_back(static_cast<std::uint32_t>(polygon));
@@ -53,19 +54,20 @@ void add_cells_at_places(sample_contents& contents, const Sees& sees) {
   }
 }
 
-// Adds a cell, or its quarters, which are divided likewise down to level 3. Some cells contain two cells of a quarter
-// of their width. These are in corners, because the tests look for a cell at its center.
-void add_divided(const format::lattice_place& place, std::vector<format::lattice_place>& places) {
-  const auto turn = 5 * place.x + 3 * place.z + place.y + 2 * static_cast<std::int32_t>(place.level);
-  if (place.level < 3 && (turn & 3) == 0) {
+// Adds the cells of a column that is `width` steps wide, or of its quarters, which are divided likewise. Some cells
+// contain one of a step in a corner, because the tests look for a cell at its center.
+void add_column(std::int32_t x, std::int32_t z, std::uint32_t width, std::vector<format::grid_box>& places) {
+  const auto steps = static_cast<std::int32_t>(width);
+  const std::int32_t turn = 5 * (x / steps) + 3 * (z / steps) + steps;
+  if (width > 1 && turn % 3 == 0) {
     for (std::int32_t part = 0; part < 4; ++part)
-      add_divided({2 * place.x + part % 2, place.y, 2 * place.z + part / 2, place.level + 1}, places);
+      add_column(x + part % 2 * steps / 2, z + part / 2 * steps / 2, width / 2, places);
     return;
   }
-  places.push_back(place);
-  if (place.level > 1 || (turn & 7) != 1) return;
-  for (const std::int32_t corner : {0, 3})
-    places.push_back({4 * place.x + corner, place.y, 4 * place.z + corner, place.level + 2});
+  const auto height = static_cast<std::uint32_t>(4 + (turn & 3));
+  places.push_back({x, turn % 5 - 7, z, width, height, width});
+  if (turn % 2 == 0) places.push_back({x, 3, z, width, 2 * height, width});
+  if (width == 4 && turn % 5 == 1) places.push_back({x, turn % 5 - 7, z, 1, 1, 1});
 }
 
 }  // namespace
@@ -104,25 +106,26 @@ sample_contents lattice_contents() {
       if (x != 1 || z != -2) contents.places.push_back({x, -1, z, 0});
     }
   }
-  add_cells_at_places(contents, [](const format::lattice_place& place, std::int32_t polygon) {
+  std::sort(contents.places.begin(), contents.places.end(), format::lattice_comes_before);
+  const auto sees = [](const format::lattice_place& place, std::int32_t polygon) {
     const std::int32_t far = 4 * (1 - static_cast<std::int32_t>(place.level)) + 3;
     return std::abs(polygon - 20 - 3 * place.x) <= far || (polygon + place.z) % 13 == 0;
-  });
+  };
+  add_cells_at(contents, *contents.lattice, contents.places, sees);
   return contents;
 }
 
 // No size is a float, so that every border is rounded.
-sample_contents layers_contents() {
+sample_contents grid_contents() {
   sample_contents contents = forty_polygons();
-  contents.lattice = format::lattice_shape{2.8, 1.1, true};
-  for (const std::int32_t y : {-3, -2, 1})
-    for (std::int32_t z = -2; z < 2; ++z)
-      for (std::int32_t x = -2; x < 2; ++x) add_divided({x, y, z, 0}, contents.places);
-  add_cells_at_places(contents, [](const format::lattice_place& place, std::int32_t polygon) {
-    const std::int32_t finest = 8 >> place.level;  // widths of level 3 in the cell's own
-    const std::int32_t middle = (2 * place.x + 1) * finest;
-    return std::abs(2 * (polygon - 20) - middle) <= 2 * finest + 5 || (polygon + place.z + 5 * place.y) % 13 == 0;
-  });
+  contents.grid = format::lattice_shape{0.7, 0.0875};
+  for (std::int32_t z = -16; z < 12; z += 4)
+    for (std::int32_t x = -12; x < 16; x += 4) add_column(x, z, 4, contents.grid_places);
+  const auto sees = [](const format::grid_box& place, std::int32_t polygon) {
+    const auto width = static_cast<std::int32_t>(place.steps_x);
+    return std::abs(polygon - 20 - place.x) <= width + 3 || (polygon + place.z + 5 * place.y) % 13 == 0;
+  };
+  add_cells_at(contents, *contents.grid, contents.grid_places, sees);
   return contents;
 }
 
@@ -203,7 +206,7 @@ std::vector<golden_file_contents> golden_files() {
           {"v1_volumes", volume_contents()},
           {"v1_groups", named_contents()},
           {"v1_viewpoints", viewpoint_contents()},
-          {"v1_layers", layers_contents()}};
+          {"v1_grid", grid_contents()}};
 }
 
 }  // namespace sightcell::test

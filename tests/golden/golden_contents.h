@@ -12,9 +12,9 @@ namespace sightcell::test {
 sample_contents ordered_contents();
 // Cells of two sizes on a lattice, in two chunks of rows and six of the lattice, on both sides of the origin.
 sample_contents lattice_contents();
-// Cells of four widths and one height on a lattice of layers, on both sides of the origin. Most tile their layer; a few
+// Boxes of three widths and many heights on a grid, on both sides of the origin. Most meet at their sides; a few
 // contain others.
-sample_contents layers_contents();
+sample_contents grid_contents();
 
 // small_contents() in the merged layout: a group of two draws and an empty one, one of two, and a draw that moves.
 sample_contents merged_contents();

@@ -91,10 +91,8 @@ void dump_box(const sightcell::format::box& b, std::FILE* out) {
 }
 
 void dump_cells(const sample_contents& contents, std::FILE* out) {
-  if (contents.lattice) {
-    std::fprintf(out, "%s %.17g %.17g\n", contents.lattice->layers ? "layers" : "lattice", contents.lattice->width,
-                 contents.lattice->height);
-  }
+  if (contents.lattice) std::fprintf(out, "lattice %.17g %.17g\n", contents.lattice->width, contents.lattice->height);
+  if (contents.grid) std::fprintf(out, "grid %.17g %.17g\n", contents.grid->width, contents.grid->height);
   for (std::size_t cell = 0; cell < contents.cells.size(); ++cell) {
     const auto& b = contents.cells[cell];
     std::fprintf(out, "cell %zu:", cell);

@@ -85,7 +85,7 @@ TEST(same_everywhere, golden_files) {
   expect_golden_text("v1_volumes", 77);
   expect_golden_text("v1_groups", 87);
   expect_golden_text("v1_viewpoints", 185);
-  expect_golden_text("v1_layers", 202);
+  expect_golden_text("v1_grid", 273);
 }
 TEST(same_everywhere, golden_files_of_version_0) {
   expect_golden_text("v0_tiny", 9, true);

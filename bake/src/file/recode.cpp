@@ -121,7 +121,11 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   now.layout = static_cast<host_layout>(layout);
   parts.settings = with_names(parts.settings, now);
   // Per cell: its number in the file that is read.
-  std::vector<std::uint32_t> before = old ? order_cells(parts) : std::vector<std::uint32_t>();
+  std::vector<std::uint32_t> before;
+  if (old)
+    before = order_cells(parts);
+  else
+    put_on_grid(parts);  // older files of this version have boxes instead
   const auto number_before = [&](std::uint32_t cell) { return before.empty() ? cell : before[cell]; };
   if (old || how.order || other_layout)
     order_polygons_of(parts, now.order, [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {

@@ -22,7 +22,10 @@ void permute(std::vector<Item>& items, std::span<const std::uint32_t> order) {
 
 std::vector<std::uint32_t> order_cells(format::file_parts& parts) {
   std::optional<cells_on_lattice> found = find_lattice(parts.cells, parts.settings);
-  if (!found) return {};
+  if (!found) {
+    put_on_grid(parts);
+    return {};
+  }
   permute(parts.cells, found->cells);
   if (!parts.certificate.empty()) permute(parts.certificate, found->cells);
   for (std::uint32_t i = 0; i < parts.certificate.size(); ++i) parts.certificate[i].cell = i;
@@ -31,6 +34,14 @@ std::vector<std::uint32_t> order_cells(format::file_parts& parts) {
   parts.lattice = found->shape;
   parts.places = std::move(found->places);
   return std::move(found->cells);
+}
+
+void put_on_grid(format::file_parts& parts) {
+  if (parts.lattice || parts.grid) return;
+  std::optional<cells_on_grid> found = find_grid(parts.cells, parts.settings);
+  if (!found) return;
+  parts.grid = found->step;
+  parts.grid_places = std::move(found->places);
 }
 
 void order_polygons_of(format::file_parts& parts, polygon_order_kind kind, const set_source& set_of) {

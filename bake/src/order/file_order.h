@@ -10,9 +10,13 @@
 namespace sightcell::bake {
 
 // Sorts cells into lattice order, with their certificates and viewpoints, if the settings text of parts names a lattice
-// and all cells are on it.
+// and all cells are on it. Else as put_on_grid().
 // Returns the previous number of each cell; empty if the cells were not sorted.
 std::vector<std::uint32_t> order_cells(format::file_parts& parts);
+
+// Stores cells that are boxes as boxes on a grid, if the settings text of parts names a lattice and all cells are of
+// whole steps. Cells keep their order: that of the bake, row by row, in which neighbors see much the same.
+void put_on_grid(format::file_parts& parts);
 
 // Appends the source ids of a cell, ascending, to an empty set.
 using set_source = std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& set)>;

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <utility>
 
+#include "cells/lattice.h"
 #include "sightcell/base/json_text.h"
 #include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/grid_boxes.h"
 #include "sightcell/format/writer.h"
 
 namespace sightcell::bake {
@@ -32,6 +35,13 @@ double doublings(double size, double cell_size) {
   return std::round(std::log2(size / cell_size));
 }
 
+// Returns the number of a border, nothing if it is too far from 0 for a lattice and for a grid.
+std::optional<std::int32_t> border_of(float at, double size) {
+  const double number = std::round(static_cast<double>(at) / size);
+  if (!(std::abs(number) < 1 << 30)) return std::nullopt;
+  return static_cast<std::int32_t>(number);
+}
+
 // Returns the lattice position of a box, nothing if the box is not a lattice cell.
 std::optional<format::lattice_place> place_of(const format::box& b, const format::lattice_shape& shape) {
   const double level = -doublings(width_of(b), shape.width);
@@ -42,13 +52,46 @@ std::optional<format::lattice_place> place_of(const format::box& b, const format
   const std::array<double, 3> size{width, shape.height_of(place.level), width};
   const std::array<std::int32_t*, 3> out{&place.x, &place.y, &place.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double at = std::round(static_cast<double>(b.min[axis]) / size[axis]);
-    if (!(std::abs(at) < 1 << 30)) return std::nullopt;
-    *out[axis] = static_cast<std::int32_t>(at);
+    const std::optional<std::int32_t> at = border_of(b.min[axis], size[axis]);
+    if (!at) return std::nullopt;
+    *out[axis] = *at;
   }
   const format::box exact = format::box_of(shape, place);
   if (exact.min != b.min || exact.max != b.max) return std::nullopt;
   return place;
+}
+
+// Returns the place of a box on a grid, nothing if the box is not of whole steps.
+std::optional<format::grid_box> place_on_grid(const format::box& b, const format::lattice_shape& step) {
+  const std::array<double, 3> size{step.width, step.height, step.width};
+  std::array<std::int32_t, 3> first{}, count{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::optional<std::int32_t> begin = border_of(b.min[axis], size[axis]);
+    const std::optional<std::int32_t> end = border_of(b.max[axis], size[axis]);
+    if (!begin || !end || !(*begin < *end)) return std::nullopt;
+    first[axis] = *begin;
+    count[axis] = *end - *begin;
+  }
+  const auto steps = [&](std::size_t axis) { return static_cast<std::uint32_t>(count[axis]); };
+  const format::grid_box place{first[0], first[1], first[2], steps(0), steps(1), steps(2)};
+  const format::box exact = format::box_of(step, place);
+  if (exact.min != b.min || exact.max != b.max) return std::nullopt;
+  return place;
+}
+
+std::optional<std::vector<format::grid_box>> places_on_grid(std::span<const format::box> cells,
+                                                            const format::lattice_shape& step) {
+  std::vector<format::grid_box> places;
+  for (const format::box& b : cells) {
+    const std::optional<format::grid_box> place = place_on_grid(b, step);
+    if (!place) return std::nullopt;
+    places.push_back(*place);
+  }
+  return places;
+}
+
+bool is_narrower(const format::box& a, const format::box& b) {
+  return width_of(a) < width_of(b);
 }
 
 }  // namespace
@@ -56,15 +99,13 @@ std::optional<format::lattice_place> place_of(const format::box& b, const format
 std::optional<cells_on_lattice> find_lattice(std::span<const format::box> cells, std::string_view settings) {
   const double cell_size = cell_size_of(settings);
   if (!(cell_size > 0.0) || cells.empty()) return std::nullopt;
-  // Level 0 is that of the widest cells. All cells are equally high: more than half the cell size where the lattice was
-  // made coarser for a large scene.
-  const auto narrower = [](const format::box& a, const format::box& b) { return width_of(a) < width_of(b); };
-  const auto [narrowest, widest] = std::minmax_element(cells.begin(), cells.end(), narrower);
-  const double height = static_cast<double>(widest->max[1]) - static_cast<double>(widest->min[1]);
-  const double low = doublings(width_of(*narrowest), cell_size), high = doublings(width_of(*widest), cell_size);
+  // Level 0 is that of the widest cells, whose width is more than the cell size where the lattice was made coarser for
+  // a large scene.
+  const format::box& widest = *std::max_element(cells.begin(), cells.end(), is_narrower);
+  const double height = static_cast<double>(widest.max[1]) - static_cast<double>(widest.min[1]);
   cells_on_lattice found;
-  found.shape = {cell_size * std::exp2(high), cell_size * std::exp2(doublings(2.0 * height, cell_size)) / 2.0,
-                 high > low};
+  found.shape = {cell_size * std::exp2(doublings(width_of(widest), cell_size)),
+                 cell_size * std::exp2(doublings(2.0 * height, cell_size)) / 2.0};
   std::vector<format::lattice_place> places;
   for (const format::box& b : cells) {
     const std::optional<format::lattice_place> place = place_of(b, found.shape);
@@ -82,6 +123,20 @@ std::optional<cells_on_lattice> find_lattice(std::span<const format::box> cells,
     return std::nullopt;  // two cells at the same position
   for (const std::uint32_t cell : found.cells) found.places.push_back(places[cell]);
   return found;
+}
+
+std::optional<cells_on_grid> find_grid(std::span<const format::box> cells, std::string_view settings) {
+  const double cell_size = cell_size_of(settings);
+  if (!(cell_size > 0.0) || cells.empty()) return std::nullopt;
+  const format::box& narrowest = *std::min_element(cells.begin(), cells.end(), is_narrower);
+  const double width = cell_size * std::exp2(doublings(width_of(narrowest), cell_size));
+  if (!std::isfinite(width)) return std::nullopt;
+  // Where all cells were merged, layers are lower than those of cells of this width.
+  for (double lattice_width = width; lattice_width >= cell_size; lattice_width /= 2.0) {
+    const format::lattice_shape step{width, lattice_width / lattice::layers_per_width};
+    if (auto places = places_on_grid(cells, step)) return cells_on_grid{step, std::move(*places)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace sightcell::bake

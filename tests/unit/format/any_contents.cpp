@@ -12,6 +12,7 @@
 
 #include "random_source.h"
 #include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/grid_boxes.h"
 #include "viewpoint_samples.h"
 
 namespace sightcell::test {
@@ -245,10 +246,9 @@ void choose_boxes(choices& choose, std::uint32_t cells, any_contents& out) {
   }
 }
 
-// Around the origin or far away, in layers or not, on one level or on several that overlap.
+// Around the origin or far away, on one level or on several that overlap.
 void choose_lattice(choices& choose, std::uint32_t cells, any_contents& out) {
-  out.lattice =
-      format::lattice_shape{choose.one_of({4.0, 0.75, 1.0 / 3.0}), choose.one_of({2.0, 1.5, 0.7}), choose.one_in(2)};
+  out.lattice = format::lattice_shape{choose.one_of({4.0, 0.75, 1.0 / 3.0}), choose.one_of({2.0, 1.5, 0.7})};
   const std::uint32_t levels = choose.one_of({1u, 2u, 4u});
   const std::int32_t middle = choose.one_of({0, 0, 5, -100000, 1 << 20});
   std::set<std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int32_t>> taken;
@@ -259,6 +259,21 @@ void choose_lattice(choices& choose, std::uint32_t cells, any_contents& out) {
   }
   std::sort(out.places.begin(), out.places.end(), format::lattice_comes_before);
   for (const format::lattice_place& place : out.places) out.cells.push_back(format::box_of(*out.lattice, place));
+}
+
+// Around the origin or far away, of a few steps or many. Some occur twice.
+void choose_grid(choices& choose, std::uint32_t cells, any_contents& out) {
+  out.grid = format::lattice_shape{choose.one_of({4.0, 0.75, 1.0 / 3.0}), choose.one_of({0.5, 0.09375, 0.7})};
+  const std::uint32_t most_steps = choose.one_of({1u, 8u, 1000u});
+  const std::int32_t middle = choose.one_of({0, 0, 5, -100000, 1 << 20});
+  const auto steps = [&] { return 1 + choose.below(most_steps); };
+  while (out.grid_places.size() < cells) {
+    const auto at = [&] { return choose.between(-9, 9); };
+    format::grid_box place{middle + at(), at(), at(), steps(), steps(), steps()};
+    if (!out.grid_places.empty() && choose.one_in(30)) place = out.grid_places.back();
+    out.grid_places.push_back(place);
+    out.cells.push_back(format::box_of(*out.grid, place));
+  }
 }
 
 void choose_certificate(choices& choose, any_contents& out) {
@@ -362,10 +377,16 @@ any_contents make_any_contents(std::uint32_t seed) {
   if (choose.one_in(5)) leave_orders_out(out);
   work_out_stored(out);
   const std::uint32_t cells = choose.one_of({0u, 1u, 2u, 5u, 30u, 63u, 64u, 65u, 130u, 200u});
-  if (choose.one_in(2)) {
-    choose_lattice(choose, cells, out);
-  } else {
-    choose_boxes(choose, cells, out);
+  switch (choose.below(3)) {
+    case 0:
+      choose_boxes(choose, cells, out);
+      break;
+    case 1:
+      choose_lattice(choose, cells, out);
+      break;
+    default:
+      choose_grid(choose, cells, out);
+      break;
   }
   if (!choose.one_in(3)) choose_certificate(choose, out);
   choose_sets(choose, out);

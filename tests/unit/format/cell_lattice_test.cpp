@@ -19,13 +19,12 @@ using namespace sightcell::format;
 using sightcell::test::random_source;
 
 constexpr lattice_shape shape{4.0, 2.0};
-constexpr lattice_shape in_layers{4.0, 2.0, true};
 
 bool same(const box& a, const box& b) {
   return a.min == b.min && a.max == b.max;
 }
 
-// A town of cells around the origin, some of them of levels 1 to 3.
+// A town of cells around the origin, some of them split.
 std::vector<lattice_place> random_places(std::uint32_t seed, std::size_t count) {
   random_source random(seed);
   std::vector<lattice_place> places;
@@ -33,7 +32,7 @@ std::vector<lattice_place> random_places(std::uint32_t seed, std::size_t count) 
     const auto any = [&](std::uint32_t most) {
       return static_cast<std::int32_t>(random() % (2 * most)) - static_cast<std::int32_t>(most);
     };
-    places.push_back({any(30), any(3), any(30), random() % 10 == 0 ? 1 + random() % 3 : 0u});
+    places.push_back({any(30), any(3), any(30), random() % 10 == 0 ? 1u : 0u});
   }
   std::sort(places.begin(), places.end(), lattice_comes_before);
   const auto equal = [](const lattice_place& a, const lattice_place& b) {
@@ -44,9 +43,9 @@ std::vector<lattice_place> random_places(std::uint32_t seed, std::size_t count) 
 }
 
 // In memory of exactly this size, so that the sanitizer detects a load after its end.
-std::vector<std::byte> written(const std::vector<lattice_place>& places, const lattice_shape& of = shape) {
+std::vector<std::byte> written(const std::vector<lattice_place>& places) {
   std::vector<std::byte> bytes;
-  EXPECT_TRUE(put_lattice(of, places, bytes));
+  EXPECT_TRUE(put_lattice(shape, places, bytes));
   bytes.shrink_to_fit();
   return bytes;
 }
@@ -62,9 +61,6 @@ TEST(cell_lattice, boxes_of_places) {
   const box b = box_of(shape, {-1, 3, 2, 0});
   EXPECT_TRUE(same(b, {{-4, 6, 8}, {0, 8, 12}}));
   EXPECT_TRUE(same(box_of(shape, {-1, 3, 2, 2}), {{-1, 1.5, 2}, {0, 2, 3}}));
-  EXPECT_TRUE(same(box_of(in_layers, {-1, 3, 2, 0}), b));
-  EXPECT_TRUE(same(box_of(in_layers, {-1, 3, 2, 2}), {{-1, 6, 2}, {0, 8, 3}}));
-  EXPECT_TRUE(same(box_of(in_layers, {5, -2, -9, 3}), {{2.5, -4, -4.5}, {3, -2, -4}}));
   // Adjacent cells share exact floats, for any width.
   const lattice_shape odd{0.7, 0.31};
   for (std::int32_t x = -1000; x < 1000; ++x) {
@@ -72,37 +68,19 @@ TEST(cell_lattice, boxes_of_places) {
   }
 }
 
-// Cells of all levels have exactly the same floor and ceiling, also where these are rounded.
-TEST(cell_lattice, cells_in_a_layer_are_equally_high) {
-  const lattice_shape odd{0.7, 0.31, true};
-  for (std::int32_t y = -1000; y < 1000; ++y) {
-    const box coarse = box_of(odd, {-1, y, 2, 0});
-    for (std::uint32_t level = 1; level <= max_lattice_level; ++level) {
-      const box fine = box_of(odd, {-1, y, 0, level});
-      ASSERT_EQ(fine.min[1], coarse.min[1]);
-      ASSERT_EQ(fine.max[1], coarse.max[1]);
-      ASSERT_EQ(fine.min[0], static_cast<float>(std::ldexp(-0.7, -static_cast<int>(level))));
-    }
-    ASSERT_EQ(coarse.max[1], box_of(odd, {0, y + 1, 0, 3}).min[1]);
-  }
-}
-
 TEST(cell_lattice, every_cell_has_its_box) {
-  for (const lattice_shape& each : {shape, in_layers}) {
-    for (const std::size_t count : {1u, 5u, 64u, 3000u}) {
-      const auto places = random_places(static_cast<std::uint32_t>(count), count);
-      const auto bytes = written(places, each);
-      cell_lattice lattice;
-      ASSERT_TRUE(lattice.open(bytes, static_cast<std::uint32_t>(places.size()), each.layers));
-      EXPECT_EQ(lattice.shape().layers, each.layers);
-      box b;
-      for (std::uint32_t cell = 0; cell < places.size(); ++cell) {
-        ASSERT_TRUE(lattice.cell_box(cell, b));
-        ASSERT_TRUE(same(b, box_of(each, places[cell])));
-      }
-      EXPECT_FALSE(lattice.cell_box(static_cast<std::uint32_t>(places.size()), b));
-      EXPECT_FALSE(lattice.cell_box(0xFFFFFFFF, b));
+  for (const std::size_t count : {1u, 5u, 64u, 3000u}) {
+    const auto places = random_places(static_cast<std::uint32_t>(count), count);
+    const auto bytes = written(places);
+    cell_lattice lattice;
+    ASSERT_TRUE(lattice.open(bytes, static_cast<std::uint32_t>(places.size())));
+    box b;
+    for (std::uint32_t cell = 0; cell < places.size(); ++cell) {
+      ASSERT_TRUE(lattice.cell_box(cell, b));
+      ASSERT_TRUE(same(b, box_of(shape, places[cell])));
     }
+    EXPECT_FALSE(lattice.cell_box(static_cast<std::uint32_t>(places.size()), b));
+    EXPECT_FALSE(lattice.cell_box(0xFFFFFFFF, b));
   }
 }
 
@@ -114,7 +92,7 @@ TEST(cell_lattice, chunks_are_eight_by_eight) {
   const auto bytes = written(places);
   EXPECT_LT(bytes.size(), 20u + 7 * packed_columns::descriptor_size + 8);  // four full chunks: almost no bytes
   cell_lattice lattice;
-  ASSERT_TRUE(lattice.open(bytes, 256, false));
+  ASSERT_TRUE(lattice.open(bytes, 256));
   ASSERT_EQ(lattice.chunk_count(), 4u);
   const lattice_chunk second = lattice.chunk(1);
   EXPECT_EQ(second.x, 0);
@@ -126,11 +104,11 @@ TEST(cell_lattice, chunks_are_eight_by_eight) {
 TEST(cell_lattice, no_cells_at_all) {
   const auto bytes = written({});
   cell_lattice lattice;
-  EXPECT_TRUE(lattice.open(bytes, 0, false));
-  EXPECT_FALSE(lattice.open(bytes, 1, false));
+  EXPECT_TRUE(lattice.open(bytes, 0));
+  EXPECT_FALSE(lattice.open(bytes, 1));
   box b;
   EXPECT_FALSE(lattice.cell_box(0, b));
-  EXPECT_FALSE(lattice.open(with_number(bytes, 8, static_cast<double>(INFINITY)), 0, false));
+  EXPECT_FALSE(lattice.open(with_number(bytes, 8, static_cast<double>(INFINITY)), 0));
 }
 
 TEST(cell_lattice, chunks_without_cells_are_refused) {
@@ -146,8 +124,8 @@ TEST(cell_lattice, chunks_without_cells_are_refused) {
     return bytes;
   };
   cell_lattice lattice;
-  EXPECT_TRUE(lattice.open(bytes_of(1), 3, false));
-  EXPECT_FALSE(lattice.open(bytes_of(0), 2, false));
+  EXPECT_TRUE(lattice.open(bytes_of(1), 3));
+  EXPECT_FALSE(lattice.open(bytes_of(0), 2));
 }
 
 TEST(cell_lattice, places_that_are_none_are_not_written) {
@@ -157,9 +135,10 @@ TEST(cell_lattice, places_that_are_none_are_not_written) {
   EXPECT_FALSE(put_lattice(shape, std::vector{a, a}, bytes));
   EXPECT_FALSE(put_lattice({1e38, 1.0}, std::vector<lattice_place>{{5, 0, 0, 0}}, bytes));       // infinite
   EXPECT_FALSE(put_lattice({1.0, 1.0}, std::vector<lattice_place>{{1 << 28, 0, 0, 0}}, bytes));  // min is max in floats
-  EXPECT_FALSE(put_lattice({1e10, 1.0, true}, std::vector<lattice_place>{{0, 0, 0, max_lattice_level + 1}}, bytes));
+  EXPECT_FALSE(put_lattice({0.0, 1.0}, std::vector<lattice_place>{}, bytes));
+  EXPECT_FALSE(put_lattice({1e10, 1e10}, std::vector<lattice_place>{{0, 0, 0, max_lattice_level + 1}}, bytes));
   EXPECT_TRUE(bytes.empty());
-  EXPECT_TRUE(put_lattice({1e10, 1.0, true}, std::vector<lattice_place>{{0, 0, 0, max_lattice_level}}, bytes));
+  EXPECT_TRUE(put_lattice({1e10, 1e10}, std::vector<lattice_place>{{0, 0, 0, max_lattice_level}}, bytes));
 }
 
 TEST(cell_lattice, other_shapes_and_counts_are_refused) {
@@ -167,17 +146,17 @@ TEST(cell_lattice, other_shapes_and_counts_are_refused) {
   const auto bytes = written(places);
   const auto count = static_cast<std::uint32_t>(places.size());
   cell_lattice lattice;
-  EXPECT_TRUE(lattice.open(bytes, count, false));
-  EXPECT_FALSE(lattice.open(bytes, count - 1, false));
-  EXPECT_FALSE(lattice.open(bytes, count + 1, false));
+  EXPECT_TRUE(lattice.open(bytes, count));
+  EXPECT_FALSE(lattice.open(bytes, count - 1));
+  EXPECT_FALSE(lattice.open(bytes, count + 1));
   for (const std::size_t at : {std::size_t{0}, std::size_t{8}}) {
     for (const double bad : {0.0, -4.0, std::nan(""), static_cast<double>(INFINITY)}) {
-      EXPECT_FALSE(lattice.open(with_number(bytes, at, bad), count, false)) << at << " " << bad;
+      EXPECT_FALSE(lattice.open(with_number(bytes, at, bad), count)) << at << " " << bad;
     }
   }
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
-    EXPECT_FALSE(lattice.open(cut, count, false)) << size;
+    EXPECT_FALSE(lattice.open(cut, count)) << size;
   }
 }
 
@@ -196,7 +175,7 @@ TEST(cell_lattice, changed_bytes_make_boxes_or_errors) {
       b ^= static_cast<std::byte>(1u << random() % 8);
     }
     cell_lattice lattice;
-    if (!lattice.open(changed, count, false)) continue;
+    if (!lattice.open(changed, count)) continue;
     ++accepted;
     std::vector<std::array<float, 3>> corners;
     for (std::uint32_t cell = 0; cell < count; ++cell) {

@@ -30,9 +30,9 @@ TEST(file_parts, make_the_same_file_again) {
   put_in_order(contents, 6);
   contents.facts.slack = 0.125f;
   expect_same_file(contents);
-  put_on_lattice(contents);
+  put_on_grid(contents);
   expect_same_file(contents);
-  put_on_lattice(contents, true);
+  put_on_lattice(contents);
   expect_same_file(contents);
   put_in_groups(contents, 7);
   expect_same_file(contents);

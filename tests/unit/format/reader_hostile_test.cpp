@@ -77,6 +77,7 @@ status use_everything(const reader& file) {
   for (std::uint32_t i = 0; i <= file.range_unit_count(); ++i) static_cast<void>(file.range_unit_begin(i));
   for (std::uint32_t i = 0; file.lattice() != nullptr && i < file.lattice()->chunk_count(); ++i)
     static_cast<void>(file.lattice()->chunk(i));
+  if (file.grid() != nullptr) static_cast<void>(file.grid()->place(file.cell_count()));
   std::size_t text = 0;
   for (const char letter : file.settings()) text += letter == '{' ? 1 : 0;
   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
@@ -127,14 +128,14 @@ std::vector<std::vector<std::byte>> all_kinds() {
   sample_contents on_lattice = small_contents();
   put_in_order(on_lattice, 8);
   put_on_lattice(on_lattice);
-  sample_contents in_layers = tiny_contents();
-  put_on_lattice(in_layers, true);
+  sample_contents on_grid = tiny_contents();
+  put_on_grid(on_grid);
   sample_contents merged = small_contents();
   add_draws(merged, 300, 9);
   put_in_groups(merged, 3);
   sample_contents with_volumes = tiny_contents();
   add_volumes(with_volumes, 40, 5);
-  return {small_contents().encode(), on_lattice.encode(),   in_layers.encode(),
+  return {small_contents().encode(), on_lattice.encode(),   on_grid.encode(),
           merged.encode(),           with_volumes.encode(), golden_file("v0_small")};
 }
 

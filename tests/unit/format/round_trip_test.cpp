@@ -33,7 +33,7 @@ std::uint32_t number_in_environment(const char* name, std::uint32_t otherwise) {
 
 // Counts each kind, so that a missing one is noticed.
 struct kinds_met {
-  std::uint32_t merged = 0, on_lattice = 0, in_layers = 0, shared_orders = 0, source_orders = 0, moving = 0,
+  std::uint32_t merged = 0, on_lattice = 0, on_grid = 0, shared_orders = 0, source_orders = 0, moving = 0,
                 no_polygons = 0;
   std::uint32_t own = 0, first_differences = 0, second_differences = 0, shared_rows = 0;
   std::uint32_t empty_sets = 0, full_sets = 0, sets_of_one = 0, widened_sets = 0, chunks = 0, overlapping = 0;
@@ -117,7 +117,11 @@ void expect_cells(const any_contents& in, const reader& file) {
   if (in.lattice) {
     EXPECT_EQ(file.lattice()->shape().width, in.lattice->width);
     EXPECT_EQ(file.lattice()->shape().height, in.lattice->height);
-    EXPECT_EQ(file.lattice()->shape().layers, in.lattice->layers);
+  }
+  ASSERT_EQ(file.grid() != nullptr, in.grid.has_value());
+  if (in.grid) {
+    EXPECT_EQ(file.grid()->step().width, in.grid->width);
+    EXPECT_EQ(file.grid()->step().height, in.grid->height);
   }
   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
     box b;
@@ -434,8 +438,8 @@ void expect_runtime(const any_contents& in, const reader& file, const read_sets&
 
 void count_kinds(const any_contents& in, const reader& file, kinds_met& met) {
   met.merged += in.facts.layout == host_layout::merged ? 1 : 0;
-  met.on_lattice += in.lattice && !in.lattice->layers ? 1 : 0;
-  met.in_layers += in.lattice && in.lattice->layers ? 1 : 0;
+  met.on_lattice += in.lattice ? 1 : 0;
+  met.on_grid += in.grid ? 1 : 0;
   met.shared_orders += in.facts.layout == host_layout::instanced && in.orders.size() < in.draws.size() ? 1 : 0;
   met.source_orders += in.orders_left_out ? 1 : 0;
   met.no_polygons += in.facts.polygon_count == 0 ? 1 : 0;
@@ -495,7 +499,7 @@ TEST(round_trip, contents_of_any_kind_come_back) {
     ASSERT_FALSE(HasFailure());
   }
   if (rounds < usual_rounds || step > 1) return;
-  for (const std::uint32_t count : {met.merged, met.on_lattice, met.in_layers, met.shared_orders, met.source_orders,
+  for (const std::uint32_t count : {met.merged, met.on_lattice, met.on_grid, met.shared_orders, met.source_orders,
                                     met.moving, met.no_polygons, met.own, met.first_differences, met.second_differences,
                                     met.shared_rows, met.empty_sets, met.full_sets, met.sets_of_one, met.widened_sets,
                                     met.overlapping, met.volumes, met.from_polygons_on, met.widened_with_volumes}) {

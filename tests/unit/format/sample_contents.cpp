@@ -169,8 +169,9 @@ void put_in_groups(sample_contents& contents, std::uint32_t seed) {
   }
 }
 
-void put_on_lattice(sample_contents& contents, bool layers) {
-  contents.lattice = format::lattice_shape{4.0, 2.0, layers};
+void put_on_lattice(sample_contents& contents) {
+  contents.lattice = format::lattice_shape{4.0, 2.0};
+  contents.grid.reset();
   contents.places.clear();
   const auto cells = static_cast<int>(contents.cells.size());
   for (int i = 0; i < cells; ++i) {
@@ -180,6 +181,20 @@ void put_on_lattice(sample_contents& contents, bool layers) {
   std::sort(contents.places.begin(), contents.places.end(), format::lattice_comes_before);
   for (std::size_t i = 0; i < contents.cells.size(); ++i)
     contents.cells[i] = format::box_of(*contents.lattice, contents.places[i]);
+}
+
+void put_on_grid(sample_contents& contents) {
+  contents.grid = format::lattice_shape{1.4, 0.175};
+  contents.lattice.reset();
+  contents.places.clear();
+  contents.grid_places.clear();
+  for (std::size_t cell = 0; cell < contents.cells.size(); ++cell) {
+    const auto i = static_cast<std::int32_t>(cell);
+    const auto more = static_cast<std::uint32_t>(i % 5);
+    contents.grid_places.push_back(
+        {3 * (i % 9 - 4), 11 * (i / 9 % 2) - 7, 2 * (i / 18) - 9, 2 + more % 2, 8 + more, 2 + more / 3});
+    contents.cells[cell] = format::box_of(*contents.grid, contents.grid_places.back());
+  }
 }
 
 void add_volumes(sample_contents& contents, std::uint32_t count, std::uint32_t seed) {

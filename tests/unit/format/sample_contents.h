@@ -40,9 +40,10 @@ sample_contents tiny_contents();
 void put_in_order(sample_contents& contents, std::uint32_t seed);
 // The draws of some contents in the merged layout: groups of a few materials, some draws that move, random orders.
 void put_in_groups(sample_contents& contents, std::uint32_t seed);
-// Moves the cells of some contents to a lattice: cells of 4 m around the origin, then of half the size, or in layers of
-// half the width.
-void put_on_lattice(sample_contents& contents, bool layers = false);
+// Moves the cells of some contents to a lattice: cells of 4 m around the origin, then of half the size.
+void put_on_lattice(sample_contents& contents);
+// Moves them to a grid: boxes of several widths and heights around the origin, some of which overlap.
+void put_on_grid(sample_contents& contents);
 // Adds volumes around the origin. The set of each cell has none of them, all, or mostly those of the cell before.
 void add_volumes(sample_contents& contents, std::uint32_t count, std::uint32_t seed);
 // All features of the format in one small file: three draws (one empty), 67 cells in two chunks, own, delta and shared

@@ -255,6 +255,33 @@ TEST(writer, lattices_that_are_none) {
   refused([](sample_contents& c) { c.lattice->height = 0.0; });
 }
 
+TEST(writer, grids_that_are_none) {
+  const auto refused = [](auto change) {
+    sample_contents contents = small_contents();
+    put_on_grid(contents);
+    change(contents);
+    EXPECT_EQ(outcome(contents), status::argument);
+  };
+  refused([](sample_contents& c) { c.grid_places[4].steps_y = 0; });
+  refused([](sample_contents& c) { c.grid_places[4].x = 1 << 30; });  // too far for a float
+  refused([](sample_contents& c) { c.grid_places.pop_back(); });
+  refused([](sample_contents& c) { c.grid->width = std::nan(""); });
+  refused([](sample_contents& c) { c.grid->height = 0.0; });
+  sample_contents contents = small_contents();
+  put_on_grid(contents);
+  const lattice_cells lattice{*contents.grid, {}};
+  const std::vector<box> boxes = contents.cells;
+  for (const bool with_boxes : {false, true}) {
+    file_contents both = contents.view();
+    if (with_boxes)
+      both.cells = boxes;
+    else
+      both.lattice = lattice;
+    std::vector<std::byte> bytes;
+    EXPECT_EQ(encode(both, bytes), status::argument);
+  }
+}
+
 // Draws of one mesh share one order, and it is there once.
 TEST(writer, a_shared_order_is_stored_once) {
   sample_contents contents;

@@ -148,9 +148,9 @@ TEST(cell_walk, slowly_among_small_boxes) {
   }
 }
 
-// Four widths of one height: most cells tile their layer, and some contain others. The smallest wins.
-TEST(cell_walk, lattice_of_layers) {
-  walk(layers_contents(), 4, 40000);
+// Several widths and heights: most cells meet at their sides, and some contain others. The smallest wins.
+TEST(cell_walk, boxes_on_a_grid) {
+  walk(grid_contents(), 4, 40000);
 }
 
 TEST(cell_walk, one_box_inside_another) {

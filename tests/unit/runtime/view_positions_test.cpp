@@ -126,7 +126,8 @@ TEST(view_positions, boxes_over_random_files) {
   for (const std::uint32_t seed : {1u, 2u, 3u, 4u, 5u}) {
     sample_contents contents =
         random_contents(seed, {.polygons = 700, .draws = 30, .cells = 300, .overlapping = seed == 2});
-    if (seed == 3 || seed == 5) put_on_lattice(contents, seed == 5);
+    if (seed == 3) put_on_lattice(contents);
+    if (seed == 5) put_on_grid(contents);
     if (seed == 4) put_in_groups(contents, 9);
     const loaded_file file(contents);
     const test_view view(file.db());
@@ -275,10 +276,9 @@ TEST(view_positions, outside_with_the_nearest_cell) {
 
 TEST(view_positions, the_nearest_cell_along_a_walk_outside) {
   random_source random(82);
-  for (const int kind : {0, 1, 2}) {
-    sample_contents contents =
-        random_contents(6, {.polygons = 400, .draws = 9, .cells = 200, .overlapping = kind == 0});
-    if (kind > 0) put_on_lattice(contents, kind == 2);
+  for (const bool lattice : {false, true}) {
+    sample_contents contents = random_contents(6, {.polygons = 400, .draws = 9, .cells = 200, .overlapping = !lattice});
+    if (lattice) put_on_lattice(contents);
     for (std::uint32_t i = 0; i < contents.sets.size(); ++i) contents.sets[i] = {i};  // which cell it is
     const loaded_file file(contents);
     test_view view(file.db());

@@ -42,9 +42,9 @@ class cell_lattice {
   // A lattice without cells.
   cell_lattice() noexcept = default;
 
-  // Opens a lattice. bytes: the lattice and nothing after it; not copied. layers: of its shape. False, and unchanged,
-  // unless it has exactly `cells` cells with valid boxes, all different, in the order of SPEC.md. O(cells).
-  [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t cells, bool layers) noexcept;
+  // Opens a lattice. bytes: the lattice and nothing after it; not copied. False, and unchanged, unless it has exactly
+  // `cells` cells with valid boxes, all different, in the order of SPEC.md. O(cells).
+  [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t cells) noexcept;
 
   [[nodiscard]] const lattice_shape& shape() const noexcept { return shape_; }
   [[nodiscard]] std::uint32_t chunk_count() const noexcept { return chunks_; }

@@ -77,7 +77,7 @@ inline constexpr std::uint64_t viewpoints_head_size = 4;
 // The cells section of version 1 begins with one of these.
 inline constexpr std::uint32_t cells_are_boxes = 0;
 inline constexpr std::uint32_t cells_are_on_lattice = 1;
-inline constexpr std::uint32_t cells_are_in_layers = 2;  // on a lattice of layers
+inline constexpr std::uint32_t cells_are_on_grid = 2;  // boxes of whole steps
 
 // Limits. The reader and the writer reject a file beyond one of them with status::limit.
 inline constexpr std::uint32_t max_polygons = 0xFFFFFFFEu;  // including the volumes

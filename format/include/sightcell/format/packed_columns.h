@@ -50,4 +50,8 @@ class packed_column {
   std::uint32_t rows_ = 0;
 };
 
+// Opens all columns of a table: out has one for each. bytes, rows, result: as for packed_columns::open.
+[[nodiscard]] bool open_columns(std::span<const std::byte> bytes, std::uint32_t rows,
+                                std::span<packed_column> out) noexcept;
+
 }  // namespace sightcell::format

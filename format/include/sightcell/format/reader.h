@@ -24,6 +24,7 @@
 #include <string_view>
 
 #include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/grid_boxes.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/named_group_table.h"
 #include "sightcell/format/packed_columns.h"
@@ -156,8 +157,15 @@ class reader {
   // orders().
   status source_of_stored(std::span<std::uint32_t> out) const noexcept;
 
-  // The lattice of the cells, chunk by chunk, for cell lookups. Null if cells are boxes.
-  [[nodiscard]] const cell_lattice* lattice() const noexcept { return on_lattice_ ? &lattice_ : nullptr; }
+  // The lattice of the cells, chunk by chunk, for cell lookups. Null unless cells are on one.
+  [[nodiscard]] const cell_lattice* lattice() const noexcept {
+    return cell_kind_ == layout::cells_are_on_lattice ? &lattice_ : nullptr;
+  }
+
+  // The places of the cells on their grid, for tools. Null unless cells are on one.
+  [[nodiscard]] const grid_boxes* grid() const noexcept {
+    return cell_kind_ == layout::cells_are_on_grid ? &grid_ : nullptr;
+  }
 
   // The named groups of the file, mostly none. draw_record::named_group is a number in it.
   [[nodiscard]] const named_group_table& named_groups() const noexcept { return named_groups_; }
@@ -318,8 +326,9 @@ class reader {
   bool has_volumes_ = false;
   bool has_named_groups_ = false;
   bool has_viewpoints_ = false;
-  bool on_lattice_ = false;
+  std::uint32_t cell_kind_ = layout::cells_are_boxes;
   cell_lattice lattice_;
+  grid_boxes grid_;
   volume_table volumes_;
   named_group_table named_groups_;
   viewpoint_table viewpoints_;

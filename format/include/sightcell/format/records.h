@@ -62,24 +62,27 @@ struct run {
 };
 
 // Position of a cell on a lattice. Cells of level 0 are lattice_shape::width wide and deep and lattice_shape::height
-// high. Those of each further level are half as wide and deep. They are also half as high, unless the lattice is one of
-// layers. The cell at (x, y, z) begins at (x w, y h, z w), with w and h the sizes of its level.
+// high, those of each further level half as large. The cell at (x, y, z) begins at (x w, y h, z w), with w and h the
+// sizes of its level.
 struct lattice_place {
   std::int32_t x = 0, y = 0, z = 0;
   std::uint32_t level = 0;
 };
 
-// Size of cells of level 0, or of volumes, in meters. Both finite and above 0.
+// Size of cells of level 0, of volumes, or of the steps of a grid, in meters. Both finite and above 0.
 struct lattice_shape {
   double width = 0.0;
   double height = 0.0;
-  bool layers = false;  // cells of all levels are equally high; never so for volumes
 
   // The sizes of cells of a level, which is at most 31. The divisions are exact, and less code than std::ldexp.
   [[nodiscard]] double width_of(std::uint32_t level) const noexcept { return width / (std::uint32_t{1} << level); }
-  [[nodiscard]] double height_of(std::uint32_t level) const noexcept {
-    return height / (std::uint32_t{1} << (layers ? 0 : level));
-  }
+  [[nodiscard]] double height_of(std::uint32_t level) const noexcept { return height / (std::uint32_t{1} << level); }
+};
+
+// A box of whole steps of a grid. It begins at (x w, y h, z w), with w and h the width and height of a step.
+struct grid_box {
+  std::int32_t x = 0, y = 0, z = 0;
+  std::uint32_t steps_x = 1, steps_y = 1, steps_z = 1;  // each at least 1
 };
 
 // Facts about the whole file.

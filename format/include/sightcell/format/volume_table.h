@@ -1,6 +1,7 @@
 #pragma once
 // Visibility volumes (SPEC.md, "Volumes"): boxes on a lattice that are members of sets like polygons, and that nothing
 // draws. The counterpart for writing is volume_table_writer.h.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -44,7 +45,7 @@ class volume_table {
  private:
   lattice_shape shape_;
   std::uint32_t count_ = 0;
-  packed_column x_, y_, z_;
+  std::array<packed_column, layout::volume_columns> columns_;  // x, y, z
 };
 
 }  // namespace sightcell::format

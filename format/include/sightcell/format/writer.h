@@ -45,6 +45,13 @@ struct lattice_cells {
   std::span<const lattice_place> places;  // one per cell
 };
 
+// Cells that are boxes of whole steps of a grid, in any order and of any sizes. They take about a seventh of the
+// bytes of boxes.
+struct grid_cells {
+  lattice_shape step;                // the size of a step
+  std::span<const grid_box> places;  // one per cell
+};
+
 // Visibility volumes (SPEC.md, "Volumes"). shape: of one volume. Positions are of level 0, in the order of the file.
 struct lattice_volumes {
   lattice_shape shape;
@@ -71,8 +78,9 @@ struct file_contents {
   std::span<const draw_record> draws;
   std::span<const std::string> named_groups;  // their names, not empty; draw_record::named_group is an index
   stored_order order;                         // without orders: each draw, or draw group, in source order
-  std::span<const box> cells;                 // a cell's number is its index here; empty for cells on a lattice
+  std::span<const box> cells;                 // a cell's number is its index here; empty for cells on a lattice or grid
   std::optional<lattice_cells> lattice;
+  std::optional<grid_cells> grid;  // none beside a lattice
   lattice_volumes volumes;
   cell_set_source cell_sets;
   std::span<const certificate_record> certificate;  // empty, or one per cell in cell order

@@ -109,6 +109,28 @@ TEST_F(recode_test, an_order_changes_no_set) {
   }
 }
 
+TEST_F(recode_test, boxes_of_whole_steps_are_on_a_grid_then) {
+  sample_contents contents = some_contents();
+  (void)recoded(contents.encode(), {});
+  EXPECT_EQ(test::stored_file(bytes_).reader().grid(), nullptr) << "cells by hand";
+  contents.settings = R"({"cells":"automatic","cell_size":1})";
+  const auto boxes = contents.encode();
+  (void)recoded(boxes, {});
+  EXPECT_LT(bytes_.size() + 150 * 20, boxes.size());
+  const auto made = bytes_;
+  test::stored_file file(bytes_);
+  EXPECT_NE(file.reader().grid(), nullptr);
+  for (std::uint32_t cell = 0; cell < 150; ++cell) {
+    format::box b;
+    EXPECT_EQ(file.reader().cell_box(cell, b), format::status::ok);
+    EXPECT_EQ(b.min, contents.cells[cell].min);
+    EXPECT_EQ(b.max, contents.cells[cell].max);
+    EXPECT_EQ(file.set(cell), contents.sets[cell]);
+  }
+  (void)recoded(made, {});
+  EXPECT_TRUE(bytes_ == made);
+}
+
 TEST_F(recode_test, a_merged_file_stays_one) {
   sample_contents contents = some_contents();
   test::put_in_groups(contents, 9);

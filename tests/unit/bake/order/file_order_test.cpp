@@ -17,7 +17,7 @@ format::file_parts cells_from_last_to_first() {
   for (std::int32_t z = 9; z >= -9; --z)
     for (std::int32_t x = 9; x >= -9; --x) {
       const auto cell = static_cast<std::uint32_t>(parts.cells.size());
-      parts.cells.push_back(format::box_of({4.0, 2.0}, {x, 0, z, 0}));
+      parts.cells.push_back(format::box_of({4.0, 2.0}, format::lattice_place{x, 0, z, 0}));
       const std::uint32_t number = static_cast<std::uint32_t>(20 * (x + 10) + z + 10);
       parts.certificate.push_back({.cell = cell, .rays = number});
       parts.viewpoints.push_back({.cell = cell, .outside_share = number / 1000.0, .region = {std::byte{0x12}}});
@@ -45,6 +45,25 @@ TEST(file_order, records_follow_their_cells) {
   parts.viewpoints.clear();
   EXPECT_EQ(order_cells(parts), numbers) << "a file may have neither";
   EXPECT_TRUE(parts.viewpoints.empty());
+  EXPECT_FALSE(parts.grid);
+}
+
+TEST(file_order, cells_of_several_heights_keep_their_order) {
+  format::file_parts parts = cells_from_last_to_first();
+  parts.cells[5].max[1] = 1.5f;
+  const format::file_parts before = parts;
+  EXPECT_TRUE(order_cells(parts).empty());
+  EXPECT_FALSE(parts.lattice);
+  ASSERT_TRUE(parts.grid);
+  ASSERT_EQ(parts.grid_places.size(), before.cells.size());
+  EXPECT_EQ(parts.grid_places[4].x, 5);
+  EXPECT_EQ(parts.grid_places[4].steps_y, 4u);
+  EXPECT_EQ(parts.grid_places[5].steps_y, 3u);
+  EXPECT_EQ(parts.certificate[7].rays, before.certificate[7].rays);
+  const format::file_contents contents = parts.contents({});
+  EXPECT_TRUE(contents.cells.empty());
+  ASSERT_TRUE(contents.grid);
+  EXPECT_EQ(contents.grid->places.size(), before.cells.size());
 }
 
 }  // namespace

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "cells/lattice.h"
 #include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/grid_boxes.h"
 #include "sightcell/format/writer.h"
 
 namespace sightcell::bake {
@@ -56,28 +58,66 @@ TEST(find_lattice, finds_the_lattice_of_a_bake) {
   EXPECT_TRUE(find_lattice(boxes_of(4.0), settings_with("4", "grid")));
 }
 
-// Cells of several widths in layers of one height; the second time in layers of twice the height, as they are where a
-// large scene made the lattice coarser.
-TEST(find_lattice, finds_merged_cells) {
-  for (const double coarser : {1.0, 2.0}) {
-    const lattice on(1.7f * coarser);
-    std::vector<format::box> boxes;
-    for (std::int32_t level = 1; level <= 3; ++level)
-      for (std::int64_t x = -3; x < 4; ++x) {
-        const view_cell c = on.cell({.z = 4 * level - 9, .y = level - 2, .x = x, .level = level});
-        boxes.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
-      }
-    const auto found = find_lattice(boxes, settings_with("1.7"));
-    ASSERT_TRUE(found);
-    EXPECT_TRUE(found->shape.layers);
-    EXPECT_EQ(found->shape.width, static_cast<double>(1.7f) * coarser * 8.0);
-    expect_same_boxes(boxes, *found);
-    boxes.resize(7);  // all of one width
-    const auto of_one_width = find_lattice(boxes, settings_with("1.7"));
-    ASSERT_TRUE(of_one_width);
-    EXPECT_FALSE(of_one_width->shape.layers);
-    expect_same_boxes(boxes, *of_one_width);
+void expect_same_boxes(const std::vector<format::box>& boxes, const cells_on_grid& found) {
+  ASSERT_EQ(found.places.size(), boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const format::box b = format::box_of(found.step, found.places[i]);
+    EXPECT_EQ(b.min, boxes[i].min);
+    EXPECT_EQ(b.max, boxes[i].max);
   }
+}
+
+// The boxes of cells over floors, of these levels, with heights of one to seven layers.
+std::vector<format::box> boxes_over_floors(double cell_size, std::int32_t first_level, std::int32_t last_level) {
+  const lattice on = lattice::over_floors(cell_size);
+  std::vector<format::box> boxes;
+  for (std::int32_t level = first_level; level <= last_level; ++level)
+    for (std::int32_t x = -3; x < 4; ++x) {
+      const view_cell c = on.cell({.z = 4 * level - 9, .y = 3 * x - level, .x = x, .level = level, .layers = 4 + x});
+      boxes.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
+    }
+  return boxes;
+}
+
+// Also cells that were all merged, and cells that were made twice as large for a large scene.
+TEST(find_lattice, finds_the_grid_of_a_bake) {
+  for (const double coarser : {1.0, 2.0})
+    for (const std::int32_t level : {0, 1, 3}) {
+      const double size = static_cast<double>(1.7f) * coarser;
+      const auto boxes = boxes_over_floors(size, level, level + 2);
+      EXPECT_FALSE(find_lattice(boxes, settings_with("1.7")));
+      const auto found = find_grid(boxes, settings_with("1.7"));
+      ASSERT_TRUE(found) << coarser << " " << level;
+      EXPECT_EQ(found->step.width, size * (1 << level));
+      if (level == 0) {
+        EXPECT_EQ(found->step.height, size / 8.0);
+      }
+      expect_same_boxes(boxes, *found);
+    }
+  const auto boxes = boxes_over_floors(4.0, 0, 2);
+  const auto found = find_grid(boxes, settings_with("4", "grid"));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->places[1].x, -2);
+  EXPECT_EQ(found->places[1].steps_y, 2u);
+  EXPECT_EQ(found->places[20].steps_x, 4u);
+}
+
+TEST(find_lattice, boxes_beside_the_grid_are_boxes) {
+  auto boxes = boxes_over_floors(4.0, 0, 2);
+  EXPECT_FALSE(find_grid(boxes, settings_with("4", "file")));
+  EXPECT_FALSE(find_grid(boxes, settings_with("4", "given")));
+  EXPECT_FALSE(find_grid(boxes, settings_with("3")));
+  EXPECT_FALSE(find_grid(boxes, settings_with("-4")));
+  EXPECT_FALSE(find_grid(boxes, settings_with("1e-30"))) << "steps without number";
+  EXPECT_FALSE(find_grid(boxes, ""));
+  EXPECT_FALSE(find_grid({}, settings_with("4")));
+  EXPECT_TRUE(find_grid(boxes, settings_with("4")));
+  boxes.push_back(boxes.front());
+  EXPECT_TRUE(find_grid(boxes, settings_with("4"))) << "the same box twice";
+  boxes[7].max[1] = std::nextafter(boxes[7].max[1], 1000.0f);
+  EXPECT_FALSE(find_grid(boxes, settings_with("4")));
+  boxes[7] = {{0, 0, 0}, {1e30f, 4, 4}};
+  EXPECT_FALSE(find_grid(boxes, settings_with("4")));
 }
 
 TEST(find_lattice, cells_by_hand_keep_their_numbers) {
