@@ -39,6 +39,7 @@ view_cell explicit_cell(const cell_box& box, std::size_t number, const std::stri
     cell.min[static_cast<int>(axis)] = box.min[axis];
     cell.max[static_cast<int>(axis)] = box.max[axis];
   }
+  cell.floor = static_cast<double>(cell.min.y);
   for (const auto& corner : {box.min, box.max}) {
     for (const float value : corner)
       // + 0 turns -0 into 0, so that both hash alike.

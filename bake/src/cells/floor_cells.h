@@ -8,16 +8,18 @@
 
 namespace sightcell::bake {
 
-// A cell and what view_cell::floor_area says of it.
+// A cell with view_cell::floor_area and view_cell::floor.
 struct floor_cell {
   lattice_position position;
   double area = 0.0;
+  double floor = 0.0;
 };
 
 // Layers of a lattice that contain the eyes above a piece of floor.
 struct eye_layers {
   std::int64_t first = 0, end = 0;  // end is not one of them
   double area = 0.0;                // of the floor, square meters
+  double floor = 0.0;               // its height, meters
 };
 
 // Adds the cells of one lattice column. Eyes whose layers overlap are in one cell, over however many floors. What would

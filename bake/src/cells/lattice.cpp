@@ -65,6 +65,7 @@ view_cell lattice::cell(const lattice_position& p) const {
                    static_cast<std::uint64_t>(p.z));
   if (p.level > 0) made.place = mix(made.place, static_cast<std::uint64_t>(p.level));
   if (p.layers != 1) made.place = mix(made.place, static_cast<std::uint64_t>(p.layers));
+  made.floor = static_cast<double>(made.min.y);
   made.on_lattice = true;
   made.position = p;
   return made;

@@ -54,14 +54,14 @@ cell_list cells_of_grid(const std::array<float, 6>& box, double cell_size) {
 void add_united(const std::vector<floor_cell>& floors, const std::vector<lattice_position>& flight, const lattice& on,
                 cell_list& list) {
   constexpr std::int32_t height = lattice::layers_per_width / 2;
-  std::map<lattice_position, double> areas;
+  std::map<lattice_position, floor_cell> cells;
   for (lattice_position position : flight) {
     position.y *= height, position.layers = height;
-    areas.emplace(position, on.width() * on.width());
+    cells[position] = {position, on.width() * on.width(), static_cast<double>(on.cell(position).min.y)};
   }
   const auto flies_at = [&](lattice_position at, std::int64_t layer) {
     at.y = layer - (layer % height + height) % height, at.layers = height;
-    return areas.contains(at);
+    return cells.contains(at);
   };
   std::vector<floor_cell> kept;
   for (const floor_cell& cell : floors) {
@@ -70,11 +70,12 @@ void add_united(const std::vector<floor_cell>& floors, const std::vector<lattice
       inside = flies_at(cell.position, cell.position.y + i);
     if (!inside) kept.push_back(cell);
   }
-  for (const floor_cell& cell : kept) areas.emplace(cell.position, cell.area);
-  list.cells.reserve(areas.size());
-  for (const auto& [position, area] : areas) {
+  for (const floor_cell& cell : kept) cells.emplace(cell.position, cell);
+  list.cells.reserve(cells.size());
+  for (const auto& [position, cell] : cells) {
     list.cells.push_back(on.cell(position));
-    list.cells.back().floor_area = area;
+    list.cells.back().floor_area = cell.area;
+    list.cells.back().floor = cell.floor;
   }
   list.can_merge = true;
   list.cell_width = on.width();

@@ -31,6 +31,8 @@ struct view_cell {
   // Of automatic cells: square meters of reached floor whose eyes are in the cell. Of one in a box of --fly or near a
   // path: those of the cell.
   double floor_area = 0.0;
+  // Meters: of automatic cells the median height of this floor; of others the bottom of the box.
+  double floor = 0.0;
 };
 
 struct cell_list {

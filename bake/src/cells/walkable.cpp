@@ -332,7 +332,7 @@ eye_layers layers_of(const open_space& space, const field_shape& shape, const pl
   const double highest = std::min(floor + static_cast<double>(player.highest_eye), ceiling);
   const double lowest = std::min(floor - shape.step + static_cast<double>(player.lowest_eye), highest);
   const auto layer_of = [&](double y) { return static_cast<std::int64_t>(std::floor(y / shape.on.height())); };
-  return {layer_of(lowest), layer_of(highest) + 1, shape.voxel * shape.voxel};
+  return {layer_of(lowest), layer_of(highest) + 1, shape.voxel * shape.voxel, floor};
 }
 
 std::vector<floor_cell> collect_cells(const open_field& open, const std::vector<std::uint8_t>& reached,

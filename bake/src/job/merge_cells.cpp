@@ -16,6 +16,7 @@
 
 #include "cells/cell_blocks.h"
 #include "cells/cell_sizes.h"
+#include "cells/floor_cells.h"
 #include "cells/lattice.h"
 #include "cells/merge_tree.h"
 #include "sightcell/base/random.h"
@@ -189,9 +190,9 @@ class block_estimates {
 
   // Adds the options of a block: its cells, and the wider cells that they may become.
   // cells: those of the block.
-  // positions: receives the position of each option.
+  // floors: receives the position and the floor of each option.
   void add(std::span<const view_cell* const> cells, const std::function<void()>& pause,
-           std::vector<cell_option>& options, std::vector<lattice_position>& positions);
+           std::vector<cell_option>& options, std::vector<floor_cell>& floors);
 
  private:
   std::optional<cube> look(const cube_place& at) const;
@@ -240,25 +241,37 @@ std::vector<std::optional<cube>> block_estimates::look_at_all(std::span<const cu
   return cubes;
 }
 
+// Adds the floor of a part. The height of the whole is the mean by area.
+void add_floor(floor_cell& whole, const floor_cell& part) {
+  whole.area += part.area;
+  if (whole.area > 0.0) whole.floor += (part.floor - whole.floor) * part.area / whole.area;
+}
+
 void block_estimates::add(std::span<const view_cell* const> cells, const std::function<void()>& pause,
-                          std::vector<cell_option>& options, std::vector<lattice_position>& positions) {
-  std::map<lattice_position, double> area_of;
-  for (const view_cell* cell : cells) area_of[cell->position] = cell->floor_area;
+                          std::vector<cell_option>& options, std::vector<floor_cell>& floors) {
+  std::map<lattice_position, const view_cell*> cell_at;
+  for (const view_cell* cell : cells) cell_at[cell->position] = cell;
   std::vector<lattice_position> smallest;
-  for (const auto& [position, area] : area_of) smallest.push_back(position);
+  for (const auto& [position, cell] : cell_at) smallest.push_back(position);
   const std::vector<merge_node> tree = make_merge_tree(smallest, cell_blocks::highest_level);
   const block_cubes where(tree, smallest.size(), on_, how_.margin);
   const std::vector<std::optional<cube>> cubes = look_at_all(where.places(), pause);
 
   const std::size_t before = options.size();
   options.resize(before + tree.size());
-  std::vector<double> areas(tree.size(), 0.0);
+  std::vector<double> areas(tree.size(), 0.0);  // of cells with a valid viewpoint: of the others nothing is drawn
+  for (const merge_node& node : tree) floors.push_back({node.position});
   for (std::size_t i = 0; i < tree.size(); ++i) {
-    positions.push_back(tree[i].position);
     options[before + i] = {before + tree[i].parent, i < smallest.size()};
-    // Where no viewpoint is valid nothing is drawn.
-    if (i < smallest.size() && cubes[i]) areas[i] = area_of[tree[i].position];
-    if (tree[i].parent != i) areas[tree[i].parent] += areas[i];
+    floor_cell& own = floors[before + i];
+    if (i < smallest.size()) {
+      const view_cell& cell = *cell_at[tree[i].position];
+      own.area = cell.floor_area, own.floor = cell.floor;
+      if (cubes[i]) areas[i] = own.area;
+    }
+    if (tree[i].parent == i) continue;
+    areas[tree[i].parent] += areas[i];
+    add_floor(floors[before + tree[i].parent], own);
   }
   tbb::parallel_for(std::size_t{0}, tree.size(), [&](std::size_t i) {
     if (!tree[i].may_be_cell) return;
@@ -303,20 +316,22 @@ void merge_cells(cell_list& list, const settings& how, const merge_tools& tools,
   for (const std::uint32_t block : chosen) all += blocks.cells_of(block).size();
   block_estimates estimates(on, how, tools);
   std::vector<cell_option> options;
-  std::vector<lattice_position> positions;
+  std::vector<floor_cell> floors;
   for (const std::uint32_t block : chosen) {
     std::vector<const view_cell*> cells;
     for (const std::uint32_t cell : blocks.cells_of(block)) cells.push_back(&list.cells[cell]);
     const auto pause = [&] { report(static_cast<double>(done) / static_cast<double>(all)); };
-    estimates.add(cells, pause, options, positions);
+    estimates.add(cells, pause, options, floors);
     done += cells.size();
   }
   list.cells.clear();
   double widest = on.width();
   for (const std::size_t chosen_option : choose_cell_sizes(options, how.merge_cells)) {
-    const lattice_position& position = positions[chosen_option];
-    list.cells.push_back(on.cell(position));
-    widest = std::max(widest, on.width() * static_cast<double>(1 << position.level));
+    const floor_cell& one = floors[chosen_option];
+    list.cells.push_back(on.cell(one.position));
+    list.cells.back().floor_area = one.area;
+    list.cells.back().floor = one.floor;
+    widest = std::max(widest, on.width() * static_cast<double>(1 << one.position.level));
   }
   std::sort(list.cells.begin(), list.cells.end(), comes_before);
   const std::string sizes = widest > on.width() ? fmt::format("{:g} to {:g} m, merged from {} of {:g} m,", on.width(),

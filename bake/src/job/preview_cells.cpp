@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "cells/floors.h"
 #include "job/bake_context.h"
 #include "job/estimate.h"
 #include "sightcell/bake/cells.h"
@@ -20,13 +21,19 @@ std::optional<cell_preview> preview_cells(const scene::scene& s, const settings&
   const std::optional<bake_estimate> estimate = estimate_bake(*context, list.cells.size(), arena, quiet);
   if (!estimate) return std::nullopt;
   cell_preview preview{.cells = {},
+                       .ground = {},
+                       .floors = {},
                        .how = list.how,
                        .warnings = list.warnings,
                        .cpu_seconds = estimate->cpu_seconds,
                        .polygons_per_cell = estimate->polygons};
   preview.cells.reserve(list.cells.size());
-  for (const view_cell& cell : list.cells)
+  preview.ground.reserve(list.cells.size());
+  for (const view_cell& cell : list.cells) {
+    preview.ground.push_back(cell.floor);
     preview.cells.push_back({cell.name, {cell.min.x, cell.min.y, cell.min.z}, {cell.max.x, cell.max.y, cell.max.z}});
+  }
+  preview.floors = find_floors(list.cells, most_floors);
   return preview;
 }
 
