@@ -2,23 +2,34 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "bake_options.h"
 #include "cells_glb.h"
+#include "cells_plan.h"
 #include "console.h"
 #include "exit_codes.h"
 #include "help.h"
 #include "number_text.h"
+#include "progress_line.h"
 #include "sightcell/bake/cells.h"
+#include "sightcell/scene/scene.h"
 #include "stop_signals.h"
 #include "verbs.h"
 
 namespace sightcell::cli {
 namespace {
+
+struct cells_output {
+  std::filesystem::path boxes;
+  std::string plan;  // the beginning of the names of pictures
+};
 
 nlohmann::ordered_json json_of(const bake::cell_preview& preview) {
   nlohmann::ordered_json boxes = nlohmann::ordered_json::array();
@@ -29,14 +40,27 @@ nlohmann::ordered_json json_of(const bake::cell_preview& preview) {
     box["max"] = cell.max;
     boxes.push_back(std::move(box));
   }
-  return {{"description", preview.how},
-          {"warnings", preview.warnings},
-          {"cpu_seconds", preview.cpu_seconds},
-          {"polygons_per_cell", preview.polygons_per_cell},
-          {"cells", std::move(boxes)}};
+  nlohmann::ordered_json floors = nlohmann::ordered_json::array();
+  for (const bake::cell_floor& floor : preview.floors)
+    floors.push_back({{"lowest", floor.lowest}, {"highest", floor.highest}, {"cells", floor.cells}});
+  return {{"description", preview.how},         {"warnings", preview.warnings},
+          {"cpu_seconds", preview.cpu_seconds}, {"polygons_per_cell", preview.polygons_per_cell},
+          {"floors", std::move(floors)},        {"cells", std::move(boxes)}};
 }
 
-int run_cells(const bake_options& options, const std::filesystem::path& boxes) {
+// Writes the pictures of --plan.
+void write_plan(const bake::cell_preview& preview, const scene::scene& of_cells, const bake::settings& how,
+                const std::string& prefix) {
+  const scene::world_geometry geometry = scene::flatten(of_cells, how.animated);
+  std::vector<std::array<float, 3>> starts = how.starts;
+  if (starts.empty())
+    for (const scene::start_point& start : geometry.starts)
+      if (!start.is_camera) starts.push_back(start.position);
+  for (const std::filesystem::path& picture : write_cells_plan(preview, geometry, starts, prefix))
+    say_line("wrote " + picture.string());
+}
+
+int run_cells(const bake_options& options, const cells_output& output) {
   bake::settings how = settings_of(options);  // fails before the scene is loaded
   outlive_failed_writes();
   progress_line line(progress_mode::automatic);
@@ -57,7 +81,8 @@ int run_cells(const bake_options& options, const std::filesystem::path& boxes) {
   const bake::cell_preview& preview = *found;
   for (const std::string& warning : s.warnings) say_line("warning: " + warning);
   for (const std::string& warning : preview.warnings) say_line("warning: " + warning);
-  if (!boxes.empty()) write_cells_glb(preview.cells, boxes);
+  if (!output.boxes.empty()) write_cells_glb(preview.cells, output.boxes);
+  if (!output.plan.empty()) write_plan(preview, of_cells ? *of_cells : s, how, output.plan);
   if (options.json)
     fmt::print("{}\n", json_of(preview).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   else
@@ -78,14 +103,17 @@ void add_cells_verb(CLI::App& program, action& chosen) {
        .description = "Finds the view cells that `sightcell bake` with the same options would bake, without a bake: "
                       "how many there are, how they were chosen, and how long the bake takes. With --json, also the "
                       "box of each cell, in the form that --cells-file reads.",
-       .examples = {"sightcell cells level.glb", "sightcell cells level.glb --boxes cells.glb"}});
+       .examples = {"sightcell cells level.glb", "sightcell cells level.glb --boxes cells.glb",
+                    "sightcell cells level.glb --plan cells"}});
   add_cells_options(verb, *options);
-  auto boxes = std::make_shared<std::filesystem::path>();
-  add_plain_option(verb, "Output", "--boxes", *boxes, "FILE.glb",
+  auto output = std::make_shared<cells_output>();
+  add_plain_option(verb, "Output", "--boxes", output->boxes, "FILE.glb",
                    "Writes the boxes of the cells as a glTF file, colored by their width.");
-  verb.callback([options, boxes, &chosen] {
+  add_plain_option(verb, "Output", "--plan", output->plan, "PREFIX",
+                   "Writes a picture from above of each floor with its cells: PREFIX-1.png is the lowest floor.");
+  verb.callback([options, output, &chosen] {
     settle_scenes(options->scenes);
-    chosen = [options, boxes] { return run_cells(*options, *boxes); };
+    chosen = [options, output] { return run_cells(*options, *output); };
   });
 }
 

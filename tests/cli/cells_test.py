@@ -74,6 +74,27 @@ class Cells(InFolder):
             self.assertGreater(sum(n * o for n, o in zip(normal, out)), 0, triangle)
         self.assertIn(f'{12 * len(cells):,} polygons', self.expect(0, 'info', path)[0])
 
+    def test_plan_is_a_picture_of_each_floor(self):
+        before = set(os.listdir(self.path('')))
+        pictures = {}
+        for prefix in ('one', 'two'):
+            said = json.loads(self.expect(0, 'cells', self.city, '--plan', self.path(prefix), '--json', *QUICK)[0])
+            floors = said['floors']
+            self.assertGreater(len(floors), 0)
+            self.assertEqual(sorted(cell for floor in floors for cell in floor['cells']),
+                             list(range(len(said['cells']))))
+            pictures[prefix] = [read(self.path(f'{prefix}-{i + 1}.png')) for i in range(len(floors))]
+        self.assertEqual(pictures['one'], pictures['two'])
+        for data in pictures['one']:
+            self.assertEqual(data[:8], b'\x89PNG\r\n\x1a\n')
+            self.assertLessEqual(max(struct.unpack_from('>2I', data, 16)), 4200)
+        self.assertEqual(len(set(os.listdir(self.path(''))) - before), 2 * len(floors), 'and no other file')
+
+    def test_a_plan_that_cannot_be_written_leaves_nothing(self):
+        self.assert_one_error_line(
+            self.expect(1, 'cells', self.city, '--plan', self.path('none/plan'), *QUICK)[1], 'picture.write')
+        self.assertFalse(os.path.exists(self.path('none')))
+
     def test_boxes_that_cannot_be_written_leave_nothing(self):
         self.assert_one_error_line(
             self.expect(1, 'cells', self.city, '--boxes', self.path('none/boxes.glb'))[1], 'cli.not-writable')

@@ -52,6 +52,7 @@ ALLOWED = {
     'bake/scene/src/meshopt_decode.cpp': ['meshoptimizer.h'],
     'bake/scene/src/decode_image.cpp': ['stb_image.h'],
     'bake/picture': SCENE + SHADERS + GL + ['stb_image_write.h', 'fmt/', 'sys/', 'unistd.h'],
+    'bake/picture/src/plan_canvas.cpp': ['glm/', 'stb_easy_font.h', 'sightcell/picture/'],
     'bake': SCENE + PICTURE + FORMAT + SHADERS + ['embree3/', 'tbb/', 'fmt/', 'nlohmann/', 'xxhash.h'],
     'bake/src/checkpoint/checkpoint.cpp': SCENE + ['sqlite3.h', 'xxhash.h', 'fmt/', 'nlohmann/'],
     'bake/src/job/disk_space.cpp': SCENE + ['sys/', 'fmt/'],
