@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -43,9 +44,13 @@ nlohmann::ordered_json json_of(const bake::cell_preview& preview) {
   nlohmann::ordered_json floors = nlohmann::ordered_json::array();
   for (const bake::cell_floor& floor : preview.floors)
     floors.push_back({{"lowest", floor.lowest}, {"highest", floor.highest}, {"cells", floor.cells}});
-  return {{"description", preview.how},         {"warnings", preview.warnings},
-          {"cpu_seconds", preview.cpu_seconds}, {"polygons_per_cell", preview.polygons_per_cell},
-          {"floors", std::move(floors)},        {"cells", std::move(boxes)}};
+  return {{"description", preview.how},
+          {"warnings", preview.warnings},
+          {"cpu_seconds", preview.cpu_seconds},
+          {"polygons_per_cell", preview.polygons_per_cell},
+          {"file_bytes", preview.file_bytes ? nlohmann::ordered_json(std::llround(*preview.file_bytes)) : nullptr},
+          {"floors", std::move(floors)},
+          {"cells", std::move(boxes)}};
 }
 
 // Writes the pictures of --plan.
@@ -86,8 +91,9 @@ int run_cells(const bake_options& options, const cells_output& output) {
   if (options.json)
     fmt::print("{}\n", json_of(preview).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   else
-    fmt::print("{}: {}\n{}: a bake takes about {} of CPU time; a set has about {} of {} polygons\n", s.name,
+    fmt::print("{}: {}\n{}: a bake takes about {} of CPU time{}; a set has about {} of {} polygons\n", s.name,
                preview.how, s.name, duration_text(preview.cpu_seconds),
+               preview.file_bytes ? ", and the file about " + size_text(*preview.file_bytes) : std::string(),
                grouped(static_cast<std::uint64_t>(preview.polygons_per_cell)), grouped(s.polygon_count));
   return exit_done;
 }

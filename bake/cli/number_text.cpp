@@ -18,6 +18,10 @@ std::string hex(const std::array<std::uint8_t, 16>& bytes) {
   return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
+std::string size_text(double bytes) {
+  return bytes < 999'500.0 ? fmt::format("{:.0f} KB", std::ceil(bytes / 1e3)) : fmt::format("{:.1f} MB", bytes / 1e6);
+}
+
 std::string duration_text(double seconds) {
   if (!(seconds >= 0.0)) return "?";
   const auto whole = static_cast<std::uint64_t>(std::llround(std::min(seconds, 1e9)));

@@ -36,6 +36,10 @@ class Cells(InFolder):
         self.assertGreater(stored, 0.5 * len(said['cells']))
         self.assertGreater(said['cpu_seconds'], 0)
         self.assertGreater(said['polygons_per_cell'], 0)
+        size = os.path.getsize(file)
+        self.assertLess(size / 2, said['file_bytes'])
+        self.assertLess(said['file_bytes'], 2 * size)
+        self.assertEqual(self.preview()['file_bytes'], said['file_bytes'])
 
     def test_merged_cells_cover_those_that_are_not(self):
         small, merged = self.preview('--merge-cells', '0')['cells'], self.preview('--merge-cells', '0.5')['cells']

@@ -157,7 +157,33 @@ std::vector<std::uint32_t> items_of(cell_record record, const stored_cells& stor
   return items;
 }
 
+// Puts everything in the order of the file and encodes it.
+// name: for messages.
+std::vector<std::byte> encoded(const pvs_frame& frame, const record_source& record_of, stored_cells& stored,
+                               double max_upper_bound, const std::filesystem::path& name) {
+  stored.parts.facts = frame.facts;
+  stored.parts.facts.max_pixel_error = rounded_up(max_upper_bound);
+  stored.parts.settings = frame.settings;
+  put_in_order(frame, record_of, stored);
+  put_volumes_in_order(frame, record_of, stored);
+  format::file_contents contents =
+      stored.parts.contents({stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+                               set = items_of(record_of(stored.places[cell]), stored);
+                               return format::status::ok;
+                             }});
+  contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
+  std::vector<std::byte> bytes;
+  require_ok(format::encode(contents, bytes), name, "encoding");
+  return bytes;
+}
+
 }  // namespace
+
+std::size_t encoded_bytes(const pvs_frame& frame, const record_source& record_of) {
+  summary sum;
+  stored_cells stored = first_pass(frame, record_of, sum);
+  return stored.places.empty() ? 0 : encoded(frame, record_of, stored, sum.max_upper_bound, frame.scene_name).size();
+}
 
 pvs_frame frame_of(const scene::scene& s, const settings& how, std::string settings_text,
                    const std::vector<view_cell>& cells, const volume_grid* volumes) {
@@ -189,22 +215,10 @@ bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std
                 "give boxes with --cells-file or --cells-grid, or a smaller --player-radius");
   warn_of_cells_left_out(frame, sum, events);
   warn_of_cells_out_of_time(frame, stored, sum, events);
-  stored.parts.facts = frame.facts;
-  stored.parts.facts.max_pixel_error = rounded_up(sum.max_upper_bound);
-  stored.parts.settings = frame.settings;
-  put_in_order(frame, record_of, stored);
-  put_volumes_in_order(frame, record_of, stored);
-  format::file_contents contents =
-      stored.parts.contents({stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-                               set = items_of(record_of(stored.places[cell]), stored);
-                               return format::status::ok;
-                             }});
-  contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
-  std::vector<std::byte> bytes;
   // Removes the unfinished file of a bake of this output that was killed here: it takes disk space, and nothing else
   // removes it.
   format::remove_unfinished(output.string().c_str());
-  require_ok(format::encode(contents, bytes), output, "encoding");
+  std::vector<std::byte> bytes = encoded(frame, record_of, stored, sum.max_upper_bound, output);
   if (complete && !complete(bytes)) return false;
   require_ok(format::write_file(output.string().c_str(), bytes), output, "writing");
 

@@ -40,6 +40,12 @@ struct pvs_frame {
 pvs_frame frame_of(const scene::scene& s, const settings& how, std::string settings_text,
                    const std::vector<view_cell>& cells, const volume_grid* volumes = nullptr);
 
+// Returns the size of the file with these cells.
+// frame: frame.cells may be some of the cells of a bake.
+// record_of: as for write_pvs(), by the index in frame.cells.
+// Returns 0 if no cell is stored. Fails with output.encode.
+std::size_t encoded_bytes(const pvs_frame& frame, const record_source& record_of);
+
 // Puts cells, polygons and volumes in the order of the file, encodes them, writes output by rename and fills in the
 // summary. Cells that are not stored are counted in a warning.
 // record_of: called on this thread for every cell in ascending order, then about ten times for each stored cell in

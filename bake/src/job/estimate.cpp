@@ -7,13 +7,16 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bound/bound_rays.h"
 #include "job/cell_workers.h"
+#include "job/file_estimate.h"
 #include "job/phases.h"
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/base/process_time.h"
@@ -43,7 +46,7 @@ std::size_t trials_of(const bake_context& context) {
   return std::min<std::size_t>(context.cells->list.cells.size(), 4);
 }
 
-const view_cell& trial_cell(const bake_context& context, std::size_t i) {
+const view_cell& cell_of_trial(const bake_context& context, std::size_t i) {
   const std::vector<view_cell>& cells = context.cells->list.cells;
   return cells[i * cells.size() / trials_of(context)];
 }
@@ -80,7 +83,7 @@ trial_result try_sampling_rays(const bake_context& context) {
   tbb::task_arena alone(1);  // so that the time of this thread is all of it
   double seconds = 0.0, cast = 0.0;
   for (std::size_t i = 0; i < trials; ++i) {
-    const view_cell& cell = trial_cell(context, i);
+    const view_cell& cell = cell_of_trial(context, i);
     const box where{cell.min, cell.max};
     const std::array<glm::vec3, 1> middle{0.5f * (cell.min + cell.max)};
     set.clear();
@@ -110,7 +113,7 @@ double try_verification_rays(const bake_context& context) {
   const std::size_t trials = trials_of(context);
   double seconds = 0.0;
   for (std::size_t i = 0; i < trials; ++i) {
-    const view_cell& cell = trial_cell(context, i);
+    const view_cell& cell = cell_of_trial(context, i);
     const double start = seconds_now();
     (void)cast_bound_rays(context.traced->rays, box{cell.min, cell.max}, {how.player_radius, how.smallest_gap},
                           {.trials = trial_rays, .valid_share = 1.0, .risk = 0.01},
@@ -135,7 +138,7 @@ bake_estimate estimate_from_rays(const bake_context& context, std::size_t cells_
                       fmt::format("estimate: {} cells, {}{}: about {}", cells_left, trial.sampling,
                                   rays > 0.0 ? fmt::format(" and rays at {:.1f} us", 1e6 * ray_seconds) : std::string(),
                                   time_text(seconds)));
-  return {trial.polygons, seconds, seconds * at_once};
+  return {trial.polygons, seconds, seconds * at_once, std::nullopt};
 }
 
 constexpr std::size_t fewest_trials = 8, most_trials = 32;
@@ -143,26 +146,24 @@ constexpr std::size_t fewest_trials = 8, most_trials = 32;
 constexpr double with_neighbors = 1.3;
 constexpr double longest_trials = 10.0;  // seconds, of all
 
-std::size_t trial_cells(std::size_t cells, std::size_t cells_left) {
+std::size_t trial_count(std::size_t cells, std::size_t cells_left) {
   const std::size_t wanted = cells_left < 80 ? std::max<std::size_t>(cells_left / 10, 1)
                                              : std::clamp<std::size_t>(cells_left / 25, fewest_trials, most_trials);
   return std::min(wanted, cells);
 }
 
 std::optional<bake_estimate> estimate_from_cells(const bake_context& context, std::size_t cells_left,
-                                                 tbb::task_arena& arena, const callbacks& events) {
+                                                 tbb::task_arena& arena, const callbacks& events, bool with_file) {
   const std::vector<view_cell>& cells = context.cells->list.cells;
-  const std::size_t trials = trial_cells(cells.size(), cells_left);
   const stage_plan plan(context.cells->blocks, false);
   std::vector<cell_step> steps;
-  for (std::size_t i = 0; i < trials; ++i)
-    steps.push_back({static_cast<std::uint32_t>((2 * i + 1) * cells.size() / (2 * trials)), cell_stage::finished});
+  for (const std::uint32_t cell : choose_trials(cells.size(), trial_count(cells.size(), cells_left)))
+    steps.push_back({cell, cell_stage::finished});
   step_queue queue = step_queue::listed(plan, steps);
   const cell_baker baker = baker_of(context);
   stop_request stop;
   const bool whole = context.how.time_budget == 0.0;
-  std::size_t done = 0;
-  double polygons = 0.0;
+  std::vector<stage_record> records;
   bool canceled = false;
   const progress now{.phase = bake_phase::estimating, .cells_total = static_cast<std::uint32_t>(cells.size())};
   const double cpu_before = process_cpu_seconds(), began = seconds_now();
@@ -174,12 +175,14 @@ std::optional<bake_estimate> estimate_from_cells(const bake_context& context, st
       },
       workers_for(context, baker, arena, stop),
       [&](std::span<stage_record> ended, std::span<const step_in_work>) {
-        done += ended.size();
-        for (const stage_record& one : ended) polygons += static_cast<double>(one.record.set.size());
+        std::move(ended.begin(), ended.end(), std::back_inserter(records));
         if (events.on_progress && !events.on_progress(now)) canceled = true;
-        return !canceled && (done < fewest_trials || seconds_now() - began < longest_trials);
+        return !canceled && (records.size() < fewest_trials || seconds_now() - began < longest_trials);
       });
   if (canceled) return std::nullopt;
+  const std::size_t done = records.size();
+  double polygons = 0.0;
+  for (const stage_record& one : records) polygons += static_cast<double>(one.record.set.size());
   const double factor = with_neighbors / static_cast<double>(done);
   const double cpu = (process_cpu_seconds() - cpu_before) * factor, wall = (seconds_now() - began) * factor;
   // A few cells do not keep all threads busy to their end, as those of a bake do.
@@ -190,15 +193,22 @@ std::optional<bake_estimate> estimate_from_cells(const bake_context& context, st
     events.on_message(severity::note,
                       fmt::format("estimate: {} cells at {:.2g} s of CPU time: about {}, from {} {}", cells_left, cpu,
                                   time_text(seconds), done, done == 1 ? "cell" : "cells"));
-  return bake_estimate{polygons / static_cast<double>(done), seconds, cpu * static_cast<double>(cells_left)};
+  bake_estimate estimate{polygons / static_cast<double>(done), seconds, cpu * static_cast<double>(cells_left),
+                         std::nullopt};
+  if (with_file && whole) {
+    for (stage_record& one : records)
+      if (one.record.stored) one.record = baker.finished(cells[one.cell], std::move(one.record));
+    arena.execute([&] { estimate.file_bytes = estimate_file_bytes(context, std::move(records)); });
+  }
+  return estimate;
 }
 
 }  // namespace
 
 std::optional<bake_estimate> estimate_bake(const bake_context& context, std::size_t cells_left, tbb::task_arena& arena,
-                                           const callbacks& events) {
+                                           const callbacks& events, bool with_file) {
   if (cells_left == 0) return bake_estimate{};
-  if (takes_hemicubes(context.how.sampler)) return estimate_from_cells(context, cells_left, arena, events);
+  if (takes_hemicubes(context.how.sampler)) return estimate_from_cells(context, cells_left, arena, events, with_file);
   bake_estimate estimate;
   arena.execute([&] { estimate = estimate_from_rays(context, cells_left, events); });
   return estimate;

@@ -18,7 +18,7 @@ std::optional<cell_preview> preview_cells(const scene::scene& s, const settings&
   if (!build(context, s, how, arena, quiet)) return std::nullopt;
   const cell_list& list = context->cells->list;
   if (events.on_phase) events.on_phase(bake_phase::estimating);
-  const std::optional<bake_estimate> estimate = estimate_bake(*context, list.cells.size(), arena, quiet);
+  const std::optional<bake_estimate> estimate = estimate_bake(*context, list.cells.size(), arena, quiet, true);
   if (!estimate) return std::nullopt;
   cell_preview preview{.cells = {},
                        .ground = {},
@@ -26,7 +26,8 @@ std::optional<cell_preview> preview_cells(const scene::scene& s, const settings&
                        .how = list.how,
                        .warnings = list.warnings,
                        .cpu_seconds = estimate->cpu_seconds,
-                       .polygons_per_cell = estimate->polygons};
+                       .polygons_per_cell = estimate->polygons,
+                       .file_bytes = estimate->file_bytes};
   preview.cells.reserve(list.cells.size());
   preview.ground.reserve(list.cells.size());
   for (const view_cell& cell : list.cells) {

@@ -31,6 +31,7 @@ struct cell_preview {
   std::vector<std::string> warnings;  // one line each
   double cpu_seconds = 0.0;           // estimated: of a bake of these cells, on all threads together
   double polygons_per_cell = 0.0;     // estimated: the mean size of the cell sets
+  std::optional<double> file_bytes;   // estimated; nothing for samplers without hemicubes
 };
 
 inline constexpr std::size_t most_floors = 12;
