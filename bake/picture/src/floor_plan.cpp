@@ -1,11 +1,15 @@
 #include "sightcell/picture/floor_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <compare>
+#include <cstdint>
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
-#include <set>
+#include <map>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "plan_canvas.h"
@@ -16,17 +20,30 @@ namespace {
 
 constexpr double border = 2.0;  // meters around the frame
 constexpr double most_pixels = 4096.0;
-constexpr std::int64_t letter = 2;              // pixels per pixel of a letter
-constexpr std::int64_t margin = 10, line = 24;  // pixels
-constexpr std::uint32_t narrowest = 640;        // pixels, for the text
+constexpr std::uint32_t narrowest = 640;  // pixels, for the text
 
 constexpr float pale = 0.35f;  // what is away from all areas, which another floor shows
 
 constexpr glm::vec3 paper{1.0f}, ink{0.13f}, inside_color{0.56f, 0.56f, 0.60f}, mark_color{0.85f, 0.0f, 0.55f};
 
+// From blue over green and orange to red.
 glm::vec3 color_of(float share) {
-  return {0.1f + 0.8f * share, 0.35f, 0.9f - 0.8f * share};
+  constexpr std::array<glm::vec3, 4> stops{
+      {{0.1f, 0.35f, 0.9f}, {0.0f, 0.6f, 0.4f}, {0.9f, 0.55f, 0.0f}, {0.85f, 0.1f, 0.1f}}};
+  const float place = std::clamp(share, 0.0f, 1.0f) * static_cast<float>(stops.size() - 1);
+  const auto below = std::min(static_cast<std::size_t>(place), stops.size() - 2);
+  return glm::mix(stops[below], stops[below + 1], place - static_cast<float>(below));
 }
+
+// Sizes of the text below the map, in pixels.
+struct text_sizes {
+  explicit text_sizes(std::uint32_t width) : letter(std::clamp<std::int64_t>(width / 700, 2, 5)) {}
+  std::int64_t letter;  // per pixel of a letter
+  std::int64_t margin() const { return 5 * letter; }
+  std::int64_t line() const { return 12 * letter; }
+  std::int64_t box() const { return 7 * letter; }
+  std::int64_t strip() const { return margin() + 2 * line(); }
+};
 
 plan_shape shape_of(const plan_rectangle& frame) {
   plan_shape shape;
@@ -64,57 +81,75 @@ glm::vec3 shade(const plan_surface& surface, const plan_shape& shape, std::int32
   return glm::vec3(std::min(gray, 0.97f));
 }
 
-void draw_areas(const floor_plan& plan, const plan_shape& shape, plan_canvas& canvas) {
+// The pixels of an area.
+struct pixel_box {
+  std::int64_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  auto operator<=>(const pixel_box&) const = default;
+  std::int64_t size() const { return (x1 - x0) * (y1 - y0); }
+};
+
+pixel_box pixels_of(const plan_rectangle& where, const plan_shape& shape) {
   const auto pixel = [&](float at, double from) {
     return static_cast<std::int64_t>(std::lround((static_cast<double>(at) - from) * shape.scale));
   };
-  std::vector<plan_area> areas = plan.areas;
-  const auto size = [](const plan_area& a) {
-    return (a.where.max_x - a.where.min_x) * (a.where.max_z - a.where.min_z);
-  };
-  // Narrow ones over wide ones.
-  std::stable_sort(areas.begin(), areas.end(), [&](const auto& a, const auto& b) { return size(a) > size(b); });
-  std::set<std::tuple<float, float, float, float>> drawn;
-  for (const plan_area& a : areas) {
-    if (!drawn.insert({a.where.min_x, a.where.min_z, a.where.max_x, a.where.max_z}).second) continue;
-    const std::int64_t x0 = pixel(a.where.min_x, shape.min_x), y0 = pixel(a.where.min_z, shape.min_z);
-    const std::int64_t x1 = pixel(a.where.max_x, shape.min_x), y1 = pixel(a.where.max_z, shape.min_z);
-    canvas.fill(x0, y0, x1, y1, color_of(a.color), 0.14f);
-    canvas.outline(x0, y0, x1, y1, color_of(a.color), 0.50f);
-  }
+  return {pixel(where.min_x, shape.min_x), pixel(where.min_z, shape.min_z), pixel(where.max_x, shape.min_x),
+          pixel(where.max_z, shape.min_z)};
 }
 
-// Returns a length in meters that is about 120 pixels and has one digit other than 0.
-double bar_length(double scale) {
-  double length = std::pow(10.0, std::floor(std::log10(120.0 / scale)));
+// Fills a pixel with the color of the narrowest area there: areas of two layers can overlap. Draws all outlines, those
+// of narrow areas last.
+void draw_areas(const floor_plan& plan, const plan_shape& shape, plan_canvas& canvas) {
+  std::map<pixel_box, glm::vec3> colors;
+  for (const plan_area& a : plan.areas) colors.emplace(pixels_of(a.where, shape), color_of(a.color));
+  std::vector<std::pair<pixel_box, glm::vec3>> areas(colors.begin(), colors.end());
+  std::stable_sort(areas.begin(), areas.end(),
+                   [](const auto& a, const auto& b) { return a.first.size() < b.first.size(); });
+  std::vector<std::uint8_t> filled(static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height));
+  for (const auto& [box, color] : areas)
+    for (std::int64_t y = std::max<std::int64_t>(box.y0, 0); y < std::min<std::int64_t>(box.y1, shape.height); ++y)
+      for (std::int64_t x = std::max<std::int64_t>(box.x0, 0); x < std::min<std::int64_t>(box.x1, shape.width); ++x) {
+        std::uint8_t& done =
+            filled[static_cast<std::size_t>(y) * static_cast<std::size_t>(shape.width) + static_cast<std::size_t>(x)];
+        if (done == 0) canvas.fill(x, y, x + 1, y + 1, color, 0.18f);
+        done = 1;
+      }
+  std::reverse(areas.begin(), areas.end());
+  for (const auto& [box, color] : areas) canvas.outline(box.x0, box.y0, box.x1, box.y1, color, 0.5f);
+}
+
+// Returns the longest length in meters that has one digit other than 0 and is at most `most` pixels.
+double bar_length(double scale, double most) {
+  const double length = std::pow(10.0, std::floor(std::log10(most / scale)));
   for (const double factor : {5.0, 2.0})
-    if (length * factor * scale <= 120.0) return length * factor;
+    if (length * factor * scale <= most) return length * factor;
   return length;
 }
 
-void draw_scale_bar(double scale, std::int64_t top, plan_canvas& canvas, std::int64_t& x) {
-  const double length = bar_length(scale);
+void draw_scale_bar(double scale, const text_sizes& sizes, std::int64_t top, plan_canvas& canvas, std::int64_t& x) {
+  const double length = bar_length(scale, 60.0 * static_cast<double>(sizes.letter));
   const auto pixels = static_cast<std::int64_t>(std::lround(length * scale));
-  canvas.fill(x, top + 6, x + pixels, top + 8, ink);
-  canvas.fill(x, top + 1, x + 2, top + 13, ink);
-  canvas.fill(x + pixels - 2, top + 1, x + pixels, top + 13, ink);
-  x += pixels + margin;
-  std::string text =
+  const std::int64_t thick = sizes.letter;
+  canvas.fill(x, top + 3 * thick, x + pixels, top + 4 * thick, ink);
+  canvas.fill(x, top, x + thick, top + sizes.box(), ink);
+  canvas.fill(x + pixels - thick, top, x + pixels, top + sizes.box(), ink);
+  x += pixels + sizes.margin();
+  const std::string text =
       length >= 1.0 ? std::to_string(std::lround(length)) + " m" : std::to_string(std::lround(100.0 * length)) + " cm";
-  canvas.text(x, top, text, letter, ink);
-  x += text_width(text, letter) + 2 * margin;
+  canvas.text(x, top, text, sizes.letter, ink);
+  x += text_width(text, sizes.letter) + 2 * sizes.margin();
 }
 
-void draw_legend(const floor_plan& plan, double scale, std::int64_t top, plan_canvas& canvas) {
-  std::int64_t x = margin;
-  draw_scale_bar(scale, top, canvas, x);
+void draw_legend(const floor_plan& plan, double scale, const text_sizes& sizes, std::int64_t top, plan_canvas& canvas) {
+  std::int64_t x = sizes.margin();
+  draw_scale_bar(scale, sizes, top, canvas, x);
   for (const plan_key& key : plan.legend) {
-    canvas.fill(x, top, x + 14, top + 14, color_of(key.color), 0.20f);
-    canvas.outline(x, top, x + 14, top + 14, color_of(key.color), 0.9f);
-    canvas.text(x + 20, top, key.text, letter, ink);
-    x += 20 + text_width(key.text, letter) + 2 * margin;
+    canvas.fill(x, top, x + sizes.box(), top + sizes.box(), color_of(key.color), 0.3f);
+    canvas.outline(x, top, x + sizes.box(), top + sizes.box(), color_of(key.color), 0.9f);
+    x += sizes.box() + sizes.margin();
+    canvas.text(x, top, key.text, sizes.letter, ink);
+    x += text_width(key.text, sizes.letter) + 2 * sizes.margin();
   }
-  canvas.text(margin, top + line, plan.title, letter, ink);
+  canvas.text(sizes.margin(), top + sizes.line(), plan.title, sizes.letter, ink);
 }
 
 }  // namespace
@@ -130,7 +165,8 @@ double plan_scale(const plan_rectangle& frame) {
 image_rgba draw_floor_plan(const scene::world_geometry& geometry, const floor_plan& plan) {
   const plan_shape shape = shape_of(plan.frame);
   const auto width = std::max(static_cast<std::uint32_t>(shape.width), narrowest);
-  plan_canvas canvas(width, static_cast<std::uint32_t>(shape.height + margin + 2 * line + 2));
+  const text_sizes sizes(width);
+  plan_canvas canvas(width, static_cast<std::uint32_t>(shape.height + sizes.strip()));
   {
     const plan_surface surface = look_from_above(geometry, shape, plan.areas);
     for (std::int32_t y = 0; y < shape.height; ++y)
@@ -149,7 +185,7 @@ image_rgba draw_floor_plan(const scene::world_geometry& geometry, const floor_pl
     canvas.disc(x, y, 4.5, mark_color);
   }
   canvas.fill(0, shape.height, width, shape.height + 1, ink);
-  draw_legend(plan, shape.scale, shape.height + margin, canvas);
+  draw_legend(plan, shape.scale, sizes, shape.height + sizes.margin(), canvas);
   return canvas.take();
 }
 

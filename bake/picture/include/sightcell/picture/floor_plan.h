@@ -18,7 +18,7 @@ struct plan_rectangle {
 struct plan_area {
   plan_rectangle where;
   float ground = 0.0f;  // meters: the height of what people stand on there
-  float color = 0.0f;   // 0: blue, 1: red
+  float color = 0.0f;   // 0: blue, then green and orange, 1: red
 };
 
 // A line of the legend with the color of areas.
@@ -33,7 +33,7 @@ struct plan_mark {
 
 struct floor_plan {
   plan_rectangle frame;          // what is shown; 2 m more on each side. Not empty
-  std::vector<plan_area> areas;  // at least one. Of equal rectangles one is drawn
+  std::vector<plan_area> areas;  // at least one. Narrow ones are drawn over wide ones
   std::vector<plan_mark> marks;  // small discs
   std::string title;             // ASCII; below the map
   std::vector<plan_key> legend;  // beside a scale bar
