@@ -77,7 +77,8 @@ TEST(grid_boxes, every_cell_has_its_place) {
 
 TEST(grid_boxes, small_numbers_take_few_bits) {
   std::vector<grid_box> places;
-  for (std::int32_t i = 0; i < 64; ++i) places.push_back({1000 + i % 16, -5, i / 16, 1, 1u + i % 2, 1});
+  for (std::int32_t i = 0; i < 64; ++i)
+    places.push_back({1000 + i % 16, -5, i / 16, 1, 1u + static_cast<std::uint32_t>(i % 2), 1});
   EXPECT_EQ(written({1.0, 1.0}, places).size(), head + (4 + 2 + 1) * 8);
 }
 
