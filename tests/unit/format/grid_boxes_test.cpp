@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
+#include "byte_sink.h"
 #include "grid_boxes_writer.h"
 #include "random_source.h"
 #include "sightcell/format/cell_lattice.h"
@@ -115,7 +116,9 @@ TEST(grid_boxes, other_shapes_and_counts_are_refused) {
   for (const std::size_t at : {std::size_t{0}, std::size_t{8}}) {
     for (const double bad : {0.0, -4.0, std::nan(""), static_cast<double>(INFINITY)}) {
       auto changed = bytes;
-      std::memcpy(changed.data() + at, &bad, sizeof bad);
+      std::vector<std::byte> number;
+      byte_sink(number).put_f64(bad);
+      std::copy(number.begin(), number.end(), changed.begin() + static_cast<std::ptrdiff_t>(at));
       EXPECT_FALSE(grid.open(changed, 100)) << at << " " << bad;
     }
   }
