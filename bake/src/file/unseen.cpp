@@ -44,9 +44,8 @@ std::vector<bool> in_some_set(const format::reader& file, const std::string& nam
   return out;
 }
 
-// Returns the polygons about which the sets state nothing, by source id. Animated draws without a mark are among them
-// whatever
-// --animated was: in another pose other polygons are visible.
+// Returns the polygons about which the sets state nothing, by source id. Animated draws without a mark are among them,
+// whatever --animated was: in another pose other polygons are visible.
 std::vector<bool> exempt_polygons(const scene::scene& s, std::string_view settings) {
   std::vector<bool> out(s.polygon_count, false);
   const auto add = [&](std::uint32_t first, std::uint32_t count) {
@@ -130,10 +129,10 @@ std::vector<std::string> warnings_of(const nlohmann::json& settings) {
   };
   if (above_0("cell_limit"))
     out.emplace_back(
-        "the file is of a trial with --cell-limit: polygons that are visible from other cells only count as unseen");
+        "the file is of a trial with --cell-limit: polygons that are visible only from other cells count as unseen");
   if (above_0("time_budget"))
     out.emplace_back(
-        "the file is of a bake with --time-budget: polygons that are visible from cells which it did not reach only "
+        "the file is of a bake with --time-budget: polygons that are visible only from cells that it did not reach "
         "count "
         "as unseen");
   return out;
