@@ -58,6 +58,12 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"unseen_percent", sum.unseen_percent},
           {"max_upper_bound", sum.max_upper_bound},
           {"cpu_seconds", sum.cpu_seconds},
+          {"cell_seconds",
+           {{"cells", sum.times.cells},
+            {"median", sum.times.median},
+            {"percentile_99", sum.times.percentile_99},
+            {"longest", sum.times.longest},
+            {"longest_center", sum.times.center}}},
           {"bytes", sum.bytes},
           {"source", sum.source},
           {"device", sum.device},
@@ -150,6 +156,11 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
   line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
                            options.output.string(), grouped(sum.cells), grouped(sum.bytes), sum.visible_percent,
                            duration_text(sum.cpu_seconds), how.seed));
+  if (sum.times.cells > 0)
+    line.message(fmt::format(
+        "CPU time per cell: median {:.2g} s, 99 % of cells at most {:.2g} s, slowest {:.2g} s (at {:.1f}, {:.1f}, {:.1f})",
+        sum.times.median, sum.times.percentile_99, sum.times.longest, sum.times.center[0], sum.times.center[1],
+        sum.times.center[2]));
   if (sum.volumes > 0)
     line.message(fmt::format("{} volumes of {:g} m, {:.0f} seen per cell", grouped(sum.volumes), how.volumes,
                              sum.volumes_per_cell));

@@ -23,6 +23,7 @@ struct stage_record {
   std::uint32_t cell = 0;
   cell_stage stage = cell_stage::finished;
   cell_record record;
+  double seconds = 0.0;  // that the step took: CPU time of its thread, or wall-clock time with a device. Not stored
 };
 
 class checkpoint {

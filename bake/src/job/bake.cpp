@@ -76,6 +76,7 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
     run_phase_1(work);
     run_phase_2(work, [&](std::uint32_t cell) { return required(done, cell, plan.end_of_phase_1(cell)); });
   });
+  sum.times = tracker.times();
   warn_of_geometry_inside(tracker, context.how, events);
   if (tracker.stopped()) {
     sum.result = outcome::cancelled;

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "sightcell/base/process_time.h"
+
 namespace sightcell::bake {
 namespace {
 
@@ -104,7 +106,9 @@ void run_worker(const std::function<cell_set()>& make_set, const take_step& take
     std::optional<cell_set> set;  // made by the first step: a worker without steps costs no memory
     while (const auto step = work.begin_next()) {
       if (!set) set.emplace(make_set());
-      work.add({step->cell, step->to, tbb::this_task_arena::isolate([&] { return take(*step, *set); })});
+      const double began = thread_cpu_seconds();
+      cell_record record = tbb::this_task_arena::isolate([&] { return take(*step, *set); });
+      work.add({step->cell, step->to, std::move(record), thread_cpu_seconds() - began});
     }
   } catch (const step_stopped&) {
     // The list is stopped already.
@@ -126,6 +130,7 @@ void take_one_by_one(step_queue& queue, const std::function<cell_set()>& make_se
           pool.pause);
       try {
         stage_record record{step->cell, step->to, take(*step, set)};
+        record.seconds = std::chrono::duration<double>(work_clock::now() - now.began).count();
         pool.stop.poll_with({}, pool.pause);
         if (!ended({&record, 1}, {})) return;
       } catch (const step_stopped&) {

@@ -90,11 +90,11 @@ class block_cubes {
   std::span<const std::uint32_t> in_node(std::size_t node) const { return in_node_[node]; }
 
  private:
-  enum kind : std::uint64_t { inside, corner, between };
+  enum place_kind : std::uint64_t { inside, corner, between };
 
   void add_corners(float margin);
   void add_between();
-  std::uint32_t add(const viewpoint_region& where, std::uint64_t most_tests, std::uint64_t name, kind kind,
+  std::uint32_t add(const viewpoint_region& where, std::uint64_t most_tests, std::uint64_t name, place_kind kind,
                     std::uint64_t of_kind = 0);
 
   const std::span<const merge_node> tree_;
@@ -104,8 +104,8 @@ class block_cubes {
   std::vector<std::vector<std::uint32_t>> in_node_;
 };
 
-std::uint32_t block_cubes::add(const viewpoint_region& where, std::uint64_t most_tests, std::uint64_t name, kind kind,
-                               std::uint64_t of_kind) {
+std::uint32_t block_cubes::add(const viewpoint_region& where, std::uint64_t most_tests, std::uint64_t name,
+                               place_kind kind, std::uint64_t of_kind) {
   places_.push_back({where, most_tests, name, kind, of_kind});
   return static_cast<std::uint32_t>(places_.size() - 1);
 }
@@ -144,7 +144,8 @@ void block_cubes::add_corners(float margin) {
           on_.cell({.z = corner.first, .y = low, .x = corner.second, .layers = static_cast<std::int32_t>(high - low)});
       // Within the margin of the corner: in the grown boxes of all these cells.
       const glm::vec3 bottom = common.min, top{common.min.x, common.max.y, common.min.z};
-      const std::uint32_t place = add({bottom - aside, top + aside}, most_corner_tests, common.place, kind::corner);
+      const std::uint32_t place =
+          add({bottom - aside, top + aside}, most_corner_tests, common.place, place_kind::corner);
       for (; begin < next; ++begin) in_node_[cells[begin]].push_back(place);
     }
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 namespace sightcell::bake {
@@ -20,6 +21,7 @@ progress_tracker::progress_tracker(tracked_cells tracked, const stage_plan& plan
       counted_(plan.blocks().cell_count()),
       sizes_(plan.blocks().cell_count()),
       work_of_(plan.blocks().cell_count()),
+      seconds_of_(plan.blocks().cell_count()),
       began_(tracked_.now()) {
   now_.phase = bake_phase::estimating;
   now_.cells_total = tracked_.total;
@@ -59,6 +61,7 @@ void progress_tracker::count(std::uint32_t cell, cell_stage stage, const cell_su
 void progress_tracker::resume(std::uint32_t cell, cell_stage stage, const cell_summary& record) {
   if (cell >= counted_.size()) return;  // a broken file
   count(cell, stage, record);
+  seconds_of_[cell] = -std::numeric_limits<float>::infinity();
   resumed_ = now_.cells_done;
 }
 
@@ -114,10 +117,26 @@ bool progress_tracker::close(std::span<const stage_record> records, std::span<co
     const std::uint32_t before = now_.cells_done;
     const double work_before = work_done_;
     count(one.cell, one.stage, summary_of(one.record));
+    seconds_of_[one.cell] += static_cast<float>(one.seconds);
     fresh_work_ += work_done_ - work_before;
     if (one.stage != cell_stage::sampled && now_.cells_done > before) not_empty_ += one.record.geometry_inside ? 1 : 0;
   }
   return report_progress(in_work);
+}
+
+cell_times progress_tracker::times() const {
+  std::vector<std::pair<float, std::uint32_t>> all;
+  for (std::uint32_t cell = 0; cell < seconds_of_.size(); ++cell)
+    if (work_of_[cell] >= 1.0 && seconds_of_[cell] >= 0.0f) all.emplace_back(seconds_of_[cell], cell);
+  if (all.empty()) return {};
+  std::sort(all.begin(), all.end());
+  const view_cell& slowest = tracked_.cells[all.back().second];
+  const glm::vec3 center = 0.5f * (slowest.min + slowest.max);
+  return {.cells = static_cast<std::uint32_t>(all.size()),
+          .median = all[all.size() / 2].first,
+          .percentile_99 = all[(all.size() * 99 + 99) / 100 - 1].first,
+          .longest = all.back().first,
+          .center = {center.x, center.y, center.z}};
 }
 
 void progress_tracker::estimate_time(std::size_t in_work) {

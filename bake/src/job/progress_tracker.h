@@ -7,6 +7,7 @@
 #include "checkpoint/checkpoint.h"
 #include "job/cell_steps.h"
 #include "job/steps_in_work.h"
+#include "sightcell/bake/bake.h"
 #include "sightcell/bake/progress.h"
 
 namespace sightcell::bake {
@@ -49,6 +50,7 @@ class progress_tracker {
   double visible_percent() const { return now_.visible_percent; }
   double worst_bound() const { return now_.worst_bound; }
   const stage_table& have() const { return have_; }
+  cell_times times() const;  // of the cells that began and ended since the start
 
  private:
   static double work_until(cell_stage stage);
@@ -65,6 +67,7 @@ class progress_tracker {
   std::vector<bool> counted_;         // through phase 1
   std::vector<std::uint32_t> sizes_;  // of the cell sets, as counted so far
   std::vector<double> work_of_;       // by cell: the part that is done, 0 .. 1
+  std::vector<float> seconds_of_;     // by cell: of the steps of this run; negative for one with steps of an earlier run
   work_clock::time_point began_;
   double expected_ = 0.0;                      // seconds for the cells that were left at the start
   progress now_;                               // over the cells of this run and of earlier runs

@@ -34,6 +34,7 @@
 //
 // REPEATABILITY. Same scene, settings and source of hemicubes: same bytes, for any number of threads or shards and
 // after any interruption. Exceptions are settings::time_budget and settings::seconds_per_cell.
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -52,6 +53,16 @@ enum class outcome {
   done,           // each cell has its bound
   bound_not_met,  // the file is complete, and the bound of some cells is above settings::max_pixel_error
   cancelled       // by callbacks::on_progress; the same call resumes
+};
+
+// How long the cells of a bake took: CPU seconds of the thread that baked a cell, without the help of other threads.
+// With the source `gpu` wall-clock seconds. Times vary from run to run; nothing in the file depends on them.
+struct cell_times {
+  std::uint32_t cells = 0;        // counted: all steps of the cell ran in this call
+  double median = 0.0;            // 0 where no cell is counted
+  double percentile_99 = 0.0;     // 99 of 100 cells took at most this
+  double longest = 0.0;           // the slowest cell
+  std::array<float, 3> center{};  // of the slowest cell's box, meters
 };
 
 // Result of a bake, a shard or a merge. Percentages are of all polygons of the scene unless stated otherwise.
@@ -79,6 +90,7 @@ struct summary {
 
   double max_upper_bound = 1.0;  // largest bound of a cell, 0 .. 1
   double cpu_seconds = 0.0;      // of the process during this call, all threads
+  cell_times times;              // of single cells; not counted for a shard, or with settings::time_budget
   std::uint64_t bytes = 0;       // size of the file, 0 if there is none
   std::string source;            // of hemicubes: "gpu", "cpu", "rays", or "none" for samplers of rays
   std::string device;            // that made them

@@ -51,8 +51,9 @@ class tracked_bake : public testing::Test {
   step_in_work begun(std::uint32_t cell, int seconds_ago) const {
     return {cell, now_ - std::chrono::seconds(seconds_ago)};
   }
-  bool end(progress_tracker& tracker, std::uint32_t cell, std::span<const step_in_work> in_work = {}) {
-    const stage_record record{cell, cell_stage::finished, {}};
+  bool end(progress_tracker& tracker, std::uint32_t cell, std::span<const step_in_work> in_work = {},
+           double seconds = 0.0) {
+    const stage_record record{cell, cell_stage::finished, {}, seconds};
     return tracker.close({&record, 1}, in_work, *done_);
   }
 
@@ -67,6 +68,25 @@ class tracked_bake : public testing::Test {
   std::vector<progress> reports_, stopping_;
   bool cancel_ = false;
 };
+
+TEST_F(tracked_bake, times_are_those_of_cells_that_this_run_baked) {
+  auto tracked = tracker();
+  EXPECT_EQ(tracked.times().cells, 0u);
+  tracked.resume(0, cell_stage::finished, {});
+  tracked.open();
+  const stage_record sampled{3, cell_stage::sampled, {}, 7.0};
+  tracked.close({&sampled, 1}, {}, *done_);
+  EXPECT_EQ(tracked.times().cells, 0u) << "cell 3 is not finished";
+  end(tracked, 1, {}, 1.0);
+  end(tracked, 2, {}, 2.0);
+  end(tracked, 3, {}, 3.0);
+  const cell_times times = tracked.times();
+  EXPECT_EQ(times.cells, 3u);
+  EXPECT_EQ(times.median, 2.0);
+  EXPECT_EQ(times.percentile_99, 10.0);
+  EXPECT_EQ(times.longest, 10.0) << "the steps of a cell add up";
+  EXPECT_EQ(times.center, (std::array<float, 3>{31.0f, 0.5f, 1.0f}));
+}
 
 TEST_F(tracked_bake, time_left_is_the_estimate_until_a_step_has_ended) {
   auto tracked = tracker();
