@@ -7,7 +7,6 @@
 #include "bound/explore_viewpoints.h"
 #include "misses/join_misses.h"
 #include "search/dilation.h"
-#include "search/neighbor_check.h"
 #include "search/refinement.h"
 #include "search/volume_search.h"
 #include "trace/triangle_math.h"
@@ -195,13 +194,20 @@ finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std
   return proof;
 }
 
+neighbor_check_settings cell_baker::check_of(const view_cell& cell, purpose use, const time_limit& limit) const {
+  return {.seed = how_.seed,
+          .place = cell.place,
+          .use = use,
+          .rules = {how_.player_radius, how_.smallest_gap},
+          .least_solid_angle = least_solid_angle(how_.max_pixel_error),
+          .limit = &limit};
+}
+
 // Searches and verifies up to the target of the settings.
-// set: the cell's set so far. known: the number of its members that the sampler found; they come first.
-void cell_baker::bound(const view_cell& cell, std::size_t known, const time_limit& limit, cell_set& set,
-                       cell_record& record) const {
+// set: the cell's set so far.
+void cell_baker::bound(const view_cell& cell, const time_limit& limit, cell_set& set, cell_record& record) const {
   auto views = views_of(cell, record);
-  const finish_settings how{
-      .max_pixel_error = how_.max_pixel_error, .limit = &limit, .known = known, .known_to = how_.max_pixel_error};
+  const finish_settings how{.max_pixel_error = how_.max_pixel_error, .limit = &limit};
   take_bound(finish(cell, how, views, set, record), record);
   record.out_of_time = limit.reached() && !record.bound_met;
 }
@@ -212,14 +218,11 @@ cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& ow
   if (!record.stored) return record;
   const time_limit limit = limit_until(bounding_time, record, stop);
   set.load(record);
-  const std::size_t known = set.members().size();
   const time_limit of_check = limit.part(neighbor_time);
-  record.rays_spent += neighbor_check(
-      rays_, grown(cell),
-      {how_.seed, cell.place, purpose::neighbor_check, {how_.player_radius, how_.smallest_gap}, &of_check}, neighbors,
-      set);
+  record.rays_spent +=
+      neighbor_check(rays_, grown(cell), check_of(cell, purpose::neighbor_check, of_check), neighbors, set);
   add_misses(cell, set, record);
-  bound(cell, known, limit, set, record);
+  bound(cell, limit, set, record);
   note_time(limit, record);
   return record;
 }
@@ -228,9 +231,8 @@ cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set, 
   cell_record record = sample(cell, set, stop);
   if (!record.stored) return record;
   const time_limit limit = limit_until(bounding_time, record, stop);
-  const std::size_t known = set.members().size();
   add_misses(cell, set, record);
-  if (shares()) bound(cell, known, limit, set, record);
+  if (shares()) bound(cell, limit, set, record);
   note_time(limit, record);
   return record;
 }
@@ -243,9 +245,8 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
   if (!limit) limit = &own_limit;
   set.load(record);
   const std::size_t before = set.members().size();
-  record.rays_spent += neighbor_check(
-      rays_, grown(cell), {how_.seed, cell.place, purpose::check_all, {how_.player_radius, how_.smallest_gap}, limit},
-      neighbors, set);
+  record.rays_spent +=
+      neighbor_check(rays_, grown(cell), check_of(cell, purpose::check_all, *limit), neighbors, set);
   refinement dilation(rays_, *neighbors_,
                       {.seed = how_.seed,
                        .place = cell.place,
@@ -266,13 +267,11 @@ cell_record cell_baker::improve(const view_cell& cell, const cell_record* before
   cell_record record = before ? *before : sample(cell, set, *turn.limit);
   if (!record.stored) return record;
   if (before) set.load(record);
-  const std::size_t known = set.members().size();
+  const std::size_t known = before ? set.members().size() : 0;
   if (before) {
-    const neighbor_check_settings how{seed_after(record.batches, how_.seed),
-                                      cell.place,
-                                      purpose::check_all,
-                                      {how_.player_radius, how_.smallest_gap},
-                                      turn.limit};
+    neighbor_check_settings how = check_of(cell, purpose::check_all, *turn.limit);
+    how.seed = seed_after(record.batches, how_.seed);
+    how.least_solid_angle = least_solid_angle(turn.target);
     record.rays_spent += neighbor_check(rays_, grown(cell), how, neighbors, set);
   } else {
     add_misses(cell, set, record);

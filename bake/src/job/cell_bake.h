@@ -15,6 +15,7 @@
 #include "sampler/cell_sampler.h"
 #include "search/certify.h"
 #include "search/near_polygons.h"
+#include "search/neighbor_check.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
@@ -93,8 +94,8 @@ class cell_baker {
   std::optional<search_views> views_of(const view_cell& cell, const cell_record& record) const;
   finish_result finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views, cell_set& set,
                        cell_record& record) const;
-  void bound(const view_cell& cell, std::size_t known, const time_limit& limit, cell_set& set,
-             cell_record& record) const;
+  void bound(const view_cell& cell, const time_limit& limit, cell_set& set, cell_record& record) const;
+  neighbor_check_settings check_of(const view_cell& cell, purpose use, const time_limit& limit) const;
   cell_record sample(const view_cell& cell, cell_set& set, const time_limit& limit) const;
   time_limit limit_until(double share, const cell_record& record, stop_request* stop) const;
   void note_time(const time_limit& limit, cell_record& record) const;

@@ -9,7 +9,7 @@ namespace sightcell::bake {
 namespace {
 
 // About the part of a cell's time that its stages take, for the estimate of the time that is left.
-constexpr double sampling_share = 0.35, check_share = 0.2;
+constexpr double sampling_share = 0.2, check_share = 0.2;
 
 }  // namespace
 

@@ -1,6 +1,5 @@
 #include "sampler/guided.h"
 
-#include "input/first_target.h"
 #include "search/cell_search.h"
 
 namespace sightcell::bake {
@@ -28,7 +27,10 @@ sampling_effort guided::sample(const sampled_cell& cell, cell_set& set) const {
   cell_search search(world_.rays, *world_.neighbors, &*views,
                      {.seed = how_.seed, .place = cell.place, .smallest_gap = how_.smallest_gap, .limit = cell.limit},
                      set);
-  search.look_for({.priority = priority_beside(how_.max_pixel_error > 0.0 ? first_target(how_) : error_without_one)});
+  if (how_.max_pixel_error > 0.0)
+    search.look_around();
+  else
+    search.look_for({.priority = priority_beside(error_without_one)});
   return {.samples = views->places.taken(), .rays = search.rays()};
 }
 

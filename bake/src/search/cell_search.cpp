@@ -11,7 +11,7 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::uint32_t first_round = 24, turn = 6;  // hemicubes
-constexpr double least_of_target = 1e-4;             // of all directions, as a share of the target
+constexpr double least_of_target = 3e-4;             // of all directions, as a share of the target
 // The miss probability that is left, divided by the one measured. After a round of hemicubes, once its finds and
 // those of the rays after it have joined: one value for each fifth of the ratios measured in 34 rounds. After a batch
 // of verification rays, once rays were cast toward the neighbors of its finds.
@@ -135,6 +135,10 @@ void cell_search::view() {
 
 void cell_search::hear(double missing) {
   missing_ = scaled(left_of_batch, missing);
+}
+
+void cell_search::look_around() {
+  while (!over() && may_view()) view();
 }
 
 void cell_search::look_for(const search_goal& goal) {

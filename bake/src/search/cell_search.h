@@ -68,6 +68,8 @@ class cell_search {
   // the cost is spent, the time limit is reached or no hemicube is left. Where no round is rendered, it casts rays
   // alone, with a lower priority each time.
   void look_for(const search_goal& goal);
+  // Renders hemicubes until none is left, in rounds, without rays.
+  void look_around();
   // Casts rays toward the neighbors of all members down to the priority of the last round. For members that were
   // added by other code.
   void look_beside(std::uint64_t max_cost);

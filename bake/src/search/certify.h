@@ -27,8 +27,8 @@ struct finish_settings {
   // begun is completed.
   bool limit_ends_batches = false;
   std::uint64_t batches_before = 0;  // batches of this cell so far, whose shares of the confidence are spent
-  // Used if there are views: the number of members whose neighbors were tried before, by `guided` or by an earlier
-  // run, and the miss probability for which that was done.
+  // Used if there are views: the number of members whose neighbors an earlier run tried, and the miss probability for
+  // which that was done.
   std::size_t known = 0;
   double known_to = 1.0;
   const volume_grid* volumes = nullptr;  // visibility volumes to search for; null: none

@@ -11,6 +11,7 @@
 
 #include "search/aim.h"
 #include "trace/line_box.h"
+#include "trace/triangle_math.h"
 #include "trace/viewpoints.h"
 
 namespace sightcell::bake {
@@ -18,7 +19,7 @@ namespace {
 
 // Number of eyes that a polygon is tested from: those closest to a neighbor's sight line, and random ones. Polygons
 // in the neighbors' sets are most of what a cell lacks: in a street 4.6e-6 of a miss probability of 5.2e-6, after
-// four rays for each polygon. More rays are cheap: with these numbers 3.1e-6 is left.
+// four rays for each polygon, and 3.1e-6 after these numbers of rays. Random eyes pay for large polygons only.
 constexpr std::size_t most_nearest = 4;
 constexpr int random_eyes = 28;
 
@@ -91,10 +92,10 @@ class tester {
       ++out.rays;
       return aimed_.aim(eye, point, one.polygon, out.found);
     };
-    const glm::vec3 first = random_point(corners, random);
     // Eyes of the set come first, because they are known to be valid. Testing another viewpoint takes 64 rays.
-    const std::size_t nearest = find_nearest(one.witnesses[0], first);
-    if (nearest > 0 && aim(eyes_[order_[0].second], first)) return;
+    const std::size_t nearest = find_nearest(one.witnesses[0], random_point(corners, random));
+    for (std::size_t i = 0; i < nearest; ++i)
+      if (aim(eyes_[order_[i].second], random_point(corners, random))) return;
     for (const glm::vec3& witness : one.witnesses) {
       const glm::vec3 point = random_point(corners, random), eye = entry(grown_, witness, point);
       const std::size_t before = out.found.size();
@@ -105,9 +106,9 @@ class tester {
       if (rays_.is_free(eye, how_.rules.player_radius)) return;
       out.found.resize(before);
     }
-    for (std::size_t i = 1; i < nearest; ++i)
-      if (aim(eyes_[order_[i].second], random_point(corners, random))) return;
-    for (int i = 0; i < random_eyes && !eyes_.empty(); ++i)
+    if (nearest == 0) return;
+    const double size = solid_angle(corners, eyes_[order_[0].second]);
+    for (int i = 1; i <= random_eyes && size >= i * how_.least_solid_angle; ++i)
       if (aim(eyes_[random.bits() % eyes_.size()], random_point(corners, random))) return;
   }
 

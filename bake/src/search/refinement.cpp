@@ -18,8 +18,17 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr float priority_after_miss = 0.25f;
+// The first ray comes from where a polygon beside the target was seen. Where it misses, another viewpoint sees the
+// target ten times less often; after that each miss halves the rate, and what is seen so seldom counts for less. Measured
+// in 1.2 million finds of a town.
+constexpr float priority_after_first_miss = 0.0625f, priority_after_miss = 0.25f;
 constexpr std::uint32_t most_misses = 16;
+
+// Returns the factor by which miss number `misses` of a try, from 1, lowers its priority.
+float factor_of_miss(std::uint32_t misses) {
+  return misses == 1 ? priority_after_first_miss : priority_after_miss;
+}
+
 // Returns the number of halvings from the largest priority, the index of the level.
 std::size_t level_of(float priority, std::size_t count) {
   if (!(priority > 0.0f)) return count - 1;
@@ -47,7 +56,7 @@ bool refinement::leave_tried(attempt& one) const {
   const std::size_t last = level_of(static_cast<float>(how_.tried), level_count);
   while (one.misses < most_misses && level_of(one.priority, level_count) <= last) {
     ++one.misses;
-    one.priority *= priority_after_miss;
+    one.priority *= factor_of_miss(one.misses);
   }
   return one.misses < most_misses;
 }
@@ -177,7 +186,7 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
       attempt one = now[ray.which];
       if (ray.length > 0.0f && caster.take(ray.line, seen[i], ray.length, one.target, outcomes[k].found)) continue;
       if (++one.misses == most_misses) continue;
-      one.priority *= priority_after_miss;
+      one.priority *= factor_of_miss(one.misses);
       outcomes[k].missed.push_back(one);
     }
   });

@@ -66,15 +66,15 @@ void expect_pinned(std::uint64_t hash, std::uint64_t pinned) {
 }
 
 TEST(pinned, pillars_in_a_room) {
-  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0xe6c2a25c38900565);
+  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0x6b5cb07cd3838c25);
 }
 
 TEST(pinned, glass_and_decals) {
-  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0xc55bb00307be0698);
+  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0xd366680d79c1eb05);
 }
 
 TEST(pinned, a_slit) {
-  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0x9769e155b5a1833e);
+  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0xecc3cbd240de36e9);
 }
 
 }  // namespace
