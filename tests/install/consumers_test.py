@@ -1,5 +1,6 @@
 """Hosts in C and C++ are built against an installed prefix, before and after the prefix was moved."""
 import os
+import shlex
 import unittest
 
 import installed
@@ -47,7 +48,7 @@ class Everything(Prefix):
                     flags = run('pkg-config', '--cflags', '--libs', *['--static'][:len(kind)], 'sightcell', env=where)
                     program = os.path.join(installed.ARGS.work, 'pc_' + os.path.basename(name) + ''.join(kind))
                     run(*compiler, '-Wall', '-Werror', *kind, os.path.join(sources, name), '-o', program,
-                        *flags.split())
+                        *shlex.split(flags))
                     self.answers(program, shared=not kind)
 
     def test_nothing_names_a_place_of_the_build(self):

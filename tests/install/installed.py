@@ -16,12 +16,16 @@ def golden():
 
 
 def run(*command, code=0, **more):
-    """Standard output and error together; the exit code must be the expected one."""
+    """Standard output and error together; the exit code must be the expected one.
+
+    pkg-config puts a backslash before each byte of a letter outside ASCII, so the bytes need not be UTF-8.
+    """
     environment = {k: v for k, v in os.environ.items()
                    if k not in ('LD_LIBRARY_PATH', 'PKG_CONFIG_PATH', 'CMAKE_PREFIX_PATH', 'DESTDIR')}
     environment.update(more.pop('env', {}))
     done = subprocess.run([str(c) for c in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True, env=environment, timeout=300, **more)
+                          stderr=subprocess.STDOUT, text=True, errors='surrogateescape', env=environment,
+                          timeout=300, **more)
     if (done.returncode == 0) != (code == 0):
         raise AssertionError(f'exit code {done.returncode} of: {" ".join(map(str, command))}\n{done.stdout}')
     return done.stdout
