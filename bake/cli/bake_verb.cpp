@@ -158,7 +158,7 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
                            duration_text(sum.cpu_seconds), how.seed));
   if (sum.times.cells > 0)
     line.message(fmt::format(
-        "CPU time per cell: median {:.2g} s, 99 % of cells at most {:.2g} s, slowest {:.2g} s (at {:.1f}, {:.1f}, {:.1f})",
+        "time per cell: median {:.2g} s, 99 % of cells at most {:.2g} s, slowest {:.2g} s (center {:.1f}, {:.1f}, {:.1f})",
         sum.times.median, sum.times.percentile_99, sum.times.longest, sum.times.center[0], sum.times.center[1],
         sum.times.center[2]));
   if (sum.volumes > 0)

@@ -59,12 +59,13 @@ struct slit_and_tiles {
   }
 
   // The cell knows its eyes, and the wall from each of them.
-  std::vector<std::uint32_t> tested(int threads, std::uint64_t& spent) const {
+  std::vector<std::uint32_t> tested(int threads, std::uint64_t& spent, double least_solid_angle = 0.0) const {
     cell_set set(s.polygon_count);
     for (int i = 0; i < eye_count; ++i) set.add_view(eye(i), {{.id = 0, .pixels = static_cast<std::uint32_t>(1 + i)}});
     const cell_record beside = neighbor();
     tbb::task_arena arena(threads);
-    arena.execute([&] { spent = neighbor_check(rays, cell, {1, 1, purpose::neighbor_check, {}}, {&beside, 1}, set); });
+    const neighbor_check_settings how{.seed = 1, .place = 1, .rules = {}, .least_solid_angle = least_solid_angle};
+    arena.execute([&] { spent = neighbor_check(rays, cell, how, {&beside, 1}, set); });
     return set.sorted();
   }
 };
@@ -79,6 +80,17 @@ TEST(neighbor_check, finds_what_few_eyes_see_and_nothing_else) {
   EXPECT_GE(count, eye_count - 1);
   EXPECT_FALSE(has(world.hidden) || has(world.hidden + 1)) << "its neighbor says so, but no ray";
   EXPECT_LE(spent, 2u * (eye_count + 1) * 40u);
+}
+
+TEST(neighbor_check, random_eyes_test_large_polygons_only) {
+  const slit_and_tiles world;
+  constexpr std::uint64_t polygons = 2 * (eye_count + 1), chosen = 6;
+  std::uint64_t of_small = 0, of_large = 0;
+  world.tested(1, of_small, 100.0);  // larger than all directions
+  EXPECT_LE(of_small, polygons * chosen);
+  world.tested(1, of_large, 1e-9);
+  EXPECT_GE(of_large, 2 * (chosen + 28)) << "the hidden polygons are tried as often as it goes";
+  EXPECT_GT(of_large, of_small);
 }
 
 TEST(neighbor_check, does_not_depend_on_threads) {
