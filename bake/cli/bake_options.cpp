@@ -71,6 +71,9 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
                    "\"paths\" has a list of paths.");
   add_option(verb, group, "--cell-size", s.cell_size, "M",
              "Width of the smallest lattice cells in meters. Cells of a grid are half as high. Range: 0.25 to 1000.");
+  add_option(verb, group, "--most-cells", s.most_cells, "N",
+             "Where the floors that a player can reach need more cells of --cell-size than this, cells are twice as "
+             "wide, and so on, so that the bake of a large landscape ends. Range: 64 to 1000000.");
   add_option(verb, group, "--merge-cells", s.merge_cells, "G",
              "Merges cells side by side that see nearly the same polygons into wider ones, while the polygons that a "
              "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "

@@ -31,8 +31,8 @@ class Usage(InRoom):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
             '-o', '--profile', '--layout', '--volumes', '--importance', '--report-unseen', '--cells-file', '--cells-grid', '--reach',
-            '--start', '--fly', '--path', '--cell-size', '--merge-cells', '--cell-limit', '--margin', '--quality', '--max-pixel-error',
-            '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',
+            '--start', '--fly', '--path', '--cell-size', '--most-cells', '--merge-cells', '--cell-limit', '--margin',
+            '--quality', '--max-pixel-error', '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',
             '--threads', '--memory', '--shard', '--fresh', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),
                          ['Output', 'Cells', 'Quality', 'Scene rules', 'Time and machines', 'Help', 'Examples'])
@@ -129,7 +129,7 @@ class Usage(InRoom):
             self.assertNotIn('did you mean', err)
 
     def test_values_out_of_range_are_2_and_name_the_option(self):
-        for option, value in (('--cell-size', '0.1'), ('--merge-cells', '11'), ('--margin', '11'), ('--player-radius', '0'),
+        for option, value in (('--cell-size', '0.1'), ('--merge-cells', '11'), ('--most-cells', '63'), ('--margin', '11'), ('--player-radius', '0'),
                               ('--sampler', 'guesswork'), ('--source', 'opengl'), ('--samples', '5'), ('--resolution', '255'),
                               ('--max-pixel-error', '0.9'), ('--time-budget', '-1'),
                               ('--volumes', '0.2'), ('--volumes', '1001'),

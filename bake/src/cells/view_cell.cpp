@@ -16,8 +16,6 @@ namespace sightcell::bake {
 
 namespace {
 
-// More automatic cells than this are merged into larger ones: a bake of that length has to be requested explicitly.
-constexpr std::size_t automatic_limit = 200'000;
 constexpr std::size_t asked_limit = 1'000'000;  // for --cells-grid
 constexpr double border = 2.0;                  // meters around the scene if no floor is found
 
@@ -81,20 +79,28 @@ void add_united(const std::vector<floor_cell>& floors, const std::vector<lattice
   list.cell_width = on.width();
 }
 
-// Fills the bounding box with cells, made larger until they are few enough.
+void warn_of_width(double cells, const lattice& before, const lattice& now, std::uint32_t most, cell_list& list) {
+  if (now.width() > before.width())
+    list.warnings.push_back(
+        fmt::format("{:.0f} cells of {:g} m would be more than --most-cells {}: the smallest cells are {:g} m wide",
+                    cells, before.width(), most, now.width()));
+}
+
+// Fills the bounding box with cells, made larger until there are at most `most`.
 // Returns their lattice.
-// before: receives how many cells of the requested size there were.
-lattice fill_bounds(const scene::world_geometry& geometry, lattice on, double& before, cell_list& list) {
+lattice fill_bounds(const scene::world_geometry& geometry, const lattice& asked, std::uint32_t most, cell_list& list) {
   list.warnings.push_back("no floor with head room was found: cells fill the bounding box");
   list.where = "in a grid over the bounding box";
   const glm::dvec3 min = glm::dvec3(geometry.min) - border, max = glm::dvec3(geometry.max) + border;
+  lattice on = asked;
   lattice_range range = on.overlapping(min, max);
-  before = range.count();
-  while (range.count() > static_cast<double>(automatic_limit)) {
+  const double before = range.count();
+  while (range.count() > static_cast<double>(most)) {
     on = on.coarser();
     range = on.overlapping(min, max);
   }
   add_cells(positions_of(range), on, list);
+  warn_of_width(before, asked, on, most, list);
   return on;
 }
 
@@ -105,9 +111,10 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
   if (how.reach != reach_kind::none) walkable = find_walkable_cells(geometry, asked, how);
   cell_list list;
   list.warnings = std::move(walkable.warnings);
-  auto before = static_cast<double>(walkable.cells.size());
+  const auto before = static_cast<double>(walkable.cells.size());
   if (!walkable.cells.empty()) list.where = "over floors " + walkable.how;
-  lattice on = widen_until(walkable.cells, walkable.on, automatic_limit);
+  lattice on = widen_until(walkable.cells, walkable.on, how.most_cells);
+  warn_of_width(before, walkable.on, on, how.most_cells, list);
   if (flies(how)) {
     if (walkable.cells.empty() && how.reach != reach_kind::none)
       list.warnings.push_back("no floor with head room was found");
@@ -118,12 +125,8 @@ cell_list automatic_cells(const scene::world_geometry& geometry, const settings&
   } else if (!walkable.cells.empty()) {
     add_united(walkable.cells, {}, on, list);
   } else {
-    on = fill_bounds(geometry, lattice(asked.width()), before, list);
+    on = fill_bounds(geometry, lattice(asked.width()), how.most_cells, list);
   }
-  if (on.width() > asked.width())
-    list.warnings.push_back(
-        fmt::format("the scene is too large for cells of {:g} m ({:.0f} or more): cells have {:g} m now", asked.width(),
-                    before, on.width()));
   list.how = fmt::format("{} cells of {:g} m {}", list.cells.size(), on.width(), list.where);
   return list;
 }

@@ -140,6 +140,8 @@ std::string player_text(const settings& s) {
   if (names_cells(s)) return {};
   std::string text;
   if (takes_hemicubes(s.sampler)) text += fmt::format(R"(,"merge_cells":{})", number(s.merge_cells));
+  const settings standard_cells;
+  if (s.most_cells != standard_cells.most_cells) text += fmt::format(R"(,"most_cells":{})", s.most_cells);
   if (s.reach != reach_kind::walk)
     text += fmt::format(R"(,"reach":"{}")", reach_names[static_cast<std::size_t>(s.reach)]);
   for (std::size_t i = 0; i < s.starts.size(); ++i)
@@ -229,6 +231,7 @@ void validate(const settings& s) {
                 "is given together with a file or a grid of cells", "give one of them");
   if (s.cells_grid) check_box("--cells-grid", *s.cells_grid);
   check("--cell-size", s.cell_size, 0.25f, 1000.0f, " m");
+  check<std::uint32_t>("--most-cells", s.most_cells, 64, 1'000'000, "");
   check("--merge-cells", s.merge_cells, 0.0, 10.0, "");
   check_player(s);
   check_flight(s);

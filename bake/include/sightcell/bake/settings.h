@@ -116,6 +116,9 @@ struct settings {
   // --path-radius: lattice cells that are this near to a path, on each axis, are cells; meters, 0 .. 100
   float path_radius = 0.5f;
   float cell_size = 4.0f;  // --cell-size: width of the smallest lattice cells, meters, 0.25 .. 1000
+  // --most-cells: where automatic cells of cell_size would be more than this, before any is merged, they are twice as
+  // wide, and so on. 64 .. 1,000,000
+  std::uint32_t most_cells = 20'000;
   // --merge-cells: automatic cells are merged with neighbors while the polygons that a player draws grow by at most
   // this part, in the mean over all floor; an estimate. 0 .. 10; 0: none is. Samplers of rays alone merge none.
   double merge_cells = 0.1;

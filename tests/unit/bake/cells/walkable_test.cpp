@@ -184,14 +184,30 @@ TEST(walkable, a_sky_dome_does_not_blur_a_level) {
   EXPECT_FALSE(list.warnings.empty());
 }
 
-TEST(walkable, huge_terrain_gets_larger_cells_and_a_warning) {
+TEST(walkable, more_than_most_cells_are_twice_as_wide_with_a_warning) {
+  scene::world_geometry g;
+  add_floor(g, 0.0f, 0.0f, 64.0f, 64.0f, 0.0f);
+  settings how;
+  how.most_cells = 300;
+  EXPECT_EQ(make_cells(g, how).cells.size(), 256u);
+  EXPECT_TRUE(make_cells(g, how).warnings.empty());
+  how.most_cells = 255;
+  const cell_list list = make_cells(g, how);
+  EXPECT_EQ(list.cells.size(), 64u);
+  EXPECT_EQ(list.cells[0].max.x - list.cells[0].min.x, 8.0f);
+  ASSERT_EQ(list.warnings.size(), 1u);
+  EXPECT_EQ(list.warnings[0], "256 cells of 4 m would be more than --most-cells 255: the smallest cells are 8 m wide");
+}
+
+// Cells across the origin never become one.
+TEST(walkable, wide_terrain_around_the_origin_has_at_most_the_fewest_most_cells) {
   scene::world_geometry g;
   add_floor(g, -2000.0f, -2000.0f, 2000.0f, 2000.0f, 0.0f);
-  const cell_list list = cells_of(g);
-  EXPECT_LE(list.cells.size(), 200'000u);
-  EXPECT_GT(list.cells.size(), 40'000u);
-  EXPECT_EQ(list.cells[0].max.x - list.cells[0].min.x, 16.0f);
-  EXPECT_FALSE(list.warnings.empty());
+  settings how;
+  how.most_cells = 64;
+  const cell_list list = make_cells(g, how);
+  EXPECT_EQ(list.cells.size(), 64u);
+  EXPECT_EQ(list.cells[0].max.x - list.cells[0].min.x, 512.0f);
 }
 
 TEST(walkable, eyes_from_crouching_to_jumping_have_cells) {
