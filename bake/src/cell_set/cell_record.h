@@ -44,6 +44,9 @@ struct cell_record {
   // visible.
   std::vector<glm::vec3> witnesses;
   std::vector<std::uint32_t> witness_of;
+  // Of a bounded record: the polygons of the set that joined after its cell was sampled, ascending. The neighbors in
+  // the block have tested the others.
+  std::vector<std::uint32_t> late;
   bool operator==(const cell_record&) const = default;
 };
 
@@ -56,8 +59,8 @@ struct cell_summary {
 };
 cell_summary summary_of(const cell_record& record);
 
-// Returns the bytes of a record: version, the plain fields in little-endian order, the set, its witnesses, the volumes
-// if there are any, as varint runs, and XXH3-64 of all bytes before it. A set takes at most one to two bytes per
+// Returns the bytes of a record: version, the plain fields in little-endian order, the set, its witnesses, the late
+// polygons, the volumes if there are any, as varint runs, and XXH3-64 of all bytes before it. A set takes at most one to two bytes per
 // polygon, its witnesses a few bits per polygon. Two records are equal if their bytes are.
 std::vector<std::uint8_t> encode(const cell_record& record);
 // Decodes a record. Returns nothing if the checksum or anything else is wrong. The bytes may be arbitrary.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
+#include <iterator>
 
 #include "bound/explore_viewpoints.h"
 #include "misses/join_misses.h"
@@ -223,6 +224,8 @@ cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& ow
       neighbor_check(rays_, grown(cell), check_of(cell, purpose::neighbor_check, of_check), neighbors, set);
   add_misses(cell, set, record);
   bound(cell, limit, set, record);
+  std::set_difference(record.set.begin(), record.set.end(), own.set.begin(), own.set.end(),
+                      std::back_inserter(record.late));
   note_time(limit, record);
   return record;
 }
@@ -301,6 +304,7 @@ void cell_baker::complete(const view_cell& cell, std::vector<std::uint32_t>& set
 cell_record cell_baker::finished(const view_cell& cell, cell_record last) const {
   last.witnesses.clear();
   last.witness_of.clear();
+  last.late.clear();
   if (!last.stored) return last;
   std::vector<std::uint32_t> dilated = last.set;
   complete(cell, last.set);

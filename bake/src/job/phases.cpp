@@ -149,12 +149,18 @@ void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
   if (work.tracker.stopped()) return;
   const cell_baker baker = baker_of(work.context);
   stop_request stop;
+  const cell_blocks& blocks = work.plan.blocks();
   const take_step take = [&](const cell_step& step, cell_set& set) {
     const view_cell& cell = work.context.cells->list.cells[step.cell];
     cell_record own = before(step.cell);
     if (work.plan.end_of_phase_1(step.cell) == cell_stage::finished) return own;  // it touches no other cell
-    const auto around = work.plan.blocks().neighbors_of(step.cell);
-    return baker.finished(cell, baker.check(cell, own, neighbors_of(own, around, before), set, &stop));
+    const record_of_phase_1 untested = [&](std::uint32_t other) {
+      cell_record record = before(other);
+      if (blocks.block_of(other) == blocks.block_of(step.cell)) keep_late(record);
+      return record;
+    };
+    return baker.finished(
+        cell, baker.check(cell, own, neighbors_of(own, blocks.neighbors_of(step.cell), untested), set, &stop));
   };
   run(work, baker, bake_phase::checking_neighbors, step_queue::phase_2(work.plan, work.tracker.have(), work.blocks),
       stop, take);

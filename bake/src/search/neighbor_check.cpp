@@ -137,21 +137,35 @@ class tester {
   std::vector<std::pair<float, std::uint32_t>> order_;  // square of the distance to the line, index of the eye
 };
 
+// Keeps the polygons of a record for which keeps returns true; it is asked for them in ascending order.
+template <typename Keeps>
+void keep_if(cell_record& record, Keeps keeps) {
+  std::vector<std::uint32_t> set, witness_of;
+  for (std::size_t i = 0; i < record.set.size(); ++i) {
+    if (!keeps(record.set[i])) continue;
+    set.push_back(record.set[i]);
+    witness_of.push_back(record.witness_of[i]);
+  }
+  set.shrink_to_fit();
+  witness_of.shrink_to_fit();
+  record.set = std::move(set);
+  record.witness_of = std::move(witness_of);
+}
+
 }  // namespace
 
 void drop_known(std::span<const std::uint32_t> own, cell_record& neighbor) {
-  cell_record rest;
-  auto known = own.begin();
-  for (std::size_t i = 0; i < neighbor.set.size(); ++i) {
-    while (known != own.end() && *known < neighbor.set[i]) ++known;
-    if (known != own.end() && *known == neighbor.set[i]) continue;
-    rest.set.push_back(neighbor.set[i]);
-    rest.witness_of.push_back(neighbor.witness_of[i]);
-  }
-  rest.set.shrink_to_fit();
-  rest.witness_of.shrink_to_fit();
-  neighbor.set = std::move(rest.set);
-  neighbor.witness_of = std::move(rest.witness_of);
+  keep_if(neighbor, [&, known = own.begin()](std::uint32_t polygon) mutable {
+    while (known != own.end() && *known < polygon) ++known;
+    return known == own.end() || *known != polygon;
+  });
+}
+
+void keep_late(cell_record& neighbor) {
+  keep_if(neighbor, [late = neighbor.late.begin(), end = neighbor.late.end()](std::uint32_t polygon) mutable {
+    while (late != end && *late < polygon) ++late;
+    return late != end && *late == polygon;
+  });
 }
 
 std::uint64_t neighbor_check(const ray_scene& rays, const box& grown, const neighbor_check_settings& how,

@@ -35,6 +35,9 @@ constexpr double least_solid_angle(double max_pixel_error) noexcept {
 // when many records are loaded.
 // own: source ids of the cell, ascending.
 void drop_known(std::span<const std::uint32_t> own, cell_record& neighbor);
+// Removes from a bounded record the polygons that its cell had when it was sampled. A neighbor in the same block has
+// tested them before its own bound.
+void keep_late(cell_record& neighbor);
 
 // Tests every polygon that a neighbor has and the set lacks, from valid viewpoints of the grown box: from eyes of the
 // set close to the neighbor's sight line, from the point where that line enters the box, and large ones from random eyes

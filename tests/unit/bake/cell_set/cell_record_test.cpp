@@ -25,6 +25,7 @@ cell_record sample() {
   r.unseen = 3;
   r.batches = 2;
   r.geometry_inside = true;
+  r.late = {7, 500};
   return r;
 }
 

@@ -93,6 +93,24 @@ TEST(neighbor_check, random_eyes_test_large_polygons_only) {
   EXPECT_GT(of_large, of_small);
 }
 
+TEST(neighbor_check, of_a_neighbor_in_the_block_only_what_is_late_is_tried) {
+  cell_record neighbor;
+  neighbor.set = {2, 3, 5, 8, 13};
+  neighbor.witnesses = {{1, 0, 0}, {2, 0, 0}};
+  neighbor.witness_of = {0, 1, 1, 0, 1};
+  neighbor.late = {3, 8, 13};
+  keep_late(neighbor);
+  EXPECT_EQ(neighbor.set, (std::vector<std::uint32_t>{3, 8, 13}));
+  EXPECT_EQ(neighbor.witness_of, (std::vector<std::uint32_t>{1, 0, 1}));
+  const std::vector<std::uint32_t> own{1, 8};
+  drop_known(own, neighbor);
+  EXPECT_EQ(neighbor.set, (std::vector<std::uint32_t>{3, 13}));
+  EXPECT_EQ(neighbor.witness_of, (std::vector<std::uint32_t>{1, 1}));
+  neighbor.late.clear();
+  keep_late(neighbor);
+  EXPECT_TRUE(neighbor.set.empty());
+}
+
 TEST(neighbor_check, does_not_depend_on_threads) {
   const slit_and_tiles world;
   std::uint64_t spent_by_one = 0, spent_by_four = 0;
