@@ -61,6 +61,34 @@ ordered_json coincident_json(const scene::world_geometry& world) {
           {"opposite", counts.opposite},       {"opposite_percent", percent_of(counts.opposite, all)}};
 }
 
+// What the opacity maps of the polygons with an alpha test know. parts_known_percent: of the polygons that have parts,
+// the mean share of them, which is the share of the area.
+ordered_json opacity_json(const scene::opacity_maps& maps) {
+  std::size_t passing = 0, failing = 0, divided = 0;
+  std::vector<double> known_of(maps.maps.size(), 0.0);
+  for (std::size_t i = 0; i < maps.maps.size(); ++i) {
+    const scene::opacity_map& map = maps.maps[i];
+    if (map.side == 0) continue;
+    std::size_t known = 0;
+    for (std::size_t part = 0; part < 2 * std::size_t{map.side} * map.side; ++part)
+      known += maps.parts[map.first + part] != scene::opacity::unknown;
+    known_of[i] = static_cast<double>(known) / (static_cast<double>(map.side) * map.side);
+  }
+  double known = 0.0;
+  for (const std::uint32_t map : maps.map_of) {
+    passing += maps.maps[map].whole == scene::opacity::passes;
+    failing += maps.maps[map].whole == scene::opacity::fails;
+    divided += maps.maps[map].side > 0;
+    known += known_of[map];
+  }
+  return {{"maps", maps.maps.size()},
+          {"pass_everywhere", passing},
+          {"pass_nowhere", failing},
+          {"divided", divided},
+          {"parts_known_percent", divided == 0 ? 0.0 : 100.0 * known / static_cast<double>(divided)},
+          {"bytes", maps.bytes()}};
+}
+
 // How many draws carry each tag.
 ordered_json tags_json(const scene::scene& s) {
   std::uint32_t not_occluders = 0, dynamic = 0, always = 0, never = 0, animated = 0, grouped_draws = 0;
@@ -120,6 +148,13 @@ std::string coincident_text(const ordered_json& coincident) {
                      one("any_winding"), one("opposite"));
 }
 
+std::string opacity_text(const ordered_json& opacity) {
+  return fmt::format(
+      "of the alpha tested {} pass everywhere, {} nowhere, {} in parts ({:.0f} % of these known); {} maps, {:.1f} MB",
+      grouped(opacity["pass_everywhere"]), grouped(opacity["pass_nowhere"]), grouped(opacity["divided"]),
+      opacity["parts_known_percent"].get<double>(), grouped(opacity["maps"]), opacity["bytes"].get<double>() / 1e6);
+}
+
 std::string extensions_text(const ordered_json& extensions) {
   std::string text;
   for (const ordered_json& e : extensions)
@@ -145,6 +180,7 @@ ordered_json scene_info(const scene::scene& s) {
           {"kinds", kinds_json(world)},
           {"absent", absent_json(world.absent)},
           {"coincident", coincident_json(world)},
+          {"opacity", opacity_json(world.opacity)},
           {"tagged_draws", tags_json(s)},
           {"groups", s.groups},
           {"lod_objects", world.lods.size()},
@@ -163,6 +199,7 @@ void print_scene_info(const std::filesystem::path& path, const ordered_json& inf
   fmt::print("  polygons           {}\n", counts_text(info["kinds"]));
   fmt::print("  absent             {}\n", counts_text(info["absent"]));
   fmt::print("  coincident         {}\n", coincident_text(info["coincident"]));
+  if (info["kinds"]["alpha_tested"] != 0) fmt::print("  opacity maps       {}\n", opacity_text(info["opacity"]));
   fmt::print("  tagged draws       {}\n", counts_text(info["tagged_draws"]));
   if (info["lod_objects"] != 0) fmt::print("  levels of detail   {} objects\n", grouped(info["lod_objects"]));
   fmt::print("  extensions         {}\n", extensions_text(info["extensions"]));

@@ -72,6 +72,7 @@ class flattener {
       if (!is_finite(p)) p = glm::vec3(0.0f);
     }
     join_opposite_pairs(out_);
+    out_.opacity = make_opacity_maps(out_.masked, out_.masks);
     return std::move(out_);
   }
 

@@ -19,7 +19,10 @@ unsigned geometry_of(scene::polygon_kind kind) {
 }
 
 // Returns whether the alpha of a MASK polygon reaches the cutoff at a hit with barycentric coordinates u, v.
-bool passes(const scene::world_geometry& world, const scene::masked_polygon& p, float u, float v) {
+bool passes(const scene::world_geometry& world, std::uint32_t test, float u, float v) {
+  const scene::opacity known = world.opacity.at(test, u, v);
+  if (known != scene::opacity::unknown) return known == scene::opacity::passes;
+  const scene::masked_polygon& p = world.masked[test];
   const glm::vec2 uv = p.uvs[0] + (p.uvs[1] - p.uvs[0]) * u + (p.uvs[2] - p.uvs[0]) * v;
   const float alpha = p.alphas[0] + (p.alphas[1] - p.alphas[0]) * u + (p.alphas[2] - p.alphas[0]) * v;
   return world.masks[p.mask].passes(uv, alpha);
@@ -124,8 +127,8 @@ bool embree_scene::is_there(const RTCFilterFunctionNArguments& a, unsigned i, bo
                          RTCHitN_Ng_z(a.hit, a.N, i) * RTCRayN_dir_z(a.ray, a.N, i);
     if (facing > 0.0f) return false;
   }
-  return !is_tested(number) || passes(geometry, geometry.masked[tests[number][primitive]], RTCHitN_u(a.hit, a.N, i),
-                                      RTCHitN_v(a.hit, a.N, i));
+  return !is_tested(number) ||
+         passes(geometry, tests[number][primitive], RTCHitN_u(a.hit, a.N, i), RTCHitN_v(a.hit, a.N, i));
 }
 
 // All vertices, shared by all geometries. The memory is Embree's own, because Embree reads a few bytes past the last

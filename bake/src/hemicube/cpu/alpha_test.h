@@ -7,9 +7,10 @@
 namespace sightcell::bake::cpu {
 namespace {
 
+// The texel below a coordinate, counted from the border of the mask, and the weight of the next one.
 struct between {
-  ints first, second;
-  floats toward_second;
+  ints below;
+  floats toward_next;
 };
 
 inline floats folded(floats coordinate, scene::wrap mode) {
@@ -21,15 +22,34 @@ inline floats folded(floats coordinate, scene::wrap mode) {
 
 // Lanes outside of the triangle may have any coordinate, also infinity and NaN. The texels are inside the mask anyway.
 inline between texels_at(floats coordinate, std::uint32_t size, scene::wrap mode) {
+  const floats last = all(static_cast<float>(size - 1));
   const floats place = folded(coordinate, mode) * all(static_cast<float>(size)) - all(0.5f);
-  const floats below = floor_of(place);
-  const ints last = all(static_cast<std::int32_t>(size - 1)), zero = all(0);
-  const bool repeat = mode == scene::wrap::repeat;
-  const ints before = all(0.0f) > below;
-  const ints inside = truncated(larger(smaller(below, to_floats(last)), all(0.0f)));
-  const ints first = choose(before, repeat ? last : zero, inside);
-  const ints second = choose(before, zero, choose(first == last, repeat ? zero : last, first + all(1)));
-  return {first, second, place - below};
+  const floats below = larger(smaller(floor_of(place), last), all(-1.0f));
+  return {truncated(below) + all(1), place - below};
+}
+
+// What the opacity map of a triangle knows.
+struct known_opacity {
+  std::uint32_t lanes = 0, passing = 0;  // a bit per lane: is known, and passes
+};
+
+// Looks eight points up in the opacity map of a triangle. Computes the formula of scene::opacity_maps::at().
+inline known_opacity look_up(const masked_triangle& t, const std::uint8_t* parts, floats u, floats v) {
+  const floats side = all(static_cast<float>(t.side)), zero = all(0.0f);
+  const ints inside = (u >= zero) & (v >= zero) & (all(1.0f) >= u + v);
+  const floats across = u * side, up = v * side;
+  const ints last = all(static_cast<std::int32_t>(t.side - 1));
+  const ints column = smaller(truncated(choose(inside, across, zero)), last),
+             row = smaller(truncated(choose(inside, up, zero)), last);
+  const floats beyond = (across - to_floats(column)) + (up - to_floats(row));
+  const ints square = row * all(static_cast<std::int32_t>(t.side)) + column;
+  const ints part = square + square + choose(beyond > all(1.0f), all(1), all(0));
+  const ints at = choose(inside, part, all(0)) + all(static_cast<std::int32_t>(t.first_part));
+  const ints found = two_bytes_at(parts, at) & all(0xFF);
+  const std::uint32_t passing = sign_bits(found == all(static_cast<std::int32_t>(scene::opacity::passes)));
+  const std::uint32_t failing = sign_bits(found == all(static_cast<std::int32_t>(scene::opacity::fails)));
+  const std::uint32_t in = sign_bits(inside);
+  return {(passing | failing) & in, passing & in};
 }
 
 // Returns a bit per lane whose alpha passes. u, v: weights of the second and the third corner.
@@ -39,14 +59,15 @@ inline std::uint32_t alpha_passes(const masked_triangle& t, const mask_texels& m
     return all(corner[0]) + all(corner[1] - corner[0]) * u + all(corner[2] - corner[0]) * v;
   };
   const between x = texels_at(at(t.u), mask.width, mask.wrap_u), y = texels_at(at(t.v), mask.height, mask.wrap_v);
-  const ints width = all(static_cast<std::int32_t>(mask.width)), base = all(static_cast<std::int32_t>(mask.first));
-  const auto texel = [&](ints column, ints row) { return to_floats(bytes_at(texels, base + row * width + column)); };
-  const auto across = [&](ints row) {
-    const floats left = texel(x.first, row);
-    return left + (texel(x.second, row) - left) * x.toward_second;
+  const ints stride = all(static_cast<std::int32_t>(mask.width + 2));
+  const ints lower = all(static_cast<std::int32_t>(mask.first)) + y.below * stride + x.below;
+  const auto across = [&](ints first) {
+    const ints two = two_bytes_at(texels, first);
+    const floats left = to_floats(two & all(0xFF)), right = to_floats(shift_right<8>(two));
+    return left + (right - left) * x.toward_next;
   };
-  const floats low = across(y.first), high = across(y.second);
-  const floats alpha = (low + (high - low) * y.toward_second) / all(255.0f) * at(t.alpha);
+  const floats low = across(lower), high = across(lower + stride);
+  const floats alpha = (low + (high - low) * y.toward_next) / all(255.0f) * at(t.alpha);
   return sign_bits(alpha >= all(mask.cutoff));
 }
 

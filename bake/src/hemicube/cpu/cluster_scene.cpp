@@ -196,19 +196,40 @@ class tree_writer {
   cluster_tree& tree_;
 };
 
+// Returns the index in world_geometry::masked of a polygon with an alpha test.
+std::uint32_t test_of(const scene::world_geometry& world, std::uint32_t id) {
+  const auto test = std::lower_bound(world.masked.begin(), world.masked.end(), id,
+                                     [](const scene::masked_polygon& p, std::uint32_t key) { return p.id < key; });
+  return static_cast<std::uint32_t>(test - world.masked.begin());
+}
+
+// Returns what is known of the alpha test of a whole polygon; one without a test passes.
+scene::opacity opacity_of(const scene::world_geometry& world, std::uint32_t id) {
+  return world.kinds[id].alpha_tested ? world.opacity.whole(test_of(world, id)) : scene::opacity::passes;
+}
+
 void note_masks(const scene::world_geometry& world, cluster_tree& tree) {
   if (world.masked.empty()) return;
   tree.masked.reserve(8 * tree.blocks.size());
   for (const triangle_block& block : tree.blocks)
-    for (const std::uint32_t id : block.ids) {
-      if (id == scene::no_index || !world.kinds[id].alpha_tested) {
-        tree.masked.push_back(scene::no_index);
-        continue;
-      }
-      const auto test = std::lower_bound(world.masked.begin(), world.masked.end(), id,
-                                         [](const scene::masked_polygon& p, std::uint32_t key) { return p.id < key; });
-      tree.masked.push_back(static_cast<std::uint32_t>(test - world.masked.begin()));
-    }
+    for (const std::uint32_t id : block.ids)
+      tree.masked.push_back(id == scene::no_index || opacity_of(world, id) == scene::opacity::passes
+                                ? scene::no_index
+                                : test_of(world, id));
+}
+
+// Appends the texels of a mask with a border of one texel, which has what a lookup beside the mask reads.
+void add_with_border(const scene::alpha_mask& mask, std::vector<std::uint8_t>& texels) {
+  const auto inside = [](std::uint32_t at, std::uint32_t size, scene::wrap mode) {  // at: from the border on
+    if (at == 0) return mode == scene::wrap::repeat ? size - 1 : 0;
+    if (at > size) return mode == scene::wrap::repeat ? 0 : size - 1;
+    return at - 1;
+  };
+  for (std::uint32_t y = 0; y < mask.height + 2; ++y) {
+    const std::size_t row = std::size_t{inside(y, mask.height, mask.wrap_v)} * mask.width;
+    for (std::uint32_t x = 0; x < mask.width + 2; ++x)
+      texels.push_back(mask.texels[row + inside(x, mask.width, mask.wrap_u)]);
+  }
 }
 
 template <class Wanted>
@@ -217,7 +238,9 @@ void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tre
   for (std::uint32_t id = 0; id < world.kinds.size(); ++id) {
     const scene::polygon_kind kind = world.kinds[id];
     // A non-occluder that is in every set need not be drawn.
-    if (kind.absent || (kind.always && !kind.occludes()) || !wanted(kind)) continue;
+    if (kind.absent || (kind.always && !kind.occludes())) continue;
+    const scene::opacity tested = opacity_of(world, id);
+    if (tested == scene::opacity::fails || !wanted(kind, tested == scene::opacity::unknown)) continue;
     placed t;
     t.id = id;
     for (std::size_t k = 0; k < 3; ++k) t.box.add(world.positions[world.indices[3 * std::size_t{id} + k]]);
@@ -232,16 +255,21 @@ void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tre
 
 cluster_scene::cluster_scene(const scene::world_geometry& world) {
   build(
-      world, [](scene::polygon_kind k) { return k.occludes() && !k.alpha_tested; }, opaque);
+      world, [](scene::polygon_kind k, bool has_test) { return k.occludes() && !has_test; }, opaque);
   build(
-      world, [](scene::polygon_kind k) { return k.occludes() && k.alpha_tested; }, masked);
+      world, [](scene::polygon_kind k, bool has_test) { return k.occludes() && has_test; }, masked);
   build(
-      world, [](scene::polygon_kind k) { return !k.occludes(); }, see_through);
+      world, [](scene::polygon_kind k, bool) { return !k.occludes(); }, see_through);
   note_masks(world, masked);
   note_masks(world, see_through);
-  for (const scene::masked_polygon& p : world.masked) {
+  for (std::size_t i = 0; i < world.masked.size(); ++i) {
+    const scene::masked_polygon& p = world.masked[i];
     masked_triangle made;
     made.mask = p.mask;
+    if (!world.opacity.map_of.empty()) {
+      const scene::opacity_map& map = world.opacity.maps[world.opacity.map_of[i]];
+      made.first_part = map.first, made.side = map.side;
+    }
     for (std::size_t k = 0; k < 3; ++k) {
       made.u[k] = p.uvs[k].x;
       made.v[k] = p.uvs[k].y;
@@ -251,9 +279,11 @@ cluster_scene::cluster_scene(const scene::world_geometry& world) {
   }
   for (const scene::alpha_mask& m : world.masks) {
     masks.push_back({static_cast<std::uint32_t>(texels.size()), m.width, m.height, m.cutoff, m.wrap_u, m.wrap_v});
-    texels.insert(texels.end(), m.texels.begin(), m.texels.end());
+    add_with_border(m, texels);
   }
   texels.resize(texels.size() + 3);
+  for (const scene::opacity part : world.opacity.parts) parts.push_back(static_cast<std::uint8_t>(part));
+  parts.resize(parts.size() + 3);
 }
 
 }  // namespace sightcell::bake::cpu

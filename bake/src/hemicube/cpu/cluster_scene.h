@@ -50,9 +50,10 @@ struct cluster_tree {
 struct masked_triangle {
   float u[3], v[3], alpha[3];
   std::uint32_t mask = 0;
+  std::uint32_t first_part = 0, side = 0;  // its opacity map; side 0: none
 };
 
-// An alpha_mask. Its texels are a part of cluster_scene::texels.
+// An alpha_mask. Its texels are a part of cluster_scene::texels, with a border of one texel.
 struct mask_texels {
   std::uint32_t first = 0, width = 0, height = 0;
   float cutoff = 0.0f;
@@ -60,12 +61,14 @@ struct mask_texels {
 };
 
 struct cluster_scene {
-  cluster_tree opaque;                            // occluders without alpha test
+  cluster_tree opaque;                            // occluders without alpha test, or where it passes everywhere
   cluster_tree masked;                            // occluders with alpha test
   cluster_tree see_through;                       // non-occluders
   std::vector<masked_triangle> masked_triangles;  // one per world_geometry::masked
   std::vector<mask_texels> masks;                 // one per world_geometry::masks
-  std::vector<std::uint8_t> texels;               // of all masks, with padding for reads of four bytes
+  // With padding for reads of four bytes.
+  std::vector<std::uint8_t> texels;  // of all masks
+  std::vector<std::uint8_t> parts;   // of all opacity maps, see scene::opacity_maps
 
   // Builds the trees in parallel on the caller's TBB arena. The result depends on world only, which is not needed
   // afterwards.

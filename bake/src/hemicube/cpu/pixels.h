@@ -44,7 +44,12 @@ inline std::uint32_t passing(const draw_state& s, std::uint32_t bits, std::uint3
   }
   const floats sum = w[0] + w[1] + w[2];
   const masked_triangle& t = s.scene.masked_triangles[s.masked];
-  return bits & alpha_passes(t, s.scene.masks[t.mask], s.scene.texels, w[1] / sum, w[2] / sum);
+  const floats u = w[1] / sum, v = w[2] / sum;
+  if (t.side > 0) {
+    const known_opacity known = look_up(t, s.scene.parts, u, v);
+    if ((bits & ~known.lanes) == 0) return bits & known.passing;
+  }
+  return bits & alpha_passes(t, s.scene.masks[t.mask], s.scene.texels, u, v);
 }
 
 inline ints mask_of(std::uint32_t bits) {

@@ -30,6 +30,7 @@
 #include "sightcell/scene/alpha_mode.h"
 #include "sightcell/scene/animated_as.h"
 #include "sightcell/scene/image.h"
+#include "sightcell/scene/opacity_maps.h"
 
 namespace sightcell::scene {
 
@@ -219,6 +220,7 @@ struct world_geometry {
   std::vector<polygon_kind> kinds;     // one per polygon
   std::vector<masked_polygon> masked;  // ascending ids
   std::vector<alpha_mask> masks;
+  opacity_maps opacity;          // of `masked`
   std::vector<lod_object> lods;  // objects that have coarser levels
   std::vector<start_point> starts;
   std::vector<marked_cell> cells;
