@@ -44,9 +44,9 @@ struct opacity_maps {
 // Makes the maps of polygons. A part passes or fails if all texels do that a bilinear lookup in its bounding box of
 // texture coordinates can read; wrap modes and rounding are allowed for.
 // Nothing is known of polygons whose vertex alphas differ, of masks with more than 2^24 texels, and of what is left
-// when 2^28 texels were counted (once per mask and vertex alpha). Memory: `parts` has at most 2^25 entries; maps become
-// coarser until that holds. While it works, 8 bytes for each texel
-//   of a mask.
+// when 2^28 texels were counted (once per mask and vertex alpha).
+// Memory: at most 2^25 entries in `parts`; maps become coarser until that holds. During the call also 8 bytes for each
+//   texel of one mask.
 // Cost: linear in the texels counted and in the parts.
 // Throws std::bad_alloc.
 opacity_maps make_opacity_maps(std::span<const masked_polygon> polygons, std::span<const alpha_mask> masks);
