@@ -25,12 +25,16 @@ sampling_effort guided::sample(const sampled_cell& cell, cell_set& set) const {
   auto views = later_views(cell, 0);
   views->most = how_.samples;
   cell_search search(world_.rays, *world_.neighbors, &*views,
-                     {.seed = how_.seed, .place = cell.place, .smallest_gap = how_.smallest_gap, .limit = cell.limit},
+                     {.seed = how_.seed,
+                      .place = cell.place,
+                      .smallest_gap = how_.smallest_gap,
+                      .limit = cell.limit,
+                      .priority = priority_beside(error_without_one)},
                      set);
   if (how_.max_pixel_error > 0.0)
     search.look_around();
   else
-    search.look_for({.priority = priority_beside(error_without_one)});
+    search.look_for({});
   return {.samples = views->places.taken(), .rays = search.rays()};
 }
 

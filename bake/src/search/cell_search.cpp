@@ -30,6 +30,14 @@ double cost_of(std::uint32_t resolution, double seen, double masked) {
   return static_cast<double>(std::uint64_t{resolution} * resolution) / 650.0 + 0.25 * seen + 4.0 * masked;
 }
 
+// What a hemicube did not show from a witness is mostly smaller than a pixel there, however large the polygon is. So no
+// priority is above the mean solid angle of a pixel, but each polygon gets one ray.
+float largest_priority(const search_settings& how, const search_views* views) {
+  if (!views) return largest_solid_angle;
+  const double resolution = views->places.resolution(), pixel = whole_sphere / 2.0 / (3.0 * resolution * resolution);
+  return static_cast<float>(std::max(pixel, how.priority));
+}
+
 std::vector<glm::vec3> sorted_unique(std::vector<glm::vec3> points) {
   std::sort(points.begin(), points.end(), is_lower);
   points.erase(std::unique(points.begin(), points.end()), points.end());
@@ -60,6 +68,7 @@ cell_search::cell_search(const ray_scene& rays, const near_polygons& neighbors, 
                  .smallest_gap = how.smallest_gap,
                  .places = &viewpoints_,
                  .limit = how.limit,
+                 .largest_priority = largest_priority(how, views),
                  .known = how.known,
                  .tried = how.tried},
                 set),
@@ -84,7 +93,7 @@ std::uint64_t cell_search::cost_of_views() const {
 
 void cell_search::look_beside(std::uint64_t max_cost) {
   const double priority =
-      std::ldexp(priority_after(priority_, views_ ? views_->places.taken() : 0), -2 * searches_by_rays_);
+      std::ldexp(priority_after(how_.priority, views_ ? views_->places.taken() : 0), -2 * searches_by_rays_);
   const std::uint64_t rays = dilation_.run(priority, max_cost - std::min(max_cost, spent_));
   spent_ += rays;
   cast_ += rays;
@@ -142,7 +151,6 @@ void cell_search::look_around() {
 }
 
 void cell_search::look_for(const search_goal& goal) {
-  priority_ = goal.priority;
   bool any = false;
   while (spent_ < goal.max_cost && !over() && may_view() && !(goal.enough && goal.enough(missing_, cost_of_views()))) {
     view();

@@ -37,6 +37,7 @@ struct search_settings {
   float smallest_gap = 0.0f;          // meters, see aimed_rays
   const time_limit* limit = nullptr;  // null: no limit
   const error_metric* metric = &pixel_metric;
+  double priority = 0.0;  // lowest priority, in sr, of rays after the first round
   // See refinement_settings.
   std::size_t known = 0;
   double tried = 0.0;
@@ -47,7 +48,6 @@ using error_guess = std::array<double, 5>;
 
 // When a search may stop.
 struct search_goal {
-  double priority = 0.0;                         // lowest priority, in sr, of rays after the first round
   std::uint64_t max_cost = 0xFFFFFFFFFFFFFFFFu;  // limit on the cost including what was spent before, in rays
   // Returns whether the estimated miss probability is so low that another round of hemicubes does not pay.
   // missing: the estimates.
@@ -101,7 +101,6 @@ class cell_search {
   cell_set& set_;
   std::vector<glm::vec3> viewpoints_;  // viewpoints of hemicubes and origins of rays
   refinement dilation_;
-  double priority_ = 0.0;  // of the goal, sr
   // Number of searches without hemicubes. Each lowers the priority as if the number of hemicubes had doubled.
   std::uint32_t searches_by_rays_ = 0;
   // In rays: of one hemicube, as measured in the last round; of the current round so far.

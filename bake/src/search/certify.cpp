@@ -166,7 +166,7 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const viewpoint_region& where,
                                const finish_settings& how, cell_set& set, search_views* views) {
   finish_result result;
-  const double target = how.max_pixel_error, priority = priority_beside(target);
+  const double target = how.max_pixel_error;
   const time_limit& limit = how.limit ? *how.limit : no_limit;
   time_limit of_search = limit.part(search_share);
   cell_search search(rays, neighbors, views,
@@ -175,6 +175,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                       .smallest_gap = how.rules.smallest_gap,
                       .limit = &of_search,
                       .metric = how.rules.metric,
+                      .priority = priority_beside(target),
                       .known = views ? how.known : 0,
                       .tried = views ? priority_after(priority_beside(how.known_to), views->places.taken()) : 0.0},
                      set);
@@ -183,7 +184,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
   const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
   std::uint64_t of_batches = 0;
   std::vector<interim_test> interim_tests;
-  search_goal goal{.priority = priority};
+  search_goal goal;
   goal.enough = [&](const error_guess& missing, std::uint64_t cost) {
     return batch_pays(interim_tests, missing, cost, cost_of_trial);
   };

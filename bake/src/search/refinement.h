@@ -12,6 +12,7 @@
 #include "sightcell/base/random.h"
 #include "sightcell/base/time_limit.h"
 #include "trace/ray_scene.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 
@@ -26,6 +27,7 @@ struct refinement_settings {
   // grow between runs. Null: all tries start at witnesses. Must outlive the object, like the limit.
   const std::vector<glm::vec3>* places = nullptr;
   const time_limit* limit = nullptr;  // when it is reached, tries stay queued
+  float largest_priority = largest_solid_angle;  // of a try, sr
   // Number of members of the set whose neighbors an earlier search tried, and the priority, in sr, down to which it
   // did; tries for them resume below it. 0: these members get no tries.
   std::size_t known = 0;
@@ -34,10 +36,11 @@ struct refinement_settings {
 
 // A try is a ray from the witness of a member toward a random point of a neighbor of that member. After a miss it
 // starts at another viewpoint of the cell, because what the witness does not show is mostly visible from elsewhere.
-// The priority of a try is the solid angle of the neighbor as seen from the member's witness, divided by 16 for the
-// first ray that missed and by four for each further one. Tries are queued in levels that differ by a factor of two. A level is processed in waves. All
-// rays of a wave use one state of the set, with one ray per polygon, so that a polygon with several neighbors in the
-// set is tried from different viewpoints. The result depends neither on threads nor on the order of ids.
+// The priority of a try is the solid angle of the neighbor as seen from the member's witness, limited to
+// largest_priority and divided by 16 for each ray that missed. Tries are queued in levels that differ by a factor of
+// two. A level is processed in waves. All rays of a wave use one state of the set, with one ray per polygon, so that a
+// polygon with several neighbors in the set is tried from different viewpoints. The result depends neither on threads
+// nor on the order of ids.
 class refinement {
  public:
   // References must outlive the object.

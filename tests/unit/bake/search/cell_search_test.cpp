@@ -121,10 +121,10 @@ TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   const world w;
   search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source};
   cell_set set(w.s.polygon_count);
-  cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7}, set);
+  cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .priority = 1e-6}, set);
   std::vector<double> said;
   std::vector<std::uint64_t> costs;
-  search.look_for({.priority = 1e-6, .enough = [&](const error_guess& missing, std::uint64_t cost) {
+  search.look_for({.enough = [&](const error_guess& missing, std::uint64_t cost) {
                      said.push_back(missing.back());
                      costs.push_back(cost);
                      return said.size() == 4;
@@ -148,8 +148,8 @@ TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {
   const auto missing = [&](const error_metric& metric) {
     search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
     cell_set set(w.s.polygon_count);
-    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &metric}, set);
-    search.look_for({.priority = 1e9});
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &metric, .priority = 1e9}, set);
+    search.look_for({});
     EXPECT_EQ(views.places.taken(), 48u);
     return search.missing().back();
   };
@@ -173,8 +173,8 @@ TEST(cell_search, what_looks_the_same_is_not_missing_by_color) {
   const auto missing = [&](const error_metric& by) {
     search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 48};
     cell_set set(w.s.polygon_count);
-    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &by}, set);
-    search.look_for({.priority = 1e9});
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &by, .priority = 1e9}, set);
+    search.look_for({});
     return search.missing().back();
   };
   EXPECT_LT(missing(metric), 0.2 * missing(pixel_metric)) << "all is white, but for the sky where nothing is known";
@@ -184,8 +184,8 @@ TEST(cell_search, spends_its_hemicubes_and_no_more) {
   const world w;
   search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 37};
   cell_set set(w.s.polygon_count);
-  cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7}, set);
-  search.look_for({.priority = 1e-6});
+  cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .priority = 1e-6}, set);
+  search.look_for({});
   EXPECT_EQ(views.places.taken(), 37u);
   EXPECT_GT(search.rays(), 0u);
 }
@@ -198,8 +198,8 @@ TEST(cell_search, finds_the_same_on_any_number_of_threads) {
     cell_set set(w.s.polygon_count);
     tbb::task_arena arena(threads);
     arena.execute([&] {
-      cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7}, set);
-      search.look_for({.priority = 1e-7});
+      cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .priority = 1e-7}, set);
+      search.look_for({});
     });
     return set.sorted();
   };
@@ -210,9 +210,9 @@ TEST(cell_search, rays_alone_where_there_are_no_hemicubes) {
   const world w;
   cell_set set(w.s.polygon_count);
   set.add(0, {0.5f, -2.5f, 0.5f});
-  cell_search search(w.rays, w.neighbors, nullptr, {.seed = 1, .place = 7}, set);
+  cell_search search(w.rays, w.neighbors, nullptr, {.seed = 1, .place = 7, .priority = 1e-6}, set);
   EXPECT_EQ(search.cost_of_views(), 0u);
-  search.look_for({.priority = 1e-6});
+  search.look_for({});
   EXPECT_EQ(search.missing().back(), 1.0);
   EXPECT_GT(set.size(), 1u);
 }
