@@ -28,30 +28,6 @@ inline between texels_at(floats coordinate, std::uint32_t size, scene::wrap mode
   return {truncated(below) + all(1), place - below};
 }
 
-// What the opacity map of a triangle knows.
-struct known_opacity {
-  std::uint32_t lanes = 0, passing = 0;  // a bit per lane: is known, and passes
-};
-
-// Looks eight points up in the opacity map of a triangle. Computes the formula of scene::opacity_maps::at().
-inline known_opacity look_up(const masked_triangle& t, const std::uint8_t* parts, floats u, floats v) {
-  const floats side = all(static_cast<float>(t.side)), zero = all(0.0f);
-  const ints inside = (u >= zero) & (v >= zero) & (all(1.0f) >= u + v);
-  const floats across = u * side, up = v * side;
-  const ints last = all(static_cast<std::int32_t>(t.side - 1));
-  const ints column = smaller(truncated(choose(inside, across, zero)), last),
-             row = smaller(truncated(choose(inside, up, zero)), last);
-  const floats beyond = (across - to_floats(column)) + (up - to_floats(row));
-  const ints square = row * all(static_cast<std::int32_t>(t.side)) + column;
-  const ints part = square + square + choose(beyond > all(1.0f), all(1), all(0));
-  const ints at = choose(inside, part, all(0)) + all(static_cast<std::int32_t>(t.first_part));
-  const ints found = two_bytes_at(parts, at) & all(0xFF);
-  const std::uint32_t passing = sign_bits(found == all(static_cast<std::int32_t>(scene::opacity::passes)));
-  const std::uint32_t failing = sign_bits(found == all(static_cast<std::int32_t>(scene::opacity::fails)));
-  const std::uint32_t in = sign_bits(inside);
-  return {(passing | failing) & in, passing & in};
-}
-
 // Returns a bit per lane whose alpha passes. u, v: weights of the second and the third corner.
 inline std::uint32_t alpha_passes(const masked_triangle& t, const mask_texels& mask, const std::uint8_t* texels,
                                   floats u, floats v) {

@@ -50,7 +50,7 @@ struct cluster_tree {
 struct masked_triangle {
   float u[3], v[3], alpha[3];
   std::uint32_t mask = 0;
-  std::uint32_t first_part = 0, side = 0;  // its opacity map; side 0: none
+  std::uint32_t first_count = 0, side = 0;  // its opacity map in cluster_scene::open_counts; side 0: none
 };
 
 // An alpha_mask. Its texels are a part of cluster_scene::texels, with a border of one texel.
@@ -66,9 +66,10 @@ struct cluster_scene {
   cluster_tree see_through;                       // non-occluders
   std::vector<masked_triangle> masked_triangles;  // one per world_geometry::masked
   std::vector<mask_texels> masks;                 // one per world_geometry::masks
-  // With padding for reads of four bytes.
-  std::vector<std::uint8_t> texels;  // of all masks
-  std::vector<std::uint8_t> parts;   // of all opacity maps, see scene::opacity_maps
+  std::vector<std::uint8_t> texels;               // of all masks, with padding for reads of four bytes
+  // Of all opacity maps: the number of parts that do not fail in the squares below and left of each corner of a square,
+  // side + 1 numbers for each of side + 1 rows (summed-area table, Crow 1984).
+  std::vector<std::uint32_t> open_counts;
 
   // Builds the trees in parallel on the caller's TBB arena. The result depends on world only, which is not needed
   // afterwards.

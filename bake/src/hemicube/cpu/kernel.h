@@ -66,7 +66,7 @@ struct scene_view {
   const masked_triangle* masked_triangles = nullptr;
   const mask_texels* masks = nullptr;
   const std::uint8_t* texels = nullptr;
-  const std::uint8_t* parts = nullptr;  // of the opacity maps
+  const std::uint32_t* open_counts = nullptr;  // see cluster_scene
 };
 
 struct kernel {

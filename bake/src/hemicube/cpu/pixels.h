@@ -44,12 +44,47 @@ inline std::uint32_t passing(const draw_state& s, std::uint32_t bits, std::uint3
   }
   const floats sum = w[0] + w[1] + w[2];
   const masked_triangle& t = s.scene.masked_triangles[s.masked];
-  const floats u = w[1] / sum, v = w[2] / sum;
-  if (t.side > 0) {
-    const known_opacity known = look_up(t, s.scene.parts, u, v);
-    if ((bits & ~known.lanes) == 0) return bits & known.passing;
+  return bits & alpha_passes(t, s.scene.masks[t.mask], s.scene.texels, w[1] / sum, w[2] / sum);
+}
+
+// Returns whether the opacity map of the triangle fails everywhere between pixel (x0, y0) and pixel (x1, y1). Where it
+// does, passing() returns 0 for all pixels between them that the triangle covers.
+inline bool fails_between(const draw_state& s, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
+  const masked_triangle& t = s.scene.masked_triangles[s.masked];
+  if (t.side == 0) return false;
+  // The corners of the rectangle. Weights divided by their sum are largest and smallest there.
+  alignas(32) static constexpr float right[8] = {0, 1, 0, 1, 0, 1, 0, 1}, upper[8] = {0, 0, 1, 1, 0, 0, 1, 1};
+  const floats across = load(right) * all(static_cast<float>(x1 - x0)),
+               up = load(upper) * all(static_cast<float>(y1 - y0));
+  floats w[3];
+  for (int k = 0; k < 3; ++k) {
+    const double first = s.weights.a[k] * (static_cast<double>(x0) + 0.5) +
+                         s.weights.b[k] * (static_cast<double>(y0) + 0.5) + s.weights.c[k];
+    w[k] = all(static_cast<float>(first)) + all(static_cast<float>(s.weights.a[k])) * across +
+           all(static_cast<float>(s.weights.b[k])) * up;
   }
-  return bits & alpha_passes(t, s.scene.masks[t.mask], s.scene.texels, u, v);
+  const floats sum = w[0] + w[1] + w[2];
+  // Near the horizon of the triangle the sum is rounding noise.
+  const floats most = larger(larger(magnitude(w[0]), magnitude(w[1])), magnitude(w[2]));
+  const std::uint32_t negative = sign_bits(sum);
+  if ((negative != 0 && negative != 0xFFu) || sign_bits(magnitude(sum) > most * all(1e-3f)) != 0xFFu) return false;
+
+  const auto side = static_cast<std::int32_t>(t.side), stride = side + 1;
+  struct range {
+    std::int32_t first, end;  // squares
+  };
+  const auto squares = [&](const floats& at) -> range {
+    constexpr float margin = 1e-3f;  // well above the rounding of weights
+    const float low = smallest_lane(at) - margin, high = margin - smallest_lane(all(0.0f) - at);
+    const auto limited = [](float v) { return v > 0.0f ? (v < 1.0f ? v : 1.0f) : 0.0f; };
+    const auto first = static_cast<std::int32_t>(limited(low) * static_cast<float>(side));
+    const auto last = static_cast<std::int32_t>(limited(high) * static_cast<float>(side));
+    return {first < side ? first : side - 1, last < side ? last + 1 : side};
+  };
+  const range u = squares(w[1] / sum), v = squares(w[2] / sum);
+  const std::uint32_t* counts = s.scene.open_counts + t.first_count;
+  return counts[v.end * stride + u.end] + counts[v.first * stride + u.first] ==
+         counts[v.end * stride + u.first] + counts[v.first * stride + u.end];
 }
 
 inline ints mask_of(std::uint32_t bits) {
@@ -90,6 +125,7 @@ inline void cover_rows(const draw_state& s, std::uint32_t tile, std::uint32_t ti
   const ints id = all(static_cast<std::int32_t>(s.id));
   floats q = all(plane.base + plane.step_y * static_cast<float>(j0)) + all(plane.step_x) * to_floats(count_up());
   ints any = all(0);
+  [[maybe_unused]] bool may_pass = false;  // known to have parts that do not fail
   for (std::uint32_t j = j0; j <= j1; ++j) {
     const ints out = outside(j);
     const floats clamped = smaller(larger(q, least), most);
@@ -105,6 +141,9 @@ inline void cover_rows(const draw_state& s, std::uint32_t tile, std::uint32_t ti
           q = q + step_y;
           continue;
         }
+        const std::uint32_t x = tile_x * tile_size, y = tile_y * tile_size;
+        if (!may_pass && fails_between(s, x, y + j, x + tile_size - 1, y + j1)) break;
+        may_pass = true;
         bits = passing(s, bits, tile_x * tile_size, tile_y * tile_size + j);
         in = mask_of(bits);
       }

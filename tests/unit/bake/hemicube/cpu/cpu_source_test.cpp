@@ -57,6 +57,42 @@ TEST(cpu_source, every_instruction_set_gives_the_same_bits) {
   }
 }
 
+// Thin stripes in the direction of the diagonal of opacity maps, on triangles of all sizes.
+scene::world_geometry leaves() {
+  scene::world_geometry world = rubble();
+  for (scene::alpha_mask& mask : world.masks) {
+    mask.width = mask.height = 64;
+    mask.texels.clear();
+    for (std::uint32_t y = 0; y < mask.height; ++y)
+      for (std::uint32_t x = 0; x < mask.width; ++x)
+        mask.texels.push_back((x + y) % 32 > 3 ? 0 : static_cast<std::uint8_t>(100 + (x * 7 + y) % 156));
+  }
+  for (scene::masked_polygon& p : world.masked) {
+    p.alphas = {1.0f, 1.0f, 1.0f};
+    p.uvs = {glm::vec2{0.0f, 0.0f}, glm::vec2{1.0f, 0.0f}, glm::vec2{0.0f, 1.0f}};
+  }
+  return world;
+}
+
+TEST(cpu_source, opacity_maps_change_no_bit) {
+  scene::world_geometry world = leaves();
+  const auto plain = bake::make_cpu_source(world, {602, 70.0f});
+  world.opacity = scene::make_opacity_maps(world.masked, world.masks);
+  for (const bake::cpu_instructions set : bake::available_instructions()) {
+    const auto tested = bake::make_cpu_source(world, {602, 70.0f, set});
+    SCOPED_TRACE(tested->device());
+    std::size_t masked = 0;
+    for (const bake::pose& where : rubble_poses()) {
+      bake::hemicube_view a, b;
+      tested->render(where, a);
+      plain->render(where, b);
+      expect_same(a, b);
+      for (const bake::seen_polygon& seen : a.seen) masked += world.kinds[seen.id].alpha_tested ? 1u : 0u;
+    }
+    EXPECT_GT(masked, 100u);
+  }
+}
+
 TEST(cpu_source, the_same_on_any_number_of_threads) {
   const scene::world_geometry world = rubble();
   const auto source = bake::make_cpu_source(world, {64, 70.0f});
