@@ -71,9 +71,9 @@ class checker {
  public:
   explicit checker(const ray_scene& rays) : rays_(rays) {}
 
-  bool is_free(const pair_record& r) {
+  bool is_valid(const pair_record& r) {
     const auto [found, is_new] = free_.try_emplace({r.frame, r.viewer}, false);
-    if (is_new) found->second = rays_.is_free(r.eye, player_radius);
+    if (is_new) found->second = rays_.is_valid(r.eye, player_radius);
     return found->second;
   }
 
@@ -112,7 +112,7 @@ int run(const char* scene_file, const char* record_file) {
   std::uint64_t pairs = 0, checked = 0, hidden = 0, wrong = 0, unseen = 0;
   for (const pair_record& r : read_record(record_file)) {
     ++pairs;
-    if (!check.is_free(r)) continue;
+    if (!check.is_valid(r)) continue;
     ++checked;
     const bool clear = check.is_clear(r);
     hidden += r.visible ? 0 : 1;

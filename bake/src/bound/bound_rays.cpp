@@ -72,7 +72,7 @@ chunk_result cast_chunk(const ray_scene& rays, const viewpoint_region& where, co
   for (const std::uint32_t i : suspect_lines) viewpoints.push_back(lines[i].eye);
   result.viewpoints_tested = viewpoints.size();
   std::vector<std::uint8_t> valid(viewpoints.size());
-  rays.find_free(viewpoints, rules.player_radius, valid);
+  rays.find_valid(viewpoints, rules.player_radius, valid);
   result.valid = static_cast<std::uint64_t>(
       std::count(valid.begin(), valid.begin() + static_cast<std::ptrdiff_t>(result.tested), std::uint8_t{1}));
 
@@ -99,7 +99,7 @@ void bound_batch::cast_tested(std::uint64_t trials) {
   given_up_ = given_up_ || part.given_up;
   cast_ += part.rays, tested_ += part.rays, valid_ += part.rays;
   misses_ += part.misses;
-  viewpoints_tested_ += part.places;
+  viewpoints_tested_ += part.viewpoints_tested;
   missed_.insert(missed_.end(), part.missed.begin(), part.missed.end());
   misses_of_volumes_ += part.misses_of_volumes;
   missed_volumes_.insert(missed_volumes_.end(), part.missed_volumes.begin(), part.missed_volumes.end());
@@ -149,7 +149,7 @@ verification_batch cast_bound_rays(const ray_scene& rays, const viewpoint_region
   const std::uint64_t trials = batch.trials(plan.risk);
   return {.rays = trials,
           .misses = batch.misses(),
-          .places = batch.spent() - trials,
+          .viewpoints_tested = batch.spent() - trials,
           .missed = batch.missed(),
           .misses_of_volumes = batch.misses_of_volumes(),
           .missed_volumes = batch.missed_volumes()};

@@ -44,7 +44,7 @@ std::size_t test_points(const ray_scene& rays, float radius, std::uint64_t count
   std::vector<glm::vec3> at(count);
   for (glm::vec3& p : at) p = draw();
   std::vector<std::uint8_t> valid(count);
-  rays.find_free(at, radius, valid);
+  rays.find_valid(at, radius, valid);
   std::size_t found = 0;
   for (std::size_t i = 0; i < count; ++i) {
     points.push_back({at[i], valid[i] != 0});

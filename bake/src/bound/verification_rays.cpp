@@ -13,15 +13,15 @@ namespace {
 
 constexpr std::uint64_t chunk_rays = 512;
 // If less than one point in 256 is valid, a chunk casts fewer rays than requested instead of searching on.
-constexpr std::uint64_t max_places_per_ray = 256;
+constexpr std::uint64_t most_tests_per_ray = 256;
 
 verification_batch cast_chunk(const ray_scene& rays, const viewpoint_region& where, const visibility_rules& rules,
                               std::uint64_t count, const verification_stream& source, std::uint64_t chunk,
                               const std::function<bool(std::uint32_t)>& contains) {
   verification_batch batch;
   random_stream random(source.seed, source.place, source.use, source.round, chunk);
-  const auto eyes =
-      draw_viewpoints(rays, where, rules.player_radius, count, count * max_places_per_ray, random, batch.places);
+  const auto eyes = draw_viewpoints(rays, where, rules.player_radius, count, count * most_tests_per_ray, random,
+                                    batch.viewpoints_tested);
   ray_trial one(rays, rules, contains);
   sight seen;
   for (const glm::vec3& eye : eyes) {
@@ -56,7 +56,7 @@ verification_batch cast_verification_rays(const ray_scene& rays, const viewpoint
   for (const verification_batch& chunk : chunks) {
     all.rays += chunk.rays;
     all.misses += chunk.misses;
-    all.places += chunk.places;
+    all.viewpoints_tested += chunk.viewpoints_tested;
     all.missed.insert(all.missed.end(), chunk.missed.begin(), chunk.missed.end());
     all.misses_of_volumes += chunk.misses_of_volumes;
     all.missed_volumes.insert(all.missed_volumes.end(), chunk.missed_volumes.begin(), chunk.missed_volumes.end());

@@ -25,7 +25,7 @@ struct missed_polygon {
 struct verification_batch {
   std::uint64_t rays = 0;    // rays cast: fewer than requested only if valid viewpoints are too rare
   std::uint64_t misses = 0;  // rays that count as a miss: they met a polygon that is missing without an excuse
-  std::uint64_t places = 0;  // points tested to find valid viewpoints
+  std::uint64_t viewpoints_tested = 0;       // points tested to find valid viewpoints
   std::vector<missed_polygon> missed;        // in a fixed order; all polygons that each ray missed
   std::uint64_t misses_of_volumes = 0;       // misses where only volumes count as missing
   std::vector<found_volume> missed_volumes;  // missed volumes; some more than once

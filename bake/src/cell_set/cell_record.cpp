@@ -146,7 +146,7 @@ std::uint64_t take_plain_fields(reader& in, cell_record& record) {
   record.samples = static_cast<std::uint32_t>(in.take(4));
   record.valid_share = in.take_double();
   record.batches = static_cast<std::uint32_t>(in.take(4));
-  record.unseen = in.take_varint();
+  record.unverified = in.take_varint();
   record.outside_share = in.take_double();
   record.seconds = in.take_double();
   return flags;
@@ -162,10 +162,9 @@ cell_summary summary_of(const cell_record& record) {
 std::vector<std::uint8_t> encode(const cell_record& record) {
   std::vector<std::uint8_t> out;
   out.push_back(record_version);
-  out.push_back(static_cast<std::uint8_t>((record.stored ? 1 : 0) | (record.bound_met ? 2 : 0) |
-                                          (record.geometry_inside ? 4 : 0) |
-                                          (record.volumes.empty() ? 0 : has_volumes) |
-                                          (record.out_of_time ? is_out_of_time : 0)));
+  out.push_back(static_cast<std::uint8_t>(
+      (record.stored ? 1 : 0) | (record.bound_met ? 2 : 0) | (record.geometry_inside ? 4 : 0) |
+      (record.volumes.empty() ? 0 : has_volumes) | (record.out_of_time ? is_out_of_time : 0)));
   put_bytes(out, record.rays, 8);
   put_bytes(out, record.misses, 8);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.upper_bound), 8);
@@ -174,7 +173,7 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   put_bytes(out, record.samples, 4);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.valid_share), 8);
   put_bytes(out, record.batches, 4);
-  put_varint(out, record.unseen);
+  put_varint(out, record.unverified);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.outside_share), 8);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.seconds), 8);
   put_set(out, record.set);

@@ -31,8 +31,8 @@ struct cell_record {
   bool bound_met = true;
   // With settings::seconds_per_cell: the seconds that the stages took; the limit of the next stage follows from it.
   double seconds = 0.0;
-  bool out_of_time = false;  // that limit ended the search before the bound was met
-  std::uint64_t unseen = 0;  // polygons of a finished cell that joined by conservative dilation
+  bool out_of_time = false;      // that limit ended the search before the bound was met
+  std::uint64_t unverified = 0;  // polygons of a finished cell that joined by conservative dilation
 
   // The part of the grown box in which viewpoints are drawn (viewpoint_region::encode()); empty: all of it.
   std::vector<std::uint8_t> region;
@@ -60,8 +60,8 @@ struct cell_summary {
 cell_summary summary_of(const cell_record& record);
 
 // Returns the bytes of a record: version, the plain fields in little-endian order, the set, its witnesses, the late
-// polygons, the volumes if there are any, as varint runs, and XXH3-64 of all bytes before it. A set takes at most one to two bytes per
-// polygon, its witnesses a few bits per polygon. Two records are equal if their bytes are.
+// polygons, the volumes if there are any, as varint runs, and XXH3-64 of all bytes before it. A set takes at most one
+// to two bytes per polygon, its witnesses a few bits per polygon. Two records are equal if their bytes are.
 std::vector<std::uint8_t> encode(const cell_record& record);
 // Decodes a record. Returns nothing if the checksum or anything else is wrong. The bytes may be arbitrary.
 std::optional<cell_record> decode(std::span<const std::uint8_t> bytes);

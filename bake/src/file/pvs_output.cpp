@@ -74,7 +74,7 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
     out.parts.cells.push_back(frame.cells[i]);
     out.places.push_back(i);
     out.polygons += static_cast<double>(record.set.size());
-    out.unseen += static_cast<double>(record.unseen);
+    out.unseen += static_cast<double>(record.unverified);
     out.volumes += static_cast<double>(record.volumes.size());
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;

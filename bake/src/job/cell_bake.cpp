@@ -157,7 +157,7 @@ void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32
     polygon_of.push_back(polygon);
   }
   std::vector<std::uint8_t> is_valid(candidates.size());
-  rays_.find_free(candidates, how_.player_radius, is_valid);
+  rays_.find_valid(candidates, how_.player_radius, is_valid);
   for (std::size_t i = 0; i < candidates.size(); ++i)
     if (is_valid[i]) set.add(polygon_of[i], candidates[i]);
 }
@@ -188,7 +188,7 @@ finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std
   how.volumes = volumes_;
   const finish_result proof =
       finish_with_rays(rays_, *neighbors_, region_of(cell, record), how, set, views ? &*views : nullptr);
-  if (views) record.samples = views->places.taken();
+  if (views) record.samples = views->poses.taken();
   record.batches = static_cast<std::uint32_t>(proof.batches);
   record.rays_spent += proof.rays_spent;
   set.save(record);
@@ -248,8 +248,7 @@ cell_record cell_baker::check(const view_cell& cell, const cell_record& own, std
   if (!limit) limit = &own_limit;
   set.load(record);
   const std::size_t before = set.members().size();
-  record.rays_spent +=
-      neighbor_check(rays_, grown(cell), check_of(cell, purpose::check_all, *limit), neighbors, set);
+  record.rays_spent += neighbor_check(rays_, grown(cell), check_of(cell, purpose::check_all, *limit), neighbors, set);
   refinement dilation(rays_, *neighbors_,
                       {.seed = how_.seed,
                        .place = cell.place,
@@ -316,7 +315,7 @@ cell_record cell_baker::finished(const view_cell& cell, cell_record last) const 
   const auto first_added = dilated.insert(dilated.end(), added.begin(), added.end());
   std::inplace_merge(dilated.begin(), first_added, dilated.end());
   complete(cell, dilated);
-  last.unseen = dilated.size() - last.set.size();
+  last.unverified = dilated.size() - last.set.size();
   last.set = std::move(dilated);
   return last;
 }

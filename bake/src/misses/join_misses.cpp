@@ -17,7 +17,7 @@ std::uint64_t join_misses(const ray_scene& rays, const visibility_rules& rules, 
   const std::function<bool(std::uint32_t)> nothing = [](std::uint32_t) { return false; };
   std::vector<polygon_sight> sights(wanted.size());
   tbb::parallel_for(std::size_t{0}, wanted.size(), [&](std::size_t i) {
-    if (rays.is_free(wanted[i].eye, rules.player_radius))
+    if (rays.is_valid(wanted[i].eye, rules.player_radius))
       sights[i] = probe_polygon(rays, rules.smallest_gap, wanted[i].eye, wanted[i].polygon, nothing);
   });
   std::uint64_t spent = 0;

@@ -29,14 +29,14 @@ class hemicube_sampler final : public cell_sampler {
                              .interior_share = how_.interior_share,
                              .jitter = how_.jitter,
                              .limit = cell.limit};
-    const auto is_free = [&](const glm::vec3& eye) { return world_.rays.is_free(eye, how_.player_radius); };
+    const auto is_valid = [&](const glm::vec3& eye) { return world_.rays.is_valid(eye, how_.player_radius); };
     hemicubes taken(plan, without_leaks, set);
     taken.take_interior(cell.free);
     if (how_.sampler == "nir04")
-      sample_nir04({how_.difference, how_.part_polygons}, cell.grown, is_free, taken);
+      sample_nir04({how_.difference, how_.part_polygons}, cell.grown, is_valid, taken);
     else
       sample_faces({.sampler = how_.sampler, .reliability = how_.reliability, .start_grid = how_.start_grid}, plan,
-                   cell.grown, is_free, taken, weight_with(without_leaks, set));
+                   cell.grown, is_valid, taken, weight_with(without_leaks, set));
     return {.samples = taken.taken()};
   }
 

@@ -20,8 +20,8 @@ struct face_work {
   std::optional<glm::vec2> place;  // of its hemicube in this round; none: the face is finished
 
   // Finds the next position that is a valid viewpoint.
-  void advance(const std::function<bool(const glm::vec3&)>& is_free) {
-    while ((place = places->next()) && !is_free(face.at(*place).eye)) places->rejected(*place);
+  void advance(const std::function<bool(const glm::vec3&)>& is_valid) {
+    while ((place = places->next()) && !is_valid(face.at(*place).eye)) places->rejected(*place);
   }
 };
 
@@ -30,7 +30,7 @@ struct face_work {
 // Every unfinished face has one hemicube per round, so the shares are equal, and hemicubes that a face in a wall does
 // not use are left for the others.
 void sample_faces(const face_options& how, const hemicube_plan& plan, const box& grown,
-                  const std::function<bool(const glm::vec3&)>& is_free, hemicubes& cell,
+                  const std::function<bool(const glm::vec3&)>& is_valid, hemicubes& cell,
                   const importance_weight& weigh) {
   if (cell.left() == 0) return;
   const auto faces = faces_of(grown.min, grown.max);
@@ -49,7 +49,7 @@ void sample_faces(const face_options& how, const hemicube_plan& plan, const box&
     // With fewer samples than faces, the first faces have them. Faces are independent, so the order of their searches
     // has no effect.
     std::uint32_t count = std::min(cell.left(), static_cast<std::uint32_t>(work.size()));
-    tbb::parallel_for(0u, count, [&](std::uint32_t i) { work[i].advance(is_free); });
+    tbb::parallel_for(0u, count, [&](std::uint32_t i) { work[i].advance(is_valid); });
     const auto last = work.begin() + count;
     const auto done = std::remove_if(work.begin(), last, [](const face_work& w) { return !w.place; });
     count -= static_cast<std::uint32_t>(last - done);

@@ -12,12 +12,12 @@ constexpr double error_without_one = 1e-5;  // without a target, rays are cast a
 guided::guided(const settings& how, const sampler_world& world) : how_(how), world_(world) {}
 
 std::optional<search_views> guided::later_views(const sampled_cell& cell, std::uint32_t taken) const {
-  const guided_places places{.seed = how_.seed,
-                             .place = cell.place,
-                             .player_radius = how_.player_radius,
-                             .geometry_inside = cell.geometry_inside,
-                             .resolution = world_.source.resolution(),
-                             .taken = taken};
+  const guided_settings places{.seed = how_.seed,
+                               .place = cell.place,
+                               .player_radius = how_.player_radius,
+                               .geometry_inside = cell.geometry_inside,
+                               .resolution = world_.source.resolution(),
+                               .taken = taken};
   return search_views{guided_views(world_.rays, cell.where(), places), world_.source};
 }
 
@@ -35,7 +35,7 @@ sampling_effort guided::sample(const sampled_cell& cell, cell_set& set) const {
     search.look_around();
   else
     search.look_for({});
-  return {.samples = views->places.taken(), .rays = search.rays()};
+  return {.samples = views->poses.taken(), .rays = search.rays()};
 }
 
 }  // namespace sightcell::bake

@@ -17,7 +17,7 @@ class bulk_step {
   bulk_step(const settings& how, const ray_scene& rays, const box& cell) : how_(how), rays_(rays) {
     const std::vector<glm::vec3> points = edge_points(cell, how.border_samples);
     std::vector<std::uint8_t> free(points.size());
-    rays.find_free(points, how.player_radius, free);
+    rays.find_valid(points, how.player_radius, free);
     for (std::size_t i = 0; i < points.size(); ++i)
       if (free[i]) eyes_.push_back(points[i]);
   }

@@ -36,9 +36,9 @@ struct quad {
 // Samples one box: a cell or a part of one.
 class part_sampling {
  public:
-  part_sampling(const nir04_options& how, const box& where, const std::function<bool(const glm::vec3&)>& is_free,
+  part_sampling(const nir04_options& how, const box& where, const std::function<bool(const glm::vec3&)>& is_valid,
                 double pixels, hemicubes& cell)
-      : how_(how), faces_(faces_of(where.min, where.max)), is_free_(is_free), pixels_(pixels), cell_(cell) {}
+      : how_(how), faces_(faces_of(where.min, where.max)), is_valid_(is_valid), pixels_(pixels), cell_(cell) {}
 
   // Renders at most budget hemicubes.
   void sample(std::uint32_t budget) {
@@ -113,7 +113,7 @@ class part_sampling {
     const auto [found, is_new] = corners_[face].try_emplace(at);
     if (!is_new) return;
     const pose where = faces_[face].at(glm::vec2{at.first, at.second} / static_cast<float>(steps));
-    if (!is_free_(where.eye)) return;
+    if (!is_valid_(where.eye)) return;
     queued_.push_back(&found->second);
     poses_.push_back(where);
   }
@@ -134,7 +134,7 @@ class part_sampling {
 
   const nir04_options& how_;
   const std::array<boundary_face, 6> faces_;
-  const std::function<bool(const glm::vec3&)>& is_free_;
+  const std::function<bool(const glm::vec3&)>& is_valid_;
   const double pixels_;
   hemicubes& cell_;
   std::uint32_t budget_ = 0, taken_ = 0;
@@ -147,10 +147,10 @@ class part_sampling {
 
 // In the original a hierarchy of cells ends where a cell sees few enough polygons. Here cells are given, so a cell
 // that sees more is halved across its longest side, and the sets of the halves are joined.
-void sample_part(const nir04_options& how, const box& where, const std::function<bool(const glm::vec3&)>& is_free,
+void sample_part(const nir04_options& how, const box& where, const std::function<bool(const glm::vec3&)>& is_valid,
                  double pixels, hemicubes& cell, std::uint32_t budget, int depth) {
   const bool may_cut = how.part_polygons > 0 && depth < deepest_part;
-  part_sampling part(how, where, is_free, pixels, cell);
+  part_sampling part(how, where, is_valid, pixels, cell);
   const std::uint32_t before = cell.taken();
   part.sample(may_cut ? (budget + 2) / 3 : budget);
   budget -= std::min(budget, cell.taken() - before);
@@ -160,8 +160,8 @@ void sample_part(const nir04_options& how, const box& where, const std::function
   box low = where, high = where;
   low.max[axis] = high.min[axis] = 0.5f * (where.min[axis] + where.max[axis]);
   const std::uint32_t half = budget / 2;
-  sample_part(how, low, is_free, pixels, cell, half, depth + 1);
-  sample_part(how, high, is_free, pixels, cell, budget - half, depth + 1);
+  sample_part(how, low, is_valid, pixels, cell, half, depth + 1);
+  sample_part(how, high, is_valid, pixels, cell, budget - half, depth + 1);
 }
 
 }  // namespace
@@ -187,10 +187,10 @@ double quad_difference(std::span<const corner_view* const> corners, double pixel
   return *std::max_element(missing.begin(), missing.end()) / pixels;
 }
 
-void sample_nir04(const nir04_options& how, const box& grown, const std::function<bool(const glm::vec3&)>& is_free,
+void sample_nir04(const nir04_options& how, const box& grown, const std::function<bool(const glm::vec3&)>& is_valid,
                   hemicubes& cell) {
   const double pixels = 3.0 * cell.resolution() * cell.resolution();
-  sample_part(how, grown, is_free, pixels, cell, cell.left(), 0);
+  sample_part(how, grown, is_valid, pixels, cell, cell.left(), 0);
 }
 
 }  // namespace sightcell::bake

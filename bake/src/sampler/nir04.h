@@ -30,8 +30,8 @@ struct nir04_options {
 // Renders hemicubes until none is left or no quad needs division. Of all faces the quad with the largest product of
 // difference and area comes first. Faces begin as 2 x 2 quads if there are at least nine hemicubes per face, else as
 // one quad, else with one hemicube in the middle. The result does not depend on threads.
-// is_free: returns whether a point is a valid viewpoint.
-void sample_nir04(const nir04_options& how, const box& grown, const std::function<bool(const glm::vec3&)>& is_free,
+// is_valid: returns whether a point is a valid viewpoint.
+void sample_nir04(const nir04_options& how, const box& grown, const std::function<bool(const glm::vec3&)>& is_valid,
                   hemicubes& cell);
 
 }  // namespace sightcell::bake

@@ -35,7 +35,7 @@ std::vector<random_rays::start> random_rays::on_boundary(random_stream& random) 
       places[i] = faces_[face].at({u, v}).eye;
       candidates[i] = {places[i], faces_[face].outward};
     }
-    rays_.find_free(places, how_.player_radius, free);
+    rays_.find_valid(places, how_.player_radius, free);
     for (std::size_t i = 0; i < eyes && found.size() < eyes; ++i)
       if (free[i]) found.push_back(candidates[i]);
   }

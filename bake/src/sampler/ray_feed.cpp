@@ -105,7 +105,7 @@ feed_finds ray_feed::take() {
   std::vector<glm::vec3> sorted;
   for (const std::uint32_t i : order) sorted.push_back(eyes_[i]);
   std::vector<std::uint8_t> free(sorted.size());
-  rays_.find_free(sorted, rules_.player_radius, free);
+  rays_.find_valid(sorted, rules_.player_radius, free);
   for (std::size_t k = 0; k < order.size(); ++k) asked_[order[k]].free = free[k] != 0;
   for (std::size_t i = 0, first = 0; i < asked_.size(); first = ends_[i++])
     if (asked_[i].free)

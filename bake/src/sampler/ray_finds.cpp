@@ -51,7 +51,7 @@ tested test(const ray_scene& rays, const visibility_rules& rules, const ordered_
   end = std::min(end, first + tries_per_polygon);
   for (; first != end; ++first) {
     const ray_find& f = *first->find;
-    if (!f.eye_is_free && !rays.is_free(f.eye, rules.player_radius)) continue;
+    if (!f.eye_is_free && !rays.is_valid(f.eye, rules.player_radius)) continue;
     if (rays.through_gap(f.eye, f.direction, f.distance, rules.smallest_gap)) continue;
     result.by = &f;
     rays.coincident(f.eye, f.direction, f.distance, result.same_place);

@@ -34,7 +34,7 @@ double cost_of(std::uint32_t resolution, double seen, double masked) {
 // priority is above the mean solid angle of a pixel, but each polygon gets one ray.
 float largest_priority(const search_settings& how, const search_views* views) {
   if (!views) return largest_solid_angle;
-  const double resolution = views->places.resolution(), pixel = whole_sphere / 2.0 / (3.0 * resolution * resolution);
+  const double resolution = views->poses.resolution(), pixel = whole_sphere / 2.0 / (3.0 * resolution * resolution);
   return static_cast<float>(std::max(pixel, how.priority));
 }
 
@@ -66,24 +66,24 @@ cell_search::cell_search(const ray_scene& rays, const near_polygons& neighbors, 
                 {.seed = how.seed,
                  .place = how.place,
                  .smallest_gap = how.smallest_gap,
-                 .places = &viewpoints_,
+                 .viewpoints = &viewpoints_,
                  .limit = how.limit,
                  .largest_priority = largest_priority(how, views),
                  .known = how.known,
                  .tried = how.tried},
                 set),
-      cost_of_view_(views ? cost_of(views->places.resolution(), 0.0, 0.0) : 0.0) {
+      cost_of_view_(views ? cost_of(views->poses.resolution(), 0.0, 0.0) : 0.0) {
   missing_.fill(1.0);
 }
 
 bool cell_search::may_view() const {
-  return views_ && views_->places.taken() < views_->most;
+  return views_ && views_->poses.taken() < views_->most;
 }
 
 // Each round doubles the number of hemicubes, so that the share of new pixels in it is an estimate of what was
 // missing.
 std::uint32_t cell_search::next_views() const {
-  const std::uint32_t before = views_->places.taken();
+  const std::uint32_t before = views_->poses.taken();
   return std::min(std::max(before, first_round), views_->most - before);
 }
 
@@ -93,7 +93,7 @@ std::uint64_t cell_search::cost_of_views() const {
 
 void cell_search::look_beside(std::uint64_t max_cost) {
   const double priority =
-      std::ldexp(priority_after(how_.priority, views_ ? views_->places.taken() : 0), -2 * searches_by_rays_);
+      std::ldexp(priority_after(how_.priority, views_ ? views_->poses.taken() : 0), -2 * searches_by_rays_);
   const std::uint64_t rays = dilation_.run(priority, max_cost - std::min(max_cost, spent_));
   spent_ += rays;
   cast_ += rays;
@@ -113,23 +113,23 @@ double cell_search::take(const std::vector<pose>& poses) {
     for (const seen_polygon& s : views[i].seen) {
       if (rays_.geometry().kinds[s.id].alpha_tested) ++masked;
       if (contains(s.id)) continue;
-      const sight_line line{poses[i].eye, pixel_direction(poses[i], views_->places.resolution(), s.pixel)};
+      const sight_line line{poses[i].eye, pixel_direction(poses[i], views_->poses.resolution(), s.pixel)};
       new_pixels += s.pixels * how_.metric->weight(s.id, line, contains);
     }
-    cost_of_round_ += cost_of(views_->places.resolution(), static_cast<double>(views[i].seen.size()), masked);
+    cost_of_round_ += cost_of(views_->poses.resolution(), static_cast<double>(views[i].seen.size()), masked);
     set_.add_view(poses[i].eye, views[i].seen);
   }
   return new_pixels;
 }
 
 void cell_search::view() {
-  const std::uint32_t before = views_->places.taken(), resolution = views_->places.resolution();
+  const std::uint32_t before = views_->poses.taken(), resolution = views_->poses.resolution();
   const std::uint32_t count = next_views();
   double new_pixels = 0.0;
   std::uint32_t taken = 0;
   cost_of_round_ = 0.0;
   while (taken < count && !over()) {
-    const std::vector<pose> poses = views_->places.next(std::min(turn, count - taken));
+    const std::vector<pose> poses = views_->poses.next(std::min(turn, count - taken));
     if (poses.empty()) {
       views_->most = 0;  // no viewpoint is valid
       break;

@@ -20,7 +20,7 @@ namespace sightcell::bake {
 
 // The hemicubes that a search may render.
 struct search_views {
-  guided_views places;  // where they are placed
+  guided_views poses;  // where they are placed
   hemicube_source& source;
   std::uint32_t most = 0xFFFFFFFFu;  // limit on all hemicubes of the cell, including those rendered before
 };

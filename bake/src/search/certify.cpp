@@ -177,7 +177,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                       .metric = how.rules.metric,
                       .priority = priority_beside(target),
                       .known = views ? how.known : 0,
-                      .tried = views ? priority_after(priority_beside(how.known_to), views->places.taken()) : 0.0},
+                      .tried = views ? priority_after(priority_beside(how.known_to), views->poses.taken()) : 0.0},
                      set);
   search_of_volumes volumes(rays, where, how, set);
   const double cost_of_trial = verification_ray_cost / std::max(how.valid_share, 1e-3);

@@ -23,7 +23,7 @@ pose rotated(const pose& where) {
 
 }  // namespace
 
-guided_views::guided_views(const ray_scene& rays, const viewpoint_region& where, const guided_places& how)
+guided_views::guided_views(const ray_scene& rays, const viewpoint_region& where, const guided_settings& how)
     : rays_(rays),
       where_(where),
       how_(how),

@@ -17,7 +17,7 @@
 namespace sightcell::bake {
 
 // The parameters of guided_views for one cell.
-struct guided_places {
+struct guided_settings {
   std::uint64_t seed = 0, place = 0;
   float player_radius = 0.05f;  // meters
   bool geometry_inside = false;
@@ -35,7 +35,7 @@ struct guided_places {
 class guided_views {
  public:
   // where: the region of viewpoints of the grown box. Copied.
-  guided_views(const ray_scene& rays, const viewpoint_region& where, const guided_places& how);
+  guided_views(const ray_scene& rays, const viewpoint_region& where, const guided_settings& how);
 
   // Returns up to count poses; fewer if no more viewpoints are found. They depend on the arguments and on how many
   // poses were requested before.
@@ -50,11 +50,11 @@ class guided_views {
   std::optional<pose> on_a_face();
   // Returns the next viewpoint inside the box; nothing if none is found.
   std::optional<glm::vec3> inside();
-  bool is_nearly_valid(const glm::vec3& eye) const { return rays_.is_nearly_free(eye, how_.player_radius); }
+  bool is_nearly_valid(const glm::vec3& eye) const { return rays_.is_nearly_valid(eye, how_.player_radius); }
 
   const ray_scene& rays_;
   const viewpoint_region where_;
-  guided_places how_;
+  guided_settings how_;
   const std::array<boundary_face, 6> faces_;
   std::array<glm::vec2, 6> shifts_{};
   std::array<std::uint32_t, 6> used_{};  // indices into the sequence, per face

@@ -103,7 +103,7 @@ class tester {
         out.found.resize(before);
         continue;
       }
-      if (rays_.is_free(eye, how_.rules.player_radius)) return;
+      if (rays_.is_valid(eye, how_.rules.player_radius)) return;
       out.found.resize(before);
     }
     if (nearest == 0) return;

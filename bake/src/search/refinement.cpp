@@ -108,8 +108,8 @@ std::uint64_t refinement::run(double priority, std::uint64_t max_rays) {
 // Returns a viewpoint that the target faces. If a few random ones are behind it, returns the witness of the member.
 glm::vec3 refinement::eye_of(const attempt& one, random_stream& random) const {
   constexpr int draws = 4;
-  for (int i = 0; one.misses > 0 && how_.places && !how_.places->empty() && i < draws; ++i) {
-    const glm::vec3& eye = (*how_.places)[random.bits() % how_.places->size()];
+  for (int i = 0; one.misses > 0 && how_.viewpoints && !how_.viewpoints->empty() && i < draws; ++i) {
+    const glm::vec3& eye = (*how_.viewpoints)[random.bits() % how_.viewpoints->size()];
     if (faces(rays_, one.target, eye)) return eye;
   }
   return set_.witness(one.member);

@@ -25,8 +25,8 @@ struct refinement_settings {
   purpose use = purpose::dilation;
   // Valid viewpoints of the cell where tries start after a first miss, in an order that does not depend on ids. May
   // grow between runs. Null: all tries start at witnesses. Must outlive the object, like the limit.
-  const std::vector<glm::vec3>* places = nullptr;
-  const time_limit* limit = nullptr;  // when it is reached, tries stay queued
+  const std::vector<glm::vec3>* viewpoints = nullptr;
+  const time_limit* limit = nullptr;             // when it is reached, tries stay queued
   float largest_priority = largest_solid_angle;  // of a try, sr
   // Number of members of the set whose neighbors an earlier search tried, and the priority, in sr, down to which it
   // did; tries for them resume below it. 0: these members get no tries.

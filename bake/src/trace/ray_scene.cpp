@@ -351,17 +351,17 @@ void ray_scene::find_clear(std::span<const glm::vec3> points, float radius, int 
     clear[order[i]] = solid[i] || touches_surface(sorted[i], radius) ? 0 : 1;
 }
 
-void ray_scene::find_free(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const {
+void ray_scene::find_valid(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const {
   find_clear(points, radius, 10, free);
 }
 
-bool ray_scene::is_free(const glm::vec3& point, float radius) const {
+bool ray_scene::is_valid(const glm::vec3& point, float radius) const {
   std::uint8_t free = 0;
-  find_free({&point, 1}, radius, {&free, 1});
+  find_valid({&point, 1}, radius, {&free, 1});
   return free != 0;
 }
 
-bool ray_scene::is_nearly_free(const glm::vec3& point, float radius) const {
+bool ray_scene::is_nearly_valid(const glm::vec3& point, float radius) const {
   std::uint8_t clear = 0;
   find_clear({&point, 1}, radius, 4, {&clear, 1});
   return clear != 0;

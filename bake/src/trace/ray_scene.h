@@ -106,12 +106,12 @@ class ray_scene {
   // single-sided polygon with no front in the same place. The result for a point depends on that point alone.
   // radius: in meters.
   // free: free[i] becomes 1 if points[i] is valid, else 0.
-  void find_free(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const;
+  void find_valid(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const;
   // Returns whether one point is a valid viewpoint.
-  bool is_free(const glm::vec3& point, float radius) const;
+  bool is_valid(const glm::vec3& point, float radius) const;
   // Returns whether a point is a valid viewpoint or nearly one: at most a quarter of the hits show backs. With 64 other
   // directions such a point might be valid.
-  bool is_nearly_free(const glm::vec3& point, float radius) const;
+  bool is_nearly_valid(const glm::vec3& point, float radius) const;
 
   const scene::world_geometry& geometry() const { return geometry_; }
   const embree_scene& embree() const { return *embree_; }  // for callers that trace their own packets

@@ -19,7 +19,7 @@ std::vector<glm::vec3> draw_viewpoints(const ray_scene& rays, const viewpoint_re
     candidates.clear();
     for (std::size_t i = 0; i < count; ++i) candidates.push_back(where.draw(random));
     free.assign(count, 0);
-    rays.find_free(candidates, radius, free);
+    rays.find_valid(candidates, radius, free);
     for (std::size_t i = 0; i < count && found.size() < wanted; ++i)
       if (free[i]) found.push_back(candidates[i]);
     tested += count;

@@ -22,7 +22,7 @@ enum class finding : std::uint8_t { outside, not_missing, not_visible, not_free,
 finding try_miss(const verified_file& file, const reported_miss& miss,
                  const std::function<bool(std::uint32_t)>& contains) {
   const stored_rules& rules = file.rules();
-  if (!file.rays().is_free(miss.eye, rules.player_radius)) return finding::not_free;
+  if (!file.rays().is_valid(miss.eye, rules.player_radius)) return finding::not_free;
   const polygon_sight sight = probe_polygon(file.rays(), rules.smallest_gap, miss.eye, miss.polygon, contains);
   if (sight.counts) return finding::reproduced;
   return sight.seen ? finding::not_missing : finding::not_visible;

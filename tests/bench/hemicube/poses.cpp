@@ -25,7 +25,7 @@ glm::vec3 at_eye_height(const bake::ray_scene& rays, const glm::vec3& place, flo
   if (below.front == bake::no_polygon || below.distance > 4.0f) return place;
   glm::vec3 moved = place;
   moved.y += static_cast<float>(bake::eye_height) - below.distance;
-  return rays.is_free(moved, radius) ? moved : place;
+  return rays.is_valid(moved, radius) ? moved : place;
 }
 
 // Poses look along headings the golden angle apart, so that any number of them is spread evenly.
@@ -92,7 +92,7 @@ json make_poses(const json& job) {
                        {"forward", text_of(p.forward)},
                        {"right", text_of(p.right)},
                        {"up", text_of(p.up)},
-                       {"free", rays.is_free(p.eye, how.player_radius)}});
+                       {"free", rays.is_valid(p.eye, how.player_radius)}});
     }
     answer["heights"][height] = std::move(poses);
   }

@@ -55,7 +55,7 @@ TEST(bound_rays, are_trials_only_from_free_places) {
   const double trials = 80'000.0 * 1.45 / 3.0;
   EXPECT_LE(static_cast<double>(batch.rays), trials);
   EXPECT_NEAR(static_cast<double>(batch.misses) / trials, error, 5.0 * std::sqrt(2.0 * error / trials));
-  for (const missed_polygon& m : batch.missed) EXPECT_TRUE(w.rays.is_free(m.eye, 0.05f));
+  for (const missed_polygon& m : batch.missed) EXPECT_TRUE(w.rays.is_valid(m.eye, 0.05f));
 }
 
 TEST(bound_rays, are_no_fewer_than_their_misses) {

@@ -61,7 +61,7 @@ TEST(explore_viewpoints, a_small_free_part_is_found_and_bounded) {
     const box closet{{1.05f, -0.95f, 1.05f}, {1.95f, 0.95f, 1.95f}};
     for (int i = 0; i < 2000; ++i) {
       const glm::vec3 eye = random.in_box(closet.min, closet.max);
-      if (!w.rays.is_free(eye, 0.05f)) continue;
+      if (!w.rays.is_valid(eye, 0.05f)) continue;
       ++valid;
       lost += r.found->region.contains(eye) ? 0 : 1;
     }

@@ -50,7 +50,7 @@ TEST(verification_rays, a_place_without_free_points_ends) {
   const auto batch = cast_verification_rays(w.rays, room_middle, {}, 64, {1, 1, purpose::bound, 1},
                                             [](std::uint32_t) { return true; });
   EXPECT_EQ(batch.rays, 0u);
-  EXPECT_EQ(batch.places, 64u * 256u);
+  EXPECT_EQ(batch.viewpoints_tested, 64u * 256u);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ cell_record sample() {
   r.samples = 24;
   r.valid_share = 0.1;
   r.bound_met = false;
-  r.unseen = 3;
+  r.unverified = 3;
   r.batches = 2;
   r.geometry_inside = true;
   r.late = {7, 500};

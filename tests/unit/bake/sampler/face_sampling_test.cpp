@@ -55,10 +55,10 @@ TEST(sample_cell, half_of_the_images_are_cubes_where_geometry_is_inside) {
 TEST(sample_cell, no_hemicube_stands_in_a_wall) {
   scripted_source source;
   cell_set set(10);
-  const auto is_free = [](const glm::vec3& eye) { return eye.x < 2.0f; };
-  (void)sample_cell({"importance-depth", 60, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, is_free, source, set);
+  const auto is_valid = [](const glm::vec3& eye) { return eye.x < 2.0f; };
+  (void)sample_cell({"importance-depth", 60, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, is_valid, source, set);
   EXPECT_GT(source.poses.size(), 20u);
-  for (const pose& p : source.poses) EXPECT_TRUE(is_free(p.eye));
+  for (const pose& p : source.poses) EXPECT_TRUE(is_valid(p.eye));
 }
 
 TEST(sample_cell, a_round_is_one_hemicube_of_each_face_in_their_order) {
@@ -76,8 +76,8 @@ TEST(sample_cell, what_a_face_in_a_wall_does_not_use_goes_to_the_others) {
     scripted_source source;
     cell_set set(10);
     // The last face, +z, is the one that nobody can stand on: those before it have to get its share.
-    const auto is_free = [](const glm::vec3& eye) { return eye.z < 4.0f; };
-    EXPECT_EQ(sample_cell({sampler, 48, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, is_free, source, set), 48u);
+    const auto is_valid = [](const glm::vec3& eye) { return eye.z < 4.0f; };
+    EXPECT_EQ(sample_cell({sampler, 48, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, is_valid, source, set), 48u);
     std::array<int, 6> each{};
     const auto faces = faces_of({0, 0, 0}, {4, 2, 4});
     for (const pose& p : source.poses)
@@ -107,7 +107,7 @@ TEST(sample_cell, cubes_come_in_batches_of_bounded_size) {
 TEST(sample_cell, threads_change_no_place) {
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 8);
   // Slow, so that the other threads have the time to take part.
-  const auto is_free = [](const glm::vec3& eye) {
+  const auto is_valid = [](const glm::vec3& eye) {
     float sum = 0.0f;
     for (int i = 0; i < 4000; ++i) sum += std::sin(5.0f * (eye.x + 2.0f * eye.y + 3.0f * eye.z));
     return sum > 0.0f;
@@ -122,7 +122,7 @@ TEST(sample_cell, threads_change_no_place) {
     cell_set set(10);
     tbb::task_arena arena(threads);
     arena.execute([&] {
-      EXPECT_EQ(sample_cell({"importance-depth", 90, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, is_free, source, set),
+      EXPECT_EQ(sample_cell({"importance-depth", 90, false, 1, 1}, {{0, 0, 0}, {4, 2, 4}}, {}, is_valid, source, set),
                 90u);
     });
     std::vector<glm::vec3> eyes;

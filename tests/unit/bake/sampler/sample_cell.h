@@ -20,16 +20,16 @@ struct sampling_plan {
 
 // Returns how many hemicubes were rendered.
 inline std::uint32_t sample_cell(const sampling_plan& how, const box& grown, std::span<const glm::vec3> interior,
-                                 const std::function<bool(const glm::vec3&)>& is_free, hemicube_source& source,
+                                 const std::function<bool(const glm::vec3&)>& is_valid, hemicube_source& source,
                                  cell_set& set) {
   const hemicube_plan plan{
       .samples = how.samples, .seed = how.seed, .place = how.place, .geometry_inside = how.geometry_inside};
   hemicubes taken(plan, source, set);
   taken.take_interior(interior);
   if (how.sampler == "nir04")
-    sample_nir04({}, grown, is_free, taken);
+    sample_nir04({}, grown, is_valid, taken);
   else
-    sample_faces({.sampler = how.sampler}, plan, grown, is_free, taken);
+    sample_faces({.sampler = how.sampler}, plan, grown, is_valid, taken);
   return taken.taken();
 }
 

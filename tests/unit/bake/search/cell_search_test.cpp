@@ -47,7 +47,7 @@ struct world {
 
 const box cell{{-2.05f, -3.0f, -0.6f}, {2.05f, -2.0f, 0.6f}};
 
-guided_places places_of(bool geometry_inside, std::uint32_t taken = 0) {
+guided_settings places_of(bool geometry_inside, std::uint32_t taken = 0) {
   return {.seed = 3, .place = 7, .geometry_inside = geometry_inside, .resolution = 64, .taken = taken};
 }
 
@@ -63,7 +63,7 @@ TEST(guided_views, stand_in_free_places_and_go_on_where_they_ended) {
   int inside = 0;
   for (const auto& poses : {first, second})
     for (const pose& p : poses) {
-      EXPECT_TRUE(w.rays.is_free(p.eye, 0.05f));
+      EXPECT_TRUE(w.rays.is_valid(p.eye, 0.05f));
       EXPECT_NEAR(glm::length(glm::cross(p.forward, p.up) - p.right), 0.0f, 1e-5f);
       eyes.insert({p.eye.x, p.eye.y, p.eye.z});
       bool on_a_face = false;
@@ -114,7 +114,7 @@ TEST(guided_views, stand_in_solids_by_a_little_too) {
   guided_views views(rays, around, places_of(false));
   const std::vector<pose> poses = views.next(6);
   EXPECT_EQ(poses.size(), 6u);
-  for (const pose& p : poses) EXPECT_FALSE(rays.is_free(p.eye, 0.05f));
+  for (const pose& p : poses) EXPECT_FALSE(rays.is_valid(p.eye, 0.05f));
 }
 
 TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
@@ -125,11 +125,11 @@ TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   std::vector<double> said;
   std::vector<std::uint64_t> costs;
   search.look_for({.enough = [&](const error_guess& missing, std::uint64_t cost) {
-                     said.push_back(missing.back());
-                     costs.push_back(cost);
-                     return said.size() == 4;
-                   }});
-  EXPECT_EQ(views.places.taken(), 24u + 24u + 48u);
+    said.push_back(missing.back());
+    costs.push_back(cost);
+    return said.size() == 4;
+  }});
+  EXPECT_EQ(views.poses.taken(), 24u + 24u + 48u);
   ASSERT_EQ(said.size(), 4u);
   EXPECT_EQ(said[0], 1.0);
   EXPECT_EQ(said[1], 1.0) << "of the first round all is new: that says nothing";
@@ -150,7 +150,7 @@ TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {
     cell_set set(w.s.polygon_count);
     cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .metric = &metric, .priority = 1e9}, set);
     search.look_for({});
-    EXPECT_EQ(views.places.taken(), 48u);
+    EXPECT_EQ(views.poses.taken(), 48u);
     return search.missing().back();
   };
   const double plain = missing(pixel_metric);
@@ -186,7 +186,7 @@ TEST(cell_search, spends_its_hemicubes_and_no_more) {
   cell_set set(w.s.polygon_count);
   cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .priority = 1e-6}, set);
   search.look_for({});
-  EXPECT_EQ(views.places.taken(), 37u);
+  EXPECT_EQ(views.poses.taken(), 37u);
   EXPECT_GT(search.rays(), 0u);
 }
 

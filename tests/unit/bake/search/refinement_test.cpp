@@ -78,7 +78,8 @@ TEST(refinement, tries_from_another_place_after_a_miss) {
   for (const bool other_places : {false, true}) {
     cell_set set(w.s.polygon_count);
     set.add(upper, eye);
-    refinement beside(w.rays, w.neighbors, {.seed = 1, .place = 1, .places = other_places ? &places : nullptr}, set);
+    refinement beside(w.rays, w.neighbors, {.seed = 1, .place = 1, .viewpoints = other_places ? &places : nullptr},
+                      set);
     (void)beside.run(1e-9, 1'000'000);
     EXPECT_EQ(set.contains(lower) && set.contains(lower + 1), other_places);
   }

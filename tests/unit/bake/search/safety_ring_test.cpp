@@ -96,7 +96,7 @@ TEST_F(ring_on_the_floor, brings_levels_of_detail_with_it_and_grows_around_nothi
   const cell_record finished = baker.finished(cell, record);
   EXPECT_EQ(finished.set,
             (polygons{member, by_edge, by_vertex, beside_the_ring, both_sides, on_the_border, to_a_corner, coarser}));
-  EXPECT_EQ(finished.unseen, 6u) << "all but the member and what was added by hand";
+  EXPECT_EQ(finished.unverified, 6u) << "all but the member and what was added by hand";
   EXPECT_EQ(finished.upper_bound, 1e-4);
   record.stored = false;
   record.set.clear();

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sightcell/base/random.h"
-#include "trace/viewpoints.h"
 #include "trace/triangle_math.h"
+#include "trace/viewpoints.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace sightcell::bake {
@@ -125,8 +125,8 @@ TEST(ray_scene, what_never_hides_is_seen_and_keeps_no_eye_off) {
   rays.trace({0, 0.1f, 0.2f}, {1, 0, 0}, s);
   EXPECT_FALSE(sees(s, leaf)) << "cut away here";
   EXPECT_TRUE(sees(s, door));
-  EXPECT_TRUE(rays.is_free({2.01f, 0.1f, 0.2f}, 0.05f)) << "it may move";
-  EXPECT_FALSE(rays.is_free({7.99f, 0.1f, 0.2f}, 0.05f));
+  EXPECT_TRUE(rays.is_valid({2.01f, 0.1f, 0.2f}, 0.05f)) << "it may move";
+  EXPECT_FALSE(rays.is_valid({7.99f, 0.1f, 0.2f}, 0.05f));
 }
 
 TEST(ray_scene, the_front_of_a_set_is_the_next_of_it_that_hides) {
@@ -198,10 +198,10 @@ TEST(ray_scene, a_closed_box_that_may_move_is_no_solid) {
   tiny_scene tiny;
   const auto lift = tiny.closed_box({-1, -1, -1}, {1, 1, 1});
   tiny.closed_box({-9, -9, -9}, {9, 9, 9}, true);
-  EXPECT_FALSE(ray_scene(world(tiny).geometry, false).is_free({0, 0, 0}, 0.05f));
+  EXPECT_FALSE(ray_scene(world(tiny).geometry, false).is_valid({0, 0, 0}, 0.05f));
   tiny.tag(lift, {.occluder = false});
   const world w(tiny);
-  EXPECT_TRUE(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f));
+  EXPECT_TRUE(ray_scene(w.geometry, false).is_valid({0, 0, 0}, 0.05f));
 }
 
 TEST(ray_scene, what_is_in_every_set_hides_unless_it_may_move) {
@@ -226,7 +226,7 @@ TEST(ray_scene, walls_of_two_layers_back_to_back_make_no_solid) {
     const world w(tiny);
     const ray_scene rays(w.geometry, false);
     random_stream random(1, 1, purpose::verify);
-    for (int i = 0; i < 50; ++i) EXPECT_TRUE(rays.is_free(random.in_box({-4, -4, -4}, {4, 4, 4}), 0.05f));
+    for (int i = 0; i < 50; ++i) EXPECT_TRUE(rays.is_valid(random.in_box({-4, -4, -4}, {4, 4, 4}), 0.05f));
   }
 }
 
@@ -237,7 +237,7 @@ TEST(ray_scene, a_solid_by_a_little_is_nearly_free) {
   const auto told = [&] {
     const world w(tiny);
     const ray_scene rays(w.geometry, false);
-    return std::pair{rays.is_free(middle, 0.05f), rays.is_nearly_free(middle, 0.05f)};
+    return std::pair{rays.is_valid(middle, 0.05f), rays.is_nearly_valid(middle, 0.05f)};
   };
   EXPECT_EQ(told(), std::pair(true, true));
   tiny.wall_x(2, 1, 2);  // its back, in a sixth of all directions
@@ -245,16 +245,16 @@ TEST(ray_scene, a_solid_by_a_little_is_nearly_free) {
   tiny.wall_x(-2, -1, 2);  // in a third
   EXPECT_EQ(told(), std::pair(false, false));
   const world w(tiny);
-  EXPECT_FALSE(ray_scene(w.geometry, false).is_nearly_free({8.97f, 8, 8}, 0.05f)) << "at a surface";
+  EXPECT_FALSE(ray_scene(w.geometry, false).is_nearly_valid({8.97f, 8, 8}, 0.05f)) << "at a surface";
 }
 
 TEST(ray_scene, nothing_is_a_solid_where_all_polygons_are_double_sided) {
   tiny_scene tiny;
   tiny.closed_box({-1, -1, -1}, {1, 1, 1});
   const world w(tiny);
-  EXPECT_FALSE(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f));
-  EXPECT_TRUE(ray_scene(w.geometry, true).is_free({0, 0, 0}, 0.05f));
-  EXPECT_FALSE(ray_scene(w.geometry, true).is_free({0.99f, 0, 0}, 0.05f));
+  EXPECT_FALSE(ray_scene(w.geometry, false).is_valid({0, 0, 0}, 0.05f));
+  EXPECT_TRUE(ray_scene(w.geometry, true).is_valid({0, 0, 0}, 0.05f));
+  EXPECT_FALSE(ray_scene(w.geometry, true).is_valid({0.99f, 0, 0}, 0.05f));
 }
 
 TEST(ray_scene, coincident_polygons_are_those_within_reach_that_face_the_eye) {
@@ -357,9 +357,9 @@ TEST(ray_scene, masks_and_solids_mix) {
   const world w(tiny);
   EXPECT_TRUE(w.geometry.kinds[iron].alpha_tested);
   const ray_scene rays(w.geometry, false);
-  EXPECT_FALSE(rays.is_free({0, 0, 0}, 0.05f));
-  EXPECT_TRUE(rays.is_free({0, 2, 0}, 0.05f));
-  EXPECT_FALSE(rays.is_free({0, 3.01f, 0}, 0.05f)) << "at the mask's surface";
+  EXPECT_FALSE(rays.is_valid({0, 0, 0}, 0.05f));
+  EXPECT_TRUE(rays.is_valid({0, 2, 0}, 0.05f));
+  EXPECT_FALSE(rays.is_valid({0, 3.01f, 0}, 0.05f)) << "at the mask's surface";
 }
 
 TEST(ray_scene, a_pane_behind_the_wall_is_not_seen_whatever_is_met_first) {
@@ -402,11 +402,11 @@ TEST(ray_scene, places_in_solids_and_at_surfaces_are_not_free) {
   tiny.closed_box({2, -10, -2}, {4, 10, 2});             // a pillar in it
   const world w(tiny);
   const ray_scene rays(w.geometry, false);
-  EXPECT_TRUE(rays.is_free({0, 0, 0}, 0.05f));
-  EXPECT_FALSE(rays.is_free({3, 0, 0}, 0.05f)) << "inside the pillar";
-  EXPECT_FALSE(rays.is_free({1.96f, 0, 0}, 0.05f)) << "too close to it";
-  EXPECT_TRUE(rays.is_free({1.94f, 0, 0}, 0.05f));
-  EXPECT_FALSE(rays.is_free({12, 0, 0}, 0.05f)) << "behind the room's walls";
+  EXPECT_TRUE(rays.is_valid({0, 0, 0}, 0.05f));
+  EXPECT_FALSE(rays.is_valid({3, 0, 0}, 0.05f)) << "inside the pillar";
+  EXPECT_FALSE(rays.is_valid({1.96f, 0, 0}, 0.05f)) << "too close to it";
+  EXPECT_TRUE(rays.is_valid({1.94f, 0, 0}, 0.05f));
+  EXPECT_FALSE(rays.is_valid({12, 0, 0}, 0.05f)) << "behind the room's walls";
 }
 
 TEST(ray_scene, a_tenth_of_backs_tells_a_solid) {
@@ -416,14 +416,14 @@ TEST(ray_scene, a_tenth_of_backs_tells_a_solid) {
     tiny.closed_box({-10, -10, -10}, {10, 10, 10}, true);
     tiny.wall_x(1, +1, half);
     const world w(tiny);
-    EXPECT_EQ(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f), free) << half;
+    EXPECT_EQ(ray_scene(w.geometry, false).is_valid({0, 0, 0}, 0.05f), free) << half;
   }
   // Overhead, where the first of the fixed directions go: the answer may not be given before the rest had their say.
   tiny_scene tiny;
   tiny.closed_box({-10, -10, -10}, {10, 10, 10}, true);
   tiny.quad({-0.5f, 1, 0.5f}, {0.5f, 1, 0.5f}, {0.5f, 1, -0.5f}, {-0.5f, 1, -0.5f});
   const world w(tiny);
-  EXPECT_TRUE(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f));
+  EXPECT_TRUE(ray_scene(w.geometry, false).is_valid({0, 0, 0}, 0.05f));
 }
 
 TEST(ray_scene, thin_double_sided_things_are_no_solids) {
@@ -432,7 +432,7 @@ TEST(ray_scene, thin_double_sided_things_are_no_solids) {
   tiny.wall_x(1, 1, 5, sheet);
   tiny.wall_x(-1, 1, 5, sheet);
   const world w(tiny);
-  EXPECT_TRUE(ray_scene(w.geometry, false).is_free({0, 0, 0}, 0.05f));
+  EXPECT_TRUE(ray_scene(w.geometry, false).is_valid({0, 0, 0}, 0.05f));
 }
 
 TEST(ray_scene, many_places_answer_as_one) {
@@ -444,10 +444,10 @@ TEST(ray_scene, many_places_answer_as_one) {
   std::vector<glm::vec3> points;
   for (int i = 0; i < 100; ++i) points.push_back(random.in_box(glm::vec3{-2.0f}, glm::vec3{2.0f}));
   std::vector<std::uint8_t> free(points.size());
-  rays.find_free(points, 0.05f, free);
+  rays.find_valid(points, 0.05f, free);
   int inside = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    EXPECT_EQ(free[i] != 0, rays.is_free(points[i], 0.05f));
+    EXPECT_EQ(free[i] != 0, rays.is_valid(points[i], 0.05f));
     inside += free[i] == 0;
   }
   EXPECT_GT(inside, 5);

@@ -95,14 +95,14 @@ TEST_F(gpu_flight_test, a_cell_has_the_same_set_by_either_way) {
   const scene::world_geometry world = rooms().world();
   const bake::box cell{{9, 1, 9}, {13, 2, 14}};
   const std::vector<glm::vec3> interior{{10, 1.5f, 10}, {12, 1.2f, 13}};
-  const auto is_free = [](const glm::vec3& place) { return place.x < 12.7f || place.z > 10; };
+  const auto is_valid = [](const glm::vec3& place) { return place.x < 12.7f || place.z > 10; };
   const bake::sampling_plan plan{.sampler = "halton", .samples = 30, .geometry_inside = true};
   std::vector<std::vector<std::uint32_t>> sets;
   for (const auto& [how, hide] : {std::pair{bake::gather::read_back, bake::culling::none},
                                   std::pair{bake::gather::compute, bake::culling::occlusion}}) {
     bake::cell_set set(static_cast<std::uint32_t>(world.kinds.size()));
     const auto tested = source(world, how, 64, hide);
-    EXPECT_GT(bake::sample_cell(plan, cell, interior, is_free, *tested, set), 20u);
+    EXPECT_GT(bake::sample_cell(plan, cell, interior, is_valid, *tested, set), 20u);
     sets.push_back(set.sorted());
   }
   EXPECT_GT(sets[0].size(), 100u);
