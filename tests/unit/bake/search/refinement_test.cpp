@@ -106,6 +106,20 @@ TEST(refinement, goes_on_where_another_ended) {
   EXPECT_GT(rays(1, 1e-3, 1e-3), 0u) << "the others joined since";
 }
 
+TEST(refinement, limits_the_priority_of_large_polygons) {
+  tiny_scene tiny;
+  const auto upper = tiny.quad({4, 0, -2}, {4, 0, 2}, {4, 2, 2}, {4, 2, -2});
+  const auto lower = tiny.quad({4, -2, -2}, {4, -2, 2}, {4, 0, 2}, {4, 0, -2});
+  const scene_with_rays w(tiny);
+  cell_set set(w.s.polygon_count);
+  set.add(upper, {0, 0.5f, 0});
+  refinement beside(w.rays, w.neighbors, {.seed = 1, .place = 1, .largest_priority = 1e-4f}, set);
+  EXPECT_EQ(beside.run(1e-2, 1'000'000), 0u);
+  EXPECT_FALSE(set.contains(lower));
+  EXPECT_GT(beside.run(1e-4, 1'000'000), 0u);
+  EXPECT_TRUE(set.contains(lower));
+}
+
 TEST(refinement, aims_at_no_back) {
   tiny_scene tiny;
   const auto front = tiny.wall_x(2, -1, 3);

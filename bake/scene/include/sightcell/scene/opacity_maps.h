@@ -1,8 +1,8 @@
 #pragma once
 // Opacity maps: where on a masked polygon the alpha test passes everywhere, and where nowhere. A polygon is divided
 // into equal parts, and each part is known or unknown, like the opacity micromaps of ray tracers (Gruen, Benthin and
-// Woop, "Sub-triangle opacity masks for faster ray tracing of transparent objects", 2020). A test reads texels only
-// in unknown parts, so its result is the same with and without a map.
+// Woop, "Sub-triangle opacity masks for faster ray tracing of transparent objects", 2020). A test that skips the texels
+// of known parts has the same result as one that reads them.
 #include <cstddef>
 #include <cstdint>
 #include <span>
