@@ -160,6 +160,7 @@ status encode_section(const reader& file, const importance_source& source, std::
   if (const status s = encode_chunks(classes, coder, front, chunks); s != status::ok) return s;
   for (const symbol_coder& code : coder.by_class) put_code_lengths(code.lengths, front);
   put_code_lengths(coder.runs.lengths, front);
+  section.reserve(section.size() + 4 + front.size() + chunks.size());
   byte_sink out(section);
   out.put_u32(crc32c(front));
   out.put_bytes(front);

@@ -94,7 +94,7 @@ class block_cubes {
 
   void add_corners(float margin);
   void add_between();
-  std::uint32_t add(const viewpoint_region& where, std::uint64_t most_tests, std::uint64_t name, place_kind kind,
+  std::uint32_t add(const viewpoint_region& where, std::uint64_t tests, std::uint64_t name, place_kind kind,
                     std::uint64_t of_kind = 0);
 
   const std::span<const merge_node> tree_;
@@ -104,9 +104,9 @@ class block_cubes {
   std::vector<std::vector<std::uint32_t>> in_node_;
 };
 
-std::uint32_t block_cubes::add(const viewpoint_region& where, std::uint64_t most_tests, std::uint64_t name,
+std::uint32_t block_cubes::add(const viewpoint_region& where, std::uint64_t tests, std::uint64_t name,
                                place_kind kind, std::uint64_t of_kind) {
-  places_.push_back({where, most_tests, name, kind, of_kind});
+  places_.push_back({where, tests, name, kind, of_kind});
   return static_cast<std::uint32_t>(places_.size() - 1);
 }
 
@@ -129,7 +129,7 @@ void block_cubes::add_corners(float margin) {
       for (const std::int64_t x : {p.x, p.x + 1}) at_corner[{z, x}].push_back(i);
   }
   const glm::vec3 aside{margin, 0.0f, margin};
-  for (auto& [corner, cells] : at_corner) {
+  for (auto& [at, cells] : at_corner) {
     std::sort(cells.begin(), cells.end(), [&](std::size_t a, std::size_t b) {
       const lattice_position &p = tree_[a].position, &q = tree_[b].position;
       return std::tie(p.y, p.layers, p.z, p.x) < std::tie(q.y, q.layers, q.z, q.x);
@@ -141,7 +141,7 @@ void block_cubes::add_corners(float margin) {
       for (; next < cells.size() && tree_[cells[next]].position.y < high; ++next)
         low = tree_[cells[next]].position.y, high = std::min(high, end_of(cells[next]));
       const view_cell common =
-          on_.cell({.z = corner.first, .y = low, .x = corner.second, .layers = static_cast<std::int32_t>(high - low)});
+          on_.cell({.z = at.first, .y = low, .x = at.second, .layers = static_cast<std::int32_t>(high - low)});
       // Within the margin of the corner: in the grown boxes of all these cells.
       const glm::vec3 bottom = common.min, top{common.min.x, common.max.y, common.min.z};
       const std::uint32_t place =
