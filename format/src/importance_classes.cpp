@@ -1,6 +1,7 @@
 #include "sightcell/format/importance_classes.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "bit_reader.h"
 #include "checked_reader.h"
@@ -93,8 +94,19 @@ status importance_classes::check_chunk(std::uint32_t chunk) const noexcept {
   return crc32c(bytes) == stored ? status::ok : status::checksum;
 }
 
-// Where the classes of the cells before end need not be tested: each cell's classes end where the next one's begin.
 status importance_classes::decode(std::uint32_t cell, std::span<std::uint8_t> out) const noexcept {
+  if (out.size() > std::numeric_limits<std::uint32_t>::max()) return status::corrupt;
+  std::uint8_t* next = out.data();
+  const class_sink write = [](void* user, std::uint8_t one, std::uint32_t count) noexcept {
+    auto& at = *static_cast<std::uint8_t**>(user);
+    at = std::fill_n(at, count, one);
+  };
+  return decode(cell, static_cast<std::uint32_t>(out.size()), write, &next);
+}
+
+// Where the classes of the cells before end need not be tested: each cell's classes end where the next one's begin.
+status importance_classes::decode(std::uint32_t cell, std::uint32_t polygons, class_sink sink,
+                                  void* user) const noexcept {
   if (cell >= cells_) return status::argument;
   const std::uint32_t chunk = cell / layout::cells_per_chunk;
   const std::uint32_t place = cell % layout::cells_per_chunk;
@@ -121,7 +133,7 @@ status importance_classes::decode(std::uint32_t cell, std::span<std::uint8_t> ou
     return entry != 0;
   };
   std::uint32_t before = least_important;
-  for (std::size_t i = 0; i < out.size();) {
+  for (std::uint32_t i = 0; i < polygons;) {
     std::uint32_t one = 0;
     std::uint64_t count = 1;
     if (!symbol_by(codes_[before], one)) return status::corrupt;
@@ -130,9 +142,9 @@ status importance_classes::decode(std::uint32_t cell, std::span<std::uint8_t> ou
       if ((before == one && i > 0) || !symbol_by(runs_, symbol)) return status::corrupt;
       count += base_of(symbol) + in.take(raw_bits_of(symbol));
     }
-    if (count > out.size() - i) return status::corrupt;
-    std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(i), count, static_cast<std::uint8_t>(one));
-    i += static_cast<std::size_t>(count);
+    if (count > polygons - i) return status::corrupt;
+    sink(user, static_cast<std::uint8_t>(one), static_cast<std::uint32_t>(count));
+    i += static_cast<std::uint32_t>(count);
     before = one;
   }
   return (in.place() + 7) / 8 == end ? status::ok : status::corrupt;

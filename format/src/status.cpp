@@ -14,6 +14,8 @@ const char* status_text(status s) noexcept {
       return "the buffer is too small";
     case status::stale:
       return "no difference is known: take the full list";
+    case status::absent:
+      return "the file does not have what is asked for";
     case status::io:
       return "the file cannot be read or written";
     case status::not_ours:

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "db.h"
 #include "debug_lines.h"
+#include "draw_importance.h"
 #include "file_input.h"
 #include "index_list.h"
 #include "memory.h"
@@ -30,6 +31,7 @@ static_assert(sizeof(sightcell_command) == 20);
 static_assert(static_cast<int>(format::status::limit) == SIGHTCELL_ERR_LIMIT &&
               static_cast<int>(format::status::other_scene) == SIGHTCELL_ERR_OTHER_SCENE &&
               static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE &&
+              static_cast<int>(format::status::absent) == SIGHTCELL_ERR_ABSENT &&
               format::no_named_group == SIGHTCELL_NO_NAMED_GROUP);
 
 namespace {
@@ -353,6 +355,13 @@ sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bi
   if (words < (std::size_t{view->db().file().draw_count()} + 63) / 64) return SIGHTCELL_ERR_CAPACITY;
   runtime::write_object_bits(*view, {bits_by_draw, words});
   return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_view_importance(const sightcell_view* view, float* dst, size_t capacity, size_t* count) {
+  if (view == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const std::size_t need = view->db().range_borders().size() - 1;
+  const sightcell_status room = check_room(dst, capacity, need, count);
+  return room != SIGHTCELL_OK ? room : runtime::write_draw_importance(*view, {dst, need});
 }
 
 sightcell_status sightcell_view_box_visible(const sightcell_view* view, const float min[3], const float max[3],

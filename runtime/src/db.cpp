@@ -43,6 +43,9 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   give(chunks_, is_paged() ? 0 : file_.chunk_count());
   give(cached_, is_paged() ? file_.chunk_count() : 0);
   give(cached_order_, is_paged() ? file_.chunk_count() : 0);
+  const bool has_importance = file_.has_importance() && !is_paged();
+  give(importance_, has_importance ? 1 : 0);
+  give(importance_chunks_, has_importance ? file_.chunk_count() : 0);
   std::span<std::uint64_t> codes;  // for their alignment of 8
   give(codes, (file_.codes_size() + 7) / 8);
   codes_memory_ = std::as_writable_bytes(codes);
@@ -56,7 +59,28 @@ sightcell_status sightcell_db::fill() noexcept {
   if (!locator_.build(file_, cells_)) return SIGHTCELL_ERR_CORRUPT;
   if (!fill_ranges() || !fill_draws_of_groups() || !fill_named_groups()) return SIGHTCELL_ERR_CORRUPT;
   if (!volumes_.build(file_.volumes())) return SIGHTCELL_ERR_CORRUPT;
+  open_importance();
   return static_cast<sightcell_status>(file_.make_codes(codes_memory_, codes_));
+}
+
+// Damage here is no reason to reject the file: only importance is unknown then.
+void sightcell_db::open_importance() noexcept {
+  if (!importance_.empty()) importance_status_ = static_cast<sightcell_status>(file_.importance(importance_.front()));
+}
+
+sightcell_status sightcell_db::importance_of(std::uint32_t cell,
+                                             const format::importance_classes*& out) const noexcept {
+  if (importance_status_ != SIGHTCELL_OK) return importance_status_;
+  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  std::atomic<chunk_state>& state = importance_chunks_[chunk];
+  chunk_state known = state.load(std::memory_order_relaxed);
+  if (known == chunk_state::unknown) {
+    known = importance_.front().check_chunk(chunk) == format::status::ok ? chunk_state::good : chunk_state::damaged;
+    state.store(known, std::memory_order_relaxed);
+  }
+  if (known == chunk_state::damaged) return SIGHTCELL_ERR_CHECKSUM;
+  out = &importance_.front();
+  return SIGHTCELL_OK;
 }
 
 bool sightcell_db::fill_ranges() noexcept {

@@ -425,6 +425,14 @@ void sightcell_view::report(std::uint32_t revision_before, sightcell_frame& fram
   counts_.moves_draw_all += has(SIGHTCELL_FRAME_DRAW_ALL);
 }
 
+// joined_ is used within a move only.
+bool sightcell_view::whole_set_of(std::uint32_t cell, std::span<const format::run>& out) const noexcept {
+  format::row_parts parts;
+  const bool good = db_->decode(cell, joined_.buffer, scratch_, parts) == row_outcome::good;
+  out = parts.polygons;
+  return good;
+}
+
 bool sightcell_view::previous_runs(std::span<const format::run>& out) const noexcept {
   if (!moved_ || previous_.everything || current_.everything) return false;
   out = previous_.runs();

@@ -49,6 +49,15 @@ struct sightcell_view {
   // The set as ranges of draws.
   [[nodiscard]] std::span<const sightcell_range> ranges() const noexcept { return {ranges_, current_.range_count}; }
   [[nodiscard]] std::uint32_t revision() const noexcept { return revision_; }
+  // The cells whose sets are shown: one, several, or none if everything is shown.
+  [[nodiscard]] std::span<const std::uint32_t> shown_cells() const noexcept {
+    if (draws_all() || !moved_) return {};
+    if (shown_cell_count_ > 0) return std::span(shown_cells_).first(shown_cell_count_);
+    return {&shown_.cell, 1};
+  }
+  // Decodes the set of a cell again, with the polygons of hidden named groups. False if its data has been removed from
+  // memory or is damaged. out: valid until the next call or move.
+  [[nodiscard]] bool whole_set_of(std::uint32_t cell, std::span<const sightcell::format::run>& out) const noexcept;
   // The set of revision() - 1. False if there is none, or if it or the current one is everything.
   [[nodiscard]] bool previous_runs(std::span<const sightcell::format::run>& out) const noexcept;
 

@@ -156,6 +156,34 @@ static void objects(uint64_t* bits, size_t words) {
   /* objects] */
 }
 
+static unsigned char* requested; /* of each draw: was its mesh requested? */
+static void request_mesh(size_t draw, float priority) {
+  require(priority > 0.0f, "priority");
+  requested[draw] = 1;
+}
+
+/* Requests the draws that have a polygon to draw and no others, where the file has importance. */
+static int load_by_importance(const unsigned char* to_draw) {
+  size_t count;
+  float* steradians = malloc((draw_total + 1) * sizeof *steradians);
+  requested = calloc(draw_total + 1, 1);
+  /* [importance */
+  if (sightcell_view_importance(view, steradians, draw_total, &count) == SIGHTCELL_OK)
+    for (size_t draw = 0; draw < count; ++draw)
+      if (steradians[draw] > 0.0f) request_mesh(draw, steradians[draw]);
+  /* importance] */
+  int requests = 0;
+  for (size_t d = 0; d < draw_total; ++d) {
+    requests += requested[d];
+    if (requested[d]) require(to_draw[draws[d].first_stored], "a request of what is not to be drawn");
+  }
+  for (size_t d = 0; d < draw_total && requests > 0; ++d)
+    require(draws[d].polygon_count == 0 || requested[d] == to_draw[draws[d].first_stored], "a draw without a request");
+  free(requested);
+  free(steradians);
+  return requests;
+}
+
 typedef struct {
   float eye[3], min[3], max[3];
   sightcell_view* view;
@@ -418,6 +446,7 @@ static void draw_in_every_way(void) {
 int main(int argc, char** argv) {
   require(argc > 2, "usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE.pvs ...");
   doors(argv[1]);
+  int requests = 0;
   for (int file = 2; file < argc; ++file) {
     open_file(argv[file]);
     expect_objects_in_source_order();
@@ -429,11 +458,13 @@ int main(int argc, char** argv) {
       require(sightcell_view_move(view, eye, &frame) == SIGHTCELL_OK && frame.cell == cell, "move");
       expect_ranges();
       draw_in_every_way();
+      requests += load_by_importance(of_objects);
       const float velocity[3] = {1, 0, 0};
       if (cell == 0) stream(argv[file], eye, velocity);
     }
     play();
     close_file();
   }
+  require(requests > 0, "no file has importance");
   return 0;
 }

@@ -119,6 +119,7 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_MEMORY = 2,      /* the allocator returned NULL */
   SIGHTCELL_ERR_CAPACITY = 3,    /* dst is too small; *count is the number of elements */
   SIGHTCELL_ERR_STALE = 4,       /* view_changes has no differences for this revision; deliver has no such ticket */
+  SIGHTCELL_ERR_ABSENT = 5,      /* the file does not have what the function needs */
   SIGHTCELL_ERR_IO = 10,         /* the file cannot be opened or read */
   SIGHTCELL_ERR_NOT_OURS = 20,   /* not a .pvs file */
   SIGHTCELL_ERR_VERSION = 21,    /* a .pvs file of a version that this library does not read */
@@ -520,6 +521,21 @@ SIGHTCELL_API sightcell_status sightcell_view_commands(const sightcell_view* vie
  * Fails with CAPACITY if there are fewer words.
  * Cost: O(ranges); for a merged file O(polygons to draw). */
 SIGHTCELL_API sightcell_status sightcell_view_objects(const sightcell_view* view, uint64_t* bits_by_draw, size_t words);
+
+/* Lists how large a part of the view each draw covers, so that a host can load first what is most visible. For files
+ * baked with --importance (or `sightcell recode --importance`).
+ * dst: receives the solid angle in steradians, out of 4 pi for the whole view, that the visible polygons of the draw
+ *   cover in the mean over the valid viewpoints of the cell. 0 for a draw without a polygon to draw. The file has a
+ *   class for each polygon, and each class spans a factor of 4, so a value is accurate to about a factor of 2. After
+ *   sightcell_view_move_box, it is the largest value of the cells that the box touches. Elements are draws in the order
+ *   of the draw table, or draw groups of a merged file in ascending order.
+ * capacity, count: in draws, or draw groups.
+ * Fails with ABSENT if the file has no importance, and for a paged db, which does not load it; with STALE under
+ *   DRAW_ALL, because importance is not known there; with CHECKSUM or CORRUPT if the data is damaged. All elements of
+ *   dst are 0 then.
+ * Cost: O(polygons to draw). The first call in each 64 cells also checks their importance data. */
+SIGHTCELL_API sightcell_status sightcell_view_importance(const sightcell_view* view, float* dst, size_t capacity,
+                                                         size_t* count);
 
 /* Lists the polygons that were added and removed since a revision, as ranges.
  * since_revision: frame.revision of the last frame that the caller has drawn. It must be the current revision (no

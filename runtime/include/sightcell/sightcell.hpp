@@ -253,6 +253,13 @@ class view {
     return sightcell_view_objects(handle_, bits_by_draw.data(), bits_by_draw.size());
   }
 
+  // Visible solid angle of each draw, or draw group of a merged file, in steradians.
+  list_result importance(std::span<float> by_draw) const noexcept {
+    list_result out;
+    out.status = sightcell_view_importance(handle_, by_draw.data(), by_draw.size(), &out.count);
+    return out;
+  }
+
   // False if nothing in a box can be visible. True in all other cases, also for a NaN or if min is above max.
   [[nodiscard]] bool box_visible(std::span<const float, 3> min, std::span<const float, 3> max) const noexcept {
     std::uint32_t visible = 1;

@@ -7,6 +7,7 @@
 #include "allocation_counter.h"
 #include "loaded_file.h"
 #include "unit/case_step.h"
+#include "unit/format/importance_samples.h"
 #include "unit/format/random_source.h"
 
 namespace {
@@ -74,6 +75,22 @@ TEST(allocation, none_over_10000_moves) {
     EXPECT_GT(changes, 5000u / case_step());
   }
   EXPECT_EQ(memory.bytes, 0u) << "every block was released with its size";
+}
+
+TEST(allocation, none_for_importance) {
+  const sample_contents contents = random_contents(55, {.polygons = 3000, .draws = 40, .cells = 200});
+  const loaded_file file(with_importance(contents.encode(), sample_class));
+  test_view view(file.db());
+  std::vector<float> by_draw(40);
+  int failures = 0;
+  const std::size_t before = allocation_count();
+  for (const auto& cell : contents.cells) {
+    static_cast<void>(view.move(cell.min[0], cell.min[1], cell.min[2]));
+    std::size_t count = 0;
+    failures += sightcell_view_importance(view.get(), by_draw.data(), by_draw.size(), &count) != SIGHTCELL_OK;
+  }
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(failures, 0);
 }
 
 TEST(allocation, none_for_a_paged_file) {

@@ -19,6 +19,7 @@
 #include "polygon_orders_writer.h"
 #include "sightcell/format/layout.h"
 #include "table_encoder.h"
+#include "unit/format/importance_samples.h"
 #include "unit/format/viewpoint_samples.h"
 
 namespace {
@@ -72,6 +73,8 @@ const std::map<std::string, statuses> promised{
     {"sightcell_view_indices", of_lists},
     {"sightcell_view_commands", of_lists + statuses{SIGHTCELL_ERR_LIMIT}},
     {"sightcell_view_objects", of_lists},
+    {"sightcell_view_importance",
+     of_lists + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_STALE, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT}},
     {"sightcell_view_box_visible", with_arguments},
     {"sightcell_view_changes", of_lists + statuses{SIGHTCELL_ERR_STALE}},
     {"sightcell_view_statistics", with_arguments},
@@ -472,6 +475,32 @@ void boxes(outcomes& out) {
   RETURNS(ERR_CORRUPT, sightcell_view_debug_lines(other.get(), every_kind, lines.data(), lines.size(), &count));
 }
 
+void importance(outcomes& out) {
+  const bytes whole = with_importance(tiny_contents().encode(), sample_class);
+  const std::size_t section = section_offset(whole, layout::section_importance);
+  bytes changed = whole;
+  changed[section] ^= std::byte{1};  // the checksum of the section
+  bytes torn = whole;  // no codes, with the right checksums
+  for (std::size_t at = section + 4 + 16; at < torn.size(); ++at) torn[at] = std::byte{0xFF};
+  reseal_importance(torn);
+  const loaded_file good(whole), plain(tiny_contents()), damaged(std::move(changed)), corrupt(std::move(torn));
+  std::array<float, 1> values;
+  std::size_t count = 0;
+  const auto ask = [&](const loaded_file& file, float x, sightcell_status expected, std::size_t capacity) {
+    test_view view(file.db());
+    static_cast<void>(view.move(x, 1, 1));
+    out.note("sightcell_view_importance(...)", expected,
+             sightcell_view_importance(view.get(), values.data(), capacity, &count));
+  };
+  ask(good, 1, SIGHTCELL_OK, 1);
+  ask(good, 1, SIGHTCELL_ERR_CAPACITY, 0);
+  ask(good, -100, SIGHTCELL_ERR_STALE, 1);
+  ask(plain, 1, SIGHTCELL_ERR_ABSENT, 1);
+  ask(damaged, 1, SIGHTCELL_ERR_CHECKSUM, 1);
+  ask(corrupt, 1, SIGHTCELL_ERR_CORRUPT, 1);
+  RETURNS(ERR_ARGUMENT, sightcell_view_importance(nullptr, values.data(), 1, &count));
+}
+
 struct header {
   std::set<std::string> functions;                   // that return a status
   std::map<std::string, std::uint32_t> enumerators;  // without SIGHTCELL_
@@ -503,6 +532,7 @@ TEST(every_outcome, is_reached) {
   places(out);
   lists(out);
   boxes(out);
+  importance(out);
 
   const header there = read_header();
   ASSERT_GT(there.functions.size(), 20u);

@@ -19,6 +19,15 @@ namespace sightcell::format {
 inline constexpr std::uint32_t importance_class_count = 16;
 inline constexpr std::uint8_t least_important = importance_class_count - 1;
 
+// Returns the solid angle that represents a class, in sr: its geometric middle, pi / 4^k. The last class,
+// which has all smaller solid angles, counts as class 11.
+[[nodiscard]] constexpr float solid_angle_of_class(std::uint8_t one) noexcept {
+  constexpr std::uint8_t first_unmeasured = 11;
+  float angle = 3.14159265f;
+  for (std::uint8_t k = 0; k < one && k < first_unmeasured; ++k) angle /= 4.0f;
+  return angle;
+}
+
 // A view of one section, about 9 KiB; valid as long as the bytes are. Safe for hostile bytes. No exceptions, no
 // allocation; const functions may run on any number of threads at once.
 class importance_classes {
@@ -40,6 +49,12 @@ class importance_classes {
   // checksum: call check_chunk once before. argument: no such cell; corrupt: the bits are not this number of classes,
   // out is undefined. O(polygons of the cell).
   status decode(std::uint32_t cell, std::span<std::uint8_t> out) const noexcept;
+
+  // As above, without memory for the classes: calls sink for consecutive polygons of one class, in stored order.
+  // polygons: of the cell's set.
+  // sink: user is the last argument of decode. On corrupt, it may have been called for a part of the polygons.
+  using class_sink = void (*)(void* user, std::uint8_t one, std::uint32_t count) noexcept;
+  status decode(std::uint32_t cell, std::uint32_t polygons, class_sink sink, void* user) const noexcept;
 
  private:
   [[nodiscard]] bool read_codes(std::span<const std::byte>& bytes) noexcept;
