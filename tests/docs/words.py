@@ -32,6 +32,8 @@ PLACES = [
     ('format/include/sightcell/format/*.h', 'header'),
     ('runtime/README.md', 'markdown'),
     ('runtime/include/sightcell/*.h*', 'header'),
+    ('runtime/web/npm/README.md', 'markdown'),
+    ('runtime/web/npm/*.d.ts', 'header'),
     ('samples/*/README.md', 'markdown'),
     ('shaders/README.md', 'markdown'),
     ('samples/hello_cull/*.c', 'header'),
