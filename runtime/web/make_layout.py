@@ -35,7 +35,7 @@ def structs_of(dump):
         members = {}
         for at, text, member in MEMBER.findall(body):
             kind, count = type_of(text)
-            members[member] = {'at': int(at), 'kind': kind, 'count': count}
+            members[member] = {'at': int(at), 'kind': kind, **({'count': count} if count > 1 else {})}
         structs[name] = {'size': int(size), 'members': members}
     return structs
 
@@ -52,8 +52,13 @@ def enumerators(node):
         yield from enumerators(child)
 
 
+def as_script(value):
+    """JavaScript without quotes around names: the package is to be small."""
+    return re.sub(r'"(\w+)":', r'\1:', json.dumps(value, separators=(',', ':'))).replace('"', "'")
+
+
 def in_lines(name, table):
-    lines = ',\n'.join(f'  {json.dumps(key)}: {json.dumps(value)}' for key, value in table.items())
+    lines = ',\n'.join(f'  {key}: {as_script(value)}' for key, value in table.items())
     return f'export const {name} = {{\n{lines},\n}};\n'
 
 

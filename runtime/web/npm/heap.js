@@ -103,7 +103,7 @@ export class Heap {
   read(name, at) {
     const result = {};
     const { data } = this;
-    for (const [member, { at: offset, kind, count }] of Object.entries(structs[name].members)) {
+    for (const [member, { at: offset, kind, count = 1 }] of Object.entries(structs[name].members)) {
       if (member === 'struct_size' || member === 'reserved') continue;
       const numbers = Array.from({ length: count }, (_, i) => readers[kind](data, at + offset + widths[kind] * i));
       result[camelCase(member)] = count === 1 ? numbers[0] : numbers;

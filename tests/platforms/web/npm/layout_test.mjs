@@ -17,7 +17,7 @@ function assertions() {
   const list = Object.entries(constants).map(([name, value]) => `(unsigned)SIGHTCELL_${name} == ${value}u`);
   for (const [name, { size, members }] of Object.entries(structs)) {
     list.push(`sizeof(sightcell_${name}) == ${size}`);
-    for (const [member, { at, kind, count }] of Object.entries(members)) {
+    for (const [member, { at, kind, count = 1 }] of Object.entries(members)) {
       list.push(`offsetof(sightcell_${name}, ${member}) == ${at}`);
       list.push(`sizeof(((sightcell_${name}*)0)->${member}) == ${bytes[kind] * count}`);
       if (text.includes(`(*${member})(`) || member === "user") continue;  // addresses

@@ -1,5 +1,5 @@
 // The package gives the answers of the native runtime, and takes back what it takes.
-// usage: package_test.mjs PACKAGE_FOLDER GOLDEN_FOLDER ANSWERS
+// usage: package_test.mjs PACKAGE_FOLDER GOLDEN_FOLDER ANSWERS TOWN.pvs
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join, resolve } from "node:path";
@@ -8,7 +8,7 @@ import { pathToFileURL } from "node:url";
 import { fnv_hash, require } from "../host.mjs";
 import { dump } from "./dump.mjs";
 
-const [folder, golden, answers] = process.argv.slice(2);
+const [folder, golden, answers, town] = process.argv.slice(2);
 const { DebugLines, Sightcell, SightcellError } =
   await import(pathToFileURL(resolve(folder, "sightcell.js")).href);
 const sightcell = await Sightcell.load();
@@ -47,8 +47,8 @@ function same_answers() {
 }
 
 // A draw is visible where it has a range, or in a merged file where one of its polygons is visible.
-function objects_are_those_of_the_set(name) {
-  const db = sightcell.open(file(name));
+function objects_are_those_of_the_set(bytes, name) {
+  const db = sightcell.open(bytes);
   const view = db.createView();
   for (let cell = 0; cell < db.info.cellCount; ++cell) {
     const { min, max } = db.cellBox(cell);
@@ -242,7 +242,8 @@ async function urls_are_opened() {
 }
 
 const read = same_answers();
-for (const name of ["v1_small.pvs", "v1_merged.pvs", "v1_lattice.pvs"]) objects_are_those_of_the_set(name);
+for (const name of ["v1_small.pvs", "v1_merged.pvs", "v1_lattice.pvs"]) objects_are_those_of_the_set(file(name), name);
+objects_are_those_of_the_set(readFileSync(town), town);  // more draws than a word has bits
 boxes_are_visible_with_their_volume();
 a_view_moves();
 errors_have_ids();

@@ -1,5 +1,6 @@
 // A project that has installed the package runs this. usage: user.mjs FILE.pvs
 import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
 
 import { Sightcell, SightcellError } from "sightcell";
@@ -26,4 +27,4 @@ const move = await openScene(pathToFileURL(process.argv[2]), (node, primitive, i
 move({ x: 0.5, y: 0.5, z: 0.5 });
 move({ x: 0.5, y: 0.5, z: 0.5 });
 console.log(JSON.stringify({ version: description.version, cell: frame.cell, ranges: Array.from(view.ranges()), id, shown,
-  wasm: import.meta.resolve("sightcell/sightcell.wasm").endsWith("/node_modules/sightcell/sightcell.wasm") }));
+  wasm: createRequire(import.meta.url).resolve("sightcell/sightcell.wasm").endsWith("/sightcell/sightcell.wasm") }));

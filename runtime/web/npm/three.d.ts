@@ -1,0 +1,38 @@
+// Draws of a scene of three.js (0.167 or newer) what is in the potentially visible set of the camera's cell.
+import type { BatchedMesh, Camera, Mesh, Object3D } from 'three';
+import type { Database, Draw, Frame, View } from './sightcell.js';
+
+/** What GLTFLoader returns. `scene` may be a clone. */
+export interface LoadedScene {
+  readonly scene: Object3D;
+  readonly scenes?: Object3D[];
+  readonly parser: { readonly json: any };
+}
+
+export interface AttachOptions {
+  /** "objects" (the default) shows and hides meshes and instances. "ranges" draws only the visible polygons: a BatchedMesh
+   * per material replaces all meshes that are opaque, not animated, not mirrored and without skin, morph targets and
+   * attributes of instances. The others are shown and hidden as with "objects". */
+  mode?: 'objects' | 'ranges';
+  /** Meshes that are left to the page. Nodes with the mark `dynamic` or `never` always are: no set contains them. */
+  skip?: (mesh: Mesh, draw: Draw) => boolean;
+  /** Receives warnings. Default: console.warn. */
+  warn?: (text: string) => void;
+}
+
+export interface Attachment {
+  /** Call it in each frame, before the scene is drawn. For an ArrayCamera, such as that of a headset, the set holds for
+   * all of its cameras. Warns where the near plane does not fit the player radius of the bake. */
+  update(camera: Camera): Frame;
+  readonly view: View;
+  /** The meshes that mode "ranges" added to the scene. With WebGLRenderer, they cast shadows of all of their polygons;
+   * meshes that are not shown cast none. */
+  readonly batches: BatchedMesh[];
+  /** Shows everything again, and disposes the view. */
+  dispose(): void;
+}
+
+/** Finds the mesh of each draw. Call it before you move, add or remove objects of the scene. Positions of nodes count from
+ * the scene, which may be anywhere; what is drawn in a batch does not move in it.
+ * Fails with "other_scene" where the file and the scene have different polygons; the message names the nodes. */
+export function attach(gltf: LoadedScene, db: Database, options?: AttachOptions): Promise<Attachment>;

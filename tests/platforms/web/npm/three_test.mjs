@@ -1,0 +1,250 @@
+// What a page draws of a small town is what the native runtime answers, in both modes, by all corners of all polygons.
+// usage: three_test.mjs PACKAGE_FOLDER THREE_FOLDER SCENE_FOLDER
+import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+
+import { require } from "../host.mjs";
+import { drawn_of, polygons_of, read_glb } from "./town.mjs";
+
+const [folder, three, town] = process.argv.slice(2);
+const project = mkdtempSync(join(tmpdir(), "sightcell-test-"));
+process.on("exit", () => rmSync(project, { recursive: true }));
+mkdirSync(join(project, "node_modules"));
+cpSync(folder, join(project, "node_modules", "sightcell"), { recursive: true });
+symlinkSync(resolve(three), join(project, "node_modules", "three"));
+const load = (name) => import(pathToFileURL(join(project, "node_modules", name)).href);
+const THREE = await load("three/build/three.module.js");
+const { GLTFLoader } = await load("three/examples/jsm/loaders/GLTFLoader.js");
+const { Sightcell, SightcellError } = await load("sightcell/sightcell.js");
+const { attach } = await load("sightcell/three.js");
+
+for (const level of ["warn", "error"]) console[level] = (text) => { throw new Error(`console.${level}: ${text}`); };
+const sightcell = await Sightcell.load();
+const db = sightcell.open(readFileSync(join(town, "town.pvs")));
+const glb = read_glb(join(town, "town.glb"));
+const polygons = polygons_of(THREE, glb);
+require(polygons.length === db.info.polygonCount, `${polygons.length} polygons`);
+const all = polygons.map(({ text }) => text).sort();
+
+async function load_scene() {
+  const { buffer, byteOffset, byteLength } = glb.bytes;
+  const gltf = await new GLTFLoader().parseAsync(buffer.slice(byteOffset, byteOffset + byteLength), "");
+  gltf.scene.updateMatrixWorld(true);
+  return gltf;
+}
+
+const same = (found, expected, what) => {
+  const only = (a, b) => a.filter((text) => !b.includes(text)).slice(0, 3);
+  require(found.join("\n") === expected.join("\n"), `${what}: ${found.length} polygons instead of ${expected.length}\n` +
+    `too much: ${only(found, expected)}\nmissing: ${only(expected, found)}`);
+};
+
+// The answers of the native runtime: for each cell its middle and the ranges.
+const cells = readFileSync(join(town, "town.txt"), "utf8").matchAll(/^cell \d+: (.*)  (.*)\nranges \d+:(.*)$/gm);
+const answers = Array.from(cells, ([, min, max, ranges]) => {
+  const [low, high] = [min, max].map((ends) => ends.split(" ").map(Number));
+  return { eye: new THREE.Vector3(...low.map((end, axis) => 0.5 * (end + high[axis]))),
+    ranges: ranges.trim().split(" ").map(Number) };
+});
+require(answers.length > 5, `${answers.length} cells`);
+
+const order = db.order();
+const marked = glb.json.nodes.findIndex((node) => node.extras?.sightcell?.dynamic);
+const transparent = (material) => glb.json.materials[material].alphaMode === "BLEND";
+const mirrored = glb.json.nodes.findIndex((node) => node.scale?.[0] === -1);
+
+// whole: the polygons of a draw that is shown as a whole if it has a range.
+function expected_of({ ranges }, whole) {
+  const visible = new Set(), draws = new Set();
+  for (let i = 0; i < ranges.length; i += 3) {
+    const { node, primitive, instance, firstStored } = db.draws[ranges[i]];
+    draws.add(`${node} ${primitive} ${instance}`);
+    for (let k = 0; k < ranges[i + 2]; ++k) visible.add(order[firstStored + ranges[i + 1] + k]);
+  }
+  return polygons.filter((polygon, source) => Number(polygon.draw.split(" ")[0]) === marked ||
+    (whole(polygon) ? draws.has(polygon.draw) : visible.has(source))).map(({ text }) => text).sort();
+}
+
+const whole_in_ranges = ({ material, draw }) => transparent(material) || Number(draw.split(" ")[0]) === mirrored;
+
+// Has all of the town in its frustum, from wherever.
+function camera_of_all() {
+  const camera = new THREE.OrthographicCamera(-500, 500, 500, -500, -500, 500);
+  camera.updateMatrixWorld(true);
+  return camera;
+}
+
+function camera_at(eye) {
+  const camera = new THREE.PerspectiveCamera(60, 16 / 9, 0.03, 1000);
+  camera.position.copy(eye);
+  camera.updateMatrixWorld(true);
+  return camera;
+}
+
+// Each cell, in a scene that is somewhere else than it was baked.
+async function draws_the_answers(mode, whole, change = (gltf) => gltf) {
+  const gltf = change(await load_scene());
+  const offset = new THREE.Vector3(100, 10, -50);
+  gltf.scene.position.copy(offset);
+  const before = gltf.scene.children.length;
+  const pvs = await attach(gltf, db, { mode });
+  gltf.scene.position.set(0, 0, 0);
+  let calls = 0, hidden_parents = 0;
+  for (const answer of answers) {
+    gltf.scene.position.copy(offset);
+    const frame = pvs.update(camera_at(answer.eye.clone().add(offset)));
+    require(frame.changed && !frame.drawAll, "a cell");
+    require(!pvs.update(camera_at(answer.eye.clone().add(offset))).changed, "nothing changed");
+    gltf.scene.position.set(0, 0, 0);
+    const drawn = drawn_of(THREE, gltf.scene, camera_of_all());
+    same(drawn.polygons, expected_of(answer, whole), `${mode}, cell ${frame.cell}`);
+    calls += drawn.calls;
+    gltf.scene.traverse(({ layers, children }) => { hidden_parents += Number(layers.mask === 0 && children.length > 0); });
+  }
+  require(hidden_parents > 0 || mode === "objects", "no mesh with a node below it was hidden");
+  require(pvs.update(camera_at(new THREE.Vector3(1e4, 1e4, 1e4))).drawAll, "outside all cells");
+  same(drawn_of(THREE, gltf.scene, camera_of_all()).polygons, all, `${mode}, outside all cells`);
+  pvs.update(camera_at(answers[0].eye));
+  pvs.dispose();
+  require(gltf.scene.children.length === before && pvs.view.disposed, "nothing is left");
+  same(drawn_of(THREE, gltf.scene, camera_of_all()).polygons, all, `${mode}, after dispose`);
+  return calls / answers.length;
+}
+
+async function batches_are_culled_and_cast_shadows() {
+  const gltf = await load_scene();
+  gltf.scene.traverse((object) => { object.castShadow = object.isMesh; });
+  const pvs = await attach(gltf, db, { mode: "ranges" });
+  require(pvs.batches.every((mesh) => !mesh.material.transparent), "a transparent batch");
+  require(polygons.some(({ material }) => transparent(material)), "nothing is transparent");
+  require(pvs.batches.length > 3 && pvs.batches.every((mesh) => mesh.isBatchedMesh && mesh.castShadow), "batches");
+  let culled = 0;
+  for (const answer of answers) {
+    const camera = camera_at(answer.eye);
+    pvs.update(camera);
+    const expected = expected_of(answer, whole_in_ranges);
+    const frustum = new THREE.Frustum().setFromProjectionMatrix(
+      new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
+    const inside = new Set(polygons.filter(({ corners }) => corners.some((point) => frustum.containsPoint(point)))
+      .map(({ text }) => text));
+    const drawn = drawn_of(THREE, gltf.scene, camera).polygons;
+    same(drawn.filter((text) => inside.has(text)), expected.filter((text) => inside.has(text)), "in the frustum");
+    culled += expected.length - drawn.length;
+    // Shadows: all polygons of batches; then again the set.
+    const batched = polygons.filter((polygon) => !whole_in_ranges(polygon) && Number(polygon.draw.split(" ")[0]) !== marked);
+    const cast = new Set(drawn_of(THREE, gltf.scene, camera_of_all(), { shadow: true }).polygons);
+    require(batched.every(({ text }) => cast.has(text)), "a polygon casts no shadow");
+    same(drawn_of(THREE, gltf.scene, camera_of_all()).polygons, expected, "after the shadows");
+  }
+  require(culled > 0, "nothing was culled");
+  // A headset: both eyes in one view.
+  const eyes = [0, 0.06].map((x) => camera_at(answers[0].eye.clone().add(new THREE.Vector3(x, 0, 0))));
+  const frame = pvs.update(new THREE.ArrayCamera(eyes));
+  require(!frame.drawAll && frame.cell === 0, "two eyes");
+  same(drawn_of(THREE, gltf.scene, camera_of_all()).polygons, expected_of(answers[0], whole_in_ranges), "two eyes");
+  pvs.dispose();
+}
+
+async function error_of(change, options) {
+  const gltf = await load_scene();
+  change(gltf);
+  try {
+    await attach(gltf, db, options);
+  } catch (error) {
+    require(error instanceof SightcellError, error.stack);
+    return `${error.id}: ${error.message}`;
+  }
+  return "no error";
+}
+
+async function a_changed_scene_is_rejected() {
+  const mesh_of = ({ scene }, name) => scene.getObjectByName(name);
+  const changes = {
+    "outer ground": (gltf) => { mesh_of(gltf, "outer_ground").geometry.setIndex([0, 1, 2]); },
+    trees: (gltf) => { mesh_of(gltf, "trees").children[0].count -= 1; },
+    lamp: (gltf) => { mesh_of(gltf, "lamp").removeFromParent(); },
+  };
+  for (const [name, change] of Object.entries(changes)) {
+    const error = await error_of(change);
+    require(error.startsWith("other_scene: ") && error.includes(`"${name}"`), `${name}: ${error}`);
+  }
+  const more = await error_of((gltf) => { mesh_of(gltf, "trees").children[0].count += 1; });
+  require(more.startsWith("other_scene: ") && more.includes("that the file lacks"), more);
+  const nothing = await error_of(({ scene }) => { scene.clear(); });
+  require(nothing.startsWith("other_scene: ") && nothing.includes("and 6"), nothing);
+  require((await error_of(() => {}, { mode: "packed" })).startsWith("argument: "), "a mode");
+  require(await error_of(() => {}) === "no error", "the scene itself");
+  // What the page adds is no part of it.
+  require(await error_of(({ scene }) => { scene.add(new THREE.Mesh(new THREE.BoxGeometry())); }) === "no error", "a box");
+}
+
+async function the_near_plane_is_checked() {
+  const { playerRadius } = db.info;
+  require(playerRadius > 0, "the file states the player radius");
+  const texts = [];
+  const pvs = await attach(await load_scene(), db, { warn: (text) => texts.push(text) });
+  const camera = camera_at(answers[0].eye);
+  const fitting = playerRadius / Math.sqrt(1 + Math.tan(Math.PI / 6) ** 2 * (1 + (16 / 9) ** 2));
+  for (const [near, count] of [[0.999 * fitting, 0], [1.01 * fitting, 1], [1.01 * fitting, 1], [0.999 * fitting, 1],
+    [2 * fitting, 2]]) {
+    camera.near = near;
+    camera.updateProjectionMatrix();
+    pvs.update(camera);
+    require(texts.length === count, `${texts.length} warnings at ${near}: ${texts}`);
+  }
+  require(texts[1].includes(`camera.near to ${fitting.toPrecision(3)} or less`), texts[1]);
+  pvs.dispose();
+}
+
+async function skipped_meshes_are_left() {
+  const gltf = await load_scene();
+  const pvs = await attach(gltf, db, { mode: "ranges", skip: (mesh) => mesh.isInstancedMesh === true });
+  pvs.update(camera_at(answers[0].eye));
+  const drawn = new Set(drawn_of(THREE, gltf.scene, camera_of_all()).polygons);
+  const trees = glb.json.nodes.findIndex(({ name }) => name === "trees");
+  require(polygons.every(({ draw, text }) => !draw.startsWith(`${trees} `) || drawn.has(text)), "a tree is not drawn");
+  pvs.dispose();
+}
+
+// An animation moves a lamp: what it moves is drawn where it is.
+async function what_moves_stays_apart() {
+  const gltf = await load_scene();
+  const lamp = gltf.scene.getObjectByName("lamp").parent.children.findLast((object) => object.name.startsWith("lamp"));
+  const node = glb.json.nodes.findLastIndex(({ name }) => name === "lamp");
+  gltf.parser.json.animations = [{ channels: [{ target: { node, path: "translation" } }] }];
+  const pvs = await attach(gltf, db, { mode: "ranges" });
+  pvs.update(camera_at(new THREE.Vector3(1e4, 1e4, 1e4)));
+  lamp.position.y += 300;
+  const { polygons: drawn } = drawn_of(THREE, gltf.scene, camera_of_all());
+  const moved = drawn.filter((text) => text.split("; ").every((point) => Number(point.split(" ")[1]) > 299)).length;
+  const count = polygons.filter(({ draw }) => draw.startsWith(`${node} `)).length;
+  require(count > 0 && moved === count && drawn.length === all.length, `${moved} of ${count} polygons have moved`);
+  pvs.dispose();
+}
+
+async function the_documents_show_what_works() {
+  const name = join(dirname(fileURLToPath(import.meta.url)), "show_three.mjs");
+  const shown = readFileSync(name, "utf8").match(/\/\* \[three \*\/\n(.*?)\/\* three\] \*\//s)[1];
+  require(readFileSync(join(folder, "README.md"), "utf8").includes(`\`\`\`js\n${shown}\`\`\``), "README.md");
+  copyFileSync(name, join(project, "show_three.mjs"));
+  const { cullScene } = await import(pathToFileURL(join(project, "show_three.mjs")).href);
+  const gltf = await load_scene();
+  const update = await cullScene(gltf, pathToFileURL(join(town, "town.pvs")));
+  require(update(camera_at(answers[0].eye)).cell === 0, "the cell");
+  const drawn = drawn_of(THREE, gltf.scene, camera_of_all());
+  same(drawn.polygons, expected_of(answers[0], whole_in_ranges), "the page of the README.md");
+}
+
+const objects = await draws_the_answers("objects", () => true);
+const ranges = await draws_the_answers("ranges", whole_in_ranges);
+await draws_the_answers("ranges", whole_in_ranges, ({ scene, parser }) => ({ scene: scene.clone(), parser }));
+require(ranges < objects, `${ranges} calls with ranges, ${objects} with objects`);
+await batches_are_culled_and_cast_shadows();
+await a_changed_scene_is_rejected();
+await the_near_plane_is_checked();
+await skipped_meshes_are_left();
+await what_moves_stays_apart();
+await the_documents_show_what_works();
+console.log(`three.js ${THREE.REVISION}: ${objects.toFixed(1)} calls with objects, ${ranges.toFixed(1)} with ranges`);

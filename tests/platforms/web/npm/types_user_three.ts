@@ -1,0 +1,27 @@
+// Uses every declaration of three.d.ts. types_test.mjs compiles it, beside a few lines in place of the types of three.js.
+import { attach } from 'sightcell/three';
+import type { Attachment, AttachOptions, LoadedScene } from 'sightcell/three';
+import type { Database, Frame, View } from 'sightcell';
+import type { BatchedMesh, Camera, Mesh, Object3D } from 'three';
+
+declare const db: Database;
+declare const camera: Camera;
+declare const gltf: { scene: Object3D; scenes: Object3D[]; parser: { json: any; associations: Map<Object3D, number> } };
+
+const loaded: LoadedScene = gltf;
+const clone: LoadedScene = { scene: gltf.scene, parser: loaded.parser.json };
+const options: AttachOptions = { mode: 'ranges', warn: (text: string) => console.log(text.length),
+  skip: (mesh: Mesh, draw) => mesh.name === 'door' || draw.node === 3 };
+const pvs: Attachment = await attach(gltf, db, options);
+await attach(clone, db);
+const frame: Frame = pvs.update(camera);
+const view: View = pvs.view;
+const batches: BatchedMesh[] = pvs.batches;
+pvs.dispose();
+
+// @ts-expect-error There is no such mode.
+await attach(gltf, db, { mode: 'packed' });
+// @ts-expect-error A frame is no camera.
+pvs.update(frame);
+
+export { batches, view, loaded };
