@@ -147,11 +147,11 @@ async function batches_are_culled_and_cast_shadows() {
   pvs.dispose();
 }
 
-async function error_of(change, options) {
+async function error_of(change, options, file = db) {
   const gltf = await load_scene();
   change(gltf);
   try {
-    await attach(gltf, db, options);
+    await attach(gltf, file, options);
   } catch (error) {
     require(error instanceof SightcellError, error.stack);
     return `${error.id}: ${error.message}`;
@@ -175,6 +175,8 @@ async function a_changed_scene_is_rejected() {
   const nothing = await error_of(({ scene }) => { scene.clear(); });
   require(nothing.startsWith("other_scene: ") && nothing.includes("and 6"), nothing);
   require((await error_of(() => {}, { mode: "packed" })).startsWith("argument: "), "a mode");
+  const merged = { info: { ...db.info, layout: "merged" } };
+  require((await error_of(() => {}, { mode: "ranges" }, merged)).startsWith("argument: "), "ranges of a merged file");
   require(await error_of(() => {}) === "no error", "the scene itself");
   // What the page adds is no part of it.
   require(await error_of(({ scene }) => { scene.add(new THREE.Mesh(new THREE.BoxGeometry())); }) === "no error", "a box");
