@@ -15,8 +15,8 @@ export interface Box {
 
 /** The name of a status of sightcell.h in lower case, or "disposed". */
 export type SightcellErrorId =
-  | 'argument' | 'memory' | 'capacity' | 'stale' | 'io' | 'not_ours' | 'version' | 'truncated' | 'checksum' | 'corrupt'
-  | 'limit' | 'other_scene' | 'disposed';
+  | 'argument' | 'memory' | 'capacity' | 'stale' | 'absent' | 'io' | 'not_ours' | 'version' | 'truncated' | 'checksum'
+  | 'corrupt' | 'limit' | 'other_scene' | 'disposed';
 
 export class SightcellError extends Error {
   constructor(id: SightcellErrorId, message: string, options?: { cause?: unknown });
@@ -216,6 +216,9 @@ export class View {
   /** Copies the indices of the polygons to draw, in the order of ranges(), and returns how many there are:
    * 3 * frame.polygonCount. storedIndices: the indices of all polygons in stored order. Fails with "capacity". */
   indices(storedIndices: Uint32Array, target: Uint32Array): number;
+  /** A new array with the solid angle in steradians that each draw (or draw group) covers in the view: what to load
+   * first. Fails with "absent" for a file without importance, and with "stale" where everything is drawn. */
+  importance(): Float32Array;
   /** False if nothing in the box can be visible. Always true for a file without volumes. */
   boxVisible(box: Box): boolean;
   /** Edges of boxes of cells and volumes. kinds: values of DebugLines, combined. */

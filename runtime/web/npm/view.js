@@ -172,6 +172,13 @@ export class View {
     return heap.listOfWords('polygons()', (...to) => heap.c.sightcell_view_polygons(this.#view, ...to));
   }
 
+  importance() {
+    const heap = this.#use('importance()');
+    const words = heap.listOfWords('importance()',
+      (...to) => heap.c.sightcell_view_importance(this.#view, ...to));
+    return new Float32Array(words.buffer);
+  }
+
   boxVisible(box) {
     const heap = this.#use('boxVisible()');
     const at = this.#putBox(heap, box, 'boxVisible()');

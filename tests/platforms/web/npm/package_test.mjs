@@ -61,6 +61,25 @@ function objects_are_those_of_the_set(bytes, name) {
   db.dispose();
 }
 
+// Each draw of the set has importance, and no other.
+function importance_is_of_the_set() {
+  const db = sightcell.open(file("v1_importance.pvs"));
+  const view = db.createView();
+  equal(Array.from(view.importance()), db.draws.map(() => 0), "importance before the first move");
+  for (let cell = 0; cell < db.info.cellCount; ++cell) {
+    const { min, max } = db.cellBox(cell);
+    view.moveBox({ min, max: max.map((end, axis) => Math.fround(0.5 * (min[axis] + end))) });
+    equal(Array.from(view.importance(), (angle) => Number(angle > 0)), Array.from(view.objects()),
+      `importance in cell ${cell}`);
+  }
+  view.move([-1e6, 0, 0]);
+  equal(id_of(() => view.importance()), "stale", "importance outside");
+  const plain = sightcell.open(file("v1_small.pvs"));
+  equal(id_of(() => plain.createView().importance()), "absent", "importance of a file without");
+  plain.dispose();
+  db.dispose();
+}
+
 // A box inside of a volume is visible from the cells that list the volume.
 function boxes_are_visible_with_their_volume() {
   const db = sightcell.open(file("v1_volumes.pvs"));
@@ -243,6 +262,7 @@ async function urls_are_opened() {
 
 const read = same_answers();
 for (const name of ["v1_small.pvs", "v1_merged.pvs", "v1_lattice.pvs"]) objects_are_those_of_the_set(file(name), name);
+importance_is_of_the_set();
 objects_are_those_of_the_set(readFileSync(town), town);  // more draws than a word has bits
 boxes_are_visible_with_their_volume();
 a_view_moves();

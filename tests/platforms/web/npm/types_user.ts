@@ -49,6 +49,7 @@ const flags: boolean[] = [frame.changed, frame.drawAll, frame.outside, frame.pen
 const more: number[] = [frame.cell, frame.flags, frame.polygonCount, frame.revision];
 const ranges: Uint32Array = view.ranges();
 const objects: Uint8Array = view.objects();
+const steradians: Float32Array = view.importance();
 const length: number = view.indices(view.polygons(), order);
 const lines: Lines = view.debugLines(DebugLines.cell | DebugLines.kept | DebugLines.neighbors | DebugLines.volumes |
   DebugLines.outsideRegion);
@@ -79,4 +80,4 @@ new Sightcell();
 view.boxVisible({ min: [0, 0, 0] });
 
 export { arrays, corner, facts, flags, groups, length, memory, merged, more, names, numbers, objects, outsideShare, ranges,
-  same, sums, tag, texts, validShare };
+  same, steradians, sums, tag, texts, validShare };
