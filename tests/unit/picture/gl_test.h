@@ -17,6 +17,7 @@ class gl_test : public ::testing::Test {
     } catch (const error& e) {
       GTEST_SKIP() << e.what();
     }
+    RecordProperty("renderer", context_->renderer());  // for tests/gl_drivers
   }
   const picture::gl_context& context() const { return *context_; }
 

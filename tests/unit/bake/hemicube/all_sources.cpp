@@ -121,6 +121,7 @@ bool sees_wall(const bake::hemicube_view& view, std::uint32_t first) {
 
 void source_test::SetUp() {
   if (GetParam().needs_device && !the_context().made) GTEST_SKIP() << the_context().why_not;
+  if (GetParam().needs_device) RecordProperty("renderer", the_context().made->renderer());  // for tests/gl_drivers
 }
 
 std::unique_ptr<bake::hemicube_source> source_test::source(const tested_source& which,

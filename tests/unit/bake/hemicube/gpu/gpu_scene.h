@@ -29,6 +29,7 @@ class gpu_test : public ::testing::Test {
   static void TearDownTestSuite() { context_.reset(); }
   void SetUp() override {
     if (!context_) GTEST_SKIP() << why_not_;
+    RecordProperty("renderer", context_->renderer());  // for tests/gl_drivers
   }
 
   static inline std::unique_ptr<picture::gl_context> context_;
