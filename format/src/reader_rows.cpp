@@ -308,7 +308,7 @@ status reader::check(const row_codes* codes, std::span<run> out, std::span<std::
   if (!volumes_.places_differ(stored)) return status::corrupt;
   if (const status s = check_regions(); s != status::ok) return s;
   if (const status s = check_rows(codes, out, scratch); s != status::ok) return s;
-  return check_importance(codes, out, scratch, as_array<std::uint8_t>(std::as_writable_bytes(stored)));
+  return check_importance(codes, out, scratch);
 }
 
 // Checks chunks and rows, and that they reach the bounds.
@@ -335,8 +335,8 @@ status reader::importance(importance_classes& out) const noexcept {
 }
 
 // classes: room for one per polygon of the scene.
-status reader::check_importance(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
-                                std::span<std::uint8_t> classes) const noexcept {
+status reader::check_importance(const row_codes* codes, std::span<run> out,
+                                std::span<std::byte> scratch) const noexcept {
   if (!has_importance_) return status::ok;
   importance_classes all;
   if (const status s = importance(all); s != status::ok) return s;
@@ -346,9 +346,9 @@ status reader::check_importance(const row_codes* codes, std::span<run> out, std:
   for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
     std::size_t count = 0;
     if (const status s = decode_row(cell, codes, out, scratch, count); s != status::ok) return s;
-    const std::uint64_t polygons = sum_of(out.first(count));
-    if (polygons > classes.size()) return status::corrupt;
-    if (const status s = all.decode(cell, classes.first(static_cast<std::size_t>(polygons))); s != status::ok) return s;
+    const auto polygons = static_cast<std::uint32_t>(sum_of(out.first(count)));  // runs are inside polygon_count
+    const importance_classes::class_sink ignore = [](void*, std::uint8_t, std::uint32_t) noexcept {};
+    if (const status s = all.decode(cell, polygons, ignore, nullptr); s != status::ok) return s;
   }
   return status::ok;
 }

@@ -13,7 +13,7 @@ const char* status_text(status s) noexcept {
     case status::capacity:
       return "the buffer is too small";
     case status::stale:
-      return "no difference is known: take the full list";
+      return "not known for this frame or revision: draw or load everything";
     case status::absent:
       return "the file does not have what is asked for";
     case status::io:

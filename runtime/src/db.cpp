@@ -40,12 +40,9 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   give(group_draws_, is_merged() ? std::uint64_t{file_.range_unit_count()} + 1 : 0);
   give(draw_sources_, is_merged() ? file_.draw_count() : 0);
   give(named_groups_, file_.named_groups().count() > 0 ? file_.range_unit_count() : 0);
-  give(chunks_, is_paged() ? 0 : file_.chunk_count());
+  give(chunks_, is_paged() ? 0 : std::uint64_t{has_importance() ? 2u : 1u} * file_.chunk_count());
   give(cached_, is_paged() ? file_.chunk_count() : 0);
   give(cached_order_, is_paged() ? file_.chunk_count() : 0);
-  const bool has_importance = file_.has_importance() && !is_paged();
-  give(importance_, has_importance ? 1 : 0);
-  give(importance_chunks_, has_importance ? file_.chunk_count() : 0);
   std::span<std::uint64_t> codes;  // for their alignment of 8
   give(codes, (file_.codes_size() + 7) / 8);
   codes_memory_ = std::as_writable_bytes(codes);
@@ -59,28 +56,7 @@ sightcell_status sightcell_db::fill() noexcept {
   if (!locator_.build(file_, cells_)) return SIGHTCELL_ERR_CORRUPT;
   if (!fill_ranges() || !fill_draws_of_groups() || !fill_named_groups()) return SIGHTCELL_ERR_CORRUPT;
   if (!volumes_.build(file_.volumes())) return SIGHTCELL_ERR_CORRUPT;
-  open_importance();
   return static_cast<sightcell_status>(file_.make_codes(codes_memory_, codes_));
-}
-
-// Damage here is no reason to reject the file: only importance is unknown then.
-void sightcell_db::open_importance() noexcept {
-  if (!importance_.empty()) importance_status_ = static_cast<sightcell_status>(file_.importance(importance_.front()));
-}
-
-sightcell_status sightcell_db::importance_of(std::uint32_t cell,
-                                             const format::importance_classes*& out) const noexcept {
-  if (importance_status_ != SIGHTCELL_OK) return importance_status_;
-  const std::uint32_t chunk = format::reader::chunk_of(cell);
-  std::atomic<chunk_state>& state = importance_chunks_[chunk];
-  chunk_state known = state.load(std::memory_order_relaxed);
-  if (known == chunk_state::unknown) {
-    known = importance_.front().check_chunk(chunk) == format::status::ok ? chunk_state::good : chunk_state::damaged;
-    state.store(known, std::memory_order_relaxed);
-  }
-  if (known == chunk_state::damaged) return SIGHTCELL_ERR_CHECKSUM;
-  out = &importance_.front();
-  return SIGHTCELL_OK;
 }
 
 bool sightcell_db::fill_ranges() noexcept {
@@ -258,15 +234,31 @@ std::uint32_t sightcell_db::range_bound() const noexcept {
   return std::max(file_.range_bound(), whole_ranges_);
 }
 
-bool sightcell_db::cell_is_sound(std::uint32_t cell) const noexcept {
-  const std::uint32_t chunk = format::reader::chunk_of(cell);
-  std::atomic<chunk_state>& state = chunks_[chunk];
+namespace {
+
+// Returns whether a chunk is good. check() returns the status of its checksum; it is called at the first use only.
+template <class Check>
+bool is_sound(std::atomic<chunk_state>& state, const Check& check) noexcept {
   chunk_state known = state.load(std::memory_order_relaxed);
   if (known == chunk_state::unknown) {
-    known = file_.check_chunk(chunk) == format::status::ok ? chunk_state::good : chunk_state::damaged;
+    known = check() == format::status::ok ? chunk_state::good : chunk_state::damaged;
     state.store(known, std::memory_order_relaxed);
   }
   return known == chunk_state::good;
+}
+
+}  // namespace
+
+bool sightcell_db::cell_is_sound(std::uint32_t cell) const noexcept {
+  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  return is_sound(chunks_[chunk], [&] { return file_.check_chunk(chunk); });
+}
+
+sightcell_status sightcell_db::open_importance(std::uint32_t cell, format::importance_classes& out) const noexcept {
+  if (const format::status s = file_.importance(out); s != format::status::ok) return static_cast<sightcell_status>(s);
+  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  const bool sound = is_sound(chunks_[file_.chunk_count() + chunk], [&] { return out.check_chunk(chunk); });
+  return sound ? SIGHTCELL_OK : SIGHTCELL_ERR_CHECKSUM;
 }
 
 row_outcome sightcell_db::decode(std::uint32_t cell, std::span<format::run> out, std::span<std::byte> scratch,

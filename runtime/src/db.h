@@ -85,10 +85,11 @@ struct sightcell_db {
                                                        std::span<std::byte> scratch,
                                                        sightcell::format::row_parts& parts) const noexcept;
   // False also for a paged file.
-  [[nodiscard]] bool has_importance() const noexcept { return !importance_.empty(); }
-  // The classes of a cell's polygons, checked at the first use. absent: the file has none, or is paged.
-  [[nodiscard]] sightcell_status importance_of(std::uint32_t cell,
-                                               const sightcell::format::importance_classes*& out) const noexcept;
+  [[nodiscard]] bool has_importance() const noexcept { return file_.has_importance() && !is_paged(); }
+  // Opens the importance section, which open() does not check, for a cell. Checks the chunk of the cell at the first
+  // use and remembers the result. Only if has_importance().
+  [[nodiscard]] sightcell_status open_importance(std::uint32_t cell,
+                                                 sightcell::format::importance_classes& out) const noexcept;
   // Empty for a file without volumes.
   [[nodiscard]] const sightcell::runtime::volume_index& volumes() const noexcept { return volumes_; }
 
@@ -118,7 +119,6 @@ struct sightcell_db {
   [[nodiscard]] bool fill_draws_of_groups() noexcept;
   [[nodiscard]] bool fill_named_groups() noexcept;
   [[nodiscard]] bool cell_is_sound(std::uint32_t cell) const noexcept;
-  void open_importance() noexcept;
   [[nodiscard]] sightcell_status open_pages(std::uint64_t resident_bytes) noexcept;
   [[nodiscard]] sightcell_status fetch(std::span<std::byte> target) noexcept;
 
@@ -137,13 +137,9 @@ struct sightcell_db {
   std::span<std::uint32_t> named_groups_;
   std::span<std::byte> codes_memory_;
   const sightcell::format::row_codes* codes_ = nullptr;
-  // For a file that is in memory. Threads that check the same chunk at once write the same result, so no lock is
-  // needed.
+  // For a file that is in memory: chunks of rows, then, if has_importance(), chunks of importance. Threads that check
+  // the same chunk at once write the same result, so no lock is needed.
   std::span<std::atomic<sightcell::runtime::chunk_state>> chunks_;
-  // One element, or none if the file has no importance or is paged; with the states of its chunks.
-  std::span<sightcell::format::importance_classes> importance_;
-  std::span<std::atomic<sightcell::runtime::chunk_state>> importance_chunks_;
-  sightcell_status importance_status_ = SIGHTCELL_ERR_ABSENT;
   std::uint32_t whole_ranges_ = 0;  // draws, or draw groups, that have polygons: the ranges of everything
   std::uint32_t named_ranges_ = 0;
   // For a paged file.

@@ -55,8 +55,8 @@ struct sightcell_view {
     if (shown_cell_count_ > 0) return std::span(shown_cells_).first(shown_cell_count_);
     return {&shown_.cell, 1};
   }
-  // Decodes the set of a cell again, with the polygons of hidden named groups. False if its data has been removed from
-  // memory or is damaged. out: valid until the next call or move.
+  // Decodes the set of a cell again, with the polygons of hidden named groups. False if its bytes changed since the
+  // move, or have been removed from the memory of a paged file. out: valid until the next call or move.
   [[nodiscard]] bool whole_set_of(std::uint32_t cell, std::span<const sightcell::format::run>& out) const noexcept;
   // The set of revision() - 1. False if there is none, or if it or the current one is everything.
   [[nodiscard]] bool previous_runs(std::span<const sightcell::format::run>& out) const noexcept;

@@ -118,7 +118,7 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_ARGUMENT = 1,    /* null pointer, number out of range, NaN */
   SIGHTCELL_ERR_MEMORY = 2,      /* the allocator returned NULL */
   SIGHTCELL_ERR_CAPACITY = 3,    /* dst is too small; *count is the number of elements */
-  SIGHTCELL_ERR_STALE = 4,       /* view_changes has no differences for this revision; deliver has no such ticket */
+  SIGHTCELL_ERR_STALE = 4,       /* not known for this frame, revision or ticket */
   SIGHTCELL_ERR_ABSENT = 5,      /* the file does not have what the function needs */
   SIGHTCELL_ERR_IO = 10,         /* the file cannot be opened or read */
   SIGHTCELL_ERR_NOT_OURS = 20,   /* not a .pvs file */
@@ -533,7 +533,8 @@ SIGHTCELL_API sightcell_status sightcell_view_objects(const sightcell_view* view
  * Fails with ABSENT if the file has no importance, and for a paged db, which does not load it; with STALE under
  *   DRAW_ALL, because importance is not known there; with CHECKSUM or CORRUPT if the data is damaged. All elements of
  *   dst are 0 then.
- * Cost: O(polygons to draw). The first call in each 64 cells also checks their importance data. */
+ * Cost: O(polygons to draw + cells / 64), and some tens of microseconds for code tables. The first call in each 64 cells
+ *   also checks their importance data. */
 SIGHTCELL_API sightcell_status sightcell_view_importance(const sightcell_view* view, float* dst, size_t capacity,
                                                          size_t* count);
 

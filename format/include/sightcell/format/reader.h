@@ -292,8 +292,7 @@ class reader {
   status decode_items(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes, std::span<run> out,
                       std::span<std::byte> scratch, std::size_t& count) const noexcept;
   [[nodiscard]] row_parts split(std::span<run> out, std::size_t count) const noexcept;
-  status check_importance(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
-                          std::span<std::uint8_t> classes) const noexcept;
+  status check_importance(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept;
   status chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept;
   [[nodiscard]] std::uint32_t rows_of_chunk(std::uint32_t chunk) const noexcept;
   status check_chunk_filled(std::uint32_t chunk, const row_codes* codes, std::span<std::byte> scratch) const noexcept;
