@@ -281,6 +281,7 @@ cell_record cell_baker::improve(const view_cell& cell, const cell_record* before
   auto views = views_of(cell, record);
   const finish_settings how{.max_pixel_error = turn.target,
                             .max_rays = turn.max_rays,
+                            .further_rounds = 0,  // the cell gets another turn
                             .limit = turn.limit,
                             .limit_ends_batches = true,
                             .batches_before = record.batches,

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
@@ -131,6 +132,48 @@ std::uint64_t trials_in(const time_limit& limit, bound_batch& other_rays) {
   return static_cast<std::uint64_t>(std::clamp(trials, static_cast<double>(fewest), 1e15));
 }
 
+// The rays that a cell may spend. Where they do not suffice there are further rounds, each with as many rays again.
+class ray_budget {
+ public:
+  ray_budget(std::uint64_t of_round, std::uint32_t further_rounds)
+      : of_round_(of_round), further_rounds_(further_rounds), end_(of_round) {}
+
+  std::uint64_t left(std::uint64_t spent) const { return end_ - std::min(end_, spent); }
+  // Returns the rays of the next batch. In a further round they do not depend on what the search left, so that no batch
+  // spends its share of the confidence on too few of them.
+  std::uint64_t of_batch(std::uint64_t spent) const {
+    return round_ > 0 ? of_round_ : std::max<std::uint64_t>(left(spent), 1);
+  }
+  std::uint32_t round() const { return round_; }  // 0: the first
+  // Returns whether the cell goes on. If all is spent, another round begins, unless its rays cannot prove the target.
+  // fewest: of a batch that can prove it.
+  bool go_on(std::uint64_t spent, double fewest) {
+    if (spent < end_) return true;
+    if (round_ == further_rounds_ || fewest > static_cast<double>(of_round_)) return false;
+    ++round_;
+    end_ = spent + of_round_;
+    return true;
+  }
+
+ private:
+  std::uint64_t of_round_;
+  std::uint32_t further_rounds_, round_ = 0;
+  std::uint64_t end_;  // of the current round
+};
+
+// Takes the bound of a batch. Sets only grow, and the bounds of all batches hold together with the stated confidence,
+// so the smallest one holds.
+void take_bound(const proof& found, double target, finish_result& result) {
+  const double bound =
+      clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - viewpoint_risk_share) * found.at.risk);
+  if (result.rays > 0 && bound >= result.upper_bound) return;
+  result.rays = found.at.trials;
+  result.misses = found.misses;
+  result.confidence = 1.0 - found.at.risk;
+  result.upper_bound = bound;
+  result.bound_met = bound <= target;
+}
+
 // Casts rays until an interim test meets the target, until finishing the batch is expected to cost more than another
 // search and a new batch, or until max_cost is spent.
 // most_trials: planned before the batch began.
@@ -182,10 +225,14 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
   search_of_volumes volumes(rays, where, how, set);
   const double cost_of_trial = verification_ray_cost / std::max(how.valid_share, 1e-3);
   const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
-  std::uint64_t of_batches = 0;
+  std::uint64_t of_batches = 0, turns = 0;
   std::vector<interim_test> interim_tests;
   search_goal goal;
+  ray_budget budget(how.max_rays, how.further_rounds);
+  bool views_first = false;
   goal.enough = [&](const error_guess& missing, std::uint64_t cost) {
+    // A further round begins with hemicubes: batches and rays beside their finds did not suffice before.
+    if (std::exchange(views_first, false)) return false;
     return batch_pays(interim_tests, missing, cost, cost_of_trial);
   };
 
@@ -193,10 +240,10 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     return limit.stopped() || (how.limit_ends_batches && limit.has_time() && limit.left() <= 0.0);
   };
 
-  for (std::uint64_t turn = 1; turn == 1 || result.rays_spent < how.max_rays; ++turn) {
-    const std::uint64_t number = how.batches_before + turn;
+  for (bool more = true; more;) {
+    const std::uint64_t number = how.batches_before + ++turns;
     interim_tests = plan_interim_tests(target, risk_of(number), viewpoint_risk_share);
-    goal.max_cost = how.max_rays - std::min(how.max_rays, of_batches);
+    goal.max_cost = budget.left(of_batches);
     of_search = limit.part(how.limit_ends_batches ? 1.0 : search_share);
     search.look_for(goal);
     volumes.look_for();
@@ -204,7 +251,6 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
 
     bound_batch batch(rays, where, volumes.rules(), how.valid_share, {how.seed, how.place, purpose::bound, number},
                       contains, give_up);
-    const std::uint64_t left = how.max_rays - std::min(result.rays_spent, how.max_rays);
     std::uint64_t most_trials = std::numeric_limits<std::uint64_t>::max();
     if (limit.has_time() && !how.limit_ends_batches) {
       bound_batch pilot(rays, where, volumes.rules(), how.valid_share, {how.seed, how.place, purpose::estimate, number},
@@ -212,29 +258,29 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
       most_trials = trials_in(limit, pilot);
     }
     const proof found = prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial,
-                              std::max<std::uint64_t>(left, 1), most_trials);
+                              budget.of_batch(result.rays_spent), most_trials);
     result.batches = number;
     of_batches += std::max<std::uint64_t>(batch.spent(), 1);
     (void)limit.reached();  // throws where a stop was requested: the batch is not complete then
-    if (!batch.given_up()) {
-      result.rays = found.at.trials;
-      result.misses = found.misses;
-      result.confidence = 1.0 - found.at.risk;
-      result.upper_bound =
-          clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - viewpoint_risk_share) * found.at.risk);
-      result.bound_met = result.upper_bound <= target;
-    }
+    if (!batch.given_up()) take_bound(found, target, result);
 
     for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
     volumes.add(batch.missed_volumes());
     of_search = limit.part(1.0);
-    search.look_beside(how.max_rays - std::min(how.max_rays, of_batches));
+    search.look_beside(budget.left(of_batches));
     result.rays_spent = of_batches + search.spent() + volumes.spent();
     if (result.bound_met || limit.reached() || most_trials < interim_tests.front().trials) break;
     // Misses of volumes are left out, because hemicubes and rays toward polygons find no volumes.
     const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
     search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
+
+    const auto next_trials =
+        static_cast<double>(plan_interim_tests(target, risk_of(number + 1), viewpoint_risk_share).front().trials);
+    const std::uint32_t round = budget.round();
+    more = budget.go_on(result.rays_spent, next_trials / std::max(how.valid_share, 1e-3));
+    views_first = budget.round() > round;
   }
+  result.rounds = 1 + budget.round();
   return result;
 }
 

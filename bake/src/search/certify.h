@@ -21,6 +21,9 @@ struct finish_settings {
   double valid_share = 1.0;
   // Limit on the cost: sight rays, tested viewpoints, and hemicubes by what they show.
   std::uint64_t max_rays = 100'000'000;
+  // Where these do not suffice for the target: number of rounds of search and verification after them, each with as
+  // many rays again. Such a round begins with hemicubes, and each of its batches may cast that many.
+  std::uint32_t further_rounds = 3;
   std::uint64_t seed = 0, place = 0;
   const time_limit* limit = nullptr;  // null: no limit
   // True: the time limit ends a batch at any ray, and that batch yields no estimate. False: an interim test that has
@@ -37,10 +40,11 @@ struct finish_settings {
 // The certificate of the cell and what it cost.
 struct finish_result {
   bool bound_met = false;
-  std::uint64_t rays = 0, misses = 0;  // of the last complete batch; its misses have joined the set since
+  std::uint64_t rays = 0, misses = 0;  // of the batch with the smallest bound; its misses have joined the set since
   double upper_bound = 1.0;            // of the miss probability, with this batch's confidence
   double confidence = 0.0;
   std::uint64_t batches = 0;     // begun so far, including earlier runs
+  std::uint32_t rounds = 1;      // 1 and the further rounds that were begun
   std::uint64_t rays_spent = 0;  // sight rays and tested viewpoints of all batches, and the cost of the search
 };
 

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "bound/clopper_pearson.h"
 #include "bound/verification_rays.h"
+#include "hemicube/rays/rays_source.h"
+#include "search/guided_views.h"
 #include "unit/bake/gridded_room.h"
 
 namespace sightcell::bake {
@@ -68,6 +71,61 @@ TEST(certify, says_so_when_the_budget_ends_first) {
   EXPECT_FALSE(result.bound_met);
   EXPECT_GT(result.upper_bound, 1e-5);
   EXPECT_LE(result.rays_spent, 10'000u);
+}
+
+// A room of 10,800 polygons. Hemicubes of 16 pixels and what a round costs leave too few rays for a batch that proves
+// the target.
+struct fine_room {
+  scene_with_rays w{gridded_room(30)};
+  std::unique_ptr<hemicube_source> source = make_rays_source(w.rays, {.resolution = 16, .far_plane = 10.0f});
+  std::uint32_t hemicubes = 0;  // of the last call
+
+  finish_result finish(std::uint32_t further_rounds, std::uint64_t max_rays) {
+    cell_set set(w.s.polygon_count);
+    search_views views{guided_views(w.rays, room_middle, {.resolution = 16}), *source};
+    const finish_result result = finish_with_rays(
+        w.rays, w.neighbors, room_middle,
+        {.max_pixel_error = 1e-3, .max_rays = max_rays, .further_rounds = further_rounds}, set, &views);
+    hemicubes = views.poses.taken();
+    return result;
+  }
+};
+
+TEST(certify, takes_another_round_where_the_rays_do_not_suffice) {
+  fine_room room;
+  constexpr std::uint64_t max_rays = 14'000;
+  const finish_result one = room.finish(0, max_rays);
+  const std::uint32_t of_one = room.hemicubes;
+  EXPECT_FALSE(one.bound_met);
+  EXPECT_EQ(one.rounds, 1u);
+
+  const finish_result more = room.finish(3, max_rays);
+  EXPECT_TRUE(more.bound_met);
+  EXPECT_LE(more.upper_bound, 1e-3);
+  EXPECT_EQ(more.rounds, 2u);
+  EXPECT_GE(room.hemicubes, 2 * of_one) << "it begins with hemicubes";
+  // The batches of all rounds share the 5 %, so the last one has what the others left.
+  EXPECT_GT(more.batches, one.batches);
+  EXPECT_GE(more.confidence, 1.0 - 0.05 / std::ldexp(1.0, static_cast<int>(more.batches)));
+
+  const finish_result again = room.finish(3, max_rays);
+  EXPECT_EQ(again.rays, more.rays);
+  EXPECT_EQ(again.rays_spent, more.rays_spent);
+}
+
+TEST(certify, takes_no_round_that_cannot_prove_the_target) {
+  fine_room room;
+  const finish_result result = room.finish(3, 5'000);  // the second batch takes more, even without misses
+  EXPECT_FALSE(result.bound_met);
+  EXPECT_EQ(result.rounds, 1u);
+}
+
+// The second batch has a single ray left, whose bound is about 1.
+TEST(certify, keeps_the_smallest_bound) {
+  fine_room room;
+  const finish_result result = room.finish(0, 14'000);
+  EXPECT_EQ(result.batches, 2u);
+  EXPECT_LT(result.upper_bound, 0.02);
 }
 
 TEST(certify, bounds_hold) {
