@@ -46,18 +46,23 @@ bool chunks_are_there(const std::vector<std::uint8_t>& png) {
 
 }  // namespace
 
-std::optional<image_pixels> decode(const image& source, std::uint32_t side_limit) {
-  if (source.encoded.empty() || source.encoded.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+std::optional<image_size> size_of(const std::vector<std::uint8_t>& encoded) {
+  if (encoded.empty() || encoded.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     return std::nullopt;
+  const auto bytes = static_cast<int>(encoded.size());
+  int width = 0, height = 0, channels = 0;
+  if (stbi_info_from_memory(encoded.data(), bytes, &width, &height, &channels) == 0) return std::nullopt;
+  if (width < 1 || height < 1) return std::nullopt;
+  return image_size{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+}
+
+std::optional<image_pixels> decode(const image& source, std::uint32_t side_limit) {
+  const std::optional<image_size> size = size_of(source.encoded);
+  if (!size || size->width > side_limit || size->height > side_limit) return std::nullopt;
+  if (!can_hold(source.encoded, std::uint64_t{size->width} * size->height)) return std::nullopt;
+  if (source.encoded[0] == 0x89 && !chunks_are_there(source.encoded)) return std::nullopt;
   const auto bytes = static_cast<int>(source.encoded.size());
   int width = 0, height = 0, channels = 0;
-  if (stbi_info_from_memory(source.encoded.data(), bytes, &width, &height, &channels) == 0) return std::nullopt;
-  if (width < 1 || height < 1) return std::nullopt;
-  if (static_cast<std::uint32_t>(width) > side_limit || static_cast<std::uint32_t>(height) > side_limit)
-    return std::nullopt;
-  if (!can_hold(source.encoded, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)))
-    return std::nullopt;
-  if (source.encoded[0] == 0x89 && !chunks_are_there(source.encoded)) return std::nullopt;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(source.encoded.data(), bytes, &width, &height, &channels, 4), stbi_image_free);
   if (!pixels) return std::nullopt;

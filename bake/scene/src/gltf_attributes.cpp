@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "accessor.h"
+#include "gltf_numbers.h"
 
 namespace sightcell::scene {
 namespace {
@@ -28,10 +29,6 @@ std::uint32_t width_of(std::string_view name) {
   if (name == "NORMAL" || is_color(name)) return 3;
   if (name == "TANGENT") return 4;
   return is_numbered(name, "TEXCOORD_") ? 2 : 0;
-}
-
-const char* type_of(std::uint32_t width) {
-  return width == 2 ? "VEC2" : width == 3 ? "VEC3" : "VEC4";
 }
 
 void make_finite(std::vector<float>& values) {
@@ -90,7 +87,7 @@ attribute_values gltf_attributes::read(std::uint32_t mesh, std::uint32_t primiti
   attribute_values out;
   for (const auto& [name, width] : wanted) {
     const std::uint32_t accessor = attributes.required_index(name.c_str(), "accessors", table_.size());
-    out[name] = numbers(attributes, accessor, name, type_of(width), vertex_count);
+    out[name] = numbers(attributes, accessor, name, vector_type(width), vertex_count);
   }
   return out;
 }

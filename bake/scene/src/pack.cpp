@@ -4,22 +4,15 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <new>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
 #include <utility>
 
 #include "carried_materials.h"
 #include "glb_bytes.h"
-#include "gltf_accessors.h"
-#include "gltf_attributes.h"
-#include "gltf_file.h"
-#include "import_scene.h"
-#include "json_object.h"
+#include "opened_gltf.h"
 #include "packed_document.h"
 #include "packed_vertices.h"
-#include "sightcell/base/json_text.h"
 #include "world_point.h"
 
 namespace sightcell::scene {
@@ -54,27 +47,8 @@ void write_indices(const scene& s, const packed_order& order, const std::vector<
 
 }  // namespace
 
-struct gltf_packer::state {
-  gltf_source source;
-  nlohmann::json document;
-  std::optional<json_object> root;
-  std::optional<accessor_table> table;
-  std::optional<gltf_attributes> attributes;
-  scene content;
-  pose_list poses;
-
-  state(const std::filesystem::path& path, int scene_index) : source(source_of(path)) {
-    try {
-      gltf_file file = split_gltf(read_scene_bytes(path), source.name);
-      content = import_gltf(file, source, printable(path.filename().string(), 1000), scene_index, &poses);
-      document = parse_json(file.json);
-      root.emplace(document, "", source.name);
-      table.emplace(*root, source, std::move(file.binary));
-      attributes.emplace(*root, *table);
-    } catch (const std::bad_alloc&) {
-      refuse_for_memory(source.name);
-    }
-  }
+struct gltf_packer::state : opened_gltf {
+  using opened_gltf::opened_gltf;
 
   // bytes: size of the whole file, as far as it is known.
   void check_size(std::uint64_t bytes) const {

@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 
+#include "gltf_numbers.h"
 #include "json_object.h"
 
 namespace sightcell::scene {
@@ -14,14 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int array_buffer = 34962, element_array_buffer = 34963, float_type = 5126, u32_type = 5125;
-
 std::uint64_t aligned(std::uint64_t offset) {
   return (offset + 3) / 4 * 4;
-}
-
-const char* type_of(std::uint32_t width) {
-  return width == 2 ? "VEC2" : width == 3 ? "VEC3" : "VEC4";
 }
 
 std::string hex(std::span<const std::uint8_t> bytes) {
@@ -91,7 +86,7 @@ class document_writer {
       out_["accessors"].push_back({{"bufferView", view},
                                    {"componentType", float_type},
                                    {"count", vertices_.count()},
-                                   {"type", type_of(column.width)}});
+                                   {"type", vector_type(column.width)}});
     }
     out_["accessors"][0]["min"] = vec3_json(vertices_.min());
     out_["accessors"][0]["max"] = vec3_json(vertices_.max());
@@ -132,7 +127,7 @@ class document_writer {
     if (material != no_index) primitive["material"] = material;
     out_["accessors"].push_back({{"bufferView", index_view_},
                                  {"byteOffset", std::uint64_t{group.first_stored} * 12},
-                                 {"componentType", u32_type},
+                                 {"componentType", unsigned_int_type},
                                  {"count", std::uint64_t{group.polygon_count} * 3},
                                  {"type", "SCALAR"}});
     return primitive;

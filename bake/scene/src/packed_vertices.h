@@ -45,7 +45,7 @@ class packed_vertices {
  private:
   void list_columns();
   glm::vec3 place(const draw& d, std::size_t number, const glm::vec3& local) const;
-  attribute_values at_rest(const draw& d, attribute_values values);
+  attribute_values at_rest(const draw& d);
   void write_draw(const draw& d, std::size_t number, const attribute_values& values, std::span<std::byte> into) const;
 
   const scene& scene_;

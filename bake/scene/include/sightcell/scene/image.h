@@ -18,6 +18,13 @@ struct image_pixels {
   std::vector<std::uint8_t> rgba;  // 4 * width * height bytes, rows from the top
 };
 
+struct image_size {
+  std::uint32_t width = 0, height = 0;  // pixels
+};
+
+// Returns the size that the header of an image states; nothing for other bytes than PNG and JPEG.
+std::optional<image_size> size_of(const std::vector<std::uint8_t>& encoded);
+
 // Decodes an image.
 // side_limit: the largest width and height to decode, pixels.
 // Returns nothing if the bytes are neither PNG nor JPEG, are damaged, or a side is longer than side_limit.

@@ -1,0 +1,72 @@
+#include "material_images.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace sightcell::scene {
+namespace {
+
+using nlohmann::json;
+
+const json* member(const json& object, const char* key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() ? nullptr : &*found;
+}
+
+// Returns the element of a section that an index in `object` names; null: there is none.
+const json* element(const json& sections, const char* section, const json* index, std::uint32_t& number) {
+  const json* const list = member(sections, section);
+  if (!index || !index->is_number_unsigned() || !list || !list->is_array()) return nullptr;
+  const auto value = index->get<std::uint64_t>();
+  if (value >= list->size()) return nullptr;
+  number = static_cast<std::uint32_t>(value);
+  return &(*list)[number];
+}
+
+double scale_of(const json& texture_info) {
+  const json* const extensions = member(texture_info, "extensions");
+  const json* const transform = extensions ? member(*extensions, "KHR_texture_transform") : nullptr;
+  const json* const scale = transform ? member(*transform, "scale") : nullptr;
+  double largest = 1.0;
+  if (scale && scale->is_array())
+    for (const json& s : *scale)
+      if (s.is_number() && std::isfinite(s.get<double>())) largest = std::max(largest, std::abs(s.get<double>()));
+  return largest;
+}
+
+// Appends the images of all textures at any depth: extensions of materials have textures, too.
+void collect(const json& sections, const json& value, std::vector<material_image>& out) {
+  if (!value.is_object()) return;
+  for (const auto& [key, child] : value.items()) {
+    if (std::string_view(key).ends_with("Texture")) {
+      std::uint32_t number = 0;
+      const json* const texture = element(sections, "textures", member(child, "index"), number);
+      if (!texture) continue;
+      const double scale = scale_of(child);
+      const auto add = [&](const json& holder) {
+        if (element(sections, "images", member(holder, "source"), number)) out.push_back({number, scale});
+      };
+      add(*texture);
+      // EXT_texture_webp and others name an image in place of this one.
+      if (const json* const extensions = member(*texture, "extensions"); extensions && extensions->is_object())
+        for (const auto& extension : extensions->items()) add(extension.value());
+    } else {
+      collect(sections, child, out);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<material_image>> images_by_material(const json& sections) {
+  std::vector<std::vector<material_image>> out;
+  const json* const materials = member(sections, "materials");
+  if (!materials || !materials->is_array()) return out;
+  for (const json& material : *materials) collect(sections, material, out.emplace_back());
+  return out;
+}
+
+}  // namespace sightcell::scene

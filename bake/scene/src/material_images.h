@@ -1,0 +1,18 @@
+#pragma once
+// Which images materials use, and at what scale.
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+namespace sightcell::scene {
+
+struct material_image {
+  std::uint32_t image = 0;
+  double scale = 1.0;  // largest one of KHR_texture_transform: repetitions of the image per unit of the coordinates
+};
+
+// Returns the images of each material, of any of its textures; numbers outside `images` are left out.
+// sections: the sections of carried_materials.
+std::vector<std::vector<material_image>> images_by_material(const nlohmann::json& sections);
+
+}  // namespace sightcell::scene

@@ -1,0 +1,185 @@
+// Pages of a streamed scene, read back by the import like any other .glb.
+#include "sightcell/scene/stream_pages.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "unit/scene/gltf_sketch.h"
+
+namespace sightcell::scene {
+namespace {
+
+using triangle = std::array<std::array<float, 3>, 3>;
+
+// A wavy sheet of 2 x side x side triangles with texture coordinates and normals.
+struct sheet {
+  static constexpr int side = 12;
+  std::vector<float> positions, coordinates, normals;
+  std::vector<std::uint16_t> indices;
+
+  explicit sheet(float size = 10.0f) {
+    for (int z = 0; z <= side; ++z)
+      for (int x = 0; x <= side; ++x) {
+        const float u = static_cast<float>(x) / side, v = static_cast<float>(z) / side;
+        positions.insert(positions.end(), {size * u, std::sin(7.0f * u + 3.0f * v), size * v});
+        coordinates.insert(coordinates.end(), {3.1f * u, 1.7f * v});
+        const float nx = std::sin(5.0f * u), ny = std::cos(5.0f * u);
+        normals.insert(normals.end(), {nx, ny, 0.0f});
+      }
+    for (int z = 0; z < side; ++z)
+      for (int x = 0; x < side; ++x) {
+        const auto a = static_cast<std::uint16_t>(z * (side + 1) + x);
+        const auto b = static_cast<std::uint16_t>(a + side + 1);
+        for (const int i : {a + 0, b + 0, a + 1, a + 1, b + 0, b + 1}) indices.push_back(static_cast<std::uint16_t>(i));
+      }
+  }
+
+  int add_to(gltf_sketch& g) const {
+    const int mesh = g.add_mesh(g.add_positions(positions), g.add_accessor(indices, "SCALAR", 5123, indices.size()));
+    auto& attributes = g.json["meshes"][static_cast<std::size_t>(mesh)]["primitives"][0]["attributes"];
+    attributes["TEXCOORD_0"] = g.add_accessor(coordinates, "VEC2", 5126, coordinates.size() / 2);
+    attributes["NORMAL"] = g.add_accessor(normals, "VEC3", 5126, normals.size() / 3);
+    return mesh;
+  }
+};
+
+triangle corners_of(const geometry& g, std::size_t polygon) {
+  triangle t;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::vec3 p = g.positions[g.indices[3 * polygon + k]];
+    t[k] = {p.x, p.y, p.z};
+  }
+  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());  // codes of triangles may turn them
+  return t;
+}
+
+std::vector<triangle> triangles_of(const geometry& g) {
+  std::vector<triangle> out;
+  for (std::size_t i = 0; i < g.indices.size() / 3; ++i) out.push_back(corners_of(g, i));
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+class stream_pages_test : public testing::Test {
+ protected:
+  gltf_pager& pager_of(gltf_sketch& g, const page_settings& how = {}) {
+    pager_.emplace(folder_.write("scene.glb", g.glb()));
+    pager_->prepare(how, warnings_);
+    return *pager_;
+  }
+  std::vector<std::uint32_t> all(std::uint32_t geometry) const {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t i = 0; i < pager_->geometries()[geometry].polygon_count; ++i) out.push_back(i);
+    return out;
+  }
+
+  temporary_folder folder_;
+  std::optional<gltf_pager> pager_;
+  std::vector<std::string> warnings_;
+};
+
+TEST_F(stream_pages_test, an_ordinary_import_reads_a_page) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}});
+  const gltf_pager& pager = pager_of(g);
+  const std::vector<std::byte> file = pager.page(std::vector<page_part>{{0, all(0)}});
+  const scene page = load_gltf(file, "page");
+  ASSERT_EQ(page.draws.size(), 1u);
+  const geometry &made = page.geometries[0], &source = pager.content().geometries[0];
+  ASSERT_EQ(made.indices.size(), source.indices.size());
+  EXPECT_EQ(made.positions.size(), source.positions.size());  // each vertex once
+  const std::vector<triangle> a = triangles_of(made), b = triangles_of(source);
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR(a[i][k][axis], b[i][k][axis], 0.5 / 4096);
+}
+
+TEST_F(stream_pages_test, pages_of_one_geometry_meet_exactly) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}});
+  const gltf_pager& pager = pager_of(g, {.grid = 0.01});
+  std::vector<triangle> apart;
+  std::vector<std::uint32_t> even, odd;
+  for (const std::uint32_t polygon : all(0)) (polygon % 2 == 0 ? even : odd).push_back(polygon);
+  for (const auto& polygons : {even, odd})
+    for (const triangle& t :
+         triangles_of(load_gltf(pager.page(std::vector<page_part>{{0, polygons}}), "p").geometries[0]))
+      apart.push_back(t);
+  std::sort(apart.begin(), apart.end());
+  const std::vector<triangle> whole =
+      triangles_of(load_gltf(pager.page(std::vector<page_part>{{0, all(0)}}), "p").geometries[0]);
+  EXPECT_EQ(apart, whole);
+  for (const triangle& t : whole)  // on a grid of a power of two
+    for (const auto& corner : t)
+      for (const float value : corner) EXPECT_EQ(value * 128.0f, std::round(value * 128.0f));
+}
+
+TEST_F(stream_pages_test, steps_are_finer_where_a_draw_is_enlarged) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}, {"scale", {16, 16, 16}}});
+  const gltf_pager& pager = pager_of(g, {.grid = 0.0625});
+  const scene page = load_gltf(pager.page(std::vector<page_part>{{0, all(0)}}), "p");
+  bool fine = false;
+  for (const glm::vec3& p : page.geometries[0].positions) {
+    EXPECT_EQ(p.y * 256.0f, std::round(p.y * 256.0f));  // 0.0625 / 16
+    fine = fine || p.y * 128.0f != std::round(p.y * 128.0f);
+  }
+  EXPECT_TRUE(fine);
+}
+
+TEST_F(stream_pages_test, equal_primitives_are_one_geometry) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}});
+  g.add_node({{"mesh", sheet().add_to(g)}});  // other accessors, the same numbers
+  g.add_node({{"mesh", sheet(11.0f).add_to(g)}});
+  g.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
+  const gltf_pager& pager = pager_of(g);
+  EXPECT_EQ(pager.geometries().size(), 2u);
+  EXPECT_EQ(pager.geometry_of_draw(), (std::vector<std::uint32_t>{0, 0, 1}));
+}
+
+TEST_F(stream_pages_test, polygons_without_area_are_left_out) {
+  gltf_sketch g;
+  const float nan = std::nanf("");
+  const std::vector<float> positions{0, 0, 0, 1, 0, 0, 0, 1, 0, 1e-5f, 0, 0, nan, 0, 0};
+  const std::vector<std::uint16_t> indices{0, 1, 2, 0, 3, 2, 0, 1, 4};
+  g.add_node({{"mesh", g.add_mesh(g.add_positions(positions), g.add_accessor(indices, "SCALAR", 5123, 9))}});
+  const gltf_pager& pager = pager_of(g);
+  EXPECT_TRUE(pager.is_drawn(0, 0));
+  EXPECT_FALSE(pager.is_drawn(0, 1));  // corners coincide after rounding
+  EXPECT_FALSE(pager.is_drawn(0, 2));
+  const scene page = load_gltf(pager.page(std::vector<page_part>{{0, all(0)}}), "p");
+  EXPECT_EQ(page.polygon_count, 1u);
+}
+
+TEST_F(stream_pages_test, a_page_has_several_sets_of_attributes) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}});
+  const std::vector<float> positions{0, 0, 0, 1, 0, 0, 0, 1, 0};
+  g.add_node({{"mesh", g.add_mesh(g.add_positions(positions))}});
+  g.json["scenes"] = {{{"nodes", {0, 1}}}};
+  const gltf_pager& pager = pager_of(g);
+  const std::vector<page_part> parts{{0, all(0)}, {1, all(1)}};
+  const std::vector<std::byte> file = pager.page(parts);
+  const scene page = load_gltf(file, "p");
+  ASSERT_EQ(page.draws.size(), 2u);
+  EXPECT_EQ(page.polygon_count, 2u * sheet::side * sheet::side + 1u);
+  EXPECT_EQ(file, pager.page(parts));
+}
+
+TEST_F(stream_pages_test, sizes_of_parts_add_up_to_a_page) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}});
+  const gltf_pager& pager = pager_of(g);
+  const page_part part{0, all(0)};
+  const double estimate = pager.coded_size(part);
+  const double binary = static_cast<double>(pager.page(std::vector<page_part>{part}).size()) - 1'500.0;  // without JSON
+  EXPECT_NEAR(estimate, binary, 0.25 * binary);
+}
+
+}  // namespace
+}  // namespace sightcell::scene
