@@ -1,10 +1,13 @@
-// sightcell pack SCENE FILE.pvs -o PACKED.glb
+// sightcell pack SCENE FILE.pvs -o PACKED.glb, sightcell pack --stream SCENE FILE.pvs -o FOLDER
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <system_error>
 
 #include "console.h"
 #include "exit_codes.h"
@@ -12,6 +15,7 @@
 #include "number_text.h"
 #include "pvs_file.h"
 #include "sightcell/bake/pack.h"
+#include "sightcell/bake/stream.h"
 #include "sightcell/base/error.h"
 #include "verbs.h"
 
@@ -22,6 +26,8 @@ namespace {
 struct pack_options {
   std::filesystem::path scene, file, output;
   bool json = false;
+  bool stream = false, no_textures = false;
+  bake::stream_settings streamed;
 };
 
 void refuse_overwriting(const pack_options& options) {
@@ -32,18 +38,108 @@ void refuse_overwriting(const pack_options& options) {
       throw error(error_kind::wrong_use, "cli.output-is-input", options.output.string(), what, "choose another name");
 }
 
-int run_pack(const pack_options& options) {
+void print_json(const nlohmann::ordered_json& text) {
+  fmt::print("{}\n", text.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+// A line on standard error every ten seconds.
+class slow_progress {
+ public:
+  void operator()(bake::stream_phase phase, std::uint64_t done, std::uint64_t total) {
+    const clock::time_point now = clock::now();
+    if (phase != phase_ || !began_) began_ = now, phase_ = phase;
+    if (now - shown_ < std::chrono::seconds(10)) return;
+    shown_ = now;
+    const double seconds = std::chrono::duration<double>(now - *began_).count();
+    const double left = done == 0 ? 0.0 : seconds / static_cast<double>(done) * static_cast<double>(total - done);
+    say_line(fmt::format("{}: {} of {}, {} left", name_of(phase), grouped(done), grouped(total), duration_text(left)));
+  }
+
+ private:
+  using clock = std::chrono::steady_clock;
+
+  static const char* name_of(bake::stream_phase phase) {
+    switch (phase) {
+      case bake::stream_phase::reading_sets:
+        return "reading cells";
+      case bake::stream_phase::grouping_polygons:
+        return "grouping polygons of geometries";
+      case bake::stream_phase::writing_pages:
+        return "writing pages";
+      case bake::stream_phase::writing_cells:
+        break;
+    }
+    return "writing cells";
+  }
+
+  bake::stream_phase phase_ = bake::stream_phase::reading_sets;
+  std::optional<clock::time_point> began_;
+  clock::time_point shown_ = clock::now();
+};
+
+nlohmann::ordered_json json_of(const pack_options& options, const bake::stream_result& r) {
+  return {{"output", options.output.string()},
+          {"polygons", r.polygons},
+          {"polygons_left_out", r.polygons_left_out},
+          {"draws", r.draws},
+          {"geometries", r.geometries},
+          {"cells", r.cells},
+          {"pages", r.pages},
+          {"chunks", r.chunks},
+          {"images", r.images},
+          {"front_bytes", r.front_bytes},
+          {"page_bytes", r.page_bytes},
+          {"chunk_bytes", r.chunk_bytes},
+          {"image_bytes", r.image_bytes},
+          {"mean_cell_bytes", r.mean_cell_bytes},
+          {"files_written", r.files_written},
+          {"files_kept", r.files_kept}};
+}
+
+void print_streamed(const pack_options& options, const bake::stream_result& r) {
+  fmt::print(
+      "{}: {} polygons of {} geometries in {} pages ({}), {} cells in {} chunks ({}), {} images ({}), front {}\n",
+      options.output.string(), grouped(r.polygons - r.polygons_left_out), grouped(r.geometries), grouped(r.pages),
+      size_text(static_cast<double>(r.page_bytes)), grouped(r.cells), grouped(r.chunks),
+      size_text(static_cast<double>(r.chunk_bytes)), grouped(r.images), size_text(static_cast<double>(r.image_bytes)),
+      size_text(static_cast<double>(r.front_bytes)));
+  fmt::print("a cell needs {} of pages in the mean; {} files written, {} kept\n", size_text(r.mean_cell_bytes),
+             grouped(r.files_written), grouped(r.files_kept));
+}
+
+int run_stream(const pack_options& options) {
+  std::error_code ignored;
+  if (std::filesystem::exists(options.output, ignored) && !std::filesystem::is_directory(options.output, ignored))
+    throw error(error_kind::wrong_use, "pack.not-folder", options.output.string(),
+                "is a file, and --stream writes a folder", "choose another name");
+  const pvs_file file = pvs_file::open(options.file);
+  bake::stream_settings how = options.streamed;
+  how.textures = !options.no_textures;
+  slow_progress progress;
+  const bake::stream_result result = bake::pack_stream(
+      options.scene, file.scene(), file.bytes(), options.file.string(), options.output, how,
+      [&](bake::stream_phase phase, std::uint64_t done, std::uint64_t total) { progress(phase, done, total); });
+  for (const std::string& warning : result.warnings) say_line("warning: " + warning);
+  if (options.json)
+    print_json(json_of(options, result));
+  else
+    print_streamed(options, result);
+  return exit_done;
+}
+
+int run_merged(const pack_options& options) {
   refuse_overwriting(options);
-  outlive_failed_writes();
   const pvs_file file = pvs_file::open(options.file);
   const bake::pack_result result =
       bake::pack(options.scene, file.scene(), file.bytes(), options.file.string(), options.output);
   for (const std::string& warning : result.warnings) say_line("warning: " + warning);
   if (options.json) {
-    const nlohmann::ordered_json text{{"output", options.output.string()}, {"polygons", result.polygons},
-                                      {"vertices", result.vertices},       {"groups", result.groups},
-                                      {"moving", result.moving},           {"bytes", result.bytes}};
-    fmt::print("{}\n", text.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    print_json({{"output", options.output.string()},
+                {"polygons", result.polygons},
+                {"vertices", result.vertices},
+                {"groups", result.groups},
+                {"moving", result.moving},
+                {"bytes", result.bytes}});
     return exit_done;
   }
   fmt::print("{}: {} polygons, {} vertices, {} draw groups ({} that move), {} bytes\n", options.output.string(),
@@ -52,21 +148,48 @@ int run_pack(const pack_options& options) {
   return exit_done;
 }
 
+int run_pack(const pack_options& options) {
+  outlive_failed_writes();
+  return options.stream ? run_stream(options) : run_merged(options);
+}
+
 }  // namespace
 
 void add_pack_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<pack_options>();
   CLI::App& verb = add_verb(
       program, "pack",
-      {.summary = "Writes the mesh that goes with a .pvs file of the merged layout",
-       .usage = "SCENE FILE.pvs -o PACKED.glb [options]",
-       .description = "Writes the scene as one mesh in world space, with its triangles in the stored order of the .pvs "
-                      "file: one vertex buffer, one index buffer, one node for each draw group.",
+      {.summary = "Writes the scene for hosts that load it with a .pvs file: one mesh, or files to stream",
+       .usage = "SCENE FILE.pvs -o PACKED.glb|FOLDER [options]",
+       .description = "Writes the scene as one mesh in world space, with its triangles in the stored order of a .pvs "
+                      "file of the merged layout: one vertex buffer, one index buffer, one node for each draw group. "
+                      "With --stream, writes a folder of small files for a static web server instead: pages of "
+                      "polygons, and for each cell the list of its pages, the most visible ones first.",
        .examples = {"sightcell bake level.glb -o level.pvs --layout merged",
-                    "sightcell pack level.glb level.pvs -o packed.glb"}});
+                    "sightcell pack level.glb level.pvs -o packed.glb",
+                    "sightcell bake level.glb -o level.pvs --importance",
+                    "sightcell pack --stream level.glb level.pvs -o site"}});
   verb.add_option("SCENE", options->scene, "The scene that was baked: a .glb or .gltf file.")->required();
-  verb.add_option("FILE", options->file, "The .pvs file that was baked from it with --layout merged.")->required();
-  verb.add_option("-o", options->output, "The .glb file to write.")->type_name("PACKED.glb")->required();
+  verb.add_option("FILE", options->file,
+                  "The .pvs file that was baked from it: with --layout merged, or for --stream with --importance.")
+      ->required();
+  verb.add_option("-o", options->output, "The .glb file to write; for --stream the folder.")
+      ->type_name("OUTPUT")
+      ->required();
+  CLI::Option* const stream =
+      verb.add_flag("--stream", options->stream, "Writes a streamed scene: docs/streaming.md describes the files.");
+  verb.add_option("--page-size", options->streamed.page_bytes,
+                  "Bytes of most pages. Larger ones take fewer requests and contain more that is not visible.")
+      ->check(CLI::Range(2048, 4 << 20))
+      ->type_name("BYTES")
+      ->capture_default_str()
+      ->needs(stream);
+  verb.add_option("--grid", options->streamed.grid,
+                  "Positions are rounded to steps of at most this length. Default: 1/4096 m.")
+      ->check(CLI::Range(1e-6, 1e3))
+      ->type_name("METERS")
+      ->needs(stream);
+  verb.add_flag("--no-textures", options->no_textures, "Leaves out the images.")->needs(stream);
   verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_pack(*options); }; });
 }

@@ -236,12 +236,12 @@ def patch(add, *more, named='--add'):
     return lambda folder: Call(['patch', golden(folder, 'v1_tiny.pvs', 'a.pvs'), '--add', add, *more], named)
 
 
-def packed(*more, named, layout='merged', scene_of=room, verb='pack'):
+def packed(*more, named, layout='merged', scene_of=room, verb='pack', bake_options=()):
     """`pack`, or another verb with the same arguments, of a bake of the room."""
     def prepare(folder, program):
         import subprocess
         file = os.path.join(folder, 'out.pvs')
-        subprocess.run([program, *bake(folder, '--layout', layout)], check=True, capture_output=True, timeout=120)
+        subprocess.run([program, *bake(folder, '--layout', layout, *bake_options)], check=True, capture_output=True, timeout=120)
         return Call([verb, scene_of(folder), file, '-o', *more], named)
     return prepare
 
@@ -415,7 +415,10 @@ CASES = [
     ('misses.unreadable', 4, bake_with_misses(lambda f: os.path.join(f, 'missing.json'))),
     ('output.io', 1, output_is_a_folder),
     ('pack.instanced', 2, packed('p.glb', layout='instanced', named='out.pvs')),
+    ('pack.no-importance', 2, packed('site', '--stream', named='out.pvs')),
+    ('pack.not-folder', 2, packed('out.pvs', '--stream', named='out.pvs')),
     ('pack.not-written', 1, packed('no/p.glb', named='no/p.glb')),
+    ('pack.not-written', 1, packed('room.gltf/site', '--stream', bake_options=['--importance'], named='room.gltf/site')),
     ('patch.bad-add', 2, patch('7')),
     ('patch.bad-add', 2, patch('0:7-')),
     ('patch.bad-add', 2, patch('0:7-6')),

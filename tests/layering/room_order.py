@@ -12,7 +12,7 @@ import os
 import re
 import sys
 
-ROOMS = ['trace', 'hemicube', 'cells', 'order', 'volumes', 'bound', 'cell_set', 'checkpoint', 'search', 'input', 'file',
+ROOMS = ['trace', 'hemicube', 'cells', 'order', 'volumes', 'bound', 'cell_set', 'checkpoint', 'search', 'input', 'file', 'stream',
          'sampler', 'misses', 'job', 'shards', 'verify']
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
 SUFFIXES = ('.h', '.cpp', '.inl')

@@ -1,0 +1,204 @@
+#include "stream/cell_lists.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sightcell/format/importance_classes.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::uint8_t least_weight = 255;
+
+// Returns b for the share 2^(-b / 8) of a weight.
+std::uint8_t share_of(float weight, float whole) {
+  if (!(weight > 0.0f) || !(whole > 0.0f)) return least_weight;
+  const double eighths = std::round(-8.0 * std::log2(static_cast<double>(weight) / static_cast<double>(whole)));
+  return static_cast<std::uint8_t>(std::clamp(eighths, 0.0, static_cast<double>(least_weight)));
+}
+
+// A column over all cells of a chunk.
+template <class Get>
+void put_box_columns(std::span<const cell_list* const> cells, payload& out, const Get& get) {
+  std::vector<float> column(cells.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < cells.size(); ++i) column[i] = get(cells[i]->box)[axis];
+    out.put_floats(column);
+  }
+}
+
+void put_weighted(std::span<const cell_list* const> cells, payload& out,
+                  std::vector<weighted_number> cell_list::*list) {
+  std::vector<std::uint32_t> numbers;
+  for (const cell_list* cell : cells) out.put_varint(static_cast<std::uint32_t>((cell->*list).size()));
+  for (const cell_list* cell : cells) {
+    numbers.clear();
+    for (const weighted_number& w : cell->*list) numbers.push_back(w.number);
+    out.put_gaps(numbers);
+  }
+  std::vector<std::uint8_t> shares;
+  for (const cell_list* cell : cells)
+    for (const weighted_number& w : cell->*list) shares.push_back(share_of(w.weight, cell->weight));
+  out.put_bytes(shares);
+}
+
+void put_draws(std::span<const cell_list* const> cells, payload& out) {
+  payload runs;
+  for (const cell_list* cell : cells) {
+    std::uint32_t count = 0, end = 0;
+    for (std::size_t i = 0; i < cell->draws.size(); ++count) {
+      const std::uint32_t first = cell->draws[i];
+      std::uint32_t length = 1;
+      while (++i < cell->draws.size() && cell->draws[i] == first + length) ++length;
+      runs.put_varint(first - end);
+      runs.put_varint(length - 1);
+      end = first + length;
+    }
+    out.put_varint(count);
+  }
+  out.put(runs);
+}
+
+std::vector<std::uint8_t> chunk_file(std::span<const cell_list> cells) {
+  std::vector<const cell_list*> pointers;
+  for (const cell_list& cell : cells) pointers.push_back(&cell);
+  const payload content = chunk_payload(pointers);
+  payload file;
+  file.put_u32(static_cast<std::uint32_t>(content.bytes().size()));
+  file.put_bytes(deflated(content.bytes()));
+  return {file.bytes().begin(), file.bytes().end()};
+}
+
+// Returns the lowest 21 bits with two zeros between them.
+std::uint64_t spread(std::uint64_t x) {
+  std::uint64_t out = 0;
+  for (unsigned bit = 0; bit < 21; ++bit) out |= (x >> bit & 1u) << 3 * bit;
+  return out;
+}
+
+}  // namespace
+
+void cell_lists::sums::add(std::uint32_t number, double weight) {
+  if (!is_used[number]) {
+    is_used[number] = true;
+    used.push_back(number);
+  }
+  weights[number] += weight;
+}
+
+std::vector<weighted_number> cell_lists::sums::take() {
+  std::sort(used.begin(), used.end());
+  std::vector<weighted_number> out;
+  for (const std::uint32_t number : used) {
+    out.push_back({number, static_cast<float>(weights[number])});
+    weights[number] = 0.0;
+    is_used[number] = false;
+  }
+  used.clear();
+  return out;
+}
+
+cell_lists::cell_lists(const scene::gltf_pager& pager, const polygon_numbers& numbers, const page_plan& plan)
+    : pager_(pager), numbers_(numbers), plan_(plan) {
+  const auto resize = [](sums& s, std::size_t size) { s.weights.resize(size), s.is_used.resize(size); };
+  resize(pages_, plan.pages.size());
+  resize(draws_, pager.content().draws.size());
+  resize(images_, pager.image_count());
+}
+
+cell_list cell_lists::list_of(std::uint32_t cell, const visible_polygons& polygons) {
+  cell_list out;
+  out.cell = cell;
+  (void)polygons.file().cell_box(cell, out.box);  // checked when the file was opened
+  double whole = 0.0;
+  for (std::size_t i = 0; i < polygons.source_ids().size(); ++i) {
+    const std::uint32_t id = polygons.source_ids()[i];
+    const std::uint32_t draw = numbers_.draw_of(id);
+    if (is_in_every_cell(pager_.content().draws[draw])) continue;
+    const std::uint32_t page = plan_.page_of[numbers_.number_of(id)];
+    if (page == no_page) continue;
+    const double weight = static_cast<double>(format::solid_angle_of_class(polygons.classes()[i]));
+    whole += weight;
+    draws_.add(draw, weight);
+    // A page that is in every cell, because another draw is, needs no second mention.
+    if (!std::binary_search(plan_.always.begin(), plan_.always.end(), page)) pages_.add(page, weight);
+  }
+  out.weight = static_cast<float>(whole);
+  out.pages = pages_.take();
+  for (const weighted_number& draw : draws_.take()) {
+    out.draws.push_back(draw.number);
+    for (const std::uint32_t image : pager_.images_of(pager_.content().draws[draw.number].material))
+      images_.add(image, static_cast<double>(draw.weight));
+  }
+  out.images = images_.take();
+  return out;
+}
+
+payload chunk_payload(std::span<const cell_list* const> cells) {
+  payload out;
+  std::vector<std::uint32_t> numbers;
+  std::vector<float> weights;
+  for (const cell_list* cell : cells) numbers.push_back(cell->cell), weights.push_back(cell->weight);
+  out.put_varint(static_cast<std::uint32_t>(cells.size()));
+  out.put_deltas(numbers);
+  put_box_columns(cells, out, [](const format::box& b) { return b.min; });
+  put_box_columns(cells, out, [](const format::box& b) { return b.max; });
+  out.put_floats(weights);
+  put_weighted(cells, out, &cell_list::pages);
+  put_draws(cells, out);
+  put_weighted(cells, out, &cell_list::images);
+  return out;
+}
+
+void order_by_place(std::vector<cell_list>& cells) {
+  constexpr double steps = 2'097'151.0;
+  std::array<double, 3> min, max;
+  min.fill(std::numeric_limits<double>::infinity()), max.fill(-std::numeric_limits<double>::infinity());
+  const auto center = [](const cell_list& c, std::size_t axis) {
+    return 0.5 * (static_cast<double>(c.box.min[axis]) + static_cast<double>(c.box.max[axis]));
+  };
+  for (const cell_list& c : cells)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      min[axis] = std::min(min[axis], center(c, axis)), max[axis] = std::max(max[axis], center(c, axis));
+  const double side = std::max({max[0] - min[0], max[1] - min[1], max[2] - min[2], 1e-9});
+  const auto code = [&](const cell_list& c) {
+    std::uint64_t out = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      out |= spread(static_cast<std::uint64_t>((center(c, axis) - min[axis]) / side * steps)) << axis;
+    return out;
+  };
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) keys.emplace_back(code(cells[i]), i);
+  std::sort(keys.begin(), keys.end());
+  std::vector<cell_list> ordered;
+  for (const auto& [key, i] : keys) ordered.push_back(std::move(cells[i]));
+  cells = std::move(ordered);
+}
+
+void write_chunks(std::span<const cell_list> cells, std::size_t limit,
+                  const std::function<void(std::vector<std::uint8_t> file, std::span<const cell_list> cells)>& use) {
+  std::size_t guess = 64;
+  while (!cells.empty()) {
+    // The largest number of cells that fit, found by doubling and halving around that of the previous chunk.
+    std::size_t fits = 1, too_many = cells.size() + 1;
+    std::vector<std::uint8_t> best = chunk_file(cells.first(1));
+    for (std::size_t count = std::clamp<std::size_t>(guess, 1, cells.size()); fits + 1 < too_many;) {
+      if (count <= fits) count = fits + 1;
+      std::vector<std::uint8_t> file = chunk_file(cells.first(count));
+      if (file.size() <= limit) {
+        fits = count;
+        best = std::move(file);
+        count = std::min(2 * count, fits + (too_many - fits) / 2);
+      } else {
+        too_many = count;
+        count = fits + (too_many - fits) / 2;
+      }
+    }
+    guess = fits;
+    use(std::move(best), cells.first(fits));
+    cells = cells.subspan(fits);
+  }
+}
+
+}  // namespace sightcell::bake

@@ -1,0 +1,67 @@
+#pragma once
+// The pages, draws and images that each cell needs, and the chunks that clients load them in (docs/streaming.md, "Cell
+// chunks").
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "sightcell/format/records.h"
+#include "sightcell/scene/stream_pages.h"
+#include "stream/page_plan.h"
+#include "stream/payload.h"
+#include "stream/polygon_numbers.h"
+#include "stream/visible_polygons.h"
+
+namespace sightcell::bake {
+
+struct weighted_number {
+  std::uint32_t number = 0;
+  float weight = 0.0f;  // solid angle in sr
+};
+
+struct cell_list {
+  std::uint32_t cell = 0;
+  format::box box;
+  float weight = 0.0f;                  // of all its polygons
+  std::vector<weighted_number> pages;   // ascending
+  std::vector<std::uint32_t> draws;     // ascending, without those that are in every cell
+  std::vector<weighted_number> images;  // ascending
+};
+
+// Makes the list of one cell after the other.
+class cell_lists {
+ public:
+  // All arguments must outlive the object.
+  cell_lists(const scene::gltf_pager& pager, const polygon_numbers& numbers, const page_plan& plan);
+
+  // polygons: with the set of the cell read.
+  cell_list list_of(std::uint32_t cell, const visible_polygons& polygons);
+
+ private:
+  const scene::gltf_pager& pager_;
+  const polygon_numbers& numbers_;
+  const page_plan& plan_;
+  // Weights by number; entries of this cell are in `used`.
+  struct sums {
+    std::vector<double> weights;
+    std::vector<bool> is_used;
+    std::vector<std::uint32_t> used;
+    void add(std::uint32_t number, double weight);
+    std::vector<weighted_number> take();
+  };
+  sums pages_, draws_, images_;
+};
+
+// Returns the payload of a chunk.
+payload chunk_payload(std::span<const cell_list* const> cells);
+
+// Orders cells so that those near each other follow each other, by a Morton curve through their centers.
+void order_by_place(std::vector<cell_list>& cells);
+
+// Divides cells into consecutive chunks of at most `limit` bytes, or one cell.
+// use: receives the file and the cells of each chunk, in order.
+void write_chunks(std::span<const cell_list> cells, std::size_t limit,
+                  const std::function<void(std::vector<std::uint8_t> file, std::span<const cell_list> cells)>& use);
+
+}  // namespace sightcell::bake

@@ -1,0 +1,157 @@
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "sightcell/bake/stream.h"
+#include "sightcell/base/error.h"
+#include "sightcell/scene/stream_pages.h"
+#include "stream/cell_lists.h"
+#include "stream/front_payload.h"
+#include "stream/page_plan.h"
+#include "stream/polygon_numbers.h"
+#include "stream/site_folder.h"
+#include "stream/sketches.h"
+#include "stream/visible_polygons.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::size_t chunk_limit = 16'384;
+constexpr std::size_t pages_at_a_time = 64;
+constexpr std::array<const char*, 5> image_extensions = {"png", "jpg", "webp", "ktx2", "bin"};
+
+class stream_packer {
+ public:
+  stream_packer(const std::filesystem::path& scene_path, int scene_index, std::span<const std::byte> file,
+                const std::string& name, const stream_settings& how, const stream_progress& on_progress)
+      : how_(how), report_(on_progress), polygons_(file, name), pager_(scene_path, scene_index) {
+    const scene::scene& s = pager_.content();
+    const format::reader& opened = polygons_.file();
+    if (opened.facts().scene_fingerprint != s.fingerprint || opened.polygon_count() != s.polygon_count)
+      throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s.name,
+                  "give the scene of the bake, or bake again");
+  }
+
+  stream_result write(const std::filesystem::path& output) {
+    result_.warnings = pager_.content().warnings;
+    std::vector<std::string> warnings;
+    pager_.prepare({how_.grid, how_.textures}, warnings);
+    for (std::string& warning : warnings)  // missing base colors were reported before
+      if (std::find(result_.warnings.begin(), result_.warnings.end(), warning) == result_.warnings.end())
+        result_.warnings.push_back(std::move(warning));
+    const polygon_numbers numbers(pager_);
+    const page_plan plan = plan_of(numbers);
+    site_folder site(output);
+    front_content front{pager_, plan, write_pages(plan, site), write_images(site), {}};
+    front.chunks = write_cells(numbers, plan, front.pages, site);
+    const std::vector<std::byte> bytes = front_file(front);
+    site.finish(bytes);
+    result_.front_bytes = bytes.size();
+    result_.files_written = site.written();
+    result_.files_kept = site.kept();
+    count(numbers, plan, front);
+    return std::move(result_);
+  }
+
+ private:
+  void report(stream_phase phase, std::uint64_t done, std::uint64_t total) const {
+    if (report_) report_(phase, done, total);
+  }
+
+  page_plan plan_of(const polygon_numbers& numbers) {
+    const std::uint32_t cells = polygons_.file().cell_count();
+    sketch_table seen(numbers.count());
+    for (std::uint32_t cell = 0; cell < cells; ++cell) {
+      polygons_.read(cell);
+      seen.begin_cell(cell);
+      for (std::size_t i = 0; i < polygons_.source_ids().size(); ++i)
+        seen.add(numbers.number_of(polygons_.source_ids()[i]), polygons_.classes()[i]);
+      report(stream_phase::reading_sets, cell + 1, cells);
+    }
+    const std::size_t geometries = pager_.geometries().size();
+    return plan_pages(pager_, numbers, seen, how_.page_bytes,
+                      [&](std::uint64_t done) { report(stream_phase::grouping_polygons, done, geometries); });
+  }
+
+  std::vector<listed_file> write_pages(const page_plan& plan, site_folder& site) {
+    std::vector<listed_file> out(plan.pages.size());
+    for (std::size_t begin = 0; begin < out.size(); begin += pages_at_a_time) {
+      const std::size_t end = std::min(out.size(), begin + pages_at_a_time);
+      tbb::parallel_for(begin, end,
+                        [&](std::size_t page) { out[page] = site.add("pages", "glb", pager_.page(plan.pages[page])); });
+      report(stream_phase::writing_pages, end, out.size());
+    }
+    for (const listed_file& file : out) result_.page_bytes += file.bytes;
+    return out;
+  }
+
+  std::vector<listed_file> write_images(site_folder& site) {
+    std::vector<listed_file> out;
+    for (const scene::streamed_image& image : pager_.images()) {
+      out.push_back(site.add("images", image_extensions[static_cast<std::size_t>(image.type)],
+                             std::as_bytes(std::span(image.bytes))));
+      result_.image_bytes += out.back().bytes;
+    }
+    return out;
+  }
+
+  std::vector<listed_chunk> write_cells(const polygon_numbers& numbers, const page_plan& plan,
+                                        const std::vector<listed_file>& pages, site_folder& site) {
+    const std::uint32_t count = polygons_.file().cell_count();
+    cell_lists lists(pager_, numbers, plan);
+    std::vector<cell_list> cells;
+    double bytes = 0.0;
+    for (std::uint32_t cell = 0; cell < count; ++cell) {
+      polygons_.read(cell);
+      cells.push_back(lists.list_of(cell, polygons_));
+      for (const weighted_number& page : cells.back().pages) bytes += pages[page.number].bytes;
+      report(stream_phase::writing_cells, cell + 1, count);
+    }
+    result_.mean_cell_bytes = count == 0 ? 0.0 : bytes / count;
+    order_by_place(cells);
+    std::vector<listed_chunk> out;
+    write_chunks(cells, chunk_limit, [&](std::vector<std::uint8_t> file, std::span<const cell_list> some) {
+      listed_chunk chunk{site.add("cells", "cells", std::as_bytes(std::span(file))),
+                         static_cast<std::uint32_t>(some.size()), some.front().box};
+      for (const cell_list& cell : some)
+        for (std::size_t k = 0; k < 3; ++k) {
+          chunk.box.min[k] = std::min(chunk.box.min[k], cell.box.min[k]);
+          chunk.box.max[k] = std::max(chunk.box.max[k], cell.box.max[k]);
+        }
+      result_.chunk_bytes += file.size();
+      out.push_back(chunk);
+    });
+    return out;
+  }
+
+  void count(const polygon_numbers& numbers, const page_plan& plan, const front_content& front) {
+    const scene::scene& s = pager_.content();
+    result_.polygons = s.polygon_count;
+    result_.draws = static_cast<std::uint32_t>(s.draws.size());
+    result_.geometries = static_cast<std::uint32_t>(pager_.geometries().size());
+    result_.cells = polygons_.file().cell_count();
+    result_.pages = static_cast<std::uint32_t>(front.pages.size());
+    result_.chunks = static_cast<std::uint32_t>(front.chunks.size());
+    result_.images = static_cast<std::uint32_t>(front.images.size());
+    for (std::uint32_t id = 0; id < s.polygon_count; ++id)
+      result_.polygons_left_out += plan.page_of[numbers.number_of(id)] == no_page;
+  }
+
+  const stream_settings& how_;
+  const stream_progress& report_;
+  visible_polygons polygons_;
+  scene::gltf_pager pager_;
+  stream_result result_;
+};
+
+}  // namespace
+
+stream_result pack_stream(const std::filesystem::path& scene_path, int scene_index, std::span<const std::byte> file,
+                          const std::string& name, const std::filesystem::path& output, const stream_settings& how,
+                          const stream_progress& on_progress) {
+  return stream_packer(scene_path, scene_index, file, name, how, on_progress).write(output);
+}
+
+}  // namespace sightcell::bake
