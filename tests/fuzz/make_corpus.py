@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Writes the seeds of the corpora: small scenes of our own, one per feature of the import, and small .pvs files.
+"""Writes the seeds of the corpora: small scenes of our own, one per feature of the import, small .pvs files, and lists
+of cells as a checkpoint has them.
 
 usage: make_corpus.py [FOLDER]      FOLDER: default tests/fuzz/corpus
 
@@ -315,12 +316,34 @@ def seeds():
     yield "promised_instances.glb", zeros.glb()
 
 
+def cells_list(cells, boxes=(), warnings=(), width=4.0):
+    """The bytes of bake/src/cells/decided_cells.cpp. cells: (z, y, x, level, layers, floor area, floor)."""
+    def text(value):
+        return struct.pack("<Q", len(value)) + value
+
+    def positions(of):
+        return struct.pack("<Q", len(of)) + b"".join(struct.pack("<qqqBidd", *cell) for cell in of)
+
+    return (b"\x01" + text(b"inputs") + text(b"cpu device") + text(b"3 cells of 4 m") + struct.pack("<Q", len(warnings)) +
+            b"".join(text(warning) for warning in warnings) + struct.pack("<d", width) + positions(cells) + positions(boxes))
+
+
+def seeds_of_cells():
+    columns = [(z, -2, x, 0, 4, 16.0, -1.5) for z in range(2) for x in range(3)]
+    yield "one", cells_list([(0, 0, 0, 0, 1, 0.0, 0.0)])
+    yield "columns", cells_list(columns, warnings=[b"a warning", b""])
+    yield "merged", cells_list([(0, -2, 0, 3, 12, 600.0, -1.25), (0, 3, 1, 1, 4, 30.0, 2.0)], columns)
+
+
 def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(HERE, "corpus")
-    for kind in ("gltf", "pvs"):
+    for kind in ("gltf", "pvs", "cells"):
         os.makedirs(os.path.join(folder, kind), exist_ok=True)
     for name, data in seeds():
         with open(os.path.join(folder, "gltf", "seed_" + name), "wb") as out:
+            out.write(data)
+    for name, data in seeds_of_cells():
+        with open(os.path.join(folder, "cells", "seed_" + name), "wb") as out:
             out.write(data)
     golden = os.path.join(HERE, "..", "golden")
     for name in ("v0_small.pvs", "v0_tiny.pvs", "v1_small.pvs", "v1_tiny.pvs", "v1_lattice.pvs", "v1_merged.pvs",

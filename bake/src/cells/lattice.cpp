@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/vector_relational.hpp>
 
 #include "sightcell/base/error.h"
 
@@ -48,16 +49,26 @@ lattice_range lattice::overlapping(const glm::dvec3& min, const glm::dvec3& max)
   return range;
 }
 
-view_cell lattice::cell(const lattice_position& p) const {
+void lattice::set_box(const lattice_position& p, view_cell& cell) const {
   const double width = std::ldexp(width_, p.level);
   const auto corner = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
     return glm::vec3(static_cast<float>(static_cast<double>(x) * width),
                      static_cast<float>(static_cast<double>(y) * height_),
                      static_cast<float>(static_cast<double>(z) * width));
   };
+  cell.min = corner(p.x, p.y, p.z);
+  cell.max = corner(p.x + 1, p.y + p.layers, p.z + 1);
+}
+
+bool lattice::has_volume(const lattice_position& p) const {
   view_cell made;
-  made.min = corner(p.x, p.y, p.z);
-  made.max = corner(p.x + 1, p.y + p.layers, p.z + 1);
+  set_box(p, made);
+  return glm::all(glm::lessThan(made.min, made.max));
+}
+
+view_cell lattice::cell(const lattice_position& p) const {
+  view_cell made;
+  set_box(p, made);
   for (int axis = 0; axis < 3; ++axis) {
     if (!(made.min[axis] < made.max[axis])) refuse_distance(static_cast<double>(made.min[axis]));
   }

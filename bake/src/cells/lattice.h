@@ -36,11 +36,15 @@ class lattice {
   // Throws sightcell::error (bad_input) "cells.too-far" if a position exceeds what single precision can distinguish.
   lattice_range overlapping(const glm::dvec3& min, const glm::dvec3& max) const;
 
+  // Returns whether the box at p has volume in single precision.
+  bool has_volume(const lattice_position& p) const;
   // Returns the view cell at p. Throws "cells.too-far" if its box has no volume in single precision.
   view_cell cell(const lattice_position& p) const;
 
  private:
   lattice(double width, double height) : width_(width), height_(height) {}
+  // Sets the corners of a box.
+  void set_box(const lattice_position& p, view_cell& cell) const;
 
   double width_, height_;
 };
