@@ -27,7 +27,8 @@ namespace sightcell::bake {
 namespace {
 
 constexpr int application_id = 0x53434B31;  // "SCK1": distinguishes our files from other databases
-constexpr int schema_version = 5;
+constexpr int schema_version = 6;
+
 struct finalize_statement {
   void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 };
@@ -80,6 +81,9 @@ std::optional<std::span<const std::uint8_t>> unsealed(std::span<const std::uint8
   if (seal != seal_of(body, number)) return std::nullopt;
   return body;
 }
+
+// What the seal of the cells has as its number, which no record has.
+constexpr std::int64_t number_of_cells = -1;
 
 std::int64_t seal_of_key(std::string_view key, std::string_view plan) {
   std::string both(key);
@@ -243,15 +247,17 @@ struct checkpoint::state {
 
   bool empty() const { return query_number("SELECT count(*) FROM sqlite_schema") == 0; }
 
-  void create(const std::string& bake_key, std::string_view plan) {
+  void create(const std::string& bake_key, std::string_view plan, std::string_view cells) {
     run("BEGIN", "creating");
     run(fmt::format("PRAGMA application_id={}; PRAGMA user_version={};"
                     "CREATE TABLE bake(key TEXT NOT NULL, plan BLOB NOT NULL, seal INTEGER NOT NULL);"
+                    "CREATE TABLE cells(bytes BLOB NOT NULL);"
                     "CREATE TABLE record(number INTEGER PRIMARY KEY, bytes BLOB NOT NULL)",
                     application_id, schema_version)
             .c_str(),
         "creating");
     insert_key(bake_key, plan);
+    insert_cells(cells);
     run("COMMIT", "creating");
     key = bake_key;
   }
@@ -265,6 +271,33 @@ struct checkpoint::state {
     if (code != SQLITE_DONE) fail(code, "creating");
   }
 
+  void insert_cells(std::string_view cells) const {
+    if (cells.empty()) return;
+    const std::vector<std::uint8_t> bytes = sealed({cells.begin(), cells.end()}, number_of_cells);
+    const statement insert = prepare("INSERT INTO cells(bytes) VALUES(?)");
+    sqlite3_bind_blob64(insert.get(), 1, bytes.data(), bytes.size(), SQLITE_STATIC);
+    const int code = sqlite3_step(insert.get());
+    if (code != SQLITE_DONE) fail(code, "storing the list of cells");
+  }
+
+  std::string query_cells() const {
+    const statement query = prepare("SELECT bytes FROM cells");
+    const int code = sqlite3_step(query.get());
+    if (code == SQLITE_DONE) return {};
+    if (code != SQLITE_ROW) fail(code, "reading");
+    const auto body = unsealed(blob(query.get(), 0), number_of_cells);
+    return body ? std::string(body->begin(), body->end()) : std::string();
+  }
+
+  // Stores the cells of the bake if the file has none, or damaged ones.
+  void keep_cells(std::string_view cells) const {
+    if (query_cells() == cells) return;
+    run("BEGIN", "storing the list of cells");
+    run("DELETE FROM cells", "storing the list of cells");
+    insert_cells(cells);
+    run("COMMIT", "storing the list of cells");
+  }
+
   // Reads the key of an existing file. Returns nothing if the file has another schema or no key.
   std::optional<std::string> read_key() const {
     if (query_number("PRAGMA application_id") != application_id)
@@ -275,7 +308,8 @@ struct checkpoint::state {
   }
 
   // Gives the file another key and plan and deletes stale records, in one transaction.
-  void hand_over(const std::string& wanted, std::string_view plan, const stale_record& is_stale) const {
+  void hand_over(const std::string& wanted, std::string_view plan, std::string_view cells,
+                 const stale_record& is_stale) const {
     run("BEGIN", "taking over an unfinished bake");
     std::vector<std::int64_t> stale;
     {
@@ -290,17 +324,19 @@ struct checkpoint::state {
     }
     for (const std::int64_t number : stale)
       run(fmt::format("DELETE FROM record WHERE number={}", number).c_str(), "dropping a record");
-    run("DELETE FROM bake", "taking over an unfinished bake");
+    run("DELETE FROM bake; DELETE FROM cells", "taking over an unfinished bake");
     insert_key(wanted, plan);
+    insert_cells(cells);
     run("COMMIT", "taking over an unfinished bake");
   }
 
-  void check_key(const std::string& wanted, std::string_view plan, const stale_key_test& take_over_test) {
+  void check_key(const std::string& wanted, std::string_view plan, std::string_view cells,
+                 const stale_key_test& take_over_test) {
     const std::optional<std::string> stored = read_key();
     key = wanted;
-    if (stored == wanted) return;
+    if (stored == wanted) return keep_cells(cells);
     if (const auto is_stale = stored && take_over_test ? take_over_test(*stored) : std::nullopt)
-      return hand_over(wanted, plan, *is_stale);
+      return hand_over(wanted, plan, cells, *is_stale);
     std::string what = "scene, settings or version";
     if (stored) {
       if (const std::string names = differing_names(*stored, wanted); !names.empty()) what = names;
@@ -308,6 +344,12 @@ struct checkpoint::state {
     throw error(error_kind::wrong_use, "checkpoint.other-bake", path.string(),
                 fmt::format("holds an unfinished bake that differs in {}", what),
                 std::string("repeat that bake's command to finish it, ") + fresh_remedy);
+  }
+
+  // Returns the cells of an opened file of any key; empty if it is of another version.
+  std::string cells_of_any_key() const {
+    if (empty() || !read_key()) return {};
+    return query_cells();
   }
 
   // Deletes the file and the files that a killed bake may have left beside it.
@@ -330,7 +372,7 @@ struct checkpoint::state {
 };
 
 checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan,
-                       const stale_key_test& take_over_test)
+                       std::string_view cells, const stale_key_test& take_over_test)
     : state_(std::make_unique<state>(path)) {
   try {
     state_->open_locked();
@@ -345,9 +387,9 @@ checkpoint::checkpoint(const std::filesystem::path& path, const std::string& key
     state_->open_locked();
   }
   if (state_->empty())
-    state_->create(key, plan);
+    state_->create(key, plan, cells);
   else
-    state_->check_key(key, plan, take_over_test);
+    state_->check_key(key, plan, cells, take_over_test);
 }
 
 checkpoint::checkpoint(std::unique_ptr<state> opened) : state_(std::move(opened)) {}
@@ -376,6 +418,19 @@ std::string checkpoint::plan() const {
   if (code != SQLITE_ROW) state_->fail(code == SQLITE_DONE ? SQLITE_CORRUPT : code, "reading");
   const auto bytes = blob(query.get(), 0);
   return {bytes.begin(), bytes.end()};
+}
+
+std::string checkpoint::cells() const {
+  const std::scoped_lock lock(state_->mutex);
+  return state_->query_cells();
+}
+
+std::string checkpoint::cells_in(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return {};
+  state opened(path);
+  opened.open_locked();
+  return opened.cells_of_any_key();
 }
 
 std::uint32_t checkpoint::survey(

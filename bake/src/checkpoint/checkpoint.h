@@ -32,14 +32,19 @@ class checkpoint {
   // key: names scene, settings, cells, device and version.
   // fresh: discards existing contents.
   // plan: stored with the key when the file is created (shards.h).
+  // cells: the bytes of the cells of the bake (decided_cells.h), stored with the key.
   // take_over_test: called if the stored key differs. If it returns a test for stale records, the file takes this key
   //   and plan and loses its stale records.
   // Throws sightcell::error: "checkpoint.other-bake" if the key differs, "checkpoint.in-use" if another bake uses the
   // file, "checkpoint.damaged" if SQLite finds damage. A damaged file is never discarded without `fresh`.
   checkpoint(const std::filesystem::path& path, const std::string& key, bool fresh, std::string_view plan = {},
-             const stale_key_test& take_over_test = {});
+             std::string_view cells = {}, const stale_key_test& take_over_test = {});
   // Opens a file that no process writes any more, for reading and without a lock.
   static checkpoint open_to_read(const std::filesystem::path& path);
+  // Returns the cells in the checkpoint of an unfinished bake, of any key: a bake needs its cells before it has a key.
+  // Empty if there is no file, if it is of another version, or if its cells are damaged. Locks the file meanwhile.
+  // Throws sightcell::error, as the constructor does, but not "checkpoint.other-bake".
+  static std::string cells_in(const std::filesystem::path& path);
   ~checkpoint();
   checkpoint(checkpoint&&) noexcept;
   checkpoint(const checkpoint&) = delete;
@@ -48,6 +53,8 @@ class checkpoint {
   // Returns the key and the plan that are stored in the file.
   const std::string& key() const;
   std::string plan() const;
+  // Returns the cells that are stored in the file; empty if there are none, or if they are damaged.
+  std::string cells() const;
 
   // Reads all records and calls visit for each. Damaged records are dropped, so that the bake repeats their cells.
   // Returns the number of dropped records.

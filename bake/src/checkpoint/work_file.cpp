@@ -60,19 +60,33 @@ void take_over(const std::filesystem::path& copy, const std::filesystem::path& h
 }  // namespace
 
 work_file::work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
-                     bool fresh, std::string_view plan, const stale_key_test& take_over_test)
+                     bool fresh, std::string_view plan, std::string_view cells, const stale_key_test& take_over_test)
     : beside_(with_suffix(target, ".bake")), path_(scratch.empty() ? beside_ : in_scratch(scratch, beside_)) {
   if (!scratch.empty() && !fresh) {
     // Opening the file in scratch fails if another bake uses it. Its file must not be replaced meanwhile.
     std::error_code ignored;
     const bool copy_is_newer = is_newer(beside_, path_);
-    if (std::filesystem::exists(path_, ignored)) checkpoint(path_, key, false, plan, take_over_test);
+    if (std::filesystem::exists(path_, ignored)) checkpoint(path_, key, false, plan, cells, take_over_test);
     if (copy_is_newer) take_over(beside_, path_);
   }
-  records_.emplace(path_, key, fresh, plan, take_over_test);
+  records_.emplace(path_, key, fresh, plan, cells, take_over_test);
   if (!scratch.empty() && fresh) {
     std::error_code ignored;
     std::filesystem::remove(beside_, ignored);
+  }
+}
+
+std::string work_file::stored_cells(const std::filesystem::path& target, const std::filesystem::path& scratch) {
+  const std::filesystem::path beside = with_suffix(target, ".bake");
+  if (scratch.empty()) return checkpoint::cells_in(beside);
+  const std::filesystem::path here = in_scratch(scratch, beside);
+  if (!is_newer(beside, here)) return checkpoint::cells_in(here);
+  // Read without a lock, because a lock would change the times by which the constructor finds the newer file. A file
+  // that cannot be read so is opened by the constructor, which reports why.
+  try {
+    return checkpoint::open_to_read(beside).cells();
+  } catch (const error&) {
+    return {};
   }
 }
 

@@ -17,7 +17,12 @@ class work_file {
   // scratch: the folder to work in; empty: beside the target. If the copy beside the target is newer than the file in
   //   scratch, the bake resumes from the copy.
   work_file(const std::filesystem::path& target, const std::filesystem::path& scratch, const std::string& key,
-            bool fresh, std::string_view plan = {}, const stale_key_test& take_over_test = {});
+            bool fresh, std::string_view plan = {}, std::string_view cells = {},
+            const stale_key_test& take_over_test = {});
+  // Returns the cells that an unfinished bake of this target has stored, whatever its key; empty if there are none. To
+  // be called before the bake opens its work file, which finds the same checkpoint then. Throws sightcell::error:
+  // "checkpoint.in-use", "checkpoint.damaged" and the like.
+  static std::string stored_cells(const std::filesystem::path& target, const std::filesystem::path& scratch);
 
   // Returns the checkpoint in work, and its path.
   checkpoint& records() { return *records_; }

@@ -13,6 +13,7 @@
 #include "input/host_scene.h"
 #include "job/bake_context.h"
 #include "job/bake_key.h"
+#include "job/decide_cells.h"
 #include "job/disk_space.h"
 #include "job/estimate.h"
 #include "job/phases.h"
@@ -67,6 +68,7 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
   const std::optional<double> expected = check_room(context, tracker.cells_left(), file, output, arena, events);
   if (!expected) {
     sum.result = outcome::cancelled;
+    file.copy();  // has the list of cells
     return;
   }
   tracker.expect(*expected);
@@ -110,7 +112,12 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   std::optional<bake_context> context;
-  if (!build(context, s, how, arena, events)) {
+  find_decided find;
+  if (!fresh)
+    find = [&](const std::string& inputs) {
+      return decided_from(work_file::stored_cells(output, how.scratch), inputs);
+    };
+  if (!build(context, s, how, find, arena, events)) {
     sum.result = outcome::cancelled;
     return sum;
   }
@@ -118,10 +125,12 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   sum.device = context->device->source().device();
 
   const stage_plan plan(context->cells->blocks, context->bounds());
-  work_file file(output, how.scratch, context->key, fresh, {}, stale_test_of(context->key, context->cells->blocks));
+  work_file file(output, how.scratch, context->key, fresh, {}, context->cell_bytes,
+                 stale_test_of(context->key, context->cells->blocks));
   if (how.time_budget > 0.0) {
     if (!check_room(*context, context->cells->blocks.cell_count(), file, output, arena, events)) {
       sum.result = outcome::cancelled;
+      file.copy();  // has the list of cells
       return sum;
     }
     bake_in_time({*context, plan, arena, clock, file, output, events}, sum);

@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
 
-#include <chrono>
 #include <utility>
 #include <vector>
 
 #include "job/bake_key.h"
-#include "job/merge_cells.h"
-#include "sightcell/bake/sampler_options.h"
 #include "sightcell/base/stop_request.h"
 
 namespace sightcell::bake {
@@ -22,18 +19,6 @@ void report(bake_phase phase, const callbacks& events) {
 bake_input input_of(const scene::scene& s, const settings& how, const callbacks& events) {
   report(bake_phase::loading, events);
   return load_input(s, how);
-}
-
-void merge(cell_list& list, const settings& how, const merge_tools& tools, const callbacks& events) {
-  report(bake_phase::merging_cells, events);
-  constexpr std::chrono::milliseconds pause{200};
-  std::chrono::steady_clock::time_point reported{};
-  merge_cells(list, how, tools, [&](double share) {
-    const auto now = std::chrono::steady_clock::now();
-    if (!events.on_progress || now - reported < pause) return;
-    reported = now;
-    if (!events.on_progress({.phase = bake_phase::merging_cells, .prepared = share})) throw step_stopped();
-  });
 }
 
 void report_parts(const bake_context& context, const callbacks& events) {
@@ -51,18 +36,29 @@ void report_parts(const bake_context& context, const callbacks& events) {
 
 }  // namespace
 
-bake_context::bake_context(const scene::scene& from, const settings& settings_of_bake, const callbacks& events)
+bake_context::bake_context(const scene::scene& from, const settings& settings_of_bake, const find_decided& find,
+                           const callbacks& events)
     : s(from), how(settings_of_bake), input(input_of(from, settings_of_bake, events)) {
   report(bake_phase::finding_cells, events);
+  const std::string inputs = inputs_of_cells(s, how, input);
+  std::optional<decided_cells> decided = find ? find(inputs) : std::nullopt;
   // Cells do not depend on rays, and most of both is the work of one thread.
   cell_list list;
-  tbb::parallel_invoke([&] { list = all_cells(input, how); }, [&] { traced.emplace(input.geometry, how); });
+  tbb::parallel_invoke(
+      [&] {
+        if (!decided) list = all_cells(input, how);
+      },
+      [&] { traced.emplace(input.geometry, how); });
   report(bake_phase::preparing_hemicubes, events);
   device.emplace(s, how, input.geometry, *traced);
-  std::vector<view_cell> boxes = list.cells;
-  if (list.can_merge && how.merge_cells > 0.0 && takes_hemicubes(how.sampler))
-    merge(list, how, {traced->rays, device->source(), s.polygon_count}, events);
-  cells.emplace(input, std::move(list), std::move(boxes), how);
+  if (decided && decided->device != name_of(*device)) {
+    decided.reset();
+    list = all_cells(input, how);
+  }
+  if (!decided)
+    decided = decide_cells(std::move(list), inputs, how, *traced, *device, s.polygon_count, events, merging_cubes);
+  if (decided->list.can_merge) cell_bytes = encode(*decided);
+  cells.emplace(input, std::move(decided->list), std::move(decided->boxes), how);
   sampler = make_cell_sampler(
       how, {traced->rays, device->source(), device->colors_or_null(), cells->list.cells, traced->neighbors_or_null()});
   report_parts(*this, events);
@@ -70,10 +66,10 @@ bake_context::bake_context(const scene::scene& from, const settings& settings_of
   key = key_of(s, how, input, *cells, *device);
 }
 
-bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, tbb::task_arena& arena,
-           const callbacks& events) {
+bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const find_decided& find,
+           tbb::task_arena& arena, const callbacks& events) {
   try {
-    arena.execute([&] { context.emplace(s, how, events); });
+    arena.execute([&] { context.emplace(s, how, find, events); });
   } catch (const step_stopped&) {
     return false;
   }

@@ -2,6 +2,7 @@
 // Everything that a bake has before its first cell, as parts in the order in which they are built.
 #include <tbb/task_arena.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "job/bake_cells.h"
 #include "job/bake_device.h"
 #include "job/bake_input.h"
+#include "job/decide_cells.h"
 #include "job/traced_scene.h"
 #include "sampler/cell_sampler.h"
 #include "sightcell/bake/progress.h"
@@ -19,10 +21,12 @@
 namespace sightcell::bake {
 
 struct bake_context {
-  // Builds all parts. Arguments must outlive the object, except events: it receives phases, warnings, the device and
-  // the cells. Threads: works on the calling thread's TBB arena; an OpenGL context belongs to the calling thread.
+  // Builds all parts.
+  // find: called once for the cells that an earlier run stored. {}: they are made and merged.
+  // events: receives phases, warnings, the device and the cells. The arguments before find must outlive the object.
+  // Threads: works on the calling thread's TBB arena; an OpenGL context belongs to the calling thread.
   // Throws sightcell::error, as the parts do, and step_stopped if events.on_progress cancels.
-  bake_context(const scene::scene& s, const settings& how, const callbacks& events);
+  bake_context(const scene::scene& s, const settings& how, const find_decided& find, const callbacks& events);
   bake_context(const bake_context&) = delete;  // its parts refer to each other
   bake_context& operator=(const bake_context&) = delete;
 
@@ -42,10 +46,13 @@ struct bake_context {
   std::unique_ptr<cell_sampler> sampler;
   std::string settings_text;  // as in bake_key.h
   std::string key;
+  std::string cell_bytes;           // of the cells, for the checkpoint; empty if they are quickly made again
+  std::uint64_t merging_cubes = 0;  // rendered in this run to merge cells
 };
 
 // Builds a context in an arena. The calling thread must not be inside it. Returns false if events.on_progress cancels.
-bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, tbb::task_arena& arena,
-           const callbacks& events);
+// find: as for bake_context.
+bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const find_decided& find,
+           tbb::task_arena& arena, const callbacks& events);
 
 }  // namespace sightcell::bake

@@ -3,10 +3,16 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
+#include <vector>
 
+#include "cells/path_file.h"
+#include "input/two_scenes.h"
 #include "sightcell/base/json_text.h"
 
 namespace sightcell::bake {
@@ -24,24 +30,72 @@ std::string text_of(const settings& how, const bake_cells& cells, const chosen_s
   return text.dump();
 }
 
+// Hashes numbers as they are in memory.
+class number_hash {
+ public:
+  number_hash() : state_(XXH3_createState()) { XXH3_64bits_reset(state_); }
+  ~number_hash() { XXH3_freeState(state_); }
+  number_hash(const number_hash&) = delete;
+  number_hash& operator=(const number_hash&) = delete;
+
+  void add_bytes(std::span<const std::byte> bytes) { XXH3_64bits_update(state_, bytes.data(), bytes.size()); }
+  template <typename Number>
+  void add(const Number& number) {
+    add_bytes(std::as_bytes(std::span(&number, 1)));
+  }
+  std::uint64_t digest() const { return XXH3_64bits_digest(state_); }
+
+ private:
+  XXH3_state_t* state_;
+};
+
 std::uint64_t hash_of_cells(const bake_cells& cells, const overrides& given) {
-  XXH3_state_t* state = XXH3_createState();
-  XXH3_64bits_reset(state);
+  number_hash hash;
   for (const view_cell& cell : cells.list.cells) {
-    const float corners[6] = {cell.min.x, cell.min.y, cell.min.z, cell.max.x, cell.max.y, cell.max.z};
-    XXH3_64bits_update(state, corners, sizeof corners);
-    XXH3_64bits_update(state, &cell.place, sizeof cell.place);
+    for (const glm::vec3* corner : {&cell.min, &cell.max})
+      for (int axis = 0; axis < 3; ++axis) hash.add((*corner)[axis]);
+    hash.add(cell.place);
   }
   // The volumes are those of all cells, some of which --cell-limit may leave out.
-  if (cells.volumes)
-    XXH3_64bits_update(state, cells.volumes->places().data(), cells.volumes->places().size() * sizeof(volume_place));
-  if (const std::uint64_t by_hand = hash_of(given); by_hand != 0) XXH3_64bits_update(state, &by_hand, sizeof by_hand);
-  const std::uint64_t hash = XXH3_64bits_digest(state);
-  XXH3_freeState(state);
-  return hash;
+  if (cells.volumes) hash.add_bytes(std::as_bytes(std::span(cells.volumes->places())));
+  if (const std::uint64_t by_hand = hash_of(given); by_hand != 0) hash.add(by_hand);
+  return hash.digest();
+}
+
+void add_paths(const std::vector<camera_path>& paths, number_hash& hash) {
+  hash.add(std::uint64_t{paths.size()});
+  for (const camera_path& path : paths) {
+    hash.add(std::uint64_t{path.size()});
+    for (const auto& point : path) hash.add(point);
+  }
+}
+
+// Everything that the fingerprints of scenes and the settings text leave out.
+std::uint64_t hash_of_other_inputs(const scene::scene& s, const settings& how, const bake_input& input) {
+  number_hash hash;
+  hash.add(hash_of(input.given));
+  for (const scene::scene* one : {&s, how.cells_from}) {
+    if (one == nullptr) continue;
+    hash.add(std::uint64_t{one->cells.size()});
+    hash.add(std::uint64_t{one->starts.size()});
+    for (const scene::start_point& start : one->starts) {
+      hash.add(start.position);
+      hash.add(std::uint8_t{start.is_camera});
+    }
+  }
+  if (how.path_file) add_paths(read_paths(*how.path_file), hash);
+  add_paths(how.paths, hash);
+  return hash.digest();
 }
 
 }  // namespace
+
+std::string inputs_of_cells(const scene::scene& s, const settings& how, const bake_input& input) {
+  settings of_cells = how;
+  of_cells.time_budget = 0.0;  // has no effect on cells
+  return fmt::format("version {} scene {} others {:016x} settings {}", bake_version, fingerprint_text(s),
+                     hash_of_other_inputs(s, how, input), describe(of_cells));
+}
 
 std::string settings_text_of(const settings& how, const bake_input& input, const bake_cells& cells,
                              const bake_device& device) {

@@ -21,6 +21,11 @@ std::string settings_text_of(const settings& how, const bake_input& input, const
 std::string key_of(const scene::scene& s, const settings& how, const bake_input& input, const bake_cells& cells,
                    const bake_device& device);
 
+// Returns the text that names all that automatic cells are made from, apart from the device: scene, starts, overrides,
+// paths, settings and version. A bake with the same text and the same device has the same cells, before and after they
+// are merged.
+std::string inputs_of_cells(const scene::scene& s, const settings& how, const bake_input& input);
+
 // Returns the test that decides which stored records are stale in a bake with this key: if two keys differ only in
 // their reported misses, the records of the blocks with other misses. blocks must outlive the test.
 stale_key_test stale_test_of(const std::string& key, const cell_blocks& blocks);

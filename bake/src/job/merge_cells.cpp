@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -194,19 +195,21 @@ class block_estimates {
   // floors: receives the position and the floor of each option.
   void add(std::span<const view_cell* const> cells, const std::function<void()>& pause,
            std::vector<cell_option>& options, std::vector<floor_cell>& floors);
+  std::uint64_t cubes() const { return cubes_; }  // that were rendered
 
  private:
-  std::optional<cube> look(const cube_place& at) const;
+  std::optional<cube> look(const cube_place& at);
   std::vector<std::optional<cube>> look_at_all(std::span<const cube_place> places, const std::function<void()>& pause);
 
   const lattice on_;
   const settings& how_;
   const merge_tools& tools_;
   tbb::enumerable_thread_specific<cube_counts> counts_;
+  std::atomic<std::uint64_t> cubes_{0};
 };
 
 // Returns what a cube shows; nothing if there is no valid viewpoint.
-std::optional<cube> block_estimates::look(const cube_place& at) const {
+std::optional<cube> block_estimates::look(const cube_place& at) {
   random_stream random(how_.seed, at.name, purpose::merging, at.kind, at.of_kind);
   std::uint64_t tests = 0;
   const auto eyes = draw_viewpoints(tools_.rays, at.where, how_.player_radius, 1, at.most_tests, random, tests);
@@ -218,6 +221,7 @@ std::optional<cube> block_estimates::look(const cube_place& at) const {
     poses[i] = {eyes.front(), {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
   }
   tools_.source.render(poses, views);
+  ++cubes_;
   cube seen;
   for (const hemicube_view& view : views)
     for (const seen_polygon& polygon : view.seen)
@@ -308,8 +312,8 @@ std::vector<std::uint32_t> chosen_blocks(const cell_blocks& blocks, std::uint32_
 
 }  // namespace
 
-void merge_cells(cell_list& list, const settings& how, const merge_tools& tools,
-                 const std::function<void(double share)>& report) {
+std::uint64_t merge_cells(cell_list& list, const settings& how, const merge_tools& tools,
+                          const std::function<void(double share)>& report) {
   const lattice on = lattice::over_floors(list.cell_width);
   const cell_blocks blocks(list.cells, how.margin);
   const std::vector<std::uint32_t> chosen = chosen_blocks(blocks, how.cell_limit);
@@ -342,6 +346,7 @@ void merge_cells(cell_list& list, const settings& how, const merge_tools& tools,
                                ? fmt::format(" in {} of {} blocks", chosen.size(), blocks.count())
                                : std::string();
   list.how = fmt::format("{} cells of {}{} {}", list.cells.size(), sizes, part, list.where);
+  return estimates.cubes();
 }
 
 }  // namespace sightcell::bake

@@ -27,9 +27,10 @@ struct merge_tools {
 //   how.cell_limit only that number of cells is kept, of some blocks (cell_blocks.h), and only those are considered.
 // report: called on the calling thread, several times per second, with the share that is done; it may throw to end the
 //   work.
+// Returns the number of full cubes that were rendered.
 // Deterministic: the same with any number of threads. Threads: as the source; works on the calling thread's TBB arena.
 // Cost: about five hemicubes per cell.
-void merge_cells(cell_list& list, const settings& how, const merge_tools& tools,
-                 const std::function<void(double share)>& report);
+std::uint64_t merge_cells(cell_list& list, const settings& how, const merge_tools& tools,
+                          const std::function<void(double share)>& report);
 
 }  // namespace sightcell::bake

@@ -11,6 +11,7 @@
 #include "input/host_scene.h"
 #include "job/bake_context.h"
 #include "job/bake_key.h"
+#include "job/decide_cells.h"
 #include "job/disk_space.h"
 #include "job/estimate.h"
 #include "job/phases.h"
@@ -117,7 +118,7 @@ void bake_blocks(const bake_context& context, const stage_plan& plan, const std:
   if (part.phase == 2) before.emplace(phase_1_of(output, plan, blocks, context.key));
   const pvs_frame frame = context.frame();
   work_file file(target, context.how.scratch, context.key, fresh, encode(plan_of(frame, context.cells->blocks)),
-                 stale_test_of(context.key, context.cells->blocks));
+                 context.cell_bytes, stale_test_of(context.key, context.cells->blocks));
   progress_tracker tracker({.polygon_count = context.s.polygon_count,
                             .cells = context.cells->list.cells,
                             .total = sum.cells,
@@ -129,6 +130,7 @@ void bake_blocks(const bake_context& context, const stage_plan& plan, const std:
       check_room(context, part.phase, tracker.cells_left(), file.path(), output, arena, events);
   if (!expected) {
     sum.result = outcome::cancelled;
+    file.copy();  // has the list of cells
     return;
   }
   tracker.expect(*expected);
@@ -183,7 +185,12 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   std::optional<bake_context> context;
-  if (!build(context, s, how, arena, events)) {
+  find_decided find;
+  if (!fresh)
+    find = [&](const std::string& inputs) {
+      return decided_from(work_file::stored_cells(shard_file(output, part), how.scratch), inputs);
+    };
+  if (!build(context, s, how, find, arena, events)) {
     sum.result = outcome::cancelled;
     return sum;
   }

@@ -163,13 +163,61 @@ TEST_F(checkpoint_test, a_copy_holds_all_and_is_read_without_a_lock) {
   EXPECT_EQ(error_id([&] { c.copy_to(folder_ / "none" / "x"); }), "checkpoint.not-copied");
 }
 
+TEST_F(checkpoint_test, cells_are_stored_with_the_key_and_read_before_it_is_known) {
+  const std::string cells("cells\0of a bake", 15);
+  EXPECT_EQ(checkpoint::cells_in(path_), "") << "no file";
+  EXPECT_EQ(files_in_folder(), 0u) << "and none is made";
+  {
+    checkpoint c(path_, "key", false, "the plan", cells);
+    EXPECT_EQ(c.cells(), cells);
+    store(c, 1, record_of(5));
+    c.copy_to(folder_ / "copy");
+    EXPECT_EQ(error_id([&] { (void)checkpoint::cells_in(path_); }), "checkpoint.in-use");
+  }
+  EXPECT_EQ(checkpoint::cells_in(path_), cells);
+  EXPECT_EQ(checkpoint::open_to_read(folder_ / "copy").cells(), cells);
+  EXPECT_EQ(checkpoint(path_, "key", false, "the plan", cells).load(1, done), record_of(5));
+  const auto all = [](const std::string&) { return [](std::uint32_t, cell_stage) { return false; }; };
+  const checkpoint next(path_, "next", false, "its plan", "its cells", all);
+  EXPECT_EQ(next.cells(), "its cells");
+  EXPECT_EQ(next.load(1, done), record_of(5));
+}
+
+TEST_F(checkpoint_test, damaged_cells_are_none_and_are_stored_again) {
+  const std::string cells(100'000, 'c');
+  { store(checkpoint(path_, "key", false, {}, cells), 1, record_of(5)); }
+  std::stringstream all;
+  all << std::ifstream(path_, std::ios::binary).rdbuf();
+  std::string bytes = all.str();
+  const std::size_t middle = bytes.find(std::string(2000, 'c')) + 1000;
+  bytes[middle] = 'd';
+  write(bytes);
+  EXPECT_EQ(checkpoint::cells_in(path_), "");
+  { EXPECT_EQ(checkpoint(path_, "key", false, {}, cells).load(1, done), record_of(5)); }
+  EXPECT_EQ(checkpoint::cells_in(path_), cells);
+}
+
+TEST_F(checkpoint_test, cells_of_what_is_no_checkpoint_are_refused_by_name) {
+  write("");
+  EXPECT_EQ(checkpoint::cells_in(path_), "") << "what a kill right after creation leaves";
+  fs::remove(path_);
+  { store(checkpoint(path_, "key", false, {}, std::string(100'000, 'c')), 1, record_of(5)); }
+  for (auto keep = fs::file_size(path_) - 4096; keep > 0; keep -= 4096) {
+    fs::resize_file(path_, keep);
+    EXPECT_EQ(error_id([&] { (void)checkpoint::cells_in(path_); }), "checkpoint.damaged") << keep;
+  }
+  write("this is no database, but long enough to be taken for one at first sight" + std::string(500, 'x'));
+  EXPECT_EQ(error_id([&] { (void)checkpoint::cells_in(path_); }), "checkpoint.damaged");
+}
+
 TEST_F(checkpoint_test, a_file_of_another_version_is_not_read) {
-  { store(checkpoint(path_, "key", false), 1, record_of(5)); }
+  { store(checkpoint(path_, "key", false, {}, "cells"), 1, record_of(5)); }
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(path_.c_str(), &database), SQLITE_OK);
   sqlite3_exec(database, "PRAGMA user_version=1", nullptr, nullptr, nullptr);
   sqlite3_close(database);
   EXPECT_EQ(error_id([&] { checkpoint::open_to_read(path_); }), "checkpoint.other-version");
+  EXPECT_EQ(checkpoint::cells_in(path_), "");
   EXPECT_EQ(error_id([&] { checkpoint(path_, "key", false); }), "checkpoint.other-bake");
 }
 
