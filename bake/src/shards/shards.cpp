@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "checkpoint/work_file.h"
@@ -69,6 +70,25 @@ bool is_there(const std::filesystem::path& path, const std::string& key) {
   const std::filesystem::path one[] = {path};
   const shard_files opened(one, key);
   return true;
+}
+
+// Returns the cells in the complete file of any shard. All shards of a bake have the same list, so the first file that
+// can be read decides.
+std::string cells_in_shards(const std::filesystem::path& output) {
+  for (const std::filesystem::path& path : find_shard_files(output)) {
+    try {
+      return checkpoint::open_to_read(path).cells();
+    } catch (const error&) {  // phase 2 and merge report what is wrong with the file
+    }
+  }
+  return {};
+}
+
+// Returns the cells that an earlier run of this shard stored, or another shard.
+std::optional<decided_cells> find_cells(const std::filesystem::path& output, const shard& part,
+                                        const std::filesystem::path& scratch, const std::string& inputs) {
+  auto cells = decided_from(work_file::stored_cells(shard_file(output, part), scratch), inputs);
+  return cells ? std::move(cells) : decided_from(cells_in_shards(output), inputs);
 }
 
 // Opens the phase-1 files that phase 2 of these blocks reads; all of them must exist.
@@ -186,10 +206,7 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   std::optional<bake_context> context;
   find_decided find;
-  if (!fresh)
-    find = [&](const std::string& inputs) {
-      return decided_from(work_file::stored_cells(shard_file(output, part), how.scratch), inputs);
-    };
+  if (!fresh) find = [&](const std::string& inputs) { return find_cells(output, part, how.scratch, inputs); };
   if (!build(context, s, how, find, arena, events)) {
     sum.result = outcome::cancelled;
     return sum;

@@ -2,6 +2,7 @@
 #include "job/decide_cells.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <filesystem>
@@ -95,6 +96,7 @@ class decide_cells_test : public testing::Test {
     EXPECT_FALSE(fs::exists(folder_ / (std::string(name) + ".bake")));
   }
 
+  const tbb::global_control allowed_{tbb::global_control::max_allowed_parallelism, 8};
   test::fresh_folder folder_;
   scene::scene scene_;
   settings how_;
@@ -272,6 +274,55 @@ TEST_F(decide_cells_test, a_resumed_shard_merges_nothing_again) {
   events.on_progress = {};
   EXPECT_NE(bake_shard(scene_, how_, output, {0, 2, 1}, false, events).result, outcome::cancelled);
   EXPECT_EQ(merged_, 1);
+}
+
+TEST_F(decide_cells_test, shards_take_the_cells_of_the_first_that_is_complete) {
+  const std::vector<std::byte> bytes = whole();
+  merged_ = 0;
+  callbacks events;
+  events.on_phase = [&](bake_phase phase) { merged_ += phase == bake_phase::merging_cells ? 1 : 0; };
+  const fs::path output = folder_ / "shards.pvs";
+  const auto part = [&](std::uint32_t index, std::uint32_t phase, bool fresh = false) {
+    EXPECT_NE(bake_shard(scene_, how_, output, {index, 2, phase}, fresh, events).result, outcome::cancelled);
+  };
+  part(0, 1);
+  EXPECT_EQ(merged_, 1);
+  part(1, 1);
+  for (const std::uint32_t index : {0u, 1u}) part(index, 2);
+  part(1, 2);  // is complete, and does nothing
+  EXPECT_EQ(merged_, 1);
+  (void)merge(find_shard_files(output), output, {});
+  EXPECT_EQ(test::file_bytes(output), bytes);
+  part(1, 1, true);
+  EXPECT_EQ(merged_, 2) << "fresh takes nothing";
+}
+
+TEST_F(decide_cells_test, shards_trust_no_broken_and_no_foreign_file) {
+  const std::vector<std::byte> bytes = whole();
+  callbacks events;
+  events.on_phase = [&](bake_phase phase) { merged_ += phase == bake_phase::merging_cells ? 1 : 0; };
+  const fs::path output = folder_ / "shards.pvs";
+  const auto part = [&](std::uint32_t index, std::uint32_t phase) {
+    (void)bake_shard(scene_, how_, output, {index, 2, phase}, false, events);
+  };
+  // Of another seed, whose cells differ; then bytes that are no database.
+  how_.seed = 7;
+  part(0, 1);
+  how_.seed = settings().seed;
+  const fs::path first = shard_file(output, {0, 2, 1});
+  merged_ = 0;
+  part(1, 1);
+  EXPECT_EQ(merged_, 1);
+  std::ofstream(first, std::ios::binary) << std::string(5000, 'x');
+  fs::remove(shard_file(output, {1, 2, 1}));
+  part(1, 1);
+  EXPECT_EQ(merged_, 2);
+  fs::remove(first);
+  part(0, 1);
+  for (const std::uint32_t index : {0u, 1u}) part(index, 2);
+  EXPECT_EQ(merged_, 2);
+  (void)merge(find_shard_files(output), output, {});
+  EXPECT_EQ(test::file_bytes(output), bytes);
 }
 
 }  // namespace
