@@ -16,6 +16,8 @@ std::vector<std::uint8_t> encode_vertices(const vertex_bytes& vertices) {
 }
 
 std::vector<std::uint8_t> encode_triangles(std::span<const std::uint32_t> indices, std::size_t vertex_count) {
+  // The extension demands version 1; the library writes version 0 unless it is told.
+  [[maybe_unused]] static const bool set = (meshopt_encodeIndexVersion(1), true);
   std::vector<std::uint8_t> out(meshopt_encodeIndexBufferBound(indices.size(), vertex_count));
   out.resize(meshopt_encodeIndexBuffer(out.data(), out.size(), indices.data(), indices.size()));
   return out;

@@ -98,6 +98,24 @@ TEST_F(stream_pages_test, an_ordinary_import_reads_a_page) {
       for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR(a[i][k][axis], b[i][k][axis], 0.5 / 4096);
 }
 
+// The extension has version 0 of the vertex codec and version 1 of the index codec.
+TEST_F(stream_pages_test, streams_have_the_versions_of_the_extension) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}});
+  const gltf_pager& pager = pager_of(g);
+  const std::vector<std::byte> file = pager.page(std::vector<page_part>{{0, all(0)}});
+  std::uint32_t json_size = 0;
+  std::memcpy(&json_size, &file[12], 4);
+  const auto json = nlohmann::json::parse(reinterpret_cast<const char*>(&file[20]),
+                                          reinterpret_cast<const char*>(&file[20]) + json_size);
+  ASSERT_EQ(json["bufferViews"].size(), 3u);
+  for (const nlohmann::json& view : json["bufferViews"]) {
+    const nlohmann::json& code = view["extensions"]["EXT_meshopt_compression"];
+    const auto first = std::to_integer<unsigned>(file[28 + json_size + code["byteOffset"].get<std::size_t>()]);
+    EXPECT_EQ(first, code["mode"] == "TRIANGLES" ? 0xE1u : 0xA0u);
+  }
+}
+
 TEST_F(stream_pages_test, pages_of_one_geometry_meet_exactly) {
   gltf_sketch g;
   g.add_node({{"mesh", sheet().add_to(g)}});
