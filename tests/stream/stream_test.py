@@ -1,0 +1,259 @@
+"""What `sightcell pack --stream` writes, by a reader that was written from docs/streaming.md alone. Every polygon of the
+scene and of every cell set has to be there."""
+import os
+
+import numpy as np
+
+import harness
+from colonnade_scene import write_cells, write_colonnade
+from decode_pvs import Contents
+from gltf_reader import apply, read_draws
+from harness import QUICK_BAKE, InFolder, new_folder, read
+from matching import partners
+from pair_sets import candidates, corner_distance
+from streamed_scene import EVERYWHERE, LEAST, NOWHERE, cell_at, local_polygons, open_site, rebuild
+
+GRID = 0.002  # meters
+STEP = 2 ** (1 / 16)  # a weight is rounded to an eighth of a power of two
+SMALLEST = 11  # classes of importance below this one have a range of solid angles
+
+
+def largest_of_class(number):
+    return 2 * np.pi / 4.0 ** np.minimum(number, SMALLEST)
+
+
+def modified(folder):
+    """By path: when each file was written, and its number."""
+    return {os.path.join(place, name): (os.stat(os.path.join(place, name)).st_mtime_ns, os.stat(os.path.join(place, name)).st_ino)
+            for place, _, names in os.walk(folder) for name in names}
+
+
+def contents(folder):
+    return {os.path.relpath(path, folder): read(path) for path in modified(folder)}
+
+
+class Streamed(InFolder):
+    """Of a scene: the file, its sets and what was packed. Subclasses name the scene."""
+    __test__ = False
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene, cls.pvs, cls.site_folder = cls.path('scene.glb'), cls.path('scene.pvs'), cls.path('site')
+        options = cls.write_scene()
+        cls.must('bake', cls.scene, '-o', cls.pvs, '--importance', '--progress', 'none', *QUICK_BAKE, *options)
+        cls.must('pack', '--stream', cls.scene, cls.pvs, '-o', cls.site_folder, '--grid', GRID)
+        cls.draws = read_draws(cls.scene)
+        cls.sets = Contents(read(cls.pvs))
+        cls.site = open_site(cls.site_folder)
+        cls.cells = cls.site.cells()
+        cls.match_polygons()
+
+    @classmethod
+    def must(cls, *arguments):
+        code, out, err = harness.sightcell(*arguments)
+        if code != 0:
+            raise RuntimeError(f'{arguments}: {code}\n{out}\n{err}')
+
+    @classmethod
+    def match_polygons(cls):
+        """By source id: the page that has the polygon, -1 where none has; all pages with a polygon in its place; whether
+        it has an extent on the grid. By geometry and polygon in pages: the draws that have found it."""
+        front, (corners, pages) = cls.site.front, local_polygons(cls.site)
+        cls.page_of = np.full(front.polygons, -1)
+        cls.pages_near = [set() for _ in range(front.polygons)]
+        cls.flat = np.zeros(front.polygons, bool)
+        cls.found_by = [np.zeros(len(rows), np.int64) for rows in corners]
+        for draw, geometry, matrix in zip(cls.draws, front.draw_geometry, front.draw_matrices):
+            ids = slice(draw.first, draw.first + len(draw.local))
+            ours, packed = draw.world(), apply(matrix, corners[geometry])
+            partner = partners(ours, packed, GRID * 1.001)
+            found = partner >= 0
+            cls.page_of[ids][found] = pages[geometry][partner[found]]
+            cls.found_by[geometry][partner[found]] += 1
+            cls.flat[ids] = np.linalg.norm(ours - np.roll(ours, 1, axis=1), axis=2).min(axis=1) <= 2 * GRID
+            if not len(ours) or not len(packed):
+                continue
+            for i, j in candidates(ours, packed, GRID * 1.001):
+                near = corner_distance(ours[i], packed[j]) <= GRID * 1.001
+                for polygon, page in zip(i[near], pages[geometry][j[near]]):
+                    cls.pages_near[draw.first + polygon].add(int(page))
+
+    def draw_of(self, polygons):
+        return np.searchsorted([draw.first + len(draw.local) for draw in self.draws], polygons, side='right')
+
+    def test_draws_are_those_of_the_scene(self):
+        front = self.site.front
+        self.assertEqual(front.fingerprint, self.sets.header.fingerprint)
+        self.assertEqual(front.polygons, self.sets.header.polygons)
+        self.assertEqual(list(zip(front.draw_node, front.draw_mesh, front.draw_primitive, front.draw_instance,
+                                  front.draw_material, front.geometry_polygons[front.draw_geometry])),
+                         [(d.node, d.mesh, d.primitive, d.instance, d.material, len(d.local)) for d in self.draws])
+        for matrix, draw in zip(front.draw_matrices, self.draws):
+            np.testing.assert_allclose(matrix, draw.matrix[:3], rtol=1e-5, atol=1e-5)
+
+    def test_every_polygon_is_in_one_page(self):
+        missing = (self.page_of < 0) & ~self.flat
+        self.assertFalse(missing.any(), f'{missing.sum()} of {len(missing)} polygons are in no page')
+        self.assertGreater((self.page_of >= 0).mean(), 0.99)
+        # Each polygon in a page is one of each of its draws.
+        front = self.site.front
+        for geometry, found in enumerate(self.found_by):
+            self.assertTrue((found == (front.draw_geometry == geometry).sum()).all(), f'geometry {geometry}')
+
+    def test_rebuilt_polygons_are_those_of_the_draws(self):
+        draws, world = rebuild(self.site)
+        for number, draw in enumerate(self.draws):
+            self.assertLessEqual((draws == number).sum(), len(draw.local))
+            if len(draw.local):
+                box, own = world[draws == number].reshape(-1, 3), draw.world().reshape(-1, 3)
+                np.testing.assert_allclose([box.min(axis=0), box.max(axis=0)], [own.min(axis=0), own.max(axis=0)], atol=2 * GRID)
+
+    def test_boxes_contain_polygons(self):
+        front, (corners, pages) = self.site.front, local_polygons(self.site)
+        for box, rows in zip(front.geometry_boxes, corners):
+            self.assertTrue((rows >= box[0] - 2 * GRID).all() and (rows <= box[1] + 2 * GRID).all())
+        for matrix, geometry in zip(front.draw_matrices, front.draw_geometry):
+            world, boxes = apply(matrix, corners[geometry]), front.page_boxes[pages[geometry]]
+            if len(world):
+                slack = 2 * GRID
+                self.assertTrue((world >= boxes[:, None, 0] - slack).all() and (world <= boxes[:, None, 1] + slack).all())
+        own = np.concatenate([draw.world().reshape(-1, 3) for draw in self.draws])
+        np.testing.assert_allclose(front.box, [own.min(axis=0), own.max(axis=0)], atol=2 * GRID)
+
+    def test_positions_are_on_one_grid(self):
+        """Of a power of two for each geometry, the largest one that keeps the distance."""
+        front, (corners, _) = self.site.front, local_polygons(self.site)
+        for geometry, rows in enumerate(corners):
+            if not len(rows):
+                continue
+            scale = max(np.linalg.norm(front.draw_matrices[d][:, :3], 2)
+                        for d in np.flatnonzero(front.draw_geometry == geometry))
+            steps = rows.reshape(-1) * 2.0 ** 20
+            step = 2.0 ** min((int(n) & -int(n)).bit_length() - 1 for n in steps if n) / 2.0 ** 20
+            self.assertTrue((steps == np.rint(steps)).all())
+            # Half a step is the error of each axis. That it is not more is seen where polygons are matched.
+            self.assertGreater(2 * step * scale, GRID / np.sqrt(3))
+
+    def test_cells_have_what_is_in_their_sets(self):
+        front = self.site.front
+        self.assertEqual(sorted(self.cells), list(range(len(self.sets.boxes))))
+        for number, cell in self.cells.items():
+            np.testing.assert_array_equal(cell.box.reshape(6), np.array(self.sets.boxes[number], 'f4'))
+            here = {*cell.pages.tolist(), *front.everywhere.tolist()}
+            shown = {*cell.draws.tolist(), *np.flatnonzero(front.draw_flags & EVERYWHERE).tolist()}
+            seen = np.array(self.sets.seen(number), np.int64)
+            seen_draws = self.draw_of(seen)
+            for polygon, draw in zip(seen, seen_draws):
+                if front.draw_flags[draw] & NOWHERE or self.page_of[polygon] < 0:
+                    continue
+                self.assertIn(draw, shown, f'cell {number}')
+                self.assertTrue(self.pages_near[polygon] & here, f'cell {number}: polygon {polygon} is in no page of it')
+            # And no more than that.
+            self.assertLessEqual(set(cell.draws.tolist()), set(seen_draws.tolist()))
+            needed = {self.page_of[polygon] for polygon in seen} | {p for polygon in seen for p in self.pages_near[polygon]}
+            self.assertLessEqual(set(cell.pages.tolist()), needed)
+
+    def test_weights_are_those_of_the_importance(self):
+        for number, cell in self.cells.items():
+            classes = np.array(self.sets.classes(number))
+            pages = self.page_of[self.sets.seen(number)]
+            weights = dict(zip(cell.pages.tolist(), cell.page_weights()))
+            for page, weight in weights.items():
+                most = largest_of_class(classes[pages == page])
+                least = np.where(classes[pages == page] < SMALLEST, most / 4, 0).sum()
+                self.assertLessEqual(weight, STEP * most.sum() * 1.001, f'cell {number}, page {page}')
+                self.assertGreaterEqual(weight * STEP * 1.001, least, f'cell {number}, page {page}')
+            self.assertGreater(cell.weight, 0)
+            if not len(self.site.front.everywhere):
+                self.assertLessEqual(sum(weights.values()), cell.weight * STEP)
+                self.assertGreaterEqual(sum(weights.values()), cell.weight / STEP)
+            # Few pages are most of the view.
+            self.assertGreater(len(set(cell.page_codes.tolist())), min(len(cell.pages), 4) - 1)
+            self.assertTrue((cell.page_codes[cell.page_codes < LEAST] < 8 * 32).all())
+
+    def test_pages_are_small(self):
+        front = self.site.front
+        self.assertLessEqual(front.page_bytes.max(), 32 << 10)
+        self.assertLessEqual(len(front.everywhere), len(front.page_bytes))
+
+    def test_the_cell_of_a_point(self):
+        draw = np.random.default_rng(1)
+        boxes = np.array([self.cells[i].box for i in range(len(self.cells))], 'f8')
+        low, high = boxes[:, 0].min(axis=0) - 1, boxes[:, 1].max(axis=0) + 1
+        points = [*boxes.mean(axis=1), *boxes[:, 0], *boxes[:, 1], *draw.uniform(low, high, (200, 3))]
+        for point in np.array(points, 'f4'):
+            inside = [i for i, (first, last) in enumerate(boxes) if (first <= point).all() and (point < last).all()]
+            cell = cell_at(self.site, point)
+            volumes = [np.prod(boxes[i][1] - boxes[i][0]) for i in inside]
+            self.assertEqual(cell and cell.number, inside[int(np.argmin(volumes))] if inside else None)
+        self.assertIsNone(cell_at(self.site, high + 1))
+
+    def test_a_second_run_writes_the_same(self):
+        again = new_folder(self.addCleanup)
+        first, before = contents(self.site_folder), modified(self.site_folder)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', again, '--grid', GRID)
+        self.assertEqual(contents(again), first)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', self.site_folder, '--grid', GRID)
+        after = modified(self.site_folder)
+        self.assertEqual(contents(self.site_folder), first)
+        front = os.path.join(self.site_folder, 'scene.front')
+        self.assertEqual({path: time for path, time in after.items() if path != front},
+                         {path: time for path, time in before.items() if path != front})
+
+    def test_files_of_an_older_front_stay(self):
+        folder = new_folder(self.addCleanup)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, '--grid', 16 * GRID)
+        coarse = set(contents(folder))
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, '--grid', GRID)
+        both = contents(folder)
+        self.assertLess(coarse, set(both))
+        self.assertEqual(both, {**both, **contents(self.site_folder)})
+
+    def test_damaged_files_are_rejected(self):
+        folder = new_folder(self.addCleanup)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, '--grid', GRID)
+        front = open_site(folder).front
+        for name in ('scene.front', front.chunk_name(0), front.page_name(0)):
+            path = os.path.join(folder, *name.split('/'))
+            data = read(path)
+            # In a zlib stream, a flipped bit may mean the same bytes. Not so in the header, the first bytes and the checksum.
+            places = [*range(18), *range(len(data) - 4, len(data))] if name == 'scene.front' else range(0, len(data), 61)
+            for damaged in (data[:-1], data + b'\0', *(data[:at] + bytes([data[at] ^ 16]) + data[at + 1:] for at in places)):
+                with open(path, 'wb') as file:
+                    file.write(damaged)
+                with self.assertRaises(ValueError):
+                    open_site(folder)
+            with open(path, 'wb') as file:
+                file.write(data)
+        open_site(folder)
+
+
+class City(Streamed):
+    __test__ = True
+
+    @classmethod
+    def write_scene(cls):
+        cls.make_city('scene.glb')
+        return ['--cell-limit', 6]
+
+    def test_equal_geometry_is_there_once(self):
+        shapes = {(draw.mesh, draw.primitive) for draw in self.draws}
+        self.assertLessEqual(len(self.site.front.geometry_polygons), len(shapes))
+        self.assertLess(len(shapes), len(self.draws))
+
+
+class Colonnade(Streamed):
+    """All pillars are one geometry: by nodes, mirrored, and by EXT_mesh_gpu_instancing."""
+    __test__ = True
+
+    @classmethod
+    def write_scene(cls):
+        cells = cls.path('cells.json')
+        write_cells(cells)
+        write_colonnade(cls.scene)
+        return ['--cells-file', cells]
+
+    def test_equal_geometry_is_there_once(self):
+        self.assertEqual(len(self.site.front.geometry_polygons), 3)
+        self.assertEqual(sorted(self.site.front.geometry_polygons.tolist()), [2, 12, 64])
