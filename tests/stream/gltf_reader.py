@@ -163,7 +163,7 @@ def read_gltf(path):
 
 
 def from_trs(translation=(0, 0, 0), rotation=(0, 0, 0, 1), scale=(1, 1, 1)):
-    x, y, z, w = np.asarray(rotation, 'f8') / np.linalg.norm(rotation)
+    x, y, z, w = np.asarray(rotation, 'f8')  # of length 1, says glTF; quantized ones are nearly so
     matrix = np.eye(4)
     matrix[:3, :3] = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],

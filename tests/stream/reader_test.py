@@ -76,7 +76,8 @@ class TestReader:
         ('geometries', deltas(0, -1), 'geometry is negative or not below 1'),
         ('materials', varints(2, 0), 'material is not below 2'), ('flags', varints(0, 8), 'flag is not below'),
         ('flags', varints(0, 6), 'in every cell and in none'),
-        ('nodes', b'\x06\xff\xff\xff\xff\x1f', 'more than 32 bits'), ('nodes', b'\x06\x80\x80\x80\x80\x80\0', 'more than 5 bytes'),
+        ('nodes', b'\x06\xff\xff\xff\xff\x1f', 'more than 32 bits'),
+        ('nodes', b'\x06\x80\x80\x80\x80\x80\0', 'more than 5 bytes'),
         ('matrices', floats(*[[np.inf, 0]] * 12), 'not finite'),
         ('page boxes', bytes([1, 0, 0, 0, 255, 255]), 'box of a page'), ('file types', bytes([2, 5]), 'type of an image'),
         ('file counts', varints(1), 'have not 2 files'), ('heights', varints(9, 8), 'ascending size'),
@@ -110,10 +111,13 @@ class TestReader:
     @pytest.mark.parametrize('field, value, message', [
         ('count', varints(0), ''), ('count', varints(4), 'count of cells is not below 4'),
         ('numbers', deltas(0, 2, 3), 'cell is negative or not below 3'), ('numbers', deltas(0, 2, 2), 'twice'),
-        ('boxes', box_columns(*[[[0, 0, 0], [1, 1, 0]]] * 3), 'without volume'), ('weights', floats([1, 2, -1]), 'negative weight'),
-        ('weights', floats([1, 2, np.inf]), 'not finite'), ('page counts', varints(1, 2, 0), 'count of pages is not below 2'),
+        ('boxes', box_columns(*[[[0, 0, 0], [1, 1, 0]]] * 3), 'without volume'),
+        ('weights', floats([1, 2, -1]), 'negative weight'),
+        ('weights', floats([1, 2, np.inf]), 'not finite'),
+        ('page counts', varints(1, 2, 0), 'count of pages is not below 2'),
         ('page counts', varints(1, 0, 0), ''), ('pages', gaps(0) + gaps(1), 'page is not below 1'),
-        ('runs', varints(0, 2) + varints(1, 0), 'draw is not below 2'), ('runs', varints(0, 1) + varints(2, 0), 'draw is not below 2'),
+        ('runs', varints(0, 2) + varints(1, 0), 'draw is not below 2'),
+        ('runs', varints(0, 1) + varints(2, 0), 'draw is not below 2'),
         ('images', gaps(1), 'image is not below 1'), ('image weights', bytes(2), 'behind the payload')])
     def test_fields_of_a_chunk(self, site, field, value, message):
         front = streamed_scene.front(site.contents()[0])
@@ -143,15 +147,22 @@ class TestReader:
 
     @pytest.mark.parametrize('where, change, message', [
         ('primitive', {'material': 0}, 'material'), ('primitive', {'mode': 5}, 'without triangles'),
-        ('primitive', {'extras': {'sightcell': [1, 6]}}, 'no geometry 1'), ('primitive', {'extras': {'sightcell': [-1, 6]}}, 'is -1'),
-        ('primitive', {'extras': {'sightcell': [0, 3]}}, '3 of 6 indices'), ('primitive', {'extras': {'sightcell': [0, 5]}}, '5 indices'),
-        ('primitive', {'extras': {'sightcell': [0, 9]}}, 'more polygons'), ('primitive', {'extras': {'sightcell': [0]}}, 'pairs'),
+        ('primitive', {'extras': {'sightcell': [1, 6]}}, 'no geometry 1'),
+        ('primitive', {'extras': {'sightcell': [-1, 6]}}, 'is -1'),
+        ('primitive', {'extras': {'sightcell': [0, 3]}}, '3 of 6 indices'),
+        ('primitive', {'extras': {'sightcell': [0, 5]}}, '5 indices'),
+        ('primitive', {'extras': {'sightcell': [0, 9]}}, 'more polygons'),
+        ('primitive', {'extras': {'sightcell': [0]}}, 'pairs'),
         ('primitive', {'extras': {'sightcell': []}}, 'pairs'), ('primitive', {'extras': {}}, 'malformed'),
         ('primitive', {'extras': {'sightcell': [0, 0, 0, 6]}}, '0 indices'),
-        ('primitive', {'attributes': {'POSITION': 0, '_HEAT': 1}}, '_HEAT'), ('primitive', {'attributes': {'NORMAL': 1}}, 'no POSITION'),
-        ('primitive', {'attributes': {'POSITION': 5}}, 'accessors has no 5'), ('primitive', {'attributes': {'POSITION': -1}}, 'no -1'),
-        ('primitive', {'attributes': {'POSITION': 0, 'NORMAL': 0}}, 'type of NORMAL'), ('primitive', {'indices': 7}, 'accessors has no 7'),
-        ('document', {'nodes': [{'mesh': 0, 'translation': [1, 0, 0]}]}, 'transform'), ('document', {'nodes': []}, 'one node'),
+        ('primitive', {'attributes': {'POSITION': 0, '_HEAT': 1}}, '_HEAT'),
+        ('primitive', {'attributes': {'NORMAL': 1}}, 'no POSITION'),
+        ('primitive', {'attributes': {'POSITION': 5}}, 'accessors has no 5'),
+        ('primitive', {'attributes': {'POSITION': -1}}, 'no -1'),
+        ('primitive', {'attributes': {'POSITION': 0, 'NORMAL': 0}}, 'type of NORMAL'),
+        ('primitive', {'indices': 7}, 'accessors has no 7'),
+        ('document', {'nodes': [{'mesh': 0, 'translation': [1, 0, 0]}]}, 'transform'),
+        ('document', {'nodes': []}, 'one node'),
         ('document', {'nodes': [{'mesh': 0}, {'mesh': 0}]}, 'one node'), ('document', {'asset': {'version': '1.0'}}, '2.0'),
         ('document', {'extensionsUsed': ['KHR_mesh_quantization']}, 'meshopt'),
         ('document', {'extensionsRequired': ['EXT_meshopt_compression']}, 'quantization')])
@@ -163,7 +174,8 @@ class TestReader:
 
     @pytest.mark.parametrize('number, change, message', [
         (0, {'max': [2, 1, 0]}, 'min or max'), (0, {'min': None}, ''), (1, {'normalized': False}, 'NORMAL and normalized'),
-        (2, {'bufferView': 0, 'type': 'VEC2', 'componentType': 5123}, 'type of TEXCOORD_0'), (3, {'count': 3}, 'unequal length'),
+        (2, {'bufferView': 0, 'type': 'VEC2', 'componentType': 5123}, 'type of TEXCOORD_0'),
+        (3, {'count': 3}, 'unequal length'),
         (3, {'count': 5}, 'leaves its view'), (4, {'count': 3}, '6 of 3 indices'), (4, {'bufferView': 9}, 'no 9'),
         (2, {'bufferView': 3, 'type': 'VEC2'}, 'filter EXPONENTIAL'), (0, {'byteOffset': 2}, 'aligned')])
     def test_accessors_of_a_page(self, site, number, change, message):

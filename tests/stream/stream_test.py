@@ -7,11 +7,12 @@ import numpy as np
 import harness
 from colonnade_scene import write_cells, write_colonnade
 from decode_pvs import Contents
-from gltf_reader import apply, read_draws
-from harness import QUICK_BAKE, InFolder, new_folder, read
+from gltf_reader import apply, read_draws, read_gltf
+from harness import QUICK_BAKE, InFolder, new_folder, read, write_middle_cell
 from matching import partners
+from painted_scene import PIXELS, png, write_painted
 from pair_sets import candidates, corner_distance
-from streamed_scene import EVERYWHERE, LEAST, NOWHERE, cell_at, local_polygons, open_site, rebuild
+from streamed_scene import EVERYWHERE, LEAST, MOVES, NOWHERE, cell_at, local_polygons, open_site, rebuild
 
 GRID = 0.002  # meters
 STEP = 2 ** (1 / 16)  # a weight is rounded to an eighth of a power of two
@@ -95,7 +96,7 @@ class Streamed(InFolder):
     def test_every_polygon_is_in_one_page(self):
         missing = (self.page_of < 0) & ~self.flat
         self.assertFalse(missing.any(), f'{missing.sum()} of {len(missing)} polygons are in no page')
-        self.assertGreater((self.page_of >= 0).mean(), 0.99)
+        self.assertTrue((self.page_of >= 0).any())
         # Each polygon in a page is one of each of its draws.
         front = self.site.front
         for geometry, found in enumerate(self.found_by):
@@ -104,10 +105,15 @@ class Streamed(InFolder):
     def test_rebuilt_polygons_are_those_of_the_draws(self):
         draws, world = rebuild(self.site)
         for number, draw in enumerate(self.draws):
-            self.assertLessEqual((draws == number).sum(), len(draw.local))
-            if len(draw.local):
-                box, own = world[draws == number].reshape(-1, 3), draw.world().reshape(-1, 3)
-                np.testing.assert_allclose([box.min(axis=0), box.max(axis=0)], [own.min(axis=0), own.max(axis=0)], atol=2 * GRID)
+            rebuilt, own = world[draws == number], draw.world()
+            self.assertLessEqual(len(rebuilt), len(own))
+            if len(rebuilt):
+                self.assertTrue((rebuilt.min(axis=(0, 1)) > own.min(axis=(0, 1)) - GRID).all())
+                self.assertTrue((rebuilt.max(axis=(0, 1)) < own.max(axis=(0, 1)) + GRID).all())
+            own = own[~self.flat[draw.first:draw.first + len(own)]]
+            if len(own):
+                self.assertTrue((rebuilt.min(axis=(0, 1)) < own.min(axis=(0, 1)) + GRID).all())
+                self.assertTrue((rebuilt.max(axis=(0, 1)) > own.max(axis=(0, 1)) - GRID).all())
 
     def test_boxes_contain_polygons(self):
         front, (corners, pages) = self.site.front, local_polygons(self.site)
@@ -119,7 +125,8 @@ class Streamed(InFolder):
                 slack = 2 * GRID
                 self.assertTrue((world >= boxes[:, None, 0] - slack).all() and (world <= boxes[:, None, 1] + slack).all())
         own = np.concatenate([draw.world().reshape(-1, 3) for draw in self.draws])
-        np.testing.assert_allclose(front.box, [own.min(axis=0), own.max(axis=0)], atol=2 * GRID)
+        self.assertTrue((front.box[0] <= own.min(axis=0) + GRID).all() and (front.box[1] >= own.max(axis=0) - GRID).all())
+        self.assertTrue((np.diff(front.box, axis=0)[0] < 2 * np.ptp(own, axis=0) + 2 * GRID).all())
 
     def test_positions_are_on_one_grid(self):
         """Of a power of two for each geometry, the largest one that keeps the distance."""
@@ -132,8 +139,8 @@ class Streamed(InFolder):
             steps = rows.reshape(-1) * 2.0 ** 20
             step = 2.0 ** min((int(n) & -int(n)).bit_length() - 1 for n in steps if n) / 2.0 ** 20
             self.assertTrue((steps == np.rint(steps)).all())
-            # Half a step is the error of each axis. That it is not more is seen where polygons are matched.
-            self.assertGreater(2 * step * scale, GRID / np.sqrt(3))
+            # That it is not too large is seen where polygons are matched.
+            self.assertGreater(2 * step * scale, GRID)
 
     def test_cells_have_what_is_in_their_sets(self):
         front = self.site.front
@@ -145,7 +152,7 @@ class Streamed(InFolder):
             seen = np.array(self.sets.seen(number), np.int64)
             seen_draws = self.draw_of(seen)
             for polygon, draw in zip(seen, seen_draws):
-                if front.draw_flags[draw] & NOWHERE or self.page_of[polygon] < 0:
+                if front.draw_flags[draw] & NOWHERE or self.flat[polygon]:
                     continue
                 self.assertIn(draw, shown, f'cell {number}')
                 self.assertTrue(self.pages_near[polygon] & here, f'cell {number}: polygon {polygon} is in no page of it')
@@ -257,3 +264,54 @@ class Colonnade(Streamed):
     def test_equal_geometry_is_there_once(self):
         self.assertEqual(len(self.site.front.geometry_polygons), 3)
         self.assertEqual(sorted(self.site.front.geometry_polygons.tolist()), [2, 12, 64])
+
+
+class Painted(Streamed):
+    """Attributes and an image, and a box that the host moves."""
+    __test__ = True
+
+    @classmethod
+    def write_scene(cls):
+        cls.cells_file = cls.path('cells.json')
+        write_middle_cell(cls.cells_file)
+        write_painted(cls.scene)
+        return ['--cells-file', cls.cells_file]
+
+    def test_attributes(self):
+        gltf = read_gltf(self.scene)
+        limits = {'NORMAL': 0.03, 'TEXCOORD_0': 1 / 32 / PIXELS, 'TEXCOORD_1': 1 / 32 / PIXELS, 'COLOR_0': 0.5 / 255}
+        for page in range(len(self.site.front.page_bytes)):
+            for part in self.site.page(page):
+                draw = int(np.flatnonzero(self.site.front.draw_geometry == part.geometry)[0])
+                primitive = gltf.document['meshes'][self.site.front.draw_mesh[draw]]['primitives'][0]
+                self.assertEqual(set(part.attributes), set(primitive['attributes']))
+                source = {name: gltf.floats(number) for name, number in primitive['attributes'].items()}
+                for vertex in np.unique(part.triangles):
+                    near = np.linalg.norm(source['POSITION'] - part.attributes['POSITION'][vertex], axis=1) <= GRID
+                    for name, limit in limits.items():
+                        near &= np.abs(source[name] - part.attributes[name][vertex]).max(axis=1) <= limit * 1.001
+                    self.assertTrue(near.any(), f'page {page}, vertex {vertex}')
+
+    def test_images(self):
+        front = self.site.front
+        files, = front.images
+        self.assertEqual((files[-1].width, files[-1].height, files[-1].type), (PIXELS, PIXELS, 'png'))
+        self.assertEqual(self.site.read(files[-1].name()), png())
+        self.assertEqual(front.document['materials'][0]['pbrMetallicRoughness']['baseColorTexture'], {'index': 0})
+        self.assertEqual([cell.images.tolist() for cell in self.cells.values()], [[0]])
+
+    def test_without_images(self):
+        folder = new_folder(self.addCleanup)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, '--grid', GRID, '--no-textures')
+        self.assertFalse([name for name in contents(folder) if name.startswith('images')])
+        open_site(folder).cells()
+
+    def test_the_host_moves_the_box(self):
+        """So it can be visible from any cell."""
+        front = self.site.front
+        self.assertEqual(front.draw_flags.tolist(), [0, MOVES | EVERYWHERE])
+        cell, = self.cells.values()
+        self.assertEqual(cell.draws.tolist(), [0])
+        pages = {page for page in range(len(front.page_bytes)) for part in self.site.page(page)
+                 if part.geometry == front.draw_geometry[1]}
+        self.assertEqual(set(front.everywhere.tolist()), pages)
