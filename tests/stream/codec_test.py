@@ -80,12 +80,14 @@ class TestAttributes:
     def test_cut_streams_are_rejected(self):
         assert_prefixes_are_rejected(ATTRIBUTES, 16, 4, 'ATTRIBUTES')
 
-    @pytest.mark.parametrize('data, count, stride', [
-        (b'\xa1' + ATTRIBUTES[1:], 16, 4),  # another version
-        (ATTRIBUTES + b'\0', 16, 4), (ATTRIBUTES, 65, 4), (ATTRIBUTES, 1 << 60, 4), (ATTRIBUTES, -1, 4),
-        (ATTRIBUTES, 16, 8), (ATTRIBUTES, 16, 3), (ATTRIBUTES, 16, 260), (ATTRIBUTES, 16, 0)])
-    def test_what_the_text_forbids_is_rejected(self, data, count, stride):
-        with pytest.raises(ValueError):
+    @pytest.mark.parametrize('data, count, stride, message', [
+        (b'\xa1' + ATTRIBUTES[1:], 16, 4, 'header 0xa1'), (ATTRIBUTES + b'\0', 16, 4, 'end at their tail'),
+        (ATTRIBUTES, 65, 4, 'cut|tail'), (ATTRIBUTES, 1 << 60, 4, 'cut'), (ATTRIBUTES, -1, 4, 'count or stride'),
+        (ATTRIBUTES, 16, 0, 'count or stride'), (ATTRIBUTES, 16.0, 4, 'count or stride'), (ATTRIBUTES, 16, 8, 'cut|tail'),
+        (encoded_attributes(np.zeros((16, 6), np.uint8)), 16, 6, 'stride of 6'),
+        (encoded_attributes(np.zeros((16, 260), np.uint8)), 16, 260, 'stride of 260')])
+    def test_what_the_text_forbids_is_rejected(self, data, count, stride, message):
+        with pytest.raises(ValueError, match=message):
             meshopt_codec.decode(data, count, stride, 'ATTRIBUTES')
 
 
@@ -117,20 +119,22 @@ class TestTriangles:
     def test_cut_streams_are_rejected(self):
         assert_prefixes_are_rejected(triangles_stream(), 3 * len(TRIANGLES), 2, 'TRIANGLES')
 
-    @pytest.mark.parametrize('data, count, stride, filter_name', [
-        (b'\xe0' + triangles_stream()[1:], 33, 2, 'NONE'),  # another version
-        (triangles_stream(), 32, 2, 'NONE'), (triangles_stream(), 30, 2, 'NONE'), (triangles_stream(), 36, 2, 'NONE'),
-        (triangles_stream(), 33, 1, 'NONE'), (triangles_stream(), 33, 2, 'EXPONENTIAL'),
-        (triangles_stream() + b'\0', 33, 2, 'NONE'),
-        (triangles_stream(table=TABLE[:15] + b'\1'), 33, 2, 'NONE'),
-        (triangles_stream(table=b'\xf0' + TABLE[1:]), 33, 2, 'NONE'),
-        (triangles_stream(table=b'\x0f' + TABLE[1:]), 33, 2, 'NONE'),
-        (triangles_stream([(0x00, b'')]), 3, 2, 'NONE'),  # no edge is there yet
-        (triangles_stream([(0xFE, b'\x10')]), 3, 2, 'NONE'),  # the triangle's own first corner is no entry yet
-        (triangles_stream([(0xFF, b'\xff' + b'\xff' * 5 + b'\0\0\0')]), 3, 4, 'NONE'),  # a number of six bytes
-        (triangles_stream([(0xFF, b'\xff' + b'\xff' * 4 + b'\x1f\0\0')]), 3, 4, 'NONE')])  # one of 33 bits
-    def test_what_the_text_forbids_is_rejected(self, data, count, stride, filter_name):
-        with pytest.raises(ValueError):
+    @pytest.mark.parametrize('data, count, stride, filter_name, message', [
+        (b'\xe0' + triangles_stream()[1:], 33, 2, 'NONE', 'header 0xe0'),
+        (triangles_stream(), 32, 2, 'NONE', '3 does not divide'), (triangles_stream(), 30, 2, 'NONE', 'end at their tail'),
+        (triangles_stream(), 36, 2, 'NONE', ''), (triangles_stream(), 33, 1, 'NONE', 'stride of 1'),
+        (triangles_stream(), 33, 2, 'EXPONENTIAL', 'filter EXPONENTIAL'),
+        (triangles_stream() + bytes(17), 33, 2, 'NONE', 'end at their tail'),
+        (triangles_stream(table=TABLE[:15] + b'\1'), 33, 2, 'NONE', 'table'),
+        (triangles_stream(table=b'\xf0' + TABLE[1:]), 33, 2, 'NONE', 'table'),
+        (triangles_stream(table=b'\x0f' + TABLE[1:]), 33, 2, 'NONE', 'table'),
+        (triangles_stream([(0x00, b'')]), 3, 2, 'NONE', 'edge that was not there'),
+        # The triangle's own first corner is no entry yet.
+        (triangles_stream([(0xFE, b'\x10')]), 3, 2, 'NONE', 'vertex that was not there'),
+        (triangles_stream([(0xFF, b'\xff' + b'\xff' * 5 + b'\0\0\0')]), 3, 4, 'NONE', 'more than 5 bytes'),
+        (triangles_stream([(0xFF, b'\xff' + b'\xff' * 4 + b'\x1f\0\0')]), 3, 4, 'NONE', 'more than 32 bits')])
+    def test_what_the_text_forbids_is_rejected(self, data, count, stride, filter_name, message):
+        with pytest.raises(ValueError, match=message):
             meshopt_codec.decode(data, count, stride, 'TRIANGLES', filter_name)
 
 
@@ -141,11 +145,13 @@ class TestIndices:
     def test_cut_streams_are_rejected(self):
         assert_prefixes_are_rejected(INDICES, 5, 2, 'INDICES')
 
-    @pytest.mark.parametrize('data, count, stride', [
-        (b'\xd0' + INDICES[1:], 5, 2), (INDICES, 4, 2), (INDICES, 6, 2), (INDICES + b'\0', 5, 2),
-        (INDICES[:-1] + b'\1', 5, 2), (INDICES, 5, 3), (b'\xd1' + bytes([2]) + bytes(4), 1, 2)])
-    def test_what_the_text_forbids_is_rejected(self, data, count, stride):
-        with pytest.raises(ValueError):
+    @pytest.mark.parametrize('data, count, stride, message', [
+        (b'\xd0' + INDICES[1:], 5, 2, 'header 0xd0'), (INDICES, 4, 2, 'end at their tail'), (INDICES, 6, 2, 'are cut'),
+        (INDICES + b'\0', 5, 2, 'end at their tail'), (INDICES, 1 << 60, 2, 'are cut'),
+        (INDICES[:-1] + b'\1', 5, 2, 'not zero'), (INDICES, 5, 3, 'stride of 3'),
+        (b'\xd1' + bytes([2]) + bytes(4), 1, 2, '16 bits')])
+    def test_what_the_text_forbids_is_rejected(self, data, count, stride, message):
+        with pytest.raises(ValueError, match=message):
             meshopt_codec.decode(data, count, stride, 'INDICES')
 
     def test_other_modes_are_rejected(self):
@@ -177,13 +183,14 @@ class TestFilters:
         assert self.through(np.array([[511, 0, 1023, 77], [-32767, 0, 32767, -1]], '<i2'), '<i2', 'OCTAHEDRAL') == [
             [23147, 0, 23192, 77], [-32767, 0, 0, -1]]
 
-    @pytest.mark.parametrize('elements, name', [
-        (np.array([[0x65000001]], '<u4'), 'EXPONENTIAL'),  # 2^101
-        (np.array([[0, 0, 100, 0]], 'i1'), 'OCTAHEDRAL'), (np.array([[0, 0, 3, 0]], 'i1'), 'OCTAHEDRAL'),
-        (np.array([[0, 0, -1, 0]], 'i1'), 'OCTAHEDRAL'), (np.array([[0, 8, 7, 0]], 'i1'), 'OCTAHEDRAL'),
-        (np.array([[0, 0, 127, 0, 0, 0]], '<i2'), 'OCTAHEDRAL'), (np.array([[0] * 8], 'i1'), 'QUATERNION')])
-    def test_what_the_text_forbids_is_rejected(self, elements, name):
-        with pytest.raises(ValueError):
+    @pytest.mark.parametrize('elements, name, message', [
+        (np.array([[0x65000001]], '<u4'), 'EXPONENTIAL', 'beyond 100'),
+        (np.array([[0, 0, 100, 0]], 'i1'), 'OCTAHEDRAL', 'wrong one'), (np.array([[0, 0, 3, 0]], 'i1'), 'OCTAHEDRAL', 'wrong one'),
+        (np.array([[0, 0, -1, 0]], 'i1'), 'OCTAHEDRAL', 'wrong one'), (np.array([[0, 8, 7, 0]], 'i1'), 'OCTAHEDRAL', 'above its one'),
+        (np.array([[0, 0, 127, 0, 0, 0]], '<i2'), 'OCTAHEDRAL', 'stride of 12'),
+        (np.array([[0] * 8], 'i1'), 'QUATERNION', 'not supported')])
+    def test_what_the_text_forbids_is_rejected(self, elements, name, message):
+        with pytest.raises(ValueError, match=message):
             self.through(elements, 'u1', name)
 
 

@@ -9,7 +9,7 @@ import pytest
 import gltf_reader
 from colonnade_scene import Glb, write_colonnade
 from gltf_reader import read_draws, split_glb, world_triangles
-from small_site import glb
+from small_site import encoded_attributes, glb
 
 POINTS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (0, 2, 0)]
 
@@ -79,29 +79,65 @@ def test_instances_of_a_real_file(folder):
     assert draws[-1].first + len(draws[-1].local) == len(world_triangles(path)) == 1104
 
 
-@pytest.mark.parametrize('change', [
-    lambda data: data[:19], lambda data: b'GLTF' + data[4:], lambda data: data[:4] + b'\1' + data[5:], lambda data: data + bytes(4),
-    lambda data: data[:8] + struct.pack('<I', len(data) + 4) + data[12:], lambda data: data[:16] + b'BIN\0' + data[20:],
-    lambda data: data[:12] + struct.pack('<I', 4000) + data[16:], lambda data: data[:-1]])
-def test_broken_containers(change):
+@pytest.mark.parametrize('change, message', [
+    (lambda data: data[:19], 'no .glb'), (lambda data: b'GLTF' + data[4:], 'no .glb'),
+    (lambda data: data[:4] + b'\1' + data[5:], 'version 1'), (lambda data: data + bytes(4), 'has'),
+    (lambda data: data[:16] + b'BIN\0' + data[20:], 'first chunk'),
+    (lambda data: data[:12] + struct.pack('<I', 4000) + data[16:], 'first chunk'),
+    (lambda data: resized(data[:-16] + struct.pack('<I', 12) + data[-12:]), 'is cut'),
+    (lambda data: resized(data + bytes(4)), 'is cut'),
+    (lambda data: resized(data + data[-16:]), 'not the second one'),
+    (lambda data: resized(data[:20] + b'[]' + b' ' * (len(data) - 38) + data[-16:]), 'no object')])
+def test_broken_containers(change, message):
     data = glb({'asset': {'version': '2.0'}}, bytes(8))
     assert split_glb(data)[1] == bytes(8)
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match=message):
         split_glb(change(data))
 
 
-@pytest.mark.parametrize('kind, number, change', [
-    ('buffers', 0, {'byteLength': 13}), ('buffers', 0, {'byteLength': 8}), ('buffers', 0, {'byteLength': -12}),
-    ('bufferViews', 0, {'byteOffset': 1}), ('bufferViews', 0, {'byteLength': 13}), ('bufferViews', 0, {'buffer': 1}),
-    ('bufferViews', 0, {'byteStride': 2}), ('accessors', 0, {'count': 2}), ('accessors', 0, {'byteOffset': 4}),
-    ('accessors', 0, {'componentType': 5124}), ('accessors', 0, {'type': 'MAT9'}), ('accessors', 0, {'bufferView': -1}),
-    ('accessors', 0, {'count': True}), ('accessors', 0, {'sparse': {}}), ('buffers', 0, {'uri': 'elsewhere.bin'})])
-def test_broken_references(kind, number, change):
+def resized(data):
+    return data[:8] + struct.pack('<I', len(data)) + data[12:]
+
+
+@pytest.mark.parametrize('kind, change, message', [
+    ('buffers', {'byteLength': 13}, 'is a chunk of'), ('buffers', {'byteLength': 8}, 'is a chunk of'),
+    ('buffers', {'byteLength': -12}, 'byteLength of a buffer is -12'), ('buffers', {'uri': 'elsewhere.bin'}, 'another file'),
+    ('buffers', {'uri': 'data:,AAAA'}, '3 of 12 bytes'), ('bufferViews', {'byteOffset': 1}, 'leaves its buffer'),
+    ('bufferViews', {'byteLength': 13}, 'leaves its buffer'), ('bufferViews', {'buffer': 1}, 'no 1'),
+    ('bufferViews', {'byteStride': 2}, 'not aligned'), ('accessors', {'count': 2}, 'leaves its view'),
+    ('accessors', {'byteOffset': 4}, 'leaves its view'), ('accessors', {'componentType': 5124}, 'malformed'),
+    ('accessors', {'type': 'MAT9'}, 'malformed'), ('accessors', {'bufferView': -1}, 'no -1'),
+    ('accessors', {'count': True}, 'is True'), ('accessors', {'sparse': {}}, 'sparse')])
+def test_broken_references(kind, change, message):
     document = {
         'asset': {'version': '2.0'}, 'buffers': [{'byteLength': 12}], 'bufferViews': [{'buffer': 0, 'byteLength': 12}],
         'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 1, 'type': 'VEC3'}]}
     read = gltf_reader.malformed_is_value_error(lambda: gltf_reader.Gltf(document, bytes(12)).floats(0))
     assert read().tolist() == [[0, 0, 0]]
-    document[kind][number].update(change)
-    with pytest.raises(ValueError):
+    document[kind][0].update(change)
+    with pytest.raises(ValueError, match=message):
         read()
+
+
+def test_a_buffer_without_bytes():
+    with pytest.raises(ValueError, match='has no bytes'):
+        gltf_reader.Gltf({'asset': {'version': '2.0'}, 'buffers': [{'byteLength': 4}]}).buffer_of(0)
+
+
+@pytest.mark.parametrize('view, change, message', [
+    ({'byteLength': 15}, {}, 'length of its elements'), ({'byteStride': 8}, {}, 'another stride'), ({'byteOffset': 4}, {}, 'leaves'),
+    ({}, {'count': 3}, 'length of its elements'), ({}, {'byteLength': 102}, 'leaves its buffer'), ({}, {'mode': 'NONE'}, 'no mode')])
+def test_broken_compressed_views(view, change, message):
+    data = encoded_attributes(np.zeros((4, 4), np.uint8))
+    packed = {'buffer': 0, 'byteLength': len(data), 'byteStride': 4, 'count': 4, 'mode': 'ATTRIBUTES'}
+    whole_view = {'buffer': 1, 'byteLength': 16, 'byteStride': 4}
+    document = {'asset': {'version': '2.0'}, 'buffers': [{'byteLength': len(data)}, {'byteLength': 16}]}
+    for changes, expected in (({}, None), (view, message)):
+        extension = {**packed, **(change if expected else {})}
+        document['bufferViews'] = [{**whole_view, **changes, 'extensions': {'EXT_meshopt_compression': extension}}]
+        gltf = gltf_reader.Gltf(document, data)
+        if expected is None:
+            assert gltf.view_of(0) == bytes(16)
+        else:
+            with pytest.raises(ValueError, match=expected):
+                gltf.view_of(0)

@@ -11,7 +11,7 @@ import streamed_scene
 from harness import read
 from small_site import (CORNERS, IMAGES, MATRICES, TRIANGLES, SmallSite, box_columns, deltas, exponential_words, floats, gaps,
                         packed_chunk, packed_front, varints)
-from streamed_scene import LEAST, cell_at, open_site, rebuild
+from streamed_scene import LEAST, cell_at, hash_of, open_site, rebuild
 
 
 @pytest.fixture
@@ -65,6 +65,13 @@ class TestReader:
         assert [one.tolist() for one in columns.gaps([0, 3, 0, 1], 10, 'number')] == [[], [0, 1, 9], [], [3]]
         columns.end()
 
+    def test_columns_that_end_early(self):
+        for payload, method in ((b'\5', lambda columns: columns.bytes(2)), (b'\x80', lambda columns: columns.varint()),
+                                (b'\1\x80\x80', lambda columns: columns.varints(2)), (bytes(7), lambda columns: columns.floats(2)),
+                                (bytes(9), lambda columns: columns.hashes(2)), (b'\1', lambda columns: columns.gaps([2], 9, ''))):
+            with pytest.raises(ValueError, match='columns: the payload ends early'):
+                method(streamed_scene.Columns(payload, 'columns'))
+
     @pytest.mark.parametrize('field, value, message', [
         ('counts', varints(5, 1, 2, 1, 1, 2, 1, 3), 'have not 5 polygons'),
         ('counts', varints(4, 1, 2, 1, 1, 2, 1, 4), 'have not 4 cells'),
@@ -91,6 +98,12 @@ class TestReader:
         with pytest.raises(ValueError, match=message):
             streamed_scene.front(site.contents()[0])
 
+    def test_pages_that_are_there_twice(self, site):
+        site.front.update({'counts': varints(4, 1, 2, 2, 1, 2, 1, 3), 'page bytes': varints(9, 9), 'page hashes': bytes(16),
+                           'page boxes': bytes(12)})
+        with pytest.raises(ValueError, match='a page is there twice'):
+            streamed_scene.front(site.contents()[0])
+
     @pytest.mark.parametrize('change', [
         {'images': [{'uri': 'a.png'}]}, {'images': [{'bufferView': 0}]}, {'images': []}, {'asset': {'version': '3.0'}},
         {'asset': None}, {'meshes': []}, {'images': 3}])
@@ -109,7 +122,7 @@ class TestReader:
                 streamed_scene.front(wrong)
 
     @pytest.mark.parametrize('field, value, message', [
-        ('count', varints(0), ''), ('count', varints(4), 'count of cells is not below 4'),
+        ('count', varints(0), 'no cells'), ('count', varints(4), 'count of cells is not below 4'),
         ('numbers', deltas(0, 2, 3), 'cell is negative or not below 3'), ('numbers', deltas(0, 2, 2), 'twice'),
         ('boxes', box_columns(*[[[0, 0, 0], [1, 1, 0]]] * 3), 'without volume'),
         ('weights', floats([1, 2, -1]), 'negative weight'),
@@ -162,7 +175,8 @@ class TestReader:
         ('primitive', {'attributes': {'POSITION': 0, 'NORMAL': 0}}, 'type of NORMAL'),
         ('primitive', {'indices': 7}, 'accessors has no 7'),
         ('document', {'nodes': [{'mesh': 0, 'translation': [1, 0, 0]}]}, 'transform'),
-        ('document', {'nodes': []}, 'one node'),
+        ('document', {'nodes': []}, 'one node'), ('document', {'meshes': [{'primitives': []}] * 2}, 'not one mesh'),
+        ('document', {'meshes': [{'primitives': []}]}, 'no polygons'),
         ('document', {'nodes': [{'mesh': 0}, {'mesh': 0}]}, 'one node'), ('document', {'asset': {'version': '1.0'}}, '2.0'),
         ('document', {'extensionsUsed': ['KHR_mesh_quantization']}, 'meshopt'),
         ('document', {'extensionsRequired': ['EXT_meshopt_compression']}, 'quantization')])
@@ -175,7 +189,7 @@ class TestReader:
     @pytest.mark.parametrize('number, change, message', [
         (0, {'max': [2, 1, 0]}, 'min or max'), (0, {'min': None}, ''), (1, {'normalized': False}, 'NORMAL and normalized'),
         (2, {'bufferView': 0, 'type': 'VEC2', 'componentType': 5123}, 'type of TEXCOORD_0'),
-        (3, {'count': 3}, 'unequal length'),
+        (3, {'count': 3}, 'unequal length'), (3, {'count': 0}, 'is empty'),
         (3, {'count': 5}, 'leaves its view'), (4, {'count': 3}, '6 of 3 indices'), (4, {'bufferView': 9}, 'no 9'),
         (2, {'bufferView': 3, 'type': 'VEC2'}, 'filter EXPONENTIAL'), (0, {'byteOffset': 2}, 'aligned')])
     def test_accessors_of_a_page(self, site, number, change, message):
@@ -261,6 +275,18 @@ class TestReader:
         site.front[field] = value
         site.write(folder)
         with pytest.raises(ValueError, match=message):
+            open_site(folder).cells()
+
+    def test_cells_in_two_chunks(self, site, folder):
+        site.front['counts'] = varints(4, 1, 2, 1, 1, 2, 2, 6)
+        one, other = site.contents()[1], struct.pack('<I', len(site.chunk_payload())) + zlib.compress(site.chunk_payload(), 0)
+        site.front.update({
+            'chunk bytes': varints(len(one), len(other)), 'chunk cells': varints(3, 3),
+            'chunk hashes': bytes.fromhex(hash_of(one) + hash_of(other)), 'chunk boxes': box_columns(*[site.cells[0]] * 2)})
+        site.write(folder)
+        with open(os.path.join(folder, 'cells', hash_of(other) + '.cells'), 'wb') as file:
+            file.write(other)
+        with pytest.raises(ValueError, match='in two chunks'):
             open_site(folder).cells()
 
     def test_pages_with_a_polygon_twice(self, site, folder):

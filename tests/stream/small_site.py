@@ -159,7 +159,7 @@ class SmallSite:
             uncompressed += elements.size
         buffers = [{'byteLength': len(binary)},
                    {'byteLength': uncompressed, 'extensions': {'EXT_meshopt_compression': {'fallback': True}}}]
-        return glb({**self.document, 'meshes': [{'primitives': [self.primitive]}], 'accessors': self.accessors,
+        return glb({'meshes': [{'primitives': [self.primitive]}], **self.document, 'accessors': self.accessors,
                     'bufferViews': views, 'buffers': buffers}, binary)
 
     def chunk_payload(self):
