@@ -29,7 +29,6 @@ class TestReader:
         assert (front.draw_material.tolist(), front.draw_object.tolist()) == ([0, -1], [-1, 0])
         assert (front.draw_node.tolist(), front.draw_primitive.tolist()) == ([3, 4], [2, 2])
         assert (front.draw_matrices == MATRICES).all()
-        assert front.geometry_boxes.tolist() == [[[0, 0, 0], [2, 1.5, 0]]]
         assert np.allclose(front.page_boxes, [[[0, 0, -3], [8, 3, 8]]])
         assert [(file.width, file.height, file.type) for file in front.images[0]] == [(4, 0, 'webp'), (8, 8, 'png')]
         cells = found.cells()
@@ -78,7 +77,6 @@ class TestReader:
         ('counts', varints(4, 1, 2, 1, 2, 2, 1, 3), 'has not 2 images'),
         ('counts', varints(4, (1 << 32) - 1, 2, 1, 1, 2, 1, 3), 'ends early'),
         ('box', floats([9, 0, -3, 8, 3, 8]), 'box of the scene'), ('box', floats([np.nan, 0, -3, 8, 3, 8]), 'not finite'),
-        ('geometry boxes', box_columns([[0, 2, 0], [2, 1.5, 0]]), 'a box has its minimum'),
         ('geometries', deltas(0, 1), 'geometry is negative or not below 1'),
         ('geometries', deltas(0, -1), 'geometry is negative or not below 1'),
         ('materials', varints(2, 0), 'material is not below 2'), ('flags', varints(0, 8), 'flag is not below'),

@@ -130,8 +130,7 @@ class SmallSite:
         self.front = {
             'fingerprint': bytes(range(16)), 'counts': varints(4, 1, 2, 1, 1, 2, 1, 3), 'bytes of JSON': b'',
             'box': floats([0, 0, -3, 8, 3, 8]), 'JSON': b'',
-            'polygons': varints(2), 'geometry boxes': box_columns([[0, 0, 0], [2, 1.5, 0]]),
-            'geometries': deltas(0, 0), 'materials': varints(1, 0), 'flags': varints(0, 0), 'objects': varints(0, 1),
+            'polygons': varints(2), 'geometries': deltas(0, 0), 'materials': varints(1, 0), 'flags': varints(0, 0), 'objects': varints(0, 1),
             'levels': varints(0, 0), 'nodes': deltas(3, 4), 'meshes': deltas(1, 1), 'instances': deltas(0, 0),
             'primitives': varints(2, 2), 'matrices': floats(*MATRICES.transpose(2, 1, 0).reshape(12, 2)),
             'page bytes': b'', 'page hashes': b'', 'page boxes': bytes([0, 0, 0, 255, 255, 255]),

@@ -133,7 +133,6 @@ class Front:
     box: np.ndarray  # [2, 3]
     document: dict  # materials and what they need
     geometry_polygons: np.ndarray
-    geometry_boxes: np.ndarray  # [G, 2, 3] in local space
     draw_geometry: np.ndarray
     draw_material: np.ndarray  # -1: the default material
     draw_flags: np.ndarray
@@ -173,7 +172,7 @@ def front(data):
     box = read.floats(6).reshape(2, 3)  # one column
     read.need((box[0] <= box[1]).all(), 'the box of the scene has its minimum above its maximum')
     document = materials_of(bytes(read.bytes(text)), images)
-    geometry_polygons, geometry_boxes = read.varints(geometries), read.boxes(geometries)
+    geometry_polygons = read.varints(geometries)
     materials = len(document.get('materials', []))
     table = {
         'draw_geometry': read.deltas(draws, geometries, 'geometry'),
@@ -198,7 +197,7 @@ def front(data):
     read.need(not both.any(), 'a draw is in every cell and in none')
     for what, hashes in (('page', page_hashes), ('chunk', chunk_hashes)):
         read.need(len(set(hashes)) == len(hashes), f'a {what} is there twice')
-    return Front(fingerprint, polygons, cells, box, document, geometry_polygons, geometry_boxes, **table,
+    return Front(fingerprint, polygons, cells, box, document, geometry_polygons, **table,
                  page_bytes=page_bytes, page_hashes=page_hashes, page_boxes=page_boxes, images=image_files,
                  chunk_bytes=chunk_bytes, chunk_cells=chunk_cells, chunk_hashes=chunk_hashes, chunk_boxes=chunk_boxes,
                  everywhere=everywhere)

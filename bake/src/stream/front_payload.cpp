@@ -106,10 +106,7 @@ class front_writer {
   }
 
   void put_geometries() {
-    const std::vector<scene::streamed_geometry>& list = content_.pager.geometries();
-    put_varint_column(out_, list, [](const auto& g) { return g.polygon_count; });
-    for (int k = 0; k < 3; ++k) put_float_column(out_, list, [k](const auto& g) { return g.min[k]; });
-    for (int k = 0; k < 3; ++k) put_float_column(out_, list, [k](const auto& g) { return g.max[k]; });
+    put_varint_column(out_, content_.pager.geometries(), [](const auto& g) { return g.polygon_count; });
   }
 
   static std::uint32_t flags_of(const scene::draw& d) {

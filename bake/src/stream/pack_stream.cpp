@@ -18,7 +18,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::size_t chunk_limit = 16'384;
+constexpr std::size_t chunk_bytes = 8'192;  // a client waits for one before its first page
 constexpr std::size_t pages_at_a_time = 64;
 constexpr std::array<const char*, 5> image_extensions = {"png", "jpg", "webp", "ktx2", "bin"};
 
@@ -112,7 +112,7 @@ class stream_packer {
     result_.mean_cell_bytes = count == 0 ? 0.0 : bytes / count;
     order_by_place(cells);
     std::vector<listed_chunk> out;
-    write_chunks(cells, chunk_limit, [&](std::vector<std::uint8_t> file, std::span<const cell_list> some) {
+    write_chunks(cells, chunk_bytes, [&](std::vector<std::uint8_t> file, std::span<const cell_list> some) {
       listed_chunk chunk{site.add("cells", "cells", std::as_bytes(std::span(file))),
                          static_cast<std::uint32_t>(some.size()), some.front().box};
       for (const cell_list& cell : some)
