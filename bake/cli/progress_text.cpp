@@ -146,8 +146,8 @@ std::string_view phase_text(bake::bake_phase phase) {
 
 bool is_counted(bake::bake_phase phase) {
   using enum bake::bake_phase;
-  return phase == preparing_sampler || phase == baking_cells || phase == checking_neighbors ||
-         phase == measuring_importance;
+  return phase == merging_cells || phase == preparing_sampler || phase == baking_cells ||
+         phase == checking_neighbors || phase == measuring_importance;
 }
 
 bool is_last(const bake::progress& now) {

@@ -13,12 +13,18 @@ namespace {
 std::uint64_t merge(cell_list& list, const settings& how, const merge_tools& tools, const callbacks& events) {
   if (events.on_phase) events.on_phase(bake_phase::merging_cells);
   constexpr std::chrono::milliseconds pause{200};
+  const auto began = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point reported{};
   return merge_cells(list, how, tools, [&](double share) {
     const auto now = std::chrono::steady_clock::now();
     if (!events.on_progress || now - reported < pause) return;
     reported = now;
-    if (!events.on_progress({.phase = bake_phase::merging_cells, .prepared = share})) throw step_stopped();
+    progress report;
+    report.phase = bake_phase::merging_cells;
+    report.prepared = share;
+    report.seconds = std::chrono::duration<double>(now - began).count();
+    if (share > 0.0) report.seconds_left = report.seconds / share * (1.0 - share);
+    if (!events.on_progress(report)) throw step_stopped();
   });
 }
 

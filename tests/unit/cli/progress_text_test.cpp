@@ -90,6 +90,8 @@ TEST(progress_text, of_each_phase) {
   EXPECT_EQ(text(bake_phase::finding_cells), "finding cells");
   EXPECT_EQ(text(bake_phase::preparing_hemicubes), "preparing hemicubes");
   EXPECT_EQ(text(bake_phase::estimating), "estimating the time");
+  EXPECT_EQ(text(bake_phase::merging_cells), "merging cells: 40 %, 18 min left");
+  EXPECT_TRUE(is_counted(bake_phase::merging_cells));  // a log has these lines, and not only seconds
   EXPECT_EQ(text(bake_phase::preparing_sampler), "preparing the sampler: 40 %, 18 min left");
   EXPECT_EQ(text(bake_phase::baking_cells), "baking cells: 1 of 60, 18 min left");
   EXPECT_EQ(text(bake_phase::checking_neighbors), "neighbor check: 7 of 60, 18 min left");

@@ -49,7 +49,7 @@ struct progress {
   // to do.
   double prepared = 1.0;
 
-  double seconds = 0.0;           // wall-clock time since the first cell
+  double seconds = 0.0;           // wall-clock time since the first cell, or since merging began
   double cells_per_second = 0.0;  // of this run, started cells included in part; 0 until a step has ended
   // Estimated from this rate, and before the first step has ended from trials. 0: at the end, or unknown because the
   // only cells that are left take longer than the trials suggest.
