@@ -179,7 +179,8 @@ void add_pack_verb(CLI::App& program, action& chosen) {
   CLI::Option* const stream =
       verb.add_flag("--stream", options->stream, "Writes a streamed scene: docs/streaming.md describes the files.");
   verb.add_option("--page-size", options->streamed.page_bytes,
-                  "Bytes of most pages. Larger ones take fewer requests and contain more that is not visible.")
+                  "Bytes of a page in the mean. Larger ones take fewer requests and contain more that is "
+                  "not visible.")
       ->check(CLI::Range(2048, 4 << 20))
       ->type_name("BYTES")
       ->capture_default_str()

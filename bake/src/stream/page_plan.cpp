@@ -174,7 +174,9 @@ page_plan plan_pages(const scene::gltf_pager& pager, const polygon_numbers& numb
 
   page_plan plan;
   plan.page_of.assign(numbers.count(), no_page);
-  const std::uint64_t limit = page_bytes > 2 * json_bytes ? page_bytes - json_bytes : page_bytes / 2;
+  // Groups are halved until they fit, which leaves them at three quarters of the limit in the mean.
+  const std::uint64_t limit =
+      (page_bytes > 2 * json_bytes ? page_bytes - json_bytes : page_bytes / 2) * std::uint64_t{4} / 3;
   for (const page_kind kind : page_kinds) {
     std::vector<grouped_item> items;
     for (std::uint32_t i = 0; i < chunks.size(); ++i)

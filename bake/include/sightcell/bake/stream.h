@@ -13,7 +13,7 @@ namespace sightcell::bake {
 
 struct stream_settings {
   double grid = 1.0 / 4096;           // meters: positions are rounded to steps of at most this
-  std::uint32_t page_bytes = 16'384;  // size of most pages
+  std::uint32_t page_bytes = 16'384;  // of a page, in the mean of many
   bool textures = true;               // false: without images
 };
 
