@@ -125,6 +125,7 @@ class SmallSite:
             'count': varints(3), 'numbers': deltas(0, 2, 1), 'boxes': box_columns(*self.cells),
             'weights': floats([1, 2, 0.5]),
             'page counts': varints(1, 1, 0), 'pages': gaps(0) + gaps(0), 'page weights': bytes([0, 8]),
+            'page headings': bytes([255, 3]),
             'run counts': varints(1, 1, 0), 'runs': varints(0, 1) + varints(1, 0),
             'image counts': varints(1, 0, 0), 'images': gaps(0), 'image weights': bytes([255])}
         self.front = {

@@ -176,6 +176,24 @@ class Streamed(InFolder):
                 self.assertLessEqual(sum(weights.values()), cell.weight * STEP)
                 self.assertGreaterEqual(sum(weights.values()), cell.weight / STEP)
 
+    def test_polygons_are_in_the_headings_of_their_pages(self):
+        random = np.random.default_rng(2)
+        world = np.concatenate([draw.world() for draw in self.draws])
+        for number, cell in self.cells.items():
+            seen = np.array(self.sets.seen(number), np.int64)
+            angles = 0.25 ** np.minimum(np.array(self.sets.classes(number)), 11.0)
+            everywhere = self.site.front.draw_flags[self.draw_of(seen)] & EVERYWHERE != 0
+            seen, angles = seen[~everywhere], angles[~everywhere]
+            for _ in range(8):
+                eye = random.uniform(*cell.box)
+                ahead = world[seen, random.integers(0, 3, len(seen))] - eye
+                sectors = np.floor(np.arctan2(ahead[:, 2], ahead[:, 0]) / np.pi * 4).astype(int) % 8
+                for page, headings in zip(cell.pages, cell.page_headings):
+                    here = self.page_of[seen] == page
+                    by_sector = np.bincount(sectors[here], angles[here], 8)
+                    outside = by_sector[[not headings >> k & 1 for k in range(8)]]
+                    self.assertTrue((outside <= angles[here].sum() / 32 * 1.001).all(), f'cell {number}, page {page}')
+
     def test_pages_are_small(self):
         self.assertLess(self.site.front.page_bytes.max(), 1.5 * PAGE_SIZE)
 
@@ -247,6 +265,11 @@ class City(Streamed):
     def test_cells_need_a_part_of_the_pages(self):
         needed = [len(cell.pages) for cell in self.cells.values()]
         self.assertLess(2 * max(needed), len(self.site.front.page_bytes))
+
+    def test_pages_are_in_some_directions(self):
+        headings = np.concatenate([cell.page_headings for cell in self.cells.values()])
+        self.assertGreater((headings != 255).mean(), 0.25)
+        self.assertTrue((headings != 0).all())
 
 
 class Colonnade(Streamed):

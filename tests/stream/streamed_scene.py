@@ -237,6 +237,7 @@ class Cell:
     weight: float
     pages: np.ndarray
     page_codes: np.ndarray
+    page_headings: np.ndarray  # bits of sectors of 45 degrees
     draws: np.ndarray
     images: np.ndarray
     image_codes: np.ndarray
@@ -260,12 +261,14 @@ def cell_chunk(data, of):
     weights = read.floats(count)[:, 0]
     read.need((weights >= 0).all(), 'a negative weight')
     pages, page_codes = weighted_lists(read, count, len(of.page_hashes), 'page')
+    ends = np.cumsum([len(one) for one in pages])
+    headings = np.split(read.bytes(int(ends[-1])), ends[:-1])
     draws = draws_of(read, count, len(of.draw_flags))
     for one in draws:
         read.need(not (of.draw_flags[one] & (EVERYWHERE | NOWHERE)).any(), 'a draw that no cell lists')
     images, image_codes = weighted_lists(read, count, len(of.images), 'image')
     read.end()
-    return [Cell(int(numbers[i]), boxes[i], float(weights[i]), pages[i], page_codes[i], draws[i], images[i],
+    return [Cell(int(numbers[i]), boxes[i], float(weights[i]), pages[i], page_codes[i], headings[i], draws[i], images[i],
                  image_codes[i]) for i in range(count)]
 
 

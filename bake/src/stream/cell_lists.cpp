@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <limits>
+#include <numbers>
 
 #include "sightcell/format/importance_classes.h"
 
@@ -28,19 +31,26 @@ void put_box_columns(std::span<const cell_list* const> cells, payload& out, cons
   }
 }
 
-void put_weighted(std::span<const cell_list* const> cells, payload& out,
-                  std::vector<weighted_number> cell_list::*list) {
+template <class Item>
+void put_weighted(std::span<const cell_list* const> cells, payload& out, std::vector<Item> cell_list::*list) {
   std::vector<std::uint32_t> numbers;
   for (const cell_list* cell : cells) out.put_varint(static_cast<std::uint32_t>((cell->*list).size()));
   for (const cell_list* cell : cells) {
     numbers.clear();
-    for (const weighted_number& w : cell->*list) numbers.push_back(w.number);
+    for (const Item& w : cell->*list) numbers.push_back(w.number);
     out.put_gaps(numbers);
   }
   std::vector<std::uint8_t> shares;
   for (const cell_list* cell : cells)
-    for (const weighted_number& w : cell->*list) shares.push_back(share_of(w.weight, cell->weight));
+    for (const Item& w : cell->*list) shares.push_back(share_of(w.weight, cell->weight));
   out.put_bytes(shares);
+}
+
+void put_sectors(std::span<const cell_list* const> cells, payload& out) {
+  std::vector<std::uint8_t> sectors;
+  for (const cell_list* cell : cells)
+    for (const listed_page& page : cell->pages) sectors.push_back(page.sectors);
+  out.put_bytes(sectors);
 }
 
 void put_draws(std::span<const cell_list* const> cells, payload& out) {
@@ -68,6 +78,40 @@ std::vector<std::uint8_t> chunk_file(std::span<const cell_list> cells) {
   file.put_u32(static_cast<std::uint32_t>(content.bytes().size()));
   file.put_bytes(deflated(content.bytes()));
   return {file.bytes().begin(), file.bytes().end()};
+}
+
+// A range of headings in sectors of 45 degrees.
+struct heading_range {
+  double middle = 0.0, half = 4.0;  // 4: all
+};
+
+// Returns the headings of a polygon from anywhere in a cell. Headings are about +y, from +x to +z.
+// center, radius: of the cell, in x and z.
+heading_range headings_of(const scene::draw& d, const scene::geometry& g, std::uint32_t polygon,
+                          const std::array<double, 2>& center, double radius) {
+  std::array<glm::dvec2, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec4 local(glm::dvec3(g.positions[g.indices[3 * std::size_t{polygon} + k]]), 1.0);
+    const glm::dvec4 p = d.to_world * local;
+    corners[k] = {p.x - center[0], p.z - center[1]};
+  }
+  const glm::dvec2 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+  double extent = 0.0;
+  for (const glm::dvec2& corner : corners) extent = std::max(extent, glm::distance(corner, middle));
+  const double distance = glm::length(middle), reach = radius + extent;
+  if (!(distance > reach)) return {};
+  constexpr double sectors_per_radian = 4.0 / std::numbers::pi;
+  return {std::atan2(middle.y, middle.x) * sectors_per_radian, std::asin(reach / distance) * sectors_per_radian};
+}
+
+void add_headings(std::array<double, 8>& sums, const heading_range& range, double weight) {
+  if (range.half >= 4.0) {
+    for (double& sum : sums) sum += weight;
+    return;
+  }
+  const auto first = static_cast<int>(std::floor(range.middle - range.half));
+  const auto last = std::min(first + 7, static_cast<int>(std::floor(range.middle + range.half)));
+  for (int sector = first; sector <= last; ++sector) sums[static_cast<std::size_t>((sector + 16) % 8)] += weight;
 }
 
 // Returns the lowest 21 bits with two zeros between them.
@@ -103,6 +147,7 @@ cell_lists::cell_lists(const scene::gltf_pager& pager, const polygon_numbers& nu
     : pager_(pager), numbers_(numbers), plan_(plan) {
   const auto resize = [](sums& s, std::size_t size) { s.weights.resize(size), s.is_used.resize(size); };
   resize(pages_, plan.pages.size());
+  sectors_.resize(plan.pages.size(), {});
   resize(draws_, pager.content().draws.size());
   resize(images_, pager.image_count());
 }
@@ -112,6 +157,12 @@ cell_list cell_lists::list_of(std::uint32_t cell, const visible_polygons& polygo
   out.cell = cell;
   (void)polygons.file().cell_box(cell, out.box);  // checked when the file was opened
   double whole = 0.0;
+  const auto half = [&](std::size_t axis) {
+    return 0.5 * (static_cast<double>(out.box.max[axis]) - static_cast<double>(out.box.min[axis]));
+  };
+  const std::array<double, 2> center = {static_cast<double>(out.box.min[0]) + half(0),
+                                        static_cast<double>(out.box.min[2]) + half(2)};
+  const double radius = std::hypot(half(0), half(2));
   for (std::size_t i = 0; i < polygons.source_ids().size(); ++i) {
     const std::uint32_t id = polygons.source_ids()[i];
     const std::uint32_t draw = numbers_.draw_of(id);
@@ -122,16 +173,34 @@ cell_list cell_lists::list_of(std::uint32_t cell, const visible_polygons& polygo
     whole += weight;
     draws_.add(draw, weight);
     // A page that is in every cell, because another draw is, needs no second mention.
-    if (!std::binary_search(plan_.always.begin(), plan_.always.end(), page)) pages_.add(page, weight);
+    if (std::binary_search(plan_.always.begin(), plan_.always.end(), page)) continue;
+    pages_.add(page, weight);
+    const scene::draw& d = pager_.content().draws[draw];
+    add_headings(sectors_[page],
+                 headings_of(d, pager_.content().geometries[d.geometry], id - d.first_source, center, radius), weight);
   }
   out.weight = static_cast<float>(whole);
-  out.pages = pages_.take();
+  out.pages = with_sectors(pages_.take());
   for (const weighted_number& draw : draws_.take()) {
     out.draws.push_back(draw.number);
     for (const std::uint32_t image : pager_.images_of(pager_.content().draws[draw.number].material))
       images_.add(image, static_cast<double>(draw.weight));
   }
   out.images = images_.take();
+  return out;
+}
+
+std::vector<listed_page> cell_lists::with_sectors(const std::vector<weighted_number>& pages) {
+  constexpr double least_share = 1.0 / 32.0;  // of the page's weight
+  std::vector<listed_page> out;
+  for (const weighted_number& page : pages) {
+    listed_page& made = out.emplace_back(listed_page{page.number, page.weight, 0});
+    std::array<double, 8>& sums = sectors_[page.number];
+    for (unsigned k = 0; k < sums.size(); ++k)
+      if (sums[k] >= least_share * static_cast<double>(page.weight))
+        made.sectors = static_cast<std::uint8_t>(made.sectors | 1u << k);
+    sums = {};
+  }
   return out;
 }
 
@@ -146,6 +215,7 @@ payload chunk_payload(std::span<const cell_list* const> cells) {
   put_box_columns(cells, out, [](const format::box& b) { return b.max; });
   out.put_floats(weights);
   put_weighted(cells, out, &cell_list::pages);
+  put_sectors(cells, out);
   put_draws(cells, out);
   put_weighted(cells, out, &cell_list::images);
   return out;

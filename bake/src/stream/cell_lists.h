@@ -1,6 +1,7 @@
 #pragma once
 // The pages, draws and images that each cell needs, and the chunks that clients load them in (docs/streaming.md, "Cell
 // chunks").
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -20,11 +21,18 @@ struct weighted_number {
   float weight = 0.0f;  // solid angle in sr
 };
 
+// A page, with the directions that its visible polygons are in: bit k for headings of 45 k to 45 (k + 1) degrees.
+struct listed_page {
+  std::uint32_t number = 0;
+  float weight = 0.0f;
+  std::uint8_t sectors = 0;
+};
+
 struct cell_list {
   std::uint32_t cell = 0;
   format::box box;
   float weight = 0.0f;                  // of all its polygons
-  std::vector<weighted_number> pages;   // ascending
+  std::vector<listed_page> pages;       // ascending
   std::vector<std::uint32_t> draws;     // ascending, without those that are in every cell
   std::vector<weighted_number> images;  // ascending
 };
@@ -50,7 +58,10 @@ class cell_lists {
     void add(std::uint32_t number, double weight);
     std::vector<weighted_number> take();
   };
+  std::vector<listed_page> with_sectors(const std::vector<weighted_number>& pages);
+
   sums pages_, draws_, images_;
+  std::vector<std::array<double, 8>> sectors_;  // by page; those of pages that are not used are 0
 };
 
 // Returns the payload of a chunk.

@@ -106,7 +106,7 @@ class stream_packer {
     for (std::uint32_t cell = 0; cell < count; ++cell) {
       polygons_.read(cell);
       cells.push_back(lists.list_of(cell, polygons_));
-      for (const weighted_number& page : cells.back().pages) bytes += pages[page.number].bytes;
+      for (const listed_page& page : cells.back().pages) bytes += pages[page.number].bytes;
       report(stream_phase::writing_cells, cell + 1, count);
     }
     result_.mean_cell_bytes = count == 0 ? 0.0 : bytes / count;

@@ -23,9 +23,10 @@ bool is_in_every_cell(const scene::draw& d);
 
 // Divides the polygons of each geometry into chunks of polygons that are visible from the same cells at about the same
 // size, and similar chunks of all geometries into pages. Polygons of draws that are in every cell, and polygons that
-// are visible from no cell, have pages of their own. page_bytes: size of most pages. on_progress: receives the number
-// of geometries that are done. Cost: O(polygons log polygons), on all threads. The result does not depend on their
-// number.
+// are visible from no cell, have pages of their own.
+// page_bytes: size of a page, in the mean of many.
+// on_progress: receives the number of geometries that are done.
+// Cost: O(polygons log polygons), on all threads. The result does not depend on their number.
 page_plan plan_pages(const scene::gltf_pager& pager, const polygon_numbers& numbers, const sketch_table& seen,
                      std::uint32_t page_bytes, const std::function<void(std::uint64_t)>& on_progress);
 
