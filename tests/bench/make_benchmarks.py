@@ -153,6 +153,30 @@ def lookups():
                    ("frame in its cell, ns", "frame_in_its_cell_ns", fixed(0)))
 
 
+def kilobytes(text):
+    return f"{float(text) / 1000:,.0f}"
+
+
+def streaming():
+    return columns(rows_of("streaming"), ("scene", "scene", plain), ("order", "order", plain), ("KB until 95 %", "bytes_95", kilobytes),
+                   ("99 %", "bytes_99", kilobytes), ("99.9 %", "bytes_99_9", kilobytes), ("100 %", "bytes_100", kilobytes),
+                   ("before pages", "startup_bytes", kilobytes), ("pages over oracle, 99 %", "over_oracle_99", fixed(2)),
+                   ("over projected area", "over_area_99", fixed(2)), ("waste, %", "waste_99_percent", fixed(0)),
+                   ("s until 99 %", "seconds_99", fixed(2)), ("99.9 %", "seconds_99_9", fixed(2)))
+
+
+def streaming_tried():
+    """A row per scene."""
+    asked = (("ours", "ours"), ("pages in the frustum first", "ours_view_first"), ("boxes of draws", "ours_boxes_of_draws_first"),
+             ("weights of the viewpoint", "weight_at_pose"), ("knows which pages show anything", "truth_in_view"),
+             ("oracle", "oracle"), ("single polygons", "single polygons"))
+    table = [["scene"] + [heading for heading, _ in asked]]
+    for scene in dict.fromkeys(row["scene"] for row in rows_of("streaming_tried")):
+        found = {row["order"]: row["page_bytes_99"] for row in rows_of("streaming_tried", scene=scene)}
+        table.append([scene] + [f"{float(found[name]) / 1000:.1f}" for _, name in asked])
+    return table
+
+
 def kills():
     """All kills together."""
     table, kinds = [["event", "times", "cells reported", "cells lost", "wrong files"]], {}
