@@ -5,7 +5,7 @@ import numpy as np
 
 from stream_poses import EVERYWHERE, HIGH, WIDE
 
-FRUSTUM_FACTOR = 4  # docs/streaming.md
+VIEW_FACTOR = 16  # docs/streaming.md
 NEAR = 0.01  # meters. Boxes around the eye have no projection nearer than this
 
 # The twelve edges of a box, as pairs of its corners.
@@ -101,6 +101,15 @@ class View:
     def in_view(self, boxes):
         return np.ones(len(boxes), bool) if self.view is None else in_frustum(boxes, self.pose.eye, self.axes)
 
+    def in_headings(self):
+        """Pages with visible polygons in the directions of the view, as the cell has them: eight sectors of 45 degrees."""
+        if self.view is None:
+            return np.ones(len(self.numbers), bool)
+        right, _, forward = self.axes
+        ahead = np.array([forward + side * right for side in np.linspace(-WIDE, WIDE, 33)])
+        sectors = np.floor(np.arctan2(ahead[:, 2], ahead[:, 0]) / np.pi * 4).astype(int) % 8
+        return self.cell.page_headings & np.bitwise_or.reduce(1 << sectors) > 0
+
     def area(self, boxes):
         if self.view is None:
             return sphere_angles(boxes, self.pose.eye)
@@ -117,8 +126,9 @@ class View:
         return self.numbers[np.lexsort((self.numbers, *(-np.asarray(key, "f8") for key in reversed(keys))))]
 
 
-def ours(view, factor=FRUSTUM_FACTOR):
-    return view.by(view.weights / view.bytes * np.where(view.in_view(view.boxes), factor, 1))
+def ours(view, factor=VIEW_FACTOR):
+    ahead = view.in_view(view.boxes) & view.in_headings()
+    return view.by(view.weights / view.bytes * np.where(ahead, factor, 1))
 
 
 def distance(view):
@@ -166,8 +176,12 @@ def ours_without_view(view):
     return ours(view, 1)
 
 
+def ours_boxes_alone(view, factor=VIEW_FACTOR):
+    return view.by(view.weights / view.bytes * np.where(view.in_view(view.boxes), factor, 1))
+
+
 def ours_view_first(view):
-    return view.by(view.in_view(view.boxes), view.weights / view.bytes)
+    return view.by(view.in_view(view.boxes) & view.in_headings(), view.weights / view.bytes)
 
 
 def draws_in_view(view):
@@ -177,7 +191,7 @@ def draws_in_view(view):
 
 
 def ours_boxes_of_draws(view):
-    return view.by(view.weights / view.bytes * np.where(draws_in_view(view), FRUSTUM_FACTOR, 1))
+    return view.by(view.weights / view.bytes * np.where(draws_in_view(view), VIEW_FACTOR, 1))
 
 
 def ours_boxes_of_draws_first(view):
@@ -201,7 +215,7 @@ def weight_at_pose(view):
     where, pose = view.scene.pages, view.pose
     of_page = where.page_of[pose.ids]
     true = sums(of_page[of_page >= 0], pose.angles[of_page >= 0, 0], view.scene.count)[view.numbers]
-    return view.by(true / view.bytes * np.where(view.in_view(view.boxes), FRUSTUM_FACTOR, 1))
+    return view.by(true / view.bytes * np.where(view.in_view(view.boxes), VIEW_FACTOR, 1))
 
 
 def truth_in_view(view):
@@ -212,5 +226,5 @@ def truth_in_view(view):
 # The ones that are published; of each rival its variants, of which the best one counts.
 ORDERS = {"ours": [ours], "distance": [distance, distance_in_view, distance_of_draws],
           "projected area": [area_of_rectangle, area_of_sphere, area_of_draws], "oracle": [oracle]}
-TRIED = [ours_without_view, ours_view_first, ours_boxes_of_draws, ours_boxes_of_draws_first, ours_times_share_in_view,
+TRIED = [ours_without_view, ours_boxes_alone, ours_view_first, ours_boxes_of_draws, ours_boxes_of_draws_first, ours_times_share_in_view,
          weight_at_pose, truth_in_view]
