@@ -23,7 +23,7 @@ std::uint8_t share_of(float weight, float whole) {
 
 // A column over all cells of a chunk.
 template <class Get>
-void put_box_columns(std::span<const cell_list* const> cells, payload& out, const Get& get) {
+void put_box_columns(std::span<const streamed_cell* const> cells, payload& out, const Get& get) {
   std::vector<float> column(cells.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < cells.size(); ++i) column[i] = get(cells[i]->box)[axis];
@@ -32,30 +32,30 @@ void put_box_columns(std::span<const cell_list* const> cells, payload& out, cons
 }
 
 template <class Item>
-void put_weighted(std::span<const cell_list* const> cells, payload& out, std::vector<Item> cell_list::*list) {
+void put_weighted(std::span<const streamed_cell* const> cells, payload& out, std::vector<Item> streamed_cell::*list) {
   std::vector<std::uint32_t> numbers;
-  for (const cell_list* cell : cells) out.put_varint(static_cast<std::uint32_t>((cell->*list).size()));
-  for (const cell_list* cell : cells) {
+  for (const streamed_cell* cell : cells) out.put_varint(static_cast<std::uint32_t>((cell->*list).size()));
+  for (const streamed_cell* cell : cells) {
     numbers.clear();
     for (const Item& w : cell->*list) numbers.push_back(w.number);
     out.put_gaps(numbers);
   }
   std::vector<std::uint8_t> shares;
-  for (const cell_list* cell : cells)
+  for (const streamed_cell* cell : cells)
     for (const Item& w : cell->*list) shares.push_back(share_of(w.weight, cell->weight));
   out.put_bytes(shares);
 }
 
-void put_sectors(std::span<const cell_list* const> cells, payload& out) {
+void put_sectors(std::span<const streamed_cell* const> cells, payload& out) {
   std::vector<std::uint8_t> sectors;
-  for (const cell_list* cell : cells)
+  for (const streamed_cell* cell : cells)
     for (const listed_page& page : cell->pages) sectors.push_back(page.sectors);
   out.put_bytes(sectors);
 }
 
-void put_draws(std::span<const cell_list* const> cells, payload& out) {
+void put_draws(std::span<const streamed_cell* const> cells, payload& out) {
   payload runs;
-  for (const cell_list* cell : cells) {
+  for (const streamed_cell* cell : cells) {
     std::uint32_t count = 0, end = 0;
     for (std::size_t i = 0; i < cell->draws.size(); ++count) {
       const std::uint32_t first = cell->draws[i];
@@ -70,9 +70,9 @@ void put_draws(std::span<const cell_list* const> cells, payload& out) {
   out.put(runs);
 }
 
-std::vector<std::uint8_t> chunk_file(std::span<const cell_list> cells) {
-  std::vector<const cell_list*> pointers;
-  for (const cell_list& cell : cells) pointers.push_back(&cell);
+std::vector<std::uint8_t> chunk_file(std::span<const streamed_cell> cells) {
+  std::vector<const streamed_cell*> pointers;
+  for (const streamed_cell& cell : cells) pointers.push_back(&cell);
   const payload content = chunk_payload(pointers);
   payload file;
   file.put_u32(static_cast<std::uint32_t>(content.bytes().size()));
@@ -114,11 +114,22 @@ void add_headings(std::array<double, 8>& sums, const heading_range& range, doubl
   for (int sector = first; sector <= last; ++sector) sums[static_cast<std::size_t>((sector + 16) % 8)] += weight;
 }
 
-// Returns the lowest 21 bits with two zeros between them.
-std::uint64_t spread(std::uint64_t x) {
-  std::uint64_t out = 0;
-  for (unsigned bit = 0; bit < 21; ++bit) out |= (x >> bit & 1u) << 3 * bit;
-  return out;
+float center_of(const streamed_cell& cell, std::size_t axis) {
+  return 0.5f * (cell.box.min[axis] + cell.box.max[axis]);
+}
+
+// Returns the axis along which the centers of cells are farthest apart.
+std::size_t longest_axis_of(std::span<const streamed_cell> cells) {
+  std::size_t longest = 0;
+  float length = -1.0f;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = std::minmax_element(cells.begin(), cells.end(), [axis](const auto& a, const auto& b) {
+      return center_of(a, axis) < center_of(b, axis);
+    });
+    const float here = center_of(*high, axis) - center_of(*low, axis);
+    if (here > length) length = here, longest = axis;
+  }
+  return longest;
 }
 
 }  // namespace
@@ -152,8 +163,8 @@ cell_lists::cell_lists(const scene::gltf_pager& pager, const polygon_numbers& nu
   resize(images_, pager.image_count());
 }
 
-cell_list cell_lists::list_of(std::uint32_t cell, const visible_polygons& polygons) {
-  cell_list out;
+streamed_cell cell_lists::list_of(std::uint32_t cell, const visible_polygons& polygons) {
+  streamed_cell out;
   out.cell = cell;
   (void)polygons.file().cell_box(cell, out.box);  // checked when the file was opened
   double whole = 0.0;
@@ -204,71 +215,36 @@ std::vector<listed_page> cell_lists::with_sectors(const std::vector<weighted_num
   return out;
 }
 
-payload chunk_payload(std::span<const cell_list* const> cells) {
+payload chunk_payload(std::span<const streamed_cell* const> cells) {
   payload out;
   std::vector<std::uint32_t> numbers;
   std::vector<float> weights;
-  for (const cell_list* cell : cells) numbers.push_back(cell->cell), weights.push_back(cell->weight);
+  for (const streamed_cell* cell : cells) numbers.push_back(cell->cell), weights.push_back(cell->weight);
   out.put_varint(static_cast<std::uint32_t>(cells.size()));
   out.put_deltas(numbers);
   put_box_columns(cells, out, [](const format::box& b) { return b.min; });
   put_box_columns(cells, out, [](const format::box& b) { return b.max; });
   out.put_floats(weights);
-  put_weighted(cells, out, &cell_list::pages);
+  put_weighted(cells, out, &streamed_cell::pages);
   put_sectors(cells, out);
   put_draws(cells, out);
-  put_weighted(cells, out, &cell_list::images);
+  put_weighted(cells, out, &streamed_cell::images);
   return out;
 }
 
-void order_by_place(std::vector<cell_list>& cells) {
-  constexpr double steps = 2'097'151.0;
-  std::array<double, 3> min, max;
-  min.fill(std::numeric_limits<double>::infinity()), max.fill(-std::numeric_limits<double>::infinity());
-  const auto center = [](const cell_list& c, std::size_t axis) {
-    return 0.5 * (static_cast<double>(c.box.min[axis]) + static_cast<double>(c.box.max[axis]));
-  };
-  for (const cell_list& c : cells)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      min[axis] = std::min(min[axis], center(c, axis)), max[axis] = std::max(max[axis], center(c, axis));
-  const double side = std::max({max[0] - min[0], max[1] - min[1], max[2] - min[2], 1e-9});
-  const auto code = [&](const cell_list& c) {
-    std::uint64_t out = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      out |= spread(static_cast<std::uint64_t>((center(c, axis) - min[axis]) / side * steps)) << axis;
-    return out;
-  };
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-  for (std::uint32_t i = 0; i < cells.size(); ++i) keys.emplace_back(code(cells[i]), i);
-  std::sort(keys.begin(), keys.end());
-  std::vector<cell_list> ordered;
-  for (const auto& [key, i] : keys) ordered.push_back(std::move(cells[i]));
-  cells = std::move(ordered);
-}
-
-void write_chunks(std::span<const cell_list> cells, std::size_t limit,
-                  const std::function<void(std::vector<std::uint8_t> file, std::span<const cell_list> cells)>& use) {
-  std::size_t guess = 64;
-  while (!cells.empty()) {
-    // The largest number of cells that fit, found by doubling and halving around that of the previous chunk.
-    std::size_t fits = 1, too_many = cells.size() + 1;
-    std::vector<std::uint8_t> best = chunk_file(cells.first(1));
-    for (std::size_t count = std::clamp<std::size_t>(guess, 1, cells.size()); fits + 1 < too_many;) {
-      if (count <= fits) count = fits + 1;
-      std::vector<std::uint8_t> file = chunk_file(cells.first(count));
-      if (file.size() <= limit) {
-        fits = count;
-        best = std::move(file);
-        count = std::min(2 * count, fits + (too_many - fits) / 2);
-      } else {
-        too_many = count;
-        count = fits + (too_many - fits) / 2;
-      }
-    }
-    guess = fits;
-    use(std::move(best), cells.first(fits));
-    cells = cells.subspan(fits);
-  }
+void write_chunks(
+    std::span<streamed_cell> cells, std::size_t limit,
+    const std::function<void(std::vector<std::uint8_t> file, std::span<const streamed_cell> cells)>& use) {
+  if (cells.empty()) return;
+  std::vector<std::uint8_t> file = chunk_file(cells);
+  if (file.size() <= limit || cells.size() == 1) return use(std::move(file), cells);
+  const std::size_t axis = longest_axis_of(cells), half = cells.size() / 2;
+  std::sort(cells.begin(), cells.end(), [axis](const streamed_cell& a, const streamed_cell& b) {
+    const float x = center_of(a, axis), y = center_of(b, axis);
+    return x != y ? x < y : a.cell < b.cell;
+  });
+  write_chunks(cells.first(half), limit, use);
+  write_chunks(cells.subspan(half), limit, use);
 }
 
 }  // namespace sightcell::bake

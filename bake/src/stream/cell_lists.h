@@ -28,7 +28,7 @@ struct listed_page {
   std::uint8_t sectors = 0;
 };
 
-struct cell_list {
+struct streamed_cell {
   std::uint32_t cell = 0;
   format::box box;
   float weight = 0.0f;                  // of all its polygons
@@ -44,7 +44,7 @@ class cell_lists {
   cell_lists(const scene::gltf_pager& pager, const polygon_numbers& numbers, const page_plan& plan);
 
   // polygons: with the set of the cell read.
-  cell_list list_of(std::uint32_t cell, const visible_polygons& polygons);
+  streamed_cell list_of(std::uint32_t cell, const visible_polygons& polygons);
 
  private:
   const scene::gltf_pager& pager_;
@@ -65,14 +65,14 @@ class cell_lists {
 };
 
 // Returns the payload of a chunk.
-payload chunk_payload(std::span<const cell_list* const> cells);
+payload chunk_payload(std::span<const streamed_cell* const> cells);
 
-// Orders cells so that those near each other follow each other, by a Morton curve through their centers.
-void order_by_place(std::vector<cell_list>& cells);
-
-// Divides cells into consecutive chunks of at most `limit` bytes, or one cell.
-// use: receives the file and the cells of each chunk, in order.
-void write_chunks(std::span<const cell_list> cells, std::size_t limit,
-                  const std::function<void(std::vector<std::uint8_t> file, std::span<const cell_list> cells)>& use);
+// Divides cells at the middle of their longest axis, and the halves again, until each part is a file of at most `limit`
+// bytes or one cell. So few boxes of chunks contain a point.
+// cells: their order changes.
+// use: receives the file and the cells of each chunk.
+// Cost: O(n log n) bytes are deflated.
+void write_chunks(std::span<streamed_cell> cells, std::size_t limit,
+                  const std::function<void(std::vector<std::uint8_t> file, std::span<const streamed_cell> cells)>& use);
 
 }  // namespace sightcell::bake

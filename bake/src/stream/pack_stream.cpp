@@ -18,7 +18,8 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::size_t chunk_bytes = 8'192;  // a client waits for one before its first page
+// A client waits for a chunk before its first page. Cells are halved until they fit, so chunks take 8 KB in the mean.
+constexpr std::size_t chunk_bytes = 10'900;
 constexpr std::size_t pages_at_a_time = 64;
 constexpr std::array<const char*, 5> image_extensions = {"png", "jpg", "webp", "ktx2", "bin"};
 
@@ -101,7 +102,7 @@ class stream_packer {
                                         const std::vector<listed_file>& pages, site_folder& site) {
     const std::uint32_t count = polygons_.file().cell_count();
     cell_lists lists(pager_, numbers, plan);
-    std::vector<cell_list> cells;
+    std::vector<streamed_cell> cells;
     double bytes = 0.0;
     for (std::uint32_t cell = 0; cell < count; ++cell) {
       polygons_.read(cell);
@@ -110,12 +111,11 @@ class stream_packer {
       report(stream_phase::writing_cells, cell + 1, count);
     }
     result_.mean_cell_bytes = count == 0 ? 0.0 : bytes / count;
-    order_by_place(cells);
     std::vector<listed_chunk> out;
-    write_chunks(cells, chunk_bytes, [&](std::vector<std::uint8_t> file, std::span<const cell_list> some) {
+    write_chunks(cells, chunk_bytes, [&](std::vector<std::uint8_t> file, std::span<const streamed_cell> some) {
       listed_chunk chunk{site.add("cells", "cells", std::as_bytes(std::span(file))),
                          static_cast<std::uint32_t>(some.size()), some.front().box};
-      for (const cell_list& cell : some)
+      for (const streamed_cell& cell : some)
         for (std::size_t k = 0; k < 3; ++k) {
           chunk.box.min[k] = std::min(chunk.box.min[k], cell.box.min[k]);
           chunk.box.max[k] = std::max(chunk.box.max[k], cell.box.max[k]);
