@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sightcell/format/importance_classes.h"
+#include "sightcell/base/random.h"
 
 namespace sightcell::bake {
 namespace {
@@ -10,16 +10,10 @@ namespace {
 // Classes from here on are one level: they are solid angles below any measured one.
 constexpr std::uint32_t levels = 12;
 
-std::uint64_t mixed(std::uint64_t x) {
-  x ^= x >> 30, x *= 0xBF58476D1CE4E5B9u;
-  x ^= x >> 27, x *= 0x94D049BB133111EBu;
-  return x ^ x >> 31;
-}
-
 // Never unseen_component.
 std::uint32_t element_hash(std::uint32_t cell, std::uint32_t level, std::size_t component) {
   const std::uint64_t element = std::uint64_t{cell} * levels + level;
-  return static_cast<std::uint32_t>(mixed(mixed(element + 0x9E3779B97F4A7C15u) + component) >> 33);
+  return static_cast<std::uint32_t>(mix_bits(mix_bits(element + 0x9E3779B97F4A7C15u) + component) >> 33);
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ class walkable_graph {
       p.y += static_cast<float>(bake::eye_height) - below.distance;
       const auto away = [&](const glm::vec3& q) { return std::hypot(q.x - middle.x, q.z - middle.z); };
       if (p.y < cell.min.y || p.y >= cell.max.y || (best && away(p) >= away(*best))) continue;
-      if (rays_.is_free(p, clearance)) best = p;
+      if (rays_.is_valid(p, clearance)) best = p;
     }
     return best;
   }
@@ -102,7 +102,7 @@ class walkable_graph {
     const auto steps = static_cast<int>(std::ceil(glm::distance(a, b) / probe));
     for (int i = 1; i < steps; ++i) {
       const glm::vec3 p = a + (b - a) * (static_cast<float>(i) / static_cast<float>(steps));
-      if (!is_in_cell(p) || !rays_.is_free(p, clearance)) return false;
+      if (!is_in_cell(p) || !rays_.is_valid(p, clearance)) return false;
     }
     return true;
   }

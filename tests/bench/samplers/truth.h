@@ -14,6 +14,7 @@
 
 #include "bench/samplers/ground.h"
 #include "bench/samplers/kept_files.h"
+#include "sightcell/base/random.h"
 
 namespace sightcell::bench {
 
