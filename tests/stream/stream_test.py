@@ -8,7 +8,7 @@ import harness
 from colonnade_scene import write_cells, write_colonnade
 from decode_pvs import Contents
 from gltf_reader import apply, read_draws, read_gltf
-from harness import QUICK_BAKE, InFolder, new_folder, read, write_middle_cell
+from harness import QUICK_BAKE, InFolder, new_folder, read, write_middle_cell, write_room
 from matching import partners
 from painted_scene import PIXELS, png, write_painted
 from pair_sets import candidates, corner_distance
@@ -286,6 +286,21 @@ class Colonnade(Streamed):
     def test_equal_geometry_is_there_once(self):
         self.assertEqual(len(self.site.front.geometry_polygons), 3)
         self.assertEqual(sorted(self.site.front.geometry_polygons.tolist()), [2, 12, 64])
+
+
+class FarAway(InFolder):
+    """A draw so far away that no float has its place is in no cell, and its numbers are finite."""
+
+    def test_numbers_are_finite(self):
+        scene, pvs, site_folder = self.path('far.glb'), self.path('far.pvs'), self.path('site')
+        write_room(scene, scenes=[[0, 1, 2]], nodes=[
+            {'mesh': 0}, {'mesh': 0, 'translation': [1e300, 0, 0]}, {'mesh': 0, 'scale': [1e60, 1e60, 1e60]}])
+        Streamed.must('bake', scene, '-o', pvs, '--importance', '--progress', 'none', *QUICK_BAKE)
+        Streamed.must('pack', '--stream', scene, pvs, '-o', site_folder)
+        site = open_site(site_folder)
+        self.assertLess(np.ptp(site.front.box, axis=0).max(), 100)
+        for cell in site.cells().values():
+            self.assertEqual(cell.draws.tolist(), [0])
 
 
 class Painted(Streamed):

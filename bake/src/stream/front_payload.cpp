@@ -21,7 +21,7 @@ struct bounds {
   }
   void add(const glm::dvec3& p) {
     for (int k = 0; k < 3; ++k) {
-      if (!std::isfinite(p[k])) continue;
+      if (!std::isfinite(static_cast<float>(p[k]))) continue;
       const auto axis = static_cast<std::size_t>(k);
       min[axis] = std::min(min[axis], p[k]), max[axis] = std::max(max[axis], p[k]);
     }
@@ -43,6 +43,12 @@ bounds bounds_of(const scene::draw& d, const scene::streamed_geometry& g) {
   return out;
 }
 
+// Returns 0 for what no float is: polygons of a draw that is so far away are in no cell.
+float finite_float(double value) {
+  const auto out = static_cast<float>(value);
+  return std::isfinite(out) ? out : 0.0f;
+}
+
 template <class List, class Get>
 void put_varint_column(payload& out, const List& list, const Get& get) {
   for (const auto& item : list) out.put_varint(get(item));
@@ -58,7 +64,7 @@ void put_delta_column(payload& out, const List& list, const Get& get) {
 template <class List, class Get>
 void put_float_column(payload& out, const List& list, const Get& get) {
   std::vector<float> column;
-  for (const auto& item : list) column.push_back(static_cast<float>(get(item)));
+  for (const auto& item : list) column.push_back(finite_float(static_cast<double>(get(item))));
   out.put_floats(column);
 }
 
@@ -98,8 +104,8 @@ class front_writer {
       out_.put_varint(static_cast<std::uint32_t>(count));
     std::array<float, 6> box;
     for (std::size_t k = 0; k < 3; ++k) {
-      box[k] = static_cast<float>(whole_.min[k]);
-      box[3 + k] = static_cast<float>(whole_.max[k]);
+      box[k] = finite_float(whole_.min[k]);
+      box[3 + k] = finite_float(whole_.max[k]);
     }
     out_.put_floats(box);
     out_.put_bytes({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()});
