@@ -27,14 +27,6 @@ struct material_presence {
   bool unknown = false;  // the image is missing
 };
 
-bool is_finite(const glm::vec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
-bool is_finite(const glm::vec2& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y);
-}
-
 // Returns whether a polygon has an area. Differences of floats and their products are exact or nearly so in double
 // precision, so only a polygon whose rounded corners are on one line has none.
 bool has_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {

@@ -3,12 +3,12 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <span>
 
 #include "gltf_numbers.h"
 #include "json_object.h"
+#include "world_point.h"
 
 namespace sightcell::scene {
 namespace {
@@ -28,12 +28,6 @@ std::string hex(std::span<const std::uint8_t> bytes) {
 
 json vec3_json(const glm::vec3& v) {
   return {v.x, v.y, v.z};
-}
-
-bool is_finite(const glm::dmat4& m) {
-  for (int i = 0; i < 16; ++i)
-    if (!std::isfinite(m[i / 4][i % 4])) return false;
-  return true;
 }
 
 class document_writer {

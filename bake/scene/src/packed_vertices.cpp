@@ -14,10 +14,6 @@
 namespace sightcell::scene {
 namespace {
 
-bool is_finite(const glm::vec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 // Returns the value of an attribute that the primitive lacks.
 float missing_value(const std::string& name, std::uint32_t component) {
   if (name == "NORMAL") return any_normal[static_cast<int>(component)];

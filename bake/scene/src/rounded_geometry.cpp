@@ -8,16 +8,13 @@
 
 #include "gltf_numbers.h"
 #include "meshopt_encode.h"
+#include "world_point.h"
 
 namespace sightcell::scene {
 namespace {
 
 constexpr double largest_mantissa = 8'388'607.0;  // 24 bits with sign
 constexpr int smallest_exponent = -100, largest_exponent = 100;
-
-bool is_finite(const glm::vec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 // A number for the filter EXPONENTIAL: 24 bits of mantissa, 8 of exponent.
 std::uint32_t exponential(float value, int exponent) {

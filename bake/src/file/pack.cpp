@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "file/readable_file.h"
 #include "sightcell/base/error.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
@@ -13,35 +14,24 @@
 namespace sightcell::bake {
 namespace {
 
-void require_ok(format::status outcome, const std::string& name) {
-  if (outcome != format::status::ok)
-    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
-}
-
-[[noreturn]] void refuse_other_scene(const std::string& name, const scene::scene& s) {
-  throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s.name,
-              "give the scene of the bake, or bake again");
-}
-
 void require_permutation(const std::vector<std::uint32_t>& source_of_stored, const std::string& name) {
   std::vector<bool> there(source_of_stored.size(), false);
   for (const std::uint32_t id : source_of_stored) {
-    if (there[id]) require_ok(format::status::corrupt, name);
+    if (there[id]) require_readable(format::status::corrupt, name);
     there[id] = true;
   }
 }
 
 scene::packed_order order_of(const format::reader& file, const scene::scene& s, const std::string& name) {
-  if (file.facts().scene_fingerprint != s.fingerprint || file.polygon_count() != s.polygon_count ||
-      file.draw_count() != s.draws.size())
-    refuse_other_scene(name, s);
+  require_scene(file, s, name);
+  if (file.draw_count() != s.draws.size()) refuse_other_scene(name, s);
   scene::packed_order order;
   order.source_of_stored.resize(s.polygon_count);
-  require_ok(file.source_of_stored(order.source_of_stored), name);
+  require_readable(file.source_of_stored(order.source_of_stored), name);
   require_permutation(order.source_of_stored, name);
   for (std::uint32_t number = 0; number < file.draw_count(); ++number) {
     format::draw_record record;
-    require_ok(file.draw(number, record), name);
+    require_readable(file.draw(number, record), name);
     const std::uint32_t draw = scene::draw_of(s, record.first_source);
     const scene::draw& d = s.draws[draw];
     if (d.first_source != record.first_source || d.polygon_count != record.polygon_count ||
@@ -61,7 +51,7 @@ scene::packed_order order_of(const format::reader& file, const scene::scene& s, 
 pack_result pack(const std::filesystem::path& scene_path, int scene_index, std::span<const std::byte> file,
                  const std::string& name, const std::filesystem::path& output) {
   format::reader opened;
-  require_ok(format::reader::open(file, opened), name);
+  require_readable(format::reader::open(file, opened), name);
   if (opened.facts().layout != format::host_layout::merged)
     throw error(error_kind::wrong_use, "pack.instanced", name,
                 "has the instanced layout, whose host uses the meshes of the scene",

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "file/importance_section.h"
+#include "file/readable_file.h"
 #include "sightcell/bake/patch.h"
 #include "sightcell/base/error.h"
 #include "sightcell/base/json_text.h"
@@ -18,18 +19,13 @@
 namespace sightcell::bake {
 namespace {
 
-void require_ok(format::status outcome, const std::string& name) {
-  if (outcome != format::status::ok)
-    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
-}
-
 // The sets of a file, decoded one at a time, and those that were changed.
 class set_list {
  public:
   // Checks the whole file.
   set_list(const format::reader& file, const std::string& name) {
-    require_ok(stored_.open(file), name);
-    require_ok(stored_.check(), name);
+    require_readable(stored_.open(file), name);
+    require_readable(stored_.check(), name);
   }
 
   // Reads source ids, followed by volumes.
@@ -43,7 +39,7 @@ class set_list {
   std::vector<std::uint32_t>& to_change(std::uint32_t cell, const std::string& name) {
     if (const auto found = changed_.find(cell); found != changed_.end()) return found->second;
     std::vector<std::uint32_t> set;
-    require_ok(get(cell, set), name);
+    require_readable(get(cell, set), name);
     return changed_.emplace(cell, std::move(set)).first->second;
   }
 
@@ -105,11 +101,11 @@ std::string with_added(std::string_view settings, const std::vector<added_polygo
 patch_result patch(std::span<const std::byte> file, const std::string& name, std::span<const added_polygons> additions,
                    const std::filesystem::path& output) {
   format::reader opened;
-  require_ok(format::reader::open(file, opened), name);
+  require_readable(format::reader::open(file, opened), name);
   for (const added_polygons& wanted : additions) check_range(wanted, opened, name);
   set_list sets(opened, name);
   format::file_parts parts;
-  require_ok(format::take_apart(opened, parts), name);
+  require_readable(format::take_apart(opened, parts), name);
   patch_result result;
   std::vector<added_polygons> newly_added;
   for (const added_polygons& wanted : additions) {

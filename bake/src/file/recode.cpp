@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "file/importance_section.h"
+#include "file/readable_file.h"
 #include "file/stored_rules.h"
 #include "input/two_scenes.h"
 #include "order/draw_table.h"
@@ -27,11 +28,6 @@
 
 namespace sightcell::bake {
 namespace {
-
-void require_ok(format::status outcome, const std::string& name) {
-  if (outcome != format::status::ok)
-    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
-}
 
 // Returns the slack that may be added to sets that contain some already.
 double slack_left(const format::file_facts& facts, slack_profile profile, const std::string& name) {
@@ -67,14 +63,6 @@ std::string with_names(const std::string& settings, const file_settings& how) {
   return made.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-void require_same_scene(const format::reader& opened, const std::string& name, const scene::scene* s) {
-  if (s == nullptr ||
-      (opened.polygon_count() == s->polygon_count && opened.facts().scene_fingerprint == s->fingerprint))
-    return;
-  throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s->name,
-              "give the scene it was baked from, or bake again");
-}
-
 // Changes the table of draws to the other layout, not in order yet. Entries that the host added are kept.
 void change_layout(format::file_parts& parts, const std::string& name, format::host_layout layout,
                    const scene::scene* s) {
@@ -104,7 +92,7 @@ void change_layout(format::file_parts& parts, const std::string& name, format::h
 std::vector<std::byte> encoded(const format::reader& opened, format::set_reader& sets, const std::string& name,
                                const recode_settings& how, const std::filesystem::path& output) {
   format::file_parts parts;
-  require_ok(format::take_apart(opened, parts), name);
+  require_readable(format::take_apart(opened, parts), name);
   const double slack = how.profile ? slack_left(parts.facts, *how.profile, name) : 0.0;
 
   const auto layout = how.layout ? static_cast<format::host_layout>(*how.layout) : parts.facts.layout;
@@ -129,7 +117,7 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   const auto number_before = [&](std::uint32_t cell) { return before.empty() ? cell : before[cell]; };
   if (old || how.order || other_layout)
     order_polygons_of(parts, now.order, [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-      require_ok(sets.source_ids(number_before(cell), set), name);
+      require_readable(sets.source_ids(number_before(cell), set), name);
     });
 
   format::file_contents contents =
@@ -166,16 +154,16 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
                      const std::filesystem::path& output) {
   format::reader opened;
   format::set_reader sets;
-  require_ok(format::reader::open(file, opened), name);
+  require_readable(format::reader::open(file, opened), name);
   const scene::scene* s = how.importance_in;
-  require_same_scene(opened, name, s);
-  require_same_scene(opened, name, how.layout_from);
+  for (const scene::scene* given : {s, how.layout_from})
+    if (given != nullptr) require_scene(opened, *given, name);
   if (s != nullptr && stored_cells_from(opened.settings()))
     throw error(error_kind::wrong_use, "recode.two-scenes", name,
                 "has cells of another scene, which occludes parts of this one",
                 "bake with --importance, which uses both scenes");
-  require_ok(sets.open(opened), name);
-  require_ok(sets.check(), name);
+  require_readable(sets.open(opened), name);
+  require_readable(sets.check(), name);
   // With importance alone the other bytes stay the same. Encoding sets with slack again could change them.
   const bool stays =
       s != nullptr && !how.profile && !how.order && !how.layout && opened.format_version() == format::layout::version;
@@ -188,7 +176,7 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   else
     carry_importance(opened, bytes, output.string());
   if (result.cancelled) return result;
-  require_ok(format::reader::open(bytes, made), output.string());
+  require_readable(format::reader::open(bytes, made), output.string());
   if (format::write_file(output.string().c_str(), bytes) != format::status::ok)
     throw error(error_kind::failed, "recode.not-written", output.string(), "cannot be written",
                 "free space or choose another -o; the file is unchanged");

@@ -8,6 +8,7 @@
 
 #include "bound/clopper_pearson.h"
 #include "cells/overrides.h"
+#include "file/readable_file.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/base/error.h"
 #include "sightcell/base/json_text.h"
@@ -18,21 +19,16 @@
 namespace sightcell::bake {
 namespace {
 
-void require_ok(format::status outcome, const std::string& name) {
-  if (outcome != format::status::ok)
-    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
-}
-
 // Returns which polygons are in some set, by source id.
 std::vector<bool> in_some_set(const format::reader& file, const std::string& name) {
   format::set_reader sets;
-  require_ok(sets.open(file), name);
-  for (std::uint32_t chunk = 0; chunk < file.chunk_count(); ++chunk) require_ok(file.check_chunk(chunk), name);
+  require_readable(sets.open(file), name);
+  for (std::uint32_t chunk = 0; chunk < file.chunk_count(); ++chunk) require_readable(file.check_chunk(chunk), name);
   // The number of runs that begin at each stored polygon, less those that end before it.
   std::vector<std::int64_t> border(std::size_t{file.polygon_count()} + 1, 0);
   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
     std::span<const format::run> runs;
-    require_ok(sets.runs(cell, runs), name);
+    require_readable(sets.runs(cell, runs), name);
     for (const format::run& r : runs) ++border[r.first], --border[std::size_t{r.first} + r.count];
   }
   std::vector<bool> out(file.polygon_count(), false);
@@ -101,7 +97,7 @@ unseen_bound bound_of(const format::reader& file, const nlohmann::json& settings
   double sum = 0.0, largest = 0.0;
   for (std::uint32_t cell = 0; cell < file.certificate_count() && !of_colors; ++cell) {
     format::certificate_record c;
-    require_ok(file.certificate(cell, c), name);
+    require_readable(file.certificate(cell, c), name);
     if (!(c.upper_bound < 1.0) || !(c.confidence > 0.0)) continue;
     ++out.cells;
     sum += c.upper_bound;
@@ -142,10 +138,8 @@ std::vector<std::string> warnings_of(const nlohmann::json& settings) {
 
 unseen_polygons find_unseen(const scene::scene& s, std::span<const std::byte> file, const std::string& name) {
   format::reader opened;
-  require_ok(format::reader::open(file, opened), name);
-  if (opened.facts().scene_fingerprint != s.fingerprint || opened.polygon_count() != s.polygon_count)
-    throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s.name,
-                "give the scene of the bake, or bake again");
+  require_readable(format::reader::open(file, opened), name);
+  require_scene(opened, s, name);
   const nlohmann::json settings = scene::parse_json(opened.settings(), false);
   const std::vector<bool> exempt = exempt_polygons(s, opened.settings());
   unseen_polygons out;

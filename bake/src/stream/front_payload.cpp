@@ -73,7 +73,9 @@ class front_writer {
   explicit front_writer(const front_content& content)
       : content_(content), scene_(content.pager.content()), geometry_of_(content.pager.geometry_of_draw()) {
     of_geometry_.resize(content.pager.geometries().size());
-    for (std::size_t i = 0; i < scene_.draws.size(); ++i) {
+    draws_of_.resize(of_geometry_.size());
+    for (std::uint32_t i = 0; i < scene_.draws.size(); ++i) {
+      draws_of_[geometry_of_[i]].push_back(i);
       of_geometry_[geometry_of_[i]].add(bounds_of(scene_.draws[i], content.pager.geometries()[geometry_of_[i]]));
     }
     for (const bounds& b : of_geometry_) whole_.add(b);
@@ -160,10 +162,6 @@ class front_writer {
 
   // Returns the box of the polygons in all draws. That of a geometry with one draw is of these polygons alone.
   bounds of_part(const scene::page_part& part) const {
-    if (draws_of_.empty()) {
-      draws_of_.resize(of_geometry_.size());
-      for (std::uint32_t i = 0; i < geometry_of_.size(); ++i) draws_of_[geometry_of_[i]].push_back(i);
-    }
     const std::vector<std::uint32_t>& draws = draws_of_[part.geometry];
     if (draws.size() != 1) return of_geometry_[part.geometry];
     const scene::draw& d = scene_.draws[draws.front()];
@@ -207,7 +205,7 @@ class front_writer {
   const scene::scene& scene_;
   const std::vector<std::uint32_t>& geometry_of_;
   std::vector<bounds> of_geometry_;
-  mutable std::vector<std::vector<std::uint32_t>> draws_of_;
+  std::vector<std::vector<std::uint32_t>> draws_of_;  // by geometry
   bounds whole_;
   payload out_;
 };

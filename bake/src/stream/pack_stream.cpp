@@ -4,8 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "file/readable_file.h"
 #include "sightcell/bake/stream.h"
-#include "sightcell/base/error.h"
 #include "sightcell/scene/stream_pages.h"
 #include "stream/cell_lists.h"
 #include "stream/front_payload.h"
@@ -28,11 +28,7 @@ class stream_packer {
   stream_packer(const std::filesystem::path& scene_path, int scene_index, std::span<const std::byte> file,
                 const std::string& name, const stream_settings& how, const stream_progress& on_progress)
       : how_(how), report_(on_progress), polygons_(file, name), pager_(scene_path, scene_index) {
-    const scene::scene& s = pager_.content();
-    const format::reader& opened = polygons_.file();
-    if (opened.facts().scene_fingerprint != s.fingerprint || opened.polygon_count() != s.polygon_count)
-      throw error(error_kind::bad_input, "pvs.other-scene", name, "was baked from another scene than " + s.name,
-                  "give the scene of the bake, or bake again");
+    require_scene(polygons_.file(), pager_.content(), name);
   }
 
   stream_result write(const std::filesystem::path& output) {

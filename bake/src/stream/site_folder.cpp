@@ -1,5 +1,7 @@
 #include "stream/site_folder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <system_error>
@@ -15,13 +17,6 @@ namespace {
 [[noreturn]] void fail_to_write(const std::filesystem::path& path) {
   throw error(error_kind::failed, "pack.not-written", path.string(), "cannot be written",
               "free space or choose another -o");
-}
-
-std::string hexadecimal(const content_name& name) {
-  std::string out;
-  for (const std::uint8_t byte : name)
-    for (const int shift : {4, 0}) out += "0123456789abcdef"[byte >> shift & 15];
-  return out;
 }
 
 bool has_contents(const std::filesystem::path& path, std::span<const std::byte> bytes) {
@@ -45,27 +40,25 @@ site_folder::site_folder(const std::filesystem::path& path) : path_(path) {
 
 listed_file site_folder::add(const char* kind, const char* extension, std::span<const std::byte> bytes) {
   const listed_file out{static_cast<std::uint32_t>(bytes.size()), name_of(bytes)};
-  const std::filesystem::path path = path_ / kind / (hexadecimal(out.name) + "." + extension);
-  // Equal contents have one name: without the lock two threads could write one file at once.
-  if (const std::lock_guard lock(mutex_); true) {
-    if (has_contents(path, bytes)) {
-      ++kept_;
-      return out;
-    }
-    // Not flushed to the disk: another run finds and replaces what a power failure damaged, and the front comes last.
-    std::filesystem::path part = path;
-    part += ".part";
-    std::ofstream file(part, std::ios::binary | std::ios::trunc);
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    std::error_code failed;
-    if (file) std::filesystem::rename(part, path, failed);
-    if (!file || failed) {
-      std::filesystem::remove(part, failed);
-      fail_to_write(path);
-    }
-    ++written_;
+  const std::filesystem::path path = path_ / kind / fmt::format("{:02x}.{}", fmt::join(out.name, ""), extension);
+  const std::lock_guard lock(mutex_);  // equal contents have one name, which two threads must not write at once
+  if (has_contents(path, bytes)) {
+    ++kept_;
+    return out;
   }
+  // Not flushed to the disk: another run finds and replaces what a power failure damaged, and the front comes last.
+  std::filesystem::path part = path;
+  part += ".part";
+  std::ofstream file(part, std::ios::binary | std::ios::trunc);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  std::error_code failed;
+  if (file) std::filesystem::rename(part, path, failed);
+  if (!file || failed) {
+    std::filesystem::remove(part, failed);
+    fail_to_write(path);
+  }
+  ++written_;
   return out;
 }
 

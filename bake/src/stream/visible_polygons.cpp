@@ -1,17 +1,9 @@
 #include "stream/visible_polygons.h"
 
+#include "file/readable_file.h"
 #include "sightcell/base/error.h"
 
 namespace sightcell::bake {
-namespace {
-
-void require_readable(format::status outcome, const std::string& name) {
-  if (outcome != format::status::ok)
-    throw error(error_kind::bad_input, "pvs.broken", name, format::status_text(outcome), "bake it again");
-}
-
-}  // namespace
-
 visible_polygons::visible_polygons(std::span<const std::byte> file, const std::string& name) : name_(name) {
   require_readable(format::reader::open(file, file_), name_);
   if (!file_.has_importance())
