@@ -88,7 +88,7 @@ class TestReader:
         ('file counts', varints(1), 'have not 2 files'), ('heights', varints(9, 8), 'ascending size'),
         ('chunk cells', varints(2), 'have not 3 cells'), ('chunk boxes', box_columns([[0, 0, 0], [8, -1, 8]]), 'a box has'),
         ('everywhere', varints(1) + gaps(1), 'page is not below 1'), ('everywhere', varints(2) + gaps(0, 1), 'not below 2'),
-        ('everywhere', varints(0) + b'\0', 'behind the payload')])
+        ('images everywhere', varints(1) + gaps(1), 'image is not below 1'), ('images everywhere', varints(0) + b'\0', 'behind the payload')])
     def test_fields_of_the_front(self, site, field, value, message):
         if field == 'heights':
             site.front['widths'] = varints(9, 8)

@@ -139,7 +139,7 @@ class SmallSite:
             'file bytes': varints(*map(len, IMAGES)), 'file types': bytes([2, 0]),
             'file hashes': bytes.fromhex(''.join(map(hash_of, IMAGES))),
             'chunk bytes': b'', 'chunk cells': varints(3), 'chunk hashes': b'', 'chunk boxes': box_columns(self.cells[0]),
-            'everywhere': varints(0)}
+            'everywhere': varints(0), 'images everywhere': varints(0)}
 
     def page_bytes(self):
         views, binary, uncompressed = [], b'', 0

@@ -352,3 +352,4 @@ class Painted(Streamed):
         pages = {page for page in range(len(front.page_bytes)) for part in self.site.page(page)
                  if part.geometry == front.draw_geometry[1]}
         self.assertEqual(set(front.everywhere.tolist()), pages)
+        self.assertEqual(front.images_everywhere.tolist(), [0])

@@ -152,6 +152,7 @@ class Front:
     chunk_hashes: list
     chunk_boxes: np.ndarray  # [C, 2, 3]
     everywhere: np.ndarray  # pages that are in every cell
+    images_everywhere: np.ndarray
 
     def page_name(self, page):
         return f'pages/{self.page_hashes[page]}.glb'
@@ -190,6 +191,7 @@ def front(data):
     chunk_bytes, chunk_cells, chunk_hashes = read.varints(chunks), read.varints(chunks), read.hashes(chunks)
     chunk_boxes = read.boxes(chunks)
     everywhere = read.gaps([read.varint(pages + 1, 'count of pages')], pages, 'page')[0]
+    images_everywhere = read.gaps([read.varint(images + 1, 'count of images')], images, 'image')[0]
     read.end()
     read.need(chunk_cells.sum() == cells and (chunk_cells > 0).all(), f'the chunks have not {cells} cells')
     read.need(geometry_polygons[table['draw_geometry']].sum() == polygons, f'the draws have not {polygons} polygons')
@@ -200,7 +202,7 @@ def front(data):
     return Front(fingerprint, polygons, cells, box, document, geometry_polygons, **table,
                  page_bytes=page_bytes, page_hashes=page_hashes, page_boxes=page_boxes, images=image_files,
                  chunk_bytes=chunk_bytes, chunk_cells=chunk_cells, chunk_hashes=chunk_hashes, chunk_boxes=chunk_boxes,
-                 everywhere=everywhere)
+                 everywhere=everywhere, images_everywhere=images_everywhere)
 
 
 def materials_of(text, images):

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string_view>
 
 namespace sightcell::bake {
@@ -89,8 +90,7 @@ class front_writer {
     put_pages();
     put_images();
     put_chunks();
-    out_.put_varint(static_cast<std::uint32_t>(content_.plan.always.size()));
-    out_.put_gaps(content_.plan.always);
+    put_everywhere();
     return std::move(out_);
   }
 
@@ -194,6 +194,19 @@ class front_writer {
       put_float_column(out_, content_.chunks, [k](const auto& c) { return c.box.min[k]; });
     for (std::size_t k = 0; k < 3; ++k)
       put_float_column(out_, content_.chunks, [k](const auto& c) { return c.box.max[k]; });
+  }
+
+  // What every cell needs.
+  void put_everywhere() {
+    std::set<std::uint32_t> images;
+    for (const scene::draw& d : scene_.draws)
+      if (is_in_every_cell(d))
+        for (const std::uint32_t image : content_.pager.images_of(d.material)) images.insert(image);
+    const std::vector<std::uint32_t> ascending(images.begin(), images.end());
+    for (const std::vector<std::uint32_t>* list : {&content_.plan.always, &ascending}) {
+      out_.put_varint(static_cast<std::uint32_t>(list->size()));
+      out_.put_gaps(*list);
+    }
   }
 
   void put_files(const std::vector<listed_file>& files) {
