@@ -31,7 +31,7 @@ BASE = ['sightcell/base/']
 SCENE = BASE + ['sightcell/scene/', 'glm/']
 PICTURE = ['sightcell/picture/']
 BAKE = ['sightcell/bake/']
-RUNTIME = ['sightcell/sightcell.h', 'sightcell/sightcell.hpp']
+RUNTIME = ['sightcell/sightcell.h', 'sightcell/sightcell.hpp', 'sightcell/stream.h']
 GL = ['epoxy/', 'EGL/', 'GL/']
 SHADERS = ['shared/', 'shaders/']
 
@@ -43,6 +43,8 @@ ALLOWED = {
     'format/src/platform_file.cpp': SYSTEM,
     'runtime': FORMAT_READ,
     'runtime/src/file_input.cpp': FORMAT_READ + SYSTEM,
+    'runtime/stream': FORMAT_READ + ['sightcell/stream.h'],
+    'runtime/stream/src/inflated.cpp': ['sha2.h', 'zlib.h'],
     'shaders': [],
     'bake/base': ['glm/', 'nlohmann/', 'tbb/'],
     'bake/base/src/disk.cpp': POSIX,
@@ -74,6 +76,7 @@ ALLOWED = {
     'tests': BAKE + SCENE + PICTURE + FORMAT + RUNTIME + SHADERS + GL + PLATFORM +
              ['draco/', 'meshoptimizer.h', 'gtest/', 'gmock/', 'benchmark/', 'embree3/', 'tbb/', 'fmt/', 'nlohmann/', 'xxhash.h', 'sqlite3.h',
               'CLI/', 'boost/'],
+    'tests/unit/runtime/stream': RUNTIME + ['gtest/', 'sha2.h', 'zlib.h'],
 }
 # A file of these rooms can be included by path inside the room. bake/base, bake/scene, bake/picture and bake/cli are
 # rooms of their own: bake/src may use their public headers and nothing else of them.

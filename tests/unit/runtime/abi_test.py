@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""The C ABI is what abi.txt records: every constant, struct, field, function and exported symbol of sightcell.h.
+"""The C ABI is what abi.txt records: every constant, struct, field, function and exported symbol of a header.
 
 usage: abi_test.py COMPILER HEADER ABI.txt [NM LIBRARY.so]    exit code 1 where something differs from the record
        abi_test.py COMPILER HEADER ABI.txt --record           writes the record anew, on a machine with 64-bit pointers
+COMPILER may have options: "cc -I folder".
 
 The header is parsed for the names and types that it declares. The compiler checks the recorded numbers and types by
 _Static_assert: no program runs, so a cross compiler will do. Lines may be added to the record; a line of a released
@@ -78,9 +79,9 @@ def declared(header):
 
 def compile_c(compiler, header, source, *options):
     """What the compiler prints about a program that includes the header: nothing where it is right."""
-    include = os.path.dirname(os.path.dirname(os.path.abspath(header)))
-    command = [compiler, '-std=c11', '-DSIGHTCELL_STATIC', '-I', include, *options, '-x', 'c', '-']
-    source = '#include <sightcell/sightcell.h>\n#include <stdio.h>\n' + source
+    folder, name = os.path.split(os.path.abspath(header))
+    command = [*compiler.split(' '), '-std=c11', '-DSIGHTCELL_STATIC', '-I', os.path.dirname(folder), *options, '-x', 'c', '-']
+    source = f'#include <sightcell/{name}>\n#include <stdio.h>\n{source}'
     done = subprocess.run(command, check=False, capture_output=True, text=True, input=source)
     return done.stderr if done.returncode != 0 else ''
 
