@@ -16,6 +16,8 @@ const char* status_text(status s) noexcept {
       return "not known for this frame or revision: draw or load everything";
     case status::absent:
       return "the file does not have what is asked for";
+    case status::pending:
+      return "the bytes have not arrived";
     case status::io:
       return "the file cannot be read or written";
     case status::not_ours:

@@ -32,6 +32,7 @@ static_assert(static_cast<int>(format::status::limit) == SIGHTCELL_ERR_LIMIT &&
               static_cast<int>(format::status::other_scene) == SIGHTCELL_ERR_OTHER_SCENE &&
               static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE &&
               static_cast<int>(format::status::absent) == SIGHTCELL_ERR_ABSENT &&
+              static_cast<int>(format::status::pending) == SIGHTCELL_PENDING &&
               format::no_named_group == SIGHTCELL_NO_NAMED_GROUP);
 
 namespace {
@@ -96,13 +97,32 @@ sightcell_status sightcell_db_open_file(const char* path, const sightcell_alloca
   return s;
 }
 
-sightcell_status sightcell_db_open_source(const sightcell_source* source, const sightcell_allocator* mem,
-                                          uint64_t resident_bytes, sightcell_db** out) {
+sightcell_status sightcell_db_begin_source(const sightcell_source* source, const sightcell_allocator* mem,
+                                           uint64_t resident_bytes, sightcell_db** out) {
   if (out == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   *out = nullptr;
   sightcell_allocator allocator;
   if (source == nullptr || source->request == nullptr || !take_allocator(mem, allocator)) return SIGHTCELL_ERR_ARGUMENT;
-  return sightcell_db::open_source(*source, allocator, resident_bytes, out);
+  return sightcell_db::begin_source(*source, allocator, resident_bytes, out);
+}
+
+sightcell_status sightcell_db_open_source(const sightcell_source* source, const sightcell_allocator* mem,
+                                          uint64_t resident_bytes, sightcell_db** out) {
+  const sightcell_status s = sightcell_db_begin_source(source, mem, resident_bytes, out);
+  if (s != SIGHTCELL_PENDING) return s;
+  sightcell_db::close(*out);  // nothing was delivered before the host's request returned
+  *out = nullptr;
+  return SIGHTCELL_ERR_IO;
+}
+
+sightcell_status sightcell_db_opened(sightcell_db* db) {
+  return db == nullptr ? SIGHTCELL_ERR_ARGUMENT : db->continue_opening();
+}
+
+sightcell_status sightcell_db_same_scene(const sightcell_db* db, const uint8_t scene_fingerprint[16]) {
+  if (db == nullptr || scene_fingerprint == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  const auto& own = db->file().facts().scene_fingerprint;
+  return std::memcmp(own.data(), scene_fingerprint, own.size()) == 0 ? SIGHTCELL_OK : SIGHTCELL_ERR_OTHER_SCENE;
 }
 
 sightcell_status sightcell_db_deliver(sightcell_db* db, uint32_t ticket, const void* bytes, uint32_t size) {
@@ -272,7 +292,8 @@ sightcell_status sightcell_db_order(const sightcell_db* db, uint32_t* source_id_
 sightcell_status sightcell_view_create(const sightcell_db* db, sightcell_view** out) {
   if (out == nullptr) return SIGHTCELL_ERR_ARGUMENT;
   *out = nullptr;
-  return db == nullptr ? SIGHTCELL_ERR_ARGUMENT : sightcell_view::create(*db, out);
+  if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  return db->is_open() ? sightcell_view::create(*db, out) : SIGHTCELL_PENDING;
 }
 
 void sightcell_view_destroy(sightcell_view* view) {

@@ -26,7 +26,7 @@ std::uint64_t sightcell_db::carve(void* block) noexcept {
   const auto give = [&]<class T>(std::span<T>& target, std::uint64_t count) {
     T* first = space.take<T>(count);
     if (first == nullptr) return;
-    std::uninitialized_value_construct_n(first, static_cast<std::size_t>(count));
+    sightcell::runtime::construct(first, count);
     target = {first, static_cast<std::size_t>(count)};
   };
   const format::cell_lattice* lattice = file_.lattice();
@@ -140,41 +140,72 @@ sightcell_status sightcell_db::open(std::span<const std::byte> bytes, const sigh
   // Only now: if open fails, the caller keeps the bytes.
   db->owned_bytes_ = owned_bytes;
   db->owned_size_ = bytes.size();
+  db->step_.store(opening_step::open, std::memory_order_relaxed);
   *out = db;
   return SIGHTCELL_OK;
 }
 
-sightcell_status sightcell_db::open_source(const sightcell_source& source, const sightcell_allocator& mem,
-                                           std::uint64_t resident_bytes, sightcell_db** out) noexcept {
+sightcell_status sightcell_db::begin_source(const sightcell_source& source, const sightcell_allocator& mem,
+                                            std::uint64_t resident_bytes, sightcell_db** out) noexcept {
   void* block = sightcell::runtime::allocate(mem, sizeof(sightcell_db));
   if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
   auto* db = new (block) sightcell_db;
   db->mem_ = mem;
   db->block_size_ = sizeof(sightcell_db);
   db->source_ = source;
+  db->resident_bytes_ = resident_bytes;
   *out = db;
-  const sightcell_status s = db->open_pages(resident_bytes);
-  if (s == SIGHTCELL_OK) return s;
+  const sightcell_status s = db->continue_opening();
+  if (s == SIGHTCELL_OK || s == SIGHTCELL_PENDING) return s;
   *out = nullptr;
   close(db);
   return s;
 }
 
-sightcell_status sightcell_db::open_pages(std::uint64_t resident_bytes) noexcept {
-  std::array<std::byte, format::reader::most_header_bytes> begin{};
-  const std::size_t known = static_cast<std::size_t>(std::min<std::uint64_t>(begin.size(), source_.size));
-  if (const sightcell_status s = fetch({begin.data(), known}); s != SIGHTCELL_OK) return s;
+sightcell_status sightcell_db::continue_opening() noexcept {
+  for (;;) {
+    const opening_step step = step_.load(std::memory_order_relaxed);
+    if (step == opening_step::open) return SIGHTCELL_OK;
+    sightcell_status s = SIGHTCELL_OK;
+    if (step == opening_step::header) {
+      step_.store(opening_step::header_awaited, std::memory_order_relaxed);
+      const std::uint64_t size = std::min<std::uint64_t>(header_.size(), source_.size);
+      s = ask({header_.data(), static_cast<std::size_t>(size)});
+    } else {
+      const delivery state = opening_.state.load(std::memory_order_acquire);
+      if (state == delivery::awaited || state == delivery::arriving) return SIGHTCELL_PENDING;
+      if (state != delivery::arrived) return SIGHTCELL_ERR_IO;
+      s = step == opening_step::header_awaited ? take_header() : take_front();
+    }
+    if (s != SIGHTCELL_OK) {
+      opening_.state.store(delivery::none, std::memory_order_relaxed);
+      return s;
+    }
+  }
+}
+
+// Requests the first bytes of the file.
+sightcell_status sightcell_db::ask(std::span<std::byte> target) noexcept {
+  opening_.target = target;
+  ++opening_.ticket;
+  opening_.state.store(delivery::awaited, std::memory_order_release);
+  return source_.request(source_.user, 0, static_cast<std::uint32_t>(target.size()), opening_.ticket);
+}
+
+sightcell_status sightcell_db::take_header() noexcept {
   std::uint64_t front = 0;
-  const format::status sized = format::reader::front_size({begin.data(), known}, source_.size, front);
+  const format::status sized = format::reader::front_size(opening_.target, source_.size, front);
   if (sized != format::status::ok) return static_cast<sightcell_status>(sized);
   if (front > std::numeric_limits<std::uint32_t>::max()) return SIGHTCELL_ERR_LIMIT;  // one request
-
   owned_bytes_ = sightcell::runtime::allocate(mem_, front);
   if (owned_bytes_ == nullptr) return SIGHTCELL_ERR_MEMORY;
   owned_size_ = front;
-  const std::span bytes(static_cast<std::byte*>(owned_bytes_), static_cast<std::size_t>(front));
-  if (const sightcell_status s = fetch(bytes); s != SIGHTCELL_OK) return s;
-  const format::status opened = format::reader::open_front(bytes, source_.size, file_);
+  step_.store(opening_step::front_awaited, std::memory_order_relaxed);
+  return ask({static_cast<std::byte*>(owned_bytes_), static_cast<std::size_t>(front)});
+}
+
+sightcell_status sightcell_db::take_front() noexcept {
+  const format::status opened = format::reader::open_front(opening_.target, source_.size, file_);
   if (opened != format::status::ok) return static_cast<sightcell_status>(opened);
 
   std::uint64_t all = 0;
@@ -186,8 +217,8 @@ sightcell_status sightcell_db::open_pages(std::uint64_t resident_bytes) noexcept
     all += size;
     largest = std::max<std::uint64_t>(largest, size);
   }
-  if (resident_bytes < largest) return SIGHTCELL_ERR_CAPACITY;
-  const std::uint64_t room = std::min(resident_bytes, all);
+  if (resident_bytes_ < largest) return SIGHTCELL_ERR_CAPACITY;
+  const std::uint64_t room = std::min(resident_bytes_, all);
   if (room > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_MEMORY;
   room_ = {static_cast<std::byte*>(nullptr), static_cast<std::size_t>(room)};
   volumes_.measure(file_.volumes());
@@ -196,30 +227,34 @@ sightcell_status sightcell_db::open_pages(std::uint64_t resident_bytes) noexcept
   if (tables_ == nullptr) return SIGHTCELL_ERR_MEMORY;
   static_cast<void>(carve(tables_));
   if (const sightcell_status s = fill(); s != SIGHTCELL_OK) return s;
-  return cache_.open(file_, source_, cached_, cached_order_, room_) ? SIGHTCELL_OK : SIGHTCELL_ERR_CORRUPT;
-}
-
-// Requests the first bytes of the file, which must be delivered before the host's request returns.
-sightcell_status sightcell_db::fetch(std::span<std::byte> target) noexcept {
-  opening_ = {target, opening_.ticket + 1, true};
-  const auto size = static_cast<std::uint32_t>(target.size());
-  const sightcell_status s = source_.request(source_.user, 0, size, opening_.ticket);
-  const bool missing = opening_.waits;
-  opening_.waits = false;
-  if (s != SIGHTCELL_OK) return s;
-  return missing ? SIGHTCELL_ERR_IO : SIGHTCELL_OK;
+  if (!cache_.open(file_, source_, cached_, cached_order_, room_)) return SIGHTCELL_ERR_CORRUPT;
+  step_.store(opening_step::open, std::memory_order_release);
+  return SIGHTCELL_OK;
 }
 
 sightcell_status sightcell_db::deliver(std::uint32_t ticket, const void* bytes, std::uint32_t size) noexcept {
   if (!is_paged()) return SIGHTCELL_ERR_ARGUMENT;
-  if (cache_.is_open()) return cache_.deliver(ticket, bytes, size);
-  if (!opening_.waits || ticket != opening_.ticket) return SIGHTCELL_ERR_STALE;
-  if (bytes == nullptr) return SIGHTCELL_OK;
-  if (size < opening_.target.size()) return SIGHTCELL_ERR_TRUNCATED;
-  if (size > opening_.target.size()) return SIGHTCELL_ERR_CORRUPT;
-  std::copy_n(static_cast<const std::byte*>(bytes), size, opening_.target.data());
-  opening_.waits = false;
-  return SIGHTCELL_OK;
+  return is_open() ? cache_.deliver(ticket, bytes, size) : deliver_opening(ticket, bytes, size);
+}
+
+sightcell_status sightcell_db::deliver_opening(std::uint32_t ticket, const void* bytes, std::uint32_t size) noexcept {
+  delivery state = delivery::awaited;
+  if (!opening_.state.compare_exchange_strong(state, delivery::arriving, std::memory_order_acquire))
+    return SIGHTCELL_ERR_STALE;
+  sightcell_status s = SIGHTCELL_OK;
+  state = delivery::awaited;
+  if (ticket != opening_.ticket) {
+    s = SIGHTCELL_ERR_STALE;
+  } else if (bytes == nullptr) {
+    state = delivery::unreadable;
+  } else if (size != opening_.target.size()) {
+    s = size < opening_.target.size() ? SIGHTCELL_ERR_TRUNCATED : SIGHTCELL_ERR_CORRUPT;
+  } else {
+    std::copy_n(static_cast<const std::byte*>(bytes), size, opening_.target.data());
+    state = delivery::arrived;
+  }
+  opening_.state.store(state, std::memory_order_release);
+  return s;
 }
 
 void sightcell_db::close(sightcell_db* db) noexcept {
@@ -291,9 +326,9 @@ sightcell_status sightcell_db::check() const noexcept {
     auto* first_number = space.take<std::uint32_t>(file_.check_room());
     auto* first_byte = space.take<std::byte>(file_.scratch_size());
     if (block == nullptr) return space.used();
-    std::uninitialized_value_construct_n(first_run, file_.run_bound());
-    std::uninitialized_value_construct_n(first_number, file_.check_room());
-    std::uninitialized_value_construct_n(first_byte, file_.scratch_size());
+    sightcell::runtime::construct(first_run, file_.run_bound());
+    sightcell::runtime::construct(first_number, file_.check_room());
+    sightcell::runtime::construct(first_byte, file_.scratch_size());
     runs = {first_run, file_.run_bound()};
     stored = {first_number, file_.check_room()};
     scratch = {first_byte, file_.scratch_size()};

@@ -1,6 +1,7 @@
 #pragma once
 // One open file with the tables that open derives from it: the cell locator, the borders of ranges, and the states of
 // the chunks of rows. Shared by threads; only the states of chunks change after open.
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -36,9 +37,11 @@ struct sightcell_db {
   // bytes: not copied. owned_bytes: a block of mem that contains them and is released with the db, or null.
   static sightcell_status open(std::span<const std::byte> bytes, const sightcell_allocator& mem, void* owned_bytes,
                                sightcell_db** out) noexcept;
-  // out is set before the first request, for deliver, and set to null on failure.
-  static sightcell_status open_source(const sightcell_source& source, const sightcell_allocator& mem,
-                                      std::uint64_t resident_bytes, sightcell_db** out) noexcept;
+  // Returns PENDING, OK or a failure. out is set before the first request, for deliver, and set to null on failure.
+  static sightcell_status begin_source(const sightcell_source& source, const sightcell_allocator& mem,
+                                       std::uint64_t resident_bytes, sightcell_db** out) noexcept;
+  sightcell_status continue_opening() noexcept;
+  [[nodiscard]] bool is_open() const noexcept { return step_.load(std::memory_order_acquire) == opening_step::open; }
   static void close(sightcell_db* db) noexcept;
 
   [[nodiscard]] const sightcell::format::reader& file() const noexcept { return file_; }
@@ -105,11 +108,13 @@ struct sightcell_db {
   }
 
  private:
-  // The bytes that open_source waits for.
+  // What of the file is requested next, or is awaited.
+  enum class opening_step : std::uint8_t { header, header_awaited, front_awaited, open };
+  enum class delivery : std::uint8_t { none, awaited, arriving, arrived, unreadable };
   struct opening_request {
     std::span<std::byte> target;
     std::uint32_t ticket = 0;
-    bool waits = false;
+    std::atomic<delivery> state = delivery::none;
   };
 
   sightcell_db() = default;
@@ -119,8 +124,10 @@ struct sightcell_db {
   [[nodiscard]] bool fill_draws_of_groups() noexcept;
   [[nodiscard]] bool fill_named_groups() noexcept;
   [[nodiscard]] bool cell_is_sound(std::uint32_t cell) const noexcept;
-  [[nodiscard]] sightcell_status open_pages(std::uint64_t resident_bytes) noexcept;
-  [[nodiscard]] sightcell_status fetch(std::span<std::byte> target) noexcept;
+  [[nodiscard]] sightcell_status ask(std::span<std::byte> target) noexcept;
+  [[nodiscard]] sightcell_status take_header() noexcept;
+  [[nodiscard]] sightcell_status take_front() noexcept;
+  sightcell_status deliver_opening(std::uint32_t ticket, const void* bytes, std::uint32_t size) noexcept;
 
   sightcell::format::reader file_;
   sightcell_allocator mem_{};
@@ -145,6 +152,9 @@ struct sightcell_db {
   // For a paged file.
   sightcell_source source_{};
   opening_request opening_;
+  std::atomic<opening_step> step_ = opening_step::header;
+  std::array<std::byte, sightcell::format::reader::most_header_bytes> header_{};
+  std::uint64_t resident_bytes_ = 0;
   mutable sightcell::runtime::chunk_cache cache_;
   std::span<sightcell::runtime::cached_chunk> cached_;
   std::span<std::uint32_t> cached_order_;

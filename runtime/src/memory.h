@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <memory>
+#include <type_traits>
 
 #include "sightcell/sightcell.h"
 
@@ -18,6 +21,17 @@ sightcell_allocator default_allocator() noexcept;
 void* allocate(const sightcell_allocator& mem, std::uint64_t size) noexcept;
 // block: may be null. size: as given to allocate.
 void release(const sightcell_allocator& mem, void* block, std::uint64_t size) noexcept;
+
+// Constructs elements: as zeros, if their type has no initial values of its own.
+template <class T>
+void construct(T* first, std::uint64_t count) noexcept {
+  const auto elements = static_cast<std::size_t>(count);
+  if constexpr (std::is_trivially_default_constructible_v<T>) {
+    std::memset(static_cast<void*>(first), 0, elements * sizeof(T));
+  } else {
+    std::uninitialized_value_construct_n(first, elements);
+  }
+}
 
 // Divides one block into arrays. Run once with a null block to get the size, then again with the block.
 class carver {

@@ -19,7 +19,7 @@ std::uint64_t sightcell_view::carve(void* block) noexcept {
   space.take<sightcell_view>(1);
   const auto take = [&]<class T>(std::uint64_t count, T*& first) {
     first = space.take<T>(count);
-    if (first != nullptr) std::uninitialized_value_construct_n(first, static_cast<std::size_t>(count));
+    if (first != nullptr) sightcell::runtime::construct(first, count);
   };
   // A row has at most run_bound() runs, and a union of rows at most range_bound().
   const std::size_t room = std::max<std::size_t>(db_->range_bound(), db_->file().row_room());

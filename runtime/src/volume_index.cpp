@@ -82,8 +82,8 @@ void volume_index::carve(carver& space) noexcept {
   auto* first_slot = space.take<volume_chunk>(slots);
   auto* first_place = space.take<std::uint32_t>(volumes_);
   if (first_slot == nullptr || volumes_ == 0) return;
-  std::uninitialized_value_construct_n(first_slot, slots);
-  std::uninitialized_value_construct_n(first_place, volumes_);
+  construct(first_slot, slots);
+  construct(first_place, volumes_);
   slots_ = {first_slot, slots};
   places_ = {first_place, volumes_};
 }

@@ -120,6 +120,7 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_CAPACITY = 3,    /* dst is too small; *count is the number of elements */
   SIGHTCELL_ERR_STALE = 4,       /* not known for this frame, revision or ticket */
   SIGHTCELL_ERR_ABSENT = 5,      /* the file does not have what the function needs */
+  SIGHTCELL_PENDING = 6,         /* no error: the db waits for the bytes of a request */
   SIGHTCELL_ERR_IO = 10,         /* the file cannot be opened or read */
   SIGHTCELL_ERR_NOT_OURS = 20,   /* not a .pvs file */
   SIGHTCELL_ERR_VERSION = 21,    /* a .pvs file of a version that this library does not read */
@@ -127,7 +128,7 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_CHECKSUM = 23,   /* damaged: a checksum differs */
   SIGHTCELL_ERR_CORRUPT = 24,    /* values that contradict each other */
   SIGHTCELL_ERR_LIMIT = 25,      /* a number beyond a limit of the format or of this machine */
-  SIGHTCELL_ERR_OTHER_SCENE = 26 /* the file belongs to another scene; no function returns it yet */
+  SIGHTCELL_ERR_OTHER_SCENE = 26 /* the file belongs to another scene */
 } sightcell_status;
 
 /* The set that a view returns outside all cells: sightcell_view_policy. */
@@ -271,8 +272,8 @@ typedef struct sightcell_allocator {
  * request: asks for size bytes from offset. The host passes them to sightcell_db_deliver with the same ticket, on any
  *   thread, before request returns or later. A result other than OK means that no delivery follows. Each request that
  *   returned OK needs a delivery of bytes or of NULL: without one, the chunk is requested again only after 64 other
- *   requests. sightcell_db_open_source, sightcell_db_prefetch, sightcell_view_move and sightcell_view_move_box call
- *   request, on their own threads. */
+ *   requests. sightcell_db_open_source, sightcell_db_begin_source, sightcell_db_opened, sightcell_db_prefetch,
+ *   sightcell_view_move and sightcell_view_move_box call request, on their own threads. */
 typedef struct sightcell_source {
   void* user;
   uint64_t size;
@@ -325,6 +326,28 @@ SIGHTCELL_API sightcell_status sightcell_db_open_file(const char* path, const si
  *   is less), and 36 bytes per chunk. */
 SIGHTCELL_API sightcell_status sightcell_db_open_source(const sightcell_source* source, const sightcell_allocator* mem,
                                                         uint64_t resident_bytes, sightcell_db** out);
+
+/* Begins to open a paged file, for hosts that cannot answer a request before it returns, such as web pages and threads
+ * that must not wait. The host then calls sightcell_db_opened, for example once per frame, until it returns OK. Until
+ * then, db may be passed to sightcell_db_opened, sightcell_db_deliver and sightcell_db_close only.
+ * source, mem, resident_bytes: as for sightcell_db_open_source; the host may deliver at any time.
+ * out: receives the db before the first request; NULL on failure.
+ * Returns PENDING, OK if everything was delivered before this returned, or fails as sightcell_db_open_source. */
+SIGHTCELL_API sightcell_status sightcell_db_begin_source(const sightcell_source* source, const sightcell_allocator* mem,
+                                                         uint64_t resident_bytes, sightcell_db** out);
+
+/* Continues to open a db of sightcell_db_begin_source with what was delivered. Requests twice in all: the header of the
+ * file, then everything but the sets. On one thread at a time.
+ * Returns PENDING while a request waits for its delivery, and OK when the db is open, also for a db of another open
+ *   function. Fails as sightcell_db_open_source, with IO where the host has delivered NULL; then the host closes the db.
+ * Cost: none while PENDING; the last step costs what sightcell_db_open costs. */
+SIGHTCELL_API sightcell_status sightcell_db_opened(sightcell_db* db);
+
+/* Tests whether a file was baked from the scene that the host has.
+ * scene_fingerprint: that of the host's scene, which `sightcell info` prints, or that of another open file or of
+ *   sightcell_stream_info.
+ * Fails with OTHER_SCENE. */
+SIGHTCELL_API sightcell_status sightcell_db_same_scene(const sightcell_db* db, const uint8_t scene_fingerprint[16]);
 
 /* Delivers the bytes of a request. May be called on any thread, also from within request.
  * ticket: of the request.
@@ -426,7 +449,7 @@ SIGHTCELL_API sightcell_status sightcell_db_named_groups_of_draws(const sightcel
 /* Creates a view. Before its first move, it has revision 0 and its outputs are empty.
  * db: must outlive the view.
  * out: receives the view, or NULL on failure.
- * Fails with MEMORY.
+ * Fails with MEMORY, and with PENDING before sightcell_db_opened has returned OK.
  * Cost: one allocation of about 110 bytes per range of the largest set; the view needs no other. */
 SIGHTCELL_API sightcell_status sightcell_view_create(const sightcell_db* db, sightcell_view** out);
 

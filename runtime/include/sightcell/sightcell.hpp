@@ -111,6 +111,22 @@ class db {
     return result<db>(std::move(file));
   }
 
+  // Begins to open a paged file; bytes may be delivered at any time. Then opened() continues: PENDING, OK or a failure.
+  static result<db> begin_source(const sightcell_source& source, std::uint64_t resident_bytes, sightcell_db*& keep,
+                                 const sightcell_allocator* mem = nullptr) noexcept {
+    const sightcell_status s = sightcell_db_begin_source(&source, mem, resident_bytes, &keep);
+    if (s != SIGHTCELL_OK && s != SIGHTCELL_PENDING) return result<db>(s);
+    db file;
+    file.handle_ = keep;
+    return result<db>(std::move(file));
+  }
+  sightcell_status opened() noexcept { return sightcell_db_opened(handle_); }
+
+  // OK, or OTHER_SCENE if the file was not baked from the scene with this fingerprint.
+  [[nodiscard]] sightcell_status same_scene(std::span<const std::uint8_t, 16> scene_fingerprint) const noexcept {
+    return sightcell_db_same_scene(handle_, scene_fingerprint.data());
+  }
+
   // Delivers the bytes of a request. Any thread. An empty span without data reports that they could not be read.
   sightcell_status deliver(std::uint32_t ticket, std::span<const std::byte> bytes) noexcept {
     return sightcell_db_deliver(handle_, ticket, bytes.data(), static_cast<std::uint32_t>(bytes.size()));

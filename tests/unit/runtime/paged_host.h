@@ -33,6 +33,12 @@ class paged_host {
     return s;
   }
 
+  // Opens without waiting; requests stay open unless at_once.
+  sightcell_status begin(std::uint64_t resident_bytes, const sightcell_allocator* mem = nullptr) {
+    const sightcell_source source{this, bytes_.size(), ask};
+    return sightcell_db_begin_source(&source, mem, resident_bytes, &db_);
+  }
+
   sightcell_status deliver(const page_request& r) {
     return sightcell_db_deliver(db_, r.ticket, bytes_.data() + r.offset, r.size);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <thread>
 
 #include "loaded_file.h"
 #include "paged_host.h"
@@ -344,6 +345,59 @@ TEST(paging, wrong_arguments) {
   EXPECT_EQ(sightcell_db_deliver(nullptr, 1, good, 4), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_db_deliver(in_memory, 1, good, 4), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_db_check(host.db()), SIGHTCELL_ERR_IO);
+}
+
+TEST(paging, an_opening_that_does_not_wait) {
+  const sample_contents contents = eight_chunks();
+  paged_host host(contents.encode());
+  ASSERT_EQ(host.begin(1 << 20), SIGHTCELL_PENDING);
+  sightcell_view* early = nullptr;
+  for (std::size_t request = 1; request <= 2; ++request) {
+    EXPECT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_PENDING);
+    EXPECT_EQ(sightcell_view_create(host.db(), &early), SIGHTCELL_PENDING);
+    ASSERT_EQ(host.requests, request);
+    const page_request r = host.waiting.back();
+    EXPECT_EQ(sightcell_db_deliver(host.db(), r.ticket + 1, host.bytes().data(), r.size), SIGHTCELL_ERR_STALE);
+    EXPECT_EQ(sightcell_db_deliver(host.db(), r.ticket, host.bytes().data(), r.size - 1), SIGHTCELL_ERR_TRUNCATED);
+    EXPECT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_PENDING) << "as before";
+    std::thread([&] { EXPECT_EQ(host.deliver(r), SIGHTCELL_OK); }).join();
+    EXPECT_EQ(host.deliver(r), SIGHTCELL_ERR_STALE) << "once";
+  }
+  ASSERT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_OK);
+  EXPECT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_OK) << "stays open";
+  host.waiting.clear();
+  host.at_once = true;
+  const loaded_file file(contents);
+  test_view paged(host.db());
+  test_view whole(file.db());
+  for (std::uint32_t cell = 0; cell < 512; cell += 37) {
+    static_cast<void>(go_to(paged, contents, cell));
+    static_cast<void>(go_to(whole, contents, cell));
+    ASSERT_EQ(paged.polygons(), whole.polygons());
+  }
+  EXPECT_EQ(sightcell_db_opened(const_cast<sightcell_db*>(file.db())), SIGHTCELL_OK);
+}
+
+TEST(paging, an_opening_whose_bytes_cannot_be_read_fails) {
+  for (int good = 0; good < 2; ++good) {
+    paged_host host(eight_chunks().encode());
+    ASSERT_EQ(host.begin(1 << 20), SIGHTCELL_PENDING);
+    for (int i = 0; i < good; ++i) {
+      ASSERT_EQ(host.deliver(host.waiting.back()), SIGHTCELL_OK);
+      ASSERT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_PENDING);
+    }
+    const page_request r = host.waiting.back();
+    ASSERT_EQ(sightcell_db_deliver(host.db(), r.ticket, nullptr, 0), SIGHTCELL_OK);
+    EXPECT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_ERR_IO);
+    EXPECT_EQ(host.deliver(r), SIGHTCELL_ERR_STALE);
+    EXPECT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_ERR_IO);
+  }
+  paged_host host(eight_chunks().encode());
+  ASSERT_EQ(host.begin(10), SIGHTCELL_PENDING);
+  ASSERT_EQ(host.deliver(host.waiting.back()), SIGHTCELL_OK);
+  ASSERT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_PENDING);
+  ASSERT_EQ(host.deliver(host.waiting.back()), SIGHTCELL_OK);
+  EXPECT_EQ(sightcell_db_opened(host.db()), SIGHTCELL_ERR_CAPACITY);
 }
 
 // The answers of the source while the file is opened.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,31 @@ TEST(sightcell_hpp, the_whole_path) {
   EXPECT_TRUE(changes);
   EXPECT_EQ(changes.removed, 0u);
   EXPECT_EQ(camera.polygons({}).status, SIGHTCELL_ERR_CAPACITY);
+}
+
+TEST(sightcell_hpp, an_opening_that_does_not_wait) {
+  struct {
+    std::uint32_t size = 0, ticket = 0;
+  } asked;
+  const auto bytes = sightcell::test::small_contents().encode();
+  const sightcell_source source{&asked, bytes.size(),
+                                [](void* user, std::uint64_t, std::uint32_t size, std::uint32_t ticket) {
+                                  *static_cast<decltype(asked)*>(user) = {size, ticket};
+                                  return SIGHTCELL_OK;
+                                }};
+  sightcell_db* handle = nullptr;
+  auto begun = sightcell::db::begin_source(source, 1 << 20, handle);
+  ASSERT_TRUE(begun);
+  sightcell::db file = std::move(*begun);
+  for (int request = 0; request < 2; ++request) {
+    EXPECT_EQ(file.opened(), SIGHTCELL_PENDING);
+    EXPECT_EQ(sightcell::view::create(file).status(), SIGHTCELL_PENDING);
+    EXPECT_EQ(file.deliver(asked.ticket, std::span(bytes).first(asked.size)), SIGHTCELL_OK);
+  }
+  EXPECT_EQ(file.opened(), SIGHTCELL_OK);
+  EXPECT_EQ(file.same_scene(file.info()->scene_fingerprint), SIGHTCELL_OK);
+  const std::array<std::uint8_t, 16> other{1};
+  EXPECT_EQ(file.same_scene(other), SIGHTCELL_ERR_OTHER_SCENE);
 }
 
 TEST(sightcell_hpp, named_groups) {
