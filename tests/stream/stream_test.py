@@ -1,7 +1,6 @@
 """What `sightcell pack --stream` writes, by a reader that was written from docs/streaming.md alone. Every polygon of the
 scene and of every cell set has to be there."""
 import os
-import subprocess
 
 import numpy as np
 
@@ -24,19 +23,6 @@ SMALLEST = 11  # classes of importance below this one have a range of solid angl
 
 def largest_of_class(number):
     return 2 * np.pi / 4.0 ** np.minimum(number, SMALLEST)
-
-
-def in_view(boxes, headings, pose):
-    """Which pages may have visible polygons in the frustum of a horizontal view, by their boxes and headings."""
-    eye, forward, (wide, high) = pose[:3], pose[3:6], pose[6:]
-    right = np.cross(forward, [0, 1, 0])
-    corners = np.stack([np.where(bits, boxes[:, 1], boxes[:, 0]) for bits in np.ndindex(2, 2, 2)], axis=1) - eye
-    depth, side, up = corners @ forward, corners @ right, corners[:, :, 1]
-    behind_a_plane = [depth <= 0, side >= wide * depth, side <= -wide * depth, up >= high * depth, up <= -high * depth]
-    box_ahead = ~np.any([plane.all(axis=1) for plane in behind_a_plane], axis=0)
-    directions = forward + np.linspace(-wide, wide, 10_001)[:, None] * right
-    sectors = set((np.floor(np.arctan2(directions[:, 2], directions[:, 0]) / np.pi * 4).astype(int) % 8).tolist())
-    return box_ahead & (headings & sum(1 << sector for sector in sectors) > 0)
 
 
 def modified(folder):
@@ -222,29 +208,6 @@ class Streamed(InFolder):
             volumes = [np.prod(boxes[i][1] - boxes[i][0]) for i in inside]
             self.assertEqual(cell and cell.number, inside[int(np.argmin(volumes))] if inside else None)
         self.assertIsNone(cell_at(self.site, high + 1))
-
-    def test_the_c_library_asks_for_pages_in_the_order_of_the_text(self):
-        draw = np.random.default_rng(5)
-        boxes = np.array([cell.box for cell in self.cells.values()], 'f8')
-        poses = []
-        for k in range(60):
-            low, high = boxes[k % len(boxes)]
-            heading, wide, high_angle = draw.uniform(0, 2 * np.pi), draw.uniform(0.2, 1.5), draw.uniform(0.2, 0.8)
-            poses.append([*draw.uniform(low, high), np.sin(heading), 0, -np.cos(heading), wide, high_angle])
-        poses = np.array(poses, 'f4')
-        done = subprocess.run([harness.program('sightcell-test-stream-requests'), self.site_folder], check=True, text=True,
-                              input='\n'.join(' '.join(map(str, pose)) for pose in poses), capture_output=True)
-        lines = [list(map(int, line.split())) for line in done.stdout.splitlines()]
-        self.assertEqual(len(lines), len(poses))
-        for pose, (number, *pages) in zip(poses.astype('f8'), lines):
-            cell = cell_at(self.site, pose[:3])
-            self.assertEqual(number, cell.number)
-            ahead = in_view(self.site.front.page_boxes[cell.pages], cell.page_headings, pose)
-            priority = cell.page_weights() / self.site.front.page_bytes[cell.pages] * np.where(ahead, 16, 1)
-            self.assertEqual(sorted(pages), cell.pages.tolist())
-            by_page = dict(zip(cell.pages.tolist(), priority.tolist()))
-            asked = [by_page[page] for page in pages]
-            self.assertTrue(all(b <= a * 1.00001 for a, b in zip(asked, asked[1:])), f'{pose}: {asked}')
 
     def test_a_second_run_writes_the_same(self):
         again = new_folder(self.addCleanup)
