@@ -40,6 +40,10 @@ sightcell_deb(dev libdevel "baked visibility for engines: runtime, to build agai
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libsightcell1 ${exact}")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "g++ | libstdc++-dev")  # for a static C program
 
+sightcell_deb(stream-dev libdevel "baked visibility for engines: clients of streamed scenes"
+  "This package has the header and the static library for programs that load\nscenes of \"sightcell pack --stream\" from a server.")
+set(CPACK_DEBIAN_STREAM-DEV_PACKAGE_DEPENDS "libsightcell-dev ${exact}, libmd-dev, pkg-config, zlib1g-dev")
+
 sightcell_deb(bake-dev libdevel "baked visibility for engines: the baker as a library"
   "This package has the headers and static libraries of the baker, for editors\nand asset pipelines.")
 string(JOIN ", " CPACK_DEBIAN_BAKE-DEV_PACKAGE_DEPENDS "libsightcell-dev ${exact}" libembree-dev libtbb-dev

@@ -1,6 +1,7 @@
-# sightcell_install(TARGET EXPORT runtime|bake|tools COMPONENT dev|bake-dev|tools): one line per target that is
-# installed. Components: runtime (libsightcell.so.1), dev (to build against it, shared or static), bake-dev (the bake
-# half as libraries), tools (the programs), bundle (a folder that needs no packages; see bundle.cmake).
+# sightcell_install(TARGET EXPORT runtime|stream|bake|tools COMPONENT dev|stream-dev|bake-dev|tools): one line per target
+# that is installed. Components: runtime (libsightcell.so.1), dev (to build against it, shared or static), stream-dev (for
+# clients of streamed scenes), bake-dev (the bake half as libraries), tools (the programs), bundle (a folder that needs no
+# packages; see bundle.cmake).
 function(sightcell_install target)
   if(NOT SIGHTCELL_INSTALL)
     return()

@@ -4,10 +4,15 @@ include(CMakePackageConfigHelpers)
 set(sightcell_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightcell)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/package/sightcell-config-version.cmake
   COMPATIBILITY SameMajorVersion)
-install(FILES runtime/package/sightcell-config.cmake ${PROJECT_BINARY_DIR}/package/sightcell-config-version.cmake
+install(FILES runtime/package/sightcell-config.cmake runtime/package/sightcell-needs.cmake ${PROJECT_BINARY_DIR}/package/sightcell-config-version.cmake
   DESTINATION ${sightcell_cmake_dir} COMPONENT dev)
 install(EXPORT sightcell-runtime NAMESPACE sightcell:: FILE sightcell-runtime-targets.cmake
   DESTINATION ${sightcell_cmake_dir} COMPONENT dev)
+if(SIGHTCELL_BUILD_STREAM)
+  install(FILES runtime/stream/package/sightcell-stream.cmake DESTINATION ${sightcell_cmake_dir} COMPONENT stream-dev)
+  install(EXPORT sightcell-stream NAMESPACE sightcell:: FILE sightcell-stream-targets.cmake
+    DESTINATION ${sightcell_cmake_dir} COMPONENT stream-dev)
+endif()
 if(SIGHTCELL_BUILD_BAKE)
   install(FILES bake/package/sightcell-bake.cmake bake/package/FindRecast.cmake
     DESTINATION ${sightcell_cmake_dir} COMPONENT bake-dev)
@@ -33,6 +38,9 @@ install(FILES ${PROJECT_BINARY_DIR}/package/sightcell.pc
 
 # One license file per component, at the path of Debian's packages.
 set(sightcell_components runtime dev)
+if(SIGHTCELL_BUILD_STREAM)
+  list(APPEND sightcell_components stream-dev)
+endif()
 if(SIGHTCELL_BUILD_BAKE)
   list(APPEND sightcell_components bake-dev tools)
   install(FILES THIRD_PARTY.md CHANGELOG.md
@@ -40,6 +48,7 @@ if(SIGHTCELL_BUILD_BAKE)
 endif()
 set(sightcell_runtime_package libsightcell1)
 set(sightcell_dev_package libsightcell-dev)
+set(sightcell_stream-dev_package libsightcell-stream-dev)
 set(sightcell_bake-dev_package libsightcell-bake-dev)
 set(sightcell_tools_package sightcell-tools)
 foreach(component IN LISTS sightcell_components)

@@ -1,5 +1,6 @@
-# find_package(sightcell [0.1] [COMPONENTS runtime bake tools])
+# find_package(sightcell [0.1] [COMPONENTS runtime stream bake tools])
 #   runtime (also when none is named): sightcell::runtime, static, and sightcell::runtime_shared; needs nothing else
+#   stream: sightcell::stream, static, for clients of streamed scenes; needs zlib and libmd
 #   bake: sightcell::bake, sightcell::scene, sightcell::picture, sightcell::format_write; needs its libraries
 #   tools: the programs sightcell::cli and sightcell::city, for add_custom_command
 # Each component is a file in this folder, present if the component is installed.
@@ -10,18 +11,21 @@ endif()
 # Sets sightcell_<component>_FOUND, and sightcell_missing to the reason when it is not.
 macro(sightcell_load component)
   set(sightcell_missing)
-  if(NOT "${component}" MATCHES "^(runtime|bake|tools)$")
-    set(sightcell_missing "there is no component '${component}', only runtime, bake and tools")
+  if(NOT "${component}" MATCHES "^(runtime|stream|bake|tools)$")
+    set(sightcell_missing "there is no component '${component}', only runtime, stream, bake and tools")
   elseif(NOT EXISTS "${CMAKE_CURRENT_LIST_DIR}/sightcell-${component}-targets.cmake")
     set(sightcell_missing "component '${component}' is not installed in ${CMAKE_CURRENT_LIST_DIR}")
     if("${component}" STREQUAL "bake")
       string(APPEND sightcell_missing ", only the runtime is: install the component bake-dev "
         "(Debian: libsightcell-bake-dev) of a build with SIGHTCELL_BUILD_BAKE=ON")
+    elseif("${component}" STREQUAL "stream")
+      string(APPEND sightcell_missing ": install the component stream-dev (Debian: libsightcell-stream-dev) of a build "
+        "with SIGHTCELL_BUILD_STREAM=ON")
     else()
       string(APPEND sightcell_missing ": install the component tools (Debian: sightcell-tools)")
     endif()
-  elseif("${component}" STREQUAL "bake")
-    include("${CMAKE_CURRENT_LIST_DIR}/sightcell-bake.cmake")  # finds the libraries of bake
+  elseif("${component}" MATCHES "^(stream|bake)$")
+    include("${CMAKE_CURRENT_LIST_DIR}/sightcell-${component}.cmake")  # finds the libraries that it needs
   endif()
   if(sightcell_missing)
     set(sightcell_${component}_FOUND FALSE)

@@ -73,6 +73,15 @@ class Everything(Prefix):
         _, text = configure(folder, self.prefix, '-Dwanted=1.0', code=1)
         self.assertIn('compatible with requested version "1.0"', text)
 
+    def test_clients_of_streamed_scenes(self):
+        if not installed.ARGS.bake:
+            self.skipTest('this build has no library for streamed scenes')
+        folder, _ = build('stream', self.prefix)
+        self.assertEqual(run(os.path.join(folder, 'stream_consumer')), 'values of the file contradict each other\n')
+        _, text = configure(os.path.join(installed.ARGS.source, 'tests/install/stream'), self.prefix,
+                            '-DCMAKE_DISABLE_FIND_PACKAGE_ZLIB=ON', code=1)
+        self.assertIn("component 'stream' needs ZLIB (Debian: zlib1g-dev), not found", text)
+
     def test_bake_half(self):
         if not installed.ARGS.bake:
             self.skipTest('this build has no bake half')
@@ -109,6 +118,9 @@ class RuntimeAlone(Prefix):
         _, text = configure(folder, self.prefix)
         self.assertIn("component 'tools' is not installed in", text)
         self.assertIn('found=0', text)
+        write_project(folder, 'find_package(sightcell REQUIRED COMPONENTS stream)')
+        _, text = configure(folder, self.prefix, code=1)
+        self.assertIn('install the component stream-dev (Debian: libsightcell-stream-dev)', text)
         write_project(folder, 'find_package(sightcell REQUIRED COMPONENTS sound)')
         _, text = configure(folder, self.prefix, code=1)
         self.assertIn("there is no component 'sound'", text)

@@ -7,6 +7,7 @@ import installed
 from installed import GOLDEN_ANSWER, build, golden, needed, run
 
 RUNTIME, DEV, BAKE_DEV, TOOLS = 'libsightcell1', 'libsightcell-dev', 'libsightcell-bake-dev', 'sightcell-tools'
+STREAM_DEV = 'libsightcell-stream-dev'
 
 
 @unittest.skipUnless(all(map(shutil.which, ('dpkg-deb', 'dpkg-shlibdeps', 'file'))), 'no dpkg-dev, or no file')
@@ -34,7 +35,7 @@ class Packages(unittest.TestCase):
         return [os.path.basename(p) for p in self.contents[package]]
 
     def test_one_package_per_component(self):
-        expected = [BAKE_DEV, DEV, RUNTIME, TOOLS] if installed.ARGS.bake else [DEV, RUNTIME]
+        expected = [BAKE_DEV, DEV, STREAM_DEV, RUNTIME, TOOLS] if installed.ARGS.bake else [DEV, RUNTIME]
         self.assertEqual(sorted(self.files), expected)
         everything = [path for package in self.contents.values() for path in package]
         self.assertEqual(len(everything), len(set(everything)), 'two packages have the same file')
@@ -60,14 +61,16 @@ class Packages(unittest.TestCase):
         if installed.ARGS.bake:
             self.assertIn('libsightcell-dev (= 0.1.0), libembree-dev', self.field(BAKE_DEV, 'Depends'))
             self.assertIn('bake.h', self.names_in(BAKE_DEV))
+            self.assertIn('stream.h', self.names_in(STREAM_DEV))
             # Every package that the config file tells a Debian user to install comes with this one.
-            config = os.path.join(installed.ARGS.source, 'bake/package/sightcell-bake.cmake')
-            with open(config, encoding='utf-8') as file:
-                wanted = [w.rstrip(')') for line in file if line.startswith('sightcell_need')
-                          for w in line.split() if w.rstrip(')').endswith(('-dev', 'pkg-config'))]
-            self.assertGreater(len(wanted), 9)
-            for package in wanted:
-                self.assertIn(package, self.field(BAKE_DEV, 'Depends').split(', '))
+            for package, config, least in ((BAKE_DEV, 'bake/package/sightcell-bake.cmake', 10),
+                                           (STREAM_DEV, 'runtime/stream/package/sightcell-stream.cmake', 3)):
+                with open(os.path.join(installed.ARGS.source, config), encoding='utf-8') as file:
+                    wanted = [w.rstrip(')') for line in file if line.startswith('sightcell_need')
+                              for w in line.split() if w.rstrip(')').endswith(('-dev', 'pkg-config'))]
+                self.assertGreaterEqual(len(wanted), least)
+                for other in wanted:
+                    self.assertIn(other, self.field(package, 'Depends').split(', '))
 
     def test_tools(self):
         if not installed.ARGS.bake:

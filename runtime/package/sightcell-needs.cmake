@@ -1,0 +1,25 @@
+# Looks for what the static libraries of a component are linked with, and collects in sightcell_absent what is not there.
+# Not find_dependency: it returns at the first one, and would fail a package of which this component is optional.
+set(sightcell_absent)
+macro(sightcell_need package debian)
+  find_package(${package} ${ARGN} QUIET)
+  if(NOT ${package}_FOUND)
+    list(APPEND sightcell_absent "${package} (Debian: ${debian})")
+  endif()
+endmacro()
+macro(sightcell_need_pc name module debian)
+  if(PkgConfig_FOUND AND NOT TARGET PkgConfig::${name})
+    pkg_check_modules(${name} QUIET IMPORTED_TARGET ${module})
+  endif()
+  if(NOT TARGET PkgConfig::${name})
+    list(APPEND sightcell_absent "${module} (Debian: ${debian})")
+  endif()
+endmacro()
+
+# Sets sightcell_missing to the reason why a component cannot be used.
+macro(sightcell_name_absent component)
+  if(sightcell_absent)
+    list(JOIN sightcell_absent ", " sightcell_absent)
+    set(sightcell_missing "component '${component}' needs ${sightcell_absent}, not found")
+  endif()
+endmacro()
