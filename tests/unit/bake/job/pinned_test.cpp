@@ -66,15 +66,15 @@ void expect_pinned(std::uint64_t hash, std::uint64_t pinned) {
 }
 
 TEST(pinned, pillars_in_a_room) {
-  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0x7560431f6f713feb);
+  expect_pinned(hash_of_bake(pillars(), {-6, 0, -6, 6, 1, 6}, 2.0f), 0x164468a52a5e8edc);
 }
 
 TEST(pinned, glass_and_decals) {
-  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0x10e8efeb64002638);
+  expect_pinned(hash_of_bake(glass_and_decals(), {-4, 0, -4, 2, 1, 4}, 2.0f), 0x2e6f2b7b7528d2be);
 }
 
 TEST(pinned, a_slit) {
-  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0x8aa06a118a1be2c8);
+  expect_pinned(hash_of_bake(slit(), {-2, -1, -2, 1, 1, 2}, 0.5f), 0xba27c6bd4143b0f8);
 }
 
 }  // namespace
