@@ -1,4 +1,5 @@
-"""A painted room with a box in it that the host moves: normals, two sets of texture coordinates, colors and an image."""
+"""A painted room with a box in it that the host moves: normals, tangents, two sets of texture coordinates, colors and an
+image."""
 import base64
 import json
 import struct
@@ -32,8 +33,11 @@ def box(low, high, outside):
     tilted = normals + 0.2 * np.linspace(-1, 1, 72).reshape(24, 3)  # no multiples of anything
     normals = tilted / np.linalg.norm(tilted, axis=1, keepdims=True)
     fractions = np.linspace(0, 1, 24)
+    across = np.cross(normals, [0.3, 0.5, 0.8])
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
     attributes = {
-        'POSITION': positions, 'NORMAL': normals, 'TEXCOORD_0': np.stack([3.1 * fractions, 1 - fractions ** 2], axis=1),
+        'POSITION': positions, 'NORMAL': normals, 'TANGENT': np.column_stack([across, np.where(fractions < 0.4, 1, -1)]),
+        'TEXCOORD_0': np.stack([3.1 * fractions, 1 - fractions ** 2], axis=1),
         'TEXCOORD_1': np.stack([fractions / 7, fractions / 3], axis=1),
         'COLOR_0': np.stack([fractions, 1 - fractions, fractions ** 2, np.ones(24)], axis=1)}
     triangles = [(4 * i + a, 4 * i + b, 4 * i + c) for i in range(6) for a, b, c in ((0, 1, 2), (0, 2, 3))]

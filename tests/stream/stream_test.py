@@ -316,7 +316,7 @@ class Painted(Streamed):
 
     def test_attributes(self):
         gltf = read_gltf(self.scene)
-        limits = {'NORMAL': 0.03, 'TEXCOORD_0': 1 / 32 / PIXELS, 'TEXCOORD_1': 1 / 32 / PIXELS, 'COLOR_0': 0.5 / 255}
+        limits = {'NORMAL': 0.03, 'TANGENT': 0.03, 'TEXCOORD_0': 1 / 32 / PIXELS, 'TEXCOORD_1': 1 / 32 / PIXELS, 'COLOR_0': 0.5 / 255}
         for page in range(len(self.site.front.page_bytes)):
             for part in self.site.page(page):
                 draw = int(np.flatnonzero(self.site.front.draw_geometry == part.geometry)[0])
