@@ -1,25 +1,18 @@
-"""A painted room with a box in it that the host moves: normals, tangents, two sets of texture coordinates, colors and an
-image."""
+"""A painted room with a box in it that the host moves: normals, tangents, two sets of texture coordinates, colors and
+images."""
 import base64
 import json
-import struct
-import zlib
 
 import numpy as np
 
 from colonnade_scene import Glb
+from painted_images import CUTOFF, colors, damaged, leaves, normals, png
 
 FACES = [(0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6), (0, 4, 6, 2), (1, 3, 7, 5)]  # of a box, from inside
-PIXELS = 16  # width and height of the image
 
 
-def png():
-    """Gray, lighter to the right."""
-    def chunk(kind, data):
-        return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
-    rows = b''.join(b'\0' + bytes(x * 16 for x in range(PIXELS)) for _ in range(PIXELS))
-    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', PIXELS, PIXELS, 8, 0, 0, 0, 0)) +
-            chunk(b'IDAT', zlib.compress(rows)) + chunk(b'IEND', b''))
+def image_files():
+    return [png(colors()), png(leaves()), png(normals()), damaged()]
 
 
 def box(low, high, outside):
@@ -47,16 +40,20 @@ def box(low, high, outside):
 def write_painted(path):
     glb = Glb()
     meshes = []
-    for low, high, outside in (((0, 0, 0), (8, 4, 8), False), ((1, 0, 1), (2, 1.3, 2), True)):
+    rooms = ((0, 0, 0), (8, 4, 8), False), ((1, 0, 1), (2, 1.3, 2), True)
+    for material, (low, high, outside) in enumerate(rooms):
         attributes, triangles = box(low, high, outside)
         numbers = {name: glb.add(rows.tolist(), f'VEC{rows.shape[1]}') for name, rows in attributes.items()}
-        meshes.append({'primitives': [{'attributes': numbers, 'material': 0, 'indices': glb.add(triangles, 'SCALAR', 'I')}]})
+        meshes.append({'primitives': [{'attributes': numbers, 'material': material, 'indices': glb.add(triangles, 'SCALAR', 'I')}]})
     document = {
         'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0, 1]}], 'meshes': meshes,
         'nodes': [{'mesh': 0}, {'mesh': 1, 'extras': {'sightcell': {'dynamic': True}}}],
-        'materials': [{'pbrMetallicRoughness': {'baseColorTexture': {'index': 0}}}],
-        'textures': [{'source': 0, 'sampler': 0}], 'samplers': [{'wrapS': 10497}],
-        'images': [{'uri': 'data:image/png;base64,' + base64.b64encode(png()).decode()}],
+        'materials': [
+            {'pbrMetallicRoughness': {'baseColorTexture': {'index': 0}}, 'normalTexture': {'index': 2},
+             'emissiveTexture': {'index': 3}},
+            {'pbrMetallicRoughness': {'baseColorTexture': {'index': 1}}, 'alphaMode': 'MASK', 'alphaCutoff': CUTOFF}],
+        'textures': [{'source': i, 'sampler': 0} for i in range(4)], 'samplers': [{'wrapS': 10497}],
+        'images': [{'uri': 'data:image/png;base64,' + base64.b64encode(data).decode()} for data in image_files()],
         'buffers': [{'byteLength': len(glb.binary), 'uri': 'data:application/octet-stream;base64,' +
                      base64.b64encode(glb.binary).decode()}],
         'bufferViews': glb.views, 'accessors': glb.accessors}
