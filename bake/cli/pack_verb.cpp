@@ -66,6 +66,8 @@ class slow_progress {
         return "grouping polygons of geometries";
       case bake::stream_phase::writing_pages:
         return "writing pages";
+      case bake::stream_phase::writing_images:
+        return "writing images";
       case bake::stream_phase::writing_cells:
         break;
     }
@@ -91,6 +93,7 @@ nlohmann::ordered_json json_of(const pack_options& options, const bake::stream_r
           {"page_bytes", r.page_bytes},
           {"chunk_bytes", r.chunk_bytes},
           {"image_bytes", r.image_bytes},
+          {"first_image_bytes", r.first_image_bytes},
           {"mean_cell_bytes", r.mean_cell_bytes},
           {"files_written", r.files_written},
           {"files_kept", r.files_kept}};
@@ -98,11 +101,12 @@ nlohmann::ordered_json json_of(const pack_options& options, const bake::stream_r
 
 void print_streamed(const pack_options& options, const bake::stream_result& r) {
   fmt::print(
-      "{}: {} polygons of {} geometries in {} pages ({}), {} cells in {} chunks ({}), {} images ({}), front {}\n",
+      "{}: {} polygons of {} geometries in {} pages ({}), {} cells in {} chunks ({}), {} images ({}, at first {}), "
+      "front {}\n",
       options.output.string(), grouped(r.polygons - r.polygons_left_out), grouped(r.geometries), grouped(r.pages),
       size_text(static_cast<double>(r.page_bytes)), grouped(r.cells), grouped(r.chunks),
       size_text(static_cast<double>(r.chunk_bytes)), grouped(r.images), size_text(static_cast<double>(r.image_bytes)),
-      size_text(static_cast<double>(r.front_bytes)));
+      size_text(static_cast<double>(r.first_image_bytes)), size_text(static_cast<double>(r.front_bytes)));
   fmt::print("a cell needs {} of pages in the mean; {} files written, {} kept\n", size_text(r.mean_cell_bytes),
              grouped(r.files_written), grouped(r.files_kept));
 }

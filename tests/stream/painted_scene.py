@@ -1,24 +1,18 @@
-"""A painted room with a box in it that the host moves: normals, two sets of texture coordinates, colors and an image."""
+"""A painted room with a box in it that the host moves: normals, tangents, two sets of texture coordinates, colors and
+images."""
 import base64
 import json
-import struct
-import zlib
 
 import numpy as np
 
 from colonnade_scene import Glb
+from painted_images import CUTOFF, colors, damaged, leaves, normals, png
 
 FACES = [(0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6), (0, 4, 6, 2), (1, 3, 7, 5)]  # of a box, from inside
-PIXELS = 16  # width and height of the image
 
 
-def png():
-    """Gray, lighter to the right."""
-    def chunk(kind, data):
-        return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
-    rows = b''.join(b'\0' + bytes(x * 16 for x in range(PIXELS)) for _ in range(PIXELS))
-    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', PIXELS, PIXELS, 8, 0, 0, 0, 0)) +
-            chunk(b'IDAT', zlib.compress(rows)) + chunk(b'IEND', b''))
+def image_files():
+    return [png(colors()), png(leaves()), png(normals()), damaged()]
 
 
 def box(low, high, outside):
@@ -32,8 +26,11 @@ def box(low, high, outside):
     tilted = normals + 0.2 * np.linspace(-1, 1, 72).reshape(24, 3)  # no multiples of anything
     normals = tilted / np.linalg.norm(tilted, axis=1, keepdims=True)
     fractions = np.linspace(0, 1, 24)
+    across = np.cross(normals, [0.3, 0.5, 0.8])
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
     attributes = {
-        'POSITION': positions, 'NORMAL': normals, 'TEXCOORD_0': np.stack([3.1 * fractions, 1 - fractions ** 2], axis=1),
+        'POSITION': positions, 'NORMAL': normals, 'TANGENT': np.column_stack([across, np.where(fractions < 0.4, 1, -1)]),
+        'TEXCOORD_0': np.stack([3.1 * fractions, 1 - fractions ** 2], axis=1),
         'TEXCOORD_1': np.stack([fractions / 7, fractions / 3], axis=1),
         'COLOR_0': np.stack([fractions, 1 - fractions, fractions ** 2, np.ones(24)], axis=1)}
     triangles = [(4 * i + a, 4 * i + b, 4 * i + c) for i in range(6) for a, b, c in ((0, 1, 2), (0, 2, 3))]
@@ -43,16 +40,20 @@ def box(low, high, outside):
 def write_painted(path):
     glb = Glb()
     meshes = []
-    for low, high, outside in (((0, 0, 0), (8, 4, 8), False), ((1, 0, 1), (2, 1.3, 2), True)):
+    rooms = ((0, 0, 0), (8, 4, 8), False), ((1, 0, 1), (2, 1.3, 2), True)
+    for material, (low, high, outside) in enumerate(rooms):
         attributes, triangles = box(low, high, outside)
         numbers = {name: glb.add(rows.tolist(), f'VEC{rows.shape[1]}') for name, rows in attributes.items()}
-        meshes.append({'primitives': [{'attributes': numbers, 'material': 0, 'indices': glb.add(triangles, 'SCALAR', 'I')}]})
+        meshes.append({'primitives': [{'attributes': numbers, 'material': material, 'indices': glb.add(triangles, 'SCALAR', 'I')}]})
     document = {
         'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0, 1]}], 'meshes': meshes,
         'nodes': [{'mesh': 0}, {'mesh': 1, 'extras': {'sightcell': {'dynamic': True}}}],
-        'materials': [{'pbrMetallicRoughness': {'baseColorTexture': {'index': 0}}}],
-        'textures': [{'source': 0, 'sampler': 0}], 'samplers': [{'wrapS': 10497}],
-        'images': [{'uri': 'data:image/png;base64,' + base64.b64encode(png()).decode()}],
+        'materials': [
+            {'pbrMetallicRoughness': {'baseColorTexture': {'index': 0}}, 'normalTexture': {'index': 2},
+             'emissiveTexture': {'index': 3}},
+            {'pbrMetallicRoughness': {'baseColorTexture': {'index': 1}}, 'alphaMode': 'MASK', 'alphaCutoff': CUTOFF}],
+        'textures': [{'source': i, 'sampler': 0} for i in range(4)], 'samplers': [{'wrapS': 10497}],
+        'images': [{'uri': 'data:image/png;base64,' + base64.b64encode(data).decode()} for data in image_files()],
         'buffers': [{'byteLength': len(glb.binary), 'uri': 'data:application/octet-stream;base64,' +
                      base64.b64encode(glb.binary).decode()}],
         'bufferViews': glb.views, 'accessors': glb.accessors}

@@ -158,14 +158,14 @@ class TestReader:
 
     @pytest.mark.parametrize('where, change, message', [
         ('primitive', {'material': 0}, 'material'), ('primitive', {'mode': 5}, 'without triangles'),
-        ('primitive', {'extras': {'sightcell': [1, 6]}}, 'no geometry 1'),
-        ('primitive', {'extras': {'sightcell': [-1, 6]}}, 'is -1'),
-        ('primitive', {'extras': {'sightcell': [0, 3]}}, '3 of 6 indices'),
-        ('primitive', {'extras': {'sightcell': [0, 5]}}, '5 indices'),
-        ('primitive', {'extras': {'sightcell': [0, 9]}}, 'more polygons'),
+        ('primitive', {'extras': {'sightcell': [1, 2]}}, 'no geometry 1'),
+        ('primitive', {'extras': {'sightcell': [-1, 2]}}, 'is -1'),
+        ('primitive', {'extras': {'sightcell': [0, 1]}}, '3 of 6 indices'),
+        ('primitive', {'extras': {'sightcell': [0, 2.0]}}, 'is 2.0'),
+        ('primitive', {'extras': {'sightcell': [0, 3]}}, 'more polygons'),
         ('primitive', {'extras': {'sightcell': [0]}}, 'pairs'),
         ('primitive', {'extras': {'sightcell': []}}, 'pairs'), ('primitive', {'extras': {}}, 'malformed'),
-        ('primitive', {'extras': {'sightcell': [0, 0, 0, 6]}}, '0 indices'),
+        ('primitive', {'extras': {'sightcell': [0, 0]}}, 'no polygons'),
         ('primitive', {'attributes': {'POSITION': 0, '_HEAT': 1}}, '_HEAT'),
         ('primitive', {'attributes': {'NORMAL': 1}}, 'no POSITION'),
         ('primitive', {'attributes': {'POSITION': 5}}, 'accessors has no 5'),
@@ -288,9 +288,7 @@ class TestReader:
             open_site(folder).cells()
 
     def test_pages_with_a_polygon_twice(self, site, folder):
-        site.views[4] = np.array(TRIANGLES * 2, '<u2').view(np.uint8).reshape(12, 2), 'TRIANGLES', 'NONE'
-        site.accessors[4]['count'] = 12
-        site.primitive['extras']['sightcell'] = [0, 6, 0, 6]
+        site.document['meshes'] = [{'primitives': [site.primitive] * 2}]
         site.write(folder)
         with pytest.raises(ValueError, match='too many polygons of geometry 0'):
             rebuild(open_site(folder))

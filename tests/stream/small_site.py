@@ -114,7 +114,7 @@ class SmallSite:
             {**vertices, 'bufferView': 3, 'componentType': 5121, 'type': 'VEC4', 'normalized': True},
             {'bufferView': 4, 'componentType': 5123, 'count': 6, 'type': 'SCALAR'}]
         self.primitive = {'attributes': {'POSITION': 0, 'NORMAL': 1, 'TEXCOORD_0': 2, 'COLOR_0': 3}, 'indices': 4,
-                          'extras': {'sightcell': [0, 6]}}
+                          'extras': {'sightcell': [0, 2]}}
         extensions = ['EXT_meshopt_compression', 'KHR_mesh_quantization']
         self.document = {'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0]}], 'nodes': [{'mesh': 0}],
                          'extensionsUsed': extensions, 'extensionsRequired': extensions}

@@ -1,8 +1,10 @@
 """What `sightcell pack --stream` writes, by a reader that was written from docs/streaming.md alone. Every polygon of the
 scene and of every cell set has to be there."""
+import io
 import os
 
 import numpy as np
+from PIL import Image
 
 import harness
 from colonnade_scene import write_cells, write_colonnade
@@ -10,13 +12,15 @@ from decode_pvs import Contents
 from gltf_reader import apply, read_draws, read_gltf
 from harness import QUICK_BAKE, InFolder, new_folder, read, write_middle_cell, write_room
 from matching import partners
-from painted_scene import PIXELS, png, write_painted
+from painted_images import CUTOFF, PIXELS, colors, leaves, light_of, means, normals, numbers_of
+from painted_scene import image_files, write_painted
 from pair_sets import candidates, corner_distance
 from streamed_scene import EVERYWHERE, MOVES, NOWHERE, cell_at, local_polygons, open_site, rebuild
 
 GRID = 0.002  # meters
 PAGE_SIZE = 4096  # bytes. Small, so that scenes of a few thousand polygons have a dozen pages
 OPTIONS = ['--grid', GRID, '--page-size', PAGE_SIZE]
+SMALLER = 64  # pixels of the smaller versions of images
 STEP = 2 ** (1 / 16)  # a weight is rounded to an eighth of a power of two
 SMALLEST = 11  # classes of importance below this one have a range of solid angles
 
@@ -316,7 +320,7 @@ class Painted(Streamed):
 
     def test_attributes(self):
         gltf = read_gltf(self.scene)
-        limits = {'NORMAL': 0.03, 'TEXCOORD_0': 1 / 32 / PIXELS, 'TEXCOORD_1': 1 / 32 / PIXELS, 'COLOR_0': 0.5 / 255}
+        limits = {'NORMAL': 0.03, 'TANGENT': 0.03, 'TEXCOORD_0': 1 / 32 / PIXELS, 'TEXCOORD_1': 1 / 32 / PIXELS, 'COLOR_0': 0.5 / 255}
         for page in range(len(self.site.front.page_bytes)):
             for part in self.site.page(page):
                 draw = int(np.flatnonzero(self.site.front.draw_geometry == part.geometry)[0])
@@ -331,11 +335,48 @@ class Painted(Streamed):
 
     def test_images(self):
         front = self.site.front
-        files, = front.images
-        self.assertEqual((files[-1].width, files[-1].height, files[-1].type), (PIXELS, PIXELS, 'png'))
-        self.assertEqual(self.site.read(files[-1].name()), png())
+        for files, data in zip(front.images, image_files()):
+            self.assertEqual((files[-1].width, files[-1].height, files[-1].type), (PIXELS, PIXELS, 'png'))
+            self.assertEqual(self.site.read(files[-1].name()), data)
         self.assertEqual(front.document['materials'][0]['pbrMetallicRoughness']['baseColorTexture'], {'index': 0})
-        self.assertEqual([cell.images.tolist() for cell in self.cells.values()], [[0]])
+        self.assertEqual([cell.images.tolist() for cell in self.cells.values()], [[0, 2, 3]])
+
+    def smaller(self, image):
+        """The pixels of the only smaller version."""
+        file, whole = self.site.front.images[image]
+        self.assertEqual((file.width, file.height, file.type), (SMALLER, SMALLER, 'webp'))
+        self.assertLess(2 * file.bytes, whole.bytes)
+        with Image.open(io.BytesIO(self.site.read(file.name()))) as decoded:
+            self.assertEqual((decoded.format, decoded.size), ('WEBP', (SMALLER, SMALLER)))
+            self.assertEqual(decoded.mode, 'RGBA' if image == 1 else 'RGB')
+            return np.array(decoded, 'f8')
+
+    def test_smaller_colors_are_means_of_light(self):
+        expected = numbers_of(means(light_of(colors()), SMALLER))
+        self.assertGreater(np.abs(means(colors().astype('f8'), SMALLER) - expected).mean(), 20)
+        self.assertLess(np.abs(self.smaller(0) - expected).mean(), 3)
+
+    def test_smaller_leaves_cover_as_much(self):
+        found, source = self.smaller(1), leaves()
+        coverage = (source[:, :, 3] >= 255 * CUTOFF).mean()
+        self.assertLess((means(source[:, :, 3] / 255, SMALLER) >= CUTOFF).mean(), coverage - 0.1)
+        self.assertAlmostEqual((found[:, :, 3] >= 255 * CUTOFF).mean(), coverage, delta=0.05)
+        # Transparent pixels do not color those beside them.
+        self.assertLess(np.abs(found[:, :, :3] - source[source[:, :, 3] > 0][0][:3]).mean(), 3)
+
+    def test_smaller_normals_have_length_1(self):
+        expected = means(normals() / 127.5 - 1, SMALLER)
+        length = np.linalg.norm(expected, axis=2, keepdims=True)
+        self.assertLess(length.max(), 0.8)
+        self.assertLess(np.abs(self.smaller(2) / 127.5 - 1 - expected / length).mean(), 0.02)
+
+    def test_a_damaged_image_has_one_file(self):
+        self.assertEqual(len(self.site.front.images[3]), 1)
+        folder = new_folder(self.addCleanup)
+        code, _, err = harness.sightcell('pack', '--stream', self.scene, self.pvs, '-o', folder, *OPTIONS)
+        self.assertEqual(code, 0)
+        self.assertEqual([line for line in err.splitlines() if 'smaller' in line],
+                         ['warning: images/3 has no smaller versions: it is damaged, or too large to decode'])
 
     def test_without_images(self):
         folder = new_folder(self.addCleanup)
@@ -352,4 +393,4 @@ class Painted(Streamed):
         pages = {page for page in range(len(front.page_bytes)) for part in self.site.page(page)
                  if part.geometry == front.draw_geometry[1]}
         self.assertEqual(set(front.everywhere.tolist()), pages)
-        self.assertEqual(front.images_everywhere.tolist(), [0])
+        self.assertEqual(front.images_everywhere.tolist(), [1])

@@ -311,7 +311,8 @@ def page(data, of):
     """The parts of a page. of: the front."""
     document, binary = split_glb(data)
     gltf = gltf_reader.Gltf(document, binary)
-    for extension in (MESHOPT, 'KHR_mesh_quantization'):
+    signed_bytes = any(accessor['componentType'] == 5120 for accessor in document['accessors'])
+    for extension in (MESHOPT, *(['KHR_mesh_quantization'] if signed_bytes else [])):
         need(extension in document['extensionsUsed'] and extension in document['extensionsRequired'],
              f'page: {extension} is not used and required')
     need(len(document['meshes']) == 1, 'page: not one mesh')
@@ -338,13 +339,14 @@ def parts_of(gltf, primitive, of):
     corners = gltf.corners(primitive)
     pairs = primitive['extras']['sightcell']
     need(isinstance(pairs, list) and pairs and len(pairs) % 2 == 0, 'page: extras.sightcell is no list of pairs')
-    parts, first = [], 0
-    for geometry, indices in zip(pairs[::2], pairs[1::2]):
-        need(whole(geometry, 'page: geometry') < len(of.geometry_polygons), f'page: there is no geometry {geometry}')
-        need(whole(indices, 'page: indices') % 3 == 0 and indices > 0, f'page: {indices} indices of a geometry')
-        need(indices // 3 <= of.geometry_polygons[geometry], f'page: more polygons than geometry {geometry} has')
-        parts.append(Part(geometry, corners[first:first + indices // 3], attributes))
-        first += indices // 3
+    parts, first, geometry = [], 0, -1
+    for gap, polygons in zip(pairs[::2], pairs[1::2]):
+        geometry += whole(gap, 'page: geometry') + 1
+        need(geometry < len(of.geometry_polygons), f'page: there is no geometry {geometry}')
+        need(whole(polygons, 'page: polygons') > 0, 'page: no polygons of a geometry')
+        need(polygons <= of.geometry_polygons[geometry], f'page: more polygons than geometry {geometry} has')
+        parts.append(Part(geometry, corners[first:first + polygons], attributes))
+        first += polygons
     count = gltf_reader.item(gltf.document, 'accessors', primitive['indices'])['count']
     need(3 * first == count, f'page: extras.sightcell is about {3 * first} of {count} indices')
     return parts
@@ -360,8 +362,8 @@ def attribute(gltf, name, number):
     values = gltf.floats(number)
     need(len(values), f'page: {name} is empty')
     if name == 'POSITION':  # glTF demands these
-        need((values.min(axis=0) == accessor['min']).all() and (values.max(axis=0) == accessor['max']).all(),
-             'page: min or max of POSITION is wrong')
+        low, high = np.array([accessor['min'], accessor['max']], 'f4')  # their text is as short as floats allow
+        need((values.min(axis=0) == low).all() and (values.max(axis=0) == high).all(), 'page: min or max of POSITION is wrong')
     return values
 
 

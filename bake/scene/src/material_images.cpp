@@ -1,6 +1,7 @@
 #include "material_images.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -37,6 +38,18 @@ double scale_of(const json& texture_info) {
   return largest;
 }
 
+texture_kind kind_of(std::string_view key) {
+  static constexpr std::array base_colors{"baseColorTexture", "diffuseTexture"};
+  static constexpr std::array colors{"emissiveTexture", "specularGlossinessTexture", "sheenColorTexture",
+                                     "specularColorTexture", "diffuseTransmissionColorTexture"};
+  static constexpr std::array normals{"normalTexture", "clearcoatNormalTexture"};
+  const auto is_in = [&](const auto& list) { return std::find(list.begin(), list.end(), key) != list.end(); };
+  return is_in(base_colors) ? texture_kind::base_color
+         : is_in(colors)    ? texture_kind::color
+         : is_in(normals)   ? texture_kind::normals
+                            : texture_kind::numbers;
+}
+
 // Appends the images of all textures at any depth: extensions of materials have textures, too.
 void collect(const json& sections, const json& value, std::vector<material_image>& out) {
   if (!value.is_object()) return;
@@ -46,8 +59,9 @@ void collect(const json& sections, const json& value, std::vector<material_image
       const json* const texture = element(sections, "textures", member(child, "index"), number);
       if (!texture) continue;
       const double scale = scale_of(child);
+      const texture_kind kind = kind_of(key);
       const auto add = [&](const json& holder) {
-        if (element(sections, "images", member(holder, "source"), number)) out.push_back({number, scale});
+        if (element(sections, "images", member(holder, "source"), number)) out.push_back({number, kind, scale});
       };
       add(*texture);
       // EXT_texture_webp and others name an image in place of this one.

@@ -6,8 +6,12 @@
 
 namespace sightcell::scene {
 
+// What the image of a texture contains.
+enum class texture_kind { base_color, color, normals, numbers };
+
 struct material_image {
   std::uint32_t image = 0;
+  texture_kind kind = texture_kind::numbers;
   double scale = 1.0;  // largest one of KHR_texture_transform: repetitions of the image per unit of the coordinates
 };
 

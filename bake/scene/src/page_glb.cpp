@@ -1,6 +1,9 @@
 #include "page_glb.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -69,38 +72,40 @@ struct joined_parts {
   }
 };
 
+// Returns the shortest number that is read as this float.
+ordered_json shortest(float value) {
+  if (value == std::trunc(value) && std::abs(value) < 1e6f) return static_cast<std::int64_t>(value);
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  double read = 0.0;
+  std::from_chars(text.data(), end, read);
+  return static_cast<float>(read) == value ? read : static_cast<double>(value);
+}
+
+ordered_json shortest(const glm::vec3& v) {
+  return {shortest(v.x), shortest(v.y), shortest(v.z)};
+}
+
 class page_writer {
  public:
   void add(const joined_parts& part) {
     ordered_json attributes;
-    for (std::size_t s = 0; s < part.streams.size(); ++s) {
-      const vertex_stream& stream = (*part.layout)[s];
-      const std::size_t view = add_view(encode_vertices({part.streams[s], stream.stride}), part.vertices, stream.stride,
-                                        "ATTRIBUTES", stream.filter);
-      views_[view]["byteStride"] = stream.stride;
-      views_[view]["target"] = array_buffer;
-      for (const stream_attribute& a : stream.attributes) {
-        attributes[a.name] = accessors_.size();
-        ordered_json accessor{{"bufferView", view}};
-        if (a.offset > 0) accessor["byteOffset"] = a.offset;
-        accessor["componentType"] = a.component_type;
-        if (a.normalized) accessor["normalized"] = true;
-        accessor["count"] = part.vertices;
-        accessor["type"] = vector_type(a.width);
-        if (a.name == "POSITION") {
-          accessor["min"] = {part.min.x, part.min.y, part.min.z};
-          accessor["max"] = {part.max.x, part.max.y, part.max.z};
-        }
-        accessors_.push_back(std::move(accessor));
-      }
+    const vertex_layout& layout = *part.layout;
+    for (std::size_t s = 0; s < layout.size();) {
+      // A view takes more JSON than the bytes of many vectors: streams of vectors are one after the other in one.
+      std::size_t end = s + 1;
+      if (layout[s].filter == stream_filter::octahedral)
+        while (end < layout.size() && layout[end].filter == layout[s].filter && layout[end].stride == layout[s].stride)
+          ++end;
+      add_streams(part, s, end, attributes);
+      s = end;
     }
     const std::uint32_t width = part.vertices > 0xFFFF ? 4 : 2;
     const std::size_t view = add_view(encode_triangles(part.indices, part.vertices), part.indices.size(), width,
                                       "TRIANGLES", stream_filter::none);
-    views_[view]["target"] = element_array_buffer;
     primitives_.push_back({{"attributes", std::move(attributes)},
                            {"indices", accessors_.size()},
-                           {"extras", {{"sightcell", part.counts}}}});
+                           {"extras", {{"sightcell", numbers_of(part)}}}});
     accessors_.push_back({{"bufferView", view},
                           {"componentType", width == 2 ? unsigned_short_type : unsigned_int_type},
                           {"count", part.indices.size()},
@@ -110,7 +115,9 @@ class page_writer {
   std::vector<std::byte> write() const {
     ordered_json out{{"asset", {{"version", "2.0"}}}};
     if (!primitives_.empty()) {
-      out["extensionsUsed"] = out["extensionsRequired"] = {"EXT_meshopt_compression", "KHR_mesh_quantization"};
+      ordered_json extensions = ordered_json::array({"EXT_meshopt_compression"});
+      if (quantized_) extensions.push_back("KHR_mesh_quantization");
+      out["extensionsUsed"] = out["extensionsRequired"] = std::move(extensions);
       out["buffers"] = {
           {{"byteLength", bytes_.size()}},
           {{"byteLength", decoded_}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
@@ -127,21 +134,66 @@ class page_writer {
   }
 
  private:
+  // Geometry, less the one before and 1; number of its polygons; and so on.
+  static std::vector<std::uint32_t> numbers_of(const joined_parts& part) {
+    std::vector<std::uint32_t> out = part.counts;
+    for (std::size_t i = 0; i < out.size(); i += 2) {
+      if (i > 0) out[i] -= part.counts[i - 2] + 1;
+      out[i + 1] /= 3;
+    }
+    return out;
+  }
+
+  // Adds streams of the layout, from `begin` to before `end`, to one view, and their attributes.
+  void add_streams(const joined_parts& part, std::size_t begin, std::size_t end, ordered_json& attributes) {
+    const std::uint32_t stride = (*part.layout)[begin].stride;
+    std::vector<std::uint8_t> joined;
+    if (end > begin + 1)
+      for (std::size_t s = begin; s < end; ++s)
+        joined.insert(joined.end(), part.streams[s].begin(), part.streams[s].end());
+    const std::vector<std::uint8_t>& bytes = end > begin + 1 ? joined : part.streams[begin];
+    const std::size_t view = add_view(encode_vertices({bytes, stride}), bytes.size() / stride, stride, "ATTRIBUTES",
+                                      (*part.layout)[begin].filter);
+    std::size_t accessors = 0;
+    bool is_tight = true;
+    for (std::size_t s = begin; s < end; ++s) {
+      for (const stream_attribute& a : (*part.layout)[s].attributes) {
+        attributes[a.name] = accessors_.size();
+        const std::size_t offset = (s - begin) * part.streams[s].size() + a.offset;
+        accessors_.push_back(accessor_of(part, a, view, offset));
+        is_tight = is_tight && a.width * size_of_type(a.component_type) == stride;
+        quantized_ = quantized_ || a.component_type == byte_type;
+        ++accessors;
+      }
+    }
+    // glTF wants it of a view with several accessors.
+    if (accessors > 1 || !is_tight) views_[view]["byteStride"] = stride;
+  }
+
+  static ordered_json accessor_of(const joined_parts& part, const stream_attribute& a, std::size_t view,
+                                  std::size_t offset) {
+    ordered_json out{{"bufferView", view}};
+    if (offset > 0) out["byteOffset"] = offset;
+    out["componentType"] = a.component_type;
+    if (a.normalized) out["normalized"] = true;
+    out["count"] = part.vertices;
+    out["type"] = vector_type(a.width);
+    if (a.name == "POSITION") out["min"] = shortest(part.min), out["max"] = shortest(part.max);
+    return out;
+  }
+
   std::size_t add_view(const std::vector<std::uint8_t>& code, std::size_t count, std::uint32_t stride, const char* mode,
                        stream_filter filter) {
     const std::size_t length = count * stride;
-    ordered_json compressed{{"buffer", 0},
-                            {"byteOffset", bytes_.size()},
-                            {"byteLength", code.size()},
-                            {"byteStride", stride},
-                            {"count", count},
-                            {"mode", mode}};
+    ordered_json compressed{
+        {"buffer", 0}, {"byteLength", code.size()}, {"byteStride", stride}, {"count", count}, {"mode", mode}};
+    if (!bytes_.empty()) compressed["byteOffset"] = bytes_.size();
     if (filter != stream_filter::none)
       compressed["filter"] = filter == stream_filter::octahedral ? "OCTAHEDRAL" : "EXPONENTIAL";
-    views_.push_back({{"buffer", 1},
-                      {"byteOffset", decoded_},
-                      {"byteLength", length},
-                      {"extensions", {{"EXT_meshopt_compression", std::move(compressed)}}}});
+    ordered_json view{{"buffer", 1}, {"byteLength", length}};
+    if (decoded_ > 0) view["byteOffset"] = decoded_;
+    view["extensions"] = {{"EXT_meshopt_compression", std::move(compressed)}};
+    views_.push_back(std::move(view));
     decoded_ += (length + 3) / 4 * 4;
     bytes_.insert(bytes_.end(), code.begin(), code.end());
     bytes_.resize((bytes_.size() + 3) / 4 * 4);
@@ -151,6 +203,7 @@ class page_writer {
   ordered_json views_ = ordered_json::array(), accessors_ = ordered_json::array(), primitives_ = ordered_json::array();
   std::vector<std::uint8_t> bytes_;
   std::size_t decoded_ = 0;
+  bool quantized_ = false;  // has components that the core of glTF does not allow
 };
 
 }  // namespace

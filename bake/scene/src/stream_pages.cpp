@@ -98,6 +98,7 @@ struct gltf_pager::state : opened_gltf {
       std::sort(images_of[m].begin(), images_of[m].end());
       images_of[m].erase(std::unique(images_of[m].begin(), images_of[m].end()), images_of[m].end());
     }
+    for (streamed_image& image : images) image.use = use_of(image.number);
     nlohmann::json out = std::move(carried.sections);
     if (out.contains("images")) {
       image_count = static_cast<std::uint32_t>(out["images"].size());
@@ -111,6 +112,32 @@ struct gltf_pager::state : opened_gltf {
       return std::none_of(images_of.begin(), images_of.end(),
                           [&](const auto& list) { return std::binary_search(list.begin(), list.end(), image.number); });
     });
+  }
+
+  // Returns what all materials together want of an image.
+  image_use use_of(std::uint32_t image) const {
+    image_use out;
+    bool only_normals = true;
+    for (std::size_t m = 0; m < uses.size(); ++m) {
+      for (const material_image& use : uses[m]) {
+        if (use.image != image) continue;
+        out.is_color = out.is_color || use.kind == texture_kind::base_color || use.kind == texture_kind::color;
+        only_normals = only_normals && use.kind == texture_kind::normals;
+        if (use.kind == texture_kind::numbers) out.alpha = std::max(out.alpha, alpha_use::number);
+        if (use.kind == texture_kind::base_color && m < content.materials.size()) add_alpha(content.materials[m], out);
+      }
+    }
+    out.has_normals = only_normals;
+    return out;
+  }
+
+  static void add_alpha(const material& m, image_use& out) {
+    if (m.alpha == alpha_mode::mask && out.alpha != alpha_use::tested) {
+      out.alpha = alpha_use::tested;
+      out.cutoff = m.alpha_cutoff / m.base_color.a;
+    } else if (m.alpha == alpha_mode::blend) {
+      out.alpha = std::max(out.alpha, alpha_use::blended);
+    }
   }
 
   // Returns the largest step of texture coordinates for a material.

@@ -97,12 +97,14 @@ class front_writer {
  private:
   void put_head() {
     std::uint32_t cells = 0;
+    std::size_t image_files = 0;
     for (const listed_chunk& chunk : content_.chunks) cells += chunk.cells;
+    for (const std::vector<listed_image>& files : content_.images) image_files += files.size();
     const std::string& json = content_.pager.materials();
     out_.put_bytes(scene_.fingerprint);
     for (const std::size_t count : {std::size_t{scene_.polygon_count}, of_geometry_.size(), scene_.draws.size(),
-                                    content_.pages.size(), std::size_t{content_.pager.image_count()},
-                                    content_.images.size(), content_.chunks.size(), std::size_t{cells}, json.size()})
+                                    content_.pages.size(), std::size_t{content_.pager.image_count()}, image_files,
+                                    content_.chunks.size(), std::size_t{cells}, json.size()})
       out_.put_varint(static_cast<std::uint32_t>(count));
     std::array<float, 6> box;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -175,15 +177,18 @@ class front_writer {
   }
 
   void put_images() {
-    const std::vector<scene::streamed_image>& images = content_.pager.images();
-    std::vector<std::uint32_t> files(content_.pager.image_count());
-    for (const scene::streamed_image& image : images) files[image.number] = 1;
-    out_.put_varints(files);
-    put_varint_column(out_, images, [](const auto& i) { return i.width; });
-    put_varint_column(out_, images, [](const auto& i) { return i.height; });
-    put_varint_column(out_, content_.images, [](const auto& f) { return f.bytes; });
-    for (const scene::streamed_image& image : images) out_.put_bytes(std::array{static_cast<std::uint8_t>(image.type)});
-    for (const listed_file& file : content_.images) out_.put_bytes(file.name);
+    std::vector<std::uint32_t> counts(content_.pager.image_count());
+    std::vector<listed_image> all;
+    for (std::size_t i = 0; i < content_.images.size(); ++i) {
+      counts[content_.pager.images()[i].number] = static_cast<std::uint32_t>(content_.images[i].size());
+      all.insert(all.end(), content_.images[i].begin(), content_.images[i].end());
+    }
+    out_.put_varints(counts);
+    put_varint_column(out_, all, [](const auto& i) { return i.width; });
+    put_varint_column(out_, all, [](const auto& i) { return i.height; });
+    put_varint_column(out_, all, [](const auto& i) { return i.file.bytes; });
+    for (const listed_image& image : all) out_.put_bytes(std::array{static_cast<std::uint8_t>(image.type)});
+    for (const listed_image& image : all) out_.put_bytes(image.file.name);
   }
 
   void put_chunks() {

@@ -25,12 +25,18 @@ struct listed_chunk {
   format::box box;
 };
 
-// The file of an image; clients find its size in pixels in the pager's images.
+// A version of an image.
+struct listed_image {
+  listed_file file;
+  std::uint32_t width = 0, height = 0;  // pixels; 0: unknown
+  scene::image_type type = scene::image_type::unknown;
+};
+
 struct front_content {
   const scene::gltf_pager& pager;
   const page_plan& plan;
   std::vector<listed_file> pages;
-  std::vector<listed_file> images;  // of pager.images()
+  std::vector<std::vector<listed_image>> images;  // by image of pager.images(): ascending
   std::vector<listed_chunk> chunks;
 };
 

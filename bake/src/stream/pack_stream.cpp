@@ -13,6 +13,7 @@
 #include "stream/polygon_numbers.h"
 #include "stream/site_folder.h"
 #include "stream/sketches.h"
+#include "stream/smaller_images.h"
 #include "stream/visible_polygons.h"
 
 namespace sightcell::bake {
@@ -21,6 +22,7 @@ namespace {
 // A client waits for a chunk before its first page. Cells are halved until they fit, so chunks take 8 KB in the mean.
 constexpr std::size_t chunk_bytes = 10'900;
 constexpr std::size_t pages_at_a_time = 64;
+constexpr std::uint64_t many_pixels = std::uint64_t{1} << 22;
 constexpr std::array<const char*, 5> image_extensions = {"png", "jpg", "webp", "ktx2", "bin"};
 
 class stream_packer {
@@ -84,12 +86,36 @@ class stream_packer {
     return out;
   }
 
-  std::vector<listed_file> write_images(site_folder& site) {
-    std::vector<listed_file> out;
-    for (const scene::streamed_image& image : pager_.images()) {
-      out.push_back(site.add("images", image_extensions[static_cast<std::size_t>(image.type)],
-                             std::as_bytes(std::span(image.bytes))));
-      result_.image_bytes += out.back().bytes;
+  std::vector<std::vector<listed_image>> write_images(site_folder& site) {
+    const std::vector<scene::streamed_image>& images = pager_.images();
+    std::vector<std::vector<listed_image>> out(images.size());
+    std::vector<std::uint8_t> unreadable(images.size(), 0);
+    const auto write = [&](std::size_t i) {
+      const scene::streamed_image& image = images[i];
+      const smaller_images made = smaller_images_of(image);
+      const auto add = [&](scene::image_type type, std::span<const std::uint8_t> bytes) {
+        return site.add("images", image_extensions[static_cast<std::size_t>(type)], std::as_bytes(bytes));
+      };
+      for (const smaller_image& v : made.versions)
+        out[i].push_back({add(scene::image_type::webp, v.bytes), v.width, v.height, scene::image_type::webp});
+      out[i].push_back({add(image.type, image.bytes), made.width, made.height, image.type});
+      unreadable[i] = made.is_unreadable ? 1 : 0;
+    };
+    // Large ones one at a time, because of their memory.
+    const auto is_large = [&](std::size_t i) {
+      return std::uint64_t{images[i].width} * images[i].height > many_pixels || images[i].width == 0;
+    };
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+      if (!is_large(i)) write(i);
+    });
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      if (is_large(i)) write(i);
+      report(stream_phase::writing_images, i + 1, images.size());
+      if (unreadable[i] != 0)
+        result_.warnings.push_back("images/" + std::to_string(images[i].number) +
+                                   " has no smaller versions: it is damaged, or too large to decode");
+      for (const listed_image& version : out[i]) result_.image_bytes += version.file.bytes;
+      result_.first_image_bytes += out[i].front().file.bytes;
     }
     return out;
   }

@@ -111,9 +111,19 @@ TEST_F(stream_pages_test, streams_have_the_versions_of_the_extension) {
   ASSERT_EQ(json["bufferViews"].size(), 3u);
   for (const nlohmann::json& view : json["bufferViews"]) {
     const nlohmann::json& code = view["extensions"]["EXT_meshopt_compression"];
-    const auto first = std::to_integer<unsigned>(file[28 + json_size + code["byteOffset"].get<std::size_t>()]);
+    const auto first = std::to_integer<unsigned>(file[28 + json_size + code.value("byteOffset", std::size_t{0})]);
     EXPECT_EQ(first, code["mode"] == "TRIANGLES" ? 0xE1u : 0xA0u);
   }
+}
+
+// Of a page of 16 KB it is a tenth.
+TEST_F(stream_pages_test, json_of_a_page_is_short) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}});
+  const std::vector<std::byte> file = pager_of(g).page(std::vector<page_part>{{0, all(0)}});
+  std::uint32_t json_size = 0;
+  std::memcpy(&json_size, &file[12], 4);
+  EXPECT_LE(json_size, 1'450u);
 }
 
 TEST_F(stream_pages_test, pages_of_one_geometry_meet_exactly) {
@@ -187,6 +197,38 @@ TEST_F(stream_pages_test, a_page_has_several_sets_of_attributes) {
   ASSERT_EQ(page.draws.size(), 2u);
   EXPECT_EQ(page.polygon_count, 2u * sheet::side * sheet::side + 1u);
   EXPECT_EQ(file, pager.page(parts));
+}
+
+TEST_F(stream_pages_test, images_are_what_their_materials_use_them_for) {
+  gltf_sketch g;
+  g.add_node({{"mesh", sheet().add_to(g)}});
+  for (int i = 0; i < 7; ++i) {
+    g.json["images"].push_back({{"uri", "data:image/png;base64,iVBORw0KGgo="}});
+    g.json["textures"].push_back({{"source", i}});
+  }
+  const auto texture = [](int number) { return nlohmann::json{{"index", number}}; };
+  const auto base = [&](int number) { return nlohmann::json{{"baseColorTexture", texture(number)}}; };
+  g.json["materials"] = {
+      {{"pbrMetallicRoughness", base(0)}, {"normalTexture", texture(1)}, {"occlusionTexture", texture(2)}},
+      {{"pbrMetallicRoughness", base(3)}, {"alphaMode", "BLEND"}, {"emissiveTexture", texture(4)}},
+      {{"pbrMetallicRoughness", base(5)}, {"alphaMode", "MASK"}, {"alphaCutoff", 0.25}},
+      {{"pbrMetallicRoughness", base(5)}, {"normalTexture", texture(6)}, {"occlusionTexture", texture(6)}}};
+  g.json["materials"][2]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.5};
+  const std::vector<streamed_image>& images = pager_of(g).images();
+  const std::array<image_use, 7> expected = {{{.is_color = true},
+                                              {.has_normals = true},
+                                              {.alpha = alpha_use::number},
+                                              {.is_color = true, .alpha = alpha_use::blended},
+                                              {.is_color = true},
+                                              {.is_color = true, .alpha = alpha_use::tested},
+                                              {.alpha = alpha_use::number}}};
+  ASSERT_EQ(images.size(), expected.size());
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    EXPECT_EQ(images[i].use.is_color, expected[i].is_color) << i;
+    EXPECT_EQ(images[i].use.has_normals, expected[i].has_normals) << i;
+    EXPECT_EQ(images[i].use.alpha, expected[i].alpha) << i;
+  }
+  EXPECT_EQ(images[5].use.cutoff, 0.5f);
 }
 
 TEST_F(stream_pages_test, sizes_of_parts_add_up_to_a_page) {

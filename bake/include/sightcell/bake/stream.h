@@ -17,7 +17,7 @@ struct stream_settings {
   bool textures = true;               // false: without images
 };
 
-enum class stream_phase { reading_sets, grouping_polygons, writing_pages, writing_cells };
+enum class stream_phase { reading_sets, grouping_polygons, writing_pages, writing_images, writing_cells };
 
 // Receives the parts of a phase that are done, of all. On the calling thread.
 using stream_progress = std::function<void(stream_phase phase, std::uint64_t done, std::uint64_t total)>;
@@ -26,6 +26,7 @@ struct stream_result {
   std::uint32_t polygons = 0, draws = 0, geometries = 0, cells = 0;
   std::uint32_t pages = 0, chunks = 0, images = 0;
   std::uint64_t front_bytes = 0, page_bytes = 0, chunk_bytes = 0, image_bytes = 0;
+  std::uint64_t first_image_bytes = 0;  // of the smallest version of each image
   std::uint32_t polygons_left_out = 0;  // their corners coincide after rounding, or are not finite
   std::uint32_t files_written = 0, files_kept = 0;
   double mean_cell_bytes = 0.0;       // of the pages that a cell needs, over all cells

@@ -34,10 +34,23 @@ struct page_part {
 // The numbers of front field 8.
 enum class image_type : std::uint8_t { png = 0, jpg = 1, webp = 2, ktx2 = 3, unknown = 4 };
 
+// How materials use the alpha of an image: not at all, as a number like the others, as coverage, or compared with a
+// cutoff.
+enum class alpha_use : std::uint8_t { none, number, blended, tested };
+
+// What smaller versions of an image have to keep.
+struct image_use {
+  bool is_color = false;     // in sRGB
+  bool has_normals = false;  // unit vectors
+  alpha_use alpha = alpha_use::none;
+  float cutoff = 0.5f;  // where alpha is tested; of alpha / 255
+};
+
 struct streamed_image {
   std::uint32_t number = 0;             // in the glTF file
   std::uint32_t width = 0, height = 0;  // pixels; 0: unknown
   image_type type = image_type::unknown;
+  image_use use;
   std::vector<std::uint8_t> bytes;  // as in the file
 };
 
