@@ -1,0 +1,81 @@
+#include "decoders.h"
+
+#include <exception>
+#include <utility>
+
+namespace stream_client {
+namespace {
+
+constexpr std::uint32_t largest_side = 16384;  // pixels
+
+}  // namespace
+
+std::uint64_t decoded_file::bytes() const {
+  const std::uint64_t pixel_bytes = pixels ? pixels->rgba.size() + pixels->rgba.size() / 3 : 0;
+  return pixel_bytes + (polygons ? polygons->bytes() : 0);
+}
+
+decoders::decoders(unsigned threads, std::uint32_t geometry_count, doorbell& bell)
+    : geometry_count_(geometry_count), bell_(bell) {
+  for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
+}
+
+decoders::~decoders() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& t : threads_) t.join();
+}
+
+void decoders::start(decode_job job) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    waiting_.push_back(std::move(job));
+  }
+  changed_.notify_one();
+}
+
+std::vector<decoded_file> decoders::take() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::exchange(done_, {});
+}
+
+// Contents that are broken become a failure of their file, whatever a decoder throws.
+decoded_file decoders::decode(decode_job job) const {
+  decoded_file out;
+  out.file = job.file;
+  try {
+    if (job.is_page) {
+      out.polygons = read_page(job.bytes, geometry_count_);
+    } else {
+      out.pixels = sightcell::scene::decode({{}, std::move(job.bytes)}, largest_side);
+      if (!out.pixels) out.failure = "the image is damaged";
+    }
+  } catch (const std::exception& e) {
+    out.failure = e.what();
+  }
+  return out;
+}
+
+void decoders::run() {
+  for (;;) {
+    decode_job job;
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      changed_.wait(lock, [this] { return stop_ || !waiting_.empty(); });
+      if (stop_) return;
+      job = std::move(waiting_.front());
+      waiting_.pop_front();
+    }
+    decoded_file result = decode(std::move(job));
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      done_.push_back(std::move(result));
+    }
+    bell_.ring();
+  }
+}
+
+}  // namespace stream_client
