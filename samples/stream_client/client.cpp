@@ -81,16 +81,15 @@ report run_client(const client_settings& settings, const camera_choice& camera, 
   result.memory_limit = settings.memory;
   const shared_run run{settings, bell, network, result, clock::now()};
   std::optional<walk> way;
-  clock::time_point begin{};
+  double walked = 0.0;
   for (std::uint32_t number = 1;; ++number) {
     opened_front front = load_front(run);
     if (!way) {
       result.front_seconds = run.seconds();
       way = way_of(camera, front.stream.get());
-      begin = clock::now();
     }
     session now(run, number, std::move(front.stream), std::move(front.bytes), context.get());
-    const session::outcome outcome = now.run(*way, begin);
+    const session::outcome outcome = now.run(*way, walked);
     now.finish_report();
     if (outcome == session::outcome::new_front) continue;
     result.seconds = run.seconds();

@@ -7,6 +7,16 @@ namespace stream_client {
 namespace {
 
 constexpr std::uint32_t largest_side = 16384;  // pixels
+constexpr std::size_t longest_cause = 200;     // bytes
+
+// Causes may quote bytes of a file.
+std::string printable(std::string text) {
+  if (text.size() > longest_cause) text.resize(longest_cause);
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -54,7 +64,7 @@ decoded_file decoders::decode(decode_job job) const {
       if (!out.pixels) out.failure = "the image is damaged";
     }
   } catch (const std::exception& e) {
-    out.failure = e.what();
+    out.failure = printable(e.what());
   }
   return out;
 }

@@ -21,7 +21,7 @@ struct arguments {
   stream_client::client_settings settings;
   std::string size = "960x540";
   double memory = 512.0;  // MB
-  std::int64_t stall = 10'000, connect = 10'000, backoff = 250;
+  std::int64_t stall = 10'000, connect = 10'000, backoff = 250, longest_backoff = 8000;
   bool no_draw = false, json = false, list = false;
 };
 
@@ -32,6 +32,7 @@ void add_options(CLI::App& app, arguments& args) {
   app.add_option("--speed", args.camera.speed, "of the walk, meters per second")
       ->check(CLI::Range(0.001f, 1e6f))
       ->capture_default_str();
+  app.add_flag("--wait", settings.wait, "the camera of the walk waits where its cell is not complete");
   app.add_option("--eye", args.eye, "position of the camera: x,y,z in meters; default: the middle of the scene")
       ->delimiter(',')
       ->expected(3)
@@ -44,7 +45,7 @@ void add_options(CLI::App& app, arguments& args) {
       ->check(CLI::Range(0.0f, 60.0f))
       ->capture_default_str();
   app.add_option("--memory", args.memory, "limit of polygons and images in memory, MB")
-      ->check(CLI::Range(0.1, 1e6))
+      ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
   app.add_option("--connections", settings.network.connections, "open connections at a time")
       ->check(CLI::Range(1, 64))
@@ -55,6 +56,9 @@ void add_options(CLI::App& app, arguments& args) {
       ->capture_default_str();
   app.add_option("--backoff", args.backoff, "before the second attempt; then twice as long each time, ms")
       ->check(CLI::Range(1, 60'000))
+      ->capture_default_str();
+  app.add_option("--longest-backoff", args.longest_backoff, "limit of this time, ms")
+      ->check(CLI::Range(1, 600'000))
       ->capture_default_str();
   app.add_option("--stall", args.stall, "a transfer that receives less than 256 bytes within it fails, ms")
       ->check(CLI::Range(10, 600'000))
@@ -81,6 +85,7 @@ void complete(arguments& args) {
   s.network.stall_time = std::chrono::milliseconds(args.stall);
   s.network.connect_timeout = std::chrono::milliseconds(args.connect);
   s.first_backoff = std::chrono::milliseconds(args.backoff);
+  s.longest_backoff = std::chrono::milliseconds(args.longest_backoff);
   s.memory = static_cast<std::uint64_t>(args.memory * 1e6);
   s.draw = !args.no_draw;
   s.save = args.save;

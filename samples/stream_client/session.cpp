@@ -13,7 +13,6 @@ namespace {
 constexpr float vertical_fov = 1.2f;        // radians
 constexpr std::size_t spare_transfers = 2;  // that wait in the queue of the network, so that a connection never does
 constexpr std::chrono::milliseconds longest_wait{100}, frame_time{16}, picture_time{100};
-constexpr std::chrono::milliseconds longest_backoff{8000};
 constexpr std::chrono::seconds ahead_age{10};     // files that were loaded ahead are kept for so long
 constexpr std::uint64_t bytes_per_page_byte = 8;  // in memory, before a page is decoded
 constexpr std::uint32_t front_tag = 0xFFFFFFFFu;
@@ -53,7 +52,7 @@ std::string json_of(const sightcell_stream* stream) {
 std::chrono::milliseconds backoff(const client_settings& settings, unsigned failures, std::uint64_t file) {
   const double spread = 0.5 + static_cast<double>(file * 2654435761u % 1024) / 1024.0;
   const double doubled = static_cast<double>(settings.first_backoff.count()) * std::exp2(std::min(failures, 16u) - 1.0);
-  const double longest = static_cast<double>(longest_backoff.count());
+  const double longest = static_cast<double>(settings.longest_backoff.count());
   return std::chrono::milliseconds(static_cast<long>(spread * std::min(doubled, longest)));
 }
 
@@ -344,15 +343,21 @@ sightcell::picture::image_rgba session::picture() {
   return drawn;
 }
 
-session::outcome session::run(const walk& way, clock::time_point begin) {
-  for (;;) {
+session::outcome session::run(const walk& way, double& walked) {
+  constexpr std::uint32_t unfinished = SIGHTCELL_STREAM_PENDING | SIGHTCELL_STREAM_UNKNOWN_CELL;
+  frame_.flags = unfinished;
+  for (clock::time_point last = clock::now();;) {
     take_transfers();
     take_decoded();
     release_backoffs();
     if (front_changed_) return outcome::new_front;
-    const double seconds = std::chrono::duration<double>(clock::now() - begin).count();
-    const bool at_rest = seconds >= way.seconds();
-    move(way, seconds);
+    clock::duration passed = clock::now() - last;
+    last += passed;
+    if (run_.settings.wait)
+      passed = (frame_.flags & unfinished) != 0 ? passed * 0 : std::min<clock::duration>(passed, frame_time);
+    walked += std::chrono::duration<double>(passed).count();
+    const bool at_rest = walked >= way.seconds();
+    move(way, walked);
     const bool more = request_files(at_rest);
     if (at_rest && !more && idle()) return outcome::done;
     draw_if_due();

@@ -24,7 +24,9 @@ struct client_settings {
   unsigned decode_threads = 2;
   unsigned attempts = 6;                         // per file
   std::chrono::milliseconds first_backoff{250};  // doubles with each failure
+  std::chrono::milliseconds longest_backoff{8000};
   std::uint64_t memory = std::uint64_t{512} << 20;
+  bool wait = false;       // the camera moves on only while its cell is complete
   float lookahead = 2.0f;  // seconds of movement whose cells are loaded ahead
   std::uint32_t width = 960, height = 540;
   bool draw = true;
@@ -59,8 +61,8 @@ class session {
           const sightcell::picture::gl_context* context);
 
   // Follows the walk until nothing is left to load, or until the server has another front.
-  // begin: when the walk began.
-  outcome run(const walk& way, clock::time_point begin);
+  // walked: seconds of the walk that are done; moved on.
+  outcome run(const walk& way, double& walked);
 
   // Draws the current view.
   sightcell::picture::image_rgba picture();

@@ -12,11 +12,11 @@ FACES = [(0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6), (0, 4, 6, 2), (
 PIXELS = 16  # width and height of the image
 
 
-def png():
+def png(step=16):
     """Gray, lighter to the right."""
     def chunk(kind, data):
         return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
-    rows = b''.join(b'\0' + bytes(x * 16 for x in range(PIXELS)) for _ in range(PIXELS))
+    rows = b''.join(b'\0' + bytes(x * step for x in range(PIXELS)) for _ in range(PIXELS))
     return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', PIXELS, PIXELS, 8, 0, 0, 0, 0)) +
             chunk(b'IDAT', zlib.compress(rows)) + chunk(b'IEND', b''))
 

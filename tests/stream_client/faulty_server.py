@@ -13,7 +13,7 @@ import struct
 import threading
 import time
 
-STALLED = 3.0  # seconds that the server keeps a connection open on which it sends nothing
+STALLED = 100  # seconds that the server keeps a connection open on which it sends nothing
 ERRORS = ('reset', 'reset in body', 'closed', 'cut', 'short', 'long', 'flipped', 'other file', 'empty', '404', '500', '503',
           'endless', 'endless chunks', 'endless headers', 'redirect to itself', 'no http', 'broken chunk', 'compressed',
           'length twice')
@@ -137,11 +137,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def answer_endless(self, data, _):
         self.send(data, length='', headers=['Connection: close'])
-        self.flood(b'x' * 4096)
+        self.flood(b'x' * 65536)
 
     def answer_endless_chunks(self, *_):
         self.send(b'', length='', headers=['Transfer-Encoding: chunked'])
-        self.flood(b'1000\r\n' + b'x' * 4096 + b'\r\n')
+        self.flood(b'10000\r\n' + b'x' * 65536 + b'\r\n')
 
     def answer_endless_headers(self, *_):
         self.wfile.write(b'HTTP/1.1 200 ?\r\n')
@@ -181,9 +181,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def answer_dripping(self, data, _):
         self.send(data, body=b'')
-        for byte in data[:60]:
+        for byte in data[:200]:
             self.wfile.write(bytes([byte]))
-            time.sleep(STALLED / 60)
+            time.sleep(0.05)
         self.close()
 
     def answer_late(self, data, _):
