@@ -50,6 +50,8 @@ void add_options(CLI::App& app, arguments& args) {
   app.add_option("--connections", settings.network.connections, "open connections at a time")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_option("--authorities", settings.network.authorities,
+                 "file with the certificates to trust; default: those of the system");
   app.add_option("--threads", settings.decode_threads, "that decode")->check(CLI::Range(1, 64))->capture_default_str();
   app.add_option("--attempts", settings.attempts, "per file, before it is given up")
       ->check(CLI::Range(1, 100))
@@ -93,8 +95,9 @@ void complete(arguments& args) {
   args.camera.look = point_of(args.look);
   int end = 0;
   unsigned width = 0, height = 0;
-  if (std::sscanf(args.size.c_str(), "%5ux%5u%n", &width, &height, &end) != 2 || args.size[end] != '\0' || width == 0 ||
-      height == 0 || width > 16384 || height > 16384) {
+  if (std::sscanf(args.size.c_str(), "%5ux%5u%n", &width, &height, &end) != 2 ||
+      args.size[static_cast<std::size_t>(end)] != '\0' || width == 0 || height == 0 || width > 16384 ||
+      height > 16384) {
     throw error(error_kind::wrong_use, "client.size", "--size " + args.size, "is no size in pixels",
                 "write for example 960x540");
   }

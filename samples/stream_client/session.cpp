@@ -346,6 +346,7 @@ sightcell::picture::image_rgba session::picture() {
 session::outcome session::run(const walk& way, double& walked) {
   constexpr std::uint32_t unfinished = SIGHTCELL_STREAM_PENDING | SIGHTCELL_STREAM_UNKNOWN_CELL;
   frame_.flags = unfinished;
+  bool loading = true;
   for (clock::time_point last = clock::now();;) {
     take_transfers();
     take_decoded();
@@ -353,13 +354,14 @@ session::outcome session::run(const walk& way, double& walked) {
     if (front_changed_) return outcome::new_front;
     clock::duration passed = clock::now() - last;
     last += passed;
-    if (run_.settings.wait)
-      passed = (frame_.flags & unfinished) != 0 ? passed * 0 : std::min<clock::duration>(passed, frame_time);
+    // Where files have failed, the cell may never be complete.
+    if (run_.settings.wait && (frame_.flags & unfinished) != 0 && loading) passed = {};
+    if (run_.settings.wait) passed = std::min<clock::duration>(passed, frame_time);
     walked += std::chrono::duration<double>(passed).count();
     const bool at_rest = walked >= way.seconds();
     move(way, walked);
-    const bool more = request_files(at_rest);
-    if (at_rest && !more && idle()) return outcome::done;
+    loading = request_files(at_rest) || !idle();
+    if (at_rest && !loading) return outcome::done;
     draw_if_due();
     clock::time_point end = clock::now() + (at_rest ? longest_wait : frame_time);
     if (!waiting_.empty()) end = std::min(end, waiting_.begin()->first);

@@ -95,6 +95,7 @@ void transfers::state::configure(transfer& t) const {
   set(CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_2TLS));
   set(CURLOPT_PIPEWAIT, 1L);  // with HTTP/2: a stream of the open connection instead of another connection
   set(CURLOPT_BUFFERSIZE, 64L << 10);
+  if (!settings.authorities.empty()) set(CURLOPT_CAINFO, settings.authorities.c_str());
   set(CURLOPT_USERAGENT, "sightcell-stream-client");
   // Files are compressed already. No CURLOPT_ACCEPT_ENCODING: bytes arrive as the server has them, and are checked.
 }

@@ -12,6 +12,7 @@ namespace stream_client {
 
 struct transfer_settings {
   std::string base_url;      // ends in '/'
+  std::string authorities;   // file with the certificates to trust; empty: those of the system
   unsigned connections = 6;  // open at a time; with HTTP/2 fewer
   unsigned streams = 24;     // requests at a time with HTTP/2
   std::chrono::milliseconds connect_timeout{10'000};

@@ -4,7 +4,9 @@ import json
 import os
 import random
 import re
+import socket
 import struct
+import sys
 import zlib
 
 import harness
@@ -96,7 +98,8 @@ class StreamClient(InFolder):
         path, picture = self.path('path.json'), self.path(name + '.png')
         with open(path, 'w', encoding='utf-8') as file:
             json.dump({'path': [rooms_scene.eye(number) for number in (0, ROOMS - 1, 0)]}, file)
-        result, err = self.load(server, '--walk', path, '--speed', 250, '--wait', '--picture', picture, '--save', self.path(name))
+        result, err = self.load(server, '--walk', path, '--speed', 250, '--wait', '--picture', picture, '--save',
+                                self.path(name))
         self.assertEqual((result['failed'], err), ([], ''))
         self.assertTrue(result['complete'])
         self.assertLessEqual(result['memory_peak'], result['memory_limit'])
@@ -119,9 +122,10 @@ class StreamClient(InFolder):
 
     def test_picture_is_that_of_the_scene(self):
         reference, picture = self.path('reference.png'), self.path('picture.png')
-        harness.must(harness.program_or_skip('sightcell-test-reference-picture'), self.path('rooms.gltf'), reference, 320, 180, 4, 2,
-                     4, 1, -0.7, 0.5)
-        result, _ = self.load(self.serve(), '--eye', '4,2,4', '--look', '5,1.3,4.5', '--size', '320x180', '--picture', picture)
+        harness.must(harness.program_or_skip('sightcell-test-reference-picture'), self.path('rooms.gltf'), reference, 320, 180,
+                     4, 2, 4, 1, -0.7, 0.5)
+        result, _ = self.load(self.serve(), '--eye', '4,2,4', '--look', '5,1.3,4.5', '--size', '320x180', '--picture',
+                              picture)
         self.assertEqual(self.needed(0), set(result['present']) - {self.site.front.chunk_name(0)})
         differs = np.abs(read_png(reference).astype(int) - read_png(picture).astype(int)).max(axis=2) > 8
         self.assertLess(differs.mean(), 1e-3)
@@ -144,12 +148,15 @@ class StreamClient(InFolder):
         self.assertTrue(os.path.exists(picture))
 
     def test_missing_chunk(self):
-        """Without it no cell is known."""
-        name = self.site.front.chunk_name(0)
-        result, err = self.load(self.serve(Plan(missing=[name])), '--eye', '4,2,4', '--no-draw', code=1)
-        self.assertEqual([failure['name'] for failure in result['failed']], [name])
-        self.assertIsNone(result['first_cell'])
-        self.assertEqual(len(err.splitlines()), 1, err)
+        """Without it no cell is known; a camera that waits for one goes on."""
+        name, path = self.site.front.chunk_name(0), self.path('short.json')
+        with open(path, 'w', encoding='utf-8') as file:
+            json.dump({'path': [rooms_scene.eye(number) for number in (0, 1)]}, file)
+        for camera in (['--eye', '4,2,4'], ['--walk', path, '--speed', 100, '--wait']):
+            result, err = self.load(self.serve(Plan(missing=[name])), '--no-draw', *camera, code=1)
+            self.assertEqual([failure['name'] for failure in result['failed']], [name])
+            self.assertIsNone(result['first_cell'])
+            self.assertEqual(len(err.splitlines()), 1, err)
 
     def test_another_front(self):
         """The server gets a new scene, and no longer has the pages of the old one."""
@@ -202,6 +209,20 @@ class StreamClient(InFolder):
                 _, err = self.load(self.serve(), '--no-draw', '--walk', path, code=4)
                 self.assertRegex(err, r'^[^\n]*wrong\.json: .*\[client\.path\]\n$')
 
+    def test_benchmark(self):
+        """Runs, over a connection that is not slow."""
+        with socket.socket() as free:
+            free.bind(('127.0.0.1', 0))
+            port = free.getsockname()[1]
+        server = self.serve()
+        server.files = {f'rooms/{name}': data for name, data in server.files.items()}
+        code, out, err = harness.run(
+            sys.executable, os.path.join(harness.ROOT, 'tests', 'bench', 'bench_stream_client.py'), '--bin', harness.BIN,
+            '--server', server.server_address[1], '--port', port, '--poses', 2, '--rate', 1000, '--round-trip', 1,
+            f'rooms={self.site_folder}')
+        self.assertEqual((code, err), (0, ''))
+        self.assertRegex(out.splitlines()[-1], r'^rooms \| 2 \| (\d.*s / .*s \| \d.* KB / .* KB( \| )?){3}$')
+
     def reported(self, change):
         """Loads a site whose pages are changed, with hashes that are right. Returns the causes by number of a page that
         failed, and the pages that were needed."""
@@ -209,8 +230,8 @@ class StreamClient(InFolder):
         everywhere = self.path('everywhere.json')
         with open(everywhere, 'w', encoding='utf-8') as file:
             json.dump({'path': [rooms_scene.eye(number) for number in (0, ROOMS - 1)]}, file)
-        result, err = self.load(self.serve(folder=folder), '--no-draw', '--walk', everywhere, '--speed', 250, '--wait', '--memory',
-                                16, code=1)
+        result, err = self.load(self.serve(folder=folder), '--no-draw', '--walk', everywhere, '--speed', 250, '--wait',
+                                '--memory', 16, code=1)
         numbers = {name: number for number, name in names.items()}
         self.assertEqual(len(err.splitlines()), len(result['failed']))
         for failure in result['failed']:
@@ -231,8 +252,9 @@ class StreamClient(InFolder):
     def test_other_json(self):
         """Each page has a wrong number or name in its JSON."""
         changes = [
-            (rb'5126,"count":(\d+)', b'9'), (rb'5126,"count":(\d+)', b'1'), (rb'"count":(\d+)', b'0'), (rb'"byteLength":(\d+),"byteS', b'9'),
-            (rb'"byteStride":(\d+)', b'3'), (rb'"POSITION":(\d+)', b'9'), (rb'"indices":(\d+)', b'0'),
+            (rb'5126,"count":(\d+)', b'9'), (rb'5126,"count":(\d+)', b'1'), (rb'"count":(\d+)', b'0'),
+            (rb'"byteLength":(\d+),"byteS', b'9'), (rb'"byteStride":(\d+)', b'3'), (rb'"POSITION":(\d+)', b'9'),
+            (rb'"indices":(\d+)', b'0'),
             (rb'"sightcell":\[(\d+,\d+)', b'9'), (rb'"sightcell":\[\d+,(\d+)', b'1'), (rb'"mode":"(\w+)"', b'X'),
             (rb'"filter":"(\w+)"', b'X'), (rb'"componentType":(5126)', b'5'), (rb'"bufferView":(\d+)', b'9'),
             (rb'"(meshes)"', b'm'), (rb'"(primitives)"', b'p'), (rb'("POSITION":\d+)', b' '), (rb'(\{"asset")', b'[')]
