@@ -69,6 +69,10 @@ ALLOWED = {
                                                        'unistd.h'],
     'samples': RUNTIME + SCENE + PICTURE + ['CLI/', 'fmt/', 'nlohmann/', 'stb_image_write.h'] + GL,
     'samples/hello_cull': RUNTIME,  # C, and nothing else: it is what a host writes
+    'samples/stream_client': ['sightcell/stream.h', 'sightcell/sightcell.h', 'curl/'] + SCENE + PICTURE + GL +
+                             ['CLI/', 'fmt/', 'nlohmann/'],
+    'samples/stream_client/decoders.cpp': SCENE + ['sightcell/stream.h', 'webp/'],
+    'samples/stream_client/page.cpp': BASE + ['meshoptimizer.h', 'nlohmann/'],
     'samples/engine_bake': BAKE + RUNTIME + SCENE + PICTURE,
     'samples/viewer': RUNTIME + SCENE + PICTURE + GL +
                       ['GLFW/', 'imgui', 'backends/imgui_impl_opengl3.h', 'CLI/', 'fmt/', 'nlohmann/'],
