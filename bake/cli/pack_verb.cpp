@@ -95,6 +95,9 @@ nlohmann::ordered_json json_of(const pack_options& options, const bake::stream_r
           {"image_bytes", r.image_bytes},
           {"first_image_bytes", r.first_image_bytes},
           {"mean_cell_bytes", r.mean_cell_bytes},
+          {"tiles", r.tiles},
+          {"tile_bytes", r.tile_bytes},
+          {"tileset_bytes", r.tileset_bytes},
           {"files_written", r.files_written},
           {"files_kept", r.files_kept}};
 }
@@ -107,6 +110,9 @@ void print_streamed(const pack_options& options, const bake::stream_result& r) {
       size_text(static_cast<double>(r.page_bytes)), grouped(r.cells), grouped(r.chunks),
       size_text(static_cast<double>(r.chunk_bytes)), grouped(r.images), size_text(static_cast<double>(r.image_bytes)),
       size_text(static_cast<double>(r.first_image_bytes)), size_text(static_cast<double>(r.front_bytes)));
+  if (options.streamed.tileset)
+    fmt::print("tileset.json {}, {} tiles ({})\n", size_text(static_cast<double>(r.tileset_bytes)), grouped(r.tiles),
+               size_text(static_cast<double>(r.tile_bytes)));
   fmt::print("a cell needs {} of pages in the mean; {} files written, {} kept\n", size_text(r.mean_cell_bytes),
              grouped(r.files_written), grouped(r.files_kept));
 }
@@ -195,6 +201,9 @@ void add_pack_verb(CLI::App& program, action& chosen) {
       ->type_name("METERS")
       ->needs(stream);
   verb.add_flag("--no-textures", options->no_textures, "Leaves out the images.")->needs(stream);
+  verb.add_flag("--tileset", options->streamed.tileset,
+                "Also writes tileset.json: 3D Tiles 1.1 over the pages, for CesiumJS, 3d-tiles-renderer and others.")
+      ->needs(stream);
   verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_pack(*options); }; });
 }

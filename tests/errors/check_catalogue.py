@@ -23,7 +23,7 @@ COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/', re.DOTALL)
 IN_BRACKETS = re.compile(r'\[(' + ID.pattern + r')\](?:\\n)?$')
 MADE = re.compile(r'(?<![:\w])(?:sightcell::)?error\(\s*(?:sightcell::)?error_kind::(\w+)\s*,\s*([^,]*),')
 # What looks like an id and is none: subjects of messages, names of files.
-NO_IDS = {'settings.cells', 'scene.front'}
+NO_IDS = {'settings.cells', 'scene.front', 'tileset.json'}
 ROW = re.compile(r'^\| `([^`]+)` \| ([0-9, ]+) \| (.+?) \| (.+?) \|$')
 
 

@@ -16,10 +16,11 @@ from painted_images import CUTOFF, PIXELS, colors, leaves, light_of, means, norm
 from painted_scene import image_files, write_painted
 from pair_sets import candidates, corner_distance
 from streamed_scene import EVERYWHERE, MOVES, NOWHERE, cell_at, local_polygons, open_site, rebuild
+from tiled_site import Z_UP, attribute_rows, page_polygons, read_tileset, tile_polygons
 
 GRID = 0.002  # meters
 PAGE_SIZE = 4096  # bytes. Small, so that scenes of a few thousand polygons have a dozen pages
-OPTIONS = ['--grid', GRID, '--page-size', PAGE_SIZE]
+OPTIONS = ['--grid', GRID, '--page-size', PAGE_SIZE, '--tileset']
 SMALLER = 64  # pixels of the smaller versions of images
 STEP = 2 ** (1 / 16)  # a weight is rounded to an eighth of a power of two
 SMALLEST = 11  # classes of importance below this one have a range of solid angles
@@ -212,6 +213,58 @@ class Streamed(InFolder):
             volumes = [np.prod(boxes[i][1] - boxes[i][0]) for i in inside]
             self.assertEqual(cell and cell.number, inside[int(np.argmin(volumes))] if inside else None)
         self.assertIsNone(cell_at(self.site, high + 1))
+
+    def test_tiles_show_the_polygons_of_pages(self):
+        """Of all draws here, since none is left out."""
+        leaves = list(read_tileset(self.site_folder).leaves())
+        self.assertEqual(sorted(tile.page for _, tile in leaves), list(range(len(self.site.front.page_hashes))))
+        total = 0
+        for _, tile in leaves:
+            ours, expected = tile_polygons(self.site_folder, tile), page_polygons(self.site, tile.page)
+            self.assertEqual(set(ours), set(expected))
+            for material, corners in expected.items():
+                self.assertEqual(len(ours[material]), len(corners))
+                self.assertTrue((partners(ours[material], corners, 1e-5) >= 0).all(), f'page {tile.page}, {material}')
+                total += len(corners)
+            everything = np.concatenate(list(ours.values())) @ Z_UP.T
+            self.assertTrue((tile.box[0] <= everything.min(axis=(0, 1))).all(), f'page {tile.page}')
+            self.assertTrue((tile.box[1] >= everything.max(axis=(0, 1))).all(), f'page {tile.page}')
+            self.assertTrue((np.diff(tile.box, axis=0)[0] < np.ptp(everything, axis=(0, 1)) + 1e-3).all())
+        self.assertEqual(total, len(rebuild(self.site)[0]))
+
+    def test_errors_of_tiles(self):
+        """The largest error of the pages below, which is at most twice that of any in the same tile."""
+        def check(tile):
+            below = [self.error_of(leaf.page) for _, leaf in tile.leaves()]
+            self.assertAlmostEqual(tile.error, max(below), delta=1e-4 * tile.error)
+            for child in tile.children:
+                if child.content is None:
+                    check(child)
+                else:
+                    self.assertLessEqual(tile.error, 2 * self.error_of(child.page))
+
+        check(read_tileset(self.site_folder))
+
+    def error_of(self, page):
+        """The side of a square as large as the surface of the page."""
+        area = 0
+        for part in self.site.page(page):
+            draws = self.site.front.draw_matrices[self.site.front.draw_geometry == part.geometry]
+            world = [apply(matrix, part.corners()) for matrix in draws]
+            area += max(np.linalg.norm(np.cross(rows[:, 1] - rows[:, 0], rows[:, 2] - rows[:, 0]), axis=1).sum() / 2
+                        for rows in world)
+        return area ** 0.5
+
+    def test_tiles_have_the_attributes_of_pages(self):
+        for _, tile in read_tileset(self.site_folder).leaves():
+            wrapper = read_gltf(os.path.join(self.site_folder, *tile.content.split('/')))
+            page = read_gltf(os.path.join(self.site_folder, *self.site.front.page_name(tile.page).split('/')))
+            rows = [set().union(*(attribute_rows(gltf, primitive, gltf.corners(primitive))
+                                  for mesh in gltf.document['meshes'] for primitive in mesh['primitives']))
+                    for gltf in (wrapper, page)]
+            self.assertEqual(*rows)
+            self.assertEqual(os.path.relpath(os.path.join('tiles', wrapper.document['buffers'][0]['uri'])),
+                             os.path.relpath(self.site.front.page_name(tile.page)))
 
     def test_a_second_run_writes_the_same(self):
         again = new_folder(self.addCleanup)

@@ -223,6 +223,11 @@ bool gltf_pager::is_drawn(std::uint32_t geometry, std::uint32_t polygon) const {
   return state_->rounded[geometry].is_drawn(polygon);
 }
 
+glm::vec3 gltf_pager::corner(std::uint32_t geometry, std::uint32_t number) const {
+  const rounded_geometry& g = state_->rounded[geometry];
+  return position_of(g, g.corners[number]);
+}
+
 std::uint32_t gltf_pager::coded_size(const page_part& part) const {
   return stream_bytes(state_->rounded[part.geometry], part);
 }

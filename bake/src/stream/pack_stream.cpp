@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "file/readable_file.h"
@@ -14,6 +15,7 @@
 #include "stream/site_folder.h"
 #include "stream/sketches.h"
 #include "stream/smaller_images.h"
+#include "stream/tileset.h"
 #include "stream/visible_polygons.h"
 
 namespace sightcell::bake {
@@ -43,11 +45,14 @@ class stream_packer {
     const polygon_numbers numbers(pager_);
     const page_plan plan = plan_of(numbers);
     site_folder site(output);
-    front_content front{pager_, plan, write_pages(plan, site), write_images(site), {}};
+    std::vector<std::vector<listed_image>> images = write_images(site);
+    if (how_.tileset) tiles_.emplace(pager_, plan.pages.size(), site, image_uris(images));
+    front_content front{pager_, plan, write_pages(plan, site), std::move(images), {}};
     front.chunks = write_cells(numbers, plan, front.pages, site);
     const std::vector<std::byte> bytes = front_file(front);
-    site.finish(bytes);
+    site.finish("scene.front", bytes);
     result_.front_bytes = bytes.size();
+    if (tiles_) write_tileset(site);
     result_.files_written = site.written();
     result_.files_kept = site.kept();
     count(numbers, plan, front);
@@ -78,8 +83,11 @@ class stream_packer {
     std::vector<listed_file> out(plan.pages.size());
     for (std::size_t begin = 0; begin < out.size(); begin += pages_at_a_time) {
       const std::size_t end = std::min(out.size(), begin + pages_at_a_time);
-      tbb::parallel_for(begin, end,
-                        [&](std::size_t page) { out[page] = site.add("pages", "glb", pager_.page(plan.pages[page])); });
+      tbb::parallel_for(begin, end, [&](std::size_t page) {
+        const std::vector<std::byte> bytes = pager_.page(plan.pages[page]);
+        out[page] = site.add("pages", "glb", bytes);
+        if (tiles_) tiles_->add(static_cast<std::uint32_t>(page), plan.pages[page], out[page], bytes);
+      });
       report(stream_phase::writing_pages, end, out.size());
     }
     for (const listed_file& file : out) result_.page_bytes += file.bytes;
@@ -118,6 +126,25 @@ class stream_packer {
       result_.first_image_bytes += out[i].front().file.bytes;
     }
     return out;
+  }
+
+  // Returns the address of each image from the folder of the tiles: of its last file, which is the largest one.
+  std::vector<std::string> image_uris(const std::vector<std::vector<listed_image>>& images) const {
+    std::vector<std::string> out(pager_.image_count());
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      const listed_image& largest = images[i].back();
+      const char* const extension = image_extensions[static_cast<std::size_t>(largest.type)];
+      out[pager_.images()[i].number] = "../" + path_in_site("images", largest.file.name, extension);
+    }
+    return out;
+  }
+
+  void write_tileset(site_folder& site) {
+    const std::string text = tiles_->tileset();
+    site.finish("tileset.json", std::as_bytes(std::span(text)));
+    result_.tiles = tiles_->count();
+    result_.tile_bytes = tiles_->tile_bytes();
+    result_.tileset_bytes = text.size();
   }
 
   std::vector<listed_chunk> write_cells(const polygon_numbers& numbers, const page_plan& plan,
@@ -165,6 +192,7 @@ class stream_packer {
   const stream_progress& report_;
   visible_polygons polygons_;
   scene::gltf_pager pager_;
+  std::optional<tileset_writer> tiles_;
   stream_result result_;
 };
 

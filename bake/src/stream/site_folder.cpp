@@ -30,17 +30,23 @@ bool has_contents(const std::filesystem::path& path, std::span<const std::byte> 
 
 }  // namespace
 
+std::string path_in_site(const char* kind, const content_name& name, const char* extension) {
+  return fmt::format("{}/{:02x}.{}", kind, fmt::join(name, ""), extension);
+}
+
 site_folder::site_folder(const std::filesystem::path& path) : path_(path) {
-  for (const char* kind : {"pages", "cells", "images"}) {
-    std::error_code failed;
-    std::filesystem::create_directories(path_ / kind, failed);
-    if (failed) fail_to_write(path_ / kind);
-  }
+  for (const char* kind : {"pages", "cells", "images"}) create(kind);
+}
+
+void site_folder::create(const char* kind) const {
+  std::error_code failed;
+  std::filesystem::create_directories(path_ / kind, failed);
+  if (failed) fail_to_write(path_ / kind);
 }
 
 listed_file site_folder::add(const char* kind, const char* extension, std::span<const std::byte> bytes) {
   const listed_file out{static_cast<std::uint32_t>(bytes.size()), name_of(bytes)};
-  const std::filesystem::path path = path_ / kind / fmt::format("{:02x}.{}", fmt::join(out.name, ""), extension);
+  const std::filesystem::path path = path_ / path_in_site(kind, out.name, extension);
   const std::lock_guard lock(mutex_);  // equal contents have one name, which two threads must not write at once
   if (has_contents(path, bytes)) {
     ++kept_;
@@ -62,14 +68,14 @@ listed_file site_folder::add(const char* kind, const char* extension, std::span<
   return out;
 }
 
-void site_folder::finish(std::span<const std::byte> front) {
-  const std::filesystem::path path = path_ / "scene.front";
+void site_folder::finish(const char* name, std::span<const std::byte> bytes) {
+  const std::filesystem::path path = path_ / name;
   format::remove_unfinished(path.string().c_str());
-  if (has_contents(path, front)) {
+  if (has_contents(path, bytes)) {
     ++kept_;
     return;
   }
-  if (format::write_file(path.string().c_str(), front) != format::status::ok) fail_to_write(path);
+  if (format::write_file(path.string().c_str(), bytes) != format::status::ok) fail_to_write(path);
   ++written_;
 }
 

@@ -15,6 +15,7 @@ struct stream_settings {
   double grid = 1.0 / 4096;           // meters: positions are rounded to steps of at most this
   std::uint32_t page_bytes = 16'384;  // of a page, in the mean of many
   bool textures = true;               // false: without images
+  bool tileset = false;               // true: 3D Tiles over the pages, for other viewers
 };
 
 enum class stream_phase { reading_sets, grouping_polygons, writing_pages, writing_images, writing_cells };
@@ -28,12 +29,14 @@ struct stream_result {
   std::uint64_t front_bytes = 0, page_bytes = 0, chunk_bytes = 0, image_bytes = 0;
   std::uint64_t first_image_bytes = 0;  // of the smallest version of each image
   std::uint32_t polygons_left_out = 0;  // their corners coincide after rounding, or are not finite
+  std::uint32_t tiles = 0;              // files of tiles; 0 without a tileset
+  std::uint64_t tile_bytes = 0, tileset_bytes = 0;
   std::uint32_t files_written = 0, files_kept = 0;
   double mean_cell_bytes = 0.0;       // of the pages that a cell needs, over all cells
   std::vector<std::string> warnings;  // one line each
 };
 
-// Writes the files into a folder, the front last.
+// Writes the files into a folder, the front last, and then tileset.json.
 // scene_path, scene_index: the scene that was baked; -1 for the default scene of the file.
 // file: the bytes of the .pvs file, which must have importance.
 // name: of the file, for messages.

@@ -85,6 +85,9 @@ class gltf_pager {
   // Returns whether pages have the polygon: not if its corners coincide after rounding, or are not finite.
   bool is_drawn(std::uint32_t geometry, std::uint32_t polygon) const;
 
+  // Returns the place of a corner in local space, as pages have it. number: 3 * polygon + 0 to 2.
+  glm::vec3 corner(std::uint32_t geometry, std::uint32_t number) const;
+
   // Returns an estimate of the bytes that a part adds to a page, without the page's JSON. Any number of threads at
   // once.
   std::uint32_t coded_size(const page_part& part) const;
