@@ -25,6 +25,13 @@ constexpr double left_after_round =
     0.45;                                // share of the miss probability that is left after another round of hemicubes
 constexpr double left_after_rays = 0.7;  // and after rays toward the neighbors of what a batch found
 
+// A batch ends early where another search and a shorter batch seem cheaper. In a cell whose misses are many small
+// polygons, each found alone, the next batch is no shorter, and has half of the risk. So from this batch on they are
+// cast to their end, which also finds more misses.
+constexpr std::uint64_t first_whole_batch = 6;
+// The risk of a later batch would vanish beside 1.
+constexpr std::uint64_t most_batches = 40;
+
 // Returns the part of the 5 % that batch number `batch` may use.
 double risk_of(std::uint64_t batch) {
   return 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
@@ -177,8 +184,10 @@ void take_bound(const proof& found, double target, finish_result& result) {
 // Casts rays until an interim test meets the target, until finishing the batch is expected to cost more than another
 // search and a new batch, or until max_cost is spent.
 // most_trials: planned before the batch began.
+// whole: the costs of another search do not end the batch.
 proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, const finish_settings& how,
-            std::uint64_t cost_of_views, double cost_of_trial, std::uint64_t max_cost, std::uint64_t most_trials) {
+            std::uint64_t cost_of_views, double cost_of_trial, std::uint64_t max_cost, std::uint64_t most_trials,
+            bool whole) {
   const double left = cost_of_views > 0 ? left_after_round : left_after_rays;
   for (interim_test next : interim_tests) {
     const bool last = next.misses == interim_tests.back().misses || next.trials >= most_trials;
@@ -195,11 +204,13 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
     // The planned number of trials, even if there are more, because a planned number does not depend on the misses.
     const proof now{{next.misses, std::max(std::min(trials, next.trials), batch.misses()), next.risk}, batch.misses()};
     if (now.misses <= next.misses || trials < next.trials || last || (how.limit && how.limit->reached())) return now;
+    if (whole) continue;
     const double rate = static_cast<double>(now.misses) / static_cast<double>(trials);
-    const double whole = expected_trials(interim_tests, rate, now.misses, trials),
+    const double until_proof = expected_trials(interim_tests, rate, now.misses, trials),
                  again = expected_trials(interim_tests, left * rate);
-    const double finishing = cost_of_trial * (whole - static_cast<double>(trials));
-    if (!std::isfinite(whole) || finishing > static_cast<double>(cost_of_views) + cost_of_trial * again) return now;
+    const double finishing = cost_of_trial * (until_proof - static_cast<double>(trials));
+    if (!std::isfinite(until_proof) || finishing > static_cast<double>(cost_of_views) + cost_of_trial * again)
+      return now;
   }
   return {};  // not reached: the last interim test returns
 }
@@ -258,7 +269,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
       most_trials = trials_in(limit, pilot);
     }
     const proof found = prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial,
-                              budget.of_batch(result.rays_spent), most_trials);
+                              budget.of_batch(result.rays_spent), most_trials, number >= first_whole_batch);
     result.batches = number;
     of_batches += std::max<std::uint64_t>(batch.spent(), 1);
     (void)limit.reached();  // throws where a stop was requested: the batch is not complete then
@@ -269,7 +280,8 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     of_search = limit.part(1.0);
     search.look_beside(budget.left(of_batches));
     result.rays_spent = of_batches + search.spent() + volumes.spent();
-    if (result.bound_met || limit.reached() || most_trials < interim_tests.front().trials) break;
+    if (result.bound_met || limit.reached() || number >= most_batches || most_trials < interim_tests.front().trials)
+      break;
     // Misses of volumes are left out, because hemicubes and rays toward polygons find no volumes.
     const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
     search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));

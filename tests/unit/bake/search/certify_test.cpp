@@ -128,6 +128,30 @@ TEST(certify, keeps_the_smallest_bound) {
   EXPECT_LT(result.upper_bound, 0.02);
 }
 
+// A room with single triangles in the air, 6 to 12 mm wide and far from each other: each is found alone.
+tiny_scene dusty_room(int triangles) {
+  tiny_scene tiny = gridded_room(1);
+  constexpr float golden_angle = 2.39996323f;
+  for (int i = 0; i < triangles; ++i) {
+    const float y = 1.0f - 2.0f * (static_cast<float>(i) + 0.5f) / static_cast<float>(triangles);
+    const float around = std::sqrt(1.0f - y * y), turn = golden_angle * static_cast<float>(i);
+    const glm::vec3 out(around * std::cos(turn), y, around * std::sin(turn));
+    const glm::vec3 side = glm::normalize(glm::cross(out, glm::vec3(0.3f, 0.5f, 0.8f))), up = glm::cross(side, out);
+    const float size = 0.006f * static_cast<float>(1 + i % 2), away = 1.1f + 0.2f * static_cast<float>(i % 4);
+    tiny.triangle(away * out, away * out + size * side, away * out + size * up);
+  }
+  return tiny;
+}
+
+// Batches that end early would each find a few of the triangles, with half of the risk of the one before.
+TEST(certify, many_single_misses_do_not_use_up_the_risk) {
+  const scene_with_rays w(dusty_room(2'000));
+  cell_set set(w.s.polygon_count);
+  const finish_result result = finish_with_rays(w.rays, w.neighbors, room_middle, {.max_pixel_error = 3e-4}, set);
+  EXPECT_TRUE(result.bound_met);
+  EXPECT_LT(result.batches, 20u);
+}
+
 TEST(certify, bounds_hold) {
   // Coverage: on a set with a known error, at least 95 % of one-batch bounds (here at 97.5 %) are above it.
   const scene_with_rays w(gridded_room(2));
