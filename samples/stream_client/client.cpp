@@ -17,6 +17,7 @@ struct opened_front {
 
 transfer_result wait_for_front(const shared_run& run) {
   ++run.result.requests;
+  run.log.request(run.seconds(), front_name);
   run.network.start({0, front_name, most_front_bytes, false});
   for (;;) {
     for (transfer_result& r : run.network.take()) {
@@ -79,7 +80,8 @@ report run_client(const client_settings& settings, const camera_choice& camera, 
   transfers network(settings.network, bell);
   report result;
   result.memory_limit = settings.memory;
-  const shared_run run{settings, bell, network, result, clock::now()};
+  run_log log(settings.log, camera.speed);
+  const shared_run run{settings, bell, network, result, log, clock::now()};
   std::optional<walk> way;
   double walked = 0.0;
   for (std::uint32_t number = 1;; ++number) {

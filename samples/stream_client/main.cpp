@@ -70,6 +70,12 @@ void add_options(CLI::App& app, arguments& args) {
       ->capture_default_str();
   app.add_option("--picture", args.picture, "write the last picture: .png");
   app.add_option("--size", args.size, "of pictures, pixels")->capture_default_str();
+  app.add_option("--pictures", settings.log.pictures, "folder that gets pictures along the walk: .png");
+  app.add_option("--picture-distance", settings.log.picture_distance, "between these pictures, meters of the walk")
+      ->check(CLI::Range(0.001f, 1e6f))
+      ->capture_default_str();
+  app.add_option("--log-frames", settings.log.frames, "write what was missing in each frame: .csv");
+  app.add_option("--log-requests", settings.log.requests, "write when each file was requested: .csv");
   app.add_option("--save", args.save, "folder that gets each file whose hash is right");
   app.add_flag("--no-draw", args.no_draw, "load and decode only");
   app.add_flag("--json", args.json, "print one JSON object");
@@ -103,9 +109,9 @@ void complete(arguments& args) {
   }
   s.width = width;
   s.height = height;
-  if (args.no_draw && !args.picture.empty()) {
-    throw error(error_kind::wrong_use, "client.no-picture", "--picture", "there is none with --no-draw",
-                "leave out one of the two");
+  if (args.no_draw && !(args.picture.empty() && s.log.pictures.empty())) {
+    throw error(error_kind::wrong_use, "client.no-picture", args.picture.empty() ? "--pictures" : "--picture",
+                "there is none with --no-draw", "leave out one of the two");
   }
 }
 

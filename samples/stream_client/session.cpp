@@ -116,6 +116,7 @@ void session::start(std::uint32_t file) {
   ++in_transfer_;
   ++run_.result.requests;
   if (failures_.count(file) != 0) ++run_.result.refetches;
+  run_.log.request(run_.seconds(), what.name);
   run_.network.start({tag_of(number_, file), what.name, what.size, true});
 }
 
@@ -137,6 +138,7 @@ void session::fail(std::uint32_t file, const std::string& cause, bool gone) {
   if (gone && !front_checked_) {
     front_checked_ = front_requested_ = true;
     ++run_.result.requests;
+    run_.log.request(run_.seconds(), front_name);
     run_.network.start({tag_of(number_, front_tag), front_name, most_front_bytes, false});
   }
 }
@@ -272,6 +274,7 @@ void session::move(const walk& way, double seconds) {
     changed_ = true;
   }
   measure(frame_);
+  run_.log.frame(run_.seconds(), seconds, frame_, run_.result);
 }
 
 void session::measure(const sightcell_stream_frame& frame) {
@@ -328,8 +331,14 @@ bool session::request_files(bool at_rest) {
 }
 
 void session::draw_if_due() {
-  if (!renderer_ || !changed_ || clock::now() - last_picture_ < picture_time) return;
+  if (!renderer_ || !changed_ || !run_.settings.log.pictures.empty() || clock::now() - last_picture_ < picture_time)
+    return;
   picture();
+}
+
+// Where the camera waits for its cell, it does so for the larger images too, and for what is loaded ahead of need.
+void session::picture_of_walk(bool loading) {
+  if (renderer_ && !(run_.settings.wait && loading)) run_.log.picture(picture());
 }
 
 sightcell::picture::image_rgba session::picture() {
@@ -346,7 +355,7 @@ sightcell::picture::image_rgba session::picture() {
 session::outcome session::run(const walk& way, double& walked) {
   constexpr std::uint32_t unfinished = SIGHTCELL_STREAM_PENDING | SIGHTCELL_STREAM_UNKNOWN_CELL;
   frame_.flags = unfinished;
-  bool loading = true;
+  bool loading = true, due = false;
   for (clock::time_point last = clock::now();;) {
     take_transfers();
     take_decoded();
@@ -355,13 +364,17 @@ session::outcome session::run(const walk& way, double& walked) {
     clock::duration passed = clock::now() - last;
     last += passed;
     // Where files have failed, the cell may never be complete.
-    if (run_.settings.wait && (frame_.flags & unfinished) != 0 && loading) passed = {};
+    if (run_.settings.wait && ((frame_.flags & unfinished) != 0 || due) && loading) passed = {};
     if (run_.settings.wait) passed = std::min<clock::duration>(passed, frame_time);
     walked += std::chrono::duration<double>(passed).count();
     const bool at_rest = walked >= way.seconds();
-    move(way, walked);
+    // Pictures are of the same places in each run along the same walk.
+    const double place = run_.log.next_picture();
+    due = walked >= place && place <= way.seconds();
+    move(way, due ? place : walked);
     loading = request_files(at_rest) || !idle();
-    if (at_rest && !loading) return outcome::done;
+    if (due) picture_of_walk(loading);
+    if (at_rest && !loading && !due) return outcome::done;
     draw_if_due();
     clock::time_point end = clock::now() + (at_rest ? longest_wait : frame_time);
     if (!waiting_.empty()) end = std::min(end, waiting_.begin()->first);

@@ -14,6 +14,7 @@
 #include "renderer.h"
 #include "report.h"
 #include "resident_files.h"
+#include "run_log.h"
 #include "transfers.h"
 #include "walk.h"
 
@@ -31,6 +32,7 @@ struct client_settings {
   std::uint32_t width = 960, height = 540;
   bool draw = true;
   std::filesystem::path save;  // folder for files that have been checked; empty: none
+  log_settings log;
 };
 
 inline constexpr const char* front_name = "scene.front";
@@ -42,6 +44,7 @@ struct shared_run {
   doorbell& bell;
   transfers& network;
   report& result;
+  run_log& log;
   clock::time_point begin;
 
   double seconds() const { return std::chrono::duration<double>(clock::now() - begin).count(); }
@@ -89,6 +92,7 @@ class session {
   void show(decoded_file& decoded);
   void remove(std::uint32_t file);
   void draw_if_due();
+  void picture_of_walk(bool loading);
   void mark_unsupported();
   bool idle() const { return in_transfer_ == 0 && decoding_ == 0 && waiting_.empty() && !front_requested_; }
   std::uint64_t estimate(const sightcell_stream_file& file) const;
