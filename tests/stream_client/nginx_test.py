@@ -1,18 +1,25 @@
-"""Streamed scenes behind nginx with samples/stream_client/nginx.conf: its headers."""
+"""Streamed scenes behind nginx with samples/stream_client/nginx.conf: headers, and the benchmarks of walks and of the server."""
 import http.client
 import json
 import os
+import random
 import unittest
 
+import bench_stream_walks
 import harness
 import nginx_server
+import numpy as np
+import result_files
 import rooms_scene
 from harness import InFolder, read
-from streamed_scene import open_site
+from painted_images import png
+from stream_walks import Cells
+from streamed_scene import cell_at, open_site
 
 ROOMS = 5
 STRIDE = rooms_scene.SIZE + 1
 IMMUTABLE = 'public, max-age=31536000, immutable'
+BENCH = os.path.join(harness.ROOT, 'tests', 'bench')
 
 
 class BehindNginx(InFolder):
@@ -46,6 +53,15 @@ class BehindNginx(InFolder):
         answer = self.connection.getresponse()
         return answer.status, answer.headers, answer.read()
 
+    def bench(self, script, *arguments):
+        """Rows that a benchmark writes."""
+        results = self.path(f'results of {self.id()}')
+        code, out, err = harness.run(os.path.join(BENCH, f'bench_{script}.py'), *arguments, '--results', results)
+        harness.skip_without_egl(code, err)
+        self.assertEqual(code, 0, f'{out}\n{err}')
+        rows = result_files.read(os.path.join(results, f'{script}.csv'))[1]
+        return [{key: float(value) for key, value in row.items() if key != 'scene'} for row in rows]
+
     def test_files_with_a_hash_are_immutable(self):
         kinds = {'glb': 'model/gltf-binary', 'cells': 'application/octet-stream', 'png': 'image/png', 'webp': 'image/webp'}
         seen = set()
@@ -73,3 +89,64 @@ class BehindNginx(InFolder):
         for name in ('pages/0123456789abcdef.glb', 'cells/0123456789abcdef.cells', 'other'):
             status, headers, _ = self.get(name)
             self.assertEqual((status, headers['Cache-Control']), (404, None), name)
+
+    def test_walks_stay_in_cells(self):
+        site = open_site(self.site)
+        cells = Cells(site)
+        self.assertEqual([len(doors) for doors in cells.doors], [1] + [2] * (ROOMS - 2) + [1])
+        for seed in range(4):
+            points = np.array(cells.walk(50, seed))
+            self.assertEqual(points.tolist(), cells.walk(50, seed))
+            self.assertAlmostEqual(np.linalg.norm(np.diff(points, axis=0), axis=1).sum(), 50, places=3)
+            for a, b in zip(points, points[1:]):
+                self.assertIsNotNone(cell_at(site, a + (b - a) * random.Random(seed).random()))
+
+    def test_walks(self):
+        row, = self.bench('stream_walks', '--bin', harness.BIN, '--walks', 1, '--seconds', 1.5, '--speeds', 20, '--site',
+                          f'rooms={self.site}')
+        self.assertGreaterEqual(row['cells_entered'], 1)
+        self.assertGreater(row['bytes_per_cell'], 0)
+        self.assertGreater(row['pictures'], 0)
+        self.assertLessEqual(row['missing_percent'], row['pending_percent'])
+
+
+class Measures(InFolder):
+    """What bench_stream_walks.py makes of frames and pictures."""
+
+    def walk(self, *frames):
+        """Frames: seconds, bytes, cell, unknown, pending, weight present of 4 sr. The walk is as old as the run."""
+        walk = bench_stream_walks.Walk(self.path(self.id()), 'path.json', 1)
+        with open(os.path.join(walk.folder, 'frames.csv'), 'w', encoding='utf-8') as out:
+            out.write('seconds,walked_seconds,bytes,cell,unknown_cell,pending,missing,weight,weight_present\n')
+            for seconds, received, cell, unknown, pending, present in frames:
+                out.write(f'{seconds},{seconds},{received},{cell},{unknown},{pending},0,4,{present}\n')
+        return walk
+
+    def test_frames(self):
+        of = self.walk((0, 100, '', 1, 1, 0), (1, 500, 7, 0, 1, 3), (2, 1000, 7, 0, 0, 4), (3, 1100, 8, 0, 1, 3),
+                       (5, 1400, 8, 0, 1, 3.9999), (6, 1500, 8, 0, 0, 4), (7, 1500, 8, 1, 0, 4), (7.5, 1700, 7, 0, 0, 4),
+                       (8, 2000, 9, 0, 0, 4), (9, 2100, 9, 0, 0, 4), (10, 9999, 10, 0, 0, 4)).measure(10)
+        self.assertEqual((of['first_seconds'], of['first_bytes'], of['seconds'], of['bytes']), (2, 1000, 7, 1100))
+        self.assertEqual((of['entered'], of['between']), (2, [100, 900]))
+        self.assertEqual((of['pending'], of['missing']), (3.5, 2.5))  # 0.5 s in an unknown cell
+        row = bench_stream_walks.row_of('x', 1, [of, of])
+        self.assertEqual((row['bytes_per_second'], row['bytes_per_cell'], row['pending_percent']), (1100 / 7, 550, 50))
+
+    def test_pictures(self):
+        walk = self.walk()
+        folder, *references = os.path.join(walk.folder, 'pictures'), self.path('first'), self.path('second')
+        for at in (folder, *references):
+            os.makedirs(at, exist_ok=True)
+            for place in range(4):
+                pixels = np.full((90, 160, 3), 100, np.uint8)
+                if at == folder:
+                    pixels[0, :(5, 20, 14, 15)[place]] += 9
+                    pixels[1:3] += 8
+                if at == references[1]:
+                    pixels[3] += 9
+                with open(os.path.join(at, f'{place:05}.png'), 'wb') as out:
+                    out.write(png(pixels))
+        measured = {'places': range(1, 4), 'pictures': 0, 'wrong': 0, 'wrong_pixels': 0.0}
+        walk.compare(measured, references)
+        self.assertEqual((measured['pictures'], measured['wrong']), (3, 2))
+        self.assertAlmostEqual(measured['wrong_pixels'], 49 / 14400)
