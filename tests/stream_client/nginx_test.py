@@ -109,6 +109,31 @@ class BehindNginx(InFolder):
         self.assertGreater(row['pictures'], 0)
         self.assertLessEqual(row['missing_percent'], row['pending_percent'])
 
+    def recorded(self, *names):
+        """A folder with a walk: one file after the other, 50 ms apart."""
+        folder = self.path(f'walks of {self.id()}')
+        os.makedirs(os.path.join(folder, 'rooms-1.5-0'))
+        with open(os.path.join(folder, 'rooms-1.5-0', 'requests.csv'), 'w', encoding='utf-8') as out:
+            out.write('seconds,name\n' + ''.join(f'{i / 20},{name}\n' for i, name in enumerate(names)))
+        return folder
+
+    def test_server(self):
+        names = [name for name, _, _ in open_site(self.site).files()][:18]
+        row, = self.bench('stream_server', '--walks', self.recorded('scene.front', *names), '--connections', 10, '--visit', 2,
+                          '--seconds', 2, '--site', f'rooms={self.site}')
+        # 19 requests per connection and visit.
+        self.assertTrue(0.2 < row['requests_per_second'] / 95 < 1.5, row)
+        mean = sum(os.path.getsize(os.path.join(self.site, name)) for name in ['scene.front', *names]) / 19
+        self.assertTrue(mean < row['bytes_per_second'] / row['requests_per_second'] < mean + 600, (row, mean))
+        self.assertLessEqual(row['latency_50_ms'], row['latency_95_ms'])
+
+    def test_server_lacks_a_file(self):
+        walks = self.recorded('scene.front', 'pages/0123456789abcdef.glb')
+        code, _, err = harness.run(os.path.join(BENCH, 'bench_stream_server.py'), '--walks', walks, '--connections', 2,
+                                   '--visit', 0.2, '--seconds', 0.3, '--site', f'rooms={self.site}')
+        self.assertEqual(code, 1)
+        self.assertIn('the first one: /rooms/pages/0123456789abcdef.glb', err)
+
 
 class Measures(InFolder):
     """What bench_stream_walks.py makes of frames and pictures."""
