@@ -2,18 +2,19 @@
 """A streamed scene (docs/streaming.md) beside the whole scene as one compressed file, over the same simulated connection.
 
 usage: bench_whole_files.py --bin FOLDER [--gltfpack FILE] [--gltf-transform FILE] [--draco-transcoder FILE] [--poses N]
-                            [--picture-poses N] [--limit SECONDS] [--quick] [--results DIR] [SCENE.glb[=FILE.pvs] ...]
+                            [--picture-poses N] [--limit SECONDS] [--only REGEX] [--quick] [--results DIR]
+                            [SCENE.glb[=FILE.pvs] ...]
 
 --bin: the folder with sightcell, stream_truth and two_pictures. Scenes and kept files are those of bench_streaming.py. A tool
 that is neither named nor in PATH is left out, with a message; nothing is fetched. --limit: CPU seconds that a tool may take
 for one file. --picture-poses 0: no pictures.
 
-A whole file is the .glb, what gltfpack, gltf-transform and Draco make of it, each as it is and compressed by gzip -9, zstd
--19 and brotli -q 11 (-q 9 above 16 MB); the smallest of these counts. Its first view is complete when all of it has arrived. Of
-the streamed scene, the means over the views of bench_streaming.py, from a client without any file, with files as they are and
-with each page compressed by brotli on its own. Decoding takes no time in either. 40 ms from a request to its answer; 6 requests
-at a time, or 64. Bytes and times are without images. The pictures have them: the share of pixels that differ by more than 8 of 255
-levels from the .glb as it is.
+A whole file is the .glb, and what gltfpack, gltf-transform and Draco make of it, each as it is and compressed by gzip -9, zstd
+-19 and brotli -q 11 (that one up to 8 MB); the smallest of these counts. Its first view is complete when all of it has arrived.
+Of the streamed scene, the means over the views of bench_streaming.py, from a client without any file: pages as they are, or each
+compressed by brotli on its own; 6 requests at a time, or all at once with answers in order. 40 ms from a request to its answer.
+Decoding takes no time in either. Bytes and times are without images. The pictures have them: the share of pixels that differ by
+more than 8 of 255 levels from the .glb as it is.
 
 The grid of a file is the largest step of its positions in meters, 0 if these are exact.
 """
@@ -42,7 +43,8 @@ from gltf_reader import node_matrix, split_glb  # noqa: E402
 from stream_poses import streamed_scene  # noqa: E402
 
 RATES = (10, 25, 50, 100)  # Mbit/s
-PARALLEL = (stream_network.PARALLEL, 64)  # requests at a time: HTTP/1.1 of a browser, HTTP/2
+IN_ORDER = "in order"
+REQUESTS = (str(stream_network.PARALLEL), IN_ORDER)  # HTTP/1.1 of a browser; HTTP/2 or 3 with priorities (RFC 9218)
 OUR_GRID = 1 / 4096  # m
 RIGHT = 0.1  # %: pictures with more wrong pixels are not those of the scene
 UV_BITS = 20  # of Draco
@@ -162,14 +164,14 @@ METHODS = [
     Method("gltf-transform draco, 16 bits, slowest", [("gltf-transform", ["draco", *FINE, *SLOW])], 16),
     Method("draco_transcoder, our grid", [TRANSCODED]),
     Method("draco_transcoder, our grid, joined", [("gltf-transform", ["join"]), ("gltf-transform", ["weld"]), TRANSCODED])]
-CONTAINER = [packed(f"-cc -vp {bits} -vt 16", bits) for bits in (14, 15, 16)]
+CONTAINER = [[packed(f"-cc -kv {positions} {bits} {textures} 16", bits) for bits in (15, 16)]
+             for positions, textures in (("-vp", "-vt"), ("-vpf -vp", "-vtf -vt"))]
 COMMANDS = {"gltfpack": lambda source, to, more: ["-i", source, "-o", to, *more],
             "draco_transcoder": lambda source, to, more: ["-i", source, "-o", to, *more],
             "gltf-transform": lambda source, to, more: [more[0], source, to, *more[1:]]}
 VERSIONS = {"gltfpack": "-v", "gltf-transform": "--version", "brotli": "--version", "zstd": "--version"}
 ENCODINGS = {"zstd": ["-19", "-q", "-c"], "brotli": ["-q", "11", "-w", "24", "-c"]}
-FASTER = {"brotli": ["-q", "9", "-w", "24", "-c"]}  # of files above this:
-LONG_FILE = 16 << 20
+MOST_FOR_BROTLI = 8 << 20  # bytes; above, it takes minutes for 3 % less than zstd -19
 
 
 class Tools:
@@ -187,7 +189,8 @@ class Tools:
     def version(self, name):
         if name not in VERSIONS:
             return self.kept.hash_of(os.path.realpath(self.paths[name]))[:8]
-        text = subprocess.run([self.paths[name], VERSIONS[name]], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        text = subprocess.run([self.paths[name], VERSIONS[name]], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              check=False)
         return re.search(r"\d+(\.\d+)+", text.stdout + " 0.0")[0]
 
     def place(self, *parts):
@@ -227,7 +230,8 @@ class Tools:
         def limited():
             resource.setrlimit(resource.RLIMIT_CPU, (self.limit, self.limit + 5))
         with open(output or os.devnull, "wb") as stream:
-            ended = subprocess.run([self.paths[name], *arguments], stdout=stream, stderr=subprocess.PIPE, preexec_fn=limited, check=False)
+            ended = subprocess.run([self.paths[name], *arguments], stdout=stream, stderr=subprocess.PIPE, preexec_fn=limited,
+                                   check=False)
         if ended.returncode == 0:
             return None
         if ended.returncode in (-24, -9, 152, 137):
@@ -274,8 +278,11 @@ class Tools:
     def encoded_sizes(self, path):
         """Bytes as it is, and compressed."""
         sizes = {"as_it_is": os.path.getsize(path), "gzip": self.noted(lambda: gzip_size(path), "gzip", self.kept.hash_of(path))}
-        for name, more in {**ENCODINGS, **(FASTER if sizes["as_it_is"] > LONG_FILE else {})}.items():
-            done = self.made([self.kept.hash_of(path), *more], name, lambda _: [*more, path], output=True)
+        for name, more in ENCODINGS.items():
+            if name == "brotli" and sizes["as_it_is"] > MOST_FOR_BROTLI:
+                sizes[name] = None
+                continue
+            done = self.made([self.kept.hash_of(path), *more], name, lambda _: [*more, os.path.realpath(path)], output=True)
             sizes[name] = os.path.getsize(done) if done else None
         return sizes
 
@@ -319,8 +326,10 @@ class Pictures:
         return None if ended.returncode else json.loads(ended.stdout)
 
 
-def whole_files(tools, pictures, name, scene):
+def whole_files(tools, pictures, name, scene, only):
     for method in METHODS:
+        if only and not re.search(only, method.name):
+            continue
         path, bits = tools.whole_file(scene, method)
         if path is None:
             continue
@@ -334,9 +343,16 @@ def whole_files(tools, pictures, name, scene):
         yield row
 
 
-def streamed_seconds(gains, sizes, ready, rate, parallel):
+def arrivals(sizes, begin, rate, requests):
+    """When each file is there. In order: all requests are made at once, and one answer is sent after the other."""
+    if requests == IN_ORDER:
+        return begin + stream_network.ROUND_TRIP + np.cumsum(sizes) / rate
+    return np.array(stream_network.arrivals(sizes, begin, rate, parallel=int(requests)))
+
+
+def streamed_seconds(gains, sizes, ready, rate, requests):
     """Until each of STREAMED."""
-    there = np.array(stream_network.arrivals(sizes, ready, rate, parallel=parallel))
+    there = arrivals(sizes, ready, rate, requests)
     order = np.argsort(there, kind="stable")
     times, total = np.cumsum(gains[order]), gains.sum()
     found = {key: there[order][np.searchsorted(times, share * total * (1 - bench_streaming.ROUNDING))]
@@ -344,7 +360,7 @@ def streamed_seconds(gains, sizes, ready, rate, parallel):
     return {**found, "cell": there.max()}
 
 
-def streamed(name, of, site, poses, encoding, page_bytes, parallel):
+def streamed(name, of, site, poses, encoding, page_bytes, requests):
     """Means over the views of bench_streaming.py: bytes, and seconds at each rate. page_bytes: as they are sent."""
     front_bytes = os.path.getsize(os.path.join(site.folder, "scene.front"))
     rows = []
@@ -352,8 +368,8 @@ def streamed(name, of, site, poses, encoding, page_bytes, parallel):
         boxes = site.front.chunk_boxes
         chunks = np.flatnonzero(((boxes[:, 0] <= pose.eye) & (pose.eye < boxes[:, 1])).all(axis=1))
         sizes = [*site.front.chunk_bytes[chunks].tolist(), *page_bytes[site.front.everywhere].tolist()]
-        ready = {rate: max(stream_network.arrivals(sizes, stream_network.arrivals([front_bytes], rate=rate * 1e6 / 8)[0],
-                                                   rate * 1e6 / 8, parallel=parallel), default=0.0) for rate in RATES}
+        ready = {rate: arrivals(sizes, stream_network.arrivals([front_bytes], rate=rate * 1e6 / 8)[0], rate * 1e6 / 8, requests).max()
+                 for rate in RATES}
         cell = streamed_scene.cell_at(site, pose.eye)
         for turn in range(stream_poses.VIEWS):
             view = orders.View(of, pose, cell, turn)
@@ -365,10 +381,27 @@ def streamed(name, of, site, poses, encoding, page_bytes, parallel):
             row = {"startup_bytes": startup, "bytes_99": startup + spent["99"], "bytes_99_9": startup + spent["99_9"],
                    "bytes_cell": startup + float(sent.sum())}
             for rate in RATES:
-                found = streamed_seconds(gains, sent.tolist(), ready[rate], rate * 1e6 / 8, parallel)
+                found = streamed_seconds(gains, sent.tolist(), ready[rate], rate * 1e6 / 8, requests)
                 row.update({f"seconds_{key}_{rate}": found[key] for key in STREAMED})
             rows.append(row)
-    return {"scene": name, "pages": encoding, "requests": parallel, "poses": len(poses), "views": len(rows), **{key: float(np.mean([row[key] for row in rows])) for key in rows[0]}}
+    return {"scene": name, "pages": encoding, "requests": requests, "poses": len(poses), "views": len(rows),
+            **{key: float(np.mean([row[key] for row in rows])) for key in rows[0]}}
+
+
+def at_our_grid(tools, scene, pair):
+    """gltfpack has at most 16 bits. Each bit more has no pattern, so that it costs as much as the last one."""
+    sizes, grid = [], 0.0
+    for method in pair:
+        path, bits = tools.whole_file(scene, method)
+        if path is None:
+            return None
+        grid = grid_of(read_glb(path)[0], bits)
+        bare = without_images(path, os.path.join(tools.place(tools.kept.hash_of(path), "bare"), "bare.glb"))
+        sizes.append((os.path.getsize(bare), gzip_size(bare)))
+    missing = max(0, math.ceil(math.log2(grid / OUR_GRID)))
+    equal = [last + missing * max(0, last - before) for before, last in zip(*sizes)]
+    return {"gltfpack": pair[1].name, "grid_16": grid, "bytes_16": sizes[1][0], "missing_bits": missing, "equal_bytes": equal[0],
+            "equal_gzip_bytes": equal[1]}
 
 
 def container(tools, name, scene, site):
@@ -377,24 +410,17 @@ def container(tools, name, scene, site):
              for kind in ("pages", "cells")}
     files["front"] = [os.path.join(site.folder, "scene.front")]
     ours = {kind: sum(map(os.path.getsize, some)) for kind, some in files.items()}
-    row = {"scene": name, "pages_bytes": ours["pages"], "cells_bytes": ours["cells"], "front_bytes": ours["front"],
-           "ours_bytes": sum(ours.values()), "ours_gzip_bytes": tools.noted(lambda: sum(gzip_size(one) for some in files.values() for one in some),
-                                          "gzip of files", *(os.path.basename(one) for some in files.values() for one in some))}
-    sizes, grid = {}, None
-    for method in CONTAINER:
-        path, bits = tools.whole_file(scene, method)
-        if path is None:
-            return
-        grid = grid_of(read_glb(path)[0], bits)
-        bare = without_images(path, os.path.join(tools.place(tools.kept.hash_of(path), "bare"), "bare.glb"))
-        sizes[bits] = os.path.getsize(bare), gzip_size(bare)
-    # gltfpack has at most 16 bits. Each bit more has no pattern, so that it costs as much as the last one.
-    missing = max(0, math.ceil(math.log2(grid / OUR_GRID)))
-    row.update(gltfpack_grid=grid, missing_bits=missing, gltfpack_bytes_14=sizes[14][0], gltfpack_bytes_16=sizes[16][0])
-    equal = [sizes[16][i] + missing * max(0.0, sizes[16][i] - sizes[15][i]) for i in (0, 1)]
-    row.update(gltfpack_equal_bytes=equal[0], gltfpack_equal_gzip_bytes=equal[1], over_gltfpack_16=row["ours_bytes"] / sizes[16][0],
-               over_gltfpack_equal=row["ours_bytes"] / equal[0], over_gltfpack_equal_gzip=row["ours_gzip_bytes"] / equal[1])
-    yield row
+    everything = [one for some in files.values() for one in some]
+    compressed = tools.noted(lambda: sum(map(gzip_size, everything)), "gzip of files", *map(os.path.basename, everything),
+                             tools.kept.hash_of(everything[-1]))
+    row = {"scene": name, **{f"{kind}_bytes": size for kind, size in ours.items()}, "ours_bytes": sum(ours.values()),
+           "ours_gzip_bytes": compressed}
+    found = [one for one in (at_our_grid(tools, scene, pair) for pair in CONTAINER) if one]
+    if found:
+        row.update(min(found, key=lambda one: one["equal_bytes"]))
+        row.update(over_16_bits=row["ours_bytes"] / row["bytes_16"], over_equal=row["ours_bytes"] / row["equal_bytes"],
+                   over_equal_gzip=row["ours_gzip_bytes"] / row["equal_gzip_bytes"])
+        yield row
 
 
 def best_whole_file(rows, right=RIGHT):
@@ -429,7 +455,7 @@ def print_tables(whole, streams, containers):
     for row in streams:
         best, _ = best_whole_file([one for one in whole if one["scene"] == row["scene"]])
         keys = [f"{level}_{rate}" for level in ("99", "99_9") for rate in RATES]
-        cells([row["scene"], row["pages"], str(row["requests"]), str(row["views"]), row["wrong_percent"], *(kb(row[f"bytes_{key}"]) for key in STREAMED),
+        cells([row["scene"], row["pages"], row["requests"], str(row["views"]), row["wrong_percent"], *(kb(row[f"bytes_{key}"]) for key in STREAMED),
                *(f"{row[f'seconds_{key}']:.2f}" for key in keys), best and best["method"], best and kb(best["smallest_bytes"]),
                *(best and f"{best['seconds_' + key.split('_')[-1]] / row[f'seconds_{key}']:.2f}" for key in keys)])
     print()
@@ -447,13 +473,13 @@ def measure(options, kept, tools, named):
     pictures = Pictures(options, tools, scene, pvs)
     site_folder = kept.site(options, scene, pvs)
     site = streamed_scene.open_site(site_folder)
-    whole = list(whole_files(tools, pictures, name, scene))
+    whole = list(whole_files(tools, pictures, name, scene, options.only))
     of = orders.Scene(site.front, stream_poses.pages_of_scene(scene, site))
     poses = stream_poses.read_poses(kept.poses(options, scene, pvs))
     wrong = pictures.wrong(rebuilt(options, kept, scene, pvs) if options.picture_poses else None)
     sizes = {"as they are": site.front.page_bytes, "brotli": tools.page_sizes(site)}
-    streams = [{**streamed(name, of, site, poses, encoding, some, parallel), **wrong}
-               for encoding, some in sizes.items() if some is not None for parallel in PARALLEL]
+    streams = [{**streamed(name, of, site, poses, encoding, some, requests), **wrong}
+               for encoding, some in sizes.items() if some is not None for requests in REQUESTS]
     return whole, streams, list(container(tools, name, scene, site))
 
 
@@ -479,6 +505,7 @@ def main():
     parser.add_argument("--page-size", type=int)
     parser.add_argument("--picture-poses", type=int, default=8)
     parser.add_argument("--limit", type=int, default=300)
+    parser.add_argument("--only", metavar="REGEX", help="of whole files, those whose name it finds")
     parser.add_argument("--quick", action="store_true")
     result_files.add_option(parser)
     parser.add_argument("scenes", nargs="*")
