@@ -178,6 +178,52 @@ def streaming_tried():
     return table
 
 
+def best_whole_files():
+    """By scene: of files with at most 0.1 % of wrong pixels the smallest one; the .glb is one."""
+    best = {}
+    for row in rows_of("whole_files"):
+        right = row["wrong_percent"] and float(row["wrong_percent"]) <= 0.1
+        if right and (row["scene"] not in best or int(row["smallest_bytes"]) < int(best[row["scene"]]["smallest_bytes"])):
+            best[row["scene"]] = row
+    return best
+
+
+def whole_files():
+    """A row per scene: the raw file and the best one, each at its best compression."""
+    table = [["scene", ".glb, KB", "compressed", "smallest right file", "KB", "wrong pixels, %", "s at 10", "25", "50", "100 Mbit/s",
+              "smallest file", "KB", "wrong pixels, %"]]
+    for scene, best in best_whole_files().items():
+        rows = rows_of("whole_files", scene=scene)
+        raw = [row for row in rows if row["method"] == "as it is"]  # one or none
+        least = min(rows, key=lambda row: int(row["smallest_bytes"]))
+        table.append([scene, *(kilobytes(raw[0][key]) if raw else "" for key in ("as_it_is_bytes", "smallest_bytes")),
+                      f"{best['method']}, {best['smallest']}", kilobytes(best["smallest_bytes"]), fixed(3)(best["wrong_percent"]),
+                      *(fixed(2)(best[f"seconds_{rate}"]) for rate in (10, 25, 50, 100)), f"{least['method']}, {least['smallest']}",
+                      kilobytes(least["smallest_bytes"]), fixed(2)(least["wrong_percent"]) if least["wrong_percent"] else ""])
+    return table
+
+
+def whole_files_streamed():
+    """Times sooner: the seconds of the best whole file over ours."""
+    best, table = best_whole_files(), [["scene", "pages", "requests", "wrong pixels, %", "KB until 99 %", "99.9 %", "s until 99 % at 10",
+                                        "25", "50", "100 Mbit/s", "times sooner at 10", "25", "50", "100", "99.9 % at 10", "100"]]
+    for row in rows_of("whole_files_streamed"):
+        if (row["pages"], row["requests"]) in (("as they are", "6"), ("as they are", "in order"), ("brotli", "in order")):
+            def sooner(level, rate, row=row):
+                return fixed(1)(float(best[row["scene"]][f"seconds_{rate}"]) / float(row[f"seconds_{level}_{rate}"]))
+            table.append([row["scene"], row["pages"], row["requests"], fixed(3)(row["wrong_percent"]), kilobytes(row["bytes_99"]),
+                          kilobytes(row["bytes_99_9"]), *(fixed(2)(row[f"seconds_99_{rate}"]) for rate in (10, 25, 50, 100)),
+                          *(sooner("99", rate) for rate in (10, 25, 50, 100)), sooner("99_9", 10), sooner("99_9", 100)])
+    return table
+
+
+def whole_files_container():
+    return columns(rows_of("whole_files_container"), ("scene", "scene", plain), ("pages, KB", "pages_bytes", kilobytes),
+                   ("cell chunks", "cells_bytes", kilobytes), ("front", "front_bytes", kilobytes), ("gltfpack, 16 bits", "bytes_16", kilobytes),
+                   ("bits missing", "missing_bits", plain), ("at our grid", "equal_bytes", kilobytes), ("ours over that", "over_equal", fixed(2)),
+                   ("both with gzip", "over_equal_gzip", fixed(2)))
+
+
 def kills():
     """All kills together."""
     table, kinds = [["event", "times", "cells reported", "cells lost", "wrong files"]], {}
