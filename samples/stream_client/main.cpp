@@ -28,8 +28,8 @@ struct arguments {
 void add_options(CLI::App& app, arguments& args) {
   auto& settings = args.settings;
   app.add_option("url", args.url, "the folder with scene.front, http:// or https://")->required();
-  auto* walk = app.add_option("--walk", args.camera.path_file, "path file: the camera moves along it");
-  app.add_option("--speed", args.camera.speed, "of the walk, meters per second")
+  auto* walk = app.add_option("--walk", args.camera.path_file, "JSON file with the path that the camera follows");
+  app.add_option("--speed", args.camera.speed, "speed of the camera on the walk, meters per second")
       ->check(CLI::Range(0.001f, 1e6f))
       ->capture_default_str();
   app.add_flag("--wait", settings.wait, "the camera of the walk waits where its cell is not complete");
@@ -52,26 +52,29 @@ void add_options(CLI::App& app, arguments& args) {
       ->capture_default_str();
   app.add_option("--authorities", settings.network.authorities,
                  "file with the certificates to trust; default: those of the system");
-  app.add_option("--threads", settings.decode_threads, "that decode")->check(CLI::Range(1, 64))->capture_default_str();
-  app.add_option("--attempts", settings.attempts, "per file, before it is given up")
+  app.add_option("--threads", settings.decode_threads, "number of threads that decode pages and images")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--attempts", settings.attempts, "requests for one file, after which it counts as failed")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  app.add_option("--backoff", args.backoff, "before the second attempt; then twice as long each time, ms")
+  app.add_option("--backoff", args.backoff, "wait before a file is requested again, ms; it doubles with each attempt")
       ->check(CLI::Range(1, 60'000))
       ->capture_default_str();
-  app.add_option("--longest-backoff", args.longest_backoff, "limit of this time, ms")
+  app.add_option("--longest-backoff", args.longest_backoff, "maximum of this wait, ms")
       ->check(CLI::Range(1, 600'000))
       ->capture_default_str();
-  app.add_option("--stall", args.stall, "a transfer that receives less than 256 bytes within it fails, ms")
+  app.add_option("--stall", args.stall, "a transfer fails if it receives fewer than 256 bytes in this time, ms")
       ->check(CLI::Range(10, 600'000))
       ->capture_default_str();
   app.add_option("--connect", args.connect, "time limit of a connection attempt, ms")
       ->check(CLI::Range(10, 600'000))
       ->capture_default_str();
   app.add_option("--picture", args.picture, "write the last picture: .png");
-  app.add_option("--size", args.size, "of pictures, pixels")->capture_default_str();
-  app.add_option("--pictures", settings.log.pictures, "folder that gets pictures along the walk: .png");
-  app.add_option("--picture-distance", settings.log.picture_distance, "between these pictures, meters of the walk")
+  app.add_option("--size", args.size, "width and height of pictures in pixels")->capture_default_str();
+  app.add_option("--pictures", settings.log.pictures, "writes pictures along the walk into this folder, as .png");
+  app.add_option("--picture-distance", settings.log.picture_distance,
+                 "distance along the walk between two of these pictures, meters")
       ->check(CLI::Range(0.001f, 1e6f))
       ->capture_default_str();
   app.add_option("--log-frames", settings.log.frames, "write what was missing in each frame: .csv");
