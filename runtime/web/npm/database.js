@@ -13,6 +13,7 @@ export class Database {
   #db;
   #bytes;
   #closed;
+  #paged = false;
   #views = new Set();
   #info;
   #draws;
@@ -27,6 +28,13 @@ export class Database {
       heap.require(status, 'open()');
     }
     return new Database(heap, db, at, closed);
+  }
+
+  /** A file whose pages arrive later. */
+  static ofPages(heap, db, closed) {
+    const database = new Database(heap, db, 0, closed);
+    database.#paged = true;
+    return database;
   }
 
   constructor(heap, db, bytes, closed) {
@@ -50,6 +58,7 @@ export class Database {
 
   get disposed() { return this.#db === 0; }
   get info() { return this.#info; }
+  get paged() { return this.#paged; }
 
   /** The draw table, read once: a file has thousands of draws, and a page looks each of them up. */
   get draws() {
@@ -115,6 +124,14 @@ export class Database {
     const groups = heap.listOfWords('namedGroupsOfDraws()',
       (...to) => heap.c.sightcell_db_named_groups_of_draws(this.#db, ...to));
     return new Int32Array(groups.buffer);  // SIGHTCELL_NO_NAMED_GROUP becomes -1
+  }
+
+  prefetch(position, velocity, seconds) {
+    const heap = this.#use('prefetch()');
+    const at = heap.scratch;
+    heap.putPoint(heap.f32, at / 4, position, 'prefetch()');
+    heap.putPoint(heap.f32, at / 4 + 3, velocity, 'prefetch()');
+    heap.require(heap.c.sightcell_db_prefetch(this.#db, at, at + 12, seconds), 'prefetch()');
   }
 
   check() {

@@ -1,5 +1,5 @@
 // The memory of the module: blocks in it, typed arrays over it, and the structs of sightcell.h in it.
-import { SightcellError } from './error.js';
+import { badArgument, SightcellError } from './error.js';
 import { constants, structs } from './layout.js';
 
 const readers = {
@@ -66,6 +66,15 @@ export class Heap {
       return use(at);
     } finally {
       this.free(at);
+    }
+  }
+
+  /** Writes a point: [x, y, z], a typed array, or an object with x, y and z, such as a vector of three.js. */
+  putPoint(numbers, at, point, what) {
+    for (let axis = 0; axis < 3; ++axis) {
+      const value = point?.[axis] ?? point?.['xyz'[axis]];
+      if (typeof value !== 'number') throw badArgument(`${what} takes points: three numbers, or an object with x, y and z`);
+      numbers[at + axis] = value;
     }
   }
 

@@ -38,9 +38,12 @@ export class Sightcell {
    * Fails with "memory", "not_ours", "version", "truncated", "checksum", "corrupt" and "limit". */
   open(bytes: ArrayBuffer | SharedArrayBuffer | ArrayBufferView): Database;
 
-  /** Fetches a whole .pvs file and opens it. In node, a file: URL is read from the disk.
-   * init: passed to fetch, for example with a signal. Fails with "io" and as open(). */
-  openUrl(url: string | URL, init?: RequestInit): Promise<Database>;
+  /** Opens a .pvs file of a server. Downloads its first bytes, the rest of its tables, and then, while views move, the
+   * sets that they need, in pages of 64 cells (HTTP requests of byte ranges). A small file, and one of a server that
+   * ignores ranges, arrives whole. In node, a file: URL is read from the disk.
+   * options: passed to fetch, but for the members of OpenOptions. A signal is for opening only.
+   * Fails with "io" and as open(). */
+  openUrl(url: string | URL, options?: OpenOptions): Promise<Database>;
 
   /** Closes all files and drops the module. */
   dispose(): void;
@@ -48,6 +51,21 @@ export class Sightcell {
 
   /** The size of the module's memory, which grows and never shrinks. */
   readonly memoryBytes: number;
+}
+
+export interface OpenOptions extends RequestInit {
+  /** true: downloads the whole file. Default: false. */
+  whole?: boolean;
+  /** Bytes of the first request. A file that is no larger arrives whole. Default: 65,536. */
+  firstBytes?: number;
+  /** The most bytes of pages in memory; the least recently used are removed. A file with a larger page arrives whole.
+   * Default: 16 MiB. */
+  residentBytes?: number;
+  /** Called when a page has arrived: the next move of a view may change. For hosts that draw on demand. */
+  pageLoaded?: () => void;
+  /** Called when a page has not arrived ("io") or is damaged ("checksum"). The module downloads it again after 1 second,
+   * then after 2, and so on up to 30, except for a damaged one, whose cells stay `damaged`. Default: console.warn. */
+  pageFailed?: (error: SightcellError) => void;
 }
 
 /** Facts about a file. */
@@ -97,6 +115,7 @@ export interface Draw {
   readonly hostTag: bigint;
 }
 
+/** Counts. A chunk is the sets of 64 cells; members after memoryBytes are 0 for a file that arrived whole. */
 export interface DatabaseStatistics {
   readonly chunkCount: number;
   readonly memoryBytes: bigint;
@@ -132,6 +151,13 @@ export class Database {
   /** A camera. */
   createView(): View;
 
+  /** True if pages arrive while views move. Until the page of a cell is there, frames in the cell are `pending` and
+   * `drawAll`. check() then fails with "io" and View.importance() with "absent": use the option `whole` for these. */
+  readonly paged: boolean;
+  /** Downloads the pages that a moving camera may need soon, the nearest first, up to 32 in a call. Does nothing for a
+   * file that arrived whole. velocity: in meters per second. seconds: the time ahead. */
+  prefetch(position: Point, velocity: Point, seconds: number): void;
+
   /** Checks the whole file. Throws the first fault: "checksum" or "corrupt". */
   check(): void;
   statistics(): DatabaseStatistics;
@@ -153,8 +179,11 @@ export interface Frame {
   readonly changed: boolean;
   /** The visible polygons are not known: outputs return everything. */
   readonly drawAll: boolean;
+  /** The eye is in no cell. */
   readonly outside: boolean;
+  /** The page of the cell has not arrived. */
   readonly pending: boolean;
+  /** The page of the cell is damaged. */
   readonly damaged: boolean;
 }
 

@@ -3,6 +3,7 @@ import { Database } from './database.js';
 import { badArgument, SightcellError } from './error.js';
 import { Heap } from './heap.js';
 import { constants } from './layout.js';
+import { beginningOf, bodyOf, download, Pages } from './pages.js';
 
 export { SightcellError } from './error.js';
 
@@ -18,19 +19,15 @@ export const DebugLines = Object.freeze({
 // A bundler that resolved this name would fail for pages, which never reach the import.
 const files = 'node:fs/promises';
 
+const urlOf = (url) => new URL(url, globalThis.document?.baseURI);
+
 async function bytesOf(url, init) {
-  const where = new URL(url, globalThis.document?.baseURI);
+  if (url.protocol !== 'file:') return download(url, init, bodyOf);
   try {
-    if (where.protocol === 'file:') {
-      const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ files);
-      return await readFile(where);
-    }
-    const response = await fetch(where, init);
-    if (!response.ok) throw new Error(`status ${response.status}`);
-    return new Uint8Array(await response.arrayBuffer());
+    const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ files);
+    return await readFile(url);
   } catch (error) {
-    if (error.name === 'AbortError') throw error;  // the caller's own signal
-    throw new SightcellError('io', `sightcell: ${where}: ${error.message}`, { cause: error });
+    throw new SightcellError('io', `sightcell: ${url}: ${error.message}`, { cause: error });
   }
 }
 
@@ -43,7 +40,7 @@ function asBytes(value, what) {
 
 async function instanceOf(wasm) {
   if (wasm instanceof WebAssembly.Module) return WebAssembly.instantiate(wasm);
-  if (typeof wasm === 'string' || wasm instanceof URL) wasm = await bytesOf(wasm);
+  if (typeof wasm === 'string' || wasm instanceof URL) wasm = await bytesOf(urlOf(wasm));
   return (await WebAssembly.instantiate(wasm)).instance;
 }
 
@@ -63,15 +60,46 @@ export class Sightcell {
     return new Sightcell(new Heap(exports));
   }
 
-  open(bytes) {
-    if (this.#heap === null) throw new SightcellError('disposed', 'sightcell: open() after dispose()');
-    const database = Database.open(this.#heap, asBytes(bytes, 'open()'), () => this.#databases.delete(database));
+  #use(what) {
+    if (this.#heap === null) throw new SightcellError('disposed', `sightcell: ${what} after dispose()`);
+    return this.#heap;
+  }
+
+  #add(open) {
+    const database = open(() => this.#databases.delete(database));
     this.#databases.add(database);
     return database;
   }
 
-  async openUrl(url, init) {
-    return this.open(await bytesOf(url, init));
+  open(bytes) {
+    const heap = this.#use('open()');
+    return this.#add((closed) => Database.open(heap, asBytes(bytes, 'open()'), closed));
+  }
+
+  async openUrl(url, { whole = false, firstBytes = 65536, residentBytes = 2 ** 24, pageLoaded, pageFailed, ...init } = {}) {
+    const where = urlOf(url);
+    const openWhole = async () => this.open(await bytesOf(where, init));
+    if (whole || where.protocol === 'file:') return openWhole();
+    const first = await beginningOf(where, init, firstBytes);
+    if (first.bytes.length === first.size) return this.open(first.bytes);
+    const pages = new Pages(this.#use('openUrl()'), where, init, first, { pageLoaded, pageFailed });
+    let db;
+    try {
+      db = await pages.open(residentBytes);
+    } catch (error) {
+      // Files of version 0 have no pages, and a page can be larger than residentBytes.
+      if (['version', 'capacity'].includes(error.id)) return openWhole();
+      throw error;
+    }
+    try {
+      return this.#add((closed) => Database.ofPages(this.#use('openUrl()'), db, () => {
+        closed();
+        pages.close();
+      }));
+    } catch (error) {
+      pages.close(db);
+      throw error;
+    }
   }
 
   dispose() {

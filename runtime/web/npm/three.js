@@ -269,6 +269,7 @@ class Attachment {
   #warn;
   #warned = 0;
   #eyes = [];
+  #ahead = { eye: new Vector3(), velocity: new Vector3(), time: 0 };
 
   constructor(gltf, db, { mode = 'objects', skip = () => false, warn = (text) => console.warn(text) }) {
     if (mode !== 'objects' && mode !== 'ranges') throw new SightcellError('argument', `sightcell: there is no mode "${mode}"`);
@@ -342,8 +343,22 @@ class Attachment {
       frame = this.view.moveBox({ min, max });
     }
     if (frame.changed) this.#apply();
+    if (this.view.database.paged) this.#prefetch(first);
     this.#checkNear(cameras[0]);
     return frame;
+  }
+
+  /** Downloads what is needed within 3 seconds at this velocity. A jump is none. */
+  #prefetch(eye) {
+    const { eye: before, velocity, time } = this.#ahead;
+    const now = performance.now();
+    const seconds = (now - time) / 1000;
+    if (seconds < 0.25) return;
+    velocity.subVectors(eye, before).divideScalar(seconds);
+    if (time === 0 || velocity.length() > 50) velocity.setScalar(0);
+    this.view.database.prefetch(eye, velocity, 3);
+    before.copy(eye);
+    this.#ahead.time = now;
   }
 
   #apply() {

@@ -21,15 +21,6 @@ class Frame {
 
 const { members: frameMembers } = structs.frame;
 
-// A point is [x, y, z], a typed array, or an object with x, y and z, such as a vector of three.js.
-function putPoint(numbers, at, point, what) {
-  for (let axis = 0; axis < 3; ++axis) {
-    const value = point?.[axis] ?? point?.['xyz'[axis]];
-    if (typeof value !== 'number') throw badArgument(`${what} takes points: three numbers, or an object with x, y and z`);
-    numbers[at + axis] = value;
-  }
-}
-
 export class View {
   #heap;
   #view;
@@ -79,8 +70,8 @@ export class View {
   /** Puts the corners of a box in the scratch block. */
   #putBox(heap, box, what) {
     const at = heap.scratch;
-    putPoint(heap.f32, at / 4, box?.min, what);
-    putPoint(heap.f32, at / 4 + 3, box?.max, what);
+    heap.putPoint(heap.f32, at / 4, box?.min, what);
+    heap.putPoint(heap.f32, at / 4 + 3, box?.max, what);
     return at;
   }
 
@@ -99,7 +90,7 @@ export class View {
 
   move(position) {
     const heap = this.#use('move()');
-    putPoint(heap.f32, heap.scratch / 4, position, 'move()');
+    heap.putPoint(heap.f32, heap.scratch / 4, position, 'move()');
     return this.#moved(heap, heap.c.sightcell_view_move(this.#view, heap.scratch, this.#frameAt), 'move()');
   }
 
@@ -111,7 +102,7 @@ export class View {
 
   setOrigin(origin) {
     const heap = this.#use('setOrigin()');
-    putPoint(heap.f64, heap.scratch / 8, origin, 'setOrigin()');
+    heap.putPoint(heap.f64, heap.scratch / 8, origin, 'setOrigin()');
     heap.require(heap.c.sightcell_view_origin(this.#view, heap.scratch), 'setOrigin()');
   }
 

@@ -22,7 +22,7 @@ function members_of(made) {
 
 // Members that only instances have, as they are no functions.
 const of_instances = { SightcellError: ["id"], View: ["database"] };
-const internal = { SightcellError: ["ofStatus"], Database: ["open"], View: ["create"] };
+const internal = { SightcellError: ["ofStatus"], Database: ["open", "ofPages"], View: ["create"] };
 
 async function check_module(from, name, user) {
   const text = readFileSync(join(from, `${name}.d.ts`), "utf8").replaceAll(/\/\*.*?\*\/|\/\/[^\n]*/gs, "");

@@ -1,11 +1,14 @@
 // Uses every declaration of sightcell.d.ts. types_test.mjs compiles it.
 import { DebugLines, Sightcell, SightcellError } from 'sightcell';
-import type { Box, Database, DatabaseStatistics, Draw, Frame, Info, Lines, LoadOptions, Point, SightcellErrorId, View,
+import type { Box, Database, DatabaseStatistics, Draw, Frame, Info, Lines, LoadOptions, OpenOptions, Point, SightcellErrorId, View,
   ViewStatistics } from 'sightcell';
 
 const options: LoadOptions = { wasm: new URL('sightcell.wasm', 'https://example.org/') };
 const sightcell: Sightcell = await Sightcell.load(options);
 await Sightcell.load();
+const pages: OpenOptions = { whole: false, firstBytes: 16384, residentBytes: 2 ** 20, pageLoaded: () => {},
+  pageFailed: (error) => console.error(error.id, error.message), headers: { Authorization: 'none' } };
+const paged: boolean = (await sightcell.openUrl(new URL('https://example.org/level.pvs'), pages)).paged;
 const db: Database = await sightcell.openUrl('level.pvs', { signal: new AbortController().signal });
 const fromBytes: Database = sightcell.open(new Uint8Array(10));
 sightcell.open(new ArrayBuffer(10));
@@ -27,6 +30,7 @@ const corner: number = db.volumeBox(0).min[0]!;
 const { validShare, outsideShare }: { validShare: number; outsideShare: number } = db.cellViewpoints(0);
 const names: string[] = db.namedGroups();
 const groups: Int32Array = db.namedGroupsOfDraws();
+db.prefetch([0, 0, 0], { x: 1, y: 0, z: 0 }, 2);
 db.check();
 const counts: DatabaseStatistics = db.statistics();
 const sums: bigint[] = [counts.memoryBytes, counts.residentBytes, counts.requests, counts.deliveredBytes, counts.evictions,
@@ -79,5 +83,5 @@ new Sightcell();
 // @ts-expect-error A box has two corners.
 view.boxVisible({ min: [0, 0, 0] });
 
-export { arrays, corner, facts, flags, groups, length, memory, merged, more, names, numbers, objects, outsideShare, ranges,
+export { arrays, corner, facts, flags, groups, length, memory, merged, more, names, numbers, objects, outsideShare, paged, ranges,
   same, steradians, sums, tag, texts, validShare };

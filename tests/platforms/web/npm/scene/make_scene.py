@@ -4,7 +4,7 @@ children of a node whose mesh has one primitive (so that three.js has one object
 marked as dynamic, and roofs of one kind are transparent. Then bakes it and prints the answers of the native runtime.
 
 usage: make_scene.py BIN    BIN: sightcell, sightcell-city, sightcell-test-dump
-Writes town.glb, town.pvs and town.txt beside this file. Needed only where a change of the format ends the support of the
+Writes town.glb, town.pvs and town.txt beside this file, and floor.pvs, whose cells cover all floors. Needed only where a change of the format ends the support of the
 committed file.
 """
 import json
@@ -88,6 +88,8 @@ def main():
         write_glb(glb, *change(*read_glb(town)))
         subprocess.run([os.path.join(programs, 'sightcell'), 'bake', glb, '-o', pvs, '--cells-file', cells, '--quality',
                         'draft', '--threads', '1'], check=True)
+        subprocess.run([os.path.join(programs, 'sightcell'), 'bake', glb, '-o', os.path.join(HERE, 'floor.pvs'),
+                        '--merge-cells', '0', '--quality', 'draft', '--threads', '1'], check=True)
     dump = subprocess.run([os.path.join(programs, 'sightcell-test-dump'), pvs], check=True, capture_output=True,
                           text=True).stdout
     lines = [re.sub(r'  sees.*', '', line) for line in dump.splitlines() if re.match(r'cell|ranges', line)]
