@@ -17,8 +17,9 @@ symlinkSync(resolve(three), join(project, "node_modules", "three"));
 const load = (name) => import(pathToFileURL(join(project, "node_modules", name)).href);
 const THREE = await load("three/build/three.module.js");
 const { GLTFLoader } = await load("three/examples/jsm/loaders/GLTFLoader.js");
-const { Sightcell, SightcellError } = await load("sightcell/sightcell.js");
+const { DebugLines, Sightcell, SightcellError } = await load("sightcell/sightcell.js");
 const { attach } = await load("sightcell/three.js");
+const { DebugOverlay } = await load("sightcell/three_overlay.js");
 
 for (const level of ["warn", "error"]) console[level] = (text) => { throw new Error(`console.${level}: ${text}`); };
 const sightcell = await Sightcell.load();
@@ -226,6 +227,37 @@ async function what_moves_stays_apart() {
   pvs.dispose();
 }
 
+// The overlay has the box of the cell, and a frozen set stays while the camera moves.
+async function the_overlay_freezes_the_set() {
+  const gltf = await load_scene();
+  gltf.scene.position.set(100, 10, -50);
+  const pvs = await attach(gltf, db, { mode: "ranges" });
+  const before = gltf.scene.children.length;
+  const overlay = new DebugOverlay(pvs, gltf.scene, { kinds: DebugLines.cell });
+  const corners = () => Array.from(overlay.lines.geometry.attributes.position.array);
+  const camera_of = (cell) => camera_at(answers[cell].eye.clone().add(gltf.scene.position));
+  for (const cell of [0, 1]) {
+    require(overlay.update(camera_of(cell)).cell === cell, "the cell");
+    const { min, max } = db.cellBox(cell);
+    const box = new THREE.Box3().setFromArray(corners());
+    require(corners().length === 72 && box.min.equals(new THREE.Vector3(...min)) && box.max.equals(new THREE.Vector3(...max)),
+      `lines of cell ${cell}: ${corners()}`);
+    require(overlay.lines.geometry.attributes.color.count === 24, "colors");
+  }
+  overlay.frozen = true;
+  for (const cell of [1, 2]) require(overlay.update(camera_of(cell)).cell === 1, "the frozen cell");
+  const eye = corners().slice(72, 75).map((end, axis) => end - answers[1].eye.getComponent(axis));
+  require(corners().length === 72 + 48 && Math.hypot(...eye) < 1e-3, `the frozen camera: ${corners().slice(72)}`);
+  overlay.visible = false;
+  gltf.scene.position.set(0, 0, 0);
+  same(drawn_of(THREE, gltf.scene, camera_of_all()).polygons, expected_of(answers[1], whole_in_ranges), "a frozen set");
+  overlay.frozen = false;
+  require(overlay.update(camera_of(2)).cell === 2, "the cell of the camera again");
+  overlay.dispose();
+  require(gltf.scene.children.length === before, "the lines are gone");
+  pvs.dispose();
+}
+
 async function the_documents_show_what_works() {
   const name = join(dirname(fileURLToPath(import.meta.url)), "show_three.mjs");
   const shown = readFileSync(name, "utf8").match(/\/\* \[three \*\/\n(.*?)\/\* three\] \*\//s)[1];
@@ -248,5 +280,6 @@ await a_changed_scene_is_rejected();
 await the_near_plane_is_checked();
 await skipped_meshes_are_left();
 await what_moves_stays_apart();
+await the_overlay_freezes_the_set();
 await the_documents_show_what_works();
 console.log(`three.js ${THREE.REVISION}: ${objects.toFixed(1)} calls with objects, ${ranges.toFixed(1)} with ranges`);

@@ -21,7 +21,7 @@ function members_of(made) {
 }
 
 // Members that only instances have, as they are no functions.
-const of_instances = { SightcellError: ["id"], View: ["database"] };
+const of_instances = { SightcellError: ["id"], View: ["database"], DebugOverlay: ["lines"] };
 const internal = { SightcellError: ["ofStatus"], Database: ["open", "ofPages"], View: ["create"] };
 
 async function check_module(from, name, user) {
@@ -51,6 +51,7 @@ const three_types = `declare module 'three' {
   export class Camera extends Object3D { projectionMatrix: object; }
   export class Mesh extends Object3D { geometry: object; }
   export class BatchedMesh extends Mesh { customSort: object; }
+  export class LineSegments extends Object3D { isLineSegments: true; }
 }
 `;
 
@@ -73,6 +74,7 @@ await check_module(installed, "sightcell", users[0]);
 if (modules !== undefined) {
   symlinkSync(resolve(modules, "three"), join(project, "node_modules", "three"));
   await check_module(installed, "three", users[1]);
+  await check_module(installed, "three_overlay", users[1]);
   compile(project);
 }
 console.log(modules === undefined ? "not compiled: no TypeScript" : "compiled");

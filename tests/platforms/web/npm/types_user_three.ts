@@ -1,8 +1,10 @@
-// Uses every declaration of three.d.ts. types_test.mjs compiles it, beside a few lines in place of the types of three.js.
+// Uses every declaration of three.d.ts and three_overlay.d.ts. types_test.mjs compiles it, beside a few lines in place of the types of three.js.
 import { attach } from 'sightcell/three';
 import type { Attachment, AttachOptions, LoadedScene } from 'sightcell/three';
+import { DebugOverlay } from 'sightcell/three/overlay';
+import { DebugLines } from 'sightcell';
 import type { Database, Frame, View } from 'sightcell';
-import type { BatchedMesh, Camera, Mesh, Object3D } from 'three';
+import type { BatchedMesh, Camera, LineSegments, Mesh, Object3D } from 'three';
 
 declare const db: Database;
 declare const camera: Camera;
@@ -17,6 +19,12 @@ await attach(clone, db);
 const frame: Frame = pvs.update(camera);
 const view: View = pvs.view;
 const batches: BatchedMesh[] = pvs.batches;
+const overlay = new DebugOverlay(pvs, gltf.scene, { kinds: DebugLines.volumes });
+overlay.kinds = overlay.kinds | DebugLines.outsideRegion;
+overlay.visible = !overlay.visible;
+overlay.frozen = overlay.visible;
+const seen: [Frame, LineSegments] = [overlay.update(camera), overlay.lines];
+overlay.dispose();
 pvs.dispose();
 
 // @ts-expect-error There is no such mode.
@@ -24,4 +32,4 @@ await attach(gltf, db, { mode: 'packed' });
 // @ts-expect-error A frame is no camera.
 pvs.update(frame);
 
-export { batches, view, loaded };
+export { batches, loaded, seen, view };
