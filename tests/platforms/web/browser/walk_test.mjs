@@ -1,0 +1,251 @@
+// The sample's page in Chromium: with and without the PVS it draws the same pictures, also for both eyes of an emulated
+// headset; nothing grows while files are opened and disposed; the browser has nothing to warn of.
+// usage: walk_test.mjs SITE NODE_MODULES [VIEWPOINTS [FOLDER]]    SITE: of samples/web/make_site.py
+//   FOLDER: receives a picture of each viewpoint with more wrong pixels than allowed
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+
+import { require } from "../host.mjs";
+import { open_page, with_chromium } from "./chromium.mjs";
+import { serve } from "./static_server.mjs";
+
+const [site, modules, viewpoints = "12", folder] = process.argv.slice(2);
+const size = { width: 480, height: 270 };
+const most_wrong = 1e-3;  // of the pixels of a picture
+const cycles = 100;
+
+// The page with an emulated headset, paused.
+async function open_walk(browser, url) {
+  const emulation = readFileSync(join(modules, "iwer", "build", "iwer.min.js"), "utf8");
+  const opened = await open_page(browser, url, { viewport: size }, (page) => page.addInitScript({ content: `${emulation};
+    globalThis.headset = new IWER.XRDevice(IWER.metaQuest3);
+    globalThis.headset.installRuntime({ forceInstall: true });` }));
+  await opened.page.waitForFunction(() => globalThis.walk ?? document.querySelector("#loading.failed"));
+  opened.no_problems();
+  await opened.page.evaluate(() => globalThis.walk.pause());
+  await opened.page.evaluate(tools);
+  return opened;
+}
+
+/** What runs in the page: pictures of the same viewpoint, and a person who walks at random. */
+function tools() {
+  const { walk } = globalThis;
+  const gl = walk.renderer.getContext();
+  const start = walk.walker.eye.clone();
+  let seed = 12345;
+  const random = () => {
+    seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
+    return seed / 2 ** 32;
+  };
+  const picture = () => {
+    const { drawingBufferWidth: width, drawingBufferHeight: height } = gl;
+    const pixels = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    return pixels;
+  };
+  globalThis.tools = {
+    /** The picture with the PVS and without, and how many pixels of each half differ by more than 8 levels. */
+    compare() {
+      walk.set({ pvs: true });
+      const frame = walk.draw();
+      const { drawn } = walk;
+      const culled = picture();
+      walk.set({ pvs: false });
+      walk.draw();
+      const all = picture();
+      const off = walk.drawn;
+      walk.set({ pvs: true });
+      const differ = (at) => [0, 1, 2].some((k) => Math.abs(culled[at + k] - all[at + k]) > 8);
+      const wrong = [0, 0];
+      const half = gl.drawingBufferWidth / 2;
+      for (let i = 0; i < all.length / 4; ++i) if (differ(4 * i)) ++wrong[i % gl.drawingBufferWidth < half ? 0 : 1];
+      const shades = new Set();
+      for (let at = 0; at < all.length; at += 4) shades.add(all[at] << 16 | all[at + 1] << 8 | all[at + 2]);
+      return { cell: frame.cell, drawAll: frame.drawAll, wrong, shades: shades.size, on: drawn, off,
+        pixels: all.length / 4 };
+    },
+    back_to_start() {
+      walk.walker.place(start);
+      walk.frame(performance.now());
+    },
+    /** Walks a few meters and looks somewhere. */
+    stroll() {
+      const heading = 2 * Math.PI * random();
+      const way = walk.rig.position.clone().set(Math.sin(heading), 0, Math.cos(heading)).multiplyScalar(0.08);
+      for (let i = 0; i < 150; ++i) walk.walker.move(way, 1 / 60);
+      walk.controls.heading = 2 * Math.PI * random();
+      walk.controls.pitch = 0.6 * random() - 0.3;
+      walk.frame(performance.now());
+    },
+  };
+}
+
+async function pictures_are_the_same(page, count) {
+  const cells = new Set();
+  const sums = { wrong: 0, pixels: 0, on: 0, off: 0 };
+  let worst = 0, rich = 0;
+  for (let i = 0; i < count; ++i) {
+    await page.evaluate(() => globalThis.tools.stroll());
+    await page.waitForFunction(() => !globalThis.walk.draw().pending);
+    const found = await page.evaluate(() => globalThis.tools.compare());
+    require(!found.drawAll && found.cell >= 0, `viewpoint ${i} is in no cell`);
+    const wrong = found.wrong[0] + found.wrong[1];
+    if (wrong > most_wrong * found.pixels && folder !== undefined) {
+      mkdirSync(folder, { recursive: true });
+      writeFileSync(join(folder, `viewpoint_${i}.png`), await page.screenshot());
+    }
+    require(wrong <= most_wrong * found.pixels, `viewpoint ${i}: ${wrong} wrong pixels of ${found.pixels}`);
+    worst = Math.max(worst, wrong);
+    rich += Number(found.shades > 20);
+    cells.add(found.cell);
+    sums.wrong += wrong;
+    sums.pixels += found.pixels;
+    sums.on += found.on.triangles;
+    sums.off += found.off.triangles;
+  }
+  require(rich > count / 2, `${rich} of ${count} pictures have more than 20 colors`);  // others show a wall
+  require(cells.size > count / 4, `${count} viewpoints are in ${cells.size} cells`);
+  require(sums.on < sums.off, `${sums.on} triangles with the PVS, ${sums.off} without`);
+  return `${sums.wrong} of ${sums.pixels} pixels are wrong, at most ${worst} in a picture; triangles ${sums.on} of ${sums.off}`;
+}
+
+// An emulated headset: its eyes are on the left and on the right half of the picture.
+async function both_eyes_are_the_same(page) {
+  await page.evaluate(() => globalThis.tools.back_to_start());
+  await page.evaluate(() => globalThis.walk.run());
+  await page.click("#headset");
+  await page.waitForFunction(() => globalThis.walk.headset.presenting);
+  const found = await page.evaluate(() => new Promise((done, failed) => {
+    const { walk, tools: { compare }, headset } = globalThis;
+    const { frame } = walk;
+    const results = [];
+    headset.position.set(0.1, 1.6, 0.2);
+    let count = 0;
+    walk.frame = (time) => {
+      try {
+        frame.call(walk, time);
+        headset.quaternion.set(0, Math.sin(0.4 * count), 0, Math.cos(0.4 * count));
+        if (++count > 2 && !walk.pvs.view.frame.pending) results.push({ ...compare(), eyes: walk.renderer.xr.getCamera().cameras.length });
+        if (results.length === 4) done(results);
+      } catch (error) {
+        failed(error);
+      }
+    };
+  }));
+  for (const each of found) {
+    require(each.eyes === 2 && !each.drawAll && each.cell >= 0, JSON.stringify(each));
+    for (const wrong of each.wrong) require(wrong <= most_wrong * each.pixels / 2, JSON.stringify(each));
+  }
+  require(found.some(({ shades }) => shades > 20), "both eyes show walls");
+  // The left stick walks.
+  const moved = await page.evaluate(async () => {
+    const { walk, headset } = globalThis;
+    delete walk.frame;
+    const before = walk.rig.position.clone();
+    headset.controllers.left.updateAxes("thumbstick", 0, -1);
+    for (let i = 0; i < 30 && before.distanceTo(walk.rig.position) < 0.05; ++i) await new Promise((later) => setTimeout(later, 50));
+    return before.distanceTo(walk.rig.position);
+  });
+  require(moved > 0.05, `the stick moved the person by ${moved} m`);
+  await page.evaluate(() => globalThis.walk.renderer.xr.getSession().end());
+  await page.evaluate(() => globalThis.walk.pause());
+  return `eyes: ${found.map(({ wrong }) => wrong.join(" and ")).join(", ")} wrong pixels of ${found[0].pixels / 2}`;
+}
+
+// Files, views and batches that are disposed leave nothing behind, in the module, in JavaScript and in three.js.
+async function nothing_grows(page) {
+  const devtools = await page.context().newCDPSession(page);
+  const run = async (times) => {
+    const found = await page.evaluate(async (count) => {
+      const { walk } = globalThis;
+      const { Sightcell } = await import("sightcell");
+      const { attach } = await import("sightcell/three");
+      walk.pvs.dispose();
+      globalThis.module ??= await Sightcell.load();
+      globalThis.refs = [];
+      for (let i = 0; i < count; ++i) {
+        const db = await globalThis.module.openUrl("floor.pvs", { firstBytes: 4096 });
+        const pvs = await attach({ scene: walk.town, parser: walk.parser }, db, { mode: "ranges" });
+        const wait = () => new Promise((later) => setTimeout(later, 1));
+        for (let moves = 0; moves < 1000 && pvs.update(walk.camera).pending; ++moves) await wait();
+        if (pvs.view.frame.drawAll) throw new Error("the set has not arrived");
+        globalThis.refs.push(...[db, pvs, pvs.view, ...pvs.batches].map((object) => new WeakRef(object)));
+        if (i === 0) walk.renderer.render(walk.scene, walk.camera);
+        pvs.dispose();
+        db.dispose();
+      }
+      walk.renderer.render(walk.scene, walk.camera);
+      return { module: globalThis.module.memoryBytes, ...walk.renderer.info.memory, children: walk.town.children.length };
+    }, times);
+    await devtools.send("HeapProfiler.collectGarbage");
+    const { made, kept } = await page.evaluate(() => ({ made: globalThis.refs.length,
+      kept: globalThis.refs.filter((ref) => ref.deref() !== undefined).length }));
+    require(made > 5 * times && kept <= 10, `${kept} of ${made} objects are left`);  // of the last cycle
+    return found;
+  };
+  const first = await run(3);
+  const last = await run(cycles);
+  require(JSON.stringify(first) === JSON.stringify(last), `${JSON.stringify(first)}, then ${JSON.stringify(last)}`);
+  return `after ${cycles} cycles as before: ${JSON.stringify(last)}`;
+}
+
+// What the switches and keys do.
+async function the_panel_works(page) {
+  await page.waitForFunction(() => !globalThis.walk.draw().pending);
+  const calls = () => page.evaluate(() => {
+    globalThis.walk.draw();
+    return globalThis.walk.drawn.calls;
+  });
+  const on = await calls();
+  await page.click(".switch");
+  require(on < await calls(), "the switch changes nothing");
+  await page.keyboard.press("p");
+  require(on === await calls(), "the key changes nothing");
+  await page.click("#freeze");
+  const cell = await page.evaluate(() => {
+    const { walk } = globalThis;
+    walk.frame(1);
+    const before = walk.pvs.view.frame.cell;
+    walk.walker.eye.y += 100;
+    walk.frame(2);
+    return [before, walk.pvs.view.frame.cell, walk.overlay.lines.visible];
+  });
+  require(cell[0] === cell[1] && cell[2], `a frozen set: ${cell}`);
+  await page.keyboard.press("f");
+  const eye = await page.evaluate(() => {
+    globalThis.walk.frame(3);
+    return [globalThis.walk.walker.eye.y, globalThis.walk.overlay.lines.visible];
+  });
+  require(eye[0] < 50 && !eye[1], `after a frozen set: ${eye}`);
+  // A key walks, and a wall ends the walk.
+  const walked = await page.evaluate(() => {
+    const { walk } = globalThis;
+    const key = (type) => dispatchEvent(new KeyboardEvent(type, { code: "KeyW" }));
+    const before = walk.walker.eye.clone();
+    key("keydown");
+    for (let i = 0; i < 2000; ++i) walk.walker.move(before.clone().set(0, 0, -walk.controls.wish[1] * 0.05), 1 / 60);
+    key("keyup");
+    return [before.distanceTo(walk.walker.eye), walk.walker.isClear(walk.walker.eye, walk.db.info.playerRadius), walk.controls.wish[1]];
+  });
+  require(walked[0] > 1 && walked[0] < 100 && walked[1] && walked[2] === 0, `a walk: ${walked}`);
+}
+
+const server = await serve(site);
+try {
+  const results = await with_chromium(modules, async (browser) => {
+    const { page, no_problems } = await open_walk(browser, server.url);
+    const texts = [await pictures_are_the_same(page, Number(viewpoints))];
+    no_problems();
+    await the_panel_works(page);
+    texts.push(await both_eyes_are_the_same(page));
+    no_problems();
+    texts.push(await nothing_grows(page));  // ends the walk
+    no_problems();
+    return texts;
+  });
+  const missing = server.asked.filter(({ status }) => status === 404);
+  require(missing.length === 0, `not in the site: ${missing.map(({ path }) => path)}`);
+  console.log(results.join("\n"));
+} finally {
+  server.close();
+}
