@@ -60,6 +60,7 @@ class Walk {
       KeyP: () => this.set({ pvs: !this.#state.pvs }), KeyF: actions.onFreeze, KeyC: actions.onCells,
     }, () => this.panel.showTouch());
     this.controls.heading = site.heading ?? 0;
+    if (innerWidth < innerHeight) this.controls.pitch = 0.1;  // an upright picture has much ground
     if (matchMedia('(pointer: coarse)').matches) this.panel.showTouch();
     this.headset = new Headset(this.renderer, document.getElementById('headset'), () => this.fit());
     addEventListener('resize', () => this.fit());

@@ -38,7 +38,7 @@ function makeSun(box, shadowSize) {
   shadow.mapSize.setScalar(shadowSize);
   shadow.normalBias = 0.06;
   shadow.bias = -0.0005;
-  shadow.radius = 1.5;
+  shadow.radius = 2;
   shadow.autoUpdate = false;
   shadow.needsUpdate = true;
   return sun;

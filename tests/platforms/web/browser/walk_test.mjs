@@ -19,6 +19,7 @@ async function open_walk(browser, url) {
   const emulation = readFileSync(join(modules, "iwer", "build", "iwer.min.js"), "utf8");
   const opened = await open_page(browser, url, { viewport: size }, (page) => page.addInitScript({ content: `${emulation};
     globalThis.headset = new IWER.XRDevice(IWER.metaQuest3);
+    globalThis.headset.stereoEnabled = true;
     globalThis.headset.installRuntime({ forceInstall: true });` }));
   await opened.page.waitForFunction(() => globalThis.walk ?? document.querySelector("#loading.failed"));
   opened.no_problems();
@@ -125,7 +126,7 @@ async function both_eyes_are_the_same(page) {
       try {
         frame.call(walk, time);
         headset.quaternion.set(0, Math.sin(0.4 * count), 0, Math.cos(0.4 * count));
-        if (++count > 2 && !walk.pvs.view.frame.pending) results.push({ ...compare(), eyes: walk.renderer.xr.getCamera().cameras.length });
+        if (++count > 2 && !walk.pvs.view.frame.pending) results.push({ ...compare(), eyes: walk.renderer.xr.getCamera().cameras.map(({ viewport }) => [viewport.x, viewport.z]) });
         if (results.length === 4) done(results);
       } catch (error) {
         failed(error);
@@ -133,7 +134,9 @@ async function both_eyes_are_the_same(page) {
     };
   }));
   for (const each of found) {
-    require(each.eyes === 2 && !each.drawAll && each.cell >= 0, JSON.stringify(each));
+    const width = size.width / 2;
+    require(JSON.stringify(each.eyes) === JSON.stringify([[0, width], [width, width]]), `eyes at ${each.eyes}`);
+    require(!each.drawAll && each.cell >= 0, JSON.stringify(each));
     for (const wrong of each.wrong) require(wrong <= most_wrong * each.pixels / 2, JSON.stringify(each));
   }
   require(found.some(({ shades }) => shades > 20), "both eyes show walls");
