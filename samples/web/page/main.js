@@ -40,7 +40,7 @@ class Walk {
   #last = 0;
 
   constructor({ town, parser, plain, db, pvs }, site) {
-    Object.assign(this, { town, parser, plain, db, pvs });
+    Object.assign(this, { town, parser, plain, db, pvs, site });
     this.scene = new Scene().add(town, plain);
     this.renderer = new WebGLRenderer({ canvas: document.getElementById('picture'), antialias: true });
     this.renderer.toneMapping = ACESFilmicToneMapping;

@@ -1,7 +1,7 @@
 // The sample's page in Chromium: with and without the PVS it draws the same pictures, also for both eyes of an emulated
 // headset; nothing grows while files are opened and disposed; the browser has nothing to warn of.
-// usage: walk_test.mjs SITE NODE_MODULES [VIEWPOINTS [FOLDER]]    SITE: of samples/web/make_site.py
-//   FOLDER: receives a picture of each viewpoint with more wrong pixels than allowed
+// usage: walk_test.mjs SITE NODE_MODULES VIEWPOINTS WIDTH [FOLDER]    SITE: of samples/web/make_site.py
+//   WIDTH: of the pictures; their height is 9/16 of it    FOLDER: receives a picture of each viewpoint with more wrong pixels than allowed
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
@@ -9,8 +9,8 @@ import { require } from "../host.mjs";
 import { open_page, with_chromium } from "./chromium.mjs";
 import { serve } from "./static_server.mjs";
 
-const [site, modules, viewpoints = "12", folder] = process.argv.slice(2);
-const size = { width: 480, height: 270 };
+const [site, modules, viewpoints, width, folder] = process.argv.slice(2);
+const size = { width: Number(width), height: Number(width) * 9 / 16 };
 const most_wrong = 1e-3;  // of the pixels of a picture
 const cycles = 100;
 
@@ -134,8 +134,8 @@ async function both_eyes_are_the_same(page) {
     };
   }));
   for (const each of found) {
-    const width = size.width / 2;
-    require(JSON.stringify(each.eyes) === JSON.stringify([[0, width], [width, width]]), `eyes at ${each.eyes}`);
+    const half = size.width / 2;
+    require(JSON.stringify(each.eyes) === JSON.stringify([[0, half], [half, half]]), `eyes at ${each.eyes}`);
     require(!each.drawAll && each.cell >= 0, JSON.stringify(each));
     for (const wrong of each.wrong) require(wrong <= most_wrong * each.pixels / 2, JSON.stringify(each));
   }
@@ -167,7 +167,7 @@ async function nothing_grows(page) {
       globalThis.module ??= await Sightcell.load();
       globalThis.refs = [];
       for (let i = 0; i < count; ++i) {
-        const db = await globalThis.module.openUrl("floor.pvs", { firstBytes: 4096 });
+        const db = await globalThis.module.openUrl(walk.site.sets, { firstBytes: 4096 });
         const pvs = await attach({ scene: walk.town, parser: walk.parser }, db, { mode: "ranges" });
         const wait = () => new Promise((later) => setTimeout(later, 1));
         for (let moves = 0; moves < 1000 && pvs.update(walk.camera).pending; ++moves) await wait();

@@ -89,7 +89,7 @@ def main():
         subprocess.run([os.path.join(programs, 'sightcell'), 'bake', glb, '-o', pvs, '--cells-file', cells, '--quality',
                         'draft', '--threads', '1'], check=True)
         subprocess.run([os.path.join(programs, 'sightcell'), 'bake', glb, '-o', os.path.join(HERE, 'floor.pvs'),
-                        '--merge-cells', '0', '--quality', 'draft', '--threads', '1'], check=True)
+                        '--merge-cells', '0', '--threads', '1'], check=True)
     dump = subprocess.run([os.path.join(programs, 'sightcell-test-dump'), pvs], check=True, capture_output=True,
                           text=True).stdout
     lines = [re.sub(r'  sees.*', '', line) for line in dump.splitlines() if re.match(r'cell|ranges', line)]
