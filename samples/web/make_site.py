@@ -3,8 +3,9 @@
 sightcell, three.js, three-mesh-bvh, a scene and its .pvs file.
 
 usage: make_site.py OUT --package DIR --packages NODE_MODULES --scene FILE.glb --sets FILE.pvs --start X,Y,Z
-                    [--heading RADIANS]
+                    [--heading RADIANS] [--three DIR]
 --start: a point above the floor where the walk begins, in meters
+--three: another release of three.js than that of NODE_MODULES
 """
 import argparse
 import json
@@ -48,12 +49,15 @@ def main():
     for name in ('package', 'packages', 'scene', 'sets', 'start'):
         parser.add_argument(f'--{name}', required=True)
     parser.add_argument('--heading', type=float, default=0)
+    parser.add_argument('--three')
     options = parser.parse_args()
     shutil.rmtree(options.out, ignore_errors=True)
     shutil.copytree(PAGE, options.out)
     shutil.copytree(options.package, os.path.join(options.out, 'sightcell'))
     for package, scripts in PACKAGES.items():
         root = os.path.join(options.packages, package)
+        if package == 'three' and options.three:
+            root = options.three
         done = set()
         for script in scripts + (list(addons_of_page()) if package == 'three' else []):
             copy_with_imports(root, script, os.path.join(options.out, package), done)

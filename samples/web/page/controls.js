@@ -11,7 +11,7 @@ export class Controls {
   pitch = 0;
   #pressed = new Set();
   #stick = { pointer: null, x: 0, y: 0, x0: 0, y0: 0 };
-  #look = null;  // the pointer that turns the head
+  #look = { pointer: null, x: 0, y: 0 };  // what turns the head, and where it was last
   #picture;
   #drawnStick;
   #actions;
@@ -50,15 +50,22 @@ export class Controls {
     if (event.pointerType === 'mouse') {
       // Without a lock (a page in a frame can forbid it) a drag turns the head, too.
       if (!this.#locked) Promise.resolve(this.#picture.requestPointerLock?.()).catch(() => {});
-      this.#look = event.pointerId;
+      this.#beginLook(event);
       return;
     }
     this.#picture.setPointerCapture(event.pointerId);
     if (event.clientX < innerWidth / 2 && this.#stick.pointer === null) {
       Object.assign(this.#stick, { pointer: event.pointerId, x0: event.clientX, y0: event.clientY });
     } else {
-      this.#look = event.pointerId;
+      this.#beginLook(event);
     }
+  }
+
+  #beginLook({ pointerId, clientX, clientY }) { Object.assign(this.#look, { pointer: pointerId, x: clientX, y: clientY }); }
+
+  #turn(x, y) {
+    this.heading -= turn * x;
+    this.pitch = Math.min(steepest, Math.max(-steepest, this.pitch - turn * y));
   }
 
   #move(event) {
@@ -66,9 +73,11 @@ export class Controls {
       const x = event.clientX - this.#stick.x0, y = event.clientY - this.#stick.y0;
       const scale = 1 / Math.max(stickRadius, Math.hypot(x, y));
       this.#setStick(x * scale, y * scale);
-    } else if (this.#locked || event.pointerId === this.#look) {
-      this.heading -= turn * event.movementX;
-      this.pitch = Math.min(steepest, Math.max(-steepest, this.pitch - turn * event.movementY));
+    } else if (this.#locked) {
+      this.#turn(event.movementX, event.movementY);
+    } else if (event.pointerId === this.#look.pointer) {
+      this.#turn(event.clientX - this.#look.x, event.clientY - this.#look.y);  // of a finger, movementX can be 0
+      this.#beginLook(event);
     }
   }
 
@@ -77,7 +86,7 @@ export class Controls {
       this.#stick.pointer = null;
       this.#setStick(0, 0);
     }
-    if (event.pointerId === this.#look) this.#look = null;
+    if (event.pointerId === this.#look.pointer) this.#look.pointer = null;
   }
 
   #setStick(x, y) {

@@ -34,7 +34,10 @@ export async function open_page(browser, url, options, prepare = async () => {})
     if (["warning", "error"].includes(message.type())) problems.push(`console.${message.type()}: ${message.text()}`);
   });
   page.on("pageerror", (error) => problems.push(error.stack));
-  page.on("requestfailed", (request) => problems.push(`${request.url()}: ${request.failure().errorText}`));
+  page.on("requestfailed", (request) => {
+    const { errorText } = request.failure();
+    if (errorText !== "net::ERR_ABORTED") problems.push(`${request.url()}: ${errorText}`);  // the page itself aborted it
+  });
   await prepare(page);
   await page.goto(url);
   return {

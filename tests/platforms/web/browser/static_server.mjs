@@ -1,4 +1,5 @@
-// A static web server with byte ranges, as any host of a site has them. Lists what was asked for.
+// A static web server with byte ranges, as any host of a site has them. Lists what was asked for. headers: sent with each
+// answer.
 import { createServer } from "node:http";
 import { existsSync, readFileSync, statSync } from "node:fs";
 import { extname, join, normalize } from "node:path";
@@ -6,19 +7,19 @@ import { extname, join, normalize } from "node:path";
 const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
   ".json": "application/json", ".wasm": "application/wasm", ".glb": "model/gltf-binary" };
 
-export async function serve(folder) {
+export async function serve(folder, headers_of_all = {}) {
   const asked = [];
   const server = createServer((request, response) => {
     const { pathname } = new URL(request.url, "http://localhost");
     const path = join(folder, normalize(pathname === "/" ? "/index.html" : decodeURIComponent(pathname)));
-    const entry = { path: pathname, range: request.headers.range, status: 404, bytes: 0 };
+    const entry = { method: request.method, path: pathname, range: request.headers.range, status: 404, bytes: 0 };
     asked.push(entry);
     if (!existsSync(path) || !statSync(path).isFile()) {
       response.writeHead(404).end();
       return;
     }
     const content = readFileSync(path);
-    const headers = { "Content-Type": types[extname(path)] ?? "application/octet-stream" };
+    const headers = { ...headers_of_all, "Content-Type": types[extname(path)] ?? "application/octet-stream" };
     const [, begin, last] = request.headers.range?.match(/^bytes=(\d+)-(\d+)$/)?.map(Number) ?? [];
     let body = content;
     entry.status = 200;

@@ -233,6 +233,53 @@ async function the_panel_works(page) {
   require(walked[0] > 1 && walked[0] < 100 && walked[1] && walked[2] === 0, `a walk: ${walked}`);
 }
 
+// A finger on the left half walks, one on the right half looks.
+async function fingers_work(page) {
+  const devtools = await page.context().newCDPSession(page);
+  await devtools.send("Emulation.setTouchEmulationEnabled", { enabled: true });
+  const touch = (type, ...points) => devtools.send("Input.dispatchTouchEvent", { type,
+    touchPoints: points.map(([x, y, id]) => ({ x: x * size.width, y: y * size.height, id })) });
+  // Chromium passes moves on with the next picture.
+  const wait_for = async (done, what, given) => page.waitForFunction(done, given, { timeout: 20000 }).catch((error) => {
+    throw new Error(`${what}: ${error.message}`);
+  });
+  const heading = await page.evaluate(() => globalThis.walk.controls.heading);
+  await touch("touchStart", [0.2, 0.9, 1]);
+  await touch("touchMove", [0.2, 0.5, 1]);
+  await wait_for(() => globalThis.walk.controls.wish[1] > 0.9 && !document.getElementById("stick").hidden, "the left finger");
+  await touch("touchStart", [0.2, 0.5, 1], [0.9, 0.5, 2]);
+  await touch("touchMove", [0.2, 0.5, 1], [0.8, 0.5, 2]);
+  await wait_for((before) => globalThis.walk.controls.heading > before + 0.05, "the right finger", heading);
+  require(await page.evaluate(() => globalThis.walk.controls.wish[1] > 0.9), "the left finger beside the right one");
+  await touch("touchEnd");
+  await wait_for(() => globalThis.walk.controls.wish.every((part) => Math.abs(part) === 0), "no finger");
+  await devtools.send("Emulation.setTouchEmulationEnabled", { enabled: false });
+}
+
+// Pages of a file arrive from another origin where that lets the page read Content-Range, else the whole file arrives. A
+// browser asks for ranges without a request in advance.
+async function other_origins_are_read(page) {
+  const everyone = { "Access-Control-Allow-Origin": "*" };
+  for (const [paged, headers] of [[false, everyone], [true, { ...everyone, "Access-Control-Expose-Headers": "Content-Range" }]]) {
+    const other = await serve(site, headers);
+    try {
+      const found = await page.evaluate(async (base) => {
+        const { Sightcell } = await import("sightcell");
+        const sightcell = await Sightcell.load();
+        const db = await sightcell.openUrl(base + globalThis.walk.site.sets, { firstBytes: 4096 });
+        const result = db.paged;
+        sightcell.dispose();
+        return result;
+      }, other.url);
+      require(found === paged, `a file of another origin ${found ? "has" : "lacks"} pages`);
+      require(other.asked.every(({ method }) => method === "GET"), "a request in advance");
+      require(other.asked[0].status === 206, "a range");
+    } finally {
+      other.close();
+    }
+  }
+}
+
 const server = await serve(site);
 try {
   const results = await with_chromium(modules, async (browser) => {
@@ -240,6 +287,8 @@ try {
     const texts = [await pictures_are_the_same(page, Number(viewpoints))];
     no_problems();
     await the_panel_works(page);
+    await fingers_work(page);
+    await other_origins_are_read(page);
     texts.push(await both_eyes_are_the_same(page));
     no_problems();
     texts.push(await nothing_grows(page));  // ends the walk
