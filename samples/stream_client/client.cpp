@@ -15,10 +15,10 @@ struct opened_front {
   std::vector<std::uint8_t> bytes;
 };
 
-transfer_result wait_for_front(const shared_run& run) {
+transfer_result wait_for_front(const shared_run& run, bool encoded) {
   ++run.result.requests;
   run.log.request(run.seconds(), front_name);
-  run.network.start({0, front_name, most_front_bytes, false});
+  run.network.start({0, front_name, most_front_bytes, false, encoded});
   for (;;) {
     for (transfer_result& r : run.network.take()) {
       run.result.bytes += r.received;
@@ -39,7 +39,7 @@ opened_front load_front(const shared_run& run) {
       const auto end = clock::now() + backoff(run.settings, failures, 0);
       while (clock::now() < end) run.bell.wait_until(end);
     }
-    transfer_result r = wait_for_front(run);
+    transfer_result r = wait_for_front(run, accepts_encoding(failures));
     cause = r.failure;
     arrived = cause.empty();
     if (arrived) {

@@ -56,6 +56,10 @@ std::chrono::milliseconds backoff(const client_settings& settings, unsigned fail
   return std::chrono::milliseconds(static_cast<long>(spread * std::min(doubled, longest)));
 }
 
+bool accepts_encoding(unsigned failures) {
+  return failures % 2 == 0;
+}
+
 session::session(const shared_run& run, std::uint32_t number, stream_owner stream, std::vector<std::uint8_t> front,
                  const sightcell::picture::gl_context* context)
     : run_(run),
@@ -115,9 +119,11 @@ void session::start(std::uint32_t file) {
   resident_.expect(file, estimate(what));
   ++in_transfer_;
   ++run_.result.requests;
-  if (failures_.count(file) != 0) ++run_.result.refetches;
+  const auto failed = failures_.find(file);
+  if (failed != failures_.end()) ++run_.result.refetches;
   run_.log.request(run_.seconds(), what.name);
-  run_.network.start({tag_of(number_, file), what.name, what.size, true});
+  run_.network.start({tag_of(number_, file), what.name, what.size, true,
+                      accepts_encoding(failed == failures_.end() ? 0 : failed->second.count)});
 }
 
 // Waits before another attempt; the file stays REQUESTED meanwhile. After the last attempt it is FAILED.
@@ -139,7 +145,7 @@ void session::fail(std::uint32_t file, const std::string& cause, bool gone) {
     front_checked_ = front_requested_ = true;
     ++run_.result.requests;
     run_.log.request(run_.seconds(), front_name);
-    run_.network.start({tag_of(number_, front_tag), front_name, most_front_bytes, false});
+    run_.network.start({tag_of(number_, front_tag), front_name, most_front_bytes, false, true});
   }
 }
 

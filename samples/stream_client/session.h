@@ -53,6 +53,10 @@ struct shared_run {
 // Returns how long to wait before another attempt: longer after each failure, and not the same for all files.
 std::chrono::milliseconds backoff(const client_settings& settings, unsigned failures, std::uint64_t file);
 
+// Returns whether an attempt lets the server compress the file: each second one does not, because some servers name an
+// encoding that the bytes do not have.
+bool accepts_encoding(unsigned failures);
+
 class session {
  public:
   enum class outcome { done, new_front };
