@@ -218,6 +218,10 @@ void add_pack_verb(CLI::App& program, action& chosen) {
       ->type_name("METERS")
       ->needs(stream);
   verb.add_flag("--no-textures", options->no_textures, "Leaves out the images.")->needs(stream);
+  verb.add_flag("--all-attributes", options->streamed.all_attributes,
+                "Keeps texture coordinates and tangents that no texture of the materials needs: for hosts with "
+                "textures of their own, such as light maps.")
+      ->needs(stream);
   verb.add_flag("--tileset", options->streamed.tileset,
                 "Also writes tileset.json: 3D Tiles 1.1 over the pages, for CesiumJS, 3d-tiles-renderer and others.")
       ->needs(stream);

@@ -413,17 +413,30 @@ class Painted(Streamed):
         return ['--cells-file', cls.cells_file]
 
     def test_attributes(self):
+        """Without those that no texture needs: only the room has a texture of normals, and none has the second coordinates."""
+        self.assert_attributes(self.site, {0: {'TEXCOORD_1'}, 1: {'TEXCOORD_1', 'TANGENT'}})
+
+    def test_all_attributes(self):
+        folder = new_folder(self.addCleanup)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, *OPTIONS, '--all-attributes')
+        self.assert_attributes(open_site(folder), {0: set(), 1: set()})
+
+    def assert_attributes(self, site, left_out):
+        """left_out: by mesh."""
         gltf = read_gltf(self.scene)
         limits = {'NORMAL': 0.03, 'TANGENT': 0.03, 'TEXCOORD_0': 1 / 32 / PIXELS, 'TEXCOORD_1': 1 / 32 / PIXELS, 'COLOR_0': 0.5 / 255}
-        for page in range(len(self.site.front.page_bytes)):
-            for part in self.site.page(page):
-                draw = int(np.flatnonzero(self.site.front.draw_geometry == part.geometry)[0])
-                primitive = gltf.document['meshes'][self.site.front.draw_mesh[draw]]['primitives'][0]
-                self.assertEqual(set(part.attributes), set(primitive['attributes']))
+        for page in range(len(site.front.page_bytes)):
+            for part in site.page(page):
+                draw = int(np.flatnonzero(site.front.draw_geometry == part.geometry)[0])
+                mesh = int(site.front.draw_mesh[draw])
+                primitive = gltf.document['meshes'][mesh]['primitives'][0]
+                self.assertEqual(set(part.attributes), set(primitive['attributes']) - left_out[mesh])
                 source = {name: gltf.floats(number) for name, number in primitive['attributes'].items()}
                 for vertex in np.unique(part.triangles):
                     near = np.linalg.norm(source['POSITION'] - part.attributes['POSITION'][vertex], axis=1) <= GRID
                     for name, limit in limits.items():
+                        if name in left_out[mesh]:
+                            continue
                         near &= np.abs(source[name] - part.attributes[name][vertex]).max(axis=1) <= limit * 1.001
                     self.assertTrue(near.any(), f'page {page}, vertex {vertex}')
 

@@ -38,7 +38,7 @@ class stream_packer {
   stream_result write(const std::filesystem::path& output) {
     result_.warnings = pager_.content().warnings;
     std::vector<std::string> warnings;
-    pager_.prepare({how_.grid, how_.textures}, warnings);
+    pager_.prepare({how_.grid, how_.textures, how_.all_attributes}, warnings);
     for (std::string& warning : warnings)  // missing base colors were reported before
       if (std::find(result_.warnings.begin(), result_.warnings.end(), warning) == result_.warnings.end())
         result_.warnings.push_back(std::move(warning));

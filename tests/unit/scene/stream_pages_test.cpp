@@ -231,6 +231,61 @@ TEST_F(stream_pages_test, images_are_what_their_materials_use_them_for) {
   EXPECT_EQ(images[5].use.cutoff, 0.5f);
 }
 
+TEST_F(stream_pages_test, attributes_that_no_texture_needs_are_left_out) {
+  const auto texture = [](int set) { return nlohmann::json{{"index", 0}, {"texCoord", set}}; };
+  nlohmann::json moved = texture(0);
+  moved["extensions"]["KHR_texture_transform"] = {{"texCoord", 1}};
+  const std::vector<nlohmann::json> materials = {
+      {{"name", "plain"}},
+      {{"emissiveTexture", texture(0)}},
+      {{"pbrMetallicRoughness", {{"baseColorTexture", moved}}}},
+      {{"normalTexture", texture(1)}},
+      {{"extensions", {{"KHR_materials_clearcoat", {{"clearcoatNormalTexture", texture(0)}}}}}},
+      {{"extensions", {{"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}}}}}},
+      {{"extras", {{"baked", {{"lights", {texture(1)}}}}}}}};
+  const std::vector<std::set<std::string>> expected = {
+      {},          {"TEXCOORD_0"}, {"TEXCOORD_1"}, {"TANGENT", "TEXCOORD_1"}, {"TANGENT", "TEXCOORD_0"},
+      {"TANGENT"}, {"TEXCOORD_1"}};
+  gltf_sketch g;
+  const sheet one;
+  for (std::size_t i = 0; i <= materials.size(); ++i) {
+    const int mesh = one.add_to(g);
+    nlohmann::json& primitive = g.json["meshes"][static_cast<std::size_t>(mesh)]["primitives"][0];
+    const std::size_t vertices = one.coordinates.size() / 2;
+    primitive["attributes"]["TEXCOORD_1"] = g.add_accessor(one.coordinates, "VEC2", 5126, vertices);
+    primitive["attributes"]["TANGENT"] = g.add_accessor(std::vector<float>(4 * vertices, 0.5f), "VEC4", 5126, vertices);
+    if (i < materials.size()) primitive["material"] = i;
+    g.add_node({{"mesh", mesh}});
+    g.json["scenes"] = {{{"nodes", nlohmann::json::array()}}};
+  }
+  for (std::size_t i = 0; i <= materials.size(); ++i) g.json["scenes"][0]["nodes"].push_back(i);
+  g.json["materials"] = materials;
+  g.json["images"] = {{{"uri", "data:image/png;base64,iVBORw0KGgo="}}};
+  g.json["textures"] = {{{"source", 0}}};
+  const auto names_of = [&](const gltf_pager& pager, std::size_t draw) {
+    const std::uint32_t geometry = pager.geometry_of_draw()[draw];
+    const std::vector<std::byte> file = pager.page(std::vector<page_part>{{geometry, {0, 1, 2}}});
+    std::uint32_t size = 0;
+    std::memcpy(&size, &file[12], 4);
+    const auto* const text = reinterpret_cast<const char*>(&file[20]);
+    std::set<std::string> names;
+    const nlohmann::json document = nlohmann::json::parse(text, text + size);
+    for (const auto& [name, number] : document["meshes"][0]["primitives"][0]["attributes"].items()) names.insert(name);
+    return names;
+  };
+  const std::set<std::string> always{"POSITION", "NORMAL"};
+  for (const bool textures : {true, false}) {
+    const gltf_pager& pager = pager_of(g, {.textures = textures});
+    for (std::size_t i = 0; i <= materials.size(); ++i) {
+      std::set<std::string> names = always;
+      if (i < materials.size()) names.insert(expected[i].begin(), expected[i].end());
+      EXPECT_EQ(names_of(pager, i), names) << i;
+    }
+  }
+  const gltf_pager& pager = pager_of(g, {.all_attributes = true});
+  EXPECT_EQ(names_of(pager, 0), (std::set<std::string>{"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1"}));
+}
+
 TEST_F(stream_pages_test, sizes_of_parts_add_up_to_a_page) {
   gltf_sketch g;
   g.add_node({{"mesh", sheet().add_to(g)}});

@@ -23,6 +23,7 @@ struct stream_settings {
   bool textures = true;               // false: without images
   bool tileset = false;               // true: 3D Tiles over the pages, for other viewers
   stream_copies copies = stream_copies::gzip;
+  bool all_attributes = false;  // true: also texture coordinates and tangents that no texture needs
 };
 
 enum class stream_phase { reading_sets, grouping_polygons, writing_pages, writing_images, writing_cells };
