@@ -74,8 +74,8 @@ walk way_of(const camera_choice& camera, const sightcell_stream* stream) {
 }  // namespace
 
 report run_client(const client_settings& settings, const camera_choice& camera, const std::string& picture) {
-  std::unique_ptr<sightcell::picture::gl_context> context;
-  if (settings.draw) context = std::make_unique<sightcell::picture::gl_context>();
+  std::optional<gl_thread> device;
+  if (settings.draw) device.emplace();
   doorbell bell;
   transfers network(settings.network, bell);
   report result;
@@ -90,7 +90,7 @@ report run_client(const client_settings& settings, const camera_choice& camera, 
       result.front_seconds = run.seconds();
       way = way_of(camera, front.stream.get());
     }
-    session now(run, number, std::move(front.stream), std::move(front.bytes), context.get());
+    session now(run, number, std::move(front.stream), std::move(front.bytes), device ? &*device : nullptr);
     const session::outcome outcome = now.run(*way, walked);
     now.finish_report();
     if (outcome == session::outcome::new_front) continue;
