@@ -16,6 +16,7 @@
 #include "number_text.h"
 #include "one_of.h"
 #include "pvs_file.h"
+#include "sightcell/bake/file_settings.h"
 #include "sightcell/bake/pack.h"
 #include "sightcell/bake/stream.h"
 #include "sightcell/base/error.h"
