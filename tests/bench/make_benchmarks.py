@@ -157,6 +157,10 @@ def kilobytes(text):
     return f"{float(text) / 1000:,.0f}"
 
 
+def fixed_kilobytes(text):
+    return f"{float(text) / 1000:,.1f}"
+
+
 def streaming():
     return columns(rows_of("streaming"), ("scene", "scene", plain), ("order", "order", plain), ("KB until 95 %", "bytes_95", kilobytes),
                    ("99 %", "bytes_99", kilobytes), ("99.9 %", "bytes_99_9", kilobytes), ("100 %", "bytes_100", kilobytes),
@@ -176,6 +180,12 @@ def streaming_tried():
         found = {row["order"]: row["page_bytes_99"] for row in rows_of("streaming_tried", scene=scene)}
         table.append([scene] + [f"{float(found[name]) / 1000:.1f}" for _, name in asked])
     return table
+
+
+def streaming_encodings():
+    return columns(rows_of("streaming_encodings", order="ours"), ("scene", "scene", plain), ("pages", "pages", plain),
+                   ("KB of all pages", "all_page_bytes", kilobytes), ("KB until 95 %", "bytes_95", fixed_kilobytes),
+                   ("99 %", "bytes_99", fixed_kilobytes), ("99.9 %", "bytes_99_9", fixed_kilobytes), ("100 %", "bytes_100", fixed_kilobytes))
 
 
 def best_whole_files():
