@@ -12,8 +12,8 @@ settings; a second run takes from there what is done.
 spawns: the points where players appear in game levels, dropped to the first floor below (at most 8 m): share of the
 eyes 1.6 m above it that are in an automatic cell.
 walks: a person walks at random (reach_walk.cpp, which knows polygons and no voxels), from the spawns of a level and
-from those of 24 random places whose trial walks get around. Eyes in no cell, of the automatic cells and of the columns
-before merging.
+from those of 24 random places in cells whose trial walks get around. Eyes in no cell, of the automatic cells and of the
+columns before merging.
 sizes: the automatic cells of a region; its columns, 4 m wide, before merging; and the lattice of boxes 4 m wide and 2 m
 high that the columns intersect. Polygons drawn: those of the set, in the mean over the same random eyes of such walks
 in the region. Sets have no slack. CPU seconds of a bake are without merging, which is measured over the whole scene.
@@ -22,6 +22,7 @@ Exit code 1 where an eye is in no cell, or less than 98 % of the spawns; 77 with
 """
 import argparse
 import ctypes
+import itertools
 import json
 import os
 import re
@@ -43,7 +44,7 @@ REGIONS = {"city/candela_city.glb": (448, 128, 512, 192), "city/denhaag_01.glb":
 SEARCHED = "floors are searched for in"  # of a warning
 EYE = 1.6  # m
 WIDTH, HEIGHT = 4.0, 2.0  # m, of uniform cells
-TRIALS, TRIAL_STEPS = 24, 500
+TRIALS, TRIAL_STEPS = 24, 48_000  # walks from places that may become a start, steps of all
 MEASURED_EYES = 5000
 WHAT = {"spawns": "Players' starts in game levels, 1.6 m above the first floor below: in an automatic cell or not.",
         "walks": "Steps of a random walk over the floors, eyes at 1.6 m: how many are in no automatic cell.",
@@ -132,7 +133,7 @@ class Runs(bench_data.RunCache):
         return self.kept("sightcell", scene, asked, measure)
 
     def walk(self, scene, starts, steps, region=None):
-        """The answer of reach_walk with its eyes as an array."""
+        """Heights of the floors below the starts, or None, and the eyes of the walks from each start."""
         settings = ["--steps", str(steps), "--eye", str(EYE)]
         if region is not None:
             settings.append("--region=" + ",".join(map(str, region)))
@@ -143,7 +144,7 @@ class Runs(bench_data.RunCache):
             bench_data.run([os.path.join(self.folder, "reach_walk"), scene, begin, out, *settings])
             return bench_data.load(out)
         found = self.kept("reach_walk", scene, [json.dumps(starts), *settings], measure)
-        return {**found, "eyes": np.array(found["eyes"], "f8").reshape(-1, 3)}
+        return found["floors"], [np.array(eyes, "f8").reshape(-1, 3) for eyes in found["eyes"]]
 
     def sets(self, scene, boxes):
         """The .pvs file of explicit cells and the CPU seconds of its bake."""
@@ -164,22 +165,21 @@ class DrawnPolygons:
         opened = self.lib.sightcell_db_open_file(path.encode(), None, ctypes.byref(self.db))
         pair_sets.need(opened == 0, f"{path}: cannot be opened")
 
-    def at(self, eyes):
-        """For each eye the polygons of its cell; -1 outside all cells."""
-        counts = np.full(len(eyes), -1, "i8")
-        frame = (ctypes.c_uint32 * 16)()
-        for i, eye in enumerate(eyes):
-            view = ctypes.c_void_p()  # a new one, because a view stays in a cell a little beyond its border
-            at = (ctypes.c_float * 3)(*eye)
-            pair_sets.need(self.lib.sightcell_view_create(self.db, ctypes.byref(view)) == 0, "no view")
-            pair_sets.need(self.lib.sightcell_view_move(view, at, frame) == 0, "no move")
-            if not frame[1] & pair_sets.DRAW_ALL:
-                counts[i] = frame[2]
-            self.lib.sightcell_view_destroy(view)
-        return counts
+    def at(self, eye):
+        """The polygons of its cell, or None outside all cells."""
+        frame, view = (ctypes.c_uint32 * 16)(), ctypes.c_void_p()
+        # A new view, because one stays in a cell a little beyond its border.
+        pair_sets.need(self.lib.sightcell_view_create(self.db, ctypes.byref(view)) == 0, "no view")
+        pair_sets.need(self.lib.sightcell_view_move(view, (ctypes.c_float * 3)(*eye), frame) == 0, "no move")
+        self.lib.sightcell_view_destroy(view)
+        return None if frame[1] & pair_sets.DRAW_ALL else frame[2]
 
-    def close(self):
-        self.lib.sightcell_db_close(self.db)
+
+def fine_columns(runs, scene, columns):
+    """The columns of 4 m, where --most-cells makes the smallest cells wider."""
+    if columns["cells"][0]["max"][0] - columns["cells"][0]["min"][0] > WIDTH:
+        columns = runs.cells(scene, "--merge-cells", "0", "--most-cells", "1000000")
+    return columns
 
 
 # --- where walks begin
@@ -194,20 +194,19 @@ def spawns_of(scene):
         return known["spawn_pos"].astype("f8").tolist()
 
 
-def best_starts(runs, scene, columns, region=None):
-    """Of random places below eyes in columns those whose trial walk gets around, a quarter of the best and more: those
-    in closed buildings get around less."""
+def good_starts(runs, scene, columns, region=None):
+    """Random places in columns of 4 m, with the eye above the floor in the column, whose trial walks get around: to a
+    quarter of the squares of the best and more. In a column at a wall the inside of a closed building is a floor too,
+    which has no cells; walks there are short."""
     inside, random = within(columns, region), np.random.default_rng(1)
     chosen = inside[random.integers(len(inside), size=TRIALS)]
     places = chosen[:, 0] + random.uniform(size=(TRIALS, 3)) * (1, 0, 1) * (chosen[:, 1] - chosen[:, 0])
     places[:, 1] = chosen[:, 1, 1]
-    reach = []
-    for place, box in zip(places.tolist(), chosen, strict=True):
-        found = runs.walk(scene, [place], TRIAL_STEPS, region)
-        # Of two floors one above another in a column the eyes of one are in it.
-        above = found["floors"][0] is not None and box[0, 1] <= found["floors"][0] + EYE <= box[1, 1]
-        reach.append(squares_of(found["eyes"]) if above else 0)
-    return [place for place, squares in zip(places.tolist(), reach, strict=True) if 4 * squares >= max(reach)]
+    floors, eyes = runs.walk(scene, places.tolist(), TRIAL_STEPS, region)
+    squares = np.array([squares_of(of_one) for of_one in eyes])
+    above = np.array([np.nan if floor is None else floor + EYE for floor in floors])
+    squares[~((above >= chosen[:, 0, 1]) & (above <= chosen[:, 1, 1]))] = 0
+    return places[4 * squares >= squares.max()].tolist()
 
 
 # --- tables
@@ -217,7 +216,7 @@ def spawn_row(runs, scene, boxes):
     spawns = spawns_of(scene)
     if spawns is None:
         return None
-    floors = runs.walk(scene, spawns, 0)["floors"]
+    floors, _ = runs.walk(scene, spawns, 0)
     dropped = zip(spawns, floors, strict=True)
     eyes = np.array([[x, floor + EYE, z] for (x, _, z), floor in dropped if floor is not None]).reshape(-1, 3)
     inside = int((containing(eyes, boxes) >= 0).sum())
@@ -225,17 +224,20 @@ def spawn_row(runs, scene, boxes):
             "percent": 100.0 * inside / max(len(eyes), 1)}
 
 
-def walk_row(runs, scene, steps, boxes, columns):
-    searched_in_part = any(SEARCHED in warning for warning in columns["warnings"])  # the scene is too wide
-    columns = boxes_of(columns)
+def walk_row(runs, scene, steps, boxes, found):
+    """boxes: of the automatic cells. found: the answer of `sightcell cells` before merging."""
+    searched_in_part = any(SEARCHED in warning for warning in found["warnings"])  # the scene is too wide
+    columns = boxes_of(found)
     ends = np.concatenate([columns[:, 0].min(0)[::2], columns[:, 1].max(0)[::2]])
     region = tuple(ends.tolist()) if searched_in_part else None
-    starts = (spawns_of(scene) or []) + best_starts(runs, scene, columns, region)
-    eyes = runs.walk(scene, starts, steps, region)["eyes"]
+    starts = (spawns_of(scene) or []) + good_starts(runs, scene, boxes_of(fine_columns(runs, scene, found)), region)
+    eyes = np.concatenate(runs.walk(scene, starts, steps, region)[1])
     in_cells, in_columns = containing(eyes, boxes), containing(eyes, columns)
+    heights = eyes[in_cells < 0, 1]
     for eye in eyes[in_cells < 0][:5]:
         log(f"{scene}: no cell contains the eye ({', '.join(f'{c:.3f}' for c in eye)})")
     return {"starts": len(starts), "steps": len(eyes), "outside": int((in_cells < 0).sum()),
+            "beyond_heights_of_cells": int(((heights < boxes[:, 0, 1].min()) | (heights > boxes[:, 1, 1].max())).sum()),
             "outside_before_merging": int((in_columns < 0).sum()), "cells": len(boxes),
             "cells_visited": len(np.unique(in_cells[in_cells >= 0])), "columns": len(columns),
             "columns_visited": len(np.unique(in_columns[in_columns >= 0]))}
@@ -243,27 +245,24 @@ def walk_row(runs, scene, steps, boxes, columns):
 
 def size_rows(runs, library, scene, region, merged, columns):
     """A row per kind of cells. merged, columns: answers of `sightcell cells`."""
-    if columns["cells"][0]["max"][0] - columns["cells"][0]["min"][0] > WIDTH:
-        columns = runs.cells(scene, "--merge-cells", "0", "--most-cells", "1000000")
-    starts = (spawns_of(scene) if region is None else None) or best_starts(runs, scene, boxes_of(columns), region)
-    eyes = runs.walk(scene, starts, 20 * MEASURED_EYES, region)["eyes"]
-    eyes = eyes[np.random.default_rng(1).permutation(len(eyes))[:MEASURED_EYES]]
+    columns = fine_columns(runs, scene, columns)
+    starts = (spawns_of(scene) if region is None else None) or good_starts(runs, scene, boxes_of(columns), region)
+    eyes = np.concatenate(runs.walk(scene, starts, 20 * MEASURED_EYES, region)[1])
+    eyes = eyes[np.random.default_rng(1).permutation(len(eyes))]
     kinds = {"merged": within(boxes_of(merged), region), "columns": within(boxes_of(columns), region)}
     kinds["lattice"] = uniform_lattice(kinds["columns"])
-    rows, drawn = [], {}
+    rows, sets = [], []
     for kind, boxes in kinds.items():
         pvs, summary = runs.sets(scene, boxes)
-        sets = DrawnPolygons(library, pvs)
-        drawn[kind] = sets.at(eyes)
-        sets.close()
+        sets.append(DrawnPolygons(library, pvs))
         rows.append({"quality": runs.quality, "cells_are": kind, "cells": len(boxes), "stored": summary["cells"],
                      "cpu_seconds": summary["cpu"], "bytes": os.path.getsize(pvs)})
-    # Cells without a valid viewpoint are not stored, so a few eyes are in no cell of one kind.
-    common = np.logical_and.reduce([counts >= 0 for counts in drawn.values()])
-    for row in rows:
+    # Cells in solids are not stored, and walks get into what is closed around them, such as a hill.
+    counts = ([of_kind.at(eye) for of_kind in sets] for eye in eyes)
+    measured = list(itertools.islice((of_eye for of_eye in counts if None not in of_eye), MEASURED_EYES))
+    for row, drawn in zip(rows, np.mean(measured, axis=0).tolist(), strict=True):
         merging = merged["cpu"] - columns["cpu"] if row["cells_are"] == "merged" else None
-        row.update({"eyes": int(common.sum()), "drawn": float(drawn[row["cells_are"]][common].mean()),
-                    "merging_cpu_seconds_of_scene": merging})
+        row.update({"eyes": len(measured), "drawn": drawn, "merging_cpu_seconds_of_scene": merging})
     return rows
 
 

@@ -4,10 +4,11 @@
 // ones are obstacles, and those that face up are floors.
 //
 // STARTS: a list of points [x, y, z] in meters. Each is dropped to the first floor below it. Those with room for a
-// person get equal numbers of steps, in walks of at most 500. The first walk begins at the start, others where an
-// earlier one of the same start was: so a pit without a way out ends one walk only, and all eyes are connected to their
-// start. OUT: {"floors": [height below each start, or null], "stands": [whether a person has room there], "eyes": [[x,
-// y, z]]}. The eyes are in the order of the steps; blocked tries are none.
+// person get equal numbers of steps, in walks of at most 500. The first walk begins at the start, others where walks
+// from the same start were least: so all eyes are connected to their start, and a pit without a way out ends one walk.
+//
+// OUT: {"floors": [height below each start, or null], "eyes": [of each start: [[x, y, z]], in the order of the steps]}.
+// Starts without room for a person have no eyes. Blocked tries are no steps.
 #include <embree3/rtcore.h>
 
 #include <CLI/CLI.hpp>
@@ -282,8 +283,8 @@ void run(const options& how) {
   const obstacles around(world, how.slope);
   std::ifstream in(how.starts);
   const auto starts = nlohmann::json::parse(in).get<std::vector<std::array<double, 3>>>();
-  nlohmann::json out{{"floors", nlohmann::json::array()}, {"stands", nlohmann::json::array()}};
-  std::vector<glm::dvec3> begins;
+  std::vector<std::optional<glm::dvec3>> begins;
+  nlohmann::json out;
   for (const auto& [x, y, z] : starts) {
     // Surfaces that nobody can stand on are passed.
     std::optional<double> floor;
@@ -297,14 +298,20 @@ void run(const options& how) {
     const bool stands =
         floor && around.is_empty({{x - r, *floor + how.climb, z - r}, {x + r, *floor + how.height, z + r}});
     out["floors"].push_back(floor ? nlohmann::json(*floor) : nlohmann::json());
-    out["stands"].push_back(stands);
-    if (stands) begins.emplace_back(x, *floor, z);
+    begins.push_back(stands ? std::optional(glm::dvec3(x, *floor, z)) : std::nullopt);
   }
-  nlohmann::json& eyes = out["eyes"] = nlohmann::json::array();
-  const auto until = [&](std::size_t i) { return std::size_t{how.steps} * i / begins.size(); };
-  for (std::size_t i = 0; i < begins.size(); ++i)
-    for (const glm::dvec3& feet : walks_from(around, how, begins[i], i, until(i + 1) - until(i)))
-      eyes.push_back({feet.x, feet.y + how.eye, feet.z});
+  const auto standing = static_cast<std::size_t>(
+      std::count_if(begins.begin(), begins.end(), [](const auto& at) { return at.has_value(); }));
+  std::size_t number = 0;
+  for (const auto& begin : begins) {
+    nlohmann::json& eyes = out["eyes"].emplace_back(nlohmann::json::array());
+    if (!begin) continue;
+    const std::size_t steps =
+        std::size_t{how.steps} * (number + 1) / standing - std::size_t{how.steps} * number / standing;
+    for (const glm::dvec3& feet : walks_from(around, how, *begin, number, steps))
+      eyes.push_back({static_cast<float>(feet.x), static_cast<float>(feet.y + how.eye), static_cast<float>(feet.z)});
+    ++number;
+  }
   std::ofstream file(how.out);
   file << out;
   file.close();
