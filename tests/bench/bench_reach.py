@@ -227,10 +227,10 @@ def spawn_row(runs, scene, boxes):
 def walk_row(runs, scene, steps, boxes, found):
     """boxes: of the automatic cells. found: the answer of `sightcell cells` before merging."""
     searched_in_part = any(SEARCHED in warning for warning in found["warnings"])  # the scene is too wide
-    columns = boxes_of(found)
-    ends = np.concatenate([columns[:, 0].min(0)[::2], columns[:, 1].max(0)[::2]])
+    columns, fine = boxes_of(found), boxes_of(fine_columns(runs, scene, found))
+    ends = np.concatenate([fine[:, 0].min(0)[::2], fine[:, 1].max(0)[::2]])
     region = tuple(ends.tolist()) if searched_in_part else None
-    starts = (spawns_of(scene) or []) + good_starts(runs, scene, boxes_of(fine_columns(runs, scene, found)), region)
+    starts = (spawns_of(scene) or []) + good_starts(runs, scene, fine, region)
     eyes = np.concatenate(runs.walk(scene, starts, steps, region)[1])
     in_cells, in_columns = containing(eyes, boxes), containing(eyes, columns)
     heights = eyes[in_cells < 0, 1]
