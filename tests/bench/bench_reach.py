@@ -243,11 +243,11 @@ def walk_row(runs, scene, steps, boxes, found):
             "columns_visited": len(np.unique(in_columns[in_columns >= 0]))}
 
 
-def size_rows(runs, library, scene, region, merged, columns):
+def size_rows(runs, library, scene, region, steps, merged, columns):
     """A row per kind of cells. merged, columns: answers of `sightcell cells`."""
     columns = fine_columns(runs, scene, columns)
     starts = (spawns_of(scene) if region is None else None) or good_starts(runs, scene, boxes_of(columns), region)
-    eyes = np.concatenate(runs.walk(scene, starts, 20 * MEASURED_EYES, region)[1])
+    eyes = np.concatenate(runs.walk(scene, starts, steps, region)[1])
     eyes = eyes[np.random.default_rng(1).permutation(len(eyes))]
     kinds = {"merged": within(boxes_of(merged), region), "columns": within(boxes_of(columns), region)}
     kinds["lattice"] = uniform_lattice(kinds["columns"])
@@ -275,7 +275,7 @@ def measure_scene(runs, library, options, path, scene):
     if "walks" in options.part and path in WALKS:
         found["walks"] = [walk_row(runs, scene, options.steps, boxes_of(merged), columns)]
     if "sizes" in options.part and path in REGIONS:
-        found["sizes"] = size_rows(runs, library, scene, REGIONS[path], merged, columns)
+        found["sizes"] = size_rows(runs, library, scene, REGIONS[path], options.steps, merged, columns)
     return found
 
 
@@ -312,7 +312,8 @@ def main():
         return 77
     for table, rows in tables.items():
         if rows:
-            result_files.write(options.results, "reach_" + table, WHAT[table], rows, NOTES[table])
+            other = "_" + options.quality if table == "sizes" and options.quality != "normal" else ""
+            result_files.write(options.results, f"reach_{table}{other}", WHAT[table], rows, NOTES[table])
     return int(any(row["outside"] for row in tables["walks"]) or any(row["percent"] < 98.0 for row in tables["spawns"]))
 
 
