@@ -105,16 +105,18 @@ def reach_walks():
 
 def reach_sizes():
     """Cells of one size beside the automatic ones of the same region."""
-    table = [["scene", "cells", "number", "CPU s", "KB", "polygons drawn", "automatic cells: times fewer", "times the polygons"]]
-    for row in rows_of("reach_sizes"):
-        automatic, = rows_of("reach_sizes", scene=row["scene"], cells_are="merged")
+    table = [["scene", "quality", "cells", "number", "CPU s", "KB", "polygons drawn", "automatic cells: times fewer",
+              "times the polygons"]]
+    for row in rows_of("reach_sizes") + rows_of("reach_sizes_draft"):
+        file = "reach_sizes" if row["quality"] == "normal" else "reach_sizes_draft"
+        automatic, = rows_of(file, scene=row["scene"], cells_are="merged")
         ratios = ["", ""]
         if row["cells_are"] != "merged":
             ratios = [f"{float(row['stored']) / float(automatic['stored']):.1f}",
                       f"{float(automatic['drawn']) / float(row['drawn']):.2f}"]
         name = {"merged": "automatic", "columns": "columns of 4 m", "lattice": "4 x 2 x 4 m"}[row["cells_are"]]
-        table.append([row["scene"], name, grouped(row["stored"]), fixed(0)(row["cpu_seconds"]), kilobytes(row["bytes"]),
-                      grouped(row["drawn"]), *ratios])
+        table.append([row["scene"], row["quality"], name, grouped(row["stored"]), fixed(0)(row["cpu_seconds"]),
+                      kilobytes(row["bytes"]), grouped(row["drawn"]), *ratios])
     return table
 
 
