@@ -43,7 +43,7 @@ export async function beginningOf(url, init, count) {
     }
     const bytes = await bodyOf(response);
     const { end, size } = response.status === 206 ? range : { end: bytes.length, size: bytes.length };
-    if (bytes.length !== end) throw new Error(`the server announced bytes 0 to ${end - 1} and sent ${bytes.length} bytes`);
+    if (bytes.length !== end) throw new Error(`announced bytes 0 to ${end - 1}, and ${bytes.length} bytes arrived`);
     return { bytes, size };
   });
   if (found !== undefined) return found;
@@ -173,8 +173,8 @@ export class Pages {
       const right = range?.begin === from && range.size === this.#size && bytes.length === end - from;
       if (!whole && !right) {
         const sent = range ? `bytes ${range.begin} to ${range.end - 1} of ${range.size}` : 'no range';
-        throw new Error(`asked for bytes ${from} to ${end - 1} of ${this.#size}, the server sent ${bytes.length} bytes and ` +
-          `stated ${sent}. If the file has changed, open it again.`);
+        throw new Error(`asked for bytes ${from} to ${end - 1} of ${this.#size}, the server sent ${bytes.length} bytes ` +
+          `and stated ${sent}. If the file has changed, open it again.`);
       }
       if (!whole) return bytes;
       this.#known = bytes;

@@ -76,7 +76,8 @@ export class Sightcell {
     return this.#add((closed) => Database.open(heap, asBytes(bytes, 'open()'), closed));
   }
 
-  async openUrl(url, { whole = false, firstBytes = 65536, residentBytes = 2 ** 24, pageLoaded, pageFailed, ...init } = {}) {
+  async openUrl(url, options = {}) {
+    const { whole = false, firstBytes = 65536, residentBytes = 2 ** 24, pageLoaded, pageFailed, ...init } = options;
     const where = urlOf(url);
     const openWhole = async () => this.open(await bytesOf(where, init));
     if (whole || where.protocol === 'file:') return openWhole();

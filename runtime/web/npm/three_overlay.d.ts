@@ -4,9 +4,9 @@ import type { Frame } from './sightcell.js';
 import type { Attachment } from './three.js';
 
 export class DebugOverlay {
-  /** scene: the one that was attached; the lines are added to it. kinds: values of DebugLines, combined; default: the box of
-   * the cell (yellow), the same box grown by the margin (orange), and the cells around it (gray). Volumes are blue; parts
-   * where the error bound does not hold are red. */
+  /** scene: the one that was attached; the lines are added to it.
+   * kinds: values of DebugLines, combined. Default: the box of the cell (yellow), the same box grown by the margin
+   * (orange), and the cells around it (gray). Volumes are blue; parts where the error bound does not hold are red. */
   constructor(pvs: Attachment, scene: Object3D, options?: { kinds?: number });
   /** Call it in each frame instead of Attachment.update, which it calls. */
   update(camera: Camera): Frame;

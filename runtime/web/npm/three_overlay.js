@@ -26,7 +26,8 @@ export class DebugOverlay {
     this.#pvs = pvs;
     this.#scene = scene;
     this.#kinds = kinds;
-    const material = new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true, toneMapped: false });
+    const material = new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true,
+      toneMapped: false });
     this.lines = new LineSegments(new BufferGeometry(), material);
     this.lines.name = 'sightcell overlay';
     this.lines.renderOrder = 1000;

@@ -61,7 +61,9 @@ export class Controls {
     }
   }
 
-  #beginLook({ pointerId, clientX, clientY }) { Object.assign(this.#look, { pointer: pointerId, x: clientX, y: clientY }); }
+  #beginLook({ pointerId, clientX, clientY }) {
+    Object.assign(this.#look, { pointer: pointerId, x: clientX, y: clientY });
+  }
 
   #turn(x, y) {
     this.heading -= turn * x;

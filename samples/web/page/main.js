@@ -54,7 +54,8 @@ class Walk {
     this.overlay.visible = false;
     this.walker = new Walker(plain);
     this.walker.place(new Vector3(...site.start));
-    const actions = { onPvs: (on) => this.set({ pvs: on }), onFreeze: () => this.freeze(), onCells: () => this.showCells() };
+    const actions = { onPvs: (on) => this.set({ pvs: on }), onFreeze: () => this.freeze(),
+      onCells: () => this.showCells() };
     this.panel = new Panel(plain, new URL(site.sets, document.baseURI).href, actions);
     this.controls = new Controls(this.renderer.domElement, document.querySelector('#stick i'), {
       KeyP: () => this.set({ pvs: !this.#state.pvs }), KeyF: actions.onFreeze, KeyC: actions.onCells,

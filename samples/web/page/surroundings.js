@@ -1,6 +1,6 @@
 // Light and sky. The sun casts shadows that are rendered once, because nothing moves.
-import { BackSide, Box3, BufferAttribute, Color, DirectionalLight, Fog, HemisphereLight, Matrix4, Mesh, MeshBasicMaterial, Sphere,
-  SphereGeometry, Vector3 } from 'three';
+import { BackSide, Box3, BufferAttribute, Color, DirectionalLight, Fog, HemisphereLight, Matrix4, Mesh,
+  MeshBasicMaterial, Sphere, SphereGeometry, Vector3 } from 'three';
 
 const zenith = new Color(0x4f8fd0), horizon = new Color(0xd5e4ee), below = new Color(0xa79c8b);
 const toSun = new Vector3(-0.55, 0.62, 0.38).normalize();
@@ -12,11 +12,12 @@ function makeSky() {
   const shade = new Color();
   for (let i = 0; i < position.count; ++i) {
     const y = position.getY(i);
-    shade.lerpColors(horizon, y < 0 ? below : zenith, Math.min(1, Math.abs(y) * (y < 0 ? 6 : 1)) ** 0.6).toArray(shades, 3 * i);
+    const part = Math.min(1, y < 0 ? -6 * y : y) ** 0.6;
+    shade.lerpColors(horizon, y < 0 ? below : zenith, part).toArray(shades, 3 * i);
   }
   geometry.setAttribute('color', new BufferAttribute(shades, 3));
-  const material = new MeshBasicMaterial({ vertexColors: true, side: BackSide, depthWrite: false, depthTest: false, fog: false,
-    toneMapped: false });
+  const material = new MeshBasicMaterial({ vertexColors: true, side: BackSide, depthWrite: false, depthTest: false,
+    fog: false, toneMapped: false });
   const sky = new Mesh(geometry, material);
   sky.renderOrder = -1;
   sky.frustumCulled = false;

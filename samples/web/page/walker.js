@@ -21,7 +21,8 @@ function trianglesOf(scene) {
   let at = 0;
   meshes.forEach(({ geometry: { index, attributes: { position } }, matrixWorld }, i) => {
     for (let k = 0; k < counts[i]; ++k, at += 3) {
-      point.fromBufferAttribute(position, index === null ? k : index.getX(k)).applyMatrix4(matrixWorld).toArray(positions, at);
+      point.fromBufferAttribute(position, index === null ? k : index.getX(k));
+      point.applyMatrix4(matrixWorld).toArray(positions, at);
     }
   });
   return new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
@@ -63,7 +64,7 @@ export class Walker {
       this.eye.addScaledVector(whole, 1 / steps);
       this.#pushOut();
     }
-    if (this.eye.y < this.#bvh.getBoundingBox(this.#box).min.y - 10) this.eye.copy(before);  // beyond the end of the town
+    if (this.eye.y < this.#bvh.getBoundingBox(this.#box).min.y - 10) this.eye.copy(before);  // beyond the town
   }
 
   #pushOut() {

@@ -9,7 +9,7 @@ const program = "/usr/bin/chromium";
 const skip_code = 77;  // ctest reports the test as skipped
 const args = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
-/** Runs use(browser), or ends this program as skipped where Chromium is missing. modules: a folder with playwright-core */
+/** Runs use(browser), or ends this program as skipped where Chromium is missing. modules: has playwright-core */
 export async function with_chromium(modules, use) {
   if (!existsSync(program)) {
     console.log(`skipped: no ${program} (scripts/bootstrap --tests)`);
@@ -36,7 +36,8 @@ export async function open_page(browser, url, options, prepare = async () => {})
   page.on("pageerror", (error) => problems.push(error.stack));
   page.on("requestfailed", (request) => {
     const { errorText } = request.failure();
-    if (errorText !== "net::ERR_ABORTED") problems.push(`${request.url()}: ${errorText}`);  // the page itself aborted it
+    if (errorText === "net::ERR_ABORTED") return;  // by the page itself
+    problems.push(`${request.url()}: ${errorText}`);
   });
   await prepare(page);
   await page.goto(url);

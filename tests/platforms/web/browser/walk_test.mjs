@@ -1,7 +1,8 @@
 // The sample's page in Chromium: with and without the PVS it draws the same pictures, also for both eyes of an emulated
 // headset; nothing grows while files are opened and disposed; the browser has nothing to warn of.
 // usage: walk_test.mjs SITE NODE_MODULES VIEWPOINTS WIDTH [FOLDER]    SITE: of samples/web/make_site.py
-//   WIDTH: of the pictures; their height is 9/16 of it    FOLDER: receives a picture of each viewpoint with more wrong pixels than allowed
+//   WIDTH: of the pictures; their height is 9/16 of it
+//   FOLDER: receives a picture of each viewpoint with more wrong pixels than allowed
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
@@ -17,10 +18,11 @@ const cycles = 100;
 // The page with an emulated headset, paused.
 async function open_walk(browser, url) {
   const emulation = readFileSync(join(modules, "iwer", "build", "iwer.min.js"), "utf8");
-  const opened = await open_page(browser, url, { viewport: size }, (page) => page.addInitScript({ content: `${emulation};
+  const content = `${emulation};
     globalThis.headset = new IWER.XRDevice(IWER.metaQuest3);
     globalThis.headset.stereoEnabled = true;
-    globalThis.headset.installRuntime({ forceInstall: true });` }));
+    globalThis.headset.installRuntime({ forceInstall: true });`;
+  const opened = await open_page(browser, url, { viewport: size }, (page) => page.addInitScript({ content }));
   await opened.page.waitForFunction(() => globalThis.walk ?? document.querySelector("#loading.failed"));
   opened.no_problems();
   await opened.page.evaluate(() => globalThis.walk.pause());
@@ -107,7 +109,8 @@ async function pictures_are_the_same(page, count) {
   require(rich > count / 2, `${rich} of ${count} pictures have more than 20 colors`);  // others show a wall
   require(cells.size > count / 4, `${count} viewpoints are in ${cells.size} cells`);
   require(sums.on < sums.off, `${sums.on} triangles with the PVS, ${sums.off} without`);
-  return `${sums.wrong} of ${sums.pixels} pixels are wrong, at most ${worst} in a picture; triangles ${sums.on} of ${sums.off}`;
+  return `${sums.wrong} of ${sums.pixels} pixels are wrong, at most ${worst} in a picture; ` +
+    `triangles ${sums.on} of ${sums.off}`;
 }
 
 // An emulated headset: its eyes are on the left and on the right half of the picture.
@@ -126,7 +129,10 @@ async function both_eyes_are_the_same(page) {
       try {
         frame.call(walk, time);
         headset.quaternion.set(0, Math.sin(0.4 * count), 0, Math.cos(0.4 * count));
-        if (++count > 2 && !walk.pvs.view.frame.pending) results.push({ ...compare(), eyes: walk.renderer.xr.getCamera().cameras.map(({ viewport }) => [viewport.x, viewport.z]) });
+        if (++count > 2 && !walk.pvs.view.frame.pending) {
+          const eyes = walk.renderer.xr.getCamera().cameras.map(({ viewport }) => [viewport.x, viewport.z]);
+          results.push({ ...compare(), eyes });
+        }
         if (results.length === 4) done(results);
       } catch (error) {
         failed(error);
@@ -146,7 +152,9 @@ async function both_eyes_are_the_same(page) {
     delete walk.frame;
     const before = walk.rig.position.clone();
     headset.controllers.left.updateAxes("thumbstick", 0, -1);
-    for (let i = 0; i < 30 && before.distanceTo(walk.rig.position) < 0.05; ++i) await new Promise((later) => setTimeout(later, 50));
+    for (let i = 0; i < 30 && before.distanceTo(walk.rig.position) < 0.05; ++i) {
+      await new Promise((later) => setTimeout(later, 50));
+    }
     return before.distanceTo(walk.rig.position);
   });
   require(moved > 0.05, `the stick moved the person by ${moved} m`);
@@ -178,7 +186,8 @@ async function nothing_grows(page) {
         db.dispose();
       }
       walk.renderer.render(walk.scene, walk.camera);
-      return { module: globalThis.module.memoryBytes, ...walk.renderer.info.memory, children: walk.town.children.length };
+      return { module: globalThis.module.memoryBytes, ...walk.renderer.info.memory,
+        children: walk.town.children.length };
     }, times);
     await devtools.send("HeapProfiler.collectGarbage");
     const { made, kept } = await page.evaluate(() => ({ made: globalThis.refs.length,
@@ -228,7 +237,8 @@ async function the_panel_works(page) {
     key("keydown");
     for (let i = 0; i < 2000; ++i) walk.walker.move(before.clone().set(0, 0, -walk.controls.wish[1] * 0.05), 1 / 60);
     key("keyup");
-    return [before.distanceTo(walk.walker.eye), walk.walker.isClear(walk.walker.eye, walk.db.info.playerRadius), walk.controls.wish[1]];
+    const { eye } = walk.walker;
+    return [before.distanceTo(eye), walk.walker.isClear(eye, walk.db.info.playerRadius), walk.controls.wish[1]];
   });
   require(walked[0] > 1 && walked[0] < 100 && walked[1] && walked[2] === 0, `a walk: ${walked}`);
 }
@@ -246,7 +256,8 @@ async function fingers_work(page) {
   const heading = await page.evaluate(() => globalThis.walk.controls.heading);
   await touch("touchStart", [0.2, 0.9, 1]);
   await touch("touchMove", [0.2, 0.5, 1]);
-  await wait_for(() => globalThis.walk.controls.wish[1] > 0.9 && !document.getElementById("stick").hidden, "the left finger");
+  await wait_for(() => globalThis.walk.controls.wish[1] > 0.9 && !document.getElementById("stick").hidden,
+    "the left finger");
   await touch("touchStart", [0.2, 0.5, 1], [0.9, 0.5, 2]);
   await touch("touchMove", [0.2, 0.5, 1], [0.8, 0.5, 2]);
   await wait_for((before) => globalThis.walk.controls.heading > before + 0.05, "the right finger", heading);
@@ -260,7 +271,8 @@ async function fingers_work(page) {
 // browser asks for ranges without a request in advance.
 async function other_origins_are_read(page) {
   const everyone = { "Access-Control-Allow-Origin": "*" };
-  for (const [paged, headers] of [[false, everyone], [true, { ...everyone, "Access-Control-Expose-Headers": "Content-Range" }]]) {
+  const readable = { ...everyone, "Access-Control-Expose-Headers": "Content-Range" };
+  for (const [paged, headers] of [[false, everyone], [true, readable]]) {
     const other = await serve(site, headers);
     try {
       const found = await page.evaluate(async (base) => {

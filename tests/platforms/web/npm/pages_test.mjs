@@ -15,11 +15,13 @@ const file = readFileSync(path);
 const first_bytes = 256;
 
 const equal = (found, expected, what) => {
-  require(JSON.stringify(found) === JSON.stringify(expected), `${what}: ${JSON.stringify(found)}, not ${JSON.stringify(expected)}`);
+  const [is, should_be] = [found, expected].map((value) => JSON.stringify(value));
+  require(is === should_be, `${what}: ${is}, not ${should_be}`);
 };
 const rejection_of = (promise) => promise.then(() => "ok", (error) => {
-  if (error instanceof SightcellError) require(/^sightcell: http.*\n?$/.test(error.message) || error.id !== "io", error.message);
-  return error instanceof SightcellError ? error.id : error.name;
+  if (!(error instanceof SightcellError)) return error.name;
+  require(error.id !== "io" || /^sightcell: http.*$/.test(error.message), error.message);  // one line with the address
+  return error.id;
 });
 const middle = ({ min, max }) => min.map((end, axis) => 0.5 * (end + max[axis]));
 
@@ -50,7 +52,8 @@ function send_range(response, begin, end, content = server.file ?? file) {
   if (begin === undefined) return send(response, 200, {}, content);
   if (begin >= content.length) return send(response, 416, { "Content-Range": `bytes */${content.length}` }, "");
   end = Math.min(end, content.length);
-  return send(response, 206, { "Content-Range": `bytes ${begin}-${end - 1}/${content.length}` }, content.subarray(begin, end));
+  const range = { "Content-Range": `bytes ${begin}-${end - 1}/${content.length}` };
+  return send(response, 206, range, content.subarray(begin, end));
 }
 
 function serve(answer, content) {
@@ -62,7 +65,8 @@ const open = (options) => sightcell.openUrl(url, { firstBytes: first_bytes, ...o
 async function arrive(view, point) {
   const frame = view.move(point);
   if (!frame.pending) return;
-  require(frame.drawAll && frame.polygonCount === view.database.info.polygonCount, "everything is drawn while a page is pending");
+  const { polygonCount } = view.database.info;
+  require(frame.drawAll && frame.polygonCount === polygonCount, "everything is drawn while a page is pending");
   await until(() => !view.move(point).pending, "a page");
 }
 
@@ -154,7 +158,8 @@ async function servers_without_ranges_send_the_whole_file() {
 
 async function errors_while_opening() {
   const short = (response, begin, end) => {
-    response.writeHead(206, { "Content-Range": `bytes ${begin}-${end - 1}/${file.length}`, "Content-Length": end - begin });
+    const range = `bytes ${begin}-${end - 1}/${file.length}`;
+    response.writeHead(206, { "Content-Range": range, "Content-Length": end - begin });
     response.write(file.subarray(begin, end - 1), () => response.destroy());
   };
   const later = (answer) => (response, begin, end) => (begin === 0 ? send_range : answer)(response, begin, end);
@@ -164,7 +169,8 @@ async function errors_while_opening() {
   const longer = (response, begin, end) => send_range(response, begin, end, Buffer.concat([file, file]));
   const fails = (response) => send(response, 503, {}, "");
   const partial = (response) => send(response, 200, {}, file.subarray(1));
-  for (const answer of [fails, short, fewer, later(fails), later(short), later(fewer), later(other), later(longer), later(partial)]) {
+  const at_once = [fails, short, fewer], then = [fails, short, fewer, other, longer, partial];
+  for (const answer of [...at_once, ...then.map(later)]) {
     serve(answer);
     equal(await rejection_of(open()), "io", answer);
   }
