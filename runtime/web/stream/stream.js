@@ -1,0 +1,368 @@
+// A streaming client for three.js. See stream.d.ts for what each function does.
+import { Matrix4, Frustum, Vector3, Vector4 } from 'three';
+import { Cells, CELL } from './cells.js';
+import { StreamError } from './error.js';
+import {
+  ABSENT,
+  CHUNK,
+  FAILED,
+  fetchBytes,
+  fetchFile,
+  IMAGE,
+  LOADING,
+  PAGE,
+  PRESENT,
+  readChunk,
+  readFront,
+} from './format.js';
+import { StreamedScene } from './scene.js';
+
+export { StreamError } from './error.js';
+
+const relistAfter = 100;  // milliseconds of movement between two lists of requests
+const aheadAge = 10000;  // milliseconds for which files that were loaded ahead are kept
+const slowest = 2;  // bytes per millisecond of a transfer that is not given up
+const stall = 30000;  // milliseconds, in addition
+const firstBackoff = 250,
+  longestBackoff = 8000;  // milliseconds
+const reportAfter = 4;  // failed attempts
+const fastest = 100;  // meters per second: a faster camera has jumped
+const samplesAcross = 33;  // of the horizontal angle of view
+
+function estimate({ kind, bytes, width, height }) {
+  if (kind === CHUNK) return 0;
+  return kind === IMAGE && width > 0 ? (width * height * 16) / 3 : 8 * bytes;
+}
+
+/** What the camera sees, in the space of the streamed scene. */
+class View {
+  eye = new Vector3();
+  velocity = new Vector3();
+  headings = 255;
+  #matrix = new Matrix4();
+  #next = new Matrix4();
+  #last = new Vector3();
+  #frustum = new Frustum();
+  #point = new Vector4();
+  #time = 0;
+  sees = (box) =>
+    this.#frustum.intersectsBox({ min: { x: box[0], y: box[1], z: box[2] }, max: { x: box[3], y: box[4], z: box[5] } });
+
+  constructor(seconds) {
+    this.seconds = seconds;
+  }
+
+  /** Returns whether anything has changed. */
+  move(camera, group, now) {
+    // Three.js writes the matrices of a headset itself.
+    if (camera.isArrayCamera !== true) camera.updateWorldMatrix(true, false);
+    group.updateWorldMatrix(true, false);
+    this.#next.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).multiply(group.matrixWorld);
+    const passed = (now - this.#time) / 1000;
+    this.#time = now;
+    if (this.#next.equals(this.#matrix)) {
+      this.velocity.set(0, 0, 0);
+      return false;
+    }
+    this.#matrix.copy(this.#next);
+    this.#last.copy(this.eye);
+    group.worldToLocal(this.eye.setFromMatrixPosition(camera.matrixWorld));
+    this.#last.subVectors(this.eye, this.#last).divideScalar(Math.max(passed, 1e-3));
+    if (passed > 0.5 || this.#last.length() > fastest) this.velocity.set(0, 0, 0);
+    else this.velocity.lerp(this.#last, Math.min(1, passed / 0.2));
+    return true;
+  }
+
+  /** Prepares `sees` and `headings`. */
+  look(camera) {
+    this.#frustum.setFromProjectionMatrix(this.#matrix, camera.coordinateSystem, camera.reversedDepth);
+    const isInside = (x, y, z, w) => {
+      const p = this.#point.set(x, y, z, w).applyMatrix4(this.#matrix);
+      return p.w > 0 && Math.abs(p.x) <= p.w && Math.abs(p.y) <= p.w;
+    };
+    this.headings = 255;
+    // A view that contains the vertical shows all headings.
+    if (isInside(0, 1, 0, 0) || isInside(0, -1, 0, 0)) return;
+    const inverse = this.#next.copy(this.#matrix).invert();
+    this.headings = 0;
+    for (let i = 0; i < samplesAcross; ++i) {
+      for (const y of [-1, 0, 1]) {
+        const p = this.#point
+          .set((2 * i) / (samplesAcross - 1) - 1, y, 0.5, 1)
+          .applyMatrix4(inverse)
+          .divideScalar(this.#point.w);
+        const angle = Math.atan2(p.z - this.eye.z, p.x - this.eye.x) / (Math.PI / 4);
+        this.headings |= 1 << ((Math.floor(angle) + 8) % 8);
+      }
+    }
+  }
+}
+
+class Stream {
+  #front;
+  #cells;
+  #scene;
+  #view;
+  #camera = null;
+  #options;
+  #queue = [];  // in the opposite order
+  #stamp = 0;
+  #stale = true;  // the queue
+  #moved = false;
+  #listed = 0;  // time of the queue
+  #inFlight = new Set();
+  #memory = 0;
+  #sums;
+  #disposed = false;
+
+  constructor(front, scene, options) {
+    this.#front = front;
+    this.#scene = scene;
+    this.#cells = new Cells(front);
+    this.#options = options;
+    this.#view = new View(options.lookahead);
+    this.#sums = this.#cells.count();
+  }
+
+  get group() {
+    return this.#scene.group;
+  }
+  get draws() {
+    return this.#front.draws;
+  }
+  get cell() {
+    return this.#cells.cell?.number ?? -1;
+  }
+  get outside() {
+    return this.#cells.outside;
+  }
+  get complete() {
+    return !this.#cells.unknown && this.#sums.missing === 0;
+  }
+  get failed() {
+    return this.#sums.failed;
+  }
+  get weight() {
+    return this.#sums.weight;
+  }
+  get progress() {
+    return this.#sums.weight > 0 ? this.#sums.present / this.#sums.weight : Number(this.complete);
+  }
+  get memoryBytes() {
+    return this.#memory;
+  }
+
+  update(camera) {
+    if (this.#disposed) throw new StreamError('disposed', this.#front.url, 'update() after dispose()');
+    const now = performance.now(),
+      isFirst = this.#camera === null;
+    this.#camera = camera;
+    if (this.#view.move(camera, this.group, now)) {
+      this.#moved = true;
+      if (this.#cells.move(this.#view.eye) || isFirst) this.#settle(true);
+    }
+    if (!this.#moved || now - this.#listed < relistAfter) return;
+    this.#stale = true;
+    this.#pump();
+  }
+
+  moveDraw(draw, matrix) {
+    this.#scene.move(draw, matrix);
+  }
+
+  dispose() {
+    if (this.#disposed) return;
+    this.#disposed = true;
+    for (const file of this.#front.files) {
+      clearTimeout(file.timer);
+      file.abort?.abort();
+    }
+    this.#scene.dispose();
+    this.#memory = 0;
+  }
+
+  /** After a file has changed, or the cell. */
+  #settle(cellChanged) {
+    const { complete } = this.#cells;
+    this.#sums = this.#cells.count();
+    if (cellChanged || complete !== this.#cells.complete) this.#show();
+    this.#stale ||= cellChanged;
+    this.#pump();
+    this.#options.onChange();
+  }
+
+  #show() {
+    const { shown } = this.#scene;
+    this.#front.draws.forEach(({ flags }, i) => {
+      shown[i] = (flags >> 1) & 1;
+    });
+    for (const cell of [this.#cells.cell, this.#cells.complete]) {
+      for (const [begin, end] of cell?.runs ?? []) shown.fill(1, begin, end);
+    }
+    this.#scene.apply();
+  }
+
+  #pump() {
+    if (this.#disposed || this.#camera === null) return;
+    if (this.#stale) {
+      this.#view.look(this.#camera);
+      const { list, stamp } = this.#cells.requests(this.#view);
+      this.#queue = list.reverse();
+      this.#stamp = stamp;
+      this.#stale = this.#moved = false;
+      this.#listed = performance.now();
+    }
+    const isUrgent = ({ reason }) => reason <= CELL;
+    while (this.#queue.length > 0 && this.#inFlight.size < this.#options.requests) {
+      const file = this.#queue.pop();
+      if (file.state !== ABSENT) continue;
+      const fits = this.#makeRoom(estimate(file), isUrgent(file) ? 0 : aheadAge);
+      if (fits || isUrgent(file)) this.#load(file);  // a cell that is larger than the limit is loaded nevertheless
+    }
+    if (!this.#queue.some((file) => file.state === ABSENT && isUrgent(file))) return;
+    for (const file of this.#inFlight) if (file.wanted !== this.#stamp) file.abort.abort();
+  }
+
+  #account(file, bytes) {
+    this.#memory += bytes - file.memory;
+    file.memory = bytes;
+  }
+
+  #makeRoom(bytes, age) {
+    const { memory } = this.#options;
+    if (this.#memory + bytes <= memory) return true;
+    const now = performance.now();
+    for (const file of this.#cells.removable()) {
+      if (this.#memory + bytes <= memory) break;
+      if (file.state === PRESENT && now - file.since >= age) this.#remove(file);
+    }
+    return this.#memory + bytes <= memory;
+  }
+
+  #remove(file) {
+    const gone = [file];
+    if (file.kind === PAGE) {
+      this.#scene.removePage(file);
+    } else {
+      // The smaller versions, which it has replaced, are gone too.
+      const { files, shown } = this.#front.images[file.number];
+      if (files[shown] !== file) return;
+      gone.push(...files.slice(0, shown).filter(({ state }) => state === PRESENT));
+      this.#scene.removeImage(file.number);
+    }
+    for (const each of gone) {
+      this.#account(each, 0);
+      each.state = ABSENT;
+    }
+  }
+
+  async #load(file) {
+    file.state = LOADING;
+    file.abort = new AbortController();
+    this.#account(file, estimate(file));
+    let error = null,
+      size = 0;
+    try {
+      size = await this.#take(file, await this.#transfer(file));
+    } catch (thrown) {
+      error = thrown;
+    }
+    if (this.#disposed) return;
+    this.#account(file, size);
+    if (error === null) {
+      file.state = PRESENT;
+      file.failures = 0;
+      file.since = performance.now();
+    } else {
+      this.#fail(file, error);
+    }
+    this.#stale ||= file.kind === CHUNK || this.#queue.length === 0;
+    if (file.kind === IMAGE) this.#scene.apply();
+    this.#settle(file.kind === CHUNK && this.#cells.move(this.#view.eye));
+  }
+
+  async #transfer(file) {
+    if (file.type === 'ktx2')
+      throw new StreamError('limit', file.url, 'KTX2 images are not read; use PNG, JPEG or WebP');
+    const { abort, reason, refetched } = file;
+    const timer = setTimeout(
+      () => abort.abort(new StreamError('io', file.url, 'the transfer has stalled')),
+      stall + file.bytes / slowest,
+    );
+    this.#inFlight.add(file);
+    try {
+      return await fetchFile(file, {
+        ...this.#options.init,
+        signal: abort.signal,
+        priority: reason <= CELL ? 'high' : 'low',
+        ...(refetched && { cache: 'reload' }),
+      });
+    } finally {
+      clearTimeout(timer);
+      this.#inFlight.delete(file);
+      this.#pump();
+    }
+  }
+
+  async #take(file, bytes) {
+    if (file.kind === CHUNK) file.cells = await readChunk(bytes, file, this.#front);
+    return file.kind === PAGE
+      ? this.#scene.addPage(file, bytes)
+      : file.kind === IMAGE
+        ? this.#scene.addImage(file, bytes)
+        : 0;
+  }
+
+  #fail(file, error) {
+    const { aborted, reason } = file.abort.signal;
+    file.state = ABSENT;
+    if (aborted && reason?.name === 'AbortError') return;  // no longer needed
+    const { id } = error;
+    const isFirstMismatch = !file.refetched && (id === 'truncated' || id === 'checksum');
+    if (isFirstMismatch || id === 'io') {
+      file.state = LOADING;
+      file.refetched ||= isFirstMismatch;
+      if (++file.failures === reportAfter) this.#options.onError(error);
+      file.timer = setTimeout(
+        () => {
+          file.state = ABSENT;
+          this.#stale = true;
+          this.#pump();
+        },
+        isFirstMismatch ? 0 : Math.min(firstBackoff * 2 ** (file.failures - 1), longestBackoff),
+      );
+      return;
+    }
+    file.state = FAILED;
+    this.#stale = true;
+    if (file.kind === IMAGE && this.#cells.settled(file.number) && this.#front.images[file.number].shown < 0) {
+      this.#scene.dropImage(file.number);
+    }
+    this.#options.onError(error);
+  }
+}
+
+const nothing = () => {};
+const defaults = {
+  requests: 8,
+  memory: 256 * 2 ** 20,
+  lookahead: 2,
+  workers: 1,
+  init: {},
+  onChange: nothing,
+  onMesh: nothing,
+  onError: ({ message }) => console.warn(message),
+};
+
+export async function stream(url, scene, camera, options = {}) {
+  const settings = { ...defaults, ...options };
+  const front = new URL(String(url).replace(/\/?(scene\.front)?$/, '/scene.front'), globalThis.document?.baseURI).href;
+  if (globalThis.crypto?.subtle === undefined) {
+    throw new StreamError('absent', front, 'this page cannot check files; serve it over https, or from localhost');
+  }
+  const read = await readFront(await fetchBytes(front, { cache: 'no-cache', ...settings.init }), front);
+  const streamed = new Stream(read, await StreamedScene.create(read, settings.workers, settings.onMesh), settings);
+  scene.add(streamed.group);
+  streamed.update(camera);
+  return streamed;
+}
