@@ -57,7 +57,10 @@ export class StreamedScene {
     // Each instance of the decoder has one set of workers for the whole page.
     if (workers > 0 && typeof Worker === 'function') MeshoptDecoder.useWorkers(workers);
     const made = new StreamedScene(front, onMesh);
-    await made.#makeMaterials();
+    await made.#makeMaterials().catch((cause) => {
+      const what = `its materials are damaged: ${cause.message}; pack and upload the scene again`;
+      throw new StreamError('corrupt', front.url, what, { cause });
+    });
     return made;
   }
 

@@ -5,7 +5,7 @@ import type { Camera, Group, Matrix4, Mesh, Object3D } from 'three';
 /** "io": the server cannot be reached, or answers with an error; such files are requested again and again.
  * "absent": the server does not have the file (404). "truncated", "checksum": another size or other contents than the
  * front states, twice. "not_ours", "version", "corrupt": no site of `pack --stream`, one of another version, a
- * damaged one. "limit": an image of a type that this package does not read (KTX2). "disposed": a call after dispose(). */
+ * damaged one. "limit": an image of a type that is not read (KTX2). "disposed": a call after dispose(). */
 export type StreamErrorId =
   'io' | 'absent' | 'truncated' | 'checksum' | 'not_ours' | 'version' | 'corrupt' | 'limit' | 'disposed';
 

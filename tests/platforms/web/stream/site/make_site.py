@@ -74,11 +74,13 @@ def scene():
               [primitive(glb, *rooms[2], 0)], [primitive(glb, *pillar(), 2)],
               [primitive(glb, *sheet(), 1)], [primitive(glb, *sheet(), 3)],
               [primitive(glb, *box(0.7), 4)]]
-    places = glb.add([(20, 0, 2), (22, 0.2, 5), (24, 0, 3)], 'VEC3')
+    instances = {'TRANSLATION': glb.add([(20, 0, 2), (22, 0.2, 5), (24, 0, 3)], 'VEC3'),
+                 'ROTATION': glb.add([(0, 0, 0, 1), (0, 0.6, 0, 0.8), (0, 1, 0, 0)], 'VEC4'),
+                 'SCALE': glb.add([(1, 1, 1), (0.8, 0.8, 0.8), (1, 1.1, 1)], 'VEC3')}
     nodes = [{'mesh': i, 'translation': [i * PITCH, 0, 0]} for i in range(3)] + [
         {'mesh': 3, 'translation': [2, 0, 5]}, {'mesh': 3, 'translation': [5.5, 0, 6], 'scale': [0.7, 0.9, 0.7]},
         {'mesh': 3, 'translation': [14, 0, 4], 'scale': [-1, 1, 1]},
-        {'mesh': 3, 'extensions': {'EXT_mesh_gpu_instancing': {'attributes': {'TRANSLATION': places}}}},
+        {'mesh': 3, 'extensions': {'EXT_mesh_gpu_instancing': {'attributes': instances}}},
         {'mesh': 4, 'translation': [3, 0, 2]}, {'mesh': 5, 'translation': [11, 0, 6]},
         {'mesh': 5, 'translation': [12, 0, 7]},
         {'mesh': 6, 'translation': [6, 0.5, 3], 'name': 'crate', 'extras': {'sightcell': {'dynamic': True}}}]
