@@ -1,14 +1,15 @@
 // The client in node with three.js, over a server that fails, lies and answers in any order.
 // usage: stream_test.mjs PACKAGE_FOLDER SITE_FOLDER THREE_FOLDER
-import { readFileSync } from "node:fs";
-import { join } from "node:path";
+import { copyFileSync, readFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
 
 import { require } from "../host.mjs";
 import { drawn_of, polygons_of, read_glb } from "../npm/town.mjs";
 import { base, bitmaps, clock, FakeServer, pause, project_of, until } from "./fake_web.mjs";
 
 const [folder, sites, three] = process.argv.slice(2);
-const { load } = project_of(folder, three);
+const { load, project } = project_of(folder, three);
 const THREE = await load("three/build/three.module.js");
 const { stream, StreamError } = await load("sightcell-stream/stream.js");
 const { CameraView } = await load("sightcell-stream/camera_view.js");
@@ -398,7 +399,10 @@ async function nothing_is_done_at_rest() {
     made.update(camera);
   }
   const { requests: lists } = counts;
-  require(counts.count === 0 && counts.move === 100 && lists <= 21 && lists >= 10, `turning: ${JSON.stringify(counts)}`);
+  require(counts.count === 0 &&
+    counts.move === 100 &&
+    lists <= 21 &&
+    lists >= 10, `turning: ${JSON.stringify(counts)}`);
   require(server.log.length === requests, "requests");
   Object.assign(Cells.prototype, original);
   made.dispose();
@@ -537,6 +541,29 @@ async function dispose_ends_all() {
   }
 }
 
+// The README.md shows what runs, and the declarations have the members that there are.
+async function the_documents_are_right() {
+  const name = join(dirname(fileURLToPath(import.meta.url)), "show.mjs");
+  const shown = readFileSync(name, "utf8").match(/\/\* \[stream \*\/\n(.*?)\/\* stream\] \*\//s)[1];
+  require(readFileSync(join(folder, "README.md"), "utf8").includes(`\`\`\`js\n${shown}\`\`\``), "README.md");
+  copyFileSync(name, join(project, "show.mjs"));
+  const { showSite } = await import(pathToFileURL(join(project, "show.mjs")).href);
+  new FakeServer(join(sites, "rooms.site"));
+  const scene = new THREE.Scene(),
+    calls = [];
+  let draw;
+  const renderer = { setAnimationLoop: (act) => (draw = act), render: (...args) => calls.push(args) };
+  const made = await showSite(base, renderer, scene, camera_at(rooms[0]));
+  draw();
+  require(calls.length === 1 && calls[0][0] === scene, "nothing was rendered");
+  await until(() => made.complete, "the page of the README.md");
+  const [, body] = readFileSync(join(folder, "stream.d.ts"), "utf8").match(/^export interface Stream \{\n(.*?)^\}/ms);
+  const declared = Array.from(body.matchAll(/^ {2}(?:readonly )?(\w+)[(:]/gm), ([, member]) => member);
+  const members = Object.getOwnPropertyNames(Object.getPrototypeOf(made)).filter((member) => member !== "constructor");
+  require(declared.sort().join() === members.sort().join(), `declared ${declared}, found ${members}`);
+  made.dispose();
+}
+
 const found = await each_room_is_drawn();
 await requests_are_in_order();
 await files_ahead_come_first();
@@ -551,6 +578,7 @@ await images_arrive_and_grow();
 await any_order_of_answers();
 await what_the_host_moves();
 await dispose_ends_all();
+await the_documents_are_right();
 console.log(
   `three.js ${THREE.REVISION}: ${found.map(({ calls, count }) => `${count} polygons in ${calls} calls`).join(", ")}`,
 );
