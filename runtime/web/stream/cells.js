@@ -30,6 +30,14 @@ const nearest = (list, { x, y, z }) => {
 /** The weight in steradians of the i-th page of a cell, or with `imageShares` of an image. */
 export const weightOf = (cell, i, shares = cell.shares) => cell.weight * 2 ** (-shares[i] / 8);
 
+const priorityOf = (file, weight, isAhead) => (weight / file.bytes) * (isAhead ? aheadFactor : 1);
+
+/** That of the i-th page of a cell. */
+export function pagePriority(cell, i, page, view) {
+  const isAhead = (cell.headings[i] & view.headings) !== 0 && view.sees(page.box);
+  return priorityOf(page, weightOf(cell, i), isAhead);
+}
+
 export class Cells {
   cell = null;  // of the camera
   complete = null;  // the last one that had all its files
@@ -126,12 +134,12 @@ export class Cells {
     const stamp = ++this.#stamp,
       list = [];
     let part = [];
-    const add = (file, reason, weight = 0, ahead = true) => {
+    const add = (file, reason, priority = 0) => {
       if (file.wanted === stamp) return;
       file.wanted = stamp;
       if (file.state !== ABSENT) return;
       file.reason = reason;
-      file.priority = (weight / file.bytes) * (ahead ? aheadFactor : 1);
+      file.priority = priority;
       part.push(file);
     };
     const end = () => {
@@ -143,12 +151,12 @@ export class Cells {
       for (const file of files) if (file.state === LOADING) file.wanted = stamp;
       if (shown >= 0 !== larger || files.some(({ state }) => state === LOADING)) return;
       const file = files.find(({ state }, i) => state === ABSENT && i > shown);
-      if (file) add(file, reason, weight);
+      if (file) add(file, reason, priorityOf(file, weight, true));
     };
     const addCell = (from, reason) => {
-      from.pages.forEach((number, i) => {
-        const page = front.pages[number];
-        add(page, reason, weightOf(from, i), (from.headings[i] & view.headings) !== 0 && view.sees(page.box));
+      from.pages.forEach((page, i) => {
+        const file = front.pages[page];
+        add(file, reason, file.state === ABSENT ? pagePriority(from, i, file, view) : 0);
       });
       from.images.forEach((image, i) =>
         addImage(front.images[image], reason, weightOf(from, i, from.imageShares), false),

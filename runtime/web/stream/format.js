@@ -33,8 +33,7 @@ export async function fetchBytes(url, init) {
   );
 }
 
-/** The bytes of a file of the front, with the size and the hash that the front states. */
-export async function fetchFile(file, init) {
+async function fetchOnce(file, init) {
   const bytes = await fetchBytes(file.url, init);
   if (bytes.byteLength !== file.bytes) {
     throw new StreamError('truncated', file.url, `${bytes.byteLength} bytes instead of ${file.bytes}; upload it again`);
@@ -43,6 +42,17 @@ export async function fetchFile(file, init) {
   if (hex(hash) !== file.hash)
     throw new StreamError('checksum', file.url, 'other contents than the front states; upload it again');
   return bytes;
+}
+
+/** The bytes of a file of the front, with the size and the hash that the front states. Other bytes are requested once
+ * more, past the cache of the browser. */
+export async function fetchFile(file, init) {
+  try {
+    return await fetchOnce(file, init);
+  } catch (error) {
+    if (error.id !== 'truncated' && error.id !== 'checksum') throw error;
+    return fetchOnce(file, { ...init, cache: 'reload' });
+  }
 }
 
 /** Reads a payload from its begin to its end. */
@@ -212,11 +222,22 @@ function readImages(read, count, fileCount, url) {
 }
 
 function readChunks(read, count, cells, url) {
-  const sizes = read.varints(count), counts = read.varints(count);
+  const sizes = read.varints(count),
+    counts = read.varints(count);
   const files = read.files(CHUNK, sizes, url, () => 'cells');
   read.boxes(count).forEach((box, i) => Object.assign(files[i], { box, count: counts[i], cells: null }));
   read.need(sum(counts) === cells, 'its chunks have other cells');
   return files;
+}
+
+/** url: the folder of the site, or its front. */
+export async function openFront(url, init) {
+  const path = String(url).replace(/\/?(scene\.front)?$/, '/scene.front');
+  const front = new URL(path, globalThis.document?.baseURI).href;
+  if (globalThis.crypto?.subtle === undefined) {
+    throw new StreamError('absent', front, 'this page cannot check files; serve it over https, or from localhost');
+  }
+  return readFront(await fetchBytes(front, { cache: 'no-cache', ...init }), front);
 }
 
 export async function readFront(bytes, url) {

@@ -17,7 +17,8 @@ export class StreamError extends Error {
 }
 
 export interface StreamOptions {
-  /** The most requests at a time. Default: 8, two more than a browser sends over HTTP/1.1 at once. */
+  /** The most requests at a time. Default: 8, two more than a browser sends over HTTP/1.1 at once; 24 over HTTP/2 and
+   * 3, where the browser states the protocol (for another origin, with Timing-Allow-Origin). */
   requests?: number;
   /** Bytes of polygons and images, before files that no cell needs are removed, those first that were needed least
    * recently. The files of the cell can exceed it. Default: 256 MiB. */

@@ -2,19 +2,7 @@
 import { CameraView } from './camera_view.js';
 import { Cells, CELL } from './cells.js';
 import { StreamError } from './error.js';
-import {
-  ABSENT,
-  CHUNK,
-  FAILED,
-  fetchBytes,
-  fetchFile,
-  IMAGE,
-  LOADING,
-  PAGE,
-  PRESENT,
-  readChunk,
-  readFront,
-} from './format.js';
+import { ABSENT, CHUNK, FAILED, fetchFile, IMAGE, LOADING, openFront, PAGE, PRESENT, readChunk } from './format.js';
 import { StreamedScene } from './scene.js';
 
 export { StreamError } from './error.js';
@@ -221,19 +209,15 @@ class Stream {
   async #transfer(file) {
     if (file.type === 'ktx2')
       throw new StreamError('limit', file.url, 'KTX2 images are not read; use PNG, JPEG or WebP');
-    const { abort, reason, refetched } = file;
+    const { abort, reason } = file;
     const timer = setTimeout(
       () => abort.abort(new StreamError('io', file.url, 'the transfer has stalled')),
       stall + file.bytes / slowest,
     );
     this.#inFlight.add(file);
     try {
-      return await fetchFile(file, {
-        ...this.#options.init,
-        signal: abort.signal,
-        priority: reason <= CELL ? 'high' : 'low',
-        ...(refetched && { cache: 'reload' }),
-      });
+      const priority = reason <= CELL ? 'high' : 'low';
+      return await fetchFile(file, { ...this.#options.init, signal: abort.signal, priority });
     } finally {
       clearTimeout(timer);
       this.#inFlight.delete(file);
@@ -254,20 +238,15 @@ class Stream {
     const { aborted, reason } = file.abort.signal;
     file.state = ABSENT;
     if (aborted && reason?.name === 'AbortError') return;  // no longer needed
-    const { id } = error;
-    const isFirstMismatch = !file.refetched && (id === 'truncated' || id === 'checksum');
-    if (isFirstMismatch || id === 'io') {
+    if (error.id === 'io') {
       file.state = LOADING;
-      file.refetched ||= isFirstMismatch;
       if (++file.failures === reportAfter) this.#options.onError(error);
-      file.timer = setTimeout(
-        () => {
-          file.state = ABSENT;
-          this.#stale = true;
-          this.#pump();
-        },
-        isFirstMismatch ? 0 : Math.min(firstBackoff * 2 ** (file.failures - 1), longestBackoff),
-      );
+      const again = () => {
+        file.state = ABSENT;
+        this.#stale = true;
+        this.#pump();
+      };
+      file.timer = setTimeout(again, Math.min(firstBackoff * 2 ** (file.failures - 1), longestBackoff));
       return;
     }
     file.state = FAILED;
@@ -281,7 +260,6 @@ class Stream {
 
 const nothing = () => {};
 const defaults = {
-  requests: 8,
   memory: 256 * 2 ** 20,
   lookahead: 2,
   workers: 1,
@@ -293,12 +271,10 @@ const defaults = {
 
 export async function stream(url, scene, camera, options = {}) {
   const settings = { ...defaults, ...options };
-  const front = new URL(String(url).replace(/\/?(scene\.front)?$/, '/scene.front'), globalThis.document?.baseURI).href;
-  if (globalThis.crypto?.subtle === undefined) {
-    throw new StreamError('absent', front, 'this page cannot check files; serve it over https, or from localhost');
-  }
-  const read = await readFront(await fetchBytes(front, { cache: 'no-cache', ...settings.init }), front);
-  const streamed = new Stream(read, await StreamedScene.create(read, settings.workers, settings.onMesh), settings);
+  const front = await openFront(url, settings.init);
+  const [timing] = performance.getEntriesByName(front.url);
+  settings.requests ??= /^h[23]/.test(timing?.nextHopProtocol) ? 24 : 8;
+  const streamed = new Stream(front, await StreamedScene.create(front, settings.workers, settings.onMesh), settings);
   scene.add(streamed.group);
   streamed.update(camera);
   return streamed;

@@ -1,87 +1,39 @@
 // Runs in the browser: pictures of the streamed scene, and of the whole .glb by GLTFLoader.
-import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { stream } from "sightcell-stream";
-import { showSite } from "/test/show.mjs";
 
-const width = 640,
-  height = 360;
-const renderer = new THREE.WebGLRenderer();
-renderer.setSize(width, height);
-document.body.append(renderer.domElement);
-const camera = new THREE.PerspectiveCamera(60, width / height, 0.05, 100);
-const canvas = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+import { camera, differing, lit_scene, look_from, pixels_of, renderer, sleep, until } from "./pictures.mjs";
+import { showSite } from "./show.mjs";
 
-function lit_scene() {
-  const scene = new THREE.Scene();
-  scene.background = new THREE.Color(0x4488cc);
-  const light = new THREE.DirectionalLight(0xffffff, 2);
-  light.position.set(1, 2, 0.5);
-  scene.add(light, new THREE.HemisphereLight(0xffffff, 0x445566, 3));
-  return scene;
-}
-
-function pixels_of(scene) {
-  renderer.render(scene, camera);
-  canvas.drawImage(renderer.domElement, 0, 0);
-  return canvas.getImageData(0, 0, width, height).data;
-}
-
-async function until(condition) {
-  const end = performance.now() + 60000;
-  while (!condition()) {
-    if (performance.now() > end) throw new Error(`not within 60 s: ${condition}`);
-    await new Promise((go) => setTimeout(go, 10));
-  }
-}
-
-// Pixels of which a channel differs by more than 8 levels.
-function differing(a, b) {
-  let count = 0;
-  for (let i = 0; i < a.length; i += 4) {
-    count += Number([0, 1, 2].some((k) => Math.abs(a[i + k] - b[i + k]) > 8));
-  }
-  return count;
-}
-
-// For each pose: the wrong pixels, those without any polygon, and draw calls of both. shown: pictures for a person.
+// For each pose the cell, the wrong pixels and the draw calls of both. shown: pictures for a person.
 globalThis.compare = async (site, glb, poses, files) => {
   const scene = lit_scene(),
-    whole = lit_scene();
-  whole.add((await new GLTFLoader().loadAsync(glb)).scene);
-  const errors = [];
+    whole = lit_scene(),
+    errors = [];
+  const { scene: original } = await new GLTFLoader().loadAsync(glb);
+  whole.add(original);
   let streamed;
-  const out = { poses: [], shown: [] };
-  for (const [eye, look] of poses) {
-    camera.position.set(...eye);
-    camera.lookAt(...look);
-    camera.updateMatrixWorld(true);
+  const out = { poses: [], shown: [], errors };
+  // The largest images come after the cell is complete.
+  const urls = files.map((name) => new URL(name, new URL(site, location)));
+  const has_largest = () => urls.every((url) => performance.getEntriesByName(url).length > 0);
+  for (const pose of poses) {
+    look_from(pose);
     streamed ??= await stream(site, scene, camera, { onError: (error) => errors.push(error.message) });
     streamed.update(camera);
-    await until(() => streamed.complete);
-    // The largest images come after the cell is complete.
-    const largest = () =>
-      files.every((name) => performance.getEntriesByName(new URL(name, new URL(site, location))).length > 0);
-    await until(largest);
-    await new Promise((go) => setTimeout(go, 200));
-    const before = pixels_of(scene),
-      calls = renderer.info.render.calls;
+    await until(() => streamed.complete && has_largest());
+    await sleep(200);
+    const found = pixels_of(scene),
+      { calls } = renderer.info.render;
     out.shown.push(renderer.domElement.toDataURL());
-    const expected = pixels_of(whole);
-    out.poses.push({
-      cell: streamed.cell,
-      wrong: differing(before, expected),
-      calls,
-      whole_calls: renderer.info.render.calls,
-    });
+    const wrong = differing(found, pixels_of(whole));
+    out.poses.push({ cell: streamed.cell, wrong, calls, whole_calls: renderer.info.render.calls });
   }
-  // A moved group is drawn where it is.
-  streamed.group.position.x += 0.5;
-  camera.position.x += 0.5;
-  out.moved = differing(pixels_of(scene), pixels_of(((whole.children.at(-1).position.x += 0.5), whole)));
+  // A group that is moved is drawn where it is.
+  for (const { position } of [streamed.group, original, camera]) position.x += 0.5;
+  out.moved = differing(pixels_of(scene), pixels_of(whole));
   streamed.dispose();
   out.memory = { ...renderer.info.memory };
-  out.errors = errors;
   return out;
 };
 
@@ -99,3 +51,4 @@ globalThis.open_and_dispose = async (site, times) => {
   }
   return memory;
 };
+globalThis.ready = true;

@@ -1,7 +1,9 @@
-// Uses every declaration of stream.d.ts. package_test.mjs compiles it, beside a few lines in place of the types of
-// three.js.
+// Uses every declaration of stream.d.ts and tiles.d.ts. package_test.mjs compiles it, beside a few lines in place of
+// the types of three.js.
 import { stream, StreamError } from 'sightcell-stream';
 import type { Stream, StreamedDraw, StreamErrorId, StreamOptions } from 'sightcell-stream';
+import { CellTilesPlugin } from 'sightcell-stream/tiles';
+import type { CellTile, CellTilesOptions } from 'sightcell-stream/tiles';
 import type { Camera, Group, Matrix4, Mesh, Object3D } from 'three';
 
 declare const scene: Object3D;
@@ -27,6 +29,15 @@ const numbers: number[] = [streamed.cell, streamed.progress, streamed.weight, st
 const facts: boolean[] = [streamed.outside, streamed.complete];
 streamed.dispose();
 const made: Error = new StreamError('io', 'https://host/site/scene.front', 'a test', { cause: numbers });
+
+const tile: CellTile = { extras: { sightcell: { page: 3 } }, children: [] };
+const of_tiles: CellTilesOptions = { onError: ({ id }: StreamError) => ids.push(id) };
+const plugin = new CellTilesPlugin('site/', of_tiles);
+plugin.init({});
+const target = { inView: true, error: 0 };
+facts.push(plugin.visible(tile), plugin.complete, plugin.calculateTileViewError(tile, target));
+numbers.push(plugin.priority(tile), plugin.cell, plugin.name.length, tile.children?.length ?? 0);
+plugin.dispose();
 
 // @ts-expect-error There is no such id.
 const wrong: StreamErrorId = 'late';

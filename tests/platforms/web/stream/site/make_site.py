@@ -27,7 +27,7 @@ from painted_images import png  # noqa: E402
 import rooms_scene  # noqa: E402
 import streamed_scene  # noqa: E402
 
-rooms_scene.STEPS = 10  # squares along a side of a floor: few, so that the files are small
+rooms_scene.STEPS = 9  # squares along a side of a floor: few, so that the files are small
 PITCH = rooms_scene.SIZE + 1  # meters from room to room
 SIDES = ((0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6), (0, 4, 6, 2), (1, 3, 7, 5))
 PIXELS = 72
@@ -46,7 +46,7 @@ def sheet():
 def bricks():
     y, x = np.mgrid[0:PIXELS, 0:PIXELS]
     mortar = (y % 12 < 2) | ((x + y // 12 * 12) % 24 < 2)
-    noise = np.random.default_rng(1).integers(0, 6, (PIXELS, PIXELS, 1))
+    noise = np.random.default_rng(1).integers(0, 2, (PIXELS, PIXELS, 1))
     return (np.where(mortar[:, :, None], [180, 180, 170], [150, 70, 50]) + noise).astype(np.uint8)
 
 
@@ -156,7 +156,7 @@ def main():
         subprocess.run([program, 'bake', path, '-o', pvs, '--cells-file', cells, '--importance', '--quality', 'draft',
                         '--threads', '1'], check=True)
         shutil.rmtree(site, ignore_errors=True)
-        subprocess.run([program, 'pack', '--stream', path, pvs, '-o', site, '--page-size', '2048'],
+        subprocess.run([program, 'pack', '--stream', path, pvs, '-o', site, '--page-size', '2048', '--tileset'],
                        check=True)
     with open(os.path.join(HERE, 'rooms.json'), 'w', encoding='utf-8') as out:
         json.dump(answers(site), out)
