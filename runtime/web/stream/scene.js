@@ -1,5 +1,5 @@
 // Pages and images as objects of three.js.
-import { BatchedMesh, BufferAttribute, BufferGeometry, Group, LoadingManager, Matrix4, Mesh, Texture } from 'three';
+import { BatchedMesh, BufferAttribute, BufferGeometry, LoadingManager, Matrix4, Mesh, Texture } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { StreamError } from './error.js';
@@ -39,42 +39,37 @@ const bytesOf = ({ index, attributes }) =>
   Object.values(attributes).reduce((sum, { array }) => sum + array.byteLength, index.array.byteLength);
 
 export class StreamedScene {
-  group = new Group();
   shown;  // by draw: 1 if a cell lists it
   #front;
   #onMesh;
   #parser;
-  #materials;  // of the front, then the default one
+  #materials = [];  // of the front, then the default one
   #final = new Set();  // as the attributes of pages need them
   #images;  // by material: their numbers
-  #textures;  // by image
+  #textures = [];  // by image
   #draws;  // by geometry
   #pages = new Map();
   #disposed = false;
   #loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
 
-  static async create(front, workers, onMesh) {
+  constructor(front, group, { workers, onMesh }) {
     // Each instance of the decoder has one set of workers for the whole page.
     if (workers > 0 && typeof Worker === 'function') MeshoptDecoder.useWorkers(workers);
-    const made = new StreamedScene(front, onMesh);
-    await made.#makeMaterials().catch((cause) => {
-      const what = `its materials are damaged: ${cause.message}; pack and upload the scene again`;
-      throw new StreamError('corrupt', front.url, what, { cause });
-    });
-    return made;
-  }
-
-  constructor(front, onMesh) {
     this.#front = front;
+    this.group = group;
     this.#onMesh = onMesh;
     this.shown = new Uint8Array(front.draws.length);
     this.#draws = Array.from({ length: front.geometries }, () => []);
     front.draws.forEach((draw, number) => {
-      const [a, b, c, d, e, f, g, h, i, j, k, l] = draw.matrix;
-      draw.matrix = new Matrix4(a, d, g, j, b, e, h, k, c, f, i, l, 0, 0, 0, 1);
-      draw.number = number;
+      draw.matrix = new Matrix4();
+      for (let k = 0; k < 12; ++k) draw.matrix.elements[k + Math.floor(k / 3)] = front.columns[k][number];
       // Of levels of detail, the finest is drawn.
       if ((draw.flags & 4) === 0 && draw.level === 0) this.#draws[draw.geometry].push(draw);
+    });
+    /** Until it is fulfilled, no page and no image can be added. */
+    this.ready = this.#makeMaterials().catch((cause) => {
+      const what = `its materials are damaged: ${cause.message}; pack and upload the scene again`;
+      throw new StreamError('corrupt', front.url, what, { cause });
     });
   }
 
@@ -296,6 +291,5 @@ export class StreamedScene {
     for (const file of Array.from(this.#pages.keys())) this.removePage(file);
     this.#textures.forEach((_, number) => this.removeImage(number));
     for (const material of [...this.#materials, ...this.#final]) material.dispose();
-    this.group.removeFromParent();
   }
 }

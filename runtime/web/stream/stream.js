@@ -1,4 +1,5 @@
 // A streaming client for three.js. See stream.d.ts for what each function does.
+import { Group } from 'three';
 import { CameraView } from './camera_view.js';
 import { Cells, CELL } from './cells.js';
 import { StreamError } from './error.js';
@@ -21,9 +22,10 @@ function estimate({ kind, bytes, width, height }) {
 }
 
 class Stream {
+  group = new Group();
   #front;
   #cells;
-  #scene;
+  #scene = null;
   #view;
   #camera = null;
   #options;
@@ -37,18 +39,29 @@ class Stream {
   #sums;
   #disposed = false;
 
-  constructor(front, scene, options) {
+  static async open(front, scene, camera, options) {
+    const made = new Stream(front, options);
+    scene.add(made.group);
+    made.update(camera);  // requests cells before materials are made
+    made.#scene = new StreamedScene(front, made.group, options);
+    made.#show();
+    try {
+      await made.#scene.ready;
+    } catch (error) {
+      made.dispose();
+      throw error;
+    }
+    return made;
+  }
+
+  constructor(front, options) {
     this.#front = front;
-    this.#scene = scene;
     this.#cells = new Cells(front);
     this.#options = options;
     this.#view = new CameraView(options.lookahead);
     this.#sums = this.#cells.count();
   }
 
-  get group() {
-    return this.#scene.group;
-  }
   get draws() {
     return this.#front.draws;
   }
@@ -99,7 +112,8 @@ class Stream {
       clearTimeout(file.timer);
       file.abort?.abort();
     }
-    this.#scene.dispose();
+    this.#scene?.dispose();
+    this.group.removeFromParent();
     this.#memory = 0;
   }
 
@@ -117,6 +131,7 @@ class Stream {
   }
 
   #show() {
+    if (this.#scene === null) return;
     const { shown } = this.#scene;
     this.#front.draws.forEach(({ flags }, i) => {
       shown[i] = (flags >> 1) & 1;
@@ -226,6 +241,7 @@ class Stream {
   }
 
   async #take(file, bytes) {
+    await this.#scene.ready;
     if (file.kind === CHUNK) file.cells = await readChunk(bytes, file, this.#front);
     return file.kind === PAGE
       ? this.#scene.addPage(file, bytes)
@@ -274,8 +290,5 @@ export async function stream(url, scene, camera, options = {}) {
   const front = await openFront(url, settings.init);
   const [timing] = performance.getEntriesByName(front.url);
   settings.requests ??= /^h[23]/.test(timing?.nextHopProtocol) ? 24 : 8;
-  const streamed = new Stream(front, await StreamedScene.create(front, settings.workers, settings.onMesh), settings);
-  scene.add(streamed.group);
-  streamed.update(camera);
-  return streamed;
+  return Stream.open(front, scene, camera, settings);
 }

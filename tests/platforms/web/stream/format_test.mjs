@@ -49,8 +49,14 @@ function all_is_read() {
   same(front, { ...rest, pages: rest.pages.map((page) => ({ ...page, url: base + page.url })) }, "front");
   same(
     front.draws,
-    draws.map(({ material, object, ...draw }) => ({ ...draw, material: material + 1, object: object + 1 })),
+    draws.map(({ material, object, matrix, ...draw }) => ({ ...draw, material: material + 1, object: object + 1 })),
     "draws",
+  );
+  const matrices = front.draws.map((_, i) => front.columns.map((column) => column[i]));
+  same(
+    matrices,
+    draws.map(({ matrix }) => matrix),
+    "matrices",
   );
   same(
     front.images.map(({ files }) => files),

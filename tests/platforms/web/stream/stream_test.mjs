@@ -3,6 +3,7 @@
 import { copyFileSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
+import { deflateSync, inflateSync } from "node:zlib";
 
 import { require } from "../host.mjs";
 import { drawn_of, polygons_of, read_glb } from "../npm/town.mjs";
@@ -538,6 +539,23 @@ async function dispose_ends_all() {
   }
 }
 
+// A front whose materials name a texture that does not exist.
+async function damaged_materials_are_rejected() {
+  const server = new FakeServer(join(sites, "rooms.site")), scene = new THREE.Scene();
+  const change = (bytes) => {
+    const text = inflateSync(bytes.subarray(16)).toString("latin1").replace('"index":0', '"index":9');
+    return Buffer.concat([bytes.subarray(0, 16), deflateSync(Buffer.from(text, "latin1"))]);
+  };
+  server.faults.set("scene.front", () => change);
+  const error = await stream(base, scene, camera_at(rooms[0])).then(
+    () => undefined,
+    (thrown) => thrown,
+  );
+  require(error instanceof StreamError && error.id === "corrupt", `${error}`);
+  require(scene.children.length === 0, "something is left");
+  await until(() => server.active === 0, "requests");
+}
+
 // The README.md shows what runs, and the declarations have the members that there are.
 async function the_documents_are_right() {
   const name = join(dirname(fileURLToPath(import.meta.url)), "show.mjs");
@@ -556,7 +574,8 @@ async function the_documents_are_right() {
   await until(() => made.complete, "the page of the README.md");
   const [, body] = readFileSync(join(folder, "stream.d.ts"), "utf8").match(/^export interface Stream \{\n(.*?)^\}/ms);
   const declared = Array.from(body.matchAll(/^ {2}(?:readonly )?(\w+)[(:]/gm), ([, member]) => member);
-  const members = Object.getOwnPropertyNames(Object.getPrototypeOf(made)).filter((member) => member !== "constructor");
+  const inherited = Object.getOwnPropertyNames(Object.getPrototypeOf(made));
+  const members = [...Object.keys(made), ...inherited.filter((member) => member !== "constructor")];
   require(declared.sort().join() === members.sort().join(), `declared ${declared}, found ${members}`);
   made.dispose();
 }
@@ -575,6 +594,7 @@ await images_arrive_and_grow();
 await any_order_of_answers();
 await what_the_host_moves();
 await dispose_ends_all();
+await damaged_materials_are_rejected();
 await the_documents_are_right();
 console.log(
   `three.js ${THREE.REVISION}: ${found.map(({ calls, count }) => `${count} polygons in ${calls} calls`).join(", ")}`,
