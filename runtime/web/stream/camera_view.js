@@ -14,17 +14,22 @@ export class CameraView {
   #frustum = new Frustum();
   #point = new Vector4();
   #time = 0;
+  #camera;
   sees = (box) =>
     this.#frustum.intersectsBox({ min: { x: box[0], y: box[1], z: box[2] }, max: { x: box[3], y: box[4], z: box[5] } });
 
   constructor(seconds) {
     this.seconds = seconds;
+    this.#matrix.elements[0] = NaN;  // equals no other
   }
 
   /** Returns whether anything has changed. */
   move(camera, group, now) {
-    // Three.js writes the matrices of a headset itself.
-    if (camera.isArrayCamera !== true) camera.updateWorldMatrix(true, false);
+    // One eye of a headset stands for both: they are in the grown cell. Three.js writes its matrices itself.
+    const isHeadset = camera.isArrayCamera === true && camera.cameras.length > 0;
+    if (isHeadset) [camera] = camera.cameras;
+    else camera.updateWorldMatrix(true, false);
+    this.#camera = camera;
     group.updateWorldMatrix(true, false);
     this.#next.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).multiply(group.matrixWorld);
     const passed = (now - this.#time) / 1000;
@@ -43,8 +48,9 @@ export class CameraView {
   }
 
   /** Prepares `sees` and `headings`. */
-  look(camera) {
-    this.#frustum.setFromProjectionMatrix(this.#matrix, camera.coordinateSystem, camera.reversedDepth);
+  look() {
+    const { coordinateSystem, reversedDepth } = this.#camera;
+    this.#frustum.setFromProjectionMatrix(this.#matrix, coordinateSystem, reversedDepth);
     const isInside = (x, y, z, w) => {
       const p = this.#point.set(x, y, z, w).applyMatrix4(this.#matrix);
       return p.w > 0 && Math.abs(p.x) <= p.w && Math.abs(p.y) <= p.w;

@@ -18,6 +18,7 @@ function cut({ index, attributes }, first, count) {
     least = Math.min(least, corner);
     most = Math.max(most, corner);
   }
+  if (most >= attributes.position.count) throw new Error('an index is out of range');
   const part = new BufferGeometry();
   for (const [name, { array, itemSize, normalized, data, offset = 0 }] of Object.entries(attributes)) {
     const stride = data?.stride ?? itemSize;
@@ -127,14 +128,13 @@ export class StreamedScene {
   /** Reads a page, and returns the bytes that it takes in memory. */
   async addPage(file, bytes) {
     const items = [];
-    const { scene } = await this.#loader.parseAsync(bytes, '');
-    if (this.#disposed) return 0;
     try {
+      const { scene } = await this.#loader.parseAsync(bytes, '');
+      if (this.#disposed) return 0;
       scene.traverse(({ geometry }) => geometry && this.#addPrimitive(geometry, items));
     } catch (cause) {
-      throw new StreamError('corrupt', file.url, `it is damaged: ${cause.message}; pack and upload the scene again`, {
-        cause,
-      });
+      const what = `it is damaged: ${cause.message}; pack and upload the scene again`;
+      throw new StreamError('corrupt', file.url, what, { cause });
     }
     const meshes = new Set(items.map(({ mesh }) => mesh));
     for (const mesh of meshes) {

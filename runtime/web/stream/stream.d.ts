@@ -25,14 +25,15 @@ export interface StreamOptions {
   memory?: number;
   /** Seconds of movement ahead for which files are loaded, after those of the cell. 0: none. Default: 2. */
   lookahead?: number;
-  /** Workers that decode pages. 0: the thread of the page. All streams of a page share them. Default: 1. */
+  /** Workers that decode pages. 0: the thread of the page. All streams of a page share them. A
+   * Content-Security-Policy has to allow them (`worker-src blob:`). Default: 1. */
   workers?: number;
   /** Passed to fetch, for example with `credentials`. */
   init?: RequestInit;
   /** Receives files that cannot be loaded or read; the rest of the scene is drawn. After "absent", "truncated",
    * "checksum", "corrupt" and "limit", the file is given up. Default: console.warn. */
   onError?: (error: StreamError) => void;
-  /** Called after a file has arrived or the cell has changed. */
+  /** Called after a file has arrived or the cell has changed, once stream() has returned. */
   onChange?: () => void;
   /** Called for each mesh before it is added, for example to set castShadow. Materials are shared. */
   onMesh?: (mesh: Mesh) => void;

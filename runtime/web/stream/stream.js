@@ -27,7 +27,8 @@ class Stream {
   #cells;
   #scene = null;
   #view;
-  #camera = null;
+  #begun = false;  // there is a camera
+  #opened = false;  // the page has what stream() returns
   #options;
   #queue = [];  // in the opposite order
   #stamp = 0;
@@ -51,6 +52,7 @@ class Stream {
       made.dispose();
       throw error;
     }
+    made.#opened = true;
     return made;
   }
 
@@ -89,11 +91,10 @@ class Stream {
 
   update(camera) {
     if (this.#disposed) throw new StreamError('disposed', this.#front.url, 'update() after dispose()');
-    const now = performance.now(),
-      isFirst = this.#camera === null;
-    this.#camera = camera;
+    const now = performance.now();
     if (this.#view.move(camera, this.group, now)) {
-      this.#moved = true;
+      const isFirst = !this.#begun;
+      this.#moved = this.#begun = true;
       if (this.#cells.move(this.#view.eye) || isFirst) this.#settle(true);
     }
     if (!this.#moved || now - this.#listed < relistAfter) return;
@@ -127,7 +128,7 @@ class Stream {
     }
     this.#stale ||= cellChanged;
     this.#pump();
-    this.#options.onChange();
+    if (this.#opened) this.#options.onChange();
   }
 
   #show() {
@@ -143,9 +144,9 @@ class Stream {
   }
 
   #pump() {
-    if (this.#disposed || this.#camera === null) return;
+    if (this.#disposed || !this.#begun) return;
     if (this.#stale) {
-      this.#view.look(this.#camera);
+      this.#view.look();
       const { list, stamp } = this.#cells.requests(this.#view);
       this.#queue = list.reverse();
       this.#stamp = stamp;

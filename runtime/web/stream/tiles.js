@@ -141,7 +141,7 @@ export class CellTilesPlugin {
     this.#markTiles();
     const now = performance.now();
     if (!this.#view.move(camera, this.#space, now)) return;
-    this.#view.look(camera);
+    this.#view.look();
     if (this.#cells.move(this.#view.eye)) this.#changed();
     if (!this.#cells.unknown && now - this.#listed < relistAfter) return;
     this.#listed = now;

@@ -27,6 +27,7 @@ export class FakeServer {
   active = 0;
   most_active = 0;
   faults = new Map();
+  contents = new Map();  // in place of files
   holds = () => false;
   #held = new Set();
   #random = 1;
@@ -75,7 +76,7 @@ export class FakeServer {
       const fault = this.faults.get(name)?.(this.names().filter((each) => each === name).length);
       if (fault === "network") throw new TypeError("fetch failed");
       if (typeof fault === "number") return { ok: false, status: fault };
-      const bytes = readFileSync(join(this.folder, name));
+      const bytes = this.contents.get(name) ?? readFileSync(join(this.folder, name));
       const sent = typeof fault === "function" ? fault(Buffer.from(bytes)) : bytes;
       return { ok: true, status: 200, arrayBuffer: async () => new Uint8Array(sent).buffer };
     } finally {
