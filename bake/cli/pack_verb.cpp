@@ -7,13 +7,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <system_error>
 
 #include "console.h"
 #include "exit_codes.h"
 #include "help.h"
 #include "number_text.h"
+#include "one_of.h"
 #include "pvs_file.h"
+#include "sightcell/bake/file_settings.h"
 #include "sightcell/bake/pack.h"
 #include "sightcell/bake/stream.h"
 #include "sightcell/base/error.h"
@@ -28,6 +31,7 @@ struct pack_options {
   bool json = false;
   bool stream = false, no_textures = false;
   bake::stream_settings streamed;
+  std::string compress = std::string(bake::stream_copies_names[static_cast<std::size_t>(streamed.copies)]);
 };
 
 void refuse_overwriting(const pack_options& options) {
@@ -94,15 +98,20 @@ nlohmann::ordered_json json_of(const pack_options& options, const bake::stream_r
           {"chunk_bytes", r.chunk_bytes},
           {"image_bytes", r.image_bytes},
           {"first_image_bytes", r.first_image_bytes},
+          {"page_gzip_bytes", r.sent_pages.gzip},
+          {"page_brotli_bytes", r.sent_pages.brotli},
           {"mean_cell_bytes", r.mean_cell_bytes},
+          {"mean_cell_gzip_bytes", r.mean_cell_gzip_bytes},
           {"tiles", r.tiles},
           {"tile_bytes", r.tile_bytes},
+          {"tile_gzip_bytes", r.sent_tiles.gzip},
+          {"tile_brotli_bytes", r.sent_tiles.brotli},
           {"tileset_bytes", r.tileset_bytes},
           {"files_written", r.files_written},
           {"files_kept", r.files_kept}};
 }
 
-void print_streamed(const pack_options& options, const bake::stream_result& r) {
+void print_streamed(const pack_options& options, bake::stream_copies copies, const bake::stream_result& r) {
   fmt::print(
       "{}: {} polygons of {} geometries in {} pages ({}), {} cells in {} chunks ({}), {} images ({}, at first {}), "
       "front {}\n",
@@ -113,8 +122,16 @@ void print_streamed(const pack_options& options, const bake::stream_result& r) {
   if (options.streamed.tileset)
     fmt::print("tileset.json {}, {} tiles ({})\n", size_text(static_cast<double>(r.tileset_bytes)), grouped(r.tiles),
                size_text(static_cast<double>(r.tile_bytes)));
-  fmt::print("a cell needs {} of pages in the mean; {} files written, {} kept\n", size_text(r.mean_cell_bytes),
-             grouped(r.files_written), grouped(r.files_kept));
+  const auto with_gzip = [&](double bytes) {
+    return copies == bake::stream_copies::none ? "" : fmt::format(" ({} with gzip)", size_text(bytes));
+  };
+  if (copies != bake::stream_copies::none)
+    fmt::print("pages are sent as {} with gzip{}\n", size_text(static_cast<double>(r.sent_pages.gzip)),
+               copies == bake::stream_copies::gzip
+                   ? ""
+                   : fmt::format(", {} with brotli", size_text(static_cast<double>(r.sent_pages.brotli))));
+  fmt::print("a cell needs {} of pages in the mean{}; {} files written, {} kept\n", size_text(r.mean_cell_bytes),
+             with_gzip(r.mean_cell_gzip_bytes), grouped(r.files_written), grouped(r.files_kept));
 }
 
 int run_stream(const pack_options& options) {
@@ -125,6 +142,7 @@ int run_stream(const pack_options& options) {
   const pvs_file file = pvs_file::open(options.file);
   bake::stream_settings how = options.streamed;
   how.textures = !options.no_textures;
+  how.copies = bake::kind_of<bake::stream_copies>(bake::stream_copies_names, options.compress).value_or(how.copies);
   slow_progress progress;
   const bake::stream_result result = bake::pack_stream(
       options.scene, file.scene(), file.bytes(), options.file.string(), options.output, how,
@@ -133,7 +151,7 @@ int run_stream(const pack_options& options) {
   if (options.json)
     print_json(json_of(options, result));
   else
-    print_streamed(options, result);
+    print_streamed(options, how.copies, result);
   return exit_done;
 }
 
@@ -178,7 +196,7 @@ void add_pack_verb(CLI::App& program, action& chosen) {
        .examples = {"sightcell bake level.glb -o level.pvs --layout merged",
                     "sightcell pack level.glb level.pvs -o packed.glb",
                     "sightcell bake level.glb -o level.pvs --importance",
-                    "sightcell pack --stream level.glb level.pvs -o site"}});
+                    "sightcell pack --stream level.glb level.pvs -o site --compress brotli"}});
   verb.add_option("SCENE", options->scene, "The scene that was baked: a .glb or .gltf file.")->required();
   verb.add_option("FILE", options->file,
                   "The .pvs file that was baked from it: with --layout merged, or for --stream with --importance.")
@@ -201,8 +219,19 @@ void add_pack_verb(CLI::App& program, action& chosen) {
       ->type_name("METERS")
       ->needs(stream);
   verb.add_flag("--no-textures", options->no_textures, "Leaves out the images.")->needs(stream);
+  verb.add_flag("--all-attributes", options->streamed.all_attributes,
+                "Keeps texture coordinates and tangents that no texture of the materials needs: for hosts with "
+                "textures of their own, such as light maps.")
+      ->needs(stream);
   verb.add_flag("--tileset", options->streamed.tileset,
                 "Also writes tileset.json: 3D Tiles 1.1 over the pages, for CesiumJS, 3d-tiles-renderer and others.")
+      ->needs(stream);
+  verb.add_option("--compress", options->compress,
+                  "Compressed copies of pages and tiles, which static servers send in their place: none, gzip "
+                  "(.gz) or brotli (.br and .gz).")
+      ->check(one_of(bake::stream_copies_names))
+      ->type_name("NAME")
+      ->capture_default_str()
       ->needs(stream);
   verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_pack(*options); }; });

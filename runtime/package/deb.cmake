@@ -48,7 +48,7 @@ sightcell_deb(bake-dev libdevel "baked visibility for engines: the baker as a li
   "This package has the headers and static libraries of the baker, for editors\nand asset pipelines.")
 string(JOIN ", " CPACK_DEBIAN_BAKE-DEV_PACKAGE_DEPENDS "libsightcell-dev ${exact}" libembree-dev libtbb-dev
   librecast-dev libdraco-dev libmeshoptimizer-dev libfmt-dev libsqlite3-dev nlohmann-json3-dev libglm-dev libepoxy-dev
-  libegl-dev libmd-dev libwebp-dev libxxhash-dev pkg-config zlib1g-dev)
+  libegl-dev libbrotli-dev libmd-dev libwebp-dev libxxhash-dev pkg-config zlib1g-dev)
 
 sightcell_deb(tools graphics "baked visibility for engines: the baker"
   "This package has the programs: sightcell, the baker, and sightcell-city, a\ngenerator of test scenes.")

@@ -15,10 +15,10 @@ struct opened_front {
   std::vector<std::uint8_t> bytes;
 };
 
-transfer_result wait_for_front(const shared_run& run) {
+transfer_result wait_for_front(const shared_run& run, bool encoded) {
   ++run.result.requests;
   run.log.request(run.seconds(), front_name);
-  run.network.start({0, front_name, most_front_bytes, false});
+  run.network.start({0, front_name, most_front_bytes, false, encoded});
   for (;;) {
     for (transfer_result& r : run.network.take()) {
       run.result.bytes += r.received;
@@ -39,7 +39,7 @@ opened_front load_front(const shared_run& run) {
       const auto end = clock::now() + backoff(run.settings, failures, 0);
       while (clock::now() < end) run.bell.wait_until(end);
     }
-    transfer_result r = wait_for_front(run);
+    transfer_result r = wait_for_front(run, accepts_encoding(failures));
     cause = r.failure;
     arrived = cause.empty();
     if (arrived) {
@@ -74,8 +74,8 @@ walk way_of(const camera_choice& camera, const sightcell_stream* stream) {
 }  // namespace
 
 report run_client(const client_settings& settings, const camera_choice& camera, const std::string& picture) {
-  std::unique_ptr<sightcell::picture::gl_context> context;
-  if (settings.draw) context = std::make_unique<sightcell::picture::gl_context>();
+  std::optional<gl_thread> device;
+  if (settings.draw) device.emplace();
   doorbell bell;
   transfers network(settings.network, bell);
   report result;
@@ -90,7 +90,7 @@ report run_client(const client_settings& settings, const camera_choice& camera, 
       result.front_seconds = run.seconds();
       way = way_of(camera, front.stream.get());
     }
-    session now(run, number, std::move(front.stream), std::move(front.bytes), context.get());
+    session now(run, number, std::move(front.stream), std::move(front.bytes), device ? &*device : nullptr);
     const session::outcome outcome = now.run(*way, walked);
     now.finish_report();
     if (outcome == session::outcome::new_front) continue;

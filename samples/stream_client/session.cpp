@@ -56,8 +56,12 @@ std::chrono::milliseconds backoff(const client_settings& settings, unsigned fail
   return std::chrono::milliseconds(static_cast<long>(spread * std::min(doubled, longest)));
 }
 
+bool accepts_encoding(unsigned failures) {
+  return failures % 2 == 0;
+}
+
 session::session(const shared_run& run, std::uint32_t number, stream_owner stream, std::vector<std::uint8_t> front,
-                 const sightcell::picture::gl_context* context)
+                 gl_thread* device)
     : run_(run),
       number_(number),
       stream_(std::move(stream)),
@@ -70,17 +74,28 @@ session::session(const shared_run& run, std::uint32_t number, stream_owner strea
       }()),
       resident_(stream_.get(), run.settings.memory, [this](std::uint32_t file) { remove(file); }),
       decoders_(run.settings.decode_threads, info_.geometry_count, run.bell),
+      device_(device),
       shown_((info_.draw_count + 63) / 64) {
   sightcell_stream_view* view = nullptr;
   require(sightcell_stream_view_create(stream_.get(), &view), "sightcell_stream_view_create");
   view_.reset(view);
   mark_unsupported();
-  if (context == nullptr) return;
+  if (device_ == nullptr) return;
   std::vector<material> materials = read_materials(json_of(stream_.get()));
   std::vector<instance> instances = instances_of(stream_.get(), info_.draw_count, materials.size());
   const glm::vec3 size(info_.max[0] - info_.min[0], info_.max[1] - info_.min[1], info_.max[2] - info_.min[2]);
-  renderer_ = std::make_unique<renderer>(*context, std::move(materials), std::move(instances), info_.geometry_count,
-                                         glm::length(size));
+  device_->run([&] {
+    renderer_ = std::make_unique<renderer>(device_->context(), std::move(materials), std::move(instances),
+                                           info_.geometry_count, glm::length(size));
+  });
+}
+
+session::~session() {
+  if (device_ == nullptr) return;
+  try {
+    device_->run([this] { renderer_.reset(); });
+  } catch (const std::exception&) {  // of a picture that nothing waits for
+  }
 }
 
 sightcell_stream_file session::describe(std::uint32_t file) const {
@@ -115,9 +130,11 @@ void session::start(std::uint32_t file) {
   resident_.expect(file, estimate(what));
   ++in_transfer_;
   ++run_.result.requests;
-  if (failures_.count(file) != 0) ++run_.result.refetches;
+  const auto failed = failures_.find(file);
+  if (failed != failures_.end()) ++run_.result.refetches;
   run_.log.request(run_.seconds(), what.name);
-  run_.network.start({tag_of(number_, file), what.name, what.size, true});
+  run_.network.start({tag_of(number_, file), what.name, what.size, true,
+                      accepts_encoding(failed == failures_.end() ? 0 : failed->second.count)});
 }
 
 // Waits before another attempt; the file stays REQUESTED meanwhile. After the last attempt it is FAILED.
@@ -128,6 +145,7 @@ void session::fail(std::uint32_t file, const std::string& cause, bool gone) {
   ++attempts.count;
   attempts.cause = cause;
   resident_.forget(file);
+  not_needed_.erase(file);
   if (attempts.count < run_.settings.attempts) {
     waiting_.emplace(clock::now() + backoff(run_.settings, attempts.count, file), file);
     return;
@@ -139,7 +157,7 @@ void session::fail(std::uint32_t file, const std::string& cause, bool gone) {
     front_checked_ = front_requested_ = true;
     ++run_.result.requests;
     run_.log.request(run_.seconds(), front_name);
-    run_.network.start({tag_of(number_, front_tag), front_name, most_front_bytes, false});
+    run_.network.start({tag_of(number_, front_tag), front_name, most_front_bytes, false, true});
   }
 }
 
@@ -180,6 +198,7 @@ void session::take_transfers() {
     save(r.path, r.body);
     if (file < info_.chunk_count) {
       failures_.erase(file);
+      not_needed_.erase(file);
       continue;
     }
     ++decoding_;
@@ -197,6 +216,7 @@ void session::take_decoded() {
       continue;
     }
     failures_.erase(decoded.file);
+    not_needed_.erase(decoded.file);
     resident_.forget(decoded.file);
     resident_.make_room(decoded.bytes(), {});
     resident_.add(decoded.file, decoded.bytes());
@@ -209,7 +229,11 @@ void session::take_decoded() {
 
 void session::show(decoded_file& decoded) {
   if (decoded.polygons) {
-    if (renderer_) renderer_->add_page(decoded.file - info_.chunk_count, *decoded.polygons);
+    if (device_ == nullptr) return;
+    device_->post([this, number = decoded.file - info_.chunk_count,
+                   polygons = std::make_shared<const page>(std::move(*decoded.polygons))] {
+      renderer_->add_page(number, *polygons);
+    });
     return;
   }
   // Of the files of an image, the largest one that is there.
@@ -221,20 +245,24 @@ void session::show(decoded_file& decoded) {
   }
   if (!first && shown->second != decoded.file) resident_.add(shown->second, 0);
   shown->second = decoded.file;
-  if (renderer_) renderer_->add_image(image, *decoded.pixels);
+  if (device_ == nullptr) return;
+  device_->post(
+      [this, image, pixels = std::make_shared<const sightcell::scene::image_pixels>(std::move(*decoded.pixels))] {
+        renderer_->add_image(image, *pixels);
+      });
 }
 
 void session::remove(std::uint32_t file) {
   changed_ = true;
   if (file < info_.chunk_count + info_.page_count) {
-    if (renderer_) renderer_->remove_page(file - info_.chunk_count);
+    if (device_ != nullptr) device_->post([this, page = file - info_.chunk_count] { renderer_->remove_page(page); });
     return;
   }
   const std::uint32_t image = describe(file).number;
   const auto shown = shown_file_.find(image);
   if (shown == shown_file_.end() || shown->second != file) return;
   shown_file_.erase(shown);
-  if (renderer_) renderer_->remove_image(image);
+  if (device_ != nullptr) device_->post([this, image] { renderer_->remove_image(image); });
   // Smaller versions, which it has replaced, are gone too.
   std::uint32_t first_file = 0, count = 0;
   require(sightcell_stream_image_files(stream_.get(), image, &first_file, &count), "sightcell_stream_image_files");
@@ -306,14 +334,12 @@ void session::measure(const sightcell_stream_frame& frame) {
   if (!pending && r.first_cell_complete < 0.0) r.first_cell_complete = now;
 }
 
-// Cells have priority: what is loaded ahead of need, and larger images, must fit beside them.
+// Cells have priority: what is loaded ahead of need, and larger images, must fit beside them. A cell that is larger
+// than the limit is loaded nevertheless, but not before what it does not need has arrived, so that it can be removed.
 bool session::may_load(const sightcell_stream_request& request) {
   const std::uint64_t bytes = estimate(describe(request.file));
-  if (request.reason <= SIGHTCELL_STREAM_FOR_CELL) {
-    resident_.make_room(bytes, {});
-    return true;  // a cell that is larger than the limit is loaded nevertheless
-  }
-  return resident_.make_room(bytes, ahead_age);
+  if (request.reason == SIGHTCELL_STREAM_FOR_NEXT) return resident_.make_room(bytes, ahead_age);
+  return resident_.make_room(bytes, {}) || (request.reason <= SIGHTCELL_STREAM_FOR_CELL && not_needed_.empty());
 }
 
 // Returns whether anything is left that can be requested.
@@ -325,30 +351,51 @@ bool session::request_files(bool at_rest) {
           "sightcell_stream_view_requests");
   for (std::size_t i = 0; i < count; ++i) {
     if (in_transfer_ >= most_transfers()) return true;
-    if (may_load(wanted[i])) start(wanted[i].file);
+    const bool is_needed = wanted[i].reason <= SIGHTCELL_STREAM_FOR_CELL;
+    if (!may_load(wanted[i])) {
+      if (is_needed) return true;
+      continue;
+    }
+    if (!is_needed) not_needed_.insert(wanted[i].file);
+    start(wanted[i].file);
   }
   return false;
 }
 
 void session::draw_if_due() {
-  if (!renderer_ || !changed_ || !run_.settings.log.pictures.empty() || clock::now() - last_picture_ < picture_time)
+  if (device_ == nullptr || !changed_ || drawing_ || !run_.settings.log.pictures.empty() ||
+      clock::now() - last_picture_ < picture_time)
     return;
-  picture();
+  changed_ = false;
+  drawing_ = true;
+  last_picture_ = clock::now();
+  ++run_.result.frames_drawn;
+  device_->post([this, view = camera(), shown = shown_] {
+    renderer_->draw(view, run_.settings.width, run_.settings.height, shown);
+    drawing_ = false;
+    run_.bell.ring();
+  });
+}
+
+sightcell::picture::camera session::camera() const {
+  return {pose_.eye, pose_.forward, {0.0f, 1.0f, 0.0f}, vertical_fov};
 }
 
 // Where the camera waits for its cell, it does so for the larger images too, and for what is loaded ahead of need.
 void session::picture_of_walk(bool loading) {
-  if (renderer_ && !(run_.settings.wait && loading)) run_.log.picture(picture());
+  if (device_ != nullptr && !(run_.settings.wait && loading)) run_.log.picture(picture());
 }
 
 sightcell::picture::image_rgba session::picture() {
-  if (!renderer_) return {};
+  sightcell::picture::image_rgba drawn;
+  if (device_ == nullptr) return drawn;
   changed_ = false;
-  auto drawn = renderer_->draw({pose_.eye, pose_.forward, {0.0f, 1.0f, 0.0f}, vertical_fov}, run_.settings.width,
-                               run_.settings.height, shown_);
+  device_->run([&] {
+    drawn = renderer_->draw(camera(), run_.settings.width, run_.settings.height, shown_);
+    run_.result.polygons_drawn = renderer_->polygons_of_last_draw();
+  });
   last_picture_ = clock::now();
   ++run_.result.frames_drawn;
-  run_.result.polygons_drawn = renderer_->polygons_of_last_draw();
   return drawn;
 }
 
@@ -384,6 +431,7 @@ session::outcome session::run(const walk& way, double& walked) {
 
 void session::finish_report() {
   report& r = run_.result;
+  if (device_ != nullptr) device_->run([&] { r.polygons_drawn = renderer_->polygons_of_last_draw(); });
   r.peak_memory = std::max(r.peak_memory, resident_.peak());
   r.removed += resident_.removed();
   r.failed.clear();

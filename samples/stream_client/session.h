@@ -1,6 +1,7 @@
 #pragma once
 // A client of one front: requests, retries, decoding, memory and drawing.
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "decoders.h"
+#include "gl_thread.h"
 #include "owners.h"
 #include "renderer.h"
 #include "report.h"
@@ -53,21 +55,31 @@ struct shared_run {
 // Returns how long to wait before another attempt: longer after each failure, and not the same for all files.
 std::chrono::milliseconds backoff(const client_settings& settings, unsigned failures, std::uint64_t file);
 
+// Returns whether an attempt lets the server compress the file: each second one does not, because some servers name an
+// encoding that the bytes do not have.
+bool accepts_encoding(unsigned failures);
+
 class session {
  public:
   enum class outcome { done, new_front };
 
   // number: of the session in the run.
   // front: the bytes of a front that sightcell_stream_open has accepted; taken for comparison.
-  // context: null draws nothing.
+  // device: null draws nothing. Must outlive the session.
+  // Fails with gl.*, here and in the functions below.
   session(const shared_run& run, std::uint32_t number, stream_owner stream, std::vector<std::uint8_t> front,
-          const sightcell::picture::gl_context* context);
+          gl_thread* device);
+
+  // Waits for what is being drawn.
+  ~session();
+  session(const session&) = delete;
+  session& operator=(const session&) = delete;
 
   // Follows the walk until nothing is left to load, or until the server has another front.
   // walked: seconds of the walk that are done; moved on.
   outcome run(const walk& way, double& walked);
 
-  // Draws the current view.
+  // Draws the current view, and waits for it.
   sightcell::picture::image_rgba picture();
 
   // Writes into the report what holds at the end.
@@ -92,6 +104,7 @@ class session {
   void show(decoded_file& decoded);
   void remove(std::uint32_t file);
   void draw_if_due();
+  sightcell::picture::camera camera() const;
   void picture_of_walk(bool loading);
   void mark_unsupported();
   bool idle() const { return in_transfer_ == 0 && decoding_ == 0 && waiting_.empty() && !front_requested_; }
@@ -107,11 +120,14 @@ class session {
   sightcell_stream_info info_{};
   resident_files resident_;
   decoders decoders_;
-  std::unique_ptr<renderer> renderer_;
+  gl_thread* device_;
+  std::unique_ptr<renderer> renderer_;  // used on the thread of the device only
+  std::atomic<bool> drawing_ = false;   // a picture that nothing waits for
 
   std::map<std::uint32_t, failed_attempts> failures_;              // by file
   std::set<std::pair<clock::time_point, std::uint32_t>> waiting_;  // for another attempt
   std::map<std::uint32_t, std::uint32_t> shown_file_;              // by image: the file on the device
+  std::set<std::uint32_t> not_needed_;                             // files on their way that no cell waited for
   std::size_t in_transfer_ = 0, decoding_ = 0;
   bool front_requested_ = false, front_changed_ = false, front_checked_ = false;
 

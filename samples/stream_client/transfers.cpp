@@ -22,18 +22,22 @@ struct transfer {
   bool running = false;
   transfer_request request;
   std::vector<std::uint8_t> body;
-  std::uint64_t header_bytes = 0, body_bytes = 0;
+  std::uint64_t header_bytes = 0;
   std::uint64_t at_window = 0;  // header and body bytes at the begin of this window
   clock::time_point window{};
   std::string cause;  // why a callback has ended it
   char curl_text[CURL_ERROR_SIZE] = {};
 
-  std::uint64_t received() const { return header_bytes + body_bytes; }
+  // Of the body as it is sent: before it is decoded.
+  std::uint64_t received() const {
+    curl_off_t body_bytes = 0;
+    curl_easy_getinfo(handle, CURLINFO_SIZE_DOWNLOAD_T, &body_bytes);
+    return header_bytes + static_cast<std::uint64_t>(body_bytes);
+  }
 };
 
 std::size_t on_body(char* data, std::size_t, std::size_t size, void* user) {
   auto& t = *static_cast<transfer*>(user);
-  t.body_bytes += size;
   if (size > t.request.bytes - t.body.size()) {
     t.cause = "more than " + std::to_string(t.request.bytes) + " bytes";
     return CURL_WRITEFUNC_ERROR;
@@ -97,7 +101,6 @@ void transfers::state::configure(transfer& t) const {
   set(CURLOPT_BUFFERSIZE, 64L << 10);
   if (!settings.authorities.empty()) set(CURLOPT_CAINFO, settings.authorities.c_str());
   set(CURLOPT_USERAGENT, "sightcell-stream-client");
-  // Files are compressed already. No CURLOPT_ACCEPT_ENCODING: bytes arrive as the server has them, and are checked.
 }
 
 void transfers::state::begin(transfer& t, transfer_request request) {
@@ -105,10 +108,12 @@ void transfers::state::begin(transfer& t, transfer_request request) {
   t.running = true;
   t.body.clear();
   t.body.reserve(static_cast<std::size_t>(std::min(t.request.bytes, first_reserve)));
-  t.header_bytes = t.body_bytes = t.at_window = 0;
+  t.header_bytes = t.at_window = 0;
   t.window = clock::now();
   t.cause.clear();
   t.curl_text[0] = '\0';
+  // Empty: all encodings that libcurl knows. Null: bytes arrive as the server has them.
+  curl_easy_setopt(t.handle, CURLOPT_ACCEPT_ENCODING, t.request.encoded ? "" : nullptr);
   curl_easy_setopt(t.handle, CURLOPT_URL, (settings.base_url + t.request.path).c_str());
   if (const CURLMcode code = curl_multi_add_handle(multi, t.handle); code != CURLM_OK)
     finish(t, curl_multi_strerror(code));

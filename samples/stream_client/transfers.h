@@ -26,6 +26,7 @@ struct transfer_request {
   std::string path;         // below base_url
   std::uint64_t bytes = 0;  // that the file has, or at most has
   bool exact = false;       // the file has so many bytes
+  bool encoded = true;      // the server may send it compressed (Content-Encoding). The body is decoded
 };
 
 struct transfer_result {
@@ -34,7 +35,7 @@ struct transfer_result {
   std::string failure;  // empty: the body is complete. Else the cause
   long http_status = 0;
   bool http2 = false;
-  std::uint64_t received = 0;  // bytes, with headers
+  std::uint64_t received = 0;  // bytes as sent, with headers
   clock::time_point end{};
   std::vector<std::uint8_t> body;
 };

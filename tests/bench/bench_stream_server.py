@@ -6,7 +6,8 @@ usage: bench_stream_server.py --walks FOLDER [--speed M/S] [--visit S] [--connec
 
 --walks: what bench_stream_walks.py --keep has kept of these sites: NAME-SPEED-NUMBER/requests.csv. Each connection is a
 client of its own that repeats one walk, from the front on, every --visit seconds. They begin at evenly spread times of their walks, so each moment
-has clients that have just come and clients that have walked for long. A connection has one request at a time.
+has clients that have just come and clients that have walked for long. A connection has one request at a time. Clients accept
+gzip.
 
 Prints a row per site: requests and bytes with headers per second; CPU seconds per second of the workers of nginx, and of this
 program; latency from the request to the last byte of its answer; and how late this program's loop noticed that a request was
@@ -30,7 +31,8 @@ def walk_of(path, prefix):
     """Times and requests."""
     with open(path, encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
-    return [(float(row["seconds"]), f"GET /{prefix}/{row['name']} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode()) for row in rows]
+    fields = "HTTP/1.1\r\nHost: localhost\r\nAccept-Encoding: gzip\r\n\r\n"
+    return [(float(row["seconds"]), f"GET /{prefix}/{row['name']} {fields}".encode()) for row in rows]
 
 
 def walks_of(folder, name, speed):

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """What a client of a streamed scene (docs/streaming.md) loads until its first picture is nearly complete.
 
-usage: bench_streaming.py --bin FOLDER [--poses N] [--seed N] [--page-size N] [--worst N] [--quick] [--results DIR]
-                          [SCENE.glb[=FILE.pvs] ...]
+usage: bench_streaming.py --bin FOLDER [--poses N] [--seed N] [--page-size N] [--encoding NAME] [--worst N] [--quick]
+                          [--results DIR] [SCENE.glb[=FILE.pvs] ...]
 
 --bin: the folder with sightcell and stream_truth. Scenes: files, or paths under SIGHTCELL_DATA, where missing ones are said
 so. Without FILE.pvs (which needs importance), the scene is baked. --quick: a small town, a few cells and poses. Files are
@@ -23,6 +23,10 @@ order, the table has the one with the fewest bytes until 99 %.
 A level is a share of the solid angle of polygons that are visible in the view and arrive with the cell's pages. Waste is the
 bytes of pages without any of them. The ceiling is the share of the visible solid angle that the cell lists at all. Texture
 images are left out. Times: 10 Mbit/s, 40 ms from a request to its answer, 6 requests at a time.
+
+Bytes are those that a server sends: of the compressed copies that --encoding names (gzip; `brotli`: to a client that accepts
+both; `as they are`: none). Weights per byte are over the sizes in the front, those without encoding; the oracle knows what is
+sent. A table has the bytes of ours for all encodings, and what they would be if ours knew what is sent.
 """
 import argparse
 import dataclasses
@@ -41,6 +45,7 @@ from stream_poses import streamed_scene  # noqa: E402
 
 LEVELS = {"95": 0.95, "99": 0.99, "99_9": 0.999, "100": 1.0}
 ROUNDING = 1e-9
+ENCODINGS = {"as they are": (), "gzip": ("gzip",), "brotli": ("gzip", "br")}
 LEAST_WEIGHT = 1e-3  # sr. Views that show less are left out
 CURVE = [round(8192 * 2 ** (step / 2)) for step in range(19)]  # bytes of pages
 QUICK_PAGES = 2048  # bytes: the small town has several
@@ -95,7 +100,7 @@ class Kept:
 
     def site(self, options, scene, pvs):
         size = ["--page-size", str(options.page_size)] if options.page_size else []
-        return self.make("site", "sightcell", [scene, pvs], ["--no-textures", *size],
+        return self.make("site", "sightcell", [scene, pvs], ["--no-textures", "--compress", "brotli", *size],
                          lambda part: ["pack", "--stream", scene, pvs, "-o", part])
 
     def poses(self, options, scene, pvs):
@@ -120,7 +125,7 @@ def until_levels(gains, costs, total):
 
 
 def loading(view, pages, startup, timed):
-    gains, sizes = view.true[pages], view.scene.front.page_bytes[pages].astype("f8")
+    gains, sizes = view.true[pages], view.scene.sent[pages].astype("f8")
     total = gains.sum()
     spent, at = until_levels(gains, sizes, total)
     first = slice(0, at["99"] + 1)
@@ -137,10 +142,10 @@ def loading(view, pages, startup, timed):
 
 def single_polygons(view):
     """Bytes until each level if polygons could be loaded one by one, each at its share of the bytes of its page."""
-    where, front = view.scene.pages, view.scene.front
+    where = view.scene.pages
     same, first, at = np.unique(where.same[view.ids], return_index=True, return_inverse=True)
     gains, page = orders.sums(at, view.angles, len(same)), view.of_page[first]
-    costs = front.page_bytes[page] / where.page_polygons[page]
+    costs = view.scene.sent[page] / where.page_polygons[page]
     order = np.argsort(-gains / costs, kind="stable")
     return until_levels(gains[order], costs[order], gains.sum())[0]
 
@@ -150,11 +155,13 @@ class Measured:
 
     def __init__(self, name):
         self.name, self.poses, self.empty, self.views = name, 0, 0, []
+        self.sent = {}  # by encoding: bytes of each page
 
-    def measure(self, scene, site, poses):
-        of = orders.Scene(site.front, stream_poses.pages_of_scene(scene, site))
+    def measure(self, scene, site, poses, encoding):
+        self.sent = {name: site.sent_page_bytes(accepted) for name, accepted in ENCODINGS.items()}
+        of = orders.Scene(site.front, stream_poses.pages_of_scene(scene, site), self.sent[encoding])
         front_bytes = os.path.getsize(os.path.join(site.folder, "scene.front"))
-        everywhere = site.front.page_bytes[site.front.everywhere].tolist()
+        everywhere = of.sent[site.front.everywhere].tolist()
         for number, pose in enumerate(poses):
             boxes = site.front.chunk_boxes
             chunks = np.flatnonzero(((boxes[:, 0] <= pose.eye) & (pose.eye < boxes[:, 1])).all(axis=1))
@@ -168,6 +175,7 @@ class Measured:
                     self.empty += turn is not None
                     continue
                 self.views.append(self.row(view, number, turn, ready, front_bytes + sum(sizes), len(chunks)))
+                self.views[-1]["encodings"] = self.encodings_of(view, front_bytes + site.front.chunk_bytes[chunks].sum())
         self.poses = len(poses)
 
     @staticmethod
@@ -179,6 +187,23 @@ class Measured:
                 "carry": (view.true[view.numbers] > 0).mean(), "in_frustum": view.in_view(view.boxes).mean(),
                 "polygons": single_polygons(view),
                 "orders": {one.__name__: loading(view, one(view), ready, turn is not None and one in published) for one in asked}}
+
+    def encodings_of(self, view, before_pages):
+        """Bytes until each level by encoding, of ours, and of ours by the weight per byte that is sent."""
+        out = {}
+        for name, sent in self.sent.items():
+            begin = before_pages + sent[view.scene.front.everywhere].sum()
+            for order, pages in (("ours", orders.ours(view)), ("ours, of sent bytes", orders.ours_of(view, sent[view.numbers]))):
+                gains = view.true[pages]
+                spent, _ = until_levels(gains, sent[pages].astype("f8"), gains.sum())
+                out[name, order] = {level: begin + size for level, size in spent.items()}
+        return out
+
+    def encodings(self):
+        views = self.of_views()
+        for name, order in views[0]["encodings"]:
+            yield {"scene": self.name, "pages": name, "order": order, "all_page_bytes": int(self.sent[name].sum()),
+                   **{f"bytes_{level}": np.mean([row["encodings"][name, order][level] for row in views]) for level in LEVELS}}
 
     def of_views(self, all_directions=False):
         return [row for row in self.views if (row["view"] is None) == all_directions]
@@ -248,6 +273,13 @@ def print_tried(rows):
               f" | {row['waste_99_percent']:.1f} |")
 
 
+def print_encodings(rows):
+    print("\n| scene | pages | order | KB of all pages | KB until 95 % | 99 % | 99.9 % | 100 % |\n" + "|---" * 8 + "|")
+    for row in rows:
+        print(f"| {row['scene']} | {row['pages']} | {row['order']} | {kb(row['all_page_bytes'])} | " +
+              " | ".join(kb(row[f'bytes_{level}']) for level in LEVELS) + " |")
+
+
 def print_more(one, worst):
     views = one.of_views()
     print(f"\n{one.name}: {one.poses} poses, {len(views)} views, {one.empty} more that show nothing. Means: a cell lists "
@@ -268,6 +300,7 @@ def main():
     parser.add_argument("--poses", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--page-size", type=int)
+    parser.add_argument("--encoding", choices=ENCODINGS, default="gzip")
     parser.add_argument("--worst", type=int, default=0)
     parser.add_argument("--quick", action="store_true")
     result_files.add_option(parser)
@@ -286,21 +319,25 @@ def main():
             continue
         one = Measured(os.path.splitext(os.path.basename(files[0]))[0])
         one.measure(files[0], streamed_scene.open_site(kept.site(options, *files)),
-                    stream_poses.read_poses(kept.poses(options, *files)))
+                    stream_poses.read_poses(kept.poses(options, *files)), options.encoding)
         all_of_them.append(one)
     if not all_of_them:
         print("skipped: no scenes; SIGHTCELL_DATA names the folder of real scenes")
         return 77
-    tables = {name: [row for one in all_of_them for row in getattr(one, name)()] for name in ("summary", "tried", "curves")}
+    tables = {name: [row for one in all_of_them for row in getattr(one, name)()] for name in ("summary", "tried", "curves", "encodings")}
     print_summary(tables["summary"])
     print_tried(tables["tried"])
+    print_encodings(tables["encodings"])
     for one in all_of_them:
         print_more(one, options.worst)
     notes = [f"{options.poses} random poses in each scene, four views of 60 degrees from each. --no-textures."]
+    encoded = [f"Bytes as sent, pages: {options.encoding}."]
     for name, key, what in (("streaming", "summary", "Bytes and seconds until shares of a view have arrived, by order of pages."),
                             ("streaming_tried", "tried", "Bytes of pages until shares of a view have arrived, all orders that were tried."),
                             ("streaming_curves", "curves", "The share of a view that the first bytes of pages carry, in the mean.")):
-        result_files.write(options.results, name, what, tables[key], notes)
+        result_files.write(options.results, name, what, tables[key], notes + encoded)
+    result_files.write(options.results, "streaming_encodings", "Bytes until shares of a view have arrived, by encoding of pages.",
+                       tables["encodings"], notes)
     return 0
 
 

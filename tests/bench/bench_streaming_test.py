@@ -28,7 +28,14 @@ def test_small_town(folder):
     assert oracle[5] == oracle[6] == 1 and oracle[8] == 0  # over itself, and without waste
     # Single polygons are a bound that no order of pages gets below.
     assert table(out, "single polygons", 5)[1] <= table(out, "oracle", 5)[1]
-    assert sorted(os.listdir(results)) == ["streaming.csv", "streaming_curves.csv", "streaming_tried.csv"]
+    assert sorted(os.listdir(results)) == ["streaming.csv", "streaming_curves.csv", "streaming_encodings.csv", "streaming_tried.csv"]
+    encodings = [table(out, f"{name} \\| {order}", 5) for name in ("as they are", "gzip", "brotli")
+                 for order in ("ours", "ours, of sent bytes")]
+    assert encodings[0] == encodings[1]
+    for larger, smaller in zip(encodings[::2], encodings[2::2]):
+        assert all(a > b for a, b in zip(larger, smaller))
+    # The first table counts what is sent with gzip.
+    assert table(out, "ours", 13)[:4] == encodings[2][1:]
     # A second run takes what the first one has kept, and measures the same.
     first = read(os.path.join(results, "streaming_tried.csv"))
     assert run(*asked, environment=environment)[0] == 0

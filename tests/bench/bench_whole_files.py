@@ -11,8 +11,8 @@ for one file. --picture-poses 0: no pictures.
 
 A whole file is the .glb, and what gltfpack, gltf-transform and Draco make of it, each as it is and compressed by gzip -9, zstd
 -19 and brotli -q 11 (that one up to 8 MB); the smallest of these counts. Its first view is complete when all of it has arrived.
-Of the streamed scene, the means over the views of bench_streaming.py, from a client without any file: pages as they are, or each
-compressed by brotli on its own; 6 requests at a time, or all at once with answers in order. 40 ms from a request to its answer.
+Of the streamed scene, the means over the views of bench_streaming.py, from a client without any file: pages as they are, or their
+copies with gzip or brotli; 6 requests at a time, or all at once with answers in order. 40 ms from a request to its answer.
 Decoding takes no time in either. Bytes and times are without images. The pictures have them: the share of pixels that differ by
 more than 8 of 255 levels from the .glb as it is.
 
@@ -209,22 +209,6 @@ class Tools:
         with open(path, encoding="utf-8") as stream:
             return json.load(stream)
 
-    def page_sizes(self, site):
-        """Bytes of each page, compressed on its own; None without brotli."""
-        if not self.paths["brotli"]:
-            return None
-        pages = [os.path.join(site.folder, site.front.page_name(number)) for number in range(len(site.front.page_bytes))]
-
-        def measure():
-            place = self.place("pages", *pages)
-            for first in range(0, len(pages), 500):
-                copies = [shutil.copy(page, place) for page in pages[first:first + 500]]
-                subprocess.run([self.paths["brotli"], "-q", "11", "-f", *copies], check=True)
-            sizes = [os.path.getsize(os.path.join(place, os.path.basename(page) + ".br")) for page in pages]
-            shutil.rmtree(place)
-            return sizes
-        return np.array(self.noted(measure, "page sizes", self.versions["brotli"], *map(os.path.basename, pages)))
-
     def run(self, name, arguments, output=None):
         """Nothing, or why it failed."""
         def limited():
@@ -406,8 +390,8 @@ def at_our_grid(tools, scene, pair):
 
 def container(tools, name, scene, site):
     """All that our site has without images beside gltfpack's file, at a grid as fine as ours."""
-    files = {kind: sorted(os.path.join(site.folder, kind, one) for one in os.listdir(os.path.join(site.folder, kind)))
-             for kind in ("pages", "cells")}
+    files = {kind: sorted(os.path.join(site.folder, kind, one) for one in os.listdir(os.path.join(site.folder, kind))
+                          if one.endswith(ending)) for kind, ending in (("pages", ".glb"), ("cells", ".cells"))}
     files["front"] = [os.path.join(site.folder, "scene.front")]
     ours = {kind: sum(map(os.path.getsize, some)) for kind, some in files.items()}
     everything = [one for some in files.values() for one in some]
@@ -474,12 +458,12 @@ def measure(options, kept, tools, named):
     site_folder = kept.site(options, scene, pvs)
     site = streamed_scene.open_site(site_folder)
     whole = list(whole_files(tools, pictures, name, scene, options.only))
-    of = orders.Scene(site.front, stream_poses.pages_of_scene(scene, site))
+    of = orders.Scene(site.front, stream_poses.pages_of_scene(scene, site), site.front.page_bytes)
     poses = stream_poses.read_poses(kept.poses(options, scene, pvs))
     wrong = pictures.wrong(rebuilt(options, kept, scene, pvs) if options.picture_poses else None)
-    sizes = {"as they are": site.front.page_bytes, "brotli": tools.page_sizes(site)}
+    sizes = {encoding: site.sent_page_bytes(accepted) for encoding, accepted in bench_streaming.ENCODINGS.items()}
     streams = [{**streamed(name, of, site, poses, encoding, some, requests), **wrong}
-               for encoding, some in sizes.items() if some is not None for requests in REQUESTS]
+               for encoding, some in sizes.items() for requests in REQUESTS]
     return whole, streams, list(container(tools, name, scene, site))
 
 

@@ -91,6 +91,35 @@ def coverage():
                    ("above the truth", "hold", plain), ("error / bound, largest", "error_over_bound_largest", fixed(2)))
 
 
+def reach_spawns():
+    return columns(rows_of("reach_spawns"), ("level", "scene", plain), ("spawns", "spawns", plain),
+                   ("with a floor below", "with_floor", plain), ("in a cell", "in_cells", plain))
+
+
+def reach_walks():
+    return columns(rows_of("reach_walks"), ("scene", "scene", plain), ("steps", "steps", grouped), ("in no cell", "outside", grouped),
+                   ("of these beyond the searched heights", "beyond_heights_of_cells", grouped),
+                   ("in no column before merging", "outside_before_merging", grouped), ("cells visited", "cells_visited", grouped),
+                   ("of", "cells", grouped))
+
+
+def reach_sizes():
+    """Cells of one size beside the automatic ones of the same region."""
+    table = [["scene", "quality", "cells", "number", "CPU s", "KB", "polygons drawn", "automatic cells: times fewer",
+              "times the polygons"]]
+    for row in rows_of("reach_sizes") + rows_of("reach_sizes_draft"):
+        file = "reach_sizes" if row["quality"] == "normal" else "reach_sizes_draft"
+        automatic, = rows_of(file, scene=row["scene"], cells_are="merged")
+        ratios = ["", ""]
+        if row["cells_are"] != "merged":
+            ratios = [f"{float(row['stored']) / float(automatic['stored']):.1f}",
+                      f"{float(automatic['drawn']) / float(row['drawn']):.2f}"]
+        name = {"merged": "automatic", "columns": "columns of 4 m", "lattice": "4 x 2 x 4 m"}[row["cells_are"]]
+        table.append([row["scene"], row["quality"], name, grouped(row["stored"]), fixed(0)(row["cpu_seconds"]),
+                      kilobytes(row["bytes"]), grouped(row["drawn"]), *ratios])
+    return table
+
+
 def equal_time():
     """All cells; a setting's best number of pixels at each time."""
     best = {}
@@ -157,6 +186,10 @@ def kilobytes(text):
     return f"{float(text) / 1000:,.0f}"
 
 
+def fixed_kilobytes(text):
+    return f"{float(text) / 1000:,.1f}"
+
+
 def streaming():
     return columns(rows_of("streaming"), ("scene", "scene", plain), ("order", "order", plain), ("KB until 95 %", "bytes_95", kilobytes),
                    ("99 %", "bytes_99", kilobytes), ("99.9 %", "bytes_99_9", kilobytes), ("100 %", "bytes_100", kilobytes),
@@ -176,6 +209,12 @@ def streaming_tried():
         found = {row["order"]: row["page_bytes_99"] for row in rows_of("streaming_tried", scene=scene)}
         table.append([scene] + [f"{float(found[name]) / 1000:.1f}" for _, name in asked])
     return table
+
+
+def streaming_encodings():
+    return columns(rows_of("streaming_encodings", order="ours"), ("scene", "scene", plain), ("pages", "pages", plain),
+                   ("KB of all pages", "all_page_bytes", kilobytes), ("KB until 95 %", "bytes_95", fixed_kilobytes),
+                   ("99 %", "bytes_99", fixed_kilobytes), ("99.9 %", "bytes_99_9", fixed_kilobytes), ("100 %", "bytes_100", fixed_kilobytes))
 
 
 def best_whole_files():

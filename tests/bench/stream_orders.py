@@ -64,6 +64,7 @@ class Scene:
     """A site as its client sees it, and what only this measurement knows: where its polygons are."""
     front: object
     pages: object  # PagesOfScene
+    sent: object  # bytes of each page as a server sends it
 
     @property
     def count(self):
@@ -126,9 +127,14 @@ class View:
         return self.numbers[np.lexsort((self.numbers, *(-np.asarray(key, "f8") for key in reversed(keys))))]
 
 
-def ours(view, factor=VIEW_FACTOR):
+def ours_of(view, sizes, factor=VIEW_FACTOR):
+    """By the weight over these sizes."""
     ahead = view.in_view(view.boxes) & view.in_headings()
-    return view.by(view.weights / view.bytes * np.where(ahead, factor, 1))
+    return view.by(view.weights / sizes * np.where(ahead, factor, 1))
+
+
+def ours(view, factor=VIEW_FACTOR):
+    return ours_of(view, view.bytes, factor)
 
 
 def distance(view):
@@ -167,7 +173,7 @@ def area_of_draws(view):
 
 
 def oracle(view):
-    return view.by(view.true[view.numbers] / view.bytes)
+    return view.by(view.true[view.numbers] / view.scene.sent[view.numbers])
 
 
 # Tried beside them, to see what is missing. Those that end with "pose" or "view" know what no client knows.

@@ -59,6 +59,7 @@ ALLOWED = {
     'bake': SCENE + PICTURE + FORMAT + SHADERS + ['embree3/', 'tbb/', 'fmt/', 'nlohmann/', 'xxhash.h'],
     'bake/src/checkpoint/checkpoint.cpp': SCENE + ['sqlite3.h', 'xxhash.h', 'fmt/', 'nlohmann/'],
     'bake/src/stream/payload.cpp': ['sha2.h', 'zlib.h'],
+    'bake/src/stream/encoded_copies.cpp': ['brotli/', 'zlib.h'],
     'bake/src/stream/smaller_images.cpp': SCENE + ['webp/'],
     'bake/src/job/disk_space.cpp': SCENE + ['sys/', 'fmt/'],
     'bake/src/cells/walkable.cpp': SCENE + ['Recast.h', 'fmt/'],

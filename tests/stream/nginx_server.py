@@ -11,7 +11,9 @@ CACHE_RULES = os.path.join(ROOT, 'samples', 'stream_client', 'nginx.conf')
 PATHS = [*os.environ.get('PATH', '').split(os.pathsep), '/usr/sbin', '/usr/local/sbin']  # sbin is not in every PATH
 PROGRAM = shutil.which('nginx', path=os.pathsep.join(PATHS))
 START = 10  # seconds
+BROTLI = '/usr/lib/nginx/modules/ngx_http_brotli_static_module.so'  # Debian: libnginx-mod-http-brotli-static
 CONFIGURATION = '''
+{modules}
 {user}
 worker_processes {workers};
 pid nginx.pid;
@@ -30,6 +32,7 @@ http {{
     listen 127.0.0.1:{port};
     root {root};
     include {rules};
+    {more}
   }}
 }}
 '''
@@ -47,9 +50,9 @@ def answers(port):
 
 
 class Nginx:
-    """Sends each site as /NAME/. sites: folders by name."""
+    """Sends each site as /NAME/. sites: folders by name. brotli: also sends copies of that kind, which needs BROTLI."""
 
-    def __init__(self, sites, workers=1):
+    def __init__(self, sites, workers=1, brotli=False):
         self.folder = tempfile.mkdtemp()
         root = os.path.join(self.folder, 'root')
         os.mkdir(root)
@@ -59,7 +62,8 @@ class Nginx:
         configuration = os.path.join(self.folder, 'nginx.conf')
         with open(configuration, 'w', encoding='utf-8') as out:
             out.write(CONFIGURATION.format(user='' if os.getuid() else 'user root;', workers=workers, port=self.port,
-                                           root=root, rules=CACHE_RULES))
+                                           root=root, rules=CACHE_RULES, modules=f'load_module {BROTLI};' if brotli else '',
+                                           more='brotli_static on;' if brotli else ''))
         self.process = subprocess.Popen([PROGRAM, '-p', self.folder, '-c', configuration, '-g', 'daemon off;'],
                                         stderr=subprocess.PIPE, text=True)
         end = time.monotonic() + START

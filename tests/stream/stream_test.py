@@ -1,6 +1,7 @@
 """What `sightcell pack --stream` writes, by a reader that was written from docs/streaming.md alone. Every polygon of the
 scene and of every cell set has to be there."""
 import io
+import json
 import os
 
 import numpy as np
@@ -15,12 +16,12 @@ from matching import partners
 from painted_images import CUTOFF, PIXELS, colors, leaves, light_of, means, normals, numbers_of
 from painted_scene import image_files, write_painted
 from pair_sets import candidates, corner_distance
-from streamed_scene import EVERYWHERE, MOVES, NOWHERE, cell_at, local_polygons, open_site, rebuild
+from streamed_scene import COPIES, EVERYWHERE, MOVES, NOWHERE, cell_at, decoded, local_polygons, open_site, rebuild
 from tiled_site import Z_UP, attribute_rows, page_polygons, read_tileset, tile_polygons
 
 GRID = 0.002  # meters
 PAGE_SIZE = 4096  # bytes. Small, so that scenes of a few thousand polygons have a dozen pages
-OPTIONS = ['--grid', GRID, '--page-size', PAGE_SIZE, '--tileset']
+OPTIONS = ['--grid', GRID, '--page-size', PAGE_SIZE, '--tileset', '--compress', 'brotli']
 SMALLER = 64  # pixels of the smaller versions of images
 STEP = 2 ** (1 / 16)  # a weight is rounded to an eighth of a power of two
 SMALLEST = 11  # classes of importance below this one have a range of solid angles
@@ -62,6 +63,7 @@ class Streamed(InFolder):
         code, out, err = harness.sightcell(*arguments)
         if code != 0:
             raise RuntimeError(f'{arguments}: {code}\n{out}\n{err}')
+        return out
 
     @classmethod
     def match_polygons(cls):
@@ -287,11 +289,50 @@ class Streamed(InFolder):
         self.assertLess(coarse, set(both))
         self.assertEqual(both, {**both, **contents(self.site_folder)})
 
+    def test_pages_and_tiles_have_smaller_copies(self):
+        files = contents(self.site_folder)
+        plain = {name: data for name, data in files.items() if not name.endswith(tuple(COPIES.values()))}
+        compressed = [name for name in plain if name.endswith(('.glb', '.gltf', '.json'))]
+        for encoding, ending in COPIES.items():
+            self.assertEqual({name + ending for name in compressed}, {name for name in files if name.endswith(ending)})
+            for name in compressed:
+                copy = files[name + ending]
+                self.assertEqual(decoded(copy, encoding), plain[name], name + ending)
+                self.assertLess(len(copy), len(plain[name]) * 15 / 16)
+        self.assertTrue(all(files[name + '.gz'][:10] == b'\x1f\x8b\x08\0\0\0\0\0\x02\xff' for name in compressed))
+
+    def test_copies_that_are_printed(self):
+        folder = new_folder(self.addCleanup)
+        printed = json.loads(self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, *OPTIONS, '--json'))
+        self.assertEqual(printed['page_gzip_bytes'], self.site.sent_page_bytes({'gzip'}).sum())
+        self.assertEqual(printed['page_brotli_bytes'], self.site.sent_page_bytes({'gzip', 'br'}).sum())
+        tiles = [name for name in contents(folder) if name.endswith('.gltf')]
+        self.assertEqual(printed['tile_gzip_bytes'], sum(self.site.sent_bytes(name, {'gzip'}) for name in tiles))
+        self.assertEqual(printed['tile_brotli_bytes'], sum(self.site.sent_bytes(name, {'gzip', 'br'}) for name in tiles))
+        sent = self.site.sent_page_bytes({'gzip'})
+        self.assertAlmostEqual(printed['mean_cell_gzip_bytes'], np.mean([sent[cell.pages].sum() for cell in self.cells.values()]))
+
+    def test_without_copies(self):
+        """Those of older versions of files that change must go: a server would send them."""
+        folder = new_folder(self.addCleanup)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, '--grid', 16 * GRID, *OPTIONS[2:])
+        with open(os.path.join(folder, 'scene.front.gz'), 'wb') as other:
+            other.write(b'of another program')
+        before = contents(folder)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, *OPTIONS[:-1], 'none')
+        self.assertEqual({name for name in before if name not in contents(folder)},
+                         {'tileset.json.gz', 'tileset.json.br', 'scene.front.gz'})
+        again = new_folder(self.addCleanup)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', again, *OPTIONS[:-2])
+        self.assertEqual({name.split('.')[-1] for name in contents(again)} & {'gz', 'br'}, {'gz'})
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', again, *OPTIONS)
+        self.assertEqual(contents(again), contents(self.site_folder))
+
     def test_damaged_files_are_rejected(self):
         folder = new_folder(self.addCleanup)
         self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, *OPTIONS)
         front = open_site(folder).front
-        for name in ('scene.front', front.chunk_name(0), front.page_name(0)):
+        for name in ('scene.front', front.chunk_name(0), front.page_name(0), front.page_name(0) + '.gz', front.page_name(0) + '.br'):
             path = os.path.join(folder, *name.split('/'))
             data = read(path)
             # In a zlib stream, a flipped bit may mean the same bytes. Not so in the header, the first bytes and the checksum.
@@ -372,17 +413,30 @@ class Painted(Streamed):
         return ['--cells-file', cls.cells_file]
 
     def test_attributes(self):
+        """Without those that no texture needs: only the room has a texture of normals, and none has the second coordinates."""
+        self.assert_attributes(self.site, {0: {'TEXCOORD_1'}, 1: {'TEXCOORD_1', 'TANGENT'}})
+
+    def test_all_attributes(self):
+        folder = new_folder(self.addCleanup)
+        self.must('pack', '--stream', self.scene, self.pvs, '-o', folder, *OPTIONS, '--all-attributes')
+        self.assert_attributes(open_site(folder), {0: set(), 1: set()})
+
+    def assert_attributes(self, site, left_out):
+        """left_out: by mesh."""
         gltf = read_gltf(self.scene)
         limits = {'NORMAL': 0.03, 'TANGENT': 0.03, 'TEXCOORD_0': 1 / 32 / PIXELS, 'TEXCOORD_1': 1 / 32 / PIXELS, 'COLOR_0': 0.5 / 255}
-        for page in range(len(self.site.front.page_bytes)):
-            for part in self.site.page(page):
-                draw = int(np.flatnonzero(self.site.front.draw_geometry == part.geometry)[0])
-                primitive = gltf.document['meshes'][self.site.front.draw_mesh[draw]]['primitives'][0]
-                self.assertEqual(set(part.attributes), set(primitive['attributes']))
+        for page in range(len(site.front.page_bytes)):
+            for part in site.page(page):
+                draw = int(np.flatnonzero(site.front.draw_geometry == part.geometry)[0])
+                mesh = int(site.front.draw_mesh[draw])
+                primitive = gltf.document['meshes'][mesh]['primitives'][0]
+                self.assertEqual(set(part.attributes), set(primitive['attributes']) - left_out[mesh])
                 source = {name: gltf.floats(number) for name, number in primitive['attributes'].items()}
                 for vertex in np.unique(part.triangles):
                     near = np.linalg.norm(source['POSITION'] - part.attributes['POSITION'][vertex], axis=1) <= GRID
                     for name, limit in limits.items():
+                        if name in left_out[mesh]:
+                            continue
                         near &= np.abs(source[name] - part.attributes[name][vertex]).max(axis=1) <= limit * 1.001
                     self.assertTrue(near.any(), f'page {page}, vertex {vertex}')
 

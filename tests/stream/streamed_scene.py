@@ -21,6 +21,7 @@ MOVES, EVERYWHERE, NOWHERE = 1, 2, 4  # flags of draws
 EXTENSIONS = ('png', 'jpg', 'webp', 'ktx2', 'bin')
 LEAST = 255  # code of a weight that is less than any other
 CHUNK_LIMIT = 16 << 10
+COPIES = {'gzip': '.gz', 'br': '.br'}  # by content encoding: what follows the name of a file
 # By the name of an attribute before its number: type of accessor, types of components, filter.
 ATTRIBUTES = {'POSITION': ('VEC3', (5126,), 'EXPONENTIAL'), 'TEXCOORD': ('VEC2', (5126,), 'EXPONENTIAL'),
               'NORMAL': ('VEC3', (5120,), 'OCTAHEDRAL'), 'TANGENT': ('VEC4', (5120,), 'OCTAHEDRAL'),
@@ -111,6 +112,22 @@ def inflated(packed, size, name):
          f'{name}: the zlib stream ends early or late')
     need(len(payload) == size, f'{name}: the payload has not {size} bytes')
     return payload
+
+
+def decoded(data, encoding):
+    if encoding == 'gzip':
+        stream = zlib.decompressobj(zlib.MAX_WBITS | 16)
+        try:
+            plain = stream.decompress(data)
+        except zlib.error as error:
+            raise ValueError(f'gzip: {error}') from error
+        need(stream.eof and not stream.unused_data, 'gzip: the stream ends early or late')
+        return plain
+    import brotli  # only where copies of that kind are
+    try:
+        return brotli.decompress(data)
+    except brotli.error as error:
+        raise ValueError(f'brotli: {error}') from error
 
 
 @dataclasses.dataclass
@@ -385,6 +402,19 @@ class Site:
         with open(os.path.join(self.folder, *name.split('/')), 'rb') as file:
             return file.read()
 
+    def copies(self, name):
+        """The compressed copies of a file: by content encoding their bytes."""
+        paths = {encoding: os.path.join(self.folder, *name.split('/')) + ending for encoding, ending in COPIES.items()}
+        return {encoding: self.read(name + COPIES[encoding]) for encoding, path in paths.items() if os.path.exists(path)}
+
+    def sent_bytes(self, name, encodings):
+        """Of the body that a server with these copies sends to a client that accepts the encodings."""
+        sizes = [os.path.getsize(os.path.join(self.folder, *name.split('/')))]
+        return min(sizes + [len(copy) for encoding, copy in self.copies(name).items() if encoding in encodings])
+
+    def sent_page_bytes(self, encodings):
+        return np.array([self.sent_bytes(self.front.page_name(page), encodings) for page in range(len(self.front.page_bytes))])
+
     def files(self):
         """(name, bytes, hash) of all files that the front lists."""
         of = self.front
@@ -421,7 +451,10 @@ def open_site(folder):
         path = os.path.join(folder, *name.split('/'))
         need(os.path.isfile(path), f'{name} is missing')
         need(os.path.getsize(path) == size, f'{name} has {os.path.getsize(path)} bytes instead of {size}')
-        need(hash_of(site.read(name)) == expected, f'{name} has another hash than its name')
+        data = site.read(name)
+        need(hash_of(data) == expected, f'{name} has another hash than its name')
+        for encoding, copy in site.copies(name).items():
+            need(decoded(copy, encoding) == data, f'{name}{COPIES[encoding]} has other contents')
     return site
 
 

@@ -12,21 +12,24 @@ import socketserver
 import struct
 import threading
 import time
+import zlib
 
 STALLED = 100  # seconds that the server keeps a connection open on which it sends nothing
 ERRORS = ('reset', 'reset in body', 'closed', 'cut', 'short', 'long', 'flipped', 'other file', 'empty', '404', '500', '503',
-          'endless', 'endless chunks', 'endless headers', 'redirect to itself', 'no http', 'broken chunk', 'compressed',
-          'length twice')
+          'endless', 'endless chunks', 'endless headers', 'redirect to itself', 'no http', 'broken chunk', 'length twice',
+          'false encoding', 'not asked to compress', 'cut in compressed', 'other file compressed', 'compressed twice', 'endless compressed',
+          'other encoding', 'unknown encoding')
 STALLS = ('stalled', 'stalled in body', 'dripping')  # these take the client as long as it waits
-HARMLESS = ('late', 'chunked', 'false encoding', 'http 1.0', 'redirected', 'in pieces')
+HARMLESS = ('late', 'chunked', 'compressed', 'http 1.0', 'redirected', 'in pieces')
 
 
 class Plan:
     """What is done with each request."""
 
-    def __init__(self, seed=0, in_a_row=0, stalls=0.0, harmless=0.2, missing=()):
+    def __init__(self, seed=0, in_a_row=0, stalls=0.0, harmless=0.2, missing=(), always=()):
         """in_a_row: most errors of a path one after the other. stalls, harmless: shares of the faults. missing: paths that do
-        not exist for the client."""
+        not exist for the client. always: by path, the kind of all its answers."""
+        self.always = dict(always)
         self.seed, self.in_a_row, self.stalls, self.harmless, self.missing = seed, in_a_row, stalls, harmless, set(missing)
         self.asked, self.left, self.counts = {}, {}, {}
         self.lock = threading.Lock()
@@ -37,6 +40,8 @@ class Plan:
             self.asked[path] = number = self.asked.get(path, 0) + 1
             if path in self.missing:
                 return self.count('404')
+            if path in self.always:
+                return self.count(self.always[path])
             if not self.in_a_row:
                 return None
             one = random.Random(f'{self.seed} {path} {number}')
@@ -107,6 +112,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.send(bytes(flipped))
         if kind == 'other file':
             return self.send(self.server.other_than(path))
+        if kind == 'other file compressed':
+            return self.send_encoded(gzip.compress(self.server.other_than(path), 1))
         return self.send(b'out of order', status=int(kind))
 
     def answer_reset(self, *_):
@@ -165,8 +172,42 @@ class Handler(http.server.BaseHTTPRequestHandler):
                   body=b'%x\r\n' % len(data) + data[:half] + b'\r\nno number\r\n')
         self.close()
 
+    def send_encoded(self, data, encoding='gzip', **more):
+        self.send(data, headers=[f'Content-Encoding: {encoding}', 'Vary: Accept-Encoding'], **more)
+
     def answer_compressed(self, data, _):
-        self.send(gzip.compress(data, 1), headers=['Content-Encoding: gzip'])
+        if 'gzip' in self.headers.get('Accept-Encoding', ''):
+            self.send_encoded(gzip.compress(data, 1))
+        else:
+            self.send(data)
+
+    def answer_not_asked_to_compress(self, data, _):
+        """Wrong only where the client does not accept it."""
+        self.send_encoded(gzip.compress(data, 1))
+
+    def answer_false_encoding(self, data, _):
+        """Wrong only where the client accepts it."""
+        self.send_encoded(data)
+
+    def answer_cut_in_compressed(self, data, _):
+        packed = gzip.compress(data, 1)
+        self.send_encoded(packed[:len(packed) // 2])
+
+    def answer_compressed_twice(self, data, _):
+        self.send_encoded(gzip.compress(gzip.compress(data, 1), 1))
+
+    def answer_endless_compressed(self, data, _):
+        """The file, and then up to 64 MB per 64 KB that are sent."""
+        packer = zlib.compressobj(1, wbits=zlib.MAX_WBITS | 16)
+        begin = packer.compress(data) + packer.flush(zlib.Z_FULL_FLUSH)
+        self.send_encoded(begin, length='')
+        self.flood(packer.compress(bytes(16 << 20)) + packer.flush(zlib.Z_FULL_FLUSH))
+
+    def answer_other_encoding(self, data, _):
+        self.send_encoded(gzip.compress(data, 1), 'br')
+
+    def answer_unknown_encoding(self, data, _):
+        self.send_encoded(gzip.compress(data, 1), 'zip')
 
     def answer_length_twice(self, data, half):
         self.send(data, headers=[f'Content-Length: {half}'])
@@ -193,9 +234,6 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def answer_chunked(self, data, half):
         chunks = b''.join(b'%x\r\n%s\r\n' % (len(part), part) for part in (data[:half], data[half:]) if part)
         self.send(b'', length='', headers=['Transfer-Encoding: chunked'], body=chunks + b'0\r\n\r\n')
-
-    def answer_false_encoding(self, data, _):
-        self.send(data, headers=['Content-Encoding: gzip'])
 
     def answer_http_1_0(self, data, _):
         self.wfile.write(b'HTTP/1.0 200 ?\r\n\r\n' + data)

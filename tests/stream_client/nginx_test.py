@@ -14,11 +14,12 @@ import rooms_scene
 from harness import InFolder, read
 from painted_images import png
 from stream_walks import Cells
-from streamed_scene import cell_at, open_site
+from streamed_scene import cell_at, decoded, open_site
 
 ROOMS = 5
 STRIDE = rooms_scene.SIZE + 1
 IMMUTABLE = 'public, max-age=31536000, immutable'
+TYPES = {'glb': 'model/gltf-binary', 'gltf': 'model/gltf+json', 'json': 'application/json'}
 BENCH = os.path.join(harness.ROOT, 'tests', 'bench')
 
 
@@ -38,7 +39,7 @@ class BehindNginx(InFolder):
             json.dump({'cells': boxes}, out)
         for arguments in (['bake', scene, '-o', pvs, '--importance', '--progress', 'none', '--cells-file', cells,
                            *harness.QUICK_BAKE],
-                          ['pack', '--stream', scene, pvs, '-o', cls.site, '--page-size', 2048]):
+                          ['pack', '--stream', scene, pvs, '-o', cls.site, '--page-size', 2048, '--tileset', '--compress', 'brotli']):
             harness.must(harness.program('sightcell'), *arguments)
         cls.server = nginx_server.Nginx({'rooms': cls.site})
         cls.addClassCleanup(cls.server.stop)
@@ -47,11 +48,19 @@ class BehindNginx(InFolder):
         self.connection = http.client.HTTPConnection('127.0.0.1', self.server.port, timeout=10)
         self.addCleanup(self.connection.close)
 
-    def get(self, name, **headers):
+    def get(self, name, connection=None, **headers):
         """Status, headers and body."""
-        self.connection.request('GET', f'/rooms/{name}', headers={k.replace('_', '-'): v for k, v in headers.items()})
-        answer = self.connection.getresponse()
+        connection = connection or self.connection
+        connection.request('GET', f'/rooms/{name}', headers={k.replace('_', '-'): v for k, v in headers.items()})
+        answer = connection.getresponse()
         return answer.status, answer.headers, answer.read()
+
+    def load(self, url, *more):
+        """What the client prints."""
+        code, out, err = harness.run(harness.program('sightcell-stream-client'), url, '--eye', '4,2,4', '--no-draw', '--json',
+                                     '--list', *more)
+        self.assertEqual((code, err), (0, ''))
+        return json.loads(out)
 
     def bench(self, script, *arguments):
         """Rows that a benchmark writes."""
@@ -67,12 +76,64 @@ class BehindNginx(InFolder):
         seen = set()
         for name, size, _ in open_site(self.site).files():
             kind = name.rsplit('.', 1)[1]
-            status, headers, body = self.get(name, Accept_Encoding='gzip')
+            status, headers, body = self.get(name)
             self.assertEqual((status, len(body), headers.get_all('Cache-Control'), headers['Content-Type']),
                              (200, size, [IMMUTABLE], kinds[kind]), name)
             self.assertIsNone(headers['Content-Encoding'])
             seen.add(kind)
         self.assertLessEqual({'glb', 'cells', 'png'}, seen)
+
+    def assert_encoded(self, connection, accepted, encoding):
+        """Pages and tiles are sent with this encoding, and all else as it is."""
+        compressed = 0
+        tiles = [f'tiles/{name}' for name in os.listdir(os.path.join(self.site, 'tiles')) if name.endswith('.gltf')]
+        for name in [*(name for name, _, _ in open_site(self.site).files()), *tiles, 'tileset.json', 'scene.front']:
+            file, (status, headers, body) = read(os.path.join(self.site, *name.split('/'))), self.get(
+                name, connection, Accept_Encoding=accepted)
+            self.assertEqual(status, 200)
+            changes = name in ('tileset.json', 'scene.front')
+            self.assertEqual(headers.get_all('Cache-Control'), ['no-cache' if changes else IMMUTABLE])
+            if headers['Content-Encoding'] is None:
+                self.assertFalse(name.endswith(('.glb', '.gltf', '.json')), name)
+                self.assertEqual(body, file)
+                continue
+            self.assertEqual((headers['Content-Encoding'], headers['Vary']), (encoding, 'Accept-Encoding'))
+            self.assertEqual(headers['Content-Type'], TYPES[name.rsplit('.', 1)[1]])
+            self.assertLess(len(body), len(file))
+            self.assertEqual(decoded(body, encoding), file)
+            compressed += 1
+        self.assertGreater(compressed, 2 * ROOMS)
+
+    def test_pages_and_tiles_are_sent_compressed(self):
+        self.assert_encoded(self.connection, 'gzip', 'gzip')
+        self.assert_encoded(self.connection, 'gzip, deflate, br, zstd', 'gzip')  # nginx without the module
+
+    def brotli_server(self):
+        if not os.path.exists(nginx_server.BROTLI):
+            self.skipTest('libnginx-mod-http-brotli-static is not installed (scripts/bootstrap --tests)')
+        server = nginx_server.Nginx({'rooms': self.site}, brotli=True)
+        self.addCleanup(server.stop)
+        return server
+
+    def test_brotli_is_preferred(self):
+        server = self.brotli_server()
+        connection = http.client.HTTPConnection('127.0.0.1', server.port, timeout=10)
+        self.addCleanup(connection.close)
+        self.assert_encoded(connection, 'gzip, deflate, br, zstd', 'br')
+        self.assert_encoded(connection, 'gzip', 'gzip')
+        self.assertIsNone(self.get(open_site(self.site).front.page_name(0), connection)[1]['Content-Encoding'])
+
+    def test_client_loads_compressed_pages(self):
+        """It counts the bytes that are sent, and has the same files."""
+        site = open_site(self.site)
+        for server, accepted in ((self.server, {'gzip'}), (self.brotli_server(), {'gzip', 'br'})):
+            got = self.load(server.url('rooms'), '--save', self.path('saved'))
+            self.assertEqual((got['complete'], got['errors']), (True, 0))
+            for name in got['present']:
+                self.assertEqual(read(os.path.join(self.path('saved'), *name.split('/'))), site.read(name))
+            sent = sum(site.sent_bytes(name, accepted) for name in ['scene.front', *got['present']])
+            headers = (got['bytes'] - sent) / got['requests']
+            self.assertTrue(150 < headers < 600, headers)
 
     def test_front_is_validated(self):
         status, headers, body = self.get('scene.front')
@@ -118,12 +179,13 @@ class BehindNginx(InFolder):
         return folder
 
     def test_server(self):
-        names = [name for name, _, _ in open_site(self.site).files()][:18]
+        site = open_site(self.site)
+        names = [name for name, _, _ in site.files()][:18]
         row, = self.bench('stream_server', '--walks', self.recorded('scene.front', *names), '--connections', 10, '--visit', 2,
                           '--seconds', 2, '--site', f'rooms={self.site}')
         # 19 requests per connection and visit.
         self.assertTrue(0.2 < row['requests_per_second'] / 95 < 1.5, row)
-        mean = sum(os.path.getsize(os.path.join(self.site, name)) for name in ['scene.front', *names]) / 19
+        mean = sum(site.sent_bytes(name, {'gzip'}) for name in ['scene.front', *names]) / 19
         self.assertTrue(mean < row['bytes_per_second'] / row['requests_per_second'] < mean + 600, (row, mean))
         self.assertLessEqual(row['latency_50_ms'], row['latency_95_ms'])
 

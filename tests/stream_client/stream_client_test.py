@@ -120,6 +120,36 @@ class StreamClient(InFolder):
         for name in faulty['present']:
             self.assertEqual(read(os.path.join(self.path('faulty'), name)), self.site.read(name), name)
 
+    def test_encodings(self):
+        """Of bodies that are what they are called, and of such that are not: where that is true of each answer, one of two
+        attempts succeeds."""
+        pages = sorted(name for name in self.needed(0) if name.startswith('pages'))
+        expected, _ = self.load(self.serve(), '--eye', '4,2,4', '--no-draw')
+        for kind, errors in (('compressed', 0), ('false encoding', 1), ('not asked to compress', 0)):
+            with self.subTest(kind):
+                server = self.serve(Plan(always={name: kind for name in pages}))
+                result, err = self.load(server, '--eye', '4,2,4', '--no-draw', '--save', self.path(kind))
+                self.assertEqual((result['errors'], result['refetches'], result['failed'], err),
+                                 (errors * len(pages), errors * len(pages), [], ''))
+                self.assertEqual(result['present'], expected['present'])
+                for name in pages:
+                    self.assertEqual(read(os.path.join(self.path(kind), name)), self.site.read(name))
+                if not errors:
+                    self.assertLess(result['bytes'], 0.95 * expected['bytes'])
+
+    def test_wrong_encodings(self):
+        """Are reported, and end before they fill memory."""
+        page = min(name for name in self.needed(0) if name.startswith('pages'))
+        for kind, cause in (('cut in compressed', 'bytes instead of'), ('other file compressed', ''), ('compressed twice', ''),
+                            ('endless compressed', 'more than'), ('other encoding', ''), ('unknown encoding', '')):
+            with self.subTest(kind):
+                result, err = self.load(self.serve(Plan(always={page: kind})), '--eye', '4,2,4', '--no-draw', '--attempts', 3,
+                                        code=1)
+                self.assertEqual([failure['name'] for failure in result['failed']], [page])
+                self.assertIn(cause, result['failed'][0]['cause'])
+                self.assertEqual((result['errors'], len(err.splitlines())), (3, 1), err)
+                self.assertLess(result['bytes'], 1 << 20)
+
     def test_picture_is_that_of_the_scene(self):
         reference, picture = self.path('reference.png'), self.path('picture.png')
         harness.must(harness.program_or_skip('sightcell-test-reference-picture'), self.path('rooms.gltf'), reference, 320, 180,

@@ -73,7 +73,39 @@ void collect(const json& sections, const json& value, std::vector<material_image
   }
 }
 
+std::uint64_t set_of(const json& texture_info) {
+  std::uint64_t set = 0;
+  const json* const extensions = member(texture_info, "extensions");
+  const json* const transform = extensions ? member(*extensions, "KHR_texture_transform") : nullptr;
+  for (const json* const holder : {&texture_info, transform})  // the latter one overrides the set
+    if (const json* const number = holder ? member(*holder, "texCoord") : nullptr;
+        number && number->is_number_unsigned())
+      set = number->get<std::uint64_t>();
+  return set;
+}
+
+// At any depth, an object with an index is a texture.
+void collect_attributes(const json& value, std::string_view key, std::set<std::string>& out) {
+  if (value.is_array())
+    for (const json& child : value) collect_attributes(child, key, out);
+  if (!value.is_object()) return;
+  if (key == "KHR_materials_anisotropy") out.insert("TANGENT");
+  if (const json* const index = member(value, "index"); index && index->is_number_unsigned()) {
+    out.insert("TEXCOORD_" + std::to_string(set_of(value)));
+    if (kind_of(key) == texture_kind::normals) out.insert("TANGENT");
+  }
+  for (const auto& [name, child] : value.items()) collect_attributes(child, name, out);
+}
+
 }  // namespace
+
+std::vector<std::set<std::string>> attributes_by_material(const json& sections) {
+  std::vector<std::set<std::string>> out;
+  const json* const materials = member(sections, "materials");
+  if (!materials || !materials->is_array()) return out;
+  for (const json& material : *materials) collect_attributes(material, {}, out.emplace_back());
+  return out;
+}
 
 std::vector<std::vector<material_image>> images_by_material(const json& sections) {
   std::vector<std::vector<material_image>> out;

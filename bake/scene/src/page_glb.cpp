@@ -19,20 +19,19 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// The vertices and indices of geometries with one layout.
+// The vertices and indices of geometries that share a layout.
 struct joined_parts {
-  const vertex_layout* layout = nullptr;
+  const vertex_layout* layout;
   std::vector<std::vector<std::uint8_t>> streams;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> counts;  // geometry and number of its indices, in turn
   std::uint32_t vertices = 0;
   glm::vec3 min{std::numeric_limits<float>::infinity()}, max{-std::numeric_limits<float>::infinity()};
 
+  explicit joined_parts(const vertex_layout& shared) : layout(&shared), streams(shared.size()) {}
+
+  // g: of this layout, or of the same one without texture coordinates.
   void add(const rounded_geometry& g, const page_part& part) {
-    if (!layout) {
-      layout = &g.layout;
-      streams.resize(g.layout.size());
-    }
     std::vector<std::uint32_t> corners;
     for (const std::uint32_t polygon : part.polygons)
       if (g.is_drawn(polygon))
@@ -63,6 +62,7 @@ struct joined_parts {
           const std::size_t stride = g.layout[s].stride;
           const auto* const from = &g.streams[s][used[c] * stride];
           streams[s].insert(streams[s].end(), from, from + stride);
+          streams[s].resize(streams[s].size() + (*layout)[s].stride - stride);
         }
         const glm::vec3 p = position_of(g, used[c]);
         for (int k = 0; k < 3; ++k) min[k] = std::min(min[k], p[k]), max[k] = std::max(max[k], p[k]);
@@ -206,18 +206,32 @@ class page_writer {
   bool quantized_ = false;  // has components that the core of glTF does not allow
 };
 
+bool has_coordinates(const vertex_layout& layout) {
+  return layout.front().attributes.size() > 1;
+}
+
+// Returns the layout of the first part that differs from `own` only by texture coordinates, which `own` has none of;
+// else `own`. Zeros take next to no bytes, and another primitive 600 bytes of JSON.
+const vertex_layout& shared_layout(std::span<const rounded_geometry> geometries, std::span<const page_part> parts,
+                                   const vertex_layout& own) {
+  if (has_coordinates(own)) return own;
+  for (const page_part& part : parts) {
+    const vertex_layout& other = geometries[part.geometry].layout;
+    if (has_coordinates(other) && std::equal(own.begin() + 1, own.end(), other.begin() + 1, other.end())) return other;
+  }
+  return own;
+}
+
 }  // namespace
 
 std::vector<std::byte> page_glb(std::span<const rounded_geometry> geometries, std::span<const page_part> parts) {
   std::vector<joined_parts> joined;
   for (const page_part& part : parts) {
     const rounded_geometry& g = geometries[part.geometry];
-    auto found = std::find_if(joined.begin(), joined.end(), [&](const auto& j) { return *j.layout == g.layout; });
-    if (found == joined.end()) {
-      joined.emplace_back().add(g, part);
-    } else {
-      found->add(g, part);
-    }
+    const vertex_layout& layout = shared_layout(geometries, parts, g.layout);
+    auto found = std::find_if(joined.begin(), joined.end(), [&](const auto& j) { return *j.layout == layout; });
+    if (found == joined.end()) found = joined.emplace(joined.end(), layout);
+    found->add(g, part);
   }
   page_writer writer;
   for (const joined_parts& part : joined)
@@ -226,7 +240,7 @@ std::vector<std::byte> page_glb(std::span<const rounded_geometry> geometries, st
 }
 
 std::uint32_t stream_bytes(const rounded_geometry& g, const page_part& part) {
-  joined_parts joined;
+  joined_parts joined(g.layout);
   joined.add(g, part);
   if (joined.indices.empty()) return 0;
   // Streams end with the vertex that differences begin with, up to 32 bytes, which a page has once.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -72,7 +74,8 @@ struct gltf_pager::state : opened_gltf {
   std::vector<rounded_geometry> rounded;
   std::vector<streamed_geometry> geometries;
   std::vector<std::uint32_t> geometry_of_draw;
-  std::vector<std::vector<material_image>> uses;  // by material
+  std::vector<std::vector<material_image>> uses;         // by material
+  std::vector<std::set<std::string>> needed_attributes;  // by material
   std::vector<std::vector<std::uint32_t>> images_of;
   std::vector<std::uint32_t> no_images;
   std::vector<streamed_image> images;
@@ -82,6 +85,7 @@ struct gltf_pager::state : opened_gltf {
   void read_materials(bool textures, std::vector<std::string>& warnings) {
     carried_materials carried = carry_materials(document, *root, source, *table, warnings);
     uses = images_by_material(carried.sections);
+    needed_attributes = attributes_by_material(carried.sections);
     images_of.resize(uses.size());
     for (auto& [number, bytes] : carried.images) {
       if (bytes.empty()) continue;
@@ -161,7 +165,18 @@ struct gltf_pager::state : opened_gltf {
     double scale = 0.0, step = 1.0;
   };
 
-  void round(double grid) {
+  void leave_out_unneeded(const std::vector<std::uint32_t>& draws, attribute_values& values) const {
+    std::erase_if(values, [&](const auto& attribute) {
+      const std::string& name = attribute.first;
+      if (!name.starts_with("TEXCOORD_") && name != "TANGENT") return false;
+      return std::none_of(draws.begin(), draws.end(), [&](std::uint32_t number) {
+        const std::uint32_t material = content.draws[number].material;
+        return material < needed_attributes.size() && needed_attributes[material].contains(name);
+      });
+    });
+  }
+
+  void round(const page_settings& how) {
     std::map<primitive_key, primitive_use> primitives;
     for (std::uint32_t number = 0; number < content.draws.size(); ++number) {
       const draw& d = content.draws[number];
@@ -176,10 +191,11 @@ struct gltf_pager::state : opened_gltf {
     for (const auto& [key, use] : primitives) {
       const draw& d = content.draws[use.draws.front()];
       const geometry& g = content.geometries[d.geometry];
-      const attribute_values values =
+      attribute_values values =
           attributes_at_rest(content, poses, *attributes, d, attributes->read(d.mesh, d.primitive, g.positions.size()));
-      rounded_geometry made =
-          round_geometry(g, values, {exponent_of(use.scale > 0.0 ? grid / use.scale : grid), exponent_of(use.step)});
+      if (!how.all_attributes) leave_out_unneeded(use.draws, values);
+      rounded_geometry made = round_geometry(
+          g, values, {exponent_of(use.scale > 0.0 ? how.grid / use.scale : how.grid), exponent_of(use.step)});
       const std::uint32_t number = number_of(std::move(made), known);
       for (const std::uint32_t one : use.draws) geometry_of_draw[one] = number;
     }
@@ -208,7 +224,7 @@ const scene& gltf_pager::content() const {
 
 void gltf_pager::prepare(const page_settings& how, std::vector<std::string>& warnings) {
   state_->read_materials(how.textures, warnings);
-  state_->round(how.grid);
+  state_->round(how);
 }
 
 const std::vector<streamed_geometry>& gltf_pager::geometries() const {

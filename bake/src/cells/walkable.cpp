@@ -133,9 +133,10 @@ field_shape choose_field(const scene::world_geometry& geometry, const bounds& al
     if (voxels == 1 && on.width() > coarse_voxel) continue;
     if (cut > 0.0)
       warnings.push_back(fmt::format(
-          "the scene is {:.0f} x {:.0f} m wide; floors are searched for in {:.0f} x {:.0f} m around most polygons "
-          "(--cells-grid or --cells-file reach further)",
-          all.max.x - all.min.x, all.max.z - all.min.z, world.max.x - world.min.x, world.max.z - world.min.z));
+          "the scene is {:.0f} x {:.0f} m wide; floors are searched for in {:.0f} x {:.0f} m around most polygons, at "
+          "heights of {:.0f} to {:.0f} m (--cells-grid or --cells-file reach further)",
+          all.max.x - all.min.x, all.max.z - all.min.z, world.max.x - world.min.x, world.max.z - world.min.z,
+          world.min.y, world.max.y));
     return shape_of(world, on, voxels);
   }
   int voxels = fitting_voxels_per_cell(all, on.width());

@@ -38,13 +38,13 @@ class stream_packer {
   stream_result write(const std::filesystem::path& output) {
     result_.warnings = pager_.content().warnings;
     std::vector<std::string> warnings;
-    pager_.prepare({how_.grid, how_.textures}, warnings);
+    pager_.prepare({how_.grid, how_.textures, how_.all_attributes}, warnings);
     for (std::string& warning : warnings)  // missing base colors were reported before
       if (std::find(result_.warnings.begin(), result_.warnings.end(), warning) == result_.warnings.end())
         result_.warnings.push_back(std::move(warning));
     const polygon_numbers numbers(pager_);
     const page_plan plan = plan_of(numbers);
-    site_folder site(output);
+    site_folder site(output, how_.copies);
     std::vector<std::vector<listed_image>> images = write_images(site);
     if (how_.tileset) tiles_.emplace(pager_, plan.pages.size(), site, image_uris(images));
     front_content front{pager_, plan, write_pages(plan, site), std::move(images), {}};
@@ -81,16 +81,20 @@ class stream_packer {
 
   std::vector<listed_file> write_pages(const page_plan& plan, site_folder& site) {
     std::vector<listed_file> out(plan.pages.size());
+    sent_.resize(out.size());
     for (std::size_t begin = 0; begin < out.size(); begin += pages_at_a_time) {
       const std::size_t end = std::min(out.size(), begin + pages_at_a_time);
       tbb::parallel_for(begin, end, [&](std::size_t page) {
         const std::vector<std::byte> bytes = pager_.page(plan.pages[page]);
-        out[page] = site.add("pages", "glb", bytes);
+        const added_file added = site.add_with_copies("pages", "glb", bytes);
+        out[page] = added.file;
+        sent_[page] = added.sent;
         if (tiles_) tiles_->add(static_cast<std::uint32_t>(page), plan.pages[page], out[page], bytes);
       });
       report(stream_phase::writing_pages, end, out.size());
     }
     for (const listed_file& file : out) result_.page_bytes += file.bytes;
+    for (const sent_bytes& sent : sent_) result_.sent_pages.add(sent);
     return out;
   }
 
@@ -141,9 +145,10 @@ class stream_packer {
 
   void write_tileset(site_folder& site) {
     const std::string text = tiles_->tileset();
-    site.finish("tileset.json", std::as_bytes(std::span(text)));
+    site.finish_with_copies("tileset.json", std::as_bytes(std::span(text)));
     result_.tiles = tiles_->count();
     result_.tile_bytes = tiles_->tile_bytes();
+    result_.sent_tiles = tiles_->sent();
     result_.tileset_bytes = text.size();
   }
 
@@ -152,14 +157,18 @@ class stream_packer {
     const std::uint32_t count = polygons_.file().cell_count();
     cell_lists lists(pager_, numbers, plan);
     std::vector<streamed_cell> cells;
-    double bytes = 0.0;
+    double bytes = 0.0, gzip_bytes = 0.0;
     for (std::uint32_t cell = 0; cell < count; ++cell) {
       polygons_.read(cell);
       cells.push_back(lists.list_of(cell, polygons_));
-      for (const listed_page& page : cells.back().pages) bytes += pages[page.number].bytes;
+      for (const listed_page& page : cells.back().pages) {
+        bytes += pages[page.number].bytes;
+        gzip_bytes += static_cast<double>(sent_[page.number].gzip);
+      }
       report(stream_phase::writing_cells, cell + 1, count);
     }
     result_.mean_cell_bytes = count == 0 ? 0.0 : bytes / count;
+    result_.mean_cell_gzip_bytes = count == 0 ? 0.0 : gzip_bytes / count;
     std::vector<listed_chunk> out;
     write_chunks(cells, chunk_bytes, [&](std::vector<std::uint8_t> file, std::span<const streamed_cell> some) {
       listed_chunk chunk{site.add("cells", "cells", std::as_bytes(std::span(file))),
@@ -193,6 +202,7 @@ class stream_packer {
   visible_polygons polygons_;
   scene::gltf_pager pager_;
   std::optional<tileset_writer> tiles_;
+  std::vector<sent_bytes> sent_;  // by page
   stream_result result_;
 };
 

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <system_error>
 #include <thread>
-#include <vector>
 
 #include "sightcell/base/error.h"
 #include "sightcell/format/writer.h"
@@ -34,7 +33,7 @@ std::string path_in_site(const char* kind, const content_name& name, const char*
   return fmt::format("{}/{:02x}.{}", kind, fmt::join(name, ""), extension);
 }
 
-site_folder::site_folder(const std::filesystem::path& path) : path_(path) {
+site_folder::site_folder(const std::filesystem::path& path, stream_copies copies) : path_(path), copies_(copies) {
   for (const char* kind : {"pages", "cells", "images"}) create(kind);
 }
 
@@ -46,11 +45,23 @@ void site_folder::create(const char* kind) const {
 
 listed_file site_folder::add(const char* kind, const char* extension, std::span<const std::byte> bytes) {
   const listed_file out{static_cast<std::uint32_t>(bytes.size()), name_of(bytes)};
-  const std::filesystem::path path = path_ / path_in_site(kind, out.name, extension);
+  write(path_ / path_in_site(kind, out.name, extension), bytes);
+  return out;
+}
+
+added_file site_folder::add_with_copies(const char* kind, const char* extension, std::span<const std::byte> bytes) {
+  const std::vector<encoded_copy> copies = encoded_copies(bytes, copies_);
+  const added_file out{add(kind, extension, bytes), sent_with(copies, bytes.size())};
+  for (const encoded_copy& copy : copies)
+    if (!copy.bytes.empty()) write(path_ / (path_in_site(kind, out.file.name, extension) + copy.extension), copy.bytes);
+  return out;
+}
+
+void site_folder::write(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   const std::lock_guard lock(mutex_);  // equal contents have one name, which two threads must not write at once
   if (has_contents(path, bytes)) {
     ++kept_;
-    return out;
+    return;
   }
   // Not flushed to the disk: another run finds and replaces what a power failure damaged, and the front comes last.
   std::filesystem::path part = path;
@@ -65,11 +76,36 @@ listed_file site_folder::add(const char* kind, const char* extension, std::span<
     fail_to_write(path);
   }
   ++written_;
-  return out;
 }
 
 void site_folder::finish(const char* name, std::span<const std::byte> bytes) {
-  const std::filesystem::path path = path_ / name;
+  finish_all(name, bytes, {});
+}
+
+sent_bytes site_folder::finish_with_copies(const char* name, std::span<const std::byte> bytes) {
+  const std::vector<encoded_copy> copies = encoded_copies(bytes, copies_);
+  finish_all(name, bytes, copies);
+  return sent_with(copies, bytes.size());
+}
+
+// At no time is a copy there that does not have the contents of the file.
+void site_folder::finish_all(const char* name, std::span<const std::byte> bytes,
+                             const std::vector<encoded_copy>& copies) {
+  for (const char* const extension : copy_extensions) {
+    const auto copy = std::find_if(copies.begin(), copies.end(),
+                                   [&](const auto& c) { return c.extension == std::string(extension); });
+    const std::filesystem::path path = path_ / (std::string(name) + extension);
+    if (copy != copies.end() && !copy->bytes.empty() && has_contents(path, copy->bytes)) continue;
+    std::error_code failed;
+    std::filesystem::remove(path, failed);
+    if (failed) fail_to_write(path);
+  }
+  finish_one(path_ / name, bytes);
+  for (const encoded_copy& copy : copies)
+    if (!copy.bytes.empty()) finish_one(path_ / (std::string(name) + copy.extension), copy.bytes);
+}
+
+void site_folder::finish_one(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   format::remove_unfinished(path.string().c_str());
   if (has_contents(path, bytes)) {
     ++kept_;

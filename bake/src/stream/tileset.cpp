@@ -17,8 +17,9 @@ void tileset_writer::add(std::uint32_t number, std::span<const scene::page_part>
   const std::string text =
       tile_wrapper(bytes, "../" + path_in_site("pages", page.name, "glb"), pager_, shown_, materials_);
   if (text.empty()) return;
-  const listed_file file = site_.add("tiles", "gltf", std::as_bytes(std::span(text)));
-  tiles_[number] = {{number, path_in_site("tiles", file.name, "gltf"), shape_of(pager_, shown_, parts)}, file.bytes};
+  const auto [file, sent] = site_.add_with_copies("tiles", "gltf", std::as_bytes(std::span(text)));
+  tiles_[number] = {
+      {number, path_in_site("tiles", file.name, "gltf"), shape_of(pager_, shown_, parts)}, file.bytes, sent};
 }
 
 std::string tileset_writer::tileset() const {
@@ -37,6 +38,12 @@ std::uint32_t tileset_writer::count() const {
 std::uint64_t tileset_writer::tile_bytes() const {
   std::uint64_t out = 0;
   for (const written_tile& written : tiles_) out += written.bytes;
+  return out;
+}
+
+sent_bytes tileset_writer::sent() const {
+  sent_bytes out;
+  for (const written_tile& written : tiles_) out.add(written.sent);
   return out;
 }
 

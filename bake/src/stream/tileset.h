@@ -32,11 +32,13 @@ class tileset_writer {
 
   std::uint32_t count() const;       // of tiles with a file
   std::uint64_t tile_bytes() const;  // of their files
+  sent_bytes sent() const;           // of them
 
  private:
   struct written_tile {
     listed_tile tile;
     std::uint32_t bytes = 0;  // 0: no file
+    sent_bytes sent;
   };
 
   const scene::gltf_pager& pager_;

@@ -64,6 +64,13 @@ std::vector<triangle> triangles_of(const geometry& g) {
   return out;
 }
 
+nlohmann::json document_of(const std::vector<std::byte>& page) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, &page[12], 4);
+  const auto* const text = reinterpret_cast<const char*>(&page[20]);
+  return nlohmann::json::parse(text, text + size);
+}
+
 class stream_pages_test : public testing::Test {
  protected:
   gltf_pager& pager_of(gltf_sketch& g, const page_settings& how = {}) {
@@ -106,8 +113,7 @@ TEST_F(stream_pages_test, streams_have_the_versions_of_the_extension) {
   const std::vector<std::byte> file = pager.page(std::vector<page_part>{{0, all(0)}});
   std::uint32_t json_size = 0;
   std::memcpy(&json_size, &file[12], 4);
-  const auto json = nlohmann::json::parse(reinterpret_cast<const char*>(&file[20]),
-                                          reinterpret_cast<const char*>(&file[20]) + json_size);
+  const nlohmann::json json = document_of(file);
   ASSERT_EQ(json["bufferViews"].size(), 3u);
   for (const nlohmann::json& view : json["bufferViews"]) {
     const nlohmann::json& code = view["extensions"]["EXT_meshopt_compression"];
@@ -229,6 +235,86 @@ TEST_F(stream_pages_test, images_are_what_their_materials_use_them_for) {
     EXPECT_EQ(images[i].use.alpha, expected[i].alpha) << i;
   }
   EXPECT_EQ(images[5].use.cutoff, 0.5f);
+}
+
+TEST_F(stream_pages_test, attributes_that_no_texture_needs_are_left_out) {
+  const auto texture = [](int set) { return nlohmann::json{{"index", 0}, {"texCoord", set}}; };
+  nlohmann::json moved = texture(0);
+  moved["extensions"]["KHR_texture_transform"] = {{"texCoord", 1}};
+  const std::vector<nlohmann::json> materials = {
+      {{"name", "plain"}},
+      {{"emissiveTexture", texture(0)}},
+      {{"pbrMetallicRoughness", {{"baseColorTexture", moved}}}},
+      {{"normalTexture", texture(1)}},
+      {{"extensions", {{"KHR_materials_clearcoat", {{"clearcoatNormalTexture", texture(0)}}}}}},
+      {{"extensions", {{"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}}}}}},
+      {{"extras", {{"baked", {{"lights", {texture(1)}}}}}}}};
+  const std::vector<std::set<std::string>> expected = {
+      {},          {"TEXCOORD_0"}, {"TEXCOORD_1"}, {"TANGENT", "TEXCOORD_1"}, {"TANGENT", "TEXCOORD_0"},
+      {"TANGENT"}, {"TEXCOORD_1"}};
+  gltf_sketch g;
+  const sheet one;
+  for (std::size_t i = 0; i <= materials.size(); ++i) {
+    const int mesh = one.add_to(g);
+    nlohmann::json& primitive = g.json["meshes"][static_cast<std::size_t>(mesh)]["primitives"][0];
+    const std::size_t vertices = one.coordinates.size() / 2;
+    primitive["attributes"]["TEXCOORD_1"] = g.add_accessor(one.coordinates, "VEC2", 5126, vertices);
+    primitive["attributes"]["TANGENT"] = g.add_accessor(std::vector<float>(4 * vertices, 0.5f), "VEC4", 5126, vertices);
+    if (i < materials.size()) primitive["material"] = i;
+    g.add_node({{"mesh", mesh}});
+    g.json["scenes"] = {{{"nodes", nlohmann::json::array()}}};
+  }
+  for (std::size_t i = 0; i <= materials.size(); ++i) g.json["scenes"][0]["nodes"].push_back(i);
+  g.json["materials"] = materials;
+  g.json["images"] = {{{"uri", "data:image/png;base64,iVBORw0KGgo="}}};
+  g.json["textures"] = {{{"source", 0}}};
+  const auto names_of = [&](const gltf_pager& pager, std::size_t draw) {
+    std::set<std::string> names;
+    const nlohmann::json page =
+        document_of(pager.page(std::vector<page_part>{{pager.geometry_of_draw()[draw], {0, 1}}}));
+    for (const auto& [name, number] : page["meshes"][0]["primitives"][0]["attributes"].items()) names.insert(name);
+    return names;
+  };
+  const std::set<std::string> always{"POSITION", "NORMAL"};
+  for (const bool textures : {true, false}) {
+    const gltf_pager& pager = pager_of(g, {.textures = textures});
+    for (std::size_t i = 0; i <= materials.size(); ++i) {
+      std::set<std::string> names = always;
+      if (i < materials.size()) names.insert(expected[i].begin(), expected[i].end());
+      EXPECT_EQ(names_of(pager, i), names) << i;
+    }
+  }
+  const gltf_pager& pager = pager_of(g, {.all_attributes = true});
+  EXPECT_EQ(names_of(pager, 0), (std::set<std::string>{"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1"}));
+}
+
+TEST_F(stream_pages_test, geometries_without_texture_coordinates_share_a_primitive_with_others) {
+  gltf_sketch g;
+  for (const char* const kind : {"plain", "textured", "without normals"}) {
+    const int mesh = sheet(std::string_view(kind) == "plain" ? 10.0f : 12.0f).add_to(g);
+    nlohmann::json& primitive = g.json["meshes"][static_cast<std::size_t>(mesh)]["primitives"][0];
+    if (std::string_view(kind) == "textured") primitive["material"] = 0;
+    if (std::string_view(kind) == "without normals") primitive["attributes"].erase("NORMAL");
+    g.add_node({{"mesh", mesh}});
+  }
+  g.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
+  g.json["materials"] = {{{"emissiveTexture", {{"index", 0}}}}};
+  g.json["textures"] = {{{"source", 0}}};
+  g.json["images"] = {{{"uri", "data:image/png;base64,iVBORw0KGgo="}}};
+  const gltf_pager& pager = pager_of(g);
+  const std::vector<std::byte> file = pager.page(std::vector<page_part>{{0, all(0)}, {1, all(1)}, {2, all(2)}});
+  const nlohmann::json primitives = document_of(file)["meshes"][0]["primitives"];
+  ASSERT_EQ(primitives.size(), 2u);
+  EXPECT_EQ(primitives[0]["attributes"].size(), 3u);
+  EXPECT_TRUE(primitives[0]["attributes"].contains("TEXCOORD_0"));
+  EXPECT_EQ(primitives[0]["extras"]["sightcell"], (std::vector<std::uint32_t>{0, 288, 0, 288}));
+  EXPECT_EQ(primitives[1]["attributes"].size(), 1u);
+  const scene page = load_gltf(file, "p");
+  EXPECT_EQ(page.polygon_count, 3u * 2 * sheet::side * sheet::side);
+  // Zeros cost less than another primitive.
+  const std::size_t alone = pager.page(std::vector<page_part>{{0, all(0)}}).size();
+  const std::size_t other = pager.page(std::vector<page_part>{{1, all(1)}}).size();
+  EXPECT_LT(pager.page(std::vector<page_part>{{0, all(0)}, {1, all(1)}}).size(), alone + other - 1'200);
 }
 
 TEST_F(stream_pages_test, sizes_of_parts_add_up_to_a_page) {

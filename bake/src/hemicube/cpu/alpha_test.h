@@ -1,11 +1,134 @@
 #pragma once
-// Alpha test of eight pixels at a time. It computes the formula of bake/scene/src/alpha_mask.cpp in the same order, so
-// that rays and hemicubes get the same result.
-#include "hemicube/cpu/kernel.h"
+// Alpha test of the pixels of a tile (rule 1 of docs/method/visibility-rules.md). Texture coordinates are ratios of two
+// linear functions of the pixel. The lookup computes the formula of bake/scene/src/alpha_mask.cpp in the same order, so
+// that rays and hemicubes get the same result but for the rounding of the coordinates.
 #include "hemicube/cpu/lanes.h"
+#include "hemicube/cpu/pixel_plane.h"
 
 namespace sightcell::bake::cpu {
 namespace {
+
+// Of a masked triangle: texture coordinate u is u / weight, and so on. Sums over the corners of their values times
+// their weights, which are edges in homogeneous coordinates.
+struct alpha_planes {
+  pixel_plane weight, u, v, alpha;
+};
+
+inline double at(const pixel_plane& p, double x, double y) {
+  return p.a * x + p.b * y + p.c;
+}
+
+inline pixel_plane sum_of(const pixel_plane (&weights)[3], const float (&values)[3]) {
+  const double x = static_cast<double>(values[0]), y = static_cast<double>(values[1]),
+               z = static_cast<double>(values[2]);
+  return {weights[0].a * x + weights[1].a * y + weights[2].a * z,
+          weights[0].b * x + weights[1].b * y + weights[2].b * z,
+          weights[0].c * x + weights[1].c * y + weights[2].c * z};
+}
+
+inline alpha_planes planes_of(const face_frame& face, const masked_triangle& t, bool varies, const corner3 (&v)[3]) {
+  pixel_plane weights[3];
+  for (int k = 0; k < 3; ++k) weights[k] = per_pixel(face, cross(v[(k + 1) % 3], v[(k + 2) % 3]));
+  constexpr float ones[3] = {1.0f, 1.0f, 1.0f};
+  alpha_planes p{sum_of(weights, ones), sum_of(weights, t.u), sum_of(weights, t.v), {}};
+  if (varies) p.alpha = sum_of(weights, t.alpha);
+  return p;
+}
+
+enum class alpha_result { unknown, passes, fails };
+
+// A range of texture coordinates on one axis, and the blocks of its lookups; both ends included.
+struct coordinate_range {
+  double low, high;
+};
+struct block_range {
+  std::uint32_t first, last;
+};
+
+inline double floor_of(double v) {  // of numbers below 2^62
+  const auto whole = static_cast<double>(static_cast<std::int64_t>(v));
+  return whole > v ? whole - 1.0 : whole;
+}
+
+// Folds a range into 0 .. 1. May return more than its image.
+inline coordinate_range folded(coordinate_range r, scene::wrap mode) {
+  if (mode == scene::wrap::clamp) {
+    const auto limited = [](double v) { return v > 0.0 ? (v < 1.0 ? v : 1.0) : 0.0; };
+    return {limited(r.low), limited(r.high)};
+  }
+  const double turn = floor_of(r.low);
+  if (!(r.high < turn + 1.0)) return {0.0, 1.0};
+  if (mode == scene::wrap::mirror && (static_cast<std::int64_t>(turn) & 1) != 0)
+    return {turn + 1.0 - r.high, turn + 1.0 - r.low};
+  return {r.low - turn, r.high - turn};
+}
+
+inline block_range blocks_of(coordinate_range r, std::uint32_t size, scene::wrap mode) {
+  // More than single precision loses in the lookup. Added before folding: the next number may be on the other side.
+  const double margin = 0.01 / size + 1e-6 * (1.0 + __builtin_fabs(r.low) + __builtin_fabs(r.high));
+  const coordinate_range f = folded({r.low - margin, r.high + margin}, mode);
+  // The number of the quad is floor(coordinate size - 1/2) + 1.
+  const auto first = static_cast<std::uint32_t>(f.low * size + 0.5),
+             last = static_cast<std::uint32_t>(f.high * size + 0.5);
+  return {(first < size ? first : size) / quads_per_block, (last < size ? last : size) / quads_per_block};
+}
+
+// Returns what the alpha tests of all pixels from (x0, y0) to (x1, y1) have in common, as far as block counts show.
+inline alpha_result known_between(const scene_view& scene, const masked_triangle& t, const alpha_planes& p,
+                                  std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
+  const alpha_test& test = scene.tests[t.test];
+  if (test.varies) return alpha_result::unknown;
+  const double x = 0.5 * (x0 + x1) + 0.5, y = 0.5 * (y0 + y1) + 0.5, half_x = 0.5 * (x1 - x0), half_y = 0.5 * (y1 - y0);
+  const double weight = at(p.weight, x, y);
+  const double least =
+      __builtin_fabs(weight) - (__builtin_fabs(p.weight.a) * half_x + __builtin_fabs(p.weight.b) * half_y);
+  // Near the horizon of the triangle weights are rounding noise.
+  if (!(least > 0.25 * __builtin_fabs(weight))) return alpha_result::unknown;
+  const double per_weight = 1.0 / weight, per_least = 1.0 / least;
+  // u(x) - u(center) is a linear function that is 0 at the center, divided by the weight.
+  const auto range = [&](const pixel_plane& of) -> coordinate_range {
+    const double center = at(of, x, y) * per_weight;
+    const double reach =
+        (__builtin_fabs(of.a - center * p.weight.a) * half_x + __builtin_fabs(of.b - center * p.weight.b) * half_y) *
+        per_least;
+    return {center - reach, center + reach};
+  };
+  const coordinate_range u = range(p.u), v = range(p.v);
+  constexpr double most = 1e6;
+  if (!(u.low > -most && u.high < most && v.low > -most && v.high < most)) return alpha_result::unknown;
+  const block_range across = blocks_of(u, test.width, test.wrap_u), up = blocks_of(v, test.height, test.wrap_v);
+  const std::uint32_t stride = test.blocks_across + 1;
+  const block_counts* low = scene.counts + test.first_count + up.first * stride;
+  const block_counts* high = scene.counts + test.first_count + (up.last + 1) * stride;
+  if (high[across.last + 1].may_pass + low[across.first].may_pass ==
+      high[across.first].may_pass + low[across.last + 1].may_pass)
+    return alpha_result::fails;
+  if (high[across.last + 1].may_fail + low[across.first].may_fail ==
+      high[across.first].may_fail + low[across.last + 1].may_fail)
+    return alpha_result::passes;
+  return alpha_result::unknown;
+}
+
+// The planes of a tile: their values in its first row, and steps per row.
+struct alpha_rows {
+  floats weight, u, v, alpha;
+  float weight_up, u_up, v_up, alpha_up;
+};
+
+inline alpha_rows rows_of(const alpha_planes& p, std::uint32_t x, std::uint32_t y) {
+  const floats lanes = to_floats(count_up());
+  const auto first = [&](const pixel_plane& of) {
+    return all(static_cast<float>(at(of, x + 0.5, y + 0.5))) + all(static_cast<float>(of.a)) * lanes;
+  };
+  return {first(p.weight),
+          first(p.u),
+          first(p.v),
+          first(p.alpha),
+          static_cast<float>(p.weight.b),
+          static_cast<float>(p.u.b),
+          static_cast<float>(p.v.b),
+          static_cast<float>(p.alpha.b)};
+}
 
 // The texel below a coordinate, counted from the border of the mask, and the weight of the next one.
 struct between {
@@ -28,23 +151,25 @@ inline between texels_at(floats coordinate, std::uint32_t size, scene::wrap mode
   return {truncated(below) + all(1), place - below};
 }
 
-// Returns a bit per lane whose alpha passes. u, v: weights of the second and the third corner.
-inline std::uint32_t alpha_passes(const masked_triangle& t, const mask_texels& mask, const std::uint8_t* texels,
-                                  floats u, floats v) {
-  const auto at = [&](const float(&corner)[3]) {
-    return all(corner[0]) + all(corner[1] - corner[0]) * u + all(corner[2] - corner[0]) * v;
+// Returns a bit per pixel of row j of a tile whose alpha passes.
+inline std::uint32_t alpha_passes(const scene_view& scene, const alpha_test& test, const alpha_rows& rows,
+                                  std::uint32_t j) {
+  const auto up = static_cast<float>(j);
+  const floats per_weight = all(1.0f) / (rows.weight + all(rows.weight_up * up));
+  const between x = texels_at((rows.u + all(rows.u_up * up)) * per_weight, test.width, test.wrap_u),
+                y = texels_at((rows.v + all(rows.v_up * up)) * per_weight, test.height, test.wrap_v);
+  const ints quads = y.below * all(static_cast<std::int32_t>(test.width + 2)) + x.below;
+  const ints bytes = four_bytes_at(scene.texels + test.first, quads + quads), byte = all(0xFF);
+  const auto beside = [&](const ints& left, const ints& right) {
+    const floats from = to_floats(left & byte);
+    return from + (to_floats(right & byte) - from) * x.toward_next;
   };
-  const between x = texels_at(at(t.u), mask.width, mask.wrap_u), y = texels_at(at(t.v), mask.height, mask.wrap_v);
-  const ints stride = all(static_cast<std::int32_t>(mask.width + 2));
-  const ints lower = all(static_cast<std::int32_t>(mask.first)) + y.below * stride + x.below;
-  const auto across = [&](ints first) {
-    const ints two = two_bytes_at(texels, first);
-    const floats left = to_floats(two & all(0xFF)), right = to_floats(shift_right<8>(two));
-    return left + (right - left) * x.toward_next;
-  };
-  const floats low = across(lower), high = across(lower + stride);
-  const floats alpha = (low + (high - low) * y.toward_next) / all(255.0f) * at(t.alpha);
-  return sign_bits(alpha >= all(mask.cutoff));
+  const floats low = beside(bytes, shift_right<16>(bytes)),
+               high = beside(shift_right<8>(bytes), shift_right<24>(bytes));
+  const floats number = low + (high - low) * y.toward_next;
+  if (!test.varies) return sign_bits(number >= all(test.threshold));
+  const floats alpha = (rows.alpha + all(rows.alpha_up * up)) * per_weight;
+  return sign_bits(number / all(255.0f) * alpha >= all(test.cutoff));
 }
 
 }  // namespace

@@ -218,38 +218,6 @@ void note_masks(const scene::world_geometry& world, cluster_tree& tree) {
                                 : test_of(world, id));
 }
 
-// Appends the texels of a mask with a border of one texel, which has what a lookup beside the mask reads.
-void add_with_border(const scene::alpha_mask& mask, std::vector<std::uint8_t>& texels) {
-  const auto inside = [](std::uint32_t at, std::uint32_t size, scene::wrap mode) {  // at: from the border on
-    if (at == 0) return mode == scene::wrap::repeat ? size - 1 : 0;
-    if (at > size) return mode == scene::wrap::repeat ? 0 : size - 1;
-    return at - 1;
-  };
-  for (std::uint32_t y = 0; y < mask.height + 2; ++y) {
-    const std::size_t row = std::size_t{inside(y, mask.height, mask.wrap_v)} * mask.width;
-    for (std::uint32_t x = 0; x < mask.width + 2; ++x)
-      texels.push_back(mask.texels[row + inside(x, mask.width, mask.wrap_u)]);
-  }
-}
-
-// Appends the counts of a map.
-void count_open(const scene::opacity_maps& maps, const scene::opacity_map& map, std::vector<std::uint32_t>& counts) {
-  const std::size_t side = map.side, stride = side + 1, first = counts.size();
-  counts.resize(first + stride * stride);
-  const auto open = [&](std::size_t part) {
-    return maps.parts[map.first + part] == scene::opacity::fails ? std::uint32_t{0} : std::uint32_t{1};
-  };
-  for (std::size_t v = 0; v < side; ++v)
-    for (std::size_t u = 0; u < side; ++u) {
-      const std::size_t square = v * side + u, at = first + (v + 1) * stride + u + 1;
-      // Squares beyond the third edge of the polygon are not in it, and those on the edge half.
-      const std::uint32_t here = u + v >= side      ? 0
-                                 : u + v + 1 < side ? open(2 * square) + open(2 * square + 1)
-                                                    : open(2 * square);
-      counts[at] = here + counts[at - 1] + counts[at - stride] - counts[at - stride - 1];
-    }
-}
-
 template <class Wanted>
 void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tree& tree) {
   std::vector<placed> triangles;
@@ -271,7 +239,7 @@ void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tre
 
 }  // namespace
 
-cluster_scene::cluster_scene(const scene::world_geometry& world) {
+cluster_scene::cluster_scene(const scene::world_geometry& world) : alpha(world) {
   build(
       world, [](scene::polygon_kind k, bool has_test) { return k.occludes() && !has_test; }, opaque);
   build(
@@ -280,31 +248,6 @@ cluster_scene::cluster_scene(const scene::world_geometry& world) {
       world, [](scene::polygon_kind k, bool) { return !k.occludes(); }, see_through);
   note_masks(world, masked);
   note_masks(world, see_through);
-  std::vector<std::uint32_t> count_of;  // by map
-  for (const scene::opacity_map& map : world.opacity.maps) {
-    count_of.push_back(static_cast<std::uint32_t>(open_counts.size()));
-    if (map.side > 0) count_open(world.opacity, map, open_counts);
-  }
-  for (std::size_t i = 0; i < world.masked.size(); ++i) {
-    const scene::masked_polygon& p = world.masked[i];
-    masked_triangle made;
-    made.mask = p.mask;
-    if (!world.opacity.map_of.empty()) {
-      const scene::opacity_map& map = world.opacity.maps[world.opacity.map_of[i]];
-      made.first_count = count_of[world.opacity.map_of[i]], made.side = map.side;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      made.u[k] = p.uvs[k].x;
-      made.v[k] = p.uvs[k].y;
-      made.alpha[k] = p.alphas[k];
-    }
-    masked_triangles.push_back(made);
-  }
-  for (const scene::alpha_mask& m : world.masks) {
-    masks.push_back({static_cast<std::uint32_t>(texels.size()), m.width, m.height, m.cutoff, m.wrap_u, m.wrap_v});
-    add_with_border(m, texels);
-  }
-  texels.resize(texels.size() + 3);
 }
 
 }  // namespace sightcell::bake::cpu

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "hemicube/cpu/alpha_tables.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::bake::cpu {
@@ -46,30 +47,11 @@ struct cluster_tree {
   std::vector<std::uint32_t> masked;  // 8 per block: indices into world_geometry::masked, or no_index; may be empty
 };
 
-// Input of the alpha test of a masked polygon: texture coordinates and alphas of its corners.
-struct masked_triangle {
-  float u[3], v[3], alpha[3];
-  std::uint32_t mask = 0;
-  std::uint32_t first_count = 0, side = 0;  // its opacity map in cluster_scene::open_counts; side 0: none
-};
-
-// An alpha_mask. Its texels are a part of cluster_scene::texels, with a border of one texel.
-struct mask_texels {
-  std::uint32_t first = 0, width = 0, height = 0;
-  float cutoff = 0.0f;
-  scene::wrap wrap_u = scene::wrap::repeat, wrap_v = scene::wrap::repeat;
-};
-
 struct cluster_scene {
-  cluster_tree opaque;                            // occluders without alpha test, or where it passes everywhere
-  cluster_tree masked;                            // occluders with alpha test
-  cluster_tree see_through;                       // non-occluders
-  std::vector<masked_triangle> masked_triangles;  // one per world_geometry::masked
-  std::vector<mask_texels> masks;                 // one per world_geometry::masks
-  std::vector<std::uint8_t> texels;               // of all masks, with padding for reads of four bytes
-  // Of all opacity maps: the number of parts that do not fail in the squares below and left of each corner of a square,
-  // side + 1 numbers for each of side + 1 rows (summed-area table, Crow 1984).
-  std::vector<std::uint32_t> open_counts;
+  cluster_tree opaque;       // occluders without alpha test, or where it passes everywhere
+  cluster_tree masked;       // occluders with alpha test
+  cluster_tree see_through;  // non-occluders
+  alpha_tables alpha;
 
   // Builds the trees in parallel on the caller's TBB arena. The result depends on world only, which is not needed
   // afterwards.

@@ -143,9 +143,9 @@ class cpu_source final : public hemicube_source {
         polygon_count_(static_cast<std::uint32_t>(geometry.kinds.size())),
         kernel_(kernel_of(options.instructions)),
         scene_(geometry),
-        view_{view_of(scene_.opaque),         view_of(scene_.masked), view_of(scene_.see_through),
-              scene_.masked_triangles.data(), scene_.masks.data(),    scene_.texels.data(),
-              scene_.open_counts.data()} {}
+        view_{view_of(scene_.opaque),        view_of(scene_.masked),    view_of(scene_.see_through),
+              scene_.alpha.triangles.data(), scene_.alpha.tests.data(), scene_.alpha.texels.data(),
+              scene_.alpha.counts.data()} {}
 
   using hemicube_source::render;
   void render(std::span<const pose> poses, std::span<hemicube_view> views) override {

@@ -133,7 +133,16 @@ inline void draw_block(draw_state& s, const triangle_block& block, const block_m
   const auto take = [&](std::uint32_t k) {
     s.id = block.ids[k];
     s.masked = masked != nullptr ? masked[k] : nothing;
+    s.lane = k;
+    s.has_planes = false;
   };
+  if (masked != nullptr) {
+    for (int c = 0; c < 3; ++c) {
+      store(s.corners[c][0], v[c].x);
+      store(s.corners[c][1], v[c].y);
+      store(s.corners[c][2], v[c].z);
+    }
+  }
   if (large != 0) {
     large &= ~outside_frustum(face, v);
     for (; large != 0; large &= large - 1) {
@@ -148,17 +157,6 @@ inline void draw_block(draw_state& s, const triangle_block& block, const block_m
   for (; wanted != 0; wanted &= wanted - 1) {
     const auto k = static_cast<std::uint32_t>(__builtin_ctz(wanted));
     take(k);
-    if (s.masked != nothing) {
-      alignas(32) float x[3][8], y[3][8], z[3][8];
-      corner3 corners[3];
-      for (int c = 0; c < 3; ++c) {
-        store(x[c], v[c].x);
-        store(y[c], v[c].y);
-        store(z[c], v[c].z);
-        corners[c] = {static_cast<double>(x[c][k]), static_cast<double>(y[c][k]), static_cast<double>(z[c][k])};
-      }
-      s.weights = weights_of(face, corners);
-    }
     draw_small<kind>(s, b, k);
   }
 }

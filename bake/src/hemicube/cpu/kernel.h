@@ -64,9 +64,9 @@ struct tree_view {
 struct scene_view {
   tree_view opaque, masked, see_through;
   const masked_triangle* masked_triangles = nullptr;
-  const mask_texels* masks = nullptr;
+  const alpha_test* tests = nullptr;
   const std::uint8_t* texels = nullptr;
-  const std::uint32_t* open_counts = nullptr;  // see cluster_scene
+  const block_counts* counts = nullptr;
 };
 
 struct kernel {

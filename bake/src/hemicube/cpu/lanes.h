@@ -208,15 +208,18 @@ HWY_INLINE std::uint32_t sign_bits(const floats& a) {
   return sign_bits(each<ints>([&](std::size_t p) { return hn::BitCast(int_tag(), a.v[p]); }));
 }
 
-// The bytes at base + offset and after it, the second one times 256. Two more bytes may be read too.
-HWY_INLINE ints two_bytes_at(const std::uint8_t* base, const ints& offset) {
+// The four bytes from base + offset on, the first one lowest.
+HWY_INLINE ints four_bytes_at(const std::uint8_t* base, const ints& offset) {
 #if HWY_TARGET == HWY_AVX2
-  const auto words = hn::GatherOffset(int_tag(), reinterpret_cast<const std::int32_t*>(base), offset.v[0]);
-  return {{hn::And(words, hn::Set(int_tag(), 0xFFFF))}};
+  return {{hn::GatherOffset(int_tag(), reinterpret_cast<const std::int32_t*>(base), offset.v[0])}};
 #else
   alignas(32) std::int32_t at[8];
   store(at, offset);
-  for (std::int32_t& a : at) a = base[a] | base[a + 1] << 8;
+  for (std::int32_t& a : at) {
+    const std::uint8_t* from = base + a;
+    a = static_cast<std::int32_t>(std::uint32_t{from[0]} | std::uint32_t{from[1]} << 8 | std::uint32_t{from[2]} << 16 |
+                                  std::uint32_t{from[3]} << 24);
+  }
   return load(at);
 #endif
 }

@@ -8,48 +8,12 @@
 namespace sightcell::bake::cpu {
 namespace {
 
-struct corner3 {
-  double x, y, z;
-};
-
-inline corner3 cross(const corner3& p, const corner3& q) {
-  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
-}
-inline double dot(const corner3& p, const corner3& q) {
-  return p.x * q.x + p.y * q.y + p.z * q.z;
-}
-inline corner3 minus(const corner3& p, const corner3& q) {
-  return {p.x - q.x, p.y - q.y, p.z - q.z};
-}
-
-struct double_plane {
-  double a, b, c;  // per pixel, and at the image's lower left corner
-};
-
-// Converts f . (x, y, 1) on the image plane at distance 1 to a function of pixels.
-inline double_plane per_pixel(const face_frame& face, const corner3& f) {
-  const double half = static_cast<double>(face.half);
-  const double_plane p{f.x / half, f.y / half, 0.0};
-  return {p.a, p.b, f.z - p.a * face.center_x - p.b * face.center_y};
-}
-
 // Scales a plane so that one of a and b is +-1. Then a margin can be given in pixels.
-inline double_plane normalized(const double_plane& p) {
+inline pixel_plane normalized(const pixel_plane& p) {
   const double a = __builtin_fabs(p.a), b = __builtin_fabs(p.b);
   const double most = a > b ? a : b;
   if (!(most > 0.0)) return {0.0, 0.0, p.c < 0.0 ? -1.0 : 1.0};
   return {p.a / most, p.b / most, p.c / most};
-}
-
-inline corner_weights weights_of(const face_frame& face, const corner3 (&v)[3]) {
-  corner_weights w;
-  for (int k = 0; k < 3; ++k) {
-    const double_plane p = per_pixel(face, cross(v[(k + 1) % 3], v[(k + 2) % 3]));
-    w.a[k] = p.a;
-    w.b[k] = p.b;
-    w.c[k] = p.c;
-  }
-  return w;
 }
 
 // Computes the tiles that the part in front of the near plane can touch. Returns false if the image contains no part.
@@ -104,17 +68,17 @@ inline void draw_large(draw_state& s, const corner3 (&v)[3], bool both_sides) {
   constexpr double near = static_cast<double>(near_plane);
   const float most = static_cast<float>(1.0 / (nearest > near ? nearest : near));
   const float least = static_cast<float>(1.0 / (furthest > near ? furthest : near));
-  const double_plane depth =
+  const pixel_plane depth =
       per_pixel(s.face, {normal.x / volume, normal.y / volume, normal.z / volume});  // 1/Z along (x, y, 1)
 
   const double sign = volume < 0.0 ? -1.0 : 1.0;
-  double_plane edges[3];
+  pixel_plane edges[3];
   for (int k = 0; k < 3; ++k) {
     const corner3 e = cross(v[k], v[(k + 1) % 3]);
     edges[k] = normalized(per_pixel(s.face, {sign * e.x, sign * e.y, sign * e.z}));
     edges[k].c += widening;
   }
-  const auto at = [](const double_plane& p, std::int32_t tx, std::int32_t ty) {
+  const auto at = [](const pixel_plane& p, std::int32_t tx, std::int32_t ty) {
     return static_cast<float>(p.a * (tx * 8 + 0.5) + p.b * (ty * 8 + 0.5) + p.c);
   };
   const auto plane_at = [&](std::int32_t tx, std::int32_t ty) {
@@ -124,7 +88,6 @@ inline void draw_large(draw_state& s, const corner3 (&v)[3], bool both_sides) {
   for (int k = 0; k < 3; ++k)
     f[k] = {static_cast<float>(edges[k].a), static_cast<float>(edges[k].b), at(edges[k], rect.x0, rect.y0)};
 
-  if (s.masked != nothing) s.weights = weights_of(s.face, v);
   const floats lanes = to_floats(count_up());
   walk_tiles<kind>(s.image, rect, f, plane_at(rect.x0, rect.y0), [&](std::int32_t tx, std::int32_t ty, bool covered) {
     const auto x = static_cast<std::uint32_t>(tx), y = static_cast<std::uint32_t>(ty);

@@ -134,7 +134,7 @@ typedef struct sightcell_stream_draw {
 typedef struct sightcell_stream_file {
   uint32_t kind;   /* SIGHTCELL_STREAM_CHUNK, _PAGE, _IMAGE */
   uint32_t number; /* of the chunk or page; for an image file: of the image */
-  uint32_t size;   /* bytes */
+  uint32_t size;   /* bytes, without a Content-Encoding of HTTP */
   uint32_t width;  /* of an image file, pixels; 0 if unknown */
   uint32_t height;
   uint32_t image_type;                   /* SIGHTCELL_STREAM_PNG and so on */
@@ -242,7 +242,7 @@ SIGHTCELL_API sightcell_status sightcell_stream_check(const sightcell_stream* st
 /* Checks the bytes of a file that has arrived. A chunk is decoded and becomes PRESENT, so that views find its cells; if
  * memory is short, the chunks that views needed least recently become ABSENT. A page or image becomes REQUESTED: the
  * host decodes it and then makes it PRESENT.
- * bytes, size: the file. Read during the call only.
+ * bytes, size: the file, with any Content-Encoding of HTTP undone. Read during the call only.
  * Fails with TRUNCATED and CHECKSUM as sightcell_stream_check, and for a chunk with CORRUPT and MEMORY. The state does
  *   not change then: the host requests the file again, or makes it FAILED. */
 SIGHTCELL_API sightcell_status sightcell_stream_deliver(sightcell_stream* stream, uint32_t file, const void* bytes,

@@ -59,6 +59,8 @@ struct streamed_image {
 struct page_settings {
   double grid = 1.0 / 4096;  // meters: most distance of the steps that positions are rounded to
   bool textures = true;      // false: without images
+  // false: without texture coordinates and tangents that no texture of the materials needs.
+  bool all_attributes = false;
 };
 
 class gltf_pager {
