@@ -1,5 +1,6 @@
 // The package beside three.js in an empty project, and what it needs of a browser: a server whose answers a test
 // decides, images that are counted, and time that passes as fast as a test likes.
+import { webcrypto } from "node:crypto";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -114,11 +115,17 @@ globalThis.createImageBitmap = async (blob) => {
   };
 };
 
+globalThis.crypto ??= webcrypto;  // node 18 has it under a flag
+
 const real_timeout = globalThis.setTimeout,
-  real_now = performance.now.bind(performance);
+  real = globalThis.performance,
+  real_now = () => real.now();
 export const clock = { skipped: 0, hurry: 1 };  // milliseconds; timers end so many times sooner
 globalThis.setTimeout = (act, time, ...rest) => real_timeout(act, time / clock.hurry, ...rest);
-performance.now = () => real_now() + clock.skipped;
+// In node 18 performance.now cannot be assigned.
+Object.defineProperty(globalThis, "performance", {
+  value: { now: () => real_now() + clock.skipped, getEntriesByName: (name) => real.getEntriesByName(name) },
+});
 
 export async function until(condition, what) {
   const end = real_now() + 20000;
