@@ -10,6 +10,9 @@
 namespace sightcell::bake::cpu {
 namespace {
 
+// Each alpha of vertex colors needs counts of its own, so polygons with many alphas would fill the memory.
+constexpr std::size_t most_counted = std::size_t{1} << 28;  // texels
+
 // Appends the texels of a mask with a border, which has what a lookup beside the mask reads.
 void add_with_border(const scene::alpha_mask& mask, std::vector<std::uint8_t>& texels) {
   const auto inside = [](std::uint32_t at, std::uint32_t size, scene::wrap mode) {  // at: from the border on
@@ -83,6 +86,7 @@ alpha_tables::alpha_tables(const scene::world_geometry& world) {
     first_of.push_back(texels.size());
     add_with_border(mask, texels);
   }
+  std::size_t counted = 0;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> test_of;  // by mask and bits of alpha
   for (const scene::masked_polygon& p : world.masked) {
     masked_triangle made{};
@@ -103,7 +107,10 @@ alpha_tables::alpha_tables(const scene::world_geometry& world) {
     alpha_test test{first_of[p.mask], mask.width, mask.height, mask.cutoff, 0.0f, varies, mask.wrap_u, mask.wrap_v};
     if (!varies) {
       test.threshold = threshold_of(mask.cutoff, p.alphas[0]);
-      count_blocks(test, texels, counts);
+      if (mask.texels.size() <= most_counted - counted) {
+        counted += mask.texels.size();
+        count_blocks(test, texels, counts);
+      }
     }
     tests.push_back(test);
   }

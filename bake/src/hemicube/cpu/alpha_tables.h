@@ -31,9 +31,9 @@ struct alpha_test {
   float cutoff = 0.0f;
   // The smallest number of which `number / 255 * alpha >= cutoff` holds; infinite if none does.
   float threshold = 0.0f;
-  bool varies = false;  // alpha differs between the corners: threshold and block counts are not set
+  bool varies = false;  // alpha differs between the corners: there are no threshold and no block counts
   scene::wrap wrap_u = scene::wrap::repeat, wrap_v = scene::wrap::repeat;
-  std::uint32_t first_count = 0, blocks_across = 0;  // in alpha_tables::counts; rows of blocks_across + 1
+  std::uint32_t first_count = 0, blocks_across = 0;  // in alpha_tables::counts; rows of blocks_across + 1; 0: no counts
 };
 
 struct alpha_tables {
@@ -42,10 +42,12 @@ struct alpha_tables {
   // Of all masks, with a border of one texel: height + 1 rows of width + 2 columns of two bytes, a texel and the one
   // above it. So the four bytes from an even offset on are a quad.
   std::vector<std::uint8_t> texels;
-  std::vector<block_counts> counts;  // of all tests whose alpha does not vary
+  std::vector<block_counts> counts;  // of tests whose alpha does not vary
 
   // The result depends on world only, which is not needed afterwards.
-  // Memory: two bytes per texel of each mask, and half a byte per texel for each alpha that a mask is multiplied with.
+  // Memory: two bytes per texel of each mask, and half a byte per texel for each alpha that a mask is multiplied with,
+  // up
+  //   to 2^28 texels; tests beyond these have no counts.
   explicit alpha_tables(const scene::world_geometry& world);
 };
 

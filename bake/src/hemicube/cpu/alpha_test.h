@@ -77,7 +77,7 @@ inline block_range blocks_of(coordinate_range r, std::uint32_t size, scene::wrap
 inline alpha_result known_between(const scene_view& scene, const masked_triangle& t, const alpha_planes& p,
                                   std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
   const alpha_test& test = scene.tests[t.test];
-  if (test.varies) return alpha_result::unknown;
+  if (test.blocks_across == 0) return alpha_result::unknown;
   const double x = 0.5 * (x0 + x1) + 0.5, y = 0.5 * (y0 + y1) + 0.5, half_x = 0.5 * (x1 - x0), half_y = 0.5 * (y1 - y0);
   const double weight = at(p.weight, x, y);
   const double least =

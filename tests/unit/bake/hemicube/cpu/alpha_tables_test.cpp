@@ -66,6 +66,24 @@ TEST(alpha_tables, polygons_with_one_mask_and_alpha_share_a_test) {
   EXPECT_FALSE(tables.tests[tables.triangles[0].test].varies);
 }
 
+TEST(alpha_tables, many_alphas_on_a_large_mask_do_not_fill_the_memory) {
+  constexpr std::uint32_t side = 4096, counted = 16;  // 2^28 texels
+  scene::world_geometry world;
+  world.masks.push_back({side, side, std::vector<std::uint8_t>(std::size_t{side} * side), 0.5f});
+  for (std::uint32_t i = 0; i < counted + 4; ++i)
+    world.masked.push_back(polygon_of(0, {}, 1.0f - static_cast<float>(i) / 64.0f));
+  const cpu::alpha_tables tables(world);
+  ASSERT_EQ(tables.tests.size(), counted + 4);
+  const cpu::scene_view view{
+      {}, {}, {}, tables.triangles.data(), tables.tests.data(), tables.texels.data(), tables.counts.data()};
+  const cpu::alpha_planes inside{{0.0, 0.0, 1.0}, {0.0, 0.0, 0.5}, {0.0, 0.0, 0.5}, {}};
+  for (std::uint32_t i = 0; i < counted + 4; ++i) {
+    EXPECT_EQ(cpu::known_between(view, tables.triangles[i], inside, 0, 0, 7, 7),
+              i < counted ? cpu::alpha_result::fails : cpu::alpha_result::unknown);
+    EXPECT_EQ(cpu::alpha_passes(view, tables.tests[i], cpu::rows_of(inside, 0, 0), 0), 0u);
+  }
+}
+
 // A triangle on the image, in perspective, with pixels to test.
 struct placed {
   cpu::alpha_planes planes;
