@@ -76,6 +76,9 @@ class cell_search {
 
   // Returns the expected cost of the next round of hemicubes in rays; 0 if there is none.
   std::uint64_t cost_of_views() const;
+  // Returns the cost of a verification ray, in rays of the search. It grows with the share of polygons with an alpha
+  // test among those that hemicubes showed.
+  double cost_of_verification_ray() const;
   // Returns the estimates of the miss probability. They follow from the share of the last round's pixels that showed
   // new polygons, weighted by the metric, or from the last call of hear(). All 1: nothing is known.
   const error_guess& missing() const { return missing_; }
@@ -105,6 +108,7 @@ class cell_search {
   std::uint32_t searches_by_rays_ = 0;
   // In rays: of one hemicube, as measured in the last round; of the current round so far.
   double cost_of_view_, cost_of_round_ = 0.0;
+  double seen_ = 0.0, masked_ = 0.0;  // polygons in all hemicubes so far, and those of them with an alpha test
   error_guess missing_;
   std::uint64_t spent_ = 0, cast_ = 0;
 };

@@ -20,15 +20,18 @@ namespace {
 constexpr double viewpoint_risk_share =
     0.01;                             // of an interim test's risk: that too many viewpoints are counted as valid
 constexpr double search_share = 0.6;  // of the time that is left, before each batch
-constexpr double verification_ray_cost = 0.2;  // cost of a verification ray, in aimed rays
+// Cost of a verification ray, in aimed rays, where a batch is planned. In scenes of leaves it is twice as high, but a
+// batch that may end early is tried there too: planning with the higher cost took a sixth more time.
+constexpr double verification_ray_cost = 0.2;
 constexpr double left_after_round =
     0.45;                                // share of the miss probability that is left after another round of hemicubes
 constexpr double left_after_rays = 0.7;  // and after rays toward the neighbors of what a batch found
 
 // A batch ends early where another search and a shorter batch seem cheaper. In a cell whose misses are many small
-// polygons, each found alone, the next batch is no shorter, and has half of the risk. So from this batch on they are
-// cast to their end, which also finds more misses.
-constexpr std::uint64_t first_whole_batch = 6;
+// polygons, each found alone, the next batch is no shorter, and has half of the risk. So after this many batches since
+// the last hemicubes, the cheaper of two follows: a round of hemicubes, or a batch that is cast to its end and finds
+// more misses.
+constexpr std::uint64_t most_short_batches = 3;
 // The risk of a later batch would vanish beside 1.
 constexpr std::uint64_t most_batches = 40;
 
@@ -234,15 +237,15 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                       .tried = views ? priority_after(priority_beside(how.known_to), views->poses.taken()) : 0.0},
                      set);
   search_of_volumes volumes(rays, where, how, set);
-  const double cost_of_trial = verification_ray_cost / std::max(how.valid_share, 1e-3);
+  const double rays_per_trial = 1.0 / std::max(how.valid_share, 1e-3),
+               cost_of_trial = verification_ray_cost * rays_per_trial;
   const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
-  std::uint64_t of_batches = 0, turns = 0;
+  std::uint64_t of_batches = 0, turns = 0, batches_since_views = 0;
   std::vector<interim_test> interim_tests;
   search_goal goal;
   ray_budget budget(how.max_rays, how.further_rounds);
-  bool views_first = false;
+  bool views_first = false;  // because batches and rays beside their finds did not suffice
   goal.enough = [&](const error_guess& missing, std::uint64_t cost) {
-    // A further round begins with hemicubes: batches and rays beside their finds did not suffice before.
     if (std::exchange(views_first, false)) return false;
     return batch_pays(interim_tests, missing, cost, cost_of_trial);
   };
@@ -256,7 +259,9 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     interim_tests = plan_interim_tests(target, risk_of(number), viewpoint_risk_share);
     goal.max_cost = budget.left(of_batches);
     of_search = limit.part(how.limit_ends_batches ? 1.0 : search_share);
+    const std::uint32_t hemicubes = views ? views->poses.taken() : 0;
     search.look_for(goal);
+    if (views && views->poses.taken() > hemicubes) batches_since_views = 0;
     volumes.look_for();
     result.rays_spent = of_batches + search.spent() + volumes.spent();
 
@@ -268,8 +273,9 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                         contains, give_up);
       most_trials = trials_in(limit, pilot);
     }
-    const proof found = prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial,
-                              budget.of_batch(result.rays_spent), most_trials, number >= first_whole_batch);
+    const proof found =
+        prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial, budget.of_batch(result.rays_spent),
+              most_trials, batches_since_views++ >= most_short_batches);
     result.batches = number;
     of_batches += std::max<std::uint64_t>(batch.spent(), 1);
     (void)limit.reached();  // throws where a stop was requested: the batch is not complete then
@@ -286,11 +292,13 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
     search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
 
-    const auto next_trials =
-        static_cast<double>(plan_interim_tests(target, risk_of(number + 1), viewpoint_risk_share).front().trials);
+    const std::vector<interim_test> next = plan_interim_tests(target, risk_of(number + 1), viewpoint_risk_share);
     const std::uint32_t round = budget.round();
-    more = budget.go_on(result.rays_spent, next_trials / std::max(how.valid_share, 1e-3));
-    views_first = budget.round() > round;
+    more = budget.go_on(result.rays_spent, static_cast<double>(next.front().trials) * rays_per_trial);
+    const double cost_of_whole_batch =
+        search.cost_of_verification_ray() * rays_per_trial * static_cast<double>(next.back().trials);
+    views_first = budget.round() > round || (batches_since_views >= most_short_batches &&
+                                             static_cast<double>(search.cost_of_views()) <= cost_of_whole_batch);
   }
   result.rounds = 1 + budget.round();
   return result;
