@@ -1,6 +1,7 @@
 """Sixteen shards on a real Slurm, some of them struck at random moments, are the bytes of one bake.
 
-The cluster is made here and taken down again (slurm_cluster.py). --setting seed=N strikes as an earlier run did.
+The cluster is made here and taken down again (slurm_cluster.py). --setting seed=N strikes as an earlier run did,
+--setting strikes=all three times as often.
 """
 import collections
 import contextlib
@@ -237,9 +238,10 @@ class Farm(harness.InFolder):
         print(f'farm: seed {seed}, one bake {spent:.1f} s of CPU time', flush=True)
         numbers = random.Random(seed)
         strikes = Strikes(self.cluster, self.level, numbers)
-        # Each kind once, then each again; taken from the end.
+        # Each kind once; in a long run each again, and each in phase 2. Taken from the end.
+        rounds = (('1', 2), ('2', 1)) if harness.SETTINGS.get('strikes') == 'all' else (('1', 1), ('2', 0))
         plan = {phase: [k for _ in range(times) for k in numbers.sample(list(strikes.kinds), len(strikes.kinds))]
-                for phase, times in (('1', 2), ('2', 1))}
+                for phase, times in rounds}
         # A shard takes a while until its first cell: an earlier end leaves no record.
         longest = {'1': spent / SHARDS, '2': 0.05}
 
