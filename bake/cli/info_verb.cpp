@@ -57,6 +57,8 @@ std::string section_name(std::uint32_t id) {
       return "named groups";
     case format::layout::section_viewpoints:
       return "viewpoints";
+    case format::layout::section_borders:
+      return "chunk borders";
     default:
       return fmt::format("unknown {}", id);
   }
@@ -144,6 +146,9 @@ ordered_json file_json(const pvs_file& pvs, const std::string& name) {
           {"bits_per_visible_polygon", sums.bits_per_visible_polygon()},
           {"runs_per_cell", sums.runs_per_cell()},
           {"ranges_per_cell", sums.ranges_per_cell()},
+          {"chunks", sums.chunks},
+          {"cells_per_chunk", sums.cells_per_chunk()},
+          {"largest_chunk_bytes", sums.largest_chunk},
           {"delta_row_percent", sums.delta_row_percent()},
           {"shared_row_percent", sums.shared_row_percent()},
           // Of slack, in percent of what is seen. Which of a safety ring's polygons can be seen nobody has asked.
@@ -180,6 +185,8 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
              info["ranges_per_cell"].get<double>());
   fmt::print("  size               {:.3f} bits per visible polygon, {:.0f} % of the rows are differences\n",
              info["bits_per_visible_polygon"].get<double>(), info["delta_row_percent"].get<double>());
+  fmt::print("  chunks             {} of {:.1f} cells, the largest has {} bytes\n", grouped(info["chunks"]),
+             info["cells_per_chunk"].get<double>(), grouped(info["largest_chunk_bytes"]));
   if (info["false_visible_percent"].is_number())
     fmt::print("  slack              {:.2f} % more polygons than are seen\n",
                info["false_visible_percent"].get<double>());

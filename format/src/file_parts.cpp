@@ -67,6 +67,7 @@ file_contents file_parts::contents(cell_set_source sets) const {
   all.viewpoints = viewpoints;
   all.player_radius = player_radius;
   all.settings = settings;
+  all.chunk_bytes = chunk_bytes;
   return all;
 }
 

@@ -14,10 +14,6 @@ namespace {
 
 constexpr std::size_t checksum_size = 4;  // at the begin of the section
 
-std::uint32_t chunk_count_of(std::uint32_t cells) noexcept {
-  return (cells + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
-}
-
 }  // namespace
 
 // Accepts short codes only, so that one lookup in a small table decodes each.
@@ -45,12 +41,12 @@ bool importance_classes::read_codes(std::span<const std::byte>& bytes) noexcept 
   return read_code(bytes, symbol_count, runs_);
 }
 
-status importance_classes::open(std::span<const std::byte> bytes, std::uint32_t cells,
+status importance_classes::open(std::span<const std::byte> bytes, const chunk_borders& chunks,
                                 importance_classes& out) noexcept {
-  const std::size_t directory = chunk_count_of(cells) * std::size_t{layout::chunk_record_size};
+  const std::size_t directory = chunks.chunks() * std::size_t{layout::chunk_record_size};
   if (bytes.size() < checksum_size || directory > bytes.size() - checksum_size) return status::corrupt;
   importance_classes made;
-  made.cells_ = cells;
+  made.borders_ = chunks;
   made.directory_ = bytes.subspan(checksum_size, directory);
   made.chunks_ = bytes.subspan(checksum_size + directory);
   if (!made.read_codes(made.chunks_)) return status::corrupt;
@@ -60,11 +56,11 @@ status importance_classes::open(std::span<const std::byte> bytes, std::uint32_t 
   if (crc32c(bytes.first(front).subspan(checksum_size)) != stored) return status::checksum;
   // Chunks follow each other and fill the section.
   std::uint64_t next = 0;
-  for (std::uint32_t chunk = 0; chunk < chunk_count_of(cells); ++chunk) {
+  for (std::uint32_t chunk = 0; chunk < chunks.chunks(); ++chunk) {
     std::span<const std::byte> where;
     std::uint32_t unused = 0;
     std::uint64_t offset = 0;
-    if (!made.chunk_of(chunk, where, unused)) return status::corrupt;
+    if (!made.bytes_of(chunk, where, unused)) return status::corrupt;
     if (!checked_reader(made.directory_).read_u64(chunk * layout::chunk_record_size, offset)) return status::corrupt;
     if (offset != next) return status::corrupt;
     next += where.size();
@@ -74,7 +70,7 @@ status importance_classes::open(std::span<const std::byte> bytes, std::uint32_t 
   return status::ok;
 }
 
-bool importance_classes::chunk_of(std::uint32_t chunk, std::span<const std::byte>& out,
+bool importance_classes::bytes_of(std::uint32_t chunk, std::span<const std::byte>& out,
                                   std::uint32_t& checksum) const noexcept {
   const checked_reader in(directory_);
   const std::uint64_t at = chunk * layout::chunk_record_size;
@@ -87,10 +83,10 @@ bool importance_classes::chunk_of(std::uint32_t chunk, std::span<const std::byte
 }
 
 status importance_classes::check_chunk(std::uint32_t chunk) const noexcept {
-  if (chunk >= chunk_count_of(cells_)) return status::argument;
+  if (chunk >= borders_.chunks()) return status::argument;
   std::span<const std::byte> bytes;
   std::uint32_t stored = 0;
-  if (!chunk_of(chunk, bytes, stored)) return status::corrupt;
+  if (!bytes_of(chunk, bytes, stored)) return status::corrupt;
   return crc32c(bytes) == stored ? status::ok : status::checksum;
 }
 
@@ -107,21 +103,20 @@ status importance_classes::decode(std::uint32_t cell, std::span<std::uint8_t> ou
 // Where the classes of the cells before end need not be tested: each cell's classes end where the next one's begin.
 status importance_classes::decode(std::uint32_t cell, std::uint32_t polygons, class_sink sink,
                                   void* user) const noexcept {
-  if (cell >= cells_) return status::argument;
-  const std::uint32_t chunk = cell / layout::cells_per_chunk;
-  const std::uint32_t place = cell % layout::cells_per_chunk;
-  const std::uint32_t cells = std::min(cells_ - chunk * layout::cells_per_chunk, layout::cells_per_chunk);
+  if (cell >= borders_.cells()) return status::argument;
+  const cell_chunk chunk = borders_.chunk_of(cell);
+  const std::uint32_t place = cell - chunk.first_cell;
   std::span<const std::byte> bytes;
   std::uint32_t unused = 0;
-  if (!chunk_of(chunk, bytes, unused) || bytes.size() < bit_reader::padding) return status::corrupt;
+  if (!bytes_of(chunk.number, bytes, unused) || bytes.size() < bit_reader::padding) return status::corrupt;
   bit_reader table(bytes);
   const std::uint32_t width = table.take(8);
-  const std::uint64_t table_size = 1 + (std::uint64_t{width} * cells + 7) / 8;
+  const std::uint64_t table_size = 1 + (std::uint64_t{width} * chunk.cells + 7) / 8;
   if (width > 32 || table_size > bytes.size() - bit_reader::padding) return status::corrupt;
   const std::span<const std::byte> classes = bytes.subspan(static_cast<std::size_t>(table_size));
   table.seek(8 + std::uint64_t{place} * width);
   const std::uint64_t begin = table.take(width);
-  const std::uint64_t end = place + 1 < cells ? table.take(width) : classes.size() - bit_reader::padding;
+  const std::uint64_t end = place + 1 < chunk.cells ? table.take(width) : classes.size() - bit_reader::padding;
   if (begin > end || end > classes.size() - bit_reader::padding || (place == 0 && begin != 0)) return status::corrupt;
 
   bit_reader in(classes);

@@ -121,15 +121,16 @@ void put_chunk(std::span<const std::uint32_t> begins, std::span<const std::byte>
   out.insert(out.end(), bit_reader::padding, std::byte{0});
 }
 
-status encode_chunks(checked_classes& classes, const class_coder& coder, std::vector<std::byte>& directory,
-                     std::vector<std::byte>& chunks) {
+status encode_chunks(const chunk_borders& borders, checked_classes& classes, const class_coder& coder,
+                     std::vector<std::byte>& directory, std::vector<std::byte>& chunks) {
   byte_sink records(directory);
   std::vector<std::byte> chunk;
   std::vector<std::uint32_t> begins;
-  for (std::uint32_t first = 0; first < classes.cells(); first += layout::cells_per_chunk) {
+  for (std::uint32_t first = 0; first < borders.cells();) {
+    const std::uint32_t end = borders.chunk_of(first).end();
     chunk.clear();
     begins.clear();
-    for (std::uint32_t cell = first; cell < classes.cells() && cell - first < layout::cells_per_chunk; ++cell) {
+    for (std::uint32_t cell = first; cell < end; ++cell) {
       begins.push_back(static_cast<std::uint32_t>(chunk.size()));
       if (const status s = classes.get(cell); s != status::ok) return s;
       coder.encode(classes.classes(), chunk);
@@ -140,6 +141,7 @@ status encode_chunks(checked_classes& classes, const class_coder& coder, std::ve
     records.put_u64(begin);
     records.put_u32(static_cast<std::uint32_t>(chunks.size() - begin));
     records.put_u32(crc32c(std::span(chunks).subspan(begin)));
+    first = end;
   }
   return status::ok;
 }
@@ -157,7 +159,7 @@ status encode_section(const reader& file, const importance_source& source, std::
   coder.make_codes();
   std::vector<std::byte> front;
   std::vector<std::byte> chunks;
-  if (const status s = encode_chunks(classes, coder, front, chunks); s != status::ok) return s;
+  if (const status s = encode_chunks(file.chunks(), classes, coder, front, chunks); s != status::ok) return s;
   for (const symbol_coder& code : coder.by_class) put_code_lengths(code.lengths, front);
   put_code_lengths(coder.runs.lengths, front);
   section.reserve(section.size() + 4 + front.size() + chunks.size());

@@ -129,15 +129,16 @@ status reader::read_sections() noexcept {
   if (!checked_reader(bytes_).read_u32(layout::header_table_checksum, stored_checksum)) return status::corrupt;
   if (crc32c(part({layout::header_size, table_size})) != stored_checksum) return status::checksum;
 
-  const std::array<std::uint32_t, 12> ids{
+  const std::array<std::uint32_t, 13> ids{
       layout::section_draws,         layout::section_cells,        layout::section_rows,
       layout::section_row_directory, layout::section_certificate,  layout::section_settings,
       layout::section_orders,        layout::section_codes,        layout::section_importance,
-      layout::section_volumes,       layout::section_named_groups, layout::section_viewpoints};
-  const std::array<extent*, 12> places{
-      &draws_,  &cells_, &rows_,       &directory_,    &certificate_,       &settings_,
-      &orders_, &codes_, &importance_, &volume_bytes_, &named_group_bytes_, &viewpoint_bytes_};
-  std::array<bool, 12> found{};
+      layout::section_volumes,       layout::section_named_groups, layout::section_viewpoints,
+      layout::section_borders};
+  const std::array<extent*, 13> places{
+      &draws_, &cells_,      &rows_,         &directory_,         &certificate_,     &settings_,    &orders_,
+      &codes_, &importance_, &volume_bytes_, &named_group_bytes_, &viewpoint_bytes_, &border_bytes_};
+  std::array<bool, 13> found{};
   const std::size_t known_ids = version_ == 0 ? 6 : ids.size();
   std::uint64_t next = layout::header_size + table_size;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
@@ -168,6 +169,7 @@ status reader::read_sections() noexcept {
   has_volumes_ = found[9];
   has_named_groups_ = found[10];
   has_viewpoints_ = found[11];
+  has_borders_ = found[12];
   return next == total_size_ && complete ? status::ok : status::corrupt;
 }
 
@@ -199,6 +201,8 @@ status reader::check_section(std::uint32_t number) const noexcept {
 }
 
 status reader::check_sizes() noexcept {
+  chunks_ = chunk_borders(cell_count_);
+  if (has_borders_ && !chunks_.open(part(border_bytes_), cell_count_)) return status::corrupt;
   const std::uint64_t directory = chunk_count() * layout::chunk_record_size;
   if (version_ == 0) {
     if (draws_.size != draw_count_ * layout::v0_draw_record_size ||

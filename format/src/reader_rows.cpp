@@ -44,18 +44,6 @@ std::span<T> as_array(std::span<std::byte> bytes) noexcept {
 
 }  // namespace
 
-std::uint32_t reader::chunk_count() const noexcept {
-  return (cell_count_ + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
-}
-
-std::uint32_t reader::chunk_of(std::uint32_t cell) noexcept {
-  return cell / layout::cells_per_chunk;
-}
-
-std::uint32_t reader::rows_of_chunk(std::uint32_t chunk) const noexcept {
-  return std::min(cell_count_ - chunk * layout::cells_per_chunk, layout::cells_per_chunk);
-}
-
 status reader::chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept {
   if (chunk >= chunk_count()) return status::argument;
   const checked_reader in(part(directory_));
@@ -156,11 +144,12 @@ status reader::decode_items(std::uint32_t cell, std::span<const std::byte> chunk
   count = 0;
   if (cell >= cell_count_ || codes == nullptr) return status::argument;
   if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
+  const cell_chunk cells = chunks_.chunk_of(cell);
   row_chunk rows;
-  if (!rows.open(chunk, rows_of_chunk(chunk_of(cell)))) return status::corrupt;
+  if (!rows.open(chunk, cells.cells)) return status::corrupt;
   std::span<const std::uint32_t> borders;
   std::uint64_t end = 0;
-  const status s = rows.decode(cell % layout::cells_per_chunk, *codes, bounds_of(*this, list_bound_),
+  const status s = rows.decode(cell - cells.first_cell, *codes, bounds_of(*this, list_bound_),
                                as_array<std::uint32_t>(scratch), borders, end);
   if (s != status::ok) return s;
   count = borders.size() / 2;
@@ -220,13 +209,14 @@ row_parts reader::split(std::span<run> out, std::size_t count) const noexcept {
 status reader::row(std::uint32_t cell, row_record& out) const noexcept {
   if (cell >= cell_count_) return status::argument;
   if (version_ == 0) return v0_row(cell, out);
+  const cell_chunk cells = chunks_.chunk_of(cell);
   extent where;
   std::uint32_t checksum = 0;
-  if (const status s = chunk_extent(chunk_of(cell), where, checksum); s != status::ok) return s;
+  if (const status s = chunk_extent(cells.number, where, checksum); s != status::ok) return s;
   row_chunk chunk;
   row_head head;
-  const std::uint32_t place = cell % layout::cells_per_chunk;
-  if (!chunk.open(part(where), rows_of_chunk(chunk_of(cell))) || !chunk.head(place, head)) return status::corrupt;
+  const std::uint32_t place = cell - cells.first_cell;
+  if (!chunk.open(part(where), cells.cells) || !chunk.head(place, head)) return status::corrupt;
   const std::uint64_t begin = chunk.begin_of(place);
   std::uint64_t end = chunk.end_of_rows();
   row_record record;
@@ -252,14 +242,14 @@ std::uint64_t reader::count_ranges(std::span<const run> runs) const noexcept {
 }
 
 // Rows follow each other in the order of the first cell that uses them; a shared row is an earlier one.
-status reader::check_chunk_filled(std::uint32_t number, const row_codes* codes,
+status reader::check_chunk_filled(const cell_chunk& cells, const row_codes* codes,
                                   std::span<std::byte> scratch) const noexcept {
-  if (version_ == 0) return v0_check_chunk_filled(number);
+  if (version_ == 0) return v0_check_chunk_filled(cells);
   extent where;
   std::uint32_t checksum = 0;
-  if (const status s = chunk_extent(number, where, checksum); s != status::ok) return s;
+  if (const status s = chunk_extent(cells.number, where, checksum); s != status::ok) return s;
   row_chunk chunk;
-  if (!chunk.open(part(where), rows_of_chunk(number))) return status::corrupt;
+  if (!chunk.open(part(where), cells.cells)) return status::corrupt;
   const row_bounds bounds = bounds_of(*this, list_bound_);
   std::uint64_t next = 0;
   for (std::uint32_t place = 0; place < chunk.rows(); ++place) {
@@ -315,9 +305,11 @@ status reader::check(const row_codes* codes, std::span<run> out, std::span<std::
 status reader::check_rows(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept {
   std::size_t most_runs = 0;
   std::uint64_t most_ranges = 0;
-  for (std::uint32_t chunk = 0; chunk < chunk_count(); ++chunk) {
-    if (const status s = check_chunk(chunk); s != status::ok) return s;
+  for (std::uint32_t cell = 0; cell < cell_count_;) {
+    const cell_chunk chunk = chunks_.chunk_of(cell);
+    if (const status s = check_chunk(chunk.number); s != status::ok) return s;
     if (const status s = check_chunk_filled(chunk, codes, scratch); s != status::ok) return s;
+    cell = chunk.end();
   }
   for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {
     std::size_t count = 0;
@@ -331,7 +323,7 @@ status reader::check_rows(const row_codes* codes, std::span<run> out, std::span<
 }
 
 status reader::importance(importance_classes& out) const noexcept {
-  return has_importance_ ? importance_classes::open(part(importance_), cell_count_, out) : status::argument;
+  return has_importance_ ? importance_classes::open(part(importance_), chunks_, out) : status::argument;
 }
 
 // classes: room for one per polygon of the scene.
@@ -359,8 +351,13 @@ status reader::statistics(const row_codes* codes, std::span<run> out, std::span<
   row_statistics total;
   total.cells = cell_count_;
   total.row_bytes = rows_.size;
-  total.directory_bytes = directory_.size + codes_.size;
+  total.directory_bytes = directory_.size + border_bytes_.size + codes_.size;
+  total.chunks = chunk_count();
   for (std::uint32_t chunk = 0; chunk < chunk_count(); ++chunk) {
+    std::uint64_t unused = 0;
+    std::uint32_t size = 0;
+    if (const status s = chunk_place(chunk, unused, size); s != status::ok) return s;
+    total.largest_chunk = std::max<std::uint64_t>(total.largest_chunk, size);
     if (const status s = check_chunk(chunk); s != status::ok) return s;
   }
   for (std::uint32_t cell = 0; cell < cell_count_; ++cell) {

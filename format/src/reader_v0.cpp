@@ -64,7 +64,7 @@ status reader::v0_row(std::uint32_t cell, row_record& out) const noexcept {
   row_header header;
   if (const status s = v0_row_bytes(cell, place); s != status::ok) return s;
   if (!read_row_header(place.bytes, header)) return status::corrupt;
-  const std::uint32_t first_of_chunk = cell - cell % layout::cells_per_chunk;
+  const std::uint32_t first_of_chunk = cell - cell % layout::cells_per_block;
   row_record record;
   record.size = static_cast<std::uint32_t>(place.bytes.size());
   record.delta = header.delta;
@@ -90,7 +90,7 @@ status reader::v0_decode_row(std::uint32_t cell, std::span<run> out, std::span<r
     if (!read_row_header(place.bytes, chain[depth])) return status::corrupt;
     if (!chain[depth].delta) break;
     if (depth == layout::max_reference_depth) return status::corrupt;
-    at = cell - cell % layout::cells_per_chunk + chain[depth].reference;
+    at = cell - cell % layout::cells_per_block + chain[depth].reference;
     if (at >= cell_count_) return status::corrupt;
     ++depth;
   }
@@ -112,13 +112,12 @@ status reader::v0_decode_row(std::uint32_t cell, std::span<run> out, std::span<r
 }
 
 // Rows follow each other in the order of the first cell that uses them; a shared row is an earlier one, whole.
-status reader::v0_check_chunk_filled(std::uint32_t chunk) const noexcept {
+status reader::v0_check_chunk_filled(const cell_chunk& chunk) const noexcept {
   extent where;
   std::uint32_t checksum = 0;
-  if (const status s = chunk_extent(chunk, where, checksum); s != status::ok) return s;
-  const std::uint32_t begin = chunk * layout::cells_per_chunk;
+  if (const status s = chunk_extent(chunk.number, where, checksum); s != status::ok) return s;
   std::uint64_t next = 0;
-  for (std::uint32_t cell = begin; cell < begin + rows_of_chunk(chunk); ++cell) {
+  for (std::uint32_t cell = chunk.first_cell; cell < chunk.end(); ++cell) {
     row_place place;
     if (const status s = v0_row_bytes(cell, place); s != status::ok) return s;
     if (place.offset == next) {
@@ -126,7 +125,7 @@ status reader::v0_check_chunk_filled(std::uint32_t chunk) const noexcept {
       continue;
     }
     bool known = false;
-    for (std::uint32_t other = begin; other < cell && !known; ++other) {
+    for (std::uint32_t other = chunk.first_cell; other < cell && !known; ++other) {
       row_place earlier;
       if (const status s = v0_row_bytes(other, earlier); s != status::ok) return s;
       known = earlier.offset == place.offset && earlier.bytes.size() == place.bytes.size();

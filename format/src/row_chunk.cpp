@@ -23,7 +23,7 @@ std::span<const std::uint32_t> decode_list(const run_code& code, bit_reader& in,
 
 bool row_chunk::open(std::span<const std::byte> bytes, std::uint32_t rows) noexcept {
   *this = row_chunk{};
-  if (bytes.size() < bit_reader::padding || rows == 0 || rows > layout::cells_per_chunk) return false;
+  if (bytes.size() < bit_reader::padding || rows == 0 || rows > layout::cells_per_block) return false;
   bit_reader in(bytes);
   const std::uint32_t bits = in.take(8);
   if (bits > 32) return false;

@@ -60,6 +60,25 @@ chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders
           narrowed(choose_references(sets.size(), saving_differences(sets, first, encoders, limit, least)))};
 }
 
+std::vector<std::uint64_t> row_bytes(std::span<const std::vector<run>> sets, const chunk_plan& plan,
+                                     const row_encoders& encoders) {
+  std::vector<std::uint64_t> bytes(sets.size());
+  std::vector<run> removed;
+  std::vector<run> added;
+  for (std::size_t cell = 0; cell < sets.size(); ++cell) {
+    if (plan.same[cell] != cell) continue;
+    std::uint64_t bits = own_head_bits;
+    if (plan.reference[cell] == chunk_plan::alone) {
+      bits += encoders.own.size(sets[cell]);
+    } else {
+      make_rank_difference(sets[plan.reference[cell]], sets[cell], removed, added);
+      bits = delta_head_bits + encoders.removed.size(removed) + encoders.added.size(added);
+    }
+    bytes[cell] = (bits + 7) / 8;
+  }
+  return bytes;
+}
+
 void count_chunk(std::span<const std::vector<run>> sets, const chunk_plan& plan, row_counts& counts) {
   std::vector<run> removed;
   std::vector<run> added;

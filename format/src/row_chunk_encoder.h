@@ -40,6 +40,10 @@ enum class least_saving { an_eighth, anything };
 chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit,
                       least_saving least = least_saving::an_eighth);
 
+// The expected size of the row of each cell in bytes; 0 for a cell that has the row of another one.
+std::vector<std::uint64_t> row_bytes(std::span<const std::vector<run>> sets, const chunk_plan& plan,
+                                     const row_encoders& encoders);
+
 // Adds the symbols of the chunk's rows.
 void count_chunk(std::span<const std::vector<run>> sets, const chunk_plan& plan, row_counts& counts);
 

@@ -134,7 +134,7 @@ bool read_row_header(std::span<const std::byte> row, row_header& out) noexcept {
   }
   std::uint32_t first_size = 0;
   if (!bytes.read(out.reference) || !bytes.read(out.second_count) || !bytes.read(first_size)) return false;
-  if (out.reference >= layout::cells_per_chunk || !bytes.split(first_size, out.first)) return false;
+  if (out.reference >= layout::cells_per_block || !bytes.split(first_size, out.first)) return false;
   out.second = bytes;
   return true;
 }

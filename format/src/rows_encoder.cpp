@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "byte_sink.h"
 #include "checksum.h"
@@ -14,10 +15,13 @@
 namespace sightcell::format {
 namespace {
 
-// Approximate number of chunks that are planned to estimate the cost of differences.
-constexpr std::size_t sampled_chunks = 8;
+// Approximate number of blocks that are planned to estimate the cost of differences.
+constexpr std::size_t sampled_blocks = 8;
 // Slack takes longer than planning, and its result varies little over a file.
-constexpr std::size_t sampled_slack_chunks = 3;
+constexpr std::size_t sampled_slack_blocks = 3;
+// Usual bytes of rows before and after slack is added.
+constexpr std::uint64_t exact_bytes = 4;
+constexpr std::uint64_t widened_bytes = 3;
 
 }  // namespace
 
@@ -30,17 +34,19 @@ rows_encoder::rows_encoder(const file_contents& contents, stored_sets& stored)
   if (items_ > contents.facts.polygon_count) borders_.push_back(items_);
 }
 
-std::size_t rows_encoder::chunk_count() const {
-  return (contents_.cell_sets.count + layout::cells_per_chunk - 1) / layout::cells_per_chunk;
+std::size_t rows_encoder::block_count() const {
+  return (contents_.cell_sets.count + layout::cells_per_block - 1) / layout::cells_per_block;
 }
 
-// The distance between sampled chunks.
+// The distance between sampled blocks.
 std::size_t rows_encoder::sample_step(std::size_t samples) const {
-  return std::max<std::size_t>(1, chunk_count() / samples);
+  return std::max<std::size_t>(1, block_count() / samples);
 }
 
 std::size_t rows_encoder::directory_size() const {
-  return chunk_count() * layout::chunk_record_size;
+  std::size_t chunks = 0;
+  for (const std::vector<planned_chunk>& block : blocks_) chunks += block.size();
+  return chunks * layout::chunk_record_size;
 }
 
 status rows_encoder::read_set(std::uint32_t cell, std::vector<run>& runs) {
@@ -53,14 +59,14 @@ status rows_encoder::read_set(std::uint32_t cell, std::vector<run>& runs) {
 }
 
 template <class Visit>
-status rows_encoder::for_each_chunk(std::size_t step, const Visit& visit) {
-  for (std::size_t chunk = 0; chunk < chunk_count(); chunk += step) {
-    const std::size_t begin = chunk * layout::cells_per_chunk;
-    sets_.resize(std::min<std::size_t>(contents_.cell_sets.count - begin, layout::cells_per_chunk));
+status rows_encoder::for_each_block(std::size_t step, const Visit& visit) {
+  for (std::size_t block = 0; block < block_count(); block += step) {
+    const std::size_t begin = block * layout::cells_per_block;
+    sets_.resize(std::min<std::size_t>(contents_.cell_sets.count - begin, layout::cells_per_block));
     for (std::size_t i = 0; i < sets_.size(); ++i) {
       if (const status s = read_set(static_cast<std::uint32_t>(begin + i), sets_[i]); s != status::ok) return s;
     }
-    if (const status s = visit(chunk); s != status::ok) return s;
+    if (const status s = visit(block); s != status::ok) return s;
   }
   return status::ok;
 }
@@ -75,13 +81,28 @@ std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
 }
 
 // Slack makes differences cheaper than they are now, so those that save little yet are used too.
-void rows_encoder::widen_sets(std::size_t chunk, slack_sums& sums) {
+void rows_encoder::widen_sets(std::size_t block, slack_sums& sums) {
   if (!exact_encoders_) return;
-  chunk_plan& plan = exact_plans_[chunk];
-  if (plan.same.empty()) plan = plan_chunk(sets_, *exact_encoders_, items_, least_saving::anything);
+  std::vector<planned_chunk>& chunks = exact_blocks_[block];
+  if (chunks.empty()) {
+    const std::uint64_t most = std::uint64_t{contents_.chunk_bytes} * exact_bytes / widened_bytes;
+    chunks = split_block(sets_, *exact_encoders_, items_, most, least_saving::anything);
+  }
   take_volumes();
-  add_slack(sets_, plan, borders_, prices_, slack_share_, sums);
+  for (const planned_chunk& c : chunks) add_slack(c.part(sets_), c.plan, borders_, prices_, slack_share_, sums);
   put_volumes_back();
+}
+
+// The sets with slack have the chunks by which it was added, because it depends on the references, or parts of these.
+std::vector<planned_chunk> rows_encoder::planned(std::size_t block, const row_encoders& encoders) {
+  if (!exact_encoders_) return split_block(sets_, encoders, items_, contents_.chunk_bytes);
+  std::vector<planned_chunk> chunks;
+  for (const planned_chunk& exact : exact_blocks_[block]) {
+    for (planned_chunk& c : split_block(exact.part(sets_), encoders, items_, contents_.chunk_bytes)) {
+      chunks.push_back({exact.first + c.first, c.cells, std::move(c.plan)});
+    }
+  }
+  return chunks;
 }
 
 void rows_encoder::take_volumes() {
@@ -114,7 +135,7 @@ void rows_encoder::put_volumes_back() {
 
 // Counts every set as an own row.
 status rows_encoder::count_own(row_counts& counts) {
-  return for_each_chunk(1, [&](std::size_t) {
+  return for_each_block(1, [&](std::size_t) {
     for (const std::vector<run>& set : sets_) counts.own.add(set);
     return status::ok;
   });
@@ -126,8 +147,8 @@ status rows_encoder::sample(row_counts& counts) {
   guess.removed = guess.added = guess.own;
   const row_encoders encoders(guess);
   row_counts sampled;
-  const status s = for_each_chunk(sample_step(sampled_chunks), [&](std::size_t) {
-    count_chunk(sets_, plan_chunk(sets_, encoders, items_), sampled);
+  const status s = for_each_block(sample_step(sampled_blocks), [&](std::size_t block) {
+    for (const planned_chunk& c : planned(block, encoders)) count_chunk(c.part(sets_), c.plan, sampled);
     return status::ok;
   });
   counts.removed = sampled.removed;
@@ -139,14 +160,14 @@ status rows_encoder::sample(row_counts& counts) {
 status rows_encoder::sample_slack(row_counts& counts) {
   exact_encoders_ = std::make_unique<row_encoders>(counts);
   prices_ = slack_prices_of(counts, *exact_encoders_);
-  exact_plans_.resize(chunk_count());
+  exact_blocks_.resize(block_count());
   row_counts own;
   row_counts sampled;
-  const status s = for_each_chunk(sample_step(sampled_slack_chunks), [&](std::size_t chunk) {
+  const status s = for_each_block(sample_step(sampled_slack_blocks), [&](std::size_t block) {
     slack_sums unused;
-    widen_sets(chunk, unused);
+    widen_sets(block, unused);
     for (const std::vector<run>& set : sets_) own.own.add(set);
-    count_chunk(sets_, plan_chunk(sets_, *exact_encoders_, items_), sampled);
+    for (const planned_chunk& c : planned(block, *exact_encoders_)) count_chunk(c.part(sets_), c.plan, sampled);
     return status::ok;
   });
   counts = sampled;
@@ -155,14 +176,14 @@ status rows_encoder::sample_slack(row_counts& counts) {
 }
 
 status rows_encoder::choose(const row_encoders& encoders, row_counts& counts) {
-  return for_each_chunk(1, [&](std::size_t chunk) {
-    widen_sets(chunk, sums_);
+  return for_each_block(1, [&](std::size_t block) {
+    widen_sets(block, sums_);
     for (const std::vector<run>& set : sets_) {
       run_bound_ = std::max(run_bound_, static_cast<std::uint32_t>(set.size()));
       range_bound_ = std::max(range_bound_, count_ranges(set));
     }
-    plans_.push_back(plan_chunk(sets_, encoders, items_));
-    count_chunk(sets_, plans_.back(), counts);
+    blocks_.push_back(planned(block, encoders));
+    for (const planned_chunk& c : blocks_.back()) count_chunk(c.part(sets_), c.plan, counts);
     return status::ok;
   });
 }
@@ -193,15 +214,17 @@ std::vector<std::byte> rows_encoder::codes() const {
 status rows_encoder::write(std::vector<std::byte>& file, std::vector<std::byte>& directory) {
   const std::size_t rows_begin = file.size();
   byte_sink records(directory);
-  return for_each_chunk(1, [&](std::size_t chunk) {
-    const std::size_t begin = file.size();
+  return for_each_block(1, [&](std::size_t block) {
     slack_sums unused;
-    widen_sets(chunk, unused);
-    encode_chunk(sets_, plans_[chunk], *encoders_, file);
-    if (file.size() - begin > layout::max_chunk_size) return status::limit;
-    records.put_u64(begin - rows_begin);
-    records.put_u32(static_cast<std::uint32_t>(file.size() - begin));
-    records.put_u32(crc32c(std::span(file).subspan(begin)));
+    widen_sets(block, unused);
+    for (const planned_chunk& c : blocks_[block]) {
+      const std::size_t begin = file.size();
+      encode_chunk(c.part(sets_), c.plan, *encoders_, file);
+      if (file.size() - begin > layout::max_chunk_size) return status::limit;
+      records.put_u64(begin - rows_begin);
+      records.put_u32(static_cast<std::uint32_t>(file.size() - begin));
+      records.put_u32(crc32c(std::span(file).subspan(begin)));
+    }
     return status::ok;
   });
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "chunk_split.h"
 #include "range_borders.h"
 #include "row_chunk_encoder.h"
 #include "sightcell/format/status.h"
@@ -26,6 +27,7 @@ class rows_encoder {
   status plan();
   // Known after plan.
   [[nodiscard]] std::vector<std::byte> codes() const;
+  [[nodiscard]] std::vector<std::byte> borders() const { return encode_borders(blocks_); }  // empty: no section
   [[nodiscard]] std::uint32_t run_bound() const { return run_bound_; }
   [[nodiscard]] std::uint32_t range_bound() const { return range_bound_; }
   [[nodiscard]] std::uint32_t list_bound() const { return list_bound_; }
@@ -36,17 +38,18 @@ class rows_encoder {
   status write(std::vector<std::byte>& file, std::vector<std::byte>& directory);
 
  private:
-  [[nodiscard]] std::size_t chunk_count() const;
+  [[nodiscard]] std::size_t block_count() const;
   [[nodiscard]] std::size_t sample_step(std::size_t samples) const;
-  // Calls visit(chunk), which returns a status, for every step-th chunk, with its sets in sets_.
+  // Calls visit(block), which returns a status, for every step-th block, with its sets in sets_.
   template <class Visit>
-  status for_each_chunk(std::size_t step, const Visit& visit);
+  status for_each_block(std::size_t step, const Visit& visit);
   status read_set(std::uint32_t cell, std::vector<run>& runs);
   status count_own(row_counts& counts);
   status sample(row_counts& counts);
   status sample_slack(row_counts& counts);
   status choose(const row_encoders& encoders, row_counts& counts);
-  void widen_sets(std::size_t chunk, slack_sums& sums);
+  void widen_sets(std::size_t block, slack_sums& sums);
+  [[nodiscard]] std::vector<planned_chunk> planned(std::size_t block, const row_encoders& encoders);
   // Removes the volumes from the sets in sets_, or puts them back.
   void take_volumes();
   void put_volumes_back();
@@ -56,12 +59,12 @@ class rows_encoder {
   stored_sets& stored_;
   std::uint32_t items_ = 0;             // polygons and volumes
   std::vector<std::uint32_t> borders_;  // of range units; volumes are one more
-  std::vector<chunk_plan> plans_;
+  std::vector<std::vector<planned_chunk>> blocks_;
   std::unique_ptr<row_encoders> encoders_;
   std::uint64_t slack_share_ = 0;                 // in slack_share_units
   std::unique_ptr<row_encoders> exact_encoders_;  // for sets without slack; null until it is made
   slack_prices prices_;
-  std::vector<chunk_plan> exact_plans_;  // by which slack is added; empty ones are made later
+  std::vector<std::vector<planned_chunk>> exact_blocks_;  // by which slack is added; empty ones are made later
   slack_sums sums_;
   std::uint32_t run_bound_ = 0;
   std::uint32_t range_bound_ = 0;

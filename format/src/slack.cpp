@@ -138,7 +138,7 @@ class chunk_slack {
   std::uint64_t share_;
   slack_path path_;
   std::vector<stretch> all_;
-  std::array<std::uint64_t, layout::cells_per_chunk> heirs_{};  // of each cell: the cells whose reference it is
+  std::array<std::uint64_t, layout::cells_per_block> heirs_{};  // of each cell: the cells whose reference it is
   std::vector<slack_column> columns_;
   std::vector<std::uint32_t> column_of_;
   std::vector<bool> drawn_;

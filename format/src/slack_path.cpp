@@ -57,7 +57,8 @@ std::uint64_t slack_path::find(std::span<const slack_column> columns, bool alone
       const unsigned is = in_run == c.in_reference ? 0 : 1;
       const unsigned sources = to & ~run;  // the states from which it can be reached
       const unsigned ongoing = to | run;
-      const std::uint64_t from_fresh = cost[sources] + common[is][was_drawn(before, sources)] + (in_run ? run_price : 0);
+      const std::uint64_t from_fresh =
+          cost[sources] + common[is][was_drawn(before, sources)] + (in_run ? run_price : 0);
       const std::uint64_t from_ongoing = cost[ongoing] + common[is][was_drawn(before, ongoing)];
       next[to] = std::min({from_fresh, from_ongoing, unreachable});
       steps |= ((from_ongoing < from_fresh ? ongoing : sources) | is * drawn_step) << (step_bits * to);

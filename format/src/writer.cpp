@@ -101,7 +101,7 @@ status check_contents(const file_contents& contents) {
   }
   if (has_too_many_volumes(contents)) return status::limit;
   if (!facts_are_valid(contents.facts)) return status::argument;
-  if (!is_share(contents.slack)) return status::argument;
+  if (!is_share(contents.slack) || contents.chunk_bytes == 0) return status::argument;
   if (contents.facts.margin > layout::max_margin) return status::limit;
   if (const status s = check_sources(contents); s != status::ok) return s;
   if (const status s = check_cells(contents); s != status::ok) return s;
@@ -163,6 +163,8 @@ status front_sections(const file_contents& contents, const stored_order& order, 
   sections.push_back({layout::section_cells, true, std::move(cells)});
   if (!volumes.empty()) sections.push_back({layout::section_volumes, true, std::move(volumes)});
   sections.push_back({layout::section_codes, true, rows.codes()});
+  if (std::vector<std::byte> borders = rows.borders(); !borders.empty())
+    sections.push_back({layout::section_borders, true, std::move(borders)});
   sections.push_back({layout::section_row_directory, true, std::vector<std::byte>(rows.directory_size())});
   if (!contents.named_groups.empty())
     sections.push_back({layout::section_named_groups, false, std::move(named_groups)});

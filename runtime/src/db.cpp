@@ -285,13 +285,13 @@ bool is_sound(std::atomic<chunk_state>& state, const Check& check) noexcept {
 }  // namespace
 
 bool sightcell_db::cell_is_sound(std::uint32_t cell) const noexcept {
-  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  const std::uint32_t chunk = file_.chunk_of(cell);
   return is_sound(chunks_[chunk], [&] { return file_.check_chunk(chunk); });
 }
 
 sightcell_status sightcell_db::open_importance(std::uint32_t cell, format::importance_classes& out) const noexcept {
   if (const format::status s = file_.importance(out); s != format::status::ok) return static_cast<sightcell_status>(s);
-  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  const std::uint32_t chunk = file_.chunk_of(cell);
   const bool sound = is_sound(chunks_[file_.chunk_count() + chunk], [&] { return out.check_chunk(chunk); });
   return sound ? SIGHTCELL_OK : SIGHTCELL_ERR_CHECKSUM;
 }
@@ -303,7 +303,7 @@ row_outcome sightcell_db::decode(std::uint32_t cell, std::span<format::run> out,
     const format::status s = file_.decode_row(cell, codes_, out, scratch, parts);
     return s == format::status::ok ? row_outcome::good : row_outcome::damaged;
   }
-  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  const std::uint32_t chunk = file_.chunk_of(cell);
   std::span<const std::byte> bytes;
   chunk_presence presence = cache_.pin(chunk, bytes);
   if (presence == chunk_presence::absent) {

@@ -10,16 +10,11 @@
 #include "cell_box.h"
 #include "nearest_cell.h"
 #include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/chunk_borders.h"
 
 namespace sightcell::runtime {
 
-// std::popcount is a call into another library where the processor may lack an instruction for it.
-[[nodiscard]] constexpr std::uint32_t count_bits(std::uint64_t v) noexcept {
-  v -= v >> 1 & 0x5555555555555555u;
-  v = (v & 0x3333333333333333u) + (v >> 2 & 0x3333333333333333u);
-  v = (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0Fu;
-  return static_cast<std::uint32_t>(v * 0x0101010101010101u >> 56);
-}
+using format::count_bits;
 
 // An entry of the table. An empty slot has mask 0.
 struct lattice_slot {

@@ -75,8 +75,8 @@ std::uint64_t bytes_of_rows(const file_parts& parts, const corpus& all, double s
   for (std::uint32_t i = 0; i < file.section_count(); ++i) {
     section_record s;
     require(file.section(i, s), "section");
-    const bool counts =
-        s.id == layout::section_rows || s.id == layout::section_row_directory || s.id == layout::section_codes;
+    const bool counts = s.id == layout::section_rows || s.id == layout::section_row_directory ||
+                        s.id == layout::section_borders || s.id == layout::section_codes;
     sum += counts ? s.size : 0;
   }
   return sum;
@@ -88,8 +88,8 @@ std::uint64_t bytes_of_own_rows(const file_parts& parts, const corpus& all) {
   std::vector<std::vector<std::vector<run>>> chunks;
   std::vector<chunk_plan> plans;
   row_counts counts;
-  for (std::size_t begin = 0; begin < all.sets.size(); begin += layout::cells_per_chunk) {
-    auto& sets = chunks.emplace_back(std::min<std::size_t>(all.sets.size() - begin, layout::cells_per_chunk));
+  for (std::size_t begin = 0; begin < all.sets.size(); begin += layout::cells_per_block) {
+    auto& sets = chunks.emplace_back(std::min<std::size_t>(all.sets.size() - begin, layout::cells_per_block));
     for (std::size_t i = 0; i < sets.size(); ++i) stored.runs_of(all.sets[begin + i], sets[i]);
     chunk_plan& plan = plans.emplace_back();
     for (const std::uint32_t first : first_equal(sets)) plan.same.push_back(static_cast<std::uint8_t>(first));

@@ -65,9 +65,15 @@ void make_sums_right(std::vector<std::uint8_t>& bytes) {
   put_u32(bytes, 20, 0);
   const std::size_t sections = std::min<std::size_t>(number_at(bytes, 12, 4), (bytes.size() - 96) / 32);
   std::uint64_t rows = 0;
-  for (std::size_t i = 0; i < sections; ++i)
-    if (number_at(bytes, 96 + 32 * i, 4) == 3) rows = number_at(bytes, 96 + 32 * i + 8, 8);
-  const std::size_t chunks = (number_at(bytes, 64, 4) + 63) / 64;
+  std::size_t chunks = (number_at(bytes, 64, 4) + 63) / 64, records = 0;
+  bool has_borders = false;
+  for (std::size_t i = 0; i < sections; ++i) {
+    const std::uint64_t id = number_at(bytes, 96 + 32 * i, 4);
+    if (id == 3) rows = number_at(bytes, 96 + 32 * i + 8, 8);
+    if (id == 4) records = std::min<std::size_t>(number_at(bytes, 96 + 32 * i + 16, 8), bytes.size()) / 16;
+    if (id == 14) has_borders = true;
+  }
+  if (has_borders) chunks = records;
   for (std::size_t i = 0; i < sections; ++i) {
     const std::size_t record = 96 + 32 * i;
     const std::uint64_t at = number_at(bytes, record + 8, 8), size = number_at(bytes, record + 16, 8);

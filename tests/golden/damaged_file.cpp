@@ -26,7 +26,7 @@ bool is_found_later(std::string_view name) {
                                                    "run_bound_below_runs",
                                                    "range_bound_above_ranges",
                                                    "section_3_checksum",
-                                                   "section_13_checksum",
+                                                   "section_15_checksum",
                                                    "chunk_checksum",
                                                    "sources_twice",
                                                    "step_is_no_code",
@@ -42,7 +42,7 @@ damaged_list damaged_files() {
   damaged_list all;
   for (auto* part :
        {damaged_headers, damaged_section_tables, damaged_tables, damaged_groups, damaged_lattices, damaged_code_tables,
-        damaged_rows, damaged_importance, damaged_volumes, damaged_named_groups, damaged_viewpoints}) {
+        damaged_rows, damaged_importance, damaged_volumes, damaged_named_groups, damaged_viewpoints, damaged_borders}) {
     damaged_list some = part();
     all.insert(all.end(), std::move_iterator(some.begin()), std::move_iterator(some.end()));
   }
@@ -78,6 +78,15 @@ bytes changed(bytes file, std::size_t at, std::uint32_t value) {
   return file;
 }
 
+bytes with_record(const bytes& file, std::uint32_t id, std::uint32_t new_id, std::uint32_t flags) {
+  bytes out = file;
+  const std::size_t place = section_place(out, id);
+  set_u32(out, place, new_id);
+  set_u32(out, place + 4, flags);
+  reseal(out);
+  return out;
+}
+
 bytes section_of(const bytes& file, std::uint32_t id) {
   const auto begin = file.begin() + static_cast<std::ptrdiff_t>(section_offset(file, id));
   return {begin, begin + static_cast<std::ptrdiff_t>(get_u64(file, section_place(file, id) + 16))};
@@ -94,7 +103,7 @@ bytes with_section(const bytes& file, std::uint32_t id, const bytes& section) {
     out.insert(out.end(), part.begin(), part.end());
   }
   set_u64(out, layout::header_total_size, out.size());
-  if (id == layout::section_rows && get_u32(file, layout::header_cell_count) <= layout::cells_per_chunk) {
+  if (id == layout::section_rows && get_u32(file, layout::header_cell_count) <= layout::cells_per_block) {
     set_u32(out, section_offset(out, layout::section_row_directory) + 8, static_cast<std::uint32_t>(section.size()));
   }
   reseal(out);

@@ -29,6 +29,7 @@ damaged_list damaged_importance();
 damaged_list damaged_volumes();
 damaged_list damaged_named_groups();
 damaged_list damaged_viewpoints();
+damaged_list damaged_borders();
 // All of them.
 damaged_list damaged_files();
 
@@ -41,6 +42,9 @@ std::vector<std::byte> changed(std::vector<std::byte> file, std::size_t at, std:
 std::vector<std::byte> with_section(const std::vector<std::byte>& file, std::uint32_t id,
                                     const std::vector<std::byte>& section);
 std::vector<std::byte> section_of(const std::vector<std::byte>& file, std::uint32_t id);
+// The record of a section in the table changed.
+std::vector<std::byte> with_record(const std::vector<std::byte>& file, std::uint32_t id, std::uint32_t new_id,
+                                   std::uint32_t flags);
 // The checksums of the section table and the header alone.
 void reseal_front(std::vector<std::byte>& file);
 // With bytes behind it, or fewer where that is negative.

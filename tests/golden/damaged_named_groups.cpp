@@ -67,16 +67,8 @@ void damage_sizes(const bytes& whole, damaged_list& list) {
 
 void damage_records(const bytes& whole, damaged_list& list) {
   const std::uint32_t own = layout::section_named_groups;
-  const auto with_record = [&](std::uint32_t id, std::uint32_t new_id, std::uint32_t flags) {
-    bytes out = whole;
-    const std::size_t place = section_place(out, id);
-    set_u32(out, place, new_id);
-    set_u32(out, place + 4, flags);
-    reseal(out);
-    return out;
-  };
-  list.push_back({"section_11_required", status::version, with_record(own, own, 1)});
-  list.push_back({"named_groups_twice", status::corrupt, with_record(layout::section_settings, own, 0)});
+  list.push_back({"section_11_required", status::version, with_record(whole, own, own, 1)});
+  list.push_back({"named_groups_twice", status::corrupt, with_record(whole, layout::section_settings, own, 0)});
   bytes sum = whole;
   sum[section_place(sum, own) + 24] ^= std::byte{1};
   reseal_front(sum);

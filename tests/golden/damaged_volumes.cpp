@@ -120,20 +120,11 @@ void damage_sizes(const bytes& whole, damaged_list& list) {
   add("volume_column_of_33_bits", wide);
 }
 
-bytes with_flags(const bytes& file, std::uint32_t id, std::uint32_t new_id, std::uint32_t flags) {
-  bytes out = file;
-  const std::size_t place = section_place(out, id);
-  set_u32(out, place, new_id);
-  set_u32(out, place + 4, flags);
-  reseal(out);
-  return out;
-}
-
 void damage_records(const bytes& whole, damaged_list& list) {
   constexpr std::uint32_t volumes = layout::section_volumes;
-  list.push_back({"volumes_not_required", status::corrupt, with_flags(whole, volumes, volumes, 0)});
-  list.push_back({"volumes_section_twice", status::corrupt, with_flags(whole, layout::section_settings, volumes, 1)});
-  list.push_back({"volumes_missing", status::corrupt, with_flags(whole, volumes, 13, 0), true});
+  list.push_back({"volumes_not_required", status::corrupt, with_record(whole, volumes, volumes, 0)});
+  list.push_back({"volumes_section_twice", status::corrupt, with_record(whole, layout::section_settings, volumes, 1)});
+  list.push_back({"volumes_missing", status::corrupt, with_record(whole, volumes, 15, 0), true});
   bytes sum = whole;
   sum[section_place(sum, volumes) + 24] ^= std::byte{1};
   reseal_front(sum);

@@ -45,6 +45,7 @@ class Header:
             need(not self.merged and not any(data[80:88]), "layout or reserved bytes of the header")
         need(self.sections <= 64 and self.polygons <= 4294967294 and self.cells <= 16777216 and
              self.draws <= 67108864 and self.margin <= 1000000, "header", "limit")
+        self.cells_of_chunks = [min(64, self.cells - first) for first in range(0, self.cells, 64)]
 
     def check_bounds(self, most_runs):
         need(self.run_bound <= min(self.items(), most_runs) and self.list_bound <= most_runs, "run or list bound")
@@ -99,7 +100,7 @@ class Contents:
         self.importance = []
         if IMPORTANCE in version.OPTIONAL and IMPORTANCE in parts:
             sizes = [len(self.polygons_in(cell)) for cell in range(header.cells)]
-            self.importance = version.decode_importance(parts[IMPORTANCE], sizes)
+            self.importance = version.decode_importance(parts[IMPORTANCE], sizes, header.cells_of_chunks)
 
     def check_records(self):
         for box in self.boxes:
@@ -109,17 +110,17 @@ class Contents:
 
     def decode_sets(self, parts, version):
         """The set of every cell as runs of stored numbers. Checks the bounds over all of them."""
-        cells, directory, rows = self.header.cells, parts[DIRECTORY], parts[ROWS]
-        chunks = (cells + 63) // 64
-        decode_chunk = version.row_decoder(self.header, parts, chunks)
+        directory, rows = parts[DIRECTORY], parts[ROWS]
+        chunks = self.header.cells_of_chunks
+        decode_chunk = version.row_decoder(self.header, parts, len(chunks))
         place, most_runs, most_ranges = 0, 0, 0
         borders = sorted(set(self.borders + [self.header.polygons] * (self.header.volumes > 0)))
-        for number in range(chunks):
+        for number, cells in enumerate(chunks):
             offset, size, checksum = struct.unpack_from("<QII", directory, 16 * number)
             need(offset == place and offset + size <= len(rows), "chunk of rows")
             place += size
             need(crc32c(rows[offset:place]) == checksum, f"chunk {number}", "checksum")
-            for runs in decode_chunk(number, rows[offset:place], min(64, cells - 64 * number)):
+            for runs in decode_chunk(number, rows[offset:place], cells):
                 ranges = sum(bisect.bisect_left(borders, end) - bisect.bisect_right(borders, first) + 1
                              for first, end in runs)
                 most_runs, most_ranges = max(most_runs, len(runs)), max(most_ranges, ranges)

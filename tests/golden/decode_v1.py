@@ -5,10 +5,10 @@ import struct
 from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
-VOLUMES, NAMED_GROUPS, VIEWPOINTS = 10, 11, 12
+VOLUMES, NAMED_GROUPS, VIEWPOINTS, BORDERS = 10, 11, 12, 14
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
-OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS)
-FLAGGED = REQUIRED + (VOLUMES,)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, BORDERS)
+FLAGGED = REQUIRED + (VOLUMES, BORDERS)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
 FURTHEST_LAYER = 1 << 30
@@ -252,7 +252,20 @@ def decode_viewpoints(header, section, boxes):
     return radius, [(valid, outside, decode_region(region, box)) for (valid, outside, region), box in zip(records, grown)]
 
 
+def decode_borders(cells, section):
+    """The number of cells of every chunk."""
+    sizes = []
+    for block, (first, low, high) in enumerate(zip(*whole_columns(section, 3, (cells + 63) // 64, "the borders"))):
+        begins = [place for place in range(64) if (high << 32 | low) >> place & 1]
+        end = min(64, cells - 64 * block)
+        need(first == len(sizes) and begins[:1] == [0] and begins[-1] < end, "chunk borders")
+        sizes.extend(b - a for a, b in zip(begins, begins[1:] + [end]))
+    return sizes
+
+
 def decode_tables(header, parts, contents):
+    if BORDERS in parts:
+        header.cells_of_chunks = decode_borders(header.cells, parts[BORDERS])
     contents.orders = decode_orders(parts[ORDERS])
     contents.draws, contents.source_of_stored, contents.borders = decode_draws(header, parts[DRAWS], contents.orders)
     contents.lattice, contents.boxes = decode_cells(header, parts[CELLS])
@@ -387,9 +400,9 @@ def row_decoder(header, parts, chunks):
     return lambda number, chunk, cells: rows.decode_chunk(chunk, cells)
 
 
-def decode_importance(section, sizes):
+def decode_importance(section, sizes, cells_of_chunks):
     """Of each cell the classes of its polygons in stored order. sizes: how many these are."""
-    chunks = (len(sizes) + 63) // 64
+    chunks = len(cells_of_chunks)
     at = 4 + 16 * chunks
     need(at <= len(section), "the directory of the importance is cut")
     codes = []
@@ -399,13 +412,13 @@ def decode_importance(section, sizes):
     runs, at = code_table(section, at, 64, 8)
     need(crc32c(section[4:at]) == unpack("<I", section, 0, "importance")[0], "front of the importance", "checksum")
     place, classes = 0, []
-    for number in range(chunks):
+    for number, cells in enumerate(cells_of_chunks):
         offset, size, checksum = struct.unpack_from("<QII", section, 4 + 16 * number)
         need(offset == place and at + offset + size <= len(section), "chunk of classes")
         place += size
         chunk = section[at + offset:at + place]
         need(crc32c(chunk) == checksum, f"chunk {number} of classes", "checksum")
-        classes.extend(decode_classes(chunk, sizes[64 * number:64 * number + 64], codes, runs))
+        classes.extend(decode_classes(chunk, sizes[len(classes):len(classes) + cells], codes, runs))
     need(at + place == len(section), "bytes behind the last chunk of classes")
     return classes
 

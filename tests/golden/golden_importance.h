@@ -1,13 +1,16 @@
 #pragma once
-// The golden file with an importance section: v1_importance.
+// The golden files with an importance section.
 #include <cstddef>
 #include <vector>
 
+#include "golden_contents.h"
 #include "unit/format/importance_samples.h"
 
 namespace sightcell::test {
 
-// ordered_contents() with the classes of sample_class.
-std::vector<std::byte> importance_golden_bytes();
+// Their contents; the classes are those of sample_class. One of them has smaller chunks than 64 cells.
+std::vector<golden_file_contents> golden_files_with_importance();
+
+std::vector<std::byte> importance_golden_bytes(const sample_contents& contents);
 
 }  // namespace sightcell::test

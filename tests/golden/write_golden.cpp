@@ -178,8 +178,10 @@ int main(int argc, char** argv) {
   for (const auto& [name, contents] : sightcell::test::golden_files()) {
     written = written && write(contents, contents.encode(), false, folder + "/" + name);
   }
-  written = written && write(sightcell::test::ordered_contents(), sightcell::test::importance_golden_bytes(), true,
-                             folder + "/v1_importance");
+  for (const auto& [name, contents] : sightcell::test::golden_files_with_importance()) {
+    const auto bytes = sightcell::test::importance_golden_bytes(contents);
+    written = written && write(contents, bytes, true, folder + "/" + name);
+  }
   written = written && write_damaged(folder + "/golden_errors");
   if (!written) std::fprintf(stderr, "write_golden: cannot write to %s\n", folder.c_str());
   return written ? 0 : 1;

@@ -24,8 +24,9 @@ SYSTEM = POSIX + ['windows.h']
 PLATFORM = SYSTEM + ['io.h']  # of tests
 FORMAT_READ = ['sightcell/format/layout.h', 'sightcell/format/status.h', 'sightcell/format/records.h',
                'sightcell/format/reader.h', 'sightcell/format/packed_columns.h', 'sightcell/format/cell_lattice.h',
-               'sightcell/format/draw_ranges.h', 'sightcell/format/importance_classes.h',
-               'sightcell/format/viewpoint_table.h', 'sightcell/format/volume_table.h']
+               'sightcell/format/chunk_borders.h', 'sightcell/format/draw_ranges.h',
+               'sightcell/format/importance_classes.h', 'sightcell/format/viewpoint_table.h',
+               'sightcell/format/volume_table.h']
 FORMAT = ['sightcell/format/']
 BASE = ['sightcell/base/']
 SCENE = BASE + ['sightcell/scene/', 'glm/']

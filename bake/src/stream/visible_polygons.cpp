@@ -14,7 +14,7 @@ visible_polygons::visible_polygons(std::span<const std::byte> file, const std::s
 }
 
 void visible_polygons::read(std::uint32_t cell) {
-  const std::uint32_t chunk = format::reader::chunk_of(cell);
+  const std::uint32_t chunk = file_.chunk_of(cell);
   for (; checked_ <= chunk; ++checked_) {
     require_readable(file_.check_chunk(checked_), name_);
     require_readable(importance_.check_chunk(checked_), name_);

@@ -47,12 +47,12 @@ void verified_file::build_rays() {
 }
 
 void verified_file::cell_set(std::uint32_t cell, std::vector<std::uint32_t>& seen) {
-  require_ok(file_.check_chunk(format::reader::chunk_of(cell)), name_);
+  require_ok(file_.check_chunk(file_.chunk_of(cell)), name_);
   require_ok(sets_.source_ids(cell, seen), name_);
 }
 
 void verified_file::cell_items(std::uint32_t cell, std::vector<std::uint32_t>& items) {
-  require_ok(file_.check_chunk(format::reader::chunk_of(cell)), name_);
+  require_ok(file_.check_chunk(file_.chunk_of(cell)), name_);
   require_ok(sets_.item_ids(cell, items), name_);
 }
 

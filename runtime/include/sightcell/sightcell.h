@@ -227,8 +227,8 @@ typedef struct sightcell_view_stats {
   uint64_t polygons;       /* sum of polygon_count over all moves */
 } sightcell_view_stats;
 
-/* Counts of a db. A chunk is the sets of 64 cells. resident_bytes and the members after it are 0 for a db that is not
- * paged (sightcell_db_open_source). */
+/* Counts of a db. A chunk is the sets of up to 64 cells. resident_bytes and the members after it are 0 for a db that is
+ * not paged (sightcell_db_open_source). */
 typedef struct sightcell_db_stats {
   uint32_t struct_size;        /* set by the caller to sizeof(sightcell_db_stats) */
   uint32_t chunk_count;        /* chunks of the file */
@@ -296,7 +296,7 @@ SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
 
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
 
-/* Opens a file that is in memory. Checks all of it but the sets: the first use of a set checks those of its 64 cells.
+/* Opens a file that is in memory. Checks all of it but the sets: the first use of a set checks those of its chunk.
  * bytes: the whole file, at any alignment. The db refers to them: the caller keeps them until sightcell_db_close.
  * size: of the file, in bytes.
  * mem: copied. NULL means malloc and free.
@@ -316,7 +316,8 @@ SIGHTCELL_API sightcell_status sightcell_db_open(const void* bytes, size_t size,
 SIGHTCELL_API sightcell_status sightcell_db_open_file(const char* path, const sightcell_allocator* mem,
                                                       sightcell_db** out);
 
-/* Opens a paged file: loads everything but the sets now, and the sets when they are needed, in chunks of 64 cells.
+/* Opens a paged file: loads everything but the sets now, and the sets when they are needed, in chunks of up to 64
+ * cells: about 16 KB or less, or one cell.
  * source: copied. The host must deliver the bytes of the requests of this call before request returns.
  * resident_bytes: the maximum of bytes of chunks in memory. The least recently used chunks are removed first.
  * out: receives the db before the first request, so that request can deliver to it; NULL on failure.
@@ -339,8 +340,8 @@ SIGHTCELL_API sightcell_status sightcell_db_begin_source(const sightcell_source*
 /* Continues to open a db of sightcell_db_begin_source with what was delivered. Requests twice in all: the header of the
  * file, then everything but the sets. On one thread at a time.
  * Returns PENDING while a request waits for its delivery, and OK when the db is open, also for a db of another open
- *   function. Fails as sightcell_db_open_source, with IO where the host has delivered NULL; then the host closes the db.
- * Cost: none while PENDING; the last step costs what sightcell_db_open costs. */
+ *   function. Fails as sightcell_db_open_source, with IO where the host has delivered NULL; then the host closes the
+ * db. Cost: none while PENDING; the last step costs what sightcell_db_open costs. */
 SIGHTCELL_API sightcell_status sightcell_db_opened(sightcell_db* db);
 
 /* Tests whether a file was baked from the scene that the host has.
@@ -556,7 +557,7 @@ SIGHTCELL_API sightcell_status sightcell_view_objects(const sightcell_view* view
  * Fails with ABSENT if the file has no importance, and for a paged db, which does not load it; with STALE under
  *   DRAW_ALL, because importance is not known there; with CHECKSUM or CORRUPT if the data is damaged. All elements of
  *   dst are 0 then.
- * Cost: O(polygons to draw + cells / 64), and some tens of microseconds for code tables. The first call in each 64 cells
+ * Cost: O(polygons to draw + chunks), and some tens of microseconds for code tables. The first call in each chunk
  *   also checks their importance data. */
 SIGHTCELL_API sightcell_status sightcell_view_importance(const sightcell_view* view, float* dst, size_t capacity,
                                                          size_t* count);

@@ -1,5 +1,5 @@
 // A .pvs file of a server, of which only the pages that are needed are downloaded: the tables at its beginning, and then
-// the sets of 64 cells at a time. Sightcell.openUrl in sightcell.d.ts describes what a page of the web notices of it.
+// the sets of a few cells at a time. Sightcell.openUrl in sightcell.d.ts describes what a page of the web notices of it.
 import { SightcellError } from './error.js';
 import { constants, structs } from './layout.js';
 

@@ -39,8 +39,8 @@ export class Sightcell {
   open(bytes: ArrayBuffer | SharedArrayBuffer | ArrayBufferView): Database;
 
   /** Opens a .pvs file of a server. Downloads its first bytes, the rest of its tables, and then, while views move, the
-   * sets that they need, in pages of 64 cells (HTTP requests of byte ranges). A small file, and one of a server that
-   * ignores ranges, arrives whole. In node, a file: URL is read from the disk.
+   * sets that they need, in pages of up to 64 cells (HTTP requests of byte ranges). A small file, and one of a server
+   * that ignores ranges, arrives whole. In node, a file: URL is read from the disk.
    * options: passed to fetch, but for the members of OpenOptions. A signal is for opening only.
    * Fails with "io" and as open(). */
   openUrl(url: string | URL, options?: OpenOptions): Promise<Database>;
@@ -115,7 +115,7 @@ export interface Draw {
   readonly hostTag: bigint;
 }
 
-/** Counts. A chunk is the sets of 64 cells; members after memoryBytes are 0 for a file that arrived whole. */
+/** Counts. A chunk is the sets of up to 64 cells; members after memoryBytes are 0 for a file that arrived whole. */
 export interface DatabaseStatistics {
   readonly chunkCount: number;
   readonly memoryBytes: bigint;

@@ -364,6 +364,7 @@ void choose_volumes(choices& choose, any_contents& out) {
 any_contents make_any_contents(std::uint32_t seed) {
   choices choose(seed);
   any_contents out;
+  if (seed % 3 == 0) out.chunk_bytes = 20 + 7 * (seed % 50);
   choose_facts(choose, out);
   choose_draws(choose, out);
   if (choose.one_in(2)) {

@@ -94,7 +94,7 @@ void reseal_importance(std::vector<std::byte>& file) {
     if (record + layout::section_record_size > file.size()) break;
     const std::uint64_t at = get_u64(file, record + 8);
     const std::uint64_t size = get_u64(file, record + 16);
-    const std::uint64_t chunks = (std::uint64_t{get_u32(file, layout::header_cell_count)} + 63) / 64;
+    const std::uint64_t chunks = chunks_of(file);
     if (get_u32(file, record) != layout::section_importance || at > file.size() || size > file.size() - at) continue;
     if (chunks > size || 4 + 16 * chunks > size) continue;
     std::span<const std::byte> rest = std::span<const std::byte>(file).subspan(at, size).subspan(4 + 16 * chunks);

@@ -106,6 +106,11 @@ status use_everything(const reader& file) {
       EXPECT_LT(b.min[0], b.max[0]);
     }
   }
+  for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
+    const cell_chunk chunk = file.chunks().chunk_of(cell);
+    EXPECT_TRUE(chunk.number < file.chunk_count() && chunk.first_cell <= cell && cell < chunk.end()) << cell;
+    EXPECT_LE(chunk.end(), file.cell_count());
+  }
   static_cast<void>(file.statistics(codes, out, scratch, sums));
   EXPECT_LE(text, file.settings().size());
   return file.check(codes, out, scratch, room);
@@ -123,11 +128,12 @@ status open_only(const std::vector<std::byte>& bytes) {
   return reader::open(bytes, file);
 }
 
-// One file of each version, of each kind of cells and of each host layout, with all sections.
+// One file of each version, of each kind of cells and of each host layout, with all sections; one with small chunks.
 std::vector<std::vector<std::byte>> all_kinds() {
   sample_contents on_lattice = small_contents();
   put_in_order(on_lattice, 8);
   put_on_lattice(on_lattice);
+  on_lattice.chunk_bytes = 200;
   sample_contents on_grid = tiny_contents();
   put_on_grid(on_grid);
   sample_contents merged = small_contents();

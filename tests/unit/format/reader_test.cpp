@@ -258,7 +258,7 @@ TEST(reader, statistics_are_the_sums) {
     row_record r;
     ASSERT_EQ(file.row(cell, r), status::ok);
     EXPECT_EQ(r.shared, cell == 20);
-    EXPECT_TRUE(!r.delta || reader::chunk_of(r.reference) == reader::chunk_of(cell));
+    EXPECT_TRUE(!r.delta || file.chunk_of(r.reference) == file.chunk_of(cell));
     if (!r.shared) expected.row_bytes += r.size;
     expected.delta_rows += r.delta ? 1 : 0;
     expected.polygons += contents.sets[cell].size();

@@ -87,7 +87,7 @@ class rows_of_version_0 {
  public:
   explicit rows_of_version_0(const char* name = "v0_small") : file_(golden_file(name)) {}
   [[nodiscard]] std::size_t record(std::uint32_t cell) const {
-    const std::size_t chunks = get(layout::header_cell_count) / layout::cells_per_chunk + 1;
+    const std::size_t chunks = get(layout::header_cell_count) / layout::cells_per_block + 1;
     return section_offset(file_, layout::section_row_directory) + chunks * layout::chunk_record_size +
            layout::v0_row_record_size * cell;
   }
@@ -96,7 +96,7 @@ class rows_of_version_0 {
   void put_row(std::uint32_t cell, std::initializer_list<unsigned> row) {
     ASSERT_LE(row.size(), get(record(cell) + 4));
     const std::size_t chunk = section_offset(file_, layout::section_row_directory) +
-                              cell / layout::cells_per_chunk * layout::chunk_record_size;
+                              cell / layout::cells_per_block * layout::chunk_record_size;
     std::size_t at = section_offset(file_, layout::section_rows) + get(chunk) + get(record(cell));
     for (const unsigned byte : row) file_[at++] = static_cast<std::byte>(byte);
     set(record(cell) + 4, static_cast<std::uint32_t>(row.size()));
@@ -228,9 +228,9 @@ TEST(refusals, chunks_of_as_many_rows_as_there_cannot_be) {
   const std::vector<std::byte> zeros(100);
   row_chunk chunk;
   EXPECT_TRUE(chunk.open(zeros, 1));
-  EXPECT_TRUE(chunk.open(zeros, layout::cells_per_chunk));
+  EXPECT_TRUE(chunk.open(zeros, layout::cells_per_block));
   EXPECT_FALSE(chunk.open(zeros, 0));
-  EXPECT_FALSE(chunk.open(zeros, layout::cells_per_chunk + 1));
+  EXPECT_FALSE(chunk.open(zeros, layout::cells_per_block + 1));
 }
 
 TEST(refusals, lists_that_are_not_closed) {

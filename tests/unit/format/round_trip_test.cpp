@@ -37,7 +37,7 @@ struct kinds_met {
                 no_polygons = 0;
   std::uint32_t own = 0, first_differences = 0, second_differences = 0, shared_rows = 0;
   std::uint32_t empty_sets = 0, full_sets = 0, sets_of_one = 0, widened_sets = 0, chunks = 0, overlapping = 0;
-  std::uint32_t volumes = 0, from_polygons_on = 0, widened_with_volumes = 0;
+  std::uint32_t volumes = 0, from_polygons_on = 0, widened_with_volumes = 0, small_chunks = 0;
 };
 
 void expect_facts(const any_contents& in, const reader& file) {
@@ -315,6 +315,7 @@ void expect_parts_make_the_file(const any_contents& in, const reader& file, cons
                                 const std::vector<std::byte>& bytes) {
   file_parts parts;
   ASSERT_EQ(take_apart(file, parts), status::ok);
+  parts.chunk_bytes = in.chunk_bytes;
   std::vector<std::byte> again;
   ASSERT_EQ(encode(parts.contents(sets_of(sets.items)), again), status::ok);
   if (in.slack_to_add == 0.0) {
@@ -444,6 +445,7 @@ void count_kinds(const any_contents& in, const reader& file, kinds_met& met) {
   met.source_orders += in.orders_left_out ? 1 : 0;
   met.no_polygons += in.facts.polygon_count == 0 ? 1 : 0;
   met.chunks = std::max(met.chunks, file.chunk_count());
+  met.small_chunks += file.chunk_count() > (file.cell_count() + 63) / 64 ? 1 : 0;
   met.volumes += in.volumes.empty() ? 0 : 1;
   for (const draw_record& d : in.draws) met.moving += d.flags != 0 ? 1 : 0;
   for (const numbers& set : in.sets) {
@@ -499,10 +501,26 @@ TEST(round_trip, contents_of_any_kind_come_back) {
     ASSERT_FALSE(HasFailure());
   }
   if (rounds < usual_rounds || step > 1) return;
-  for (const std::uint32_t count : {met.merged, met.on_lattice, met.on_grid, met.shared_orders, met.source_orders,
-                                    met.moving, met.no_polygons, met.own, met.first_differences, met.second_differences,
-                                    met.shared_rows, met.empty_sets, met.full_sets, met.sets_of_one, met.widened_sets,
-                                    met.overlapping, met.volumes, met.from_polygons_on, met.widened_with_volumes}) {
+  for (const std::uint32_t count : {met.merged,
+                                    met.on_lattice,
+                                    met.on_grid,
+                                    met.shared_orders,
+                                    met.source_orders,
+                                    met.moving,
+                                    met.no_polygons,
+                                    met.own,
+                                    met.first_differences,
+                                    met.second_differences,
+                                    met.shared_rows,
+                                    met.empty_sets,
+                                    met.full_sets,
+                                    met.sets_of_one,
+                                    met.widened_sets,
+                                    met.overlapping,
+                                    met.volumes,
+                                    met.from_polygons_on,
+                                    met.widened_with_volumes,
+                                    met.small_chunks}) {
     EXPECT_GT(count, 5u);
   }
   EXPECT_GT(met.chunks, 3u) << "with slack, not all are sampled";

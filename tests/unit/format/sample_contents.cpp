@@ -286,6 +286,19 @@ void set_u64(std::vector<std::byte>& file, std::size_t at, std::uint64_t value) 
   for (std::size_t i = 0; i < 8; ++i) file.at(at + i) = static_cast<std::byte>(value >> (8 * i) & 0xFFu);
 }
 
+std::uint64_t chunks_of(const std::vector<std::byte>& file) {
+  std::uint64_t directory_size = 0;
+  bool has_borders = false;
+  for (std::size_t i = 0; i < get_u32(file, layout::header_section_count); ++i) {
+    const std::size_t at = layout::header_size + i * layout::section_record_size;
+    if (at + layout::section_record_size > file.size()) break;
+    if (get_u32(file, at) == layout::section_row_directory) directory_size = get_u64(file, at + 16);
+    if (get_u32(file, at) == layout::section_borders) has_borders = true;
+  }
+  const std::uint64_t blocks = (std::uint64_t{get_u32(file, layout::header_cell_count)} + 63) / 64;
+  return has_borders ? directory_size / layout::chunk_record_size : blocks;
+}
+
 namespace {
 
 bool inside(const std::vector<std::byte>& file, std::uint64_t offset, std::uint64_t size) {
@@ -297,7 +310,7 @@ std::uint32_t sum_of(const std::vector<std::byte>& file, std::uint64_t offset, s
 }
 
 void reseal_chunks(std::vector<std::byte>& file, std::size_t directory, std::size_t rows) {
-  const std::uint64_t chunks = (std::uint64_t{get_u32(file, layout::header_cell_count)} + 63) / 64;
+  const std::uint64_t chunks = chunks_of(file);
   const std::uint64_t at = get_u64(file, directory + 8);
   if (chunks > file.size() || !inside(file, at, chunks * layout::chunk_record_size)) return;
   for (std::uint64_t c = 0; c < chunks; ++c) {

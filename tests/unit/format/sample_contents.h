@@ -57,6 +57,9 @@ std::vector<std::byte> golden_file(const std::string& name);
 // the decoder below the checksums.
 void reseal(std::vector<std::byte>& file);
 
+// The number of chunks by the section table.
+std::uint64_t chunks_of(const std::vector<std::byte>& file);
+
 // Little-endian access for tests that change files.
 std::uint32_t get_u32(const std::vector<std::byte>& file, std::size_t at);
 std::uint64_t get_u64(const std::vector<std::byte>& file, std::size_t at);

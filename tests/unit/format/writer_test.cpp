@@ -145,6 +145,7 @@ TEST(writer, contents_that_contradict_themselves) {
   refused([](sample_contents& c) { c.draws[0].polygon_count = 0xFFFFFFFFu; });
   refused([](sample_contents& c) { c.draws[0].group = 1; });
   refused([](sample_contents& c) { c.facts.slack = 1.5f; });
+  refused([](sample_contents& c) { c.chunk_bytes = 0; });
   refused([](sample_contents& c) { c.facts.slack = std::nanf(""); });
   refused([](sample_contents& c) { c.cells[0].max[1] = c.cells[0].min[1]; });
   refused([](sample_contents& c) { c.cells[0].max[1] = std::numeric_limits<float>::infinity(); });

@@ -9,6 +9,7 @@
 
 #include "loaded_file.h"
 #include "paged_host.h"
+#include "sightcell/format/cell_lattice.h"
 #include "unit/format/random_source.h"
 
 namespace {
@@ -27,7 +28,7 @@ std::vector<std::uint32_t> chunk_sizes(const sample_contents& contents) {
   const auto bytes = contents.encode();
   const std::size_t directory = section_offset(bytes, 4);
   std::vector<std::uint32_t> sizes;
-  for (std::size_t chunk = 0; chunk < (contents.cells.size() + 63) / 64; ++chunk) {
+  for (std::size_t chunk = 0; chunk < chunks_of(bytes); ++chunk) {
     sizes.push_back(get_u32(bytes, directory + 16 * chunk + 8));
   }
   return sizes;
@@ -46,7 +47,10 @@ sightcell_frame go_to(test_view& view, const sample_contents& contents, std::uin
 TEST(paging, same_sets_as_from_memory_with_room_for_one_chunk) {
   for (const int kind : {0, 1, 2}) {
     sample_contents contents = eight_chunks();
-    if (kind == 1) put_on_lattice(contents);
+    if (kind == 1) {
+      put_on_lattice(contents);
+      contents.chunk_bytes = 500;
+    }
     if (kind == 2) put_in_groups(contents, 3);
     paged_host host(contents.encode());
     host.at_once = true;
@@ -277,6 +281,47 @@ TEST(paging, prefetch_requests_the_path_ahead_nearest_first) {
   const std::size_t asked = host.requests;
   ASSERT_EQ(sightcell_db_prefetch(host.db(), eye, velocity, 4.0f), SIGHTCELL_OK);
   EXPECT_EQ(host.requests, asked) << "they are requested already";
+}
+
+// 8 x 8 cells on a lattice, each a chunk of its own: the index has them as one group.
+TEST(paging, prefetch_requests_the_small_chunks_on_its_path_only) {
+  sample_contents contents = random_contents(95, {.polygons = 400, .draws = 4, .cells = 64});
+  contents.lattice = sightcell::format::lattice_shape{4.0, 2.0};
+  for (std::int32_t cell = 0; cell < 64; ++cell) {
+    contents.places.push_back({cell % 8, 0, cell / 8, 0});
+    contents.cells[static_cast<std::size_t>(cell)] =
+        sightcell::format::box_of(*contents.lattice, contents.places.back());
+  }
+  contents.chunk_bytes = 1;
+  paged_host host(contents.encode());
+  ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
+  ASSERT_EQ(chunk_sizes(contents).size(), 64u);
+  const auto& begin = contents.cells[0];
+  const float eye[3] = {(begin.min[0] + begin.max[0]) / 2, (begin.min[1] + begin.max[1]) / 2,
+                        (begin.min[2] + begin.max[2]) / 2};
+  const float width = begin.max[0] - begin.min[0];
+  const float velocity[3] = {width, 0, 0};
+  ASSERT_EQ(sightcell_db_prefetch(host.db(), eye, velocity, 2.0f), SIGHTCELL_OK);
+  EXPECT_GE(host.requests, 2u);
+  EXPECT_LT(host.requests, 10u) << "not the whole group";
+  std::uint64_t next = section_offset(host.bytes(), 3);
+  const auto sizes = chunk_sizes(contents);
+  for (std::size_t cell = 0; cell < 64; next += sizes[cell], ++cell) {
+    const auto is_this = [&](const page_request& r) { return r.offset == next; };
+    if (std::none_of(host.waiting.begin(), host.waiting.end(), is_this)) continue;
+    // Half of the distance traveled, half a step of time and the margin.
+    const auto& b = contents.cells[cell];
+    const float reach = 1.0625f * width + contents.facts.margin;
+    EXPECT_LE(b.min[0], eye[0] + 2 * width + reach) << cell;
+    EXPECT_LE(b.min[2], eye[2] + reach) << cell;
+    EXPECT_GE(b.max[2], eye[2] - reach) << cell;
+  }
+  const std::size_t asked = host.requests;
+  host.deliver_all();
+  test_view view(host.db());
+  EXPECT_EQ(view.move(eye[0], eye[1], eye[2]).flags & shown, 0u);
+  EXPECT_EQ(view.move(eye[0] + width, eye[1], eye[2]).flags & shown, 0u);
+  EXPECT_EQ(host.requests, asked);
 }
 
 TEST(paging, a_camera_that_prefetches_never_waits) {

@@ -30,6 +30,7 @@ struct file_parts {
   std::vector<viewpoint_record> viewpoints;  // one per cell, or none
   float player_radius = 0.0f;                // meters; 0 without viewpoints
   std::string settings;
+  std::uint32_t chunk_bytes = usual_chunk_bytes;  // of file_contents; take_apart leaves it
 
   // For encode(). sets: by the numbers of these cells; with volumes, as set_reader::item_ids returns them. The result
   // refers to the parts.

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <span>
 
+#include "sightcell/format/chunk_borders.h"
 #include "sightcell/format/status.h"
 
 namespace sightcell::format {
@@ -38,9 +39,9 @@ class importance_classes {
   // The section of a file without cells.
   importance_classes() noexcept = default;
 
-  // Opens a section. bytes: the section and nothing after it. cells: of the file. out: set only on ok. checksum:
-  // directory or codes are damaged; corrupt: invalid codes, or they do not fill the bytes. O(cells / 64).
-  static status open(std::span<const std::byte> bytes, std::uint32_t cells, importance_classes& out) noexcept;
+  // Opens a section. bytes: the section and nothing after it. chunks: of the file. out: set only on ok. checksum:
+  // directory or codes are damaged; corrupt: invalid codes, or they do not fill the bytes. O(chunks).
+  static status open(std::span<const std::byte> bytes, const chunk_borders& chunks, importance_classes& out) noexcept;
 
   // As reader::check_chunk, for the classes of a chunk. Reads all of it: remember the result.
   status check_chunk(std::uint32_t chunk) const noexcept;
@@ -58,7 +59,7 @@ class importance_classes {
 
  private:
   [[nodiscard]] bool read_codes(std::span<const std::byte>& bytes) noexcept;
-  [[nodiscard]] bool chunk_of(std::uint32_t chunk, std::span<const std::byte>& out,
+  [[nodiscard]] bool bytes_of(std::uint32_t chunk, std::span<const std::byte>& out,
                               std::uint32_t& checksum) const noexcept;
 
   // Indexed by the next bits: the symbol, and in the upper byte the number of bits of its code; 0: no code.
@@ -68,7 +69,7 @@ class importance_classes {
 
   std::span<const std::byte> directory_;
   std::span<const std::byte> chunks_;
-  std::uint32_t cells_ = 0;
+  chunk_borders borders_;
   std::array<code_entries, importance_class_count> codes_{};  // by the class before
   code_entries runs_{};                                       // lengths of runs of the last class
 };

@@ -62,6 +62,7 @@ inline constexpr std::uint32_t section_importance = 9;     // since version 1; o
 inline constexpr std::uint32_t section_volumes = 10;       // since version 1; a file with volumes requires it
 inline constexpr std::uint32_t section_named_groups = 11;  // since version 1; optional
 inline constexpr std::uint32_t section_viewpoints = 12;    // since version 1; optional
+inline constexpr std::uint32_t section_borders = 14;       // since version 1; a file with smaller chunks requires it
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
 
@@ -93,7 +94,7 @@ inline constexpr std::uint64_t max_chunk_size = 0xFFFFFFFFu;
 inline constexpr float max_margin = 1.0e6f;  // meters
 
 // Rows.
-inline constexpr std::uint32_t cells_per_chunk = 64;     // a chunk is 64 consecutive cells, aligned
+inline constexpr std::uint32_t cells_per_block = 64;     // consecutive cells, aligned; a chunk is all of them, or some
 inline constexpr std::uint32_t max_reference_depth = 2;  // row -> reference -> reference
 
 // Regions of viewpoints.

@@ -24,6 +24,7 @@
 #include <string_view>
 
 #include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/chunk_borders.h"
 #include "sightcell/format/grid_boxes.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/named_group_table.h"
@@ -72,12 +73,17 @@ struct row_statistics {
   std::uint64_t delta_rows = 0;       // cells whose row is a difference
   std::uint64_t shared_rows = 0;      // cells that use an earlier cell's row
   std::uint64_t row_bytes = 0;        // size of the rows section
-  std::uint64_t directory_bytes = 0;  // size of the row directory and the code tables
+  std::uint64_t chunks = 0;           // parts of the rows that are read and checked as one
+  std::uint64_t largest_chunk = 0;    // bytes
+  std::uint64_t directory_bytes = 0;  // size of the row directory, the chunk borders and the code tables
 
   [[nodiscard]] double runs_per_cell() const { return per_cell(static_cast<double>(runs)); }
   [[nodiscard]] double ranges_per_cell() const { return per_cell(static_cast<double>(ranges)); }
   [[nodiscard]] double delta_row_percent() const { return per_cell(100.0 * static_cast<double>(delta_rows)); }
   [[nodiscard]] double shared_row_percent() const { return per_cell(100.0 * static_cast<double>(shared_rows)); }
+  [[nodiscard]] double cells_per_chunk() const {
+    return chunks == 0 ? 0.0 : static_cast<double>(cells) / static_cast<double>(chunks);
+  }
   [[nodiscard]] double volumes_per_cell() const { return per_cell(static_cast<double>(volumes)); }
   [[nodiscard]] double volume_runs_per_cell() const { return per_cell(static_cast<double>(volume_runs)); }
 
@@ -93,7 +99,7 @@ struct row_statistics {
 // A view of one file: cheap to copy, valid as long as the bytes are. A default-constructed reader is an empty file.
 class reader {
  public:
-  // Opens a file. Checks header, section table, draw table, named groups, cells, volumes, row directory, certificate,
+  // Opens a file. Checks header, section table, draw table, named groups, cells, volumes, chunks, certificate,
   // viewpoints without the trees of regions, and settings, with their checksums. check_chunk and decode_row check the
   // rows.
   // bytes: the whole file and nothing after it, at any alignment. They belong to the caller and must outlive out.
@@ -187,9 +193,11 @@ class reader {
   [[nodiscard]] std::uint32_t certificate_count() const noexcept { return certificate_count_; }
   status certificate(std::uint32_t number, certificate_record& out) const noexcept;
 
-  // Rows are in chunks of 64 consecutive cells. A chunk is decoded without any other and has its own checksum.
-  [[nodiscard]] std::uint32_t chunk_count() const noexcept;
-  [[nodiscard]] static std::uint32_t chunk_of(std::uint32_t cell) noexcept;
+  // Rows are in chunks of up to 64 consecutive cells. A chunk is decoded without any other and has its own checksum.
+  // chunk_of: the number of the chunk of a cell below cell_count().
+  [[nodiscard]] std::uint32_t chunk_count() const noexcept { return chunks_.chunks(); }
+  [[nodiscard]] std::uint32_t chunk_of(std::uint32_t cell) const noexcept { return chunks_.chunk_of(cell).number; }
+  [[nodiscard]] const chunk_borders& chunks() const noexcept { return chunks_; }
 
   // ok, or checksum if the chunk's bytes are damaged; argument: no such chunk. Reads the whole chunk: remember the
   // result.
@@ -294,8 +302,8 @@ class reader {
   [[nodiscard]] row_parts split(std::span<run> out, std::size_t count) const noexcept;
   status check_importance(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept;
   status chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept;
-  [[nodiscard]] std::uint32_t rows_of_chunk(std::uint32_t chunk) const noexcept;
-  status check_chunk_filled(std::uint32_t chunk, const row_codes* codes, std::span<std::byte> scratch) const noexcept;
+  status check_chunk_filled(const cell_chunk& chunk, const row_codes* codes,
+                            std::span<std::byte> scratch) const noexcept;
 
   // Version 0, in reader_v0.cpp.
   status v0_draw(std::uint32_t number, draw_record& out) const noexcept;
@@ -304,7 +312,7 @@ class reader {
   status v0_row(std::uint32_t cell, row_record& out) const noexcept;
   status v0_decode_row(std::uint32_t cell, std::span<run> out, std::span<run> scratch,
                        std::size_t& count) const noexcept;
-  status v0_check_chunk_filled(std::uint32_t chunk) const noexcept;
+  status v0_check_chunk_filled(const cell_chunk& chunk) const noexcept;
 
   std::span<const std::byte> bytes_;  // all of the file, or its front
   std::uint64_t total_size_ = 0;
@@ -320,11 +328,13 @@ class reader {
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
   extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_, importance_, volume_bytes_,
-      named_group_bytes_, viewpoint_bytes_;
+      named_group_bytes_, viewpoint_bytes_, border_bytes_;
   bool has_importance_ = false;
   bool has_volumes_ = false;
   bool has_named_groups_ = false;
   bool has_viewpoints_ = false;
+  bool has_borders_ = false;
+  chunk_borders chunks_;
   std::uint32_t cell_kind_ = layout::cells_are_boxes;
   cell_lattice lattice_;
   grid_boxes grid_;

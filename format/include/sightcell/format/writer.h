@@ -70,6 +70,10 @@ struct viewpoint_record {
   std::vector<std::byte> region;  // tree over the grown box (viewpoint_table.h); empty: the whole grown box
 };
 
+// What a host that pages loads for one cell. Smaller chunks make a file larger, because the rows of a chunk refer to no
+// other chunk.
+inline constexpr std::uint32_t usual_chunk_bytes = 16384;
+
 // The contents of a file. Used only during the call of encode.
 struct file_contents {
   file_facts facts;
@@ -91,13 +95,16 @@ struct file_contents {
   // are. encode chooses polygons that make the file smaller and (draw, first, count) ranges fewer. It removes none, and
   // adds no volumes. facts.slack is the slack that the sets have already; the file has the sum of both.
   double slack = 0.0;
+  // About the most bytes of a chunk of rows that has more than one cell; above 0. Rows of 64 cells that are smaller
+  // together are one chunk. A chunk may be a little larger, since its bytes are estimated before they are written.
+  std::uint32_t chunk_bytes = usual_chunk_bytes;
 };
 
 // Encodes contents. The same contents give the same bytes.
 // out: replaced on ok, else unchanged.
 // Fails with argument (contents that contradict themselves: unsorted ids, counts that differ, boxes that are not
-//   finite, two volumes at one position, a region that is no valid tree), limit (a number above the limits of
-//   layout.h), memory, and the status of a source.
+//   finite, two volumes at one position, a region that is no valid tree, no chunk_bytes), limit (a number above the
+//   limits of layout.h), memory, and the status of a source.
 // Cost: memory for the file, for the sets of 64 cells at a time, 8 bytes per run of each, and 4 bytes per polygon; with
 //   slack about 60 bytes per different border of these 64 sets. No shared state, any thread.
 status encode(const file_contents& contents, std::vector<std::byte>& out);
