@@ -31,7 +31,8 @@ BASE = ['sightcell/base/']
 SCENE = BASE + ['sightcell/scene/', 'glm/']
 PICTURE = ['sightcell/picture/']
 BAKE = ['sightcell/bake/']
-RUNTIME = ['sightcell/sightcell.h', 'sightcell/sightcell.hpp', 'sightcell/clusters.h', 'sightcell/stream.h']
+RUNTIME = ['sightcell/sightcell.h', 'sightcell/sightcell.hpp', 'sightcell/clusters.h', 'sightcell/hosts/',
+           'sightcell/stream.h']
 GL = ['epoxy/', 'EGL/', 'GL/']
 SHADERS = ['shared/', 'shaders/']
 
