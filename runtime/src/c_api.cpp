@@ -21,7 +21,9 @@
 #include "prefetch.h"
 #include "ranges.h"
 #include "sightcell/clusters.h"
+#include "sightcell/format/eye_table.h"
 #include "sightcell/sightcell.h"
+#include "sightcell/viewpoints.h"
 #include "view.h"
 
 namespace format = sightcell::format;
@@ -253,6 +255,23 @@ sightcell_status sightcell_db_cell_viewpoints(const sightcell_db* db, uint32_t c
   if (!(valid > 0.0f && valid <= 1.0f && outside >= 0.0f && outside <= 1.0f)) return SIGHTCELL_ERR_CORRUPT;
   *valid_share = valid;
   *outside_share = outside;
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_cell_eye(const sightcell_db* db, uint32_t cell, uint32_t number, float eye[3]) {
+  if (db == nullptr || eye == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  if (!db->is_open()) return SIGHTCELL_PENDING;
+  if (cell >= db->file().cell_count()) return SIGHTCELL_ERR_ARGUMENT;
+  format::eye_table eyes;
+  format::status s = format::eye_table::open(db->file(), eyes);
+  if (s != format::status::ok) return static_cast<sightcell_status>(s);
+  if (number >= eyes.count(cell)) return SIGHTCELL_ERR_ABSENT;
+  format::eye_steps steps;
+  s = eyes.eye(cell, number, steps);
+  format::box bounds;
+  if (s == format::status::ok) s = db->file().cell_box(cell, bounds);
+  if (s != format::status::ok) return SIGHTCELL_ERR_CORRUPT;  // the bytes have changed
+  std::copy_n(format::eye_position(bounds, steps).data(), 3, eye);
   return SIGHTCELL_OK;
 }
 

@@ -5,7 +5,7 @@ import subprocess
 
 from harness import ROOT, SETTINGS, read
 
-HEADERS = [os.path.join(ROOT, 'runtime', 'include', 'sightcell', name) for name in ('sightcell.h', 'clusters.h')]
+HEADERS = [os.path.join(ROOT, 'runtime', 'include', 'sightcell', name) for name in ('sightcell.h', 'clusters.h', 'viewpoints.h')]
 
 
 def test_exports_and_needs():

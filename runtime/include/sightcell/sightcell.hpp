@@ -1,5 +1,5 @@
 #pragma once
-// C++20 wrapper over sightcell.h and clusters.h, header only. The conventions of sightcell.h (coordinates, units,
+// C++20 wrapper over sightcell.h, clusters.h and viewpoints.h, header only. The conventions of sightcell.h (coordinates, units,
 // polygon numbers, the draw table, fail-open frames, memory, threads) hold here too. Most members call the C function
 // of the same name, where its parameters, failures and cost are documented. What the wrapper adds:
 //   - db and view are move-only and release their handles.
@@ -16,6 +16,7 @@
 
 #include "sightcell/clusters.h"
 #include "sightcell/sightcell.h"
+#include "sightcell/viewpoints.h"
 
 namespace sightcell {
 
@@ -156,6 +157,13 @@ class db {
     cell_viewpoints out;
     const sightcell_status s = sightcell_db_cell_viewpoints(handle_, cell, &out.valid_share, &out.outside_share);
     return s == SIGHTCELL_OK ? result<cell_viewpoints>(out) : result<cell_viewpoints>(s);
+  }
+
+  // A valid viewpoint of a cell, in meters. number: 0 for the first one.
+  [[nodiscard]] result<std::array<float, 3>> cell_eye(std::uint32_t cell, std::uint32_t number = 0) const noexcept {
+    std::array<float, 3> eye{};
+    const sightcell_status s = sightcell_db_cell_eye(handle_, cell, number, eye.data());
+    return s == SIGHTCELL_OK ? result<std::array<float, 3>>(eye) : result<std::array<float, 3>>(s);
   }
 
   // The number of a named group, SIGHTCELL_NO_NAMED_GROUP if there is none. name: UTF-8, with a zero at the end.

@@ -17,6 +17,7 @@
 #include "polygon_orders_writer.h"
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/viewpoints.h"
 #include "table_encoder.h"
 #include "unit/format/importance_samples.h"
 #include "unit/format/viewpoint_samples.h"
@@ -84,6 +85,8 @@ const std::map<std::string, statuses> promised{
     {"sightcell_db_statistics", with_arguments},
     {"sightcell_view_debug_lines", of_lists + statuses{SIGHTCELL_ERR_CORRUPT}},
     {"sightcell_db_misses_text", of_lists},
+    {"sightcell_db_cell_eye", with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM,
+                                                        SIGHTCELL_ERR_CORRUPT, SIGHTCELL_PENDING}},
     {"sightcell_cluster_map_create", with_arguments + statuses{SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
     {"sightcell_view_clusters", of_lists},
     {"sightcell_cluster_list", of_lists},
@@ -230,6 +233,8 @@ void open_without_waiting(outcomes& out) {
   RETURNS(PENDING, sightcell_view_create(host.db(), &view));
   sightcell_cluster_map* map = nullptr;
   RETURNS(PENDING, sightcell_cluster_map_create(host.db(), nullptr, 0, 0, &map));
+  float eye[3];
+  RETURNS(PENDING, sightcell_db_cell_eye(host.db(), 0, 0, eye));
   host.answer = SIGHTCELL_ERR_STALE;
   EXPECT_EQ(host.deliver(host.waiting.back()), SIGHTCELL_OK);
   out.note("sightcell_db_opened", SIGHTCELL_ERR_STALE, sightcell_db_opened(host.db()));
@@ -349,6 +354,29 @@ void facts(outcomes& out) {
   RETURNS(OK, sightcell_db_misses_text(db, &miss, 1, text.data(), text.size(), &count));
   RETURNS(ERR_CAPACITY, sightcell_db_misses_text(db, &miss, 1, text.data(), 10, &count));
   RETURNS(ERR_ARGUMENT, sightcell_db_misses_text(db, &wrong, 1, text.data(), text.size(), &count));
+}
+
+void eyes(outcomes& out) {
+  sample_contents contents = tiny_contents();
+  add_viewpoints(contents, 1);
+  contents.viewpoints[0].eyes = {{0, 2048, 4095}};
+  const bytes whole = contents.encode();
+  const loaded_file file(whole);
+  float eye[3];
+  RETURNS(OK, sightcell_db_cell_eye(file.db(), 0, 0, eye));
+  RETURNS(ERR_ABSENT, sightcell_db_cell_eye(file.db(), 0, 1, eye));
+  RETURNS(ERR_ABSENT, sightcell_db_cell_eye(file.db(), 1, 0, eye));
+  RETURNS(ERR_ARGUMENT, sightcell_db_cell_eye(file.db(), 2, 0, eye));
+  const loaded_file none(tiny_contents());
+  RETURNS(ERR_ABSENT, sightcell_db_cell_eye(none.db(), 0, 0, eye));
+  const std::size_t section = section_offset(whole, layout::section_eyes);
+  bytes changed = whole;
+  changed[section] ^= std::byte{16};  // more eyes than a cell may have
+  const loaded_file damaged(changed);
+  RETURNS(ERR_CHECKSUM, sightcell_db_cell_eye(damaged.db(), 0, 0, eye));
+  reseal(changed);
+  const loaded_file corrupt(std::move(changed));
+  RETURNS(ERR_CORRUPT, sightcell_db_cell_eye(corrupt.db(), 0, 0, eye));
 }
 
 void names(outcomes& out) {
@@ -576,6 +604,7 @@ TEST(every_outcome, is_reached) {
   open_without_waiting(out);
   deliver_and_prefetch(out);
   facts(out);
+  eyes(out);
   names(out);
   places(out);
   lists(out);

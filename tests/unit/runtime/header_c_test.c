@@ -1,6 +1,7 @@
 /* The headers are C11, and their structs have the sizes and offsets that other tools count on. */
 #include <sightcell/clusters.h>
 #include <sightcell/sightcell.h>
+#include <sightcell/viewpoints.h>
 #include <stdio.h>
 
 _Static_assert(sizeof(sightcell_frame) == 64, "for ever");

@@ -146,7 +146,7 @@ TEST(sightcell_hpp, viewpoints) {
   auto contents = sightcell::test::tiny_contents();
   contents.player_radius = 0.125f;
   contents.viewpoints = {{.cell = 0, .valid_share = 0.5f, .outside_share = 0.25, .region = {std::byte{0x12}}},
-                         {.cell = 1, .region = {}}};
+                         {.cell = 1, .region = {}, .eyes = {{7, 7, 7}, {0, 2048, 4095}}}};
   const auto bytes = contents.encode();
   const auto file = sightcell::db::open(bytes);
   ASSERT_TRUE(file);
@@ -157,6 +157,10 @@ TEST(sightcell_hpp, viewpoints) {
   EXPECT_EQ(shares->outside_share, 0.25f);
   EXPECT_EQ(file->viewpoints_of_cell(1)->valid_share, 1.0f);
   EXPECT_EQ(file->viewpoints_of_cell(2).status(), SIGHTCELL_ERR_ARGUMENT);
+  const auto eye = file->cell_eye(1, 1);  // the box is (4, 0, 0) to (8, 2, 4)
+  ASSERT_TRUE(eye);
+  EXPECT_EQ(*eye, (std::array<float, 3>{4.00048828125f, 1.000244140625f, 3.99951171875f}));
+  EXPECT_EQ(file->cell_eye(0).status(), SIGHTCELL_ERR_ABSENT);
 }
 
 TEST(sightcell_hpp, failures_are_values) {
