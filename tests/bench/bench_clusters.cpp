@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -20,6 +19,7 @@
 #include "bench/runtime_frames/frame_timing.h"
 #include "sightcell/scene/scene.h"
 #include "sightcell/sightcell.hpp"
+#include "unit/runtime/held_memory.h"
 
 namespace {
 
@@ -37,22 +37,6 @@ struct options {
 void require(sightcell_status s, const std::string& what) {
   if (s != SIGHTCELL_OK) throw std::runtime_error(what + ": " + sightcell_status_text(s));
 }
-
-// Counts the bytes that the runtime holds.
-struct counted_memory {
-  std::size_t bytes = 0;
-  sightcell_allocator interface {
-    [](void* user, std::size_t size, std::size_t) -> void* {
-      static_cast<counted_memory*>(user)->bytes += size;
-      return std::malloc(size);
-    },
-        [](void* user, void* block, std::size_t size) {
-          static_cast<counted_memory*>(user)->bytes -= size;
-          std::free(block);
-        },
-        this
-  };
-};
 
 // The clusters of all polygons of a scene.
 struct scene_clusters {
@@ -193,7 +177,7 @@ class cluster_timer {
 };
 
 nlohmann::ordered_json run(const options& how) {
-  counted_memory memory;
+  test::held_memory memory;
   auto opened = db::open_file(how.file.c_str(), &memory.interface);
   require(opened.status(), how.file);
   const db file = std::move(*opened);
