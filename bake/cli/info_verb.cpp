@@ -57,6 +57,8 @@ std::string section_name(std::uint32_t id) {
       return "named groups";
     case format::layout::section_viewpoints:
       return "viewpoints";
+    case format::layout::section_eyes:
+      return "eyes";
     case format::layout::section_borders:
       return "chunk borders";
     default:

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sightcell/format/cell_lattice.h"
+#include "sightcell/format/eye_table.h"
 
 namespace sightcell::format {
 namespace {
@@ -26,13 +27,22 @@ status read_viewpoints(const reader& file, file_parts& out) {
   const viewpoint_table& table = file.viewpoints();
   out.player_radius = table.player_radius();
   if (!table.exists()) return status::ok;
+  eye_table eyes;
+  if (const status s = eye_table::open(file, eyes); s != status::ok && s != status::absent) return s;
   out.viewpoints.resize(file.cell_count());
   for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) {
     const box grown = grown_box(out.cells[cell], out.facts.margin);
     if (const status s = table.parts(cell, grown, [](const region_part&) {}); s != status::ok) return s;
     const std::span<const std::byte> region = table.region_bytes(cell);
-    out.viewpoints[cell] = {
-        cell, table.valid_share(cell), static_cast<double>(table.outside_share(cell)), {region.begin(), region.end()}};
+    viewpoint_record& v = out.viewpoints[cell];
+    v.cell = cell;
+    v.valid_share = table.valid_share(cell);
+    v.outside_share = static_cast<double>(table.outside_share(cell));
+    v.region.assign(region.begin(), region.end());
+    v.eyes.resize(eyes.count(cell));
+    for (std::uint32_t number = 0; number < v.eyes.size(); ++number) {
+      if (const status s = eyes.eye(cell, number, v.eyes[number]); s != status::ok) return s;
+    }
   }
   return status::ok;
 }

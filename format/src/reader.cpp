@@ -200,6 +200,20 @@ status reader::check_section(std::uint32_t number) const noexcept {
   return crc32c(part({entry.offset, entry.size})) == stored ? status::ok : status::checksum;
 }
 
+status reader::skipped_section(std::uint32_t id, std::span<const std::byte>& out) const noexcept {
+  bool found = false;
+  for (std::uint32_t i = 0; i < section_count_ && version_ > 0; ++i) {
+    section_record entry;
+    if (const status s = section(i, entry); s != status::ok) return s;
+    if (entry.id != id) continue;
+    if (found) return status::corrupt;
+    if (const status s = check_section(i); s != status::ok) return s;
+    found = true;
+    out = part({entry.offset, entry.size});
+  }
+  return found ? status::ok : status::absent;
+}
+
 status reader::check_sizes() noexcept {
   chunks_ = chunk_borders(cell_count_);
   if (has_borders_ && !chunks_.open(part(border_bytes_), cell_count_)) return status::corrupt;

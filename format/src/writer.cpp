@@ -10,6 +10,7 @@
 #include "byte_sink.h"
 #include "checksum.h"
 #include "draw_table_rules.h"
+#include "eye_table_writer.h"
 #include "named_group_table_writer.h"
 #include "polygon_orders_writer.h"
 #include "range_borders.h"
@@ -148,6 +149,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
   std::vector<std::byte> volumes;
   std::vector<std::byte> named_groups;
   std::vector<std::byte> viewpoints;
+  std::vector<std::byte> eyes;
   if (!encode_cells(contents, cells)) return status::argument;
   if (!contents.volumes.places.empty()) {
     if (const status s = put_volumes(contents.volumes, volumes); s != status::ok) return s;
@@ -156,6 +158,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
   if (const status s = put_named_groups(contents.named_groups, contents.draws, named_groups); s != status::ok) return s;
   if (!contents.viewpoints.empty()) {
     if (const status s = put_viewpoints(contents, viewpoints); s != status::ok) return s;
+    if (const status s = put_eyes(contents, eyes); s != status::ok) return s;
   }
   put_orders(order.orders, orders);
   sections.push_back({layout::section_draws, true, encode_draws(contents.draws, order.order_of_draw)});
@@ -172,6 +175,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
     sections.push_back({layout::section_certificate, false, encode_certificate(contents.certificate)});
   }
   if (!viewpoints.empty()) sections.push_back({layout::section_viewpoints, false, std::move(viewpoints)});
+  if (!eyes.empty()) sections.push_back({layout::section_eyes, false, std::move(eyes)});
   if (!contents.settings.empty()) {
     const auto text = std::as_bytes(std::span(contents.settings));
     sections.push_back({layout::section_settings, false, {text.begin(), text.end()}});

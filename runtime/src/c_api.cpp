@@ -8,6 +8,7 @@
 #include <span>
 #include <string_view>
 
+#include "cluster_map.h"
 #include "commands.h"
 #include "db.h"
 #include "debug_lines.h"
@@ -19,7 +20,10 @@
 #include "object_bits.h"
 #include "prefetch.h"
 #include "ranges.h"
+#include "sightcell/clusters.h"
+#include "sightcell/format/eye_table.h"
 #include "sightcell/sightcell.h"
+#include "sightcell/viewpoints.h"
 #include "view.h"
 
 namespace format = sightcell::format;
@@ -27,7 +31,7 @@ namespace runtime = sightcell::runtime;
 
 static_assert(sizeof(sightcell_frame) == 64 && sizeof(sightcell_range) == 12 && sizeof(sightcell_draw) == 48);
 static_assert(sizeof(sightcell_info) == 60 && offsetof(sightcell_info, player_radius) == 56);
-static_assert(sizeof(sightcell_command) == 20);
+static_assert(sizeof(sightcell_command) == 20 && sizeof(sightcell_cluster_word) == 8);
 static_assert(static_cast<int>(format::status::limit) == SIGHTCELL_ERR_LIMIT &&
               static_cast<int>(format::status::other_scene) == SIGHTCELL_ERR_OTHER_SCENE &&
               static_cast<int>(format::status::stale) == SIGHTCELL_ERR_STALE &&
@@ -254,6 +258,23 @@ sightcell_status sightcell_db_cell_viewpoints(const sightcell_db* db, uint32_t c
   return SIGHTCELL_OK;
 }
 
+sightcell_status sightcell_db_cell_eye(const sightcell_db* db, uint32_t cell, uint32_t number, float eye[3]) {
+  if (db == nullptr || eye == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  if (!db->is_open()) return SIGHTCELL_PENDING;
+  if (cell >= db->file().cell_count()) return SIGHTCELL_ERR_ARGUMENT;
+  format::eye_table eyes;
+  format::status s = format::eye_table::open(db->file(), eyes);
+  if (s != format::status::ok) return static_cast<sightcell_status>(s);
+  if (number >= eyes.count(cell)) return SIGHTCELL_ERR_ABSENT;
+  format::eye_steps steps;
+  s = eyes.eye(cell, number, steps);
+  format::box bounds;
+  if (s == format::status::ok) s = db->file().cell_box(cell, bounds);
+  if (s != format::status::ok) return SIGHTCELL_ERR_CORRUPT;  // the bytes have changed
+  std::copy_n(format::eye_position(bounds, steps).data(), 3, eye);
+  return SIGHTCELL_OK;
+}
+
 sightcell_status sightcell_db_check(const sightcell_db* db) {
   return db == nullptr ? SIGHTCELL_ERR_ARGUMENT : db->check();
 }
@@ -455,4 +476,48 @@ sightcell_status sightcell_db_misses_text(const sightcell_db* db, const sightcel
   if (room != SIGHTCELL_OK) return room;
   static_cast<void>(runtime::write_misses(scene, all, {dst, capacity}));
   return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_cluster_map_create(const sightcell_db* db, const uint32_t* cluster_of_source,
+                                              size_t polygon_count, uint32_t cluster_count,
+                                              sightcell_cluster_map** out) {
+  if (out == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  *out = nullptr;
+  if (db == nullptr || (cluster_of_source == nullptr && polygon_count > 0)) return SIGHTCELL_ERR_ARGUMENT;
+  if (!db->is_open()) return SIGHTCELL_PENDING;
+  return sightcell_cluster_map::create(*db, {cluster_of_source, polygon_count}, cluster_count, out);
+}
+
+void sightcell_cluster_map_destroy(sightcell_cluster_map* map) {
+  sightcell_cluster_map::destroy(map);
+}
+
+sightcell_status sightcell_view_clusters(const sightcell_view* view, const sightcell_cluster_map* map, uint32_t* bits,
+                                         size_t words) {
+  if (view == nullptr || map == nullptr || (bits == nullptr && words > 0) || &map->db() != &view->db()) {
+    return SIGHTCELL_ERR_ARGUMENT;
+  }
+  if (words < map->words()) return SIGHTCELL_ERR_CAPACITY;
+  std::fill_n(bits, words, 0u);
+  map->mark(view->runs(), {bits, words});
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_cluster_list(const uint32_t* bits, size_t words, uint32_t* dst, size_t capacity,
+                                        size_t* count) {
+  if (bits == nullptr && words > 0) return SIGHTCELL_ERR_ARGUMENT;
+  const std::span row(bits, words);
+  const sightcell_status room = check_room(dst, capacity, runtime::list_clusters(row, {}), count);
+  if (room == SIGHTCELL_OK) runtime::list_clusters(row, {dst, capacity});
+  return room;
+}
+
+sightcell_status sightcell_cluster_changes(const uint32_t* before, const uint32_t* now, size_t words,
+                                           sightcell_cluster_word* dst, size_t capacity, size_t* count) {
+  if ((before == nullptr || now == nullptr) && words > 0) return SIGHTCELL_ERR_ARGUMENT;
+  const std::span old_row(before, words);
+  const std::span new_row(now, words);
+  const sightcell_status room = check_room(dst, capacity, runtime::list_changes(old_row, new_row, {}), count);
+  if (room == SIGHTCELL_OK) runtime::list_changes(old_row, new_row, {dst, capacity});
+  return room;
 }

@@ -107,7 +107,8 @@ bool is_free(renderer& device, const engine_scene& engine, const draw_list& all,
          std::max(most_backs * static_cast<double>(seen), few_backs * static_cast<double>(pixels));
 }
 
-// The middles of cells spread over the file, or places nearby where a middle is in something solid.
+// Valid viewpoints of cells spread over the file. In a file of an older bake, which has none: the middles of the cells,
+// or places nearby where a middle is in something solid.
 std::vector<glm::vec3> find_eyes(renderer& device, const engine_scene& engine, const sightcell::db& db,
                                  const arguments& args) {
   const draw_list all = everything(engine);
@@ -116,6 +117,10 @@ std::vector<glm::vec3> find_eyes(renderer& device, const engine_scene& engine, c
   for (std::uint64_t i = 0; i < wanted; ++i) {
     const auto box = db.cell_box(static_cast<std::uint32_t>(i * cells / wanted));
     if (!box) continue;
+    if (const auto eye = db.cell_eye(static_cast<std::uint32_t>(i * cells / wanted)); eye) {
+      eyes.emplace_back((*eye)[0], (*eye)[1], (*eye)[2]);
+      continue;
+    }
     for (unsigned t = 0; t < tries_per_cell; ++t) {
       const float part[3] = {t == 0 ? 0.5f : radical_inverse(t, 2), t == 0 ? 0.5f : radical_inverse(t, 3),
                              t == 0 ? 0.5f : radical_inverse(t, 5)};

@@ -9,6 +9,7 @@ namespace headless_walk {
 
 struct box {
   glm::vec3 min, max;
+  std::optional<glm::vec3> eye{};  // a valid viewpoint in it, if the file has one
 };
 
 // A place in the box, its middle if possible, that is not inside something solid: what is seen first along the six axes

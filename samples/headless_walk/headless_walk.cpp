@@ -68,6 +68,7 @@ std::vector<headless_walk::box> cell_boxes(const sightcell::db& db, const std::s
     const auto b = db.cell_box(cell);
     require(b.status(), file);
     boxes.push_back({{b->min[0], b->min[1], b->min[2]}, {b->max[0], b->max[1], b->max[2]}});
+    if (const auto eye = db.cell_eye(cell); eye) boxes.back().eye = {(*eye)[0], (*eye)[1], (*eye)[2]};
   }
   return boxes;
 }

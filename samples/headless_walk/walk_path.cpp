@@ -33,7 +33,8 @@ std::vector<step> make_path(const sightcell::scene::world_geometry& world, const
   const std::size_t stops = std::min<std::size_t>(frames, tour.size());
   std::vector<glm::vec3> eyes;
   for (std::size_t i = 0; i < stops; ++i) {
-    const auto place = find_free_place(world, tour[i * tour.size() / stops], eye_clearance);
+    const box& stop = tour[i * tour.size() / stops];
+    const auto place = stop.eye ? stop.eye : find_free_place(world, stop, eye_clearance);
     if (place) {
       eyes.push_back(*place);
     } else {

@@ -1,6 +1,7 @@
 /* Opens a .pvs file, moves an eye through its view cells and prints how much there is to draw. Needs no window and no
  * scene file. */
 #include <sightcell/sightcell.h>
+#include <sightcell/viewpoints.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -33,14 +34,24 @@ static sightcell_status show(sightcell_view *view, uint32_t all, const float eye
   return SIGHTCELL_OK;
 }
 
-/* Moves the eye to the center of each cell. */
+/* A valid viewpoint of a cell. A file of an older bake has none: then the center of the cell, which may be inside a wall,
+ * where the set does not hold. */
+static sightcell_status find_eye(const sightcell_db *db, uint32_t cell, float eye[3]) {
+  float min[3], max[3];
+  sightcell_status status = sightcell_db_cell_eye(db, cell, 0, eye);
+  if (status != SIGHTCELL_ERR_ABSENT) return status;
+  status = sightcell_db_cell_box(db, cell, min, max);
+  for (int axis = 0; axis < 3; ++axis) eye[axis] = 0.5f * (min[axis] + max[axis]);
+  return status;
+}
+
+/* Moves the eye to a valid viewpoint of each cell. */
 static sightcell_status walk_cells(const sightcell_db *db, sightcell_view *view, uint32_t all, sightcell_range *ranges,
                                    size_t capacity) {
   sightcell_status status = SIGHTCELL_OK;
   for (uint32_t cell = 0; cell < sightcell_db_cell_count(db) && status == SIGHTCELL_OK; ++cell) {
-    float min[3], max[3], eye[3];
-    status = sightcell_db_cell_box(db, cell, min, max);
-    for (int axis = 0; axis < 3; ++axis) eye[axis] = 0.5f * (min[axis] + max[axis]);
+    float eye[3];
+    status = find_eye(db, cell, eye);
     if (status == SIGHTCELL_OK) status = show(view, all, eye, ranges, capacity);
   }
   return status;

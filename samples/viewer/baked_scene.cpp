@@ -50,7 +50,9 @@ void open_file(const scene::scene& s, const std::string& path, baked_scene& out)
   for (std::uint32_t i = 0; i < opened->cell_count(); ++i) {
     const auto box = opened->cell_box(i);
     require(box.status(), path);
-    out.cells.push_back({vec3_of(box->min), vec3_of(box->max), {}});
+    const glm::vec3 min = vec3_of(box->min), max = vec3_of(box->max);
+    const auto eye = opened->cell_eye(i);
+    out.cells.push_back({min, max, {}, eye ? vec3_of(*eye) : 0.5f * (min + max)});
   }
   out.db = std::move(*opened);
 }

@@ -15,7 +15,8 @@ namespace viewer {
 
 struct cell {
   glm::vec3 min, max;
-  std::string name;  // empty when nobody said one
+  std::string name;     // empty when nobody said one
+  glm::vec3 eye{0.0f};  // a valid viewpoint, or the middle where the file has none
 };
 
 struct baked_scene {

@@ -44,7 +44,7 @@ void add_options(CLI::App& app, viewer::options& chosen, words& rest) {
       ->check(CLI::Range(0, INT32_MAX));
   app.add_option("--cells-file", chosen.cells_file, "the cells file of the bake: gives cells their names");
   app.add_option("--size", rest.size, "of the window, WxH in pixels")->default_str("1280x800");
-  app.add_option("--cell", chosen.cell, "start in the middle of this cell");
+  app.add_option("--cell", chosen.cell, "start in this cell, at a valid viewpoint");
   app.add_option("--eye", rest.eye, "start here, x,y,z in meters")->delimiter(',')->expected(3)->check(finite);
   app.add_option("--look", rest.look, "yaw,pitch in degrees; yaw 0 looks along -Z and grows to the right")
       ->delimiter(',')

@@ -83,10 +83,6 @@ class frame_rate {
   std::deque<std::chrono::steady_clock::time_point> times_;
 };
 
-glm::vec3 middle(const cell& c) {
-  return 0.5f * (c.min + c.max);
-}
-
 const cell& cell_at(const baked_scene& baked, std::uint32_t number, const char* option) {
   if (number < baked.cells.size()) return baked.cells[number];
   throw error(error_kind::wrong_use, "viewer.no-such-cell", std::string(option) + " " + std::to_string(number),
@@ -97,9 +93,9 @@ const cell& cell_at(const baked_scene& baked, std::uint32_t number, const char* 
 fly_camera first_camera(const options& chosen, const baked_scene& baked) {
   fly_camera camera;
   if (chosen.cell) {
-    camera.eye = middle(cell_at(baked, *chosen.cell, "--cell"));
+    camera.eye = cell_at(baked, *chosen.cell, "--cell").eye;
   } else if (!baked.cells.empty()) {
-    camera.eye = middle(baked.cells[0]);
+    camera.eye = baked.cells[0].eye;
   } else {
     const float reach = std::max(glm::distance(baked.min, baked.max), 0.1f);
     camera.pitch = -0.5f;
@@ -133,7 +129,7 @@ class session {
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     facts_.renderer = name != nullptr ? name : "unknown";
     visited_ = chosen.cell.value_or(0);
-    if (chosen.frozen_from) lists_.move(middle(baked.cells[*chosen.frozen_from]), false);
+    if (chosen.frozen_from) lists_.move(baked.cells[*chosen.frozen_from].eye, false);
   }
 
   controls& state() { return state_; }
@@ -141,7 +137,7 @@ class session {
   void teleport() {
     if (state_.cell_steps == 0 || baked_.cells.empty()) return;
     visited_ = cell_after(baked_.cells, visited_, lists_.here().cell, state_.camera.eye, state_.cell_steps);
-    state_.camera.eye = middle(baked_.cells[visited_]);
+    state_.camera.eye = baked_.cells[visited_].eye;
   }
 
   void draw(std::uint32_t width, std::uint32_t height) {

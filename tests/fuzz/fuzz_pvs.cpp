@@ -14,6 +14,7 @@
 #include "sightcell/format/importance_classes.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/sightcell.h"
+#include "sightcell/viewpoints.h"
 #include "volume_index.h"
 
 namespace {
@@ -213,6 +214,11 @@ void ask_viewpoints(const sightcell_db* db, const sightcell_view* view, const si
   require(sightcell_db_cell_viewpoints(db, frame.cell, &valid, &outside) == SIGHTCELL_OK, "cells have viewpoints");
   require(valid > 0 && valid <= 1 && outside >= 0 && outside <= 1, "shares are shares");
   require(sightcell_db_cell_box(db, frame.cell, low, high) == SIGHTCELL_OK, "cells have boxes");
+  float eye[3];
+  for (std::uint32_t number = 0; number < 3; ++number) {
+    if (sightcell_db_cell_eye(db, frame.cell, number, eye) != SIGHTCELL_OK) continue;
+    for (int k = 0; k < 3; ++k) require(eye[k] >= low[k] && eye[k] < high[k], "eyes are in their cells");
+  }
   std::size_t count = 0;
   sightcell_status s = sightcell_view_debug_lines(view, SIGHTCELL_DEBUG_OUTSIDE_REGION, nullptr, 0, &count);
   require(!sound || s != SIGHTCELL_ERR_CORRUPT, "regions of a sound file are trees");

@@ -5,9 +5,9 @@ import struct
 from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
-VOLUMES, NAMED_GROUPS, VIEWPOINTS, BORDERS = 10, 11, 12, 14
+VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS = 10, 11, 12, 13, 14
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
-OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, BORDERS)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS)
 FLAGGED = REQUIRED + (VOLUMES, BORDERS)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
@@ -263,6 +263,31 @@ def decode_borders(cells, section):
     return sizes
 
 
+def below(value):
+    """The largest f32 below an f32."""
+    if value == 0:
+        return -2.0 ** -149
+    bits = struct.unpack("<I", struct.pack("<f", value))[0]
+    return as_float(bits - 1 if value > 0 else bits + 1)
+
+
+def decode_eyes(header, section, boxes):
+    """The positions of each cell."""
+    (ends,), at = packed_columns(section, 0, 1, header.cells)
+    begins = [0] + ends[:-1]
+    need(all(0 <= end - begin <= 8 for begin, end in zip(begins, ends)), "eyes of a cell")
+    columns, at = packed_columns(section, at, 3, ends[-1] if ends else 0)
+    need(at == len(section), "bytes behind the eyes")
+    need(all(q < 4096 for column in columns for q in column), "eye outside its box")
+    positions = []
+    for begin, end, box in zip(begins, ends, boxes):
+        positions.append([])
+        for eye in list(zip(*columns))[begin:end]:
+            place = [to_float(low + (high - low) * ((q + 0.5) / 4096)) for q, low, high in zip(eye, box[:3], box[3:])]
+            positions[-1].append([below(high) if at >= high else at for at, high in zip(place, box[3:])])
+    return positions
+
+
 def decode_tables(header, parts, contents):
     if BORDERS in parts:
         header.cells_of_chunks = decode_borders(header.cells, parts[BORDERS])
@@ -279,6 +304,8 @@ def decode_tables(header, parts, contents):
                                                                                   contents.draws)
     if VIEWPOINTS in parts:
         contents.player_radius, contents.viewpoints = decode_viewpoints(header, parts[VIEWPOINTS], contents.boxes)
+    if EYES in parts:
+        contents.eyes = decode_eyes(header, parts[EYES], contents.boxes)
 
 
 class RunCode:

@@ -198,6 +198,16 @@ sample_contents viewpoint_contents() {
   return contents;
 }
 
+// Cells with no eye and up to as many as there may be; eyes at both ends of a box. All regions are whole boxes.
+sample_contents eye_contents() {
+  sample_contents contents = lattice_contents();
+  contents.player_radius = 0.125f;
+  for (std::uint32_t cell = 0; cell < contents.cells.size(); ++cell)
+    contents.viewpoints.push_back({.cell = cell, .valid_share = 0.75f, .region = {}});
+  add_eyes(contents, 9);
+  return contents;
+}
+
 std::vector<golden_file_contents> golden_files() {
   return {{"v1_tiny", tiny_contents()},
           {"v1_small", ordered_contents()},
@@ -206,7 +216,8 @@ std::vector<golden_file_contents> golden_files() {
           {"v1_volumes", volume_contents()},
           {"v1_groups", named_contents()},
           {"v1_viewpoints", viewpoint_contents()},
-          {"v1_grid", grid_contents()}};
+          {"v1_grid", grid_contents()},
+          {"v1_eyes", eye_contents()}};
 }
 
 }  // namespace sightcell::test

@@ -10,6 +10,7 @@
 #include "damaged_file.h"
 #include "golden_contents.h"
 #include "golden_importance.h"
+#include "sightcell/format/eye_table.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/viewpoint_table.h"
 #include "sightcell/format/writer.h"
@@ -125,6 +126,18 @@ void dump_viewpoints(const sample_contents& contents, std::FILE* out) {
   }
 }
 
+void dump_eyes(const sample_contents& contents, std::FILE* out) {
+  for (const auto& v : contents.viewpoints) {
+    for (const auto& eye : v.eyes) {
+      std::fprintf(out, "eye of %u:", v.cell);
+      for (const float value : sightcell::format::eye_position(contents.cells[v.cell], eye)) {
+        std::fprintf(out, " %.9g", static_cast<double>(value));
+      }
+      std::fputc('\n', out);
+    }
+  }
+}
+
 // By ascending source id, as sets are.
 void dump_importance(const sample_contents& contents, std::FILE* out) {
   for (std::size_t cell = 0; cell < contents.sets.size(); ++cell) {
@@ -145,6 +158,7 @@ bool write(const sample_contents& contents, const std::vector<std::byte>& bytes,
   dump_draws(contents, text);
   dump_cells(contents, text);
   dump_viewpoints(contents, text);
+  dump_eyes(contents, text);
   if (importance) dump_importance(contents, text);
   return std::fclose(text) == 0;
 }

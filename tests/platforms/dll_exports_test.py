@@ -1,11 +1,11 @@
-"""libsightcell.dll exports exactly what sightcell.h declares, and needs no DLL that Windows does not have."""
+"""libsightcell.dll exports exactly what its headers declare, and needs no DLL that Windows does not have."""
 import os
 import re
 import subprocess
 
 from harness import ROOT, SETTINGS, read
 
-HEADER = os.path.join(ROOT, 'runtime', 'include', 'sightcell', 'sightcell.h')
+HEADERS = [os.path.join(ROOT, 'runtime', 'include', 'sightcell', name) for name in ('sightcell.h', 'clusters.h', 'viewpoints.h')]
 
 
 def test_exports_and_needs():
@@ -13,7 +13,8 @@ def test_exports_and_needs():
                             text=True).stdout
     table = output[output.index('[Ordinal/Name Pointer] Table'):]
     exported = set(re.findall(r'^\s*\[ *\d+\].* (\w+)$', table, re.MULTILINE))
-    declared = set(re.findall(r'^SIGHTCELL_API [^;(]*?(sightcell_\w+)\(', read(HEADER).decode(), re.MULTILINE))
+    text = ''.join(read(header).decode() for header in HEADERS)
+    declared = set(re.findall(r'^SIGHTCELL_API [^;(]*?(sightcell_\w+)\(', text, re.MULTILINE))
     assert declared and exported == declared
     needed = {name.lower() for name in re.findall(r'DLL Name: (\S+)', output)}
     assert needed and needed <= {'kernel32.dll', 'msvcrt.dll'}

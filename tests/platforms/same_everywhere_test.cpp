@@ -2,15 +2,19 @@
 // expected files and numbers are committed.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cinttypes>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 #include <sstream>
 
 #include "decode_dump.h"
 #include "file_walk.h"
 #include "generated_city.h"
+#include "sightcell/viewpoints.h"
 #include "unit/runtime/loaded_file.h"
 
 namespace {
@@ -120,6 +124,27 @@ TEST(same_everywhere, golden_answers) {
     EXPECT_EQ(answer, line);
   }
   EXPECT_EQ(files, 12u);
+}
+
+// Eyes are computed from steps: to the last bit, they are those of the Python decoder.
+TEST(same_everywhere, eyes) {
+  sightcell_db* db = nullptr;
+  ASSERT_EQ(sightcell_db_open_file(golden_path("v1_eyes.pvs").c_str(), nullptr, &db), SIGHTCELL_OK);
+  std::ifstream text(golden_path("v1_eyes.txt"));
+  std::map<unsigned, std::uint32_t> eyes_of_cell;
+  std::size_t eyes = 0;
+  for (std::string line; std::getline(text, line);) {
+    unsigned cell = 0;
+    std::array<float, 3> expected{};
+    if (std::sscanf(line.c_str(), "eye of %u: %f %f %f", &cell, &expected[0], &expected[1], &expected[2]) != 4)
+      continue;
+    std::array<float, 3> eye{};
+    ASSERT_EQ(sightcell_db_cell_eye(db, cell, eyes_of_cell[cell]++, eye.data()), SIGHTCELL_OK) << line;
+    EXPECT_EQ(eye, expected) << line;
+    ++eyes;
+  }
+  EXPECT_GT(eyes, 200u);
+  sightcell_db_close(db);
 }
 
 // Checks frames and changes of a walk along the borders of cells and grown boxes.

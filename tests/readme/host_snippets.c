@@ -1,6 +1,8 @@
 /* The snippets of docs/hosting.md and docs/streaming.md, with a host around them that records what it is asked to draw:
  * every way must draw the same polygons. usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE.pvs ... */
+#include <sightcell/clusters.h>
 #include <sightcell/sightcell.h>
+#include <sightcell/viewpoints.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,6 +64,21 @@ static void draw_object(uint32_t draw) {
   for (uint32_t i = 0; i < draws[draw].polygon_count; ++i) ++drawn[draws[draw].first_stored + i];
 }
 
+/* Clusters of five triangles, numbered by the source ids of their draws. */
+static sightcell_cluster_map* map;
+static uint32_t *uploaded_row, *gpu_row;
+static uint32_t first_cluster_of(const sightcell_draw* d) {
+  uint32_t first = 0;
+  for (size_t i = 0; i < draw_total; ++i)
+    if (draws[i].first_source < d->first_source) first += (draws[i].polygon_count + 4) / 5;
+  return first;
+}
+static uint32_t cluster_of_triangle(const sightcell_draw* d, uint32_t triangle) {
+  require(triangle < d->polygon_count, "triangle");
+  return triangle / 5;
+}
+static void upload_word(uint32_t index, uint32_t bits) { gpu_row[index] = bits; }
+
 /* --- What the documents show. --------------------------------------------------------------------------------------- */
 
 /* [draws in source order */
@@ -96,18 +113,39 @@ static void permute_all(void) {
   /* permute all] */
 }
 
-static void mark_clusters(const sightcell_range* ranges, size_t count, const uint32_t* cluster_of_source,
-                          uint64_t* cluster_bits, size_t words) {
+static void make_cluster_map(uint32_t* cluster_of_source, uint32_t cluster_count) {
+  /* [cluster map */
+  for (const sightcell_draw* d = draws; d != draws + draw_total; ++d)
+    for (uint32_t t = 0; t < d->polygon_count; ++t)
+      cluster_of_source[d->first_source + t] = first_cluster_of(d) + cluster_of_triangle(d, t);
+  if (sightcell_cluster_map_create(db, cluster_of_source, polygon_total, cluster_count, &map) != SIGHTCELL_OK) exit(1);
+  /* cluster map] */
+}
+
+static void update_clusters(uint32_t* row, size_t words, sightcell_cluster_word* changed) {
+  size_t count;
   /* [clusters */
-  memset(cluster_bits, 0, words * sizeof *cluster_bits);
-  for (size_t i = 0; i < count; ++i) {
-    const uint32_t first = draws[ranges[i].draw].first_stored + ranges[i].first;
-    for (uint32_t s = first; s < first + ranges[i].count; ++s) {
-      const uint32_t cluster = cluster_of_source[source_id_of_stored[s]];
-      cluster_bits[cluster / 64] |= (uint64_t)1 << (cluster % 64);
-    }
+  if (frame.flags & SIGHTCELL_FRAME_CHANGED) {
+    sightcell_view_clusters(view, map, row, words);                              /* a bit for each cluster */
+    sightcell_cluster_changes(uploaded_row, row, words, changed, words, &count); /* or upload all of the row */
+    for (size_t i = 0; i < count; ++i) upload_word(changed[i].index, changed[i].bits);
+    memcpy(uploaded_row, row, words * sizeof *row);
   }
   /* clusters] */
+}
+
+static float camera[3];
+static int cameras_put;
+static void put_camera(const float at[3]) {
+  memcpy(camera, at, sizeof camera);
+  ++cameras_put;
+}
+
+static void start_in(uint32_t cell) {
+  /* [start in a cell */
+  float start[3];
+  if (sightcell_db_cell_eye(db, cell, 0, start) == SIGHTCELL_OK) put_camera(start);
+  /* start in a cell] */
 }
 
 static void multi_draw(sightcell_range* ranges, GLsizei* counts, const void** offsets) {
@@ -376,25 +414,45 @@ static void expect_permuted_primitives(void) {
   free(permuted);
 }
 
-/* Clusters of five polygons in source order: those with a polygon to draw, and no others. */
-static void expect_clusters(const sightcell_range* drawn_ranges, size_t count, const unsigned char* to_draw) {
-  const size_t words = polygon_total / 5 / 64 + 1;
-  uint64_t* bits = malloc(words * sizeof *bits);
-  uint64_t* wanted = calloc(words, sizeof *wanted);
-  uint32_t* cluster_of_source = malloc((polygon_total + 1) * sizeof *cluster_of_source);
-  for (uint32_t id = 0; id < polygon_total; ++id) cluster_of_source[id] = id / 5;
-  for (uint32_t s = 0; s < polygon_total; ++s) {
-    const uint32_t cluster = source_id_of_stored[s] / 5;
-    if (to_draw[s]) wanted[cluster / 64] |= (uint64_t)1 << (cluster % 64);
-  }
-  mark_clusters(drawn_ranges, count, cluster_of_source, bits, words);
-  require(memcmp(bits, wanted, words * sizeof *bits) == 0, "clusters");
-  free(bits);
-  free(wanted);
+static uint32_t *cluster_of_source, *row;
+static size_t row_words;
+static sightcell_cluster_word* changed_words;
+
+static void prepare_clusters(void) {
+  uint32_t clusters = 0;
+  for (size_t i = 0; i < draw_total; ++i) clusters += (draws[i].polygon_count + 4) / 5;
+  row_words = (clusters + 31) / 32;
+  cluster_of_source = malloc(polygon_total * sizeof *cluster_of_source);
+  row = calloc(row_words, sizeof *row);
+  uploaded_row = calloc(row_words, sizeof *uploaded_row);
+  gpu_row = calloc(row_words, sizeof *gpu_row);
+  changed_words = malloc(row_words * sizeof *changed_words);
+  make_cluster_map(cluster_of_source, clusters);
+}
+
+static void release_clusters(void) {
+  sightcell_cluster_map_destroy(map);
   free(cluster_of_source);
+  free(row);
+  free(uploaded_row);
+  free(gpu_row);
+  free(changed_words);
+}
+
+/* The GPU has the clusters with a polygon to draw, and no others. */
+static void expect_clusters(const unsigned char* to_draw) {
+  uint32_t* wanted = calloc(row_words, sizeof *wanted);
+  for (uint32_t s = 0; s < polygon_total; ++s) {
+    const uint32_t cluster = cluster_of_source[source_id_of_stored[s]];
+    if (to_draw[s]) wanted[cluster / 32] |= 1u << (cluster % 32);
+  }
+  update_clusters(row, row_words, changed_words);
+  require(memcmp(gpu_row, wanted, row_words * sizeof *wanted) == 0, "clusters");
+  free(wanted);
 }
 
 static void close_file(void) {
+  release_clusters();
   sightcell_view_destroy(view);
   sightcell_db_close(db);
   free(draws);
@@ -419,7 +477,7 @@ static void expect_ranges(void) {
     memset(expected + d->first_stored + ranges[i].first, 1, ranges[i].count);
     memset(of_objects + d->first_stored, 1, d->polygon_count);
   }
-  expect_clusters(ranges, n, expected);
+  expect_clusters(expected);
 }
 
 static void draw_in_every_way(void) {
@@ -451,10 +509,15 @@ int main(int argc, char** argv) {
     open_file(argv[file]);
     expect_objects_in_source_order();
     expect_permuted_primitives();
+    prepare_clusters();
     for (uint32_t cell = 0; cell < sightcell_db_cell_count(db); ++cell) {
       float min[3], max[3];
       sightcell_db_cell_box(db, cell, min, max);
-      const float eye[3] = {(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2};
+      for (int k = 0; k < 3; ++k) camera[k] = (min[k] + max[k]) / 2;
+      start_in(cell);
+      const float* eye = camera;
+      const float away[3] = {1e6f, 1e6f, 1e6f}; /* else the view may keep the cell before in its grown box */
+      sightcell_view_move(view, away, &frame);
       require(sightcell_view_move(view, eye, &frame) == SIGHTCELL_OK && frame.cell == cell, "move");
       expect_ranges();
       draw_in_every_way();
@@ -466,5 +529,6 @@ int main(int argc, char** argv) {
     close_file();
   }
   require(requests > 0, "no file has importance");
+  require(cameras_put > 0, "no file has eyes");
   return 0;
 }

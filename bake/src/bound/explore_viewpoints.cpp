@@ -86,7 +86,7 @@ std::optional<cell_viewpoints> explore_viewpoints(const ray_scene& rays, const e
   std::vector<glm::vec3> own = draw_viewpoints(rays, cell.own, cell.radius, 1, own_tests, random, tries);
   if (own.empty()) return tests += tries, std::nullopt;
 
-  cell_viewpoints found{.region = cell.grown, .viewpoints = {}};
+  cell_viewpoints found{.region = cell.grown, .viewpoints = {}, .own = own};
   std::uint64_t tried = 0;
   const auto most = static_cast<std::uint64_t>(static_cast<double>(cell.wanted) / common);
   found.viewpoints = draw_viewpoints(rays, cell.grown, cell.radius, cell.wanted, most, random, tried);
@@ -100,6 +100,7 @@ std::optional<cell_viewpoints> explore_viewpoints(const ray_scene& rays, const e
   }
   tests += tries + tried;
   if (own.size() < fewest_of_own) return std::nullopt;
+  found.own = own;
 
   std::vector<tested_point> points;
   for (const glm::vec3& eye : own) points.push_back({eye, true});

@@ -21,6 +21,7 @@ struct cell_viewpoints {
   // whole box.
   double outside_share = 0.0;
   std::vector<glm::vec3> viewpoints;  // uniform over the valid points of the region, at least one
+  std::vector<glm::vec3> own;         // valid viewpoints of the view cell itself, at least one
 };
 
 // What is explored.

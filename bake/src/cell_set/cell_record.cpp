@@ -8,7 +8,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint8_t record_version = 6;
+constexpr std::uint8_t record_version = 7;
 constexpr std::size_t checksum_size = 8;
 
 void put_bytes(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
@@ -180,6 +180,9 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   put_witnesses(out, record);
   put_varint(out, record.region.size());
   out.insert(out.end(), record.region.begin(), record.region.end());
+  put_varint(out, record.eyes.size());
+  for (const auto& eye : record.eyes)
+    for (const std::uint16_t steps : eye) put_bytes(out, steps, 2);
   put_set(out, record.late);
   if (!record.volumes.empty()) put_set(out, record.volumes);
   put_bytes(out, XXH3_64bits(out.data(), out.size()), checksum_size);
@@ -197,6 +200,11 @@ std::optional<cell_record> decode(std::span<const std::uint8_t> bytes) {
   if (region_bytes > in->bytes.size()) return std::nullopt;
   record.region.assign(in->bytes.begin(), in->bytes.begin() + static_cast<std::ptrdiff_t>(region_bytes));
   in->bytes = in->bytes.subspan(region_bytes);
+  const std::uint64_t eyes = in->take_varint();
+  if (eyes > in->bytes.size()) return std::nullopt;
+  record.eyes.resize(eyes);
+  for (auto& eye : record.eyes)
+    for (std::uint16_t& steps : eye) steps = static_cast<std::uint16_t>(in->take(2));
   take_set(*in, record.late);
   if ((flags & has_volumes) != 0) take_set(*in, record.volumes);
   if (!in->good || !in->bytes.empty()) return std::nullopt;

@@ -1,5 +1,6 @@
 #pragma once
 // The result of a cell so far, and its encoding in a checkpoint.
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -38,6 +39,8 @@ struct cell_record {
   std::vector<std::uint8_t> region;
   double valid_share = 1.0;    // estimated share of the region that is valid
   double outside_share = 0.0;  // upper limit (95 %) of the share of the valid viewpoints that are outside the region
+  // Valid viewpoints of the cell itself, as the file has them (format::eye_steps).
+  std::vector<std::array<std::uint16_t, 3>> eyes;
 
   // For the next stages; a finished cell has none of the following.
   // The witnesses of the set: witness_of[i] is the index into witnesses of the viewpoint from which set[i] was found

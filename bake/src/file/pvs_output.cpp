@@ -70,7 +70,8 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
     out.parts.viewpoints.push_back({.cell = static_cast<std::uint32_t>(out.places.size()),
                                     .valid_share = share_in_file(record.valid_share),
                                     .outside_share = record.outside_share,
-                                    .region = {region.begin(), region.end()}});
+                                    .region = {region.begin(), region.end()},
+                                    .eyes = record.eyes});
     out.parts.cells.push_back(frame.cells[i]);
     out.places.push_back(i);
     out.polygons += static_cast<double>(record.set.size());

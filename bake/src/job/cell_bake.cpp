@@ -5,6 +5,7 @@
 #include <glm/vector_relational.hpp>
 #include <iterator>
 
+#include "bound/cell_eyes.h"
 #include "bound/explore_viewpoints.h"
 #include "misses/join_misses.h"
 #include "search/dilation.h"
@@ -115,6 +116,9 @@ cell_record cell_baker::sample(const view_cell& cell, cell_set& set, const time_
   record.region = found->region.encode();
   record.valid_share = found->valid_share;
   record.outside_share = found->outside_share;
+  std::vector<glm::vec3> known = found->own;
+  known.insert(known.end(), found->viewpoints.begin(), found->viewpoints.end());
+  record.eyes = choose_eyes(rays_, {cell.min, cell.max}, found->region, how_.player_radius, known);
   const std::vector<glm::vec3>& viewpoints = found->viewpoints;
   for (const std::uint32_t polygon : always_) set.add(polygon, viewpoints.front());
   const auto inside = rays_.touching(grown(cell).min, grown(cell).max);

@@ -1,7 +1,7 @@
 #pragma once
-// C++20 wrapper over sightcell.h, header only. The conventions of sightcell.h (coordinates, units, polygon numbers, the
-// draw table, fail-open frames, memory, threads) hold here too. Most members call the C function of the same name,
-// where its parameters, failures and cost are documented. What the wrapper adds:
+// C++20 wrapper over sightcell.h, clusters.h and viewpoints.h, header only. The conventions of sightcell.h (coordinates, units,
+// polygon numbers, the draw table, fail-open frames, memory, threads) hold here too. Most members call the C function
+// of the same name, where its parameters, failures and cost are documented. What the wrapper adds:
 //   - db and view are move-only and release their handles.
 //   - A function that makes something returns result<T>: the value, or the status of the failure.
 //   - A function that fills a list takes a span and returns a list_result.
@@ -14,7 +14,9 @@
 #include <span>
 #include <utility>
 
+#include "sightcell/clusters.h"
 #include "sightcell/sightcell.h"
+#include "sightcell/viewpoints.h"
 
 namespace sightcell {
 
@@ -157,6 +159,13 @@ class db {
     return s == SIGHTCELL_OK ? result<cell_viewpoints>(out) : result<cell_viewpoints>(s);
   }
 
+  // A valid viewpoint of a cell, in meters. number: 0 for the first one.
+  [[nodiscard]] result<std::array<float, 3>> cell_eye(std::uint32_t cell, std::uint32_t number = 0) const noexcept {
+    std::array<float, 3> eye{};
+    const sightcell_status s = sightcell_db_cell_eye(handle_, cell, number, eye.data());
+    return s == SIGHTCELL_OK ? result<std::array<float, 3>>(eye) : result<std::array<float, 3>>(s);
+  }
+
   // The number of a named group, SIGHTCELL_NO_NAMED_GROUP if there is none. name: UTF-8, with a zero at the end.
   [[nodiscard]] std::uint32_t find_named_group(const char* name) const noexcept {
     std::uint32_t group = SIGHTCELL_NO_NAMED_GROUP;
@@ -218,6 +227,51 @@ class db {
   sightcell_db* handle_ = nullptr;
 };
 
+// The host's clusters in the polygon order of a db, which must outlive it. Shared by threads.
+class cluster_map {
+ public:
+  cluster_map() noexcept = default;
+  ~cluster_map() { sightcell_cluster_map_destroy(handle_); }
+  cluster_map(cluster_map&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  cluster_map& operator=(cluster_map&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  cluster_map(const cluster_map&) = delete;
+  cluster_map& operator=(const cluster_map&) = delete;
+
+  // cluster_of_source: the cluster of each polygon of the db by source id, or SIGHTCELL_NO_CLUSTER.
+  static result<cluster_map> create(const db& file, std::span<const std::uint32_t> cluster_of_source,
+                                    std::uint32_t cluster_count) noexcept {
+    cluster_map map;
+    const sightcell_status s = sightcell_cluster_map_create(file.get(), cluster_of_source.data(),
+                                                            cluster_of_source.size(), cluster_count, &map.handle_);
+    return s == SIGHTCELL_OK ? result<cluster_map>(std::move(map)) : result<cluster_map>(s);
+  }
+
+  // The clusters of a row whose bits are 1, ascending.
+  static list_result list(std::span<const std::uint32_t> row, std::span<std::uint32_t> dst) noexcept {
+    list_result out;
+    out.status = sightcell_cluster_list(row.data(), row.size(), dst.data(), dst.size(), &out.count);
+    return out;
+  }
+
+  // The words in which two rows of equal size differ.
+  static list_result changes(std::span<const std::uint32_t> before, std::span<const std::uint32_t> now,
+                             std::span<sightcell_cluster_word> dst) noexcept {
+    list_result out;
+    if (before.size() != now.size()) return {SIGHTCELL_ERR_ARGUMENT, 0};
+    out.status = sightcell_cluster_changes(before.data(), now.data(), now.size(), dst.data(), dst.size(), &out.count);
+    return out;
+  }
+
+  // The C handle, null without one.
+  [[nodiscard]] const sightcell_cluster_map* get() const noexcept { return handle_; }
+
+ private:
+  sightcell_cluster_map* handle_ = nullptr;
+};
+
 // A camera in the scene of a db, which must outlive it. One thread at a time.
 class view {
  public:
@@ -267,6 +321,11 @@ class view {
   // One bit per draw: 1 if it has a polygon to draw.
   sightcell_status objects(std::span<std::uint64_t> bits_by_draw) const noexcept {
     return sightcell_view_objects(handle_, bits_by_draw.data(), bits_by_draw.size());
+  }
+
+  // One bit per cluster of the host: 1 if it has a polygon to draw. row: (clusters + 31) / 32 words or more.
+  sightcell_status clusters(const cluster_map& map, std::span<std::uint32_t> row) const noexcept {
+    return sightcell_view_clusters(handle_, map.get(), row.data(), row.size());
   }
 
   // Visible solid angle of each draw, or draw group of a merged file, in steradians.

@@ -43,6 +43,8 @@ TEST(file_parts, make_the_same_file_again) {
   expect_same_file(contents);
   add_viewpoints(contents, 9);
   expect_same_file(contents);
+  add_eyes(contents, 10);
+  expect_same_file(contents);
 }
 
 TEST(file_parts, of_version_0_are_those_it_was_written_from) {

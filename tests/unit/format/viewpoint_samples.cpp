@@ -89,4 +89,15 @@ void add_viewpoints(sample_contents& contents, std::uint32_t seed) {
   }
 }
 
+void add_eyes(sample_contents& contents, std::uint32_t seed) {
+  random_source random(seed);
+  for (format::viewpoint_record& record : contents.viewpoints) {
+    record.eyes.resize(random.below(9));
+    for (format::eye_steps& eye : record.eyes) {
+      for (std::uint16_t& steps : eye) steps = static_cast<std::uint16_t>(random.below(4096));
+    }
+  }
+  if (!contents.viewpoints.empty()) contents.viewpoints[0].eyes = {{0, 0, 0}, {4095, 4095, 4095}};
+}
+
 }  // namespace sightcell::test

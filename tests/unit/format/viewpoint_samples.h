@@ -24,4 +24,8 @@ sample_region make_region(std::uint32_t seed, const format::box& grown);
 // Adds a record to each cell; cell i has make_region(seed + i, its grown box).
 void add_viewpoints(sample_contents& contents, std::uint32_t seed);
 
+// Gives each record of contents.viewpoints 0 to 8 eyes anywhere in the box of its cell. The first cell has the eyes at
+// both ends of its box.
+void add_eyes(sample_contents& contents, std::uint32_t seed);
+
 }  // namespace sightcell::test

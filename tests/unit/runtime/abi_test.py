@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The C ABI is what abi.txt records: every constant, struct, field, function and exported symbol of a header.
+"""The C ABI is what abi.txt records: every constant, struct, field, function and exported symbol of some headers.
 
-usage: abi_test.py COMPILER HEADER ABI.txt [NM LIBRARY.so]    exit code 1 where something differs from the record
-       abi_test.py COMPILER HEADER ABI.txt --record           writes the record anew, on a machine with 64-bit pointers
-COMPILER may have options: "cc -I folder".
+usage: abi_test.py COMPILER HEADERS ABI.txt [NM LIBRARY.so]    exit code 1 where something differs from the record
+       abi_test.py COMPILER HEADERS ABI.txt --record           writes the record anew, on a machine with 64-bit pointers
+COMPILER may have options: "cc -I folder". HEADERS: the headers of one library, with commas between them.
 
 The header is parsed for the names and types that it declares. The compiler checks the recorded numbers and types by
 _Static_assert: no program runs, so a cross compiler will do. Lines may be added to the record; a line of a released
@@ -42,8 +42,15 @@ def fields_of(body):
         yield from (abstract(f'{base} {other}') for other in others)
 
 
-def declared(header):
-    """All that the header declares: {line of the record without its number: the number as a C expression, or None}."""
+def declared(headers):
+    """All that the headers declare: {line of the record without its number: the number as a C expression, or None}."""
+    found = {}
+    for header in headers.split(','):
+        found |= declared_in(header)
+    return found
+
+
+def declared_in(header):
     with open(header, encoding='utf-8') as stream:
         text = re.sub(r'/\*.*?\*/', ' ', stream.read(), flags=re.DOTALL)
     found = {}
@@ -77,11 +84,14 @@ def declared(header):
     return found
 
 
-def compile_c(compiler, header, source, *options):
-    """What the compiler prints about a program that includes the header: nothing where it is right."""
-    folder, name = os.path.split(os.path.abspath(header))
-    command = [*compiler.split(' '), '-std=c11', '-DSIGHTCELL_STATIC', '-I', os.path.dirname(folder), *options, '-x', 'c', '-']
-    source = f'#include <sightcell/{name}>\n#include <stdio.h>\n{source}'
+def compile_c(compiler, headers, source, *options):
+    """What the compiler prints about a program that includes the headers: nothing where it is right."""
+    command = [*compiler.split(' '), '-std=c11', '-DSIGHTCELL_STATIC', *options, '-x', 'c', '-']
+    for header in headers.split(','):
+        folder, name = os.path.split(os.path.abspath(header))
+        command[1:1] = ['-I', os.path.dirname(folder)]
+        source = f'#include <sightcell/{name}>\n{source}'
+    source = f'#include <stdio.h>\n{source}'
     done = subprocess.run(command, check=False, capture_output=True, text=True, input=source)
     return done.stderr if done.returncode != 0 else ''
 

@@ -6,6 +6,7 @@
 
 #include "allocation_counter.h"
 #include "loaded_file.h"
+#include "sightcell/clusters.h"
 #include "unit/case_step.h"
 #include "unit/format/importance_samples.h"
 #include "unit/format/random_source.h"
@@ -42,6 +43,12 @@ TEST(allocation, none_over_10000_moves) {
     const test_view view(file.db());
     EXPECT_EQ(memory.given, 2u);
     std::vector<std::uint32_t> ids(3000);
+    for (std::uint32_t i = 0; i < 3000; ++i) ids[i] = i / 7;
+    sightcell_cluster_map* map = nullptr;
+    ASSERT_EQ(sightcell_cluster_map_create(file.db(), ids.data(), ids.size(), 429, &map), SIGHTCELL_OK);
+    EXPECT_EQ(memory.given, 3u);
+    std::vector<std::uint32_t> row(14), last_row(14);
+    std::vector<sightcell_cluster_word> words(14);
     std::vector<std::uint32_t> stored(9000);
     std::vector<std::uint32_t> indices(9000);
     std::vector<sightcell_range> ranges(6000);
@@ -68,9 +75,15 @@ TEST(allocation, none_over_10000_moves) {
       const sightcell_status s = sightcell_view_changes(view.get(), frame.revision - 1, ranges.data(), ranges.size(),
                                                         &count, more.data(), more.size(), &other);
       failures += s != SIGHTCELL_OK && s != SIGHTCELL_ERR_STALE;
+      row.swap(last_row);
+      failures += sightcell_view_clusters(view.get(), map, row.data(), row.size()) != SIGHTCELL_OK;
+      failures += sightcell_cluster_list(row.data(), row.size(), ids.data(), ids.size(), &count) != SIGHTCELL_OK;
+      failures += sightcell_cluster_changes(last_row.data(), row.data(), row.size(), words.data(), words.size(),
+                                            &count) != SIGHTCELL_OK;
     }
     EXPECT_EQ(allocation_count(), before);
-    EXPECT_EQ(memory.given, 2u);
+    EXPECT_EQ(memory.given, 3u);
+    sightcell_cluster_map_destroy(map);
     EXPECT_EQ(failures, 0);
     EXPECT_GT(changes, 5000u / case_step());
   }

@@ -1,5 +1,5 @@
-// Every status, flag and kind of sightcell.h, by a call of the C API that returns it; and for each function exactly the
-// statuses that its comment documents. The list of functions and values is read from the header, so that an addition
+// Every status, flag and kind of the headers, by a call of the C API that returns it; and for each function exactly the
+// statuses that its comment documents. The list of functions and values is read from the headers, so that an addition
 // needs a row here.
 #include <gtest/gtest.h>
 
@@ -7,17 +7,17 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <map>
-#include <set>
 #include <string>
 
 #include "golden/damaged_file.h"
 #include "loaded_file.h"
+#include "outcomes.h"
 #include "paged_host.h"
 #include "polygon_orders_writer.h"
+#include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/viewpoints.h"
 #include "table_encoder.h"
 #include "unit/format/importance_samples.h"
 #include "unit/format/viewpoint_samples.h"
@@ -27,7 +27,6 @@ namespace {
 using namespace sightcell::test;
 namespace layout = sightcell::format::layout;
 using bytes = std::vector<std::byte>;
-using statuses = std::set<sightcell_status>;
 
 const statuses with_arguments{SIGHTCELL_OK, SIGHTCELL_ERR_ARGUMENT};
 const statuses of_lists{SIGHTCELL_OK, SIGHTCELL_ERR_ARGUMENT, SIGHTCELL_ERR_CAPACITY};
@@ -86,34 +85,12 @@ const std::map<std::string, statuses> promised{
     {"sightcell_db_statistics", with_arguments},
     {"sightcell_view_debug_lines", of_lists + statuses{SIGHTCELL_ERR_CORRUPT}},
     {"sightcell_db_misses_text", of_lists},
-};
-
-// The results of the calls in this file.
-struct outcomes {
-  std::map<std::string, statuses> of_function;
-  std::uint32_t frame_flags = 0;
-  std::uint32_t debug_kinds = 0;
-  std::map<std::uint32_t, std::uint32_t> polygons_outside;  // by policy
-
-  void note(const std::string& call, sightcell_status expected, sightcell_status answer) {
-    EXPECT_EQ(answer, expected) << call;
-    of_function[call.substr(0, call.find('('))].insert(answer);
-  }
-};
-
-// RETURNS(status without its SIGHTCELL_, a call of the C API)
-#define RETURNS(status, ...) out.note(#__VA_ARGS__, SIGHTCELL_##status, __VA_ARGS__)
-
-// Returns this number of blocks.
-struct few_blocks {
-  explicit few_blocks(int blocks) : left(blocks) {}
-  int left;
-  sightcell_allocator interface {
-    [](void* user, std::size_t size, std::size_t) -> void* {
-      return static_cast<few_blocks*>(user)->left-- > 0 ? std::malloc(size) : nullptr;
-    },
-        [](void*, void* block, std::size_t) { std::free(block); }, this
-  };
+    {"sightcell_db_cell_eye", with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM,
+                                                        SIGHTCELL_ERR_CORRUPT, SIGHTCELL_PENDING}},
+    {"sightcell_cluster_map_create", with_arguments + statuses{SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
+    {"sightcell_view_clusters", of_lists},
+    {"sightcell_cluster_list", of_lists},
+    {"sightcell_cluster_changes", of_lists},
 };
 
 struct faulty_file {
@@ -254,6 +231,10 @@ void open_without_waiting(outcomes& out) {
   ASSERT_EQ(host.begin(1 << 20), SIGHTCELL_PENDING);
   sightcell_view* view = nullptr;
   RETURNS(PENDING, sightcell_view_create(host.db(), &view));
+  sightcell_cluster_map* map = nullptr;
+  RETURNS(PENDING, sightcell_cluster_map_create(host.db(), nullptr, 0, 0, &map));
+  float eye[3];
+  RETURNS(PENDING, sightcell_db_cell_eye(host.db(), 0, 0, eye));
   host.answer = SIGHTCELL_ERR_STALE;
   EXPECT_EQ(host.deliver(host.waiting.back()), SIGHTCELL_OK);
   out.note("sightcell_db_opened", SIGHTCELL_ERR_STALE, sightcell_db_opened(host.db()));
@@ -373,6 +354,29 @@ void facts(outcomes& out) {
   RETURNS(OK, sightcell_db_misses_text(db, &miss, 1, text.data(), text.size(), &count));
   RETURNS(ERR_CAPACITY, sightcell_db_misses_text(db, &miss, 1, text.data(), 10, &count));
   RETURNS(ERR_ARGUMENT, sightcell_db_misses_text(db, &wrong, 1, text.data(), text.size(), &count));
+}
+
+void eyes(outcomes& out) {
+  sample_contents contents = tiny_contents();
+  add_viewpoints(contents, 1);
+  contents.viewpoints[0].eyes = {{0, 2048, 4095}};
+  const bytes whole = contents.encode();
+  const loaded_file file(whole);
+  float eye[3];
+  RETURNS(OK, sightcell_db_cell_eye(file.db(), 0, 0, eye));
+  RETURNS(ERR_ABSENT, sightcell_db_cell_eye(file.db(), 0, 1, eye));
+  RETURNS(ERR_ABSENT, sightcell_db_cell_eye(file.db(), 1, 0, eye));
+  RETURNS(ERR_ARGUMENT, sightcell_db_cell_eye(file.db(), 2, 0, eye));
+  const loaded_file none(tiny_contents());
+  RETURNS(ERR_ABSENT, sightcell_db_cell_eye(none.db(), 0, 0, eye));
+  const std::size_t section = section_offset(whole, layout::section_eyes);
+  bytes changed = whole;
+  changed[section] ^= std::byte{16};  // more eyes than a cell may have
+  const loaded_file damaged(changed);
+  RETURNS(ERR_CHECKSUM, sightcell_db_cell_eye(damaged.db(), 0, 0, eye));
+  reseal(changed);
+  const loaded_file corrupt(std::move(changed));
+  RETURNS(ERR_CORRUPT, sightcell_db_cell_eye(corrupt.db(), 0, 0, eye));
 }
 
 void names(outcomes& out) {
@@ -502,6 +506,35 @@ void lists(outcomes& out) {
   more_polygons_than_commands_can_number(out);
 }
 
+void clusters(outcomes& out) {
+  few_blocks three(3);
+  const loaded_file file(tiny_contents().encode(), &three.interface);
+  test_view view(file.db());
+  static_cast<void>(view.move(1, 1, 1));  // polygons 0, 1, 2 and 4
+  const std::array<std::uint32_t, 6> table{0, 0, 1, 2, 2, 3};
+  sightcell_cluster_map* map = nullptr;
+  RETURNS(ERR_ARGUMENT, sightcell_cluster_map_create(file.db(), table.data(), 6, 3, &map));
+  RETURNS(OK, sightcell_cluster_map_create(file.db(), table.data(), 6, 4, &map));
+  sightcell_cluster_map* none = nullptr;
+  RETURNS(ERR_MEMORY, sightcell_cluster_map_create(file.db(), table.data(), 6, 4, &none));
+  std::uint32_t bits = 0;
+  const std::uint32_t before = 1;
+  RETURNS(OK, sightcell_view_clusters(view.get(), map, &bits, 1));
+  EXPECT_EQ(bits, 7u);
+  RETURNS(ERR_CAPACITY, sightcell_view_clusters(view.get(), map, &bits, 0));
+  RETURNS(ERR_ARGUMENT, sightcell_view_clusters(view.get(), map, nullptr, 1));
+  std::array<std::uint32_t, 3> list;
+  sightcell_cluster_word word;
+  std::size_t count = 0;
+  RETURNS(OK, sightcell_cluster_list(&bits, 1, list.data(), 3, &count));
+  RETURNS(ERR_CAPACITY, sightcell_cluster_list(&bits, 1, list.data(), 2, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_cluster_list(nullptr, 1, list.data(), 3, &count));
+  RETURNS(OK, sightcell_cluster_changes(&before, &bits, 1, &word, 1, &count));
+  RETURNS(ERR_CAPACITY, sightcell_cluster_changes(&before, &bits, 1, &word, 0, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_cluster_changes(&before, nullptr, 1, &word, 1, &count));
+  sightcell_cluster_map_destroy(map);
+}
+
 void boxes(outcomes& out) {
   sample_contents contents = tiny_contents();
   add_volumes(contents, 4, 3);
@@ -563,26 +596,6 @@ void importance(outcomes& out) {
   RETURNS(ERR_ARGUMENT, sightcell_view_importance(nullptr, values.data(), 1, &count));
 }
 
-struct header {
-  std::set<std::string> functions;                   // that return a status
-  std::map<std::string, std::uint32_t> enumerators;  // without SIGHTCELL_
-};
-
-header read_header() {
-  header found;
-  std::ifstream text(SIGHTCELL_TEST_HEADER);
-  for (std::string line; std::getline(text, line);) {
-    std::array<char, 64> name{};
-    unsigned value = 0;
-    if (std::sscanf(line.c_str(), "SIGHTCELL_API sightcell_status %63[a-z_](", name.data()) == 1) {
-      found.functions.insert(name.data());
-    } else if (std::sscanf(line.c_str(), " SIGHTCELL_%63[A-Z_] = %u", name.data(), &value) == 2) {
-      found.enumerators[name.data()] = value;
-    }
-  }
-  return found;
-}
-
 TEST(every_outcome, is_reached) {
   outcomes out;
   open_from_memory(out);
@@ -591,13 +604,15 @@ TEST(every_outcome, is_reached) {
   open_without_waiting(out);
   deliver_and_prefetch(out);
   facts(out);
+  eyes(out);
   names(out);
   places(out);
   lists(out);
+  clusters(out);
   boxes(out);
   importance(out);
 
-  const header there = read_header();
+  const header there = read_headers();
   ASSERT_GT(there.functions.size(), 20u);
   ASSERT_GT(there.enumerators.size(), 20u);
   for (const std::string& name : there.functions) {

@@ -1,5 +1,7 @@
-/* sightcell.h is C11, and its structs have the sizes and offsets that other tools count on. */
+/* The headers are C11, and their structs have the sizes and offsets that other tools count on. */
+#include <sightcell/clusters.h>
 #include <sightcell/sightcell.h>
+#include <sightcell/viewpoints.h>
 #include <stdio.h>
 
 _Static_assert(sizeof(sightcell_frame) == 64, "for ever");
@@ -14,6 +16,7 @@ _Static_assert(offsetof(sightcell_info, player_radius) == 56, "info");
 _Static_assert(SIGHTCELL_ERR_STALE == 4 && SIGHTCELL_ERR_IO == 10 && SIGHTCELL_ERR_NOT_OURS == 20, "statuses");
 _Static_assert(SIGHTCELL_ERR_OTHER_SCENE == 26 && SIGHTCELL_ERR_CHECKSUM == 23, "statuses");
 _Static_assert(SIGHTCELL_FRAME_DAMAGED == 16 && SIGHTCELL_FRAME_DRAW_ALL == 2, "flags");
+_Static_assert(sizeof(sightcell_cluster_word) == 8, "word of a row");
 
 int main(int argc, char **argv) {
   sightcell_db *db = NULL;

@@ -53,6 +53,35 @@ TEST(sightcell_hpp, the_whole_path) {
   EXPECT_EQ(camera.polygons({}).status, SIGHTCELL_ERR_CAPACITY);
 }
 
+TEST(sightcell_hpp, clusters) {
+  const auto bytes = sightcell::test::tiny_contents().encode();
+  const auto file = sightcell::db::open(bytes);
+  ASSERT_TRUE(file);
+  const std::array<std::uint32_t, 6> table{0, 0, 1, 2, 2, 40};
+  EXPECT_EQ(sightcell::cluster_map::create(*file, table, 40).status(), SIGHTCELL_ERR_ARGUMENT);
+  auto made = sightcell::cluster_map::create(*file, table, 41);
+  ASSERT_TRUE(made);
+  const sightcell::cluster_map map = std::move(*made);
+  auto camera = sightcell::view::create(*file);
+  ASSERT_TRUE(camera);
+  sightcell_frame frame;
+  std::array<std::uint32_t, 2> before{}, row{};
+  const float first[3] = {1, 1, 1}, second[3] = {5, 1, 1};
+  EXPECT_EQ(camera->move(first, frame), SIGHTCELL_OK);
+  EXPECT_EQ(camera->clusters(map, before), SIGHTCELL_OK);
+  EXPECT_EQ(before, (std::array<std::uint32_t, 2>{7, 0}));
+  EXPECT_EQ(camera->move(second, frame), SIGHTCELL_OK);
+  EXPECT_EQ(camera->clusters(map, row), SIGHTCELL_OK);
+  std::array<std::uint32_t, 1> list{};
+  EXPECT_EQ(sightcell::cluster_map::list(row, list).count, 1u);
+  EXPECT_EQ(list[0], 40u);
+  std::array<sightcell_cluster_word, 2> words{};
+  EXPECT_EQ(sightcell::cluster_map::changes(before, row, words).count, 2u);
+  EXPECT_EQ(words[1].index, 1u);
+  EXPECT_EQ(words[1].bits, 256u);
+  EXPECT_EQ(sightcell::cluster_map::changes(before, std::span(row).first(1), words).status, SIGHTCELL_ERR_ARGUMENT);
+}
+
 TEST(sightcell_hpp, an_opening_that_does_not_wait) {
   struct {
     std::uint32_t size = 0, ticket = 0;
@@ -117,7 +146,7 @@ TEST(sightcell_hpp, viewpoints) {
   auto contents = sightcell::test::tiny_contents();
   contents.player_radius = 0.125f;
   contents.viewpoints = {{.cell = 0, .valid_share = 0.5f, .outside_share = 0.25, .region = {std::byte{0x12}}},
-                         {.cell = 1, .region = {}}};
+                         {.cell = 1, .region = {}, .eyes = {{7, 7, 7}, {0, 2048, 4095}}}};
   const auto bytes = contents.encode();
   const auto file = sightcell::db::open(bytes);
   ASSERT_TRUE(file);
@@ -128,6 +157,10 @@ TEST(sightcell_hpp, viewpoints) {
   EXPECT_EQ(shares->outside_share, 0.25f);
   EXPECT_EQ(file->viewpoints_of_cell(1)->valid_share, 1.0f);
   EXPECT_EQ(file->viewpoints_of_cell(2).status(), SIGHTCELL_ERR_ARGUMENT);
+  const auto eye = file->cell_eye(1, 1);  // the box is (4, 0, 0) to (8, 2, 4)
+  ASSERT_TRUE(eye);
+  EXPECT_EQ(*eye, (std::array<float, 3>{4.00048828125f, 1.000244140625f, 3.99951171875f}));
+  EXPECT_EQ(file->cell_eye(0).status(), SIGHTCELL_ERR_ABSENT);
 }
 
 TEST(sightcell_hpp, failures_are_values) {

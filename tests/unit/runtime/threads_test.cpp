@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
@@ -9,6 +10,7 @@
 
 #include "loaded_file.h"
 #include "paged_host.h"
+#include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
 #include "unit/format/random_source.h"
 
@@ -23,6 +25,9 @@ TEST(threads, eight_views_of_one_db) {
   const std::size_t directory = section_offset(bytes, sightcell::format::layout::section_row_directory);
   bytes[rows + get_u64(bytes, directory + 16 * 3)] ^= std::byte{1};  // chunk 3 is damaged
   const loaded_file file(std::move(bytes));
+  const std::vector<std::uint32_t> one_each = all_polygons(500);  // a cluster per polygon
+  sightcell_cluster_map* map = nullptr;
+  ASSERT_EQ(sightcell_cluster_map_create(file.db(), one_each.data(), 500, 500, &map), SIGHTCELL_OK);
   std::atomic<int> wrong{0};
   std::vector<std::thread> threads;
   for (std::uint32_t number = 0; number < 8; ++number) {
@@ -42,12 +47,17 @@ TEST(threads, eight_views_of_one_db) {
         const std::size_t expected = cell / 64 == 3 ? 500 : contents.sets[cell].size();
         if (count != expected) ++wrong;
         if (cell / 64 != 3 && !std::equal(contents.sets[cell].begin(), contents.sets[cell].end(), ids.begin())) ++wrong;
+        std::array<std::uint32_t, 16> row;
+        if (sightcell_view_clusters(view, map, row.data(), row.size()) != SIGHTCELL_OK) ++wrong;
+        if (sightcell_cluster_list(row.data(), row.size(), nullptr, 0, &count) == SIGHTCELL_ERR_ARGUMENT) ++wrong;
+        if (count != expected) ++wrong;
       }
       sightcell_view_destroy(view);
     });
   }
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(wrong.load(), 0);
+  sightcell_cluster_map_destroy(map);
 }
 
 // Two threads of the host deliver rows, in their own order, to eight views and a ninth thread that prefetches; there is

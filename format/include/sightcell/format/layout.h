@@ -62,6 +62,7 @@ inline constexpr std::uint32_t section_importance = 9;     // since version 1; o
 inline constexpr std::uint32_t section_volumes = 10;       // since version 1; a file with volumes requires it
 inline constexpr std::uint32_t section_named_groups = 11;  // since version 1; optional
 inline constexpr std::uint32_t section_viewpoints = 12;    // since version 1; optional
+inline constexpr std::uint32_t section_eyes = 13;          // since version 1; optional, and open skips it
 inline constexpr std::uint32_t section_borders = 14;       // since version 1; a file with smaller chunks requires it
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
@@ -99,5 +100,9 @@ inline constexpr std::uint32_t max_reference_depth = 2;  // row -> reference -> 
 
 // Regions of viewpoints.
 inline constexpr std::uint32_t max_region_depth = 18;  // of a leaf; the root has 0
+
+// Eyes.
+inline constexpr std::uint32_t max_eyes = 8;               // of a cell
+inline constexpr std::uint32_t eye_steps_per_side = 4096;  // of the box of the cell
 
 }  // namespace sightcell::format::layout

@@ -179,6 +179,10 @@ class reader {
   // The valid viewpoints of the cells; viewpoints().exists() is false for a file without this section.
   [[nodiscard]] const viewpoint_table& viewpoints() const noexcept { return viewpoints_; }
 
+  // The bytes of a section that open skips: an optional one that it does not know. absent: there is none; checksum;
+  // corrupt: there are two. For a paged file, the front contains them. O(bytes of the section).
+  [[nodiscard]] status skipped_section(std::uint32_t id, std::span<const std::byte>& out) const noexcept;
+
   // The volumes of the file, mostly none. In sets, volume v has the number polygon_count() + v.
   [[nodiscard]] const volume_table& volumes() const noexcept { return volumes_; }
 

@@ -43,6 +43,9 @@ struct draw_record {
   std::uint32_t named_group = no_named_group;
 };
 
+// A position in the box of a cell, in steps of 1/4096 of its sides: 0 .. 4095 on each axis (eye_table.h).
+using eye_steps = std::array<std::uint16_t, 3>;
+
 // Result of the verification rays of one cell: misses of at least `rays` rays, and a one-sided upper bound of the miss
 // probability ("pixel error") with the given confidence. The bound is Clopper-Pearson's, or a little above where the
 // number of rays is itself a lower bound. rays = 0: nothing was measured for this cell and upper_bound is 1.

@@ -68,6 +68,7 @@ struct viewpoint_record {
   double outside_share = 0.0;     // upper limit, at 95 % confidence, of the share of the valid viewpoints outside the
                                   // region, 0 .. 1; 0 if the region is the whole grown box
   std::vector<std::byte> region;  // tree over the grown box (viewpoint_table.h); empty: the whole grown box
+  std::vector<eye_steps> eyes{};  // valid viewpoints in the box of the cell (eye_table.h); at most max_eyes, or none
 };
 
 // What a host that pages loads for one cell. Smaller chunks make a file larger, because the rows of a chunk refer to no

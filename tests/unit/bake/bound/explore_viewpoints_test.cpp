@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "bound/cell_eyes.h"
+#include "sightcell/format/eye_table.h"
 #include "unit/bake/gridded_room.h"
 
 namespace sightcell::bake {
@@ -101,6 +103,52 @@ TEST(explore_viewpoints, the_result_repeats) {
   EXPECT_EQ(a.found->region.encode(), b.found->region.encode());
   EXPECT_EQ(a.found->viewpoints, b.found->viewpoints);
   EXPECT_EQ(a.tests, b.tests);
+}
+
+std::vector<glm::vec3> positions_of(const std::vector<format::eye_steps>& eyes, const box& own) {
+  std::vector<glm::vec3> positions;
+  for (const format::eye_steps& eye : eyes) {
+    const auto p = format::eye_position({{own.min.x, own.min.y, own.min.z}, {own.max.x, own.max.y, own.max.z}}, eye);
+    positions.emplace_back(p[0], p[1], p[2]);
+  }
+  return positions;
+}
+
+bool is_inside(const box& b, const glm::vec3& p) {
+  return glm::all(glm::greaterThanEqual(p, b.min)) && glm::all(glm::lessThan(p, b.max));
+}
+
+TEST(cell_eyes, the_eye_of_a_cell_is_valid) {
+  const test::scene_with_rays w(solid_block().room({1, -1, 1}, {2, 1, 2}).tiny);
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const exploration r = explore(w, seed);
+    ASSERT_TRUE(r.found);
+    ASSERT_FALSE(r.found->own.empty());
+    for (const glm::vec3& p : r.found->own) EXPECT_TRUE(is_inside(own_box, p) && w.rays.is_valid(p, 0.05f));
+    const auto eyes = choose_eyes(w.rays, own_box, r.found->region, 0.05f, r.found->viewpoints);
+    ASSERT_EQ(eyes.size(), 1u) << "a cell of 4 m";
+    const glm::vec3 eye = positions_of(eyes, own_box)[0];
+    EXPECT_TRUE(is_inside(own_box, eye));
+    EXPECT_TRUE(w.rays.is_valid(eye, 0.05f));
+    EXPECT_TRUE(r.found->region.contains(eye));
+  }
+}
+
+TEST(cell_eyes, wide_cells_have_eyes_apart_from_each_other) {
+  tiny_scene tiny;
+  const box hall{{-12, -1, -2}, {12, 1, 2}};
+  tiny.closed_box(hall.min, hall.max, true);
+  const test::scene_with_rays w(tiny);
+  std::vector<glm::vec3> known;
+  for (int i = 0; i < 60; ++i) known.emplace_back(-11.8f + 0.4f * static_cast<float>(i), 0.0f, 0.1f);
+  known.emplace_back(0.0f, 0.9999f, 0.0f);  // not valid: nearer to the ceiling than the radius
+  known.emplace_back(30.0f, 0.0f, 0.0f);    // not in the cell
+  const auto eyes = positions_of(choose_eyes(w.rays, hall, viewpoint_region(hall), 0.05f, known), hall);
+  ASSERT_EQ(eyes.size(), 3u);
+  EXPECT_NEAR(eyes[0].x, 0.0f, 0.3f) << "the middle first";
+  EXPECT_GT(std::abs(eyes[1].x), 11.0f);
+  EXPECT_LT(eyes[1].x * eyes[2].x, -100.0f) << "then both ends";
+  EXPECT_TRUE(choose_eyes(w.rays, hall, viewpoint_region(hall), 0.05f, std::span(known).last(2)).empty());
 }
 
 }  // namespace

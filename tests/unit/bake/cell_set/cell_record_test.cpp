@@ -26,6 +26,7 @@ cell_record sample() {
   r.batches = 2;
   r.geometry_inside = true;
   r.late = {7, 500};
+  r.eyes = {{0, 4095, 17}, {1, 256, 0}};
   return r;
 }
 

@@ -17,6 +17,7 @@
 
 #include "errors/error_id.h"
 #include "sightcell/base/error.h"
+#include "sightcell/format/eye_table.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/picture/gl_context.h"
 #include "unit/bake/file_bytes.h"
@@ -76,6 +77,9 @@ TEST_F(bake_library, hemicubes_see_both_sides_when_told) {
       test::stored_file file(test::file_bytes(path));
       EXPECT_EQ(file.reader().cell_count(), 4u);
       EXPECT_EQ(file.has(0, back), both) << source;
+      format::eye_table eyes;
+      ASSERT_EQ(format::eye_table::open(file.reader(), eyes), format::status::ok);
+      for (std::uint32_t cell = 0; cell < 4; ++cell) EXPECT_EQ(eyes.count(cell), 1u);
     }
 }
 

@@ -21,6 +21,7 @@ format::file_parts cells_from_last_to_first() {
       const std::uint32_t number = static_cast<std::uint32_t>(20 * (x + 10) + z + 10);
       parts.certificate.push_back({.cell = cell, .rays = number});
       parts.viewpoints.push_back({.cell = cell, .outside_share = number / 1000.0, .region = {std::byte{0x12}}});
+      parts.viewpoints.back().eyes = {{static_cast<std::uint16_t>(number), 0, 0}};
     }
   return parts;
 }
@@ -39,6 +40,7 @@ TEST(file_order, records_follow_their_cells) {
     EXPECT_EQ(parts.viewpoints[cell].cell, cell);
     EXPECT_EQ(parts.viewpoints[cell].outside_share, before.viewpoints[numbers[cell]].outside_share);
     EXPECT_EQ(parts.viewpoints[cell].region, before.viewpoints[numbers[cell]].region);
+    EXPECT_EQ(parts.viewpoints[cell].eyes, before.viewpoints[numbers[cell]].eyes);
   }
   parts = before;
   parts.certificate.clear();

@@ -1,0 +1,226 @@
+#include "cluster_map.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <new>
+
+using namespace sightcell::runtime;
+namespace format = sightcell::format;
+
+namespace {
+
+constexpr std::uint32_t small_block = 16;   // polygons; the polygons at the ends of a run are taken one by one
+constexpr std::uint32_t large_block = 128;  // polygons: for long runs
+constexpr std::uint32_t bits_per_word = 32;
+
+// The words that the clusters of one block are in.
+class block_words {
+ public:
+  void clear() noexcept { count_ = 0; }
+  void add(std::uint32_t cluster) noexcept {
+    const std::uint32_t word = cluster / bits_per_word;
+    std::uint32_t at = 0;
+    while (at < count_ && words_[at].word != word) ++at;
+    if (at == count_) words_[count_++] = {word, 0};
+    words_[at].bits |= 1u << cluster % bits_per_word;
+  }
+  [[nodiscard]] std::span<const cluster_bits> words() const noexcept { return std::span(words_).first(count_); }
+
+ private:
+  std::array<cluster_bits, large_block> words_;
+  std::uint32_t count_ = 0;
+};
+
+// Calls take(stored polygon, cluster) for all polygons in stored order, until it returns false.
+template <class Take>
+bool for_each_stored(const sightcell_db& db, std::span<const std::uint32_t> cluster_of_source, const Take& take) {
+  const std::span<const std::uint32_t> borders = db.range_borders();
+  std::uint32_t stored = 0;
+  for (std::uint32_t draw = 0; draw + 1 < borders.size(); ++draw) {
+    const std::uint32_t first = db.first_source(draw);
+    for (const std::uint32_t polygon : db.sources_in(draw, 0, borders[draw + 1] - borders[draw])) {
+      // The bytes of the file may have changed while it was opened.
+      if (first + polygon >= cluster_of_source.size()) return false;
+      if (!take(stored++, cluster_of_source[first + polygon])) return false;
+    }
+  }
+  return true;
+}
+
+// Fills the blocks, or counts the words that they take if out has no room. The blocks are fed all polygons in order.
+class block_builder {
+ public:
+  block_builder(std::uint32_t polygons_per_block, cluster_blocks out) noexcept : size_(polygons_per_block), out_(out) {}
+
+  void add(std::uint32_t stored, std::uint32_t cluster) noexcept {
+    if (cluster != SIGHTCELL_NO_CLUSTER) block_.add(cluster);
+    if ((stored + 1) % size_ != 0) return;
+    const std::span<const cluster_bits> words = block_.words();
+    if (!out_.begins.empty()) {
+      std::copy(words.begin(), words.end(), out_.bits.begin() + static_cast<std::ptrdiff_t>(count_));
+      out_.begins[(stored + 1) / size_] = static_cast<std::uint32_t>(count_ + words.size());
+    }
+    count_ += words.size();
+    block_.clear();
+  }
+
+  [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+
+ private:
+  std::uint32_t size_;
+  cluster_blocks out_;
+  block_words block_;
+  std::uint64_t count_ = 0;  // at most one per polygon
+};
+
+void mark_blocks(const cluster_blocks& blocks, std::uint32_t first, std::uint32_t end, std::uint32_t* row) noexcept {
+  const std::uint32_t begin = blocks.begins[first];
+  for (const cluster_bits& b : blocks.bits.subspan(begin, blocks.begins[end] - begin)) row[b.word] |= b.bits;
+}
+
+// n / d, rounded up.
+std::uint32_t whole_parts(std::uint32_t n, std::uint32_t d) noexcept {
+  return n / d + (n % d != 0 ? 1 : 0);
+}
+
+// Gives a span its size, for carve.
+template <class T>
+void plan_room(std::span<T>& target, std::uint64_t count) noexcept {
+  target = {static_cast<T*>(nullptr), static_cast<std::size_t>(count)};
+}
+
+}  // namespace
+
+// The sizes of the spans are set before.
+std::uint64_t sightcell_cluster_map::carve(void* block) noexcept {
+  carver space(block);
+  space.take<sightcell_cluster_map>(1);
+  const auto give = [&]<class T>(std::span<T>& target) {
+    T* first = space.take<T>(target.size());
+    if (first == nullptr) return;
+    sightcell::runtime::construct(first, target.size());
+    target = {first, target.size()};
+  };
+  give(cluster_of_stored_);
+  for (cluster_blocks* blocks : {&small_, &large_}) {
+    give(blocks->begins);
+    give(blocks->bits);
+  }
+  return space.used();
+}
+
+sightcell_status sightcell_cluster_map::create(const sightcell_db& db, std::span<const std::uint32_t> cluster_of_source,
+                                               std::uint32_t cluster_count, sightcell_cluster_map** out) noexcept {
+  if (cluster_of_source.size() != db.polygon_count()) return SIGHTCELL_ERR_ARGUMENT;
+  for (const std::uint32_t cluster : cluster_of_source) {
+    if (cluster >= cluster_count && cluster != SIGHTCELL_NO_CLUSTER) return SIGHTCELL_ERR_ARGUMENT;
+  }
+  block_builder small(small_block, {});
+  block_builder large(large_block, {});
+  const bool counted = for_each_stored(db, cluster_of_source, [&](std::uint32_t stored, std::uint32_t cluster) {
+    small.add(stored, cluster);
+    large.add(stored, cluster);
+    return true;
+  });
+  if (!counted) return SIGHTCELL_ERR_CORRUPT;
+
+  sightcell_cluster_map plan;
+  plan.db_ = &db;
+  plan.words_ = whole_parts(cluster_count, bits_per_word);
+  plan_room(plan.cluster_of_stored_, db.polygon_count());
+  plan_room(plan.small_.begins, std::uint64_t{db.polygon_count() / small_block} + 1);
+  plan_room(plan.small_.bits, small.count());
+  plan_room(plan.large_.begins, std::uint64_t{db.polygon_count() / large_block} + 1);
+  plan_room(plan.large_.bits, large.count());
+  const std::uint64_t size = plan.carve(nullptr);
+  void* block = allocate(db.allocator(), size);
+  if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
+  auto* map = new (block) sightcell_cluster_map(plan);
+  map->block_size_ = size;
+  static_cast<void>(map->carve(block));
+
+  block_builder fill_small(small_block, map->small_);
+  block_builder fill_large(large_block, map->large_);
+  static_cast<void>(for_each_stored(db, cluster_of_source, [&](std::uint32_t stored, std::uint32_t cluster) {
+    map->cluster_of_stored_[stored] = cluster;
+    fill_small.add(stored, cluster);
+    fill_large.add(stored, cluster);
+    return true;
+  }));
+  *out = map;
+  return SIGHTCELL_OK;
+}
+
+void sightcell_cluster_map::destroy(sightcell_cluster_map* map) noexcept {
+  if (map != nullptr) release(map->db_->allocator(), map, map->block_size_);
+}
+
+// Consecutive polygons mostly have clusters in the same word, which is kept in a register.
+void sightcell_cluster_map::mark_each(std::uint32_t first, std::uint32_t end, std::uint32_t* row) const noexcept {
+  std::uint32_t word = 0;
+  std::uint32_t bits = 0;
+  for (const std::uint32_t cluster : cluster_of_stored_.subspan(first, end - first)) {
+    if (cluster == SIGHTCELL_NO_CLUSTER) continue;
+    if (cluster / bits_per_word != word) {
+      if (bits != 0) row[word] |= bits;
+      word = cluster / bits_per_word;
+      bits = 0;
+    }
+    bits |= 1u << cluster % bits_per_word;
+  }
+  if (bits != 0) row[word] |= bits;
+}
+
+void sightcell_cluster_map::mark(std::span<const format::run> set, std::span<std::uint32_t> row) const noexcept {
+  constexpr std::uint32_t small_in_large = large_block / small_block;
+  std::uint32_t* const words = row.data();
+  for (const format::run& r : set) {
+    const std::uint32_t end = r.first + r.count;
+    const std::uint32_t from = whole_parts(r.first, small_block);  // in small blocks
+    const std::uint32_t to = end / small_block;
+    if (from >= to) {
+      mark_each(r.first, end, words);
+      continue;
+    }
+    const std::uint32_t from_large = whole_parts(from, small_in_large);
+    const std::uint32_t to_large = to / small_in_large;
+    mark_each(r.first, from * small_block, words);
+    if (from_large < to_large) {
+      mark_blocks(small_, from, from_large * small_in_large, words);
+      mark_blocks(large_, from_large, to_large, words);
+      mark_blocks(small_, to_large * small_in_large, to, words);
+    } else {
+      mark_blocks(small_, from, to, words);
+    }
+    mark_each(to * small_block, end, words);
+  }
+}
+
+namespace sightcell::runtime {
+
+std::uint64_t list_clusters(std::span<const std::uint32_t> row, std::span<std::uint32_t> dst) noexcept {
+  std::uint64_t count = 0;
+  for (std::size_t word = 0; word < row.size(); ++word) {
+    for (std::uint32_t left = row[word]; left != 0; left &= left - 1, ++count) {
+      if (count < dst.size()) {
+        dst[static_cast<std::size_t>(count)] =
+            static_cast<std::uint32_t>(word) * bits_per_word + static_cast<std::uint32_t>(std::countr_zero(left));
+      }
+    }
+  }
+  return count;
+}
+
+std::uint64_t list_changes(std::span<const std::uint32_t> before, std::span<const std::uint32_t> now,
+                           std::span<sightcell_cluster_word> dst) noexcept {
+  std::uint64_t count = 0;
+  for (std::size_t word = 0; word < now.size(); ++word) {
+    if (before[word] == now[word]) continue;
+    if (count < dst.size()) dst[static_cast<std::size_t>(count)] = {static_cast<std::uint32_t>(word), now[word]};
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace sightcell::runtime

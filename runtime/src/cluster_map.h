@@ -1,0 +1,60 @@
+#pragma once
+// The host's clusters of polygons in the order of a file, and the bits that a set of polygons has in them.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "db.h"
+#include "memory.h"
+#include "sightcell/clusters.h"
+
+namespace sightcell::runtime {
+
+// The bits that some polygons have in one word of the row.
+struct cluster_bits {
+  std::uint32_t word = 0;
+  std::uint32_t bits = 0;
+};
+
+// The stored polygons in blocks of equal size. The bits of block b are begins[b] .. begins[b + 1] - 1, so those of
+// consecutive blocks are one list.
+struct cluster_blocks {
+  std::span<std::uint32_t> begins;
+  std::span<cluster_bits> bits;
+};
+
+// Writes the clusters of a row in ascending order, up to dst.size(). Returns their number.
+std::uint64_t list_clusters(std::span<const std::uint32_t> row, std::span<std::uint32_t> dst) noexcept;
+
+// Writes the words in which two rows of equal size differ, up to dst.size(). Returns their number.
+std::uint64_t list_changes(std::span<const std::uint32_t> before, std::span<const std::uint32_t> now,
+                           std::span<sightcell_cluster_word> dst) noexcept;
+
+}  // namespace sightcell::runtime
+
+// In the global namespace, because the C API declares it.
+struct sightcell_cluster_map {
+ public:
+  // db: open. cluster_of_source: one element per polygon of db.
+  static sightcell_status create(const sightcell_db& db, std::span<const std::uint32_t> cluster_of_source,
+                                 std::uint32_t cluster_count, sightcell_cluster_map** out) noexcept;
+  static void destroy(sightcell_cluster_map* map) noexcept;
+
+  [[nodiscard]] const sightcell_db& db() const noexcept { return *db_; }
+  // The number of words of a row.
+  [[nodiscard]] std::size_t words() const noexcept { return words_; }
+  // Sets the bits of the clusters of a set. set: runs of stored polygons. row: words() elements or more.
+  void mark(std::span<const sightcell::format::run> set, std::span<std::uint32_t> row) const noexcept;
+
+ private:
+  sightcell_cluster_map() = default;
+  [[nodiscard]] std::uint64_t carve(void* block) noexcept;
+  void mark_each(std::uint32_t first, std::uint32_t end, std::uint32_t* row) const noexcept;
+
+  const sightcell_db* db_ = nullptr;
+  std::uint64_t block_size_ = 0;
+  std::size_t words_ = 0;
+  std::span<std::uint32_t> cluster_of_stored_;
+  // Of 16 and of 128 polygons; polygons after the last whole block are in none.
+  sightcell::runtime::cluster_blocks small_, large_;
+};
