@@ -102,7 +102,7 @@ void add_floors(const scene::world_geometry& world, report_data& data) {
     data.floors.push_back({.cells = std::move(floor.cells),
                            .lowest = floor.lowest - below,
                            .highest = floor.highest - below,
-                           .ground = data_uri_of(ground, picture_kind::photo)});
+                           .ground = data_uri_of(ground)});
   }
 }
 

@@ -11,8 +11,7 @@
 namespace sightcell::cli {
 namespace {
 
-constexpr float photo_quality = 78.0f;
-constexpr int photo_effort = 4, drawing_effort = 2;  // 0 to 6: more effort makes smaller files
+constexpr float webp_quality = 78.0f;
 
 std::string base64_of(const std::uint8_t* bytes, std::size_t size) {
   constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -45,13 +44,11 @@ picture::image_rgba halved(const picture::image_rgba& p) {
 
 }  // namespace
 
-std::string data_uri_of(const picture::image_rgba& picture, picture_kind kind) {
+std::string data_uri_of(const picture::image_rgba& picture) {
   WebPConfig config;
   WebPPicture encoded;
   if (WebPConfigInit(&config) == 0 || WebPPictureInit(&encoded) == 0) throw std::bad_alloc();
-  config.quality = photo_quality;
-  config.method = kind == picture_kind::photo ? photo_effort : drawing_effort;
-  config.lossless = kind == picture_kind::drawing ? 1 : 0;
+  config.quality = webp_quality;
   encoded.use_argb = 1;
   encoded.width = static_cast<int>(picture.width), encoded.height = static_cast<int>(picture.height);
   WebPMemoryWriter writer;

@@ -113,9 +113,9 @@ void draw_views(const scene::scene& s, const scene::world_geometry& world, const
     });
     if (drawn.size() > most_views) drawn.resize(most_views);
     for (drawn_view& d : drawn) {
-      d.view.full = data_uri_of(d.full, picture_kind::photo);
-      d.view.culled = data_uri_of(d.culled, picture_kind::photo);
-      d.view.difference = data_uri_of(d.marked, picture_kind::photo);
+      d.view.full = data_uri_of(d.full);
+      d.view.culled = data_uri_of(d.culled);
+      d.view.difference = data_uri_of(d.marked);
       data.views.push_back(std::move(d.view));
     }
   } catch (const error& e) {
