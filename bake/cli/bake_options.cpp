@@ -40,6 +40,8 @@ void add_output_options(CLI::App& verb, bake_options& o) {
   add_plain_option(verb, group, "--report-unseen", o.unseen_file, "FILE.json",
                    "Writes the polygons that are in the set of no cell to this file, by object, those with the most "
                    "first: what a level could do without. sightcell strip does so later.");
+  add_plain_option(verb, group, "--report", o.report_file, "FILE.html",
+                   "Writes a page about the bake and its file, for people. sightcell report does so later.");
 }
 
 void add_cell_options(CLI::App& verb, bake_options& o) {
@@ -132,7 +134,7 @@ void add_machine_options(CLI::App& verb, bake_options& o) {
   add_plain_option(verb, group, "--shard", o.shard, "I/N",
                    "Bakes part I of N on this machine, with I from 0 to N - 1; sightcell merge joins the parts. array "
                    "and array/N take I from the array of a Slurm, Kubernetes or AWS Batch job.")
-      ->excludes("--report-unseen");
+      ->excludes("--report-unseen", "--report");
   verb.add_flag("--fresh", o.fresh, "Discards an unfinished bake of the same output instead of resuming it.")
       ->group(group);
 }

@@ -17,8 +17,10 @@
 #include "exit_codes.h"
 #include "help.h"
 #include "number_text.h"
+#include "phase_times.h"
 #include "progress_line.h"
 #include "pvs_file.h"
+#include "report/write_report.h"
 #include "safety_ring_text.h"
 #include "shard_option.h"
 #include "sightcell/bake/bake.h"
@@ -39,7 +41,8 @@ progress_mode mode_of(const std::string& name) {
   return name == "none" ? progress_mode::none : progress_mode::automatic;
 }
 
-nlohmann::ordered_json summary_json(const bake_options& options, const scene::scene& s, const bake::summary& sum) {
+nlohmann::ordered_json summary_json(const bake_options& options, const scene::scene& s, const bake::summary& sum,
+                                    const phase_times& phases) {
   const char* const results[] = {"done", "bound_not_met", "cancelled"};
   return {{"result", results[static_cast<int>(sum.result)]},
           {"output", options.output.string()},
@@ -64,6 +67,7 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
             {"percentile_99", sum.times.percentile_99},
             {"longest", sum.times.longest},
             {"longest_center", sum.times.center}}},
+          {"phases", phases.json()},
           {"bytes", sum.bytes},
           {"source", sum.source},
           {"device", sum.device},
@@ -92,7 +96,7 @@ void refuse_overwriting(const bake_options& options) {
     throw error(error_kind::wrong_use, "cli.output-is-input", output.string(), what, "choose another name");
   };
   std::error_code ignored;
-  for (const std::filesystem::path& output : {options.output, options.json_file, options.unseen_file}) {
+  for (const std::filesystem::path& output : {options.output, options.json_file, options.unseen_file, options.report_file}) {
     for (const std::filesystem::path& scene : {options.scenes.scene, options.scenes.cells_from})
       if (std::filesystem::equivalent(scene, output, ignored)) refuse(output, "is the scene itself");
     if (std::filesystem::equivalent(options.cells_file, output, ignored)) refuse(output, "is the cells file");
@@ -106,6 +110,8 @@ void refuse_overwriting(const bake_options& options) {
   if (is_same(options.unseen_file, options.output)) refuse(options.unseen_file, "is both -o and --report-unseen");
   if (is_same(options.unseen_file, options.json_file))
     refuse(options.unseen_file, "is both --json-file and --report-unseen");
+  for (const std::filesystem::path& other : {options.output, options.json_file, options.unseen_file})
+    if (is_same(options.report_file, other)) refuse(options.report_file, "is both --report and another output");
 }
 
 // What could not be written after hours is refused before.
@@ -117,7 +123,9 @@ void refuse_bad_outputs(const bake_options& options) {
     throw error(error_kind::failed, "output.io", options.output.string(),
                 fs::is_directory(there) ? "is a folder" : "names no file", "choose a file as -o");
   for (const auto& [path, option] :
-       {std::pair(options.json_file, "--json-file"), {options.unseen_file, "--report-unseen"}}) {
+       {std::pair(options.json_file, "--json-file"),
+                                      {options.unseen_file, "--report-unseen"},
+                                      {options.report_file, "--report"}}) {
     if (path.empty()) continue;
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     const bool exists = fs::exists(path, ignored);
@@ -185,6 +193,17 @@ void report_unseen(const bake_options& options, const scene::scene& s, progress_
   line.message(fmt::format("{}: {}", unseen_text(found), options.unseen_file.string()));
 }
 
+void report_on_page(const bake_options& options, const scene::scene& s, const scene::scene* of_cells,
+                    const bake::summary& sum, const nlohmann::ordered_json& result, progress_line& line) {
+  report_request request;
+  request.scene = options.scenes.scene;
+  request.file = options.output;
+  request.output = options.report_file;
+  request.bake = result;
+  request.summary = &sum;
+  write_report(s, of_cells, pvs_file::open(options.output), request, line);
+}
+
 int run_bake(const bake_options& options) {
   const auto began = std::chrono::steady_clock::now();
   bake::settings how = settings_of(options);  // fails before minutes of loading
@@ -215,19 +234,26 @@ int run_bake(const bake_options& options) {
       line.update(now);
     return !stop;
   };
-  events.on_phase = [&](bake::bake_phase phase) { line.phase(phase); };
+  phase_times phases;
+  events.on_phase = [&](bake::bake_phase phase) {
+    line.phase(phase);
+    phases.begin(phase);
+  };
   events.on_stopping = [&](const bake::progress& now) { line.stopping(now); };
   events.on_message = [&line](bake::severity how_bad, const std::string& text) {
     line.message(how_bad == bake::severity::warning ? "warning: " + text : text);
   };
   const bake::summary sum = part ? bake::bake_shard(s, how, options.output, *part, options.fresh, events)
                                  : bake::bake(s, how, options.output, options.fresh, events);
+  phases.end();
   line.end();
   const int code =
       part ? report_shard(bake::shard_file(options.output, *part), sum, line) : report(options, how, sum, line);
   if (!options.unseen_file.empty() && sum.result != bake::outcome::cancelled) report_unseen(options, s, line);
-  const std::string text =
-      summary_json(options, s, sum).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  const nlohmann::ordered_json result = summary_json(options, s, sum, phases);
+  if (!options.report_file.empty() && sum.result != bake::outcome::cancelled)
+    report_on_page(options, s, of_cells ? &*of_cells : nullptr, sum, result, line);
+  const std::string text = result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   if (!options.json_file.empty()) write_text(options.json_file, text);
   if (options.json) fmt::print("{}\n", text);
   return code;

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   add_bake_verb(program, chosen);
   add_cells_verb(program, chosen);
   add_verify_verb(program, chosen);
+  add_report_verb(program, chosen);
   add_view_verb(program, chosen);
   add_info_verb(program, chosen);
   add_diff_verb(program, chosen);

@@ -20,6 +20,7 @@ void add_migrate_verb(CLI::App& program, action& chosen);
 void add_pack_verb(CLI::App& program, action& chosen);
 void add_patch_verb(CLI::App& program, action& chosen);
 void add_recode_verb(CLI::App& program, action& chosen);
+void add_report_verb(CLI::App& program, action& chosen);
 void add_samplers_verb(CLI::App& program, action& chosen);
 void add_strip_verb(CLI::App& program, action& chosen);
 void add_verify_verb(CLI::App& program, action& chosen);

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -24,6 +23,7 @@
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
 #include "verify_misses.h"
+#include "verify_result.h"
 #include "worst_view.h"
 
 namespace sightcell::cli {
@@ -45,65 +45,6 @@ struct verify_options {
   double bound = 0.0;                     // the one that decides
   bool json = false;
 };
-
-// A missing polygon with the names a person can look for.
-struct named_miss {
-  bake::missing_polygon miss;
-  std::uint32_t draw = 0, node = 0;
-  std::string node_name;
-  double share = 0.0;  // of its cell's rays
-};
-
-named_miss name_miss(const scene::scene& s, const bake::verification& v, const bake::missing_polygon& miss) {
-  named_miss named;
-  named.miss = miss;
-  named.draw = scene::draw_of(s, miss.polygon);
-  named.node = s.draws[named.draw].node;
-  if (named.node < s.node_names.size()) named.node_name = s.node_names[named.node];
-  const auto cell = std::find_if(v.cells.begin(), v.cells.end(), [&](const auto& c) { return c.cell == miss.cell; });
-  if (cell != v.cells.end() && cell->rays > 0)
-    named.share = static_cast<double>(miss.rays) / static_cast<double>(cell->rays);
-  return named;
-}
-
-// The cell with the largest error; where none has any, the one that was proved least.
-const bake::cell_verification* worst_cell(const bake::verification& v) {
-  const auto worse = [](const bake::cell_verification& a, const bake::cell_verification& b) {
-    return a.error != b.error ? a.error < b.error : a.upper_bound < b.upper_bound;
-  };
-  const auto worst = std::max_element(v.cells.begin(), v.cells.end(), worse);
-  return worst == v.cells.end() ? nullptr : &*worst;
-}
-
-ordered_json miss_json(const named_miss& named) {
-  return {{"cell", named.miss.cell}, {"polygon", named.miss.polygon}, {"draw", named.draw},
-          {"node", named.node},      {"node_name", named.node_name},  {"rays", named.miss.rays},
-          {"share", named.share},    {"eye", named.miss.eye},         {"target", named.miss.target}};
-}
-
-ordered_json result_json(const bake::verification& v, const std::vector<named_miss>& missing,
-                         const ordered_json& worst_view, const verify_options& options) {
-  const bake::cell_verification* worst = worst_cell(v);
-  ordered_json result = {{"metric", options.metric.metric},
-                         {"pixel_error", v.pixel_error},
-                         {"upper_bound", v.upper_bound},
-                         {"confidence", v.confidence},
-                         {"rays", v.rays},
-                         {"misses", v.misses},
-                         {"volume_misses", v.misses_of_volumes},
-                         {"cells", v.cells.size()},
-                         {"visible_set_percent", v.visible_set_percent},
-                         {"max_pixel_error", options.bound},
-                         {"passed", v.upper_bound <= options.bound},
-                         {"seed", options.how.seed},
-                         {"worst_view", worst_view}};
-  result["worst_cell"] = worst != nullptr ? ordered_json(worst->cell) : ordered_json(nullptr);
-  result["worst_cell_error"] = worst != nullptr ? worst->error : 0.0;
-  result["worst_cell_upper_bound"] = worst != nullptr ? worst->upper_bound : 1.0;
-  ordered_json& list = result["missing"] = ordered_json::array();
-  for (const named_miss& named : missing) list.push_back(miss_json(named));
-  return result;
-}
 
 // Pictures are an aid: a machine that cannot draw still gets its numbers.
 ordered_json try_worst_view(const scene::scene& s, const pvs_file& file, const std::vector<named_miss>& missing,
@@ -133,11 +74,6 @@ ordered_json try_worst_view(const scene::scene& s, const pvs_file& file, const s
     line.message(fmt::format("the worst view could not be drawn: {}", e.what()));
   }
   return view;
-}
-
-// Rays without a miss prove a bound of 3 / rays at 95 % confidence. Some more, because a few misses are normal.
-std::uint64_t rays_for(double bound) {
-  return static_cast<std::uint64_t>(std::ceil(10.0 / bound));
 }
 
 void report(const bake::verification& v, const std::vector<named_miss>& missing, const verify_options& options,
@@ -178,7 +114,8 @@ std::pair<ordered_json, bool> verify_with_rays(const scene::scene& s, const pvs_
   for (const bake::missing_polygon& miss : v.missing) missing.push_back(name_miss(s, v, miss));
   const ordered_json view = try_worst_view(s, file, missing, options, line);
   report(v, missing, options, line);
-  return {result_json(v, missing, view, options), v.upper_bound <= options.bound};
+  return {verify_json(v, missing, view, {options.metric.metric, options.bound, options.how.seed}),
+          v.upper_bound <= options.bound};
 }
 
 int run_verify(verify_options options) {

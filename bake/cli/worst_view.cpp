@@ -6,7 +6,6 @@
 
 #include "sightcell/bake/stored_overrides.h"
 #include "sightcell/picture/gl_context.h"
-#include "sightcell/picture/picture.h"
 
 namespace sightcell::cli {
 
@@ -14,7 +13,8 @@ namespace {
 
 constexpr std::uint32_t width = 1280, height = 720;
 
-// From the eye at the target; narrow enough that a small polygon is larger than a pixel, wide enough to know the place.
+}  // namespace
+
 picture::camera camera_of(const scene::world_geometry& world, const bake::missing_polygon& missing) {
   const glm::vec3 eye(missing.eye[0], missing.eye[1], missing.eye[2]);
   const glm::vec3 target(missing.target[0], missing.target[1], missing.target[2]);
@@ -31,8 +31,6 @@ picture::camera camera_of(const scene::world_geometry& world, const bake::missin
   view.vertical_fov = std::clamp(8.0f * reach / distance, 0.1f, 1.2f);
   return view;
 }
-
-}  // namespace
 
 worst_view draw_worst_view(const scene::scene& s, const pvs_file& file, const bake::missing_polygon& missing,
                            const std::string& prefix) {

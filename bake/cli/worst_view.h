@@ -6,9 +6,14 @@
 
 #include "pvs_file.h"
 #include "sightcell/bake/verify.h"
+#include "sightcell/picture/picture.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::cli {
+
+// Returns the camera of the picture of a missing polygon: at missing.eye, toward missing.target; narrow enough that a
+// small polygon is larger than a pixel, wide enough to recognize the surroundings.
+picture::camera camera_of(const scene::world_geometry& world, const bake::missing_polygon& missing);
 
 struct worst_view {
   std::vector<std::filesystem::path> pictures;  // full, culled, difference

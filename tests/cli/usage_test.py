@@ -7,7 +7,7 @@ import stat
 
 from harness import InRoom, program, run, write_triangles
 
-VERBS = ('bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'strip', 'merge', 'cells', 'samplers')
+VERBS = ('bake', 'verify', 'report', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'strip', 'merge', 'cells', 'samplers')
 
 
 class Usage(InRoom):
@@ -30,7 +30,7 @@ class Usage(InRoom):
     def test_help_of_bake_has_what_most_users_need_and_two_examples(self):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
-            '-o', '--profile', '--layout', '--volumes', '--importance', '--report-unseen', '--cells-file', '--cells-grid', '--reach',
+            '-o', '--profile', '--layout', '--volumes', '--importance', '--report-unseen', '--report', '--cells-file', '--cells-grid', '--reach',
             '--start', '--fly', '--path', '--cell-size', '--most-cells', '--merge-cells', '--cell-limit', '--margin',
             '--quality', '--max-pixel-error', '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',
             '--threads', '--memory', '--shard', '--fresh', '--help-all'])
@@ -95,7 +95,7 @@ class Usage(InRoom):
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--report=x', '--since=x'):
+        for option in ('--summary=x', '--since=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
 

@@ -39,7 +39,7 @@ PLACES = [
     ('samples/hello_cull/*.c', 'header'),
 ]
 # Verbs of the program whose `--help` is checked; '' is the program's own.
-HELP = ['', 'bake', 'verify', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'strip', 'merge', 'cells', 'samplers']
+HELP = ['', 'bake', 'verify', 'report', 'view', 'info', 'diff', 'patch', 'recode', 'migrate', 'pack', 'strip', 'merge', 'cells', 'samplers']
 
 # The few legitimate uses: (pattern of places, phrase, regular expression for the text around it: 60 characters on each
 # side, in one line). An entry that no text needs any more is a problem too.

@@ -272,6 +272,15 @@ def verify_from(content):
     return prepare
 
 
+def reported(result):
+    """A report of a bake, with something else than a result of verify."""
+    def prepare(folder, program):
+        path = write(folder, 'result.json', result)
+        return Call(['report', baked(folder, program), '--scene', os.path.join(folder, 'room.gltf'), '-o',
+                     os.path.join(folder, 'report.html'), '--verify', path], path)
+    return prepare
+
+
 def too_large_misses(folder):
     path = misses(folder, '{}')
     os.truncate(path, (16 << 20) + 1)
@@ -451,6 +460,8 @@ CASES = [
     ('path.not-json', 4, bake_with_path('{"path":')),
     ('path.too-large', 4, bake_with_path(too_large_path)),
     ('path.unreadable', 4, bake_with_path(lambda f: os.path.join(f, 'missing.json'))),
+    ('report.not-json', 4, reported('[]')),
+    ('report.other-file', 4, reported('{}')),
     ('scene.camera-at-rest', 2, lambda f: Call(['cells', scene(f, nodes=[{'mesh': 0, 'name': 'cart'}]), '--path-camera',
                                                 'cart'], 'cart')),
     ('scene.no-such-camera', 2, lambda f: Call(['cells', room(f), '--path-camera', 'nobody'], 'nobody')),

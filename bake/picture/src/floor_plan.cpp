@@ -162,11 +162,19 @@ double plan_scale(const plan_rectangle& frame) {
   return scale;
 }
 
+plan_rectangle plan_extent(const plan_rectangle& frame) {
+  const plan_shape shape = shape_of(frame);
+  return {static_cast<float>(shape.min_x), static_cast<float>(shape.min_z),
+          static_cast<float>(shape.min_x + shape.width / shape.scale),
+          static_cast<float>(shape.min_z + shape.height / shape.scale)};
+}
+
 image_rgba draw_floor_plan(const scene::world_geometry& geometry, const floor_plan& plan) {
   const plan_shape shape = shape_of(plan.frame);
-  const auto width = std::max(static_cast<std::uint32_t>(shape.width), narrowest);
+  const auto map_width = static_cast<std::uint32_t>(shape.width);
+  const std::uint32_t width = plan.bare ? map_width : std::max(map_width, narrowest);
   const text_sizes sizes(width);
-  plan_canvas canvas(width, static_cast<std::uint32_t>(shape.height + sizes.strip()));
+  plan_canvas canvas(width, static_cast<std::uint32_t>(shape.height + (plan.bare ? 0 : sizes.strip())));
   {
     const plan_surface surface = look_from_above(geometry, shape, plan.areas);
     for (std::int32_t y = 0; y < shape.height; ++y)
@@ -177,6 +185,7 @@ image_rgba draw_floor_plan(const scene::world_geometry& geometry, const floor_pl
         canvas.fill(x, y, x + 1, y + 1, color, (surface.flags[at] & plan_near) != 0 ? 1.0f : pale);
       }
   }
+  if (plan.bare) return canvas.take();
   draw_areas(plan, shape, canvas);
   for (const plan_mark& mark : plan.marks) {
     const double x = (static_cast<double>(mark.x) - shape.min_x) * shape.scale;

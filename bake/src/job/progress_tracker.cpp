@@ -129,14 +129,19 @@ cell_times progress_tracker::times() const {
   for (std::uint32_t cell = 0; cell < seconds_of_.size(); ++cell)
     if (work_of_[cell] >= 1.0 && seconds_of_[cell] >= 0.0f) all.emplace_back(seconds_of_[cell], cell);
   if (all.empty()) return {};
+  const auto center_of = [&](std::uint32_t cell) {
+    const glm::vec3 center = 0.5f * (tracked_.cells[cell].min + tracked_.cells[cell].max);
+    return std::array<float, 3>{center.x, center.y, center.z};
+  };
+  std::vector<timed_cell> each;
+  for (const auto& [seconds, cell] : all) each.push_back({center_of(cell), seconds});
   std::sort(all.begin(), all.end());
-  const view_cell& slowest = tracked_.cells[all.back().second];
-  const glm::vec3 center = 0.5f * (slowest.min + slowest.max);
   return {.cells = static_cast<std::uint32_t>(all.size()),
           .median = all[all.size() / 2].first,
           .percentile_99 = all[(all.size() * 99 + 99) / 100 - 1].first,
           .longest = all.back().first,
-          .center = {center.x, center.y, center.z}};
+          .center = center_of(all.back().second),
+          .each = std::move(each)};
 }
 
 void progress_tracker::estimate_time(std::size_t in_work) {

@@ -38,6 +38,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "sightcell/bake/host_scene.h"
 #include "sightcell/bake/progress.h"
@@ -55,6 +56,12 @@ enum class outcome {
   cancelled       // by callbacks::on_progress; the same call resumes
 };
 
+// How long a cell took.
+struct timed_cell {
+  std::array<float, 3> center{};  // of its box, meters
+  double seconds = 0.0;
+};
+
 // How long the cells of a bake took: CPU seconds of the thread that baked a cell, without the help of other threads.
 // With the source `gpu` wall-clock seconds. Times vary from run to run; nothing in the file depends on them.
 struct cell_times {
@@ -63,6 +70,7 @@ struct cell_times {
   double percentile_99 = 0.0;     // 99 of 100 cells took at most this
   double longest = 0.0;           // the slowest cell
   std::array<float, 3> center{};  // of the slowest cell's box, meters
+  std::vector<timed_cell> each;   // the counted cells, in the order of the bake
 };
 
 // Result of a bake, a shard or a merge. Percentages are of all polygons of the scene unless stated otherwise.
@@ -74,7 +82,8 @@ struct summary {
   std::uint32_t cells_over_bound = 0;  // whose bound is above settings::max_pixel_error
   std::uint32_t cells_resumed = 0;     // taken from the checkpoint of an earlier run
 
-  // Of cells_over_bound: settings::time_budget or settings::seconds_per_cell ended first; the others used all their rays.
+  // Of cells_over_bound: settings::time_budget or settings::seconds_per_cell ended first; the others used all their
+  // rays.
   std::uint32_t cells_out_of_time = 0;
   std::uint32_t cells_unreached = 0;  // with settings::time_budget: not in the file, without a bound when it ended
 

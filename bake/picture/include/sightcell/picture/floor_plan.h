@@ -37,11 +37,15 @@ struct floor_plan {
   std::vector<plan_mark> marks;  // small discs
   std::string title;             // ASCII; below the map
   std::vector<plan_key> legend;  // beside a scale bar
+  bool bare = false;             // the map alone: no areas, no marks, and no strip of text
 };
 
 // Returns how many pixels a meter has: 16 for a frame of up to 128 m, 8 for up to 512 m, and half of that until the
 // longer side is at most 4096 pixels.
 double plan_scale(const plan_rectangle& frame);
+
+// Returns what the map of a frame shows: the frame and its border, up to whole pixels.
+plan_rectangle plan_extent(const plan_rectangle& frame);
 
 // Draws the plan.
 // geometry: polygons that are absent or of alpha_mode::blend are not drawn. What is above eye height (1.6 m over the

@@ -1,0 +1,166 @@
+#include "file_info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "number_text.h"
+#include "sightcell/bake/inspect.h"
+#include "sightcell/base/json_text.h"
+#include "sightcell/format/layout.h"
+
+namespace sightcell::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string section_name(std::uint32_t id) {
+  switch (id) {
+    case format::layout::section_draws:
+      return "draws";
+    case format::layout::section_cells:
+      return "cells";
+    case format::layout::section_rows:
+      return "rows";
+    case format::layout::section_row_directory:
+      return "row directory";
+    case format::layout::section_certificate:
+      return "certificate";
+    case format::layout::section_settings:
+      return "settings";
+    case format::layout::section_orders:
+      return "orders";
+    case format::layout::section_codes:
+      return "codes";
+    case format::layout::section_importance:
+      return "importance";
+    case format::layout::section_volumes:
+      return "volumes";
+    case format::layout::section_named_groups:
+      return "named groups";
+    case format::layout::section_viewpoints:
+      return "viewpoints";
+    case format::layout::section_eyes:
+      return "eyes";
+    case format::layout::section_borders:
+      return "chunk borders";
+    default:
+      return fmt::format("unknown {}", id);
+  }
+}
+
+ordered_json sections_json(const format::reader& file) {
+  ordered_json list = ordered_json::array();
+  for (std::uint32_t i = 0; i < file.section_count(); ++i) {
+    format::section_record section;
+    if (file.section(i, section) != format::status::ok) continue;
+    list.push_back({{"id", section.id},
+                    {"name", section_name(section.id)},
+                    {"offset", section.offset},
+                    {"size", section.size},
+                    {"required", section.required}});
+  }
+  return list;
+}
+
+ordered_json certificate_json(const format::reader& file) {
+  ordered_json list = ordered_json::array();
+  for (std::uint32_t i = 0; i < file.certificate_count(); ++i) {
+    format::certificate_record c;
+    if (file.certificate(i, c) != format::status::ok) continue;
+    list.push_back({{"cell", c.cell},
+                    {"rays", c.rays},
+                    {"misses", c.misses},
+                    {"upper_bound", c.upper_bound},
+                    {"confidence", c.confidence},
+                    {"seed", c.seed}});
+  }
+  return list;
+}
+
+// What the order of polygons inside cells takes; null where there is none.
+ordered_json importance_json(const format::reader& file, std::uint64_t visible_polygons) {
+  for (std::uint32_t i = 0; i < file.section_count(); ++i) {
+    format::section_record section;
+    if (file.section(i, section) != format::status::ok || section.id != format::layout::section_importance) continue;
+    const double bits =
+        8.0 * static_cast<double>(section.size) / static_cast<double>(std::max<std::uint64_t>(visible_polygons, 1));
+    return {{"bytes", section.size}, {"bits_per_visible_polygon", bits}};
+  }
+  return nullptr;
+}
+
+ordered_json named_groups_json(const format::reader& file) {
+  ordered_json names = ordered_json::array();
+  std::string_view name;
+  for (std::uint32_t i = 0; i < file.named_groups().count(); ++i) {
+    if (file.named_groups().name(i, name)) names.push_back(std::string(name));
+  }
+  return names;
+}
+
+// The settings text is somebody's JSON: shown as such when it is, as text when it is not.
+ordered_json settings_json(std::string_view text) {
+  if (text.empty()) return nullptr;
+  ordered_json parsed = scene::parse_ordered_json(text, false);
+  return parsed.is_discarded() ? ordered_json(std::string(text)) : parsed;
+}
+
+double visible_percent(const format::row_statistics& sums, std::uint32_t polygons) {
+  const double all = static_cast<double>(sums.cells) * polygons;
+  return all > 0.0 ? 100.0 * static_cast<double>(sums.polygons) / all : 0.0;
+}
+
+}  // namespace
+
+std::string safety_ring_of(const ordered_json& settings) {
+  if (!settings.is_object() || !settings.contains("safety_ring")) return {};
+  const ordered_json& named = settings["safety_ring"];
+  return named.is_string() ? named.get<std::string>() : std::string();
+}
+
+ordered_json file_info(const pvs_file& pvs, const std::string& name) {
+  const format::reader& file = pvs.content();
+  const format::row_statistics sums = pvs.statistics();
+  const format::file_facts& facts = file.facts();
+  const ordered_json settings = settings_json(file.settings());
+  return {{"cells", file.cell_count()},
+          {"polygons", file.polygon_count()},
+          {"draws", file.draw_count()},
+          {"bytes", pvs.size()},
+          {"visible_set_percent", visible_percent(sums, file.polygon_count())},
+          {"bits_per_visible_polygon", sums.bits_per_visible_polygon()},
+          {"runs_per_cell", sums.runs_per_cell()},
+          {"ranges_per_cell", sums.ranges_per_cell()},
+          {"chunks", sums.chunks},
+          {"cells_per_chunk", sums.cells_per_chunk()},
+          {"largest_chunk_bytes", sums.largest_chunk},
+          {"delta_row_percent", sums.delta_row_percent()},
+          {"shared_row_percent", sums.shared_row_percent()},
+          // Of slack, in percent of what is seen. Which of a safety ring's polygons can be seen nobody has asked.
+          {"false_visible_percent", safety_ring_of(settings).empty()
+                                        ? ordered_json(100.0 * static_cast<double>(facts.slack))
+                                        : ordered_json(nullptr)},
+          {"importance", importance_json(file, sums.polygons)},
+          {"volumes", file.volumes().count()},
+          {"volume_width", file.volumes().count() > 0 ? ordered_json(file.volumes().shape().width) : nullptr},
+          {"volumes_per_cell", sums.volumes_per_cell()},
+          // Of the bytes, those that would not be there without them.
+          {"volume_percent", 100.0 - 100.0 * static_cast<double>(bake::size_without_volumes(pvs.bytes(), name)) /
+                                         static_cast<double>(pvs.size())},
+          {"named_groups", named_groups_json(file)},
+          {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
+          {"margin", facts.margin},
+          {"metric", pvs.metric()},
+          {"max_pixel_error", facts.max_pixel_error},
+          {"confidence", facts.confidence},
+          {"format_version", file.format_version()},
+          {"sections", sections_json(file)},
+          {"fingerprint", hex(facts.scene_fingerprint)},
+          {"settings", settings},
+          {"repeatable", facts.repeatable},
+          {"certificate", certificate_json(file)}};
+}
+
+}  // namespace sightcell::cli
