@@ -177,9 +177,9 @@ std::string viewer_command(const report_data& data, const report_view& view) {
                y = static_cast<double>(view.target[1]) - static_cast<double>(view.eye[1]),
                z = static_cast<double>(view.target[2]) - static_cast<double>(view.eye[2]);
   const double degrees = 180.0 / std::numbers::pi;
-  return fmt::format("sightcell view {} {} --eye={} --look={:.2f},{:.2f} --mode tint", shell_word(data.scene_path),
-                     shell_word(data.file_path), point_text(view.eye), degrees * std::atan2(x, -z),
-                     degrees * std::atan2(y, std::hypot(x, z)));
+  return fmt::format("sightcell view {} {} --eye={} --look={:.2f},{:.2f} --frozen-from {} --mode tint",
+                     shell_word(data.scene_path), shell_word(data.file_path), point_text(view.eye),
+                     degrees * std::atan2(x, -z), degrees * std::atan2(y, std::hypot(x, z)), view.cell);
 }
 
 std::string grounds_of(const report_data& data) {

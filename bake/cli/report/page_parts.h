@@ -17,7 +17,8 @@ double requested_bound(const report_data& data);
 // Returns a whole number with separators; "-" if it is not finite or negative.
 std::string grouped_text(double number);
 
-// Returns the command that opens the viewer at a view.
+// Returns the command that opens the viewer at a view, with the set of its cell: in the margin of a cell, the runtime has
+// its set only for a camera that comes from there.
 std::string viewer_command(const report_data& data, const report_view& view);
 
 std::string grounds_of(const report_data& data);

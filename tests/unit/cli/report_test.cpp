@@ -91,7 +91,8 @@ TEST(report, data_with_gaps_and_odd_numbers_makes_a_page) {
   EXPECT_TRUE(contains(report_page(empty), "The file has no cells."));
   for (const nlohmann::ordered_json& odd :
        {nlohmann::ordered_json("text"), nlohmann::ordered_json(7), nlohmann::ordered_json::array({1, "a"}),
-        nlohmann::ordered_json{{"settings", "text"}, {"sections", 3}, {"cell_seconds", 4}, {"phases", {5}}, {"bytes", -1}}}) {
+        nlohmann::ordered_json{
+            {"settings", "text"}, {"sections", 3}, {"cell_seconds", 4}, {"phases", {5}}, {"bytes", -1}}}) {
     report_data data = data_of_cells(2);
     data.info = odd, data.verify = odd, data.bake = odd;
     data.cells[0].bound = std::nan(""), data.cells[1].seconds = infinite, data.cells[1].bound = 0.0;
@@ -105,7 +106,8 @@ TEST(report, values_are_beside_their_text) {
   report_data data = data_of_cells(3);
   data.info["visible_set_percent"] = 5.055137201874432;
   const std::string page = report_page(data);
-  EXPECT_TRUE(contains(page, "<span data-key=\"info.visible_set_percent\" data-value=\"5.055137201874432\">5.1 %</span>"));
+  EXPECT_TRUE(
+      contains(page, "<span data-key=\"info.visible_set_percent\" data-value=\"5.055137201874432\">5.1 %</span>"));
   EXPECT_TRUE(contains(page, "data-key=\"info.cells\" data-value=\"3\""));
   EXPECT_EQ(page, report_page(data));
 }
@@ -151,7 +153,7 @@ TEST(report, words_of_commands_are_quoted) {
   report_view view;
   view.eye = {1, 2, 3}, view.target = {2, 2, 3};  // toward +x: a quarter turn to the right
   EXPECT_EQ(viewer_command(data, view),
-            "sightcell view level.glb level.pvs --eye=1.000,2.000,3.000 --look=90.00,0.00 --mode tint");
+            "sightcell view level.glb level.pvs --eye=1.000,2.000,3.000 --look=90.00,0.00 --frozen-from 0 --mode tint");
 }
 
 TEST(report, suggests_what_the_data_asks_for) {
@@ -188,7 +190,8 @@ TEST(report, suggests_at_most_three_things) {
 }
 
 TEST(report, finds_cells_that_no_path_leads_up_to) {
-  // A street of four cells; two cells on a roof beside it; one up a step from the street; one in an attic below the roof.
+  // A street of four cells; two cells on a roof beside it; one up a step from the street; one in an attic below the
+  // roof.
   report_data data = data_of_cells(4);
   for (const auto& [x, y] : {std::pair(0.0f, 9.0f), {4.0f, 9.0f}, {16.0f, 2.0f}, {10.0f, 5.5f}}) {
     data.cells.push_back(cell_at(x, y));
