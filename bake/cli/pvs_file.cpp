@@ -8,6 +8,7 @@
 #include "sightcell/bake/settings.h"
 #include "sightcell/base/error.h"
 #include "sightcell/base/json_text.h"
+#include "sightcell/format/eye_table.h"
 #include "sightcell/format/layout.h"
 
 namespace sightcell::cli {
@@ -40,6 +41,9 @@ bool begins_like_pvs(const std::filesystem::path& path) {
 pvs_file::pvs_file(std::filesystem::path path, std::vector<std::byte> bytes)
     : path_(std::move(path)), bytes_(std::move(bytes)) {
   check(format::reader::open(bytes_, reader_));
+  format::eye_table eyes;  // open() skips them
+  const format::status of_eyes = format::eye_table::open(reader_, eyes);
+  if (of_eyes != format::status::absent) check(of_eyes);
 }
 
 void pvs_file::check(format::status status) const {
