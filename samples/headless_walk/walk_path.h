@@ -14,7 +14,7 @@ struct step {
 
 // Visits the boxes, always the nearest one next, and spreads the frames evenly over them: with fewer frames than boxes
 // some are left out, with more the eye looks around in each. In a box with a known eye
-// it stays there. Boxes without a free place are skipped; their number is
+// it stays there. Boxes without a valid viewpoint are skipped; their number is
 // added to skipped.
 std::vector<step> make_path(const sightcell::scene::world_geometry& world, const std::vector<box>& boxes,
                             std::uint32_t frames, std::uint32_t& skipped);
