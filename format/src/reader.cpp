@@ -42,7 +42,7 @@ status reader::open_front(std::span<const std::byte> front, std::uint64_t total_
   file.bytes_ = front;
   file.total_size_ = total_size;
   if (const status s = file.open_all(); s != status::ok) return s;
-  if (file.version_ == 0) return status::version;
+  if (file.is_v0()) return status::version;
   out = file;
   return status::ok;
 }
@@ -112,7 +112,7 @@ status reader::read_header() noexcept {
   facts_.repeatable = (flags & layout::flag_not_repeatable) == 0;
   if (!facts_are_valid(facts_) || (flags & ~layout::flag_not_repeatable) != 0) return status::corrupt;
   const bool later = list_bound_ != 0 || facts_.slack != 0.0f || facts_.layout != host_layout::instanced;
-  if (version_ == 0 && later) return status::corrupt;
+  if (is_v0() && later) return status::corrupt;
   if (facts_.polygon_count > layout::max_polygons || cell_count_ > layout::max_cells ||
       draw_count_ > layout::max_draws || section_count_ > layout::max_sections || facts_.margin > layout::max_margin) {
     return status::limit;
@@ -139,7 +139,7 @@ status reader::read_sections() noexcept {
       &draws_, &cells_,      &rows_,         &directory_,         &certificate_,     &settings_,    &orders_,
       &codes_, &importance_, &volume_bytes_, &named_group_bytes_, &viewpoint_bytes_, &border_bytes_};
   std::array<bool, 13> found{};
-  const std::size_t known_ids = version_ == 0 ? 6 : ids.size();
+  const std::size_t known_ids = is_v0() ? 6 : ids.size();
   std::uint64_t next = layout::header_size + table_size;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
     section_record entry;
@@ -164,7 +164,7 @@ status reader::read_sections() noexcept {
       if (const status s = check_section(i); s != status::ok) return s;
     }
   }
-  const bool complete = found[0] && found[1] && found[2] && found[3] && (version_ == 0 || (found[6] && found[7]));
+  const bool complete = found[0] && found[1] && found[2] && found[3] && (is_v0() || (found[6] && found[7]));
   has_importance_ = found[8];
   has_volumes_ = found[9];
   has_named_groups_ = found[10];
@@ -202,7 +202,7 @@ status reader::check_section(std::uint32_t number) const noexcept {
 
 status reader::skipped_section(std::uint32_t id, std::span<const std::byte>& out) const noexcept {
   bool found = false;
-  for (std::uint32_t i = 0; i < section_count_ && version_ > 0; ++i) {
+  for (std::uint32_t i = 0; i < section_count_ && !is_v0(); ++i) {
     section_record entry;
     if (const status s = section(i, entry); s != status::ok) return s;
     if (entry.id != id) continue;
@@ -218,7 +218,7 @@ status reader::check_sizes() noexcept {
   chunks_ = chunk_borders(cell_count_);
   if (has_borders_ && !chunks_.open(part(border_bytes_), cell_count_)) return status::corrupt;
   const std::uint64_t directory = chunk_count() * layout::chunk_record_size;
-  if (version_ == 0) {
+  if (is_v0()) {
     if (draws_.size != draw_count_ * layout::v0_draw_record_size ||
         cells_.size != cell_count_ * layout::cell_record_size ||
         directory_.size != directory + cell_count_ * layout::v0_row_record_size ||
@@ -235,7 +235,7 @@ status reader::check_sizes() noexcept {
 status reader::check_bounds() const noexcept {
   // A run takes two codes of a bit or more (two bytes in version 0), and a range is a run or a draw border inside a
   // run: so a small file cannot ask a host for large buffers.
-  const std::uint64_t most_runs = version_ == 0 ? rows_.size / 2 : 4 * rows_.size;
+  const std::uint64_t most_runs = is_v0() ? rows_.size / 2 : 4 * rows_.size;
   if (run_bound_ > most_runs || run_bound_ > item_count() || list_bound_ > most_runs) return status::corrupt;
   const std::uint64_t most_ranges = std::uint64_t{run_bound_} + draw_count_ + (has_volumes_ ? 1 : 0);
   if (range_bound_ < run_bound_ || range_bound_ > most_ranges) return status::corrupt;
@@ -245,7 +245,7 @@ status reader::check_bounds() const noexcept {
 
 // The packed tables of version 1.
 status reader::open_tables() noexcept {
-  if (version_ == 0) {
+  if (is_v0()) {
     order_count_ = draw_count_;
     return status::ok;
   }
@@ -296,11 +296,11 @@ status reader::open_tables() noexcept {
 }
 
 std::uint32_t reader::order_of_draw(std::uint32_t draw) const noexcept {
-  return version_ == 0 ? draw : draw_columns_[6][draw];
+  return is_v0() ? draw : draw_columns_[6][draw];
 }
 
 std::uint32_t reader::order_begin(std::uint32_t number) const noexcept {
-  if (version_ != 0) return order_begin_[number];
+  if (!is_v0()) return order_begin_[number];
   draw_record d;
   return number == draw_count_ ? facts_.polygon_count : v0_draw(number, d) == status::ok ? d.first_stored : 0;
 }
@@ -311,7 +311,7 @@ std::uint32_t reader::order_size(std::uint32_t number) const noexcept {
 
 status reader::draw(std::uint32_t number, draw_record& out) const noexcept {
   if (number >= draw_count_) return status::argument;
-  if (version_ == 0) return v0_draw(number, out);
+  if (is_v0()) return v0_draw(number, out);
   const auto column = [&](std::size_t which) { return draw_columns_[which][number]; };
   const std::uint32_t order = column(6);
   const std::uint32_t first = column(8);
@@ -378,14 +378,14 @@ std::uint32_t reader::first_draw_of(std::uint32_t range_unit) const noexcept {
 std::uint32_t reader::range_unit_begin(std::uint32_t number) const noexcept {
   if (number >= range_units_) return facts_.polygon_count;
   draw_record d;
-  if (version_ == 0) return v0_draw(number, d) == status::ok ? d.first_stored : facts_.polygon_count;
+  if (is_v0()) return v0_draw(number, d) == status::ok ? d.first_stored : facts_.polygon_count;
   const std::uint32_t draw = first_draw_of(number);
   return draw < draw_count_ ? draw_columns_[8][draw] : facts_.polygon_count;
 }
 
 status reader::orders(std::span<std::uint32_t> out) const noexcept {
   if (out.size() != order_begin(order_count_)) return status::argument;
-  if (version_ == 0) {
+  if (is_v0()) {
     for (std::uint32_t number = 0; number < order_count_; ++number) {
       const std::uint32_t begin = order_begin(number);
       const std::uint32_t end = order_begin(number + 1);
@@ -406,7 +406,7 @@ status reader::orders(std::span<std::uint32_t> out) const noexcept {
 
 status reader::source_of_stored(std::span<std::uint32_t> out) const noexcept {
   if (out.size() != facts_.polygon_count) return status::argument;
-  if (version_ == 0) {  // stored order is source order
+  if (is_v0()) {  // stored order is source order
     std::iota(out.begin(), out.end(), 0u);
     return status::ok;
   }
@@ -452,7 +452,7 @@ status reader::make_sources(std::uint32_t range_unit, std::span<std::uint32_t> p
 status reader::cell_box(std::uint32_t cell, box& out) const noexcept {
   if (cell >= cell_count_) return status::argument;
   if (lattice() != nullptr) return lattice_.cell_box(cell, out) ? status::ok : status::corrupt;
-  const checked_reader in(part(cells_).subspan(version_ == 0 ? 0 : 4));
+  const checked_reader in(part(cells_).subspan(is_v0() ? 0 : 4));
   const std::uint64_t at = cell * layout::cell_record_size;
   box b;
   if (grid() != nullptr) b = box_of(grid_.step(), grid_.place(cell));
@@ -482,7 +482,7 @@ std::string_view reader::settings() const noexcept {
 
 status reader::certificate(std::uint32_t number, certificate_record& out) const noexcept {
   if (number >= certificate_count_) return status::argument;
-  if (version_ == 0) return v0_certificate(number, out);
+  if (is_v0()) return v0_certificate(number, out);
   const auto column = [&](std::size_t which) { return certificate_columns_[which][number]; };
   const auto wide = [&](std::size_t which) { return std::uint64_t{column(which + 1)} << 32 | column(which); };
   const certificate_record c{.cell = number,

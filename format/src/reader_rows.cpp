@@ -91,19 +91,19 @@ status reader::check_directory() const noexcept {
   }
   if (next != rows_.offset + rows_.size) return status::corrupt;
   row_place place;
-  for (std::uint32_t cell = 0; cell < cell_count_ && version_ == 0; ++cell) {
+  for (std::uint32_t cell = 0; cell < cell_count_ && is_v0(); ++cell) {
     if (const status s = v0_row_bytes(cell, place); s != status::ok) return s;
   }
   return status::ok;
 }
 
 std::size_t reader::codes_size() const noexcept {
-  return version_ == 0 ? 0 : sizeof(row_codes);
+  return is_v0() ? 0 : sizeof(row_codes);
 }
 
 status reader::make_codes(std::span<std::byte> memory, const row_codes*& out) const noexcept {
   out = nullptr;
-  if (version_ == 0) return status::ok;
+  if (is_v0()) return status::ok;
   if (memory.size() < sizeof(row_codes)) return status::capacity;
   auto* codes = new (memory.data()) row_codes;
   std::span<const std::byte> bytes = part(codes_);
@@ -120,7 +120,7 @@ status reader::make_codes(std::span<std::byte> memory, const row_codes*& out) co
 }
 
 std::size_t reader::scratch_size() const noexcept {
-  if (version_ == 0) return run_bound_ * sizeof(run);
+  if (is_v0()) return run_bound_ * sizeof(run);
   return bounds_of(*this, list_bound_).scratch_room() * sizeof(std::uint32_t);
 }
 
@@ -129,7 +129,7 @@ status reader::decode_items(std::uint32_t cell, const row_codes* codes, std::spa
                             std::span<std::byte> scratch, std::size_t& count) const noexcept {
   count = 0;
   if (cell >= cell_count_) return status::argument;
-  if (version_ == 0) {
+  if (is_v0()) {
     if (out.size() < run_bound_ || scratch.size() < scratch_size()) return status::capacity;
     return v0_decode_row(cell, out, as_array<run>(scratch), count);
   }
@@ -181,7 +181,7 @@ status reader::decode_row(std::uint32_t cell, const row_codes* codes, std::span<
 status reader::decode_row(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes,
                           std::span<run> out, std::span<std::byte> scratch, row_parts& parts) const noexcept {
   parts = {};
-  if (version_ == 0) return status::version;
+  if (is_v0()) return status::version;
   if (out.size() < row_room()) return status::capacity;
   std::size_t count = 0;
   if (const status s = decode_items(cell, chunk, codes, out, scratch, count); s != status::ok) return s;
@@ -208,7 +208,7 @@ row_parts reader::split(std::span<run> out, std::size_t count) const noexcept {
 
 status reader::row(std::uint32_t cell, row_record& out) const noexcept {
   if (cell >= cell_count_) return status::argument;
-  if (version_ == 0) return v0_row(cell, out);
+  if (is_v0()) return v0_row(cell, out);
   const cell_chunk cells = chunks_.chunk_of(cell);
   extent where;
   std::uint32_t checksum = 0;
@@ -244,7 +244,7 @@ std::uint64_t reader::count_ranges(std::span<const run> runs) const noexcept {
 // Rows follow each other in the order of the first cell that uses them; a shared row is an earlier one.
 status reader::check_chunk_filled(const cell_chunk& cells, const row_codes* codes,
                                   std::span<std::byte> scratch) const noexcept {
-  if (version_ == 0) return v0_check_chunk_filled(cells);
+  if (is_v0()) return v0_check_chunk_filled(cells);
   extent where;
   std::uint32_t checksum = 0;
   if (const status s = chunk_extent(cells.number, where, checksum); s != status::ok) return s;
@@ -290,7 +290,7 @@ status reader::check(const row_codes* codes, std::span<run> out, std::span<std::
   if (out.size() < run_bound_ || scratch.size() < scratch_size() || stored.size() < check_room()) {
     return status::capacity;
   }
-  if (version_ != 0 && codes == nullptr) return status::argument;
+  if (!is_v0() && codes == nullptr) return status::argument;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
     if (const status s = check_section(i); s != status::ok) return s;
   }

@@ -88,8 +88,7 @@ export class Sightcell {
     try {
       db = await pages.open(residentBytes);
     } catch (error) {
-      // Files of version 0 have no pages, and a page can be larger than residentBytes.
-      if (['version', 'capacity'].includes(error.id)) return openWhole();
+      if (error.id === 'capacity') return openWhole();  // a page can be larger than residentBytes
       throw error;
     }
     try {

@@ -18,11 +18,17 @@ function hash_of(text) {
   return hash.hex();
 }
 
-// The numbers that platforms_same_everywhere_test expects.
+// The numbers that platforms_same_everywhere_test expects. The module is built without version 0.
 let read = 0;
+let old = 0;
 for (const line of lines(answers)) {
   const [name, size, dump_hash, walk_hash] = line.split(" ");
   const path = join(folder, `${name}.pvs`);
+  if (name.startsWith("v0_")) {
+    page.with_file(path, ({ status: s }) => require(s === status.version, `${name}: status ${s}`));
+    ++old;
+    continue;
+  }
   page.with_file(path, ({ db, status: s }) => {
     require(s === status.ok, `${name}: status ${s}`);
     const text = dump(page, db);
@@ -32,18 +38,16 @@ for (const line of lines(answers)) {
     require(walked === walk_hash, `${name}: the walk's hash is ${walked}`);
     require(page.c.sightcell_db_check(db) === status.ok, `${name} is not sound`);
   });
-  // A paged file gives the same results. Files of version 0 cannot be paged.
+  // A paged file gives the same results.
   const paged = open_paged(page, readFileSync(path));
-  require(paged.status === (name.startsWith("v0_") ? status.version : status.ok), `${name} paged: ${paged.status}`);
-  if (paged.status === status.ok) {
-    const walked = hash_of_walk(page, paged.db);
-    require(walked === walk_hash, `${name} piece by piece: the walk's hash is ${walked}`);
-    require(paged.requests() > 2, `${name} piece by piece: ${paged.requests()} requests`);
-  }
+  require(paged.status === status.ok, `${name} paged: ${paged.status}`);
+  const walked = hash_of_walk(page, paged.db);
+  require(walked === walk_hash, `${name} piece by piece: the walk's hash is ${walked}`);
+  require(paged.requests() > 2, `${name} piece by piece: ${paged.requests()} requests`);
   paged.close();
   ++read;
 }
-require(read > 0, `${answers} lists nothing`);
+require(read > 0 && old > 0, `${answers}: ${read} files, and ${old} of version 0`);
 
 const names = Object.fromEntries(Object.entries(status).map(([name, number]) => [number, name]));
 const damaged = lines(join(folder, "golden_errors", "statuses.txt"));

@@ -8,8 +8,13 @@ namespace sightcell::format::layout {
 
 // 89 "PVS" CR LF 1A LF: the first byte is not ASCII, and the line ends reveal a transfer that changed line endings.
 inline constexpr std::array<std::uint8_t, 8> magic{0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A};
-inline constexpr std::uint32_t version = 1;         // version that the writer writes
-inline constexpr std::uint32_t oldest_version = 0;  // oldest version that the reader reads
+inline constexpr std::uint32_t version = 1;  // version that the writer writes
+// Oldest version that the reader reads. The module for pages is built without version 0, to be smaller.
+#ifdef SIGHTCELL_WITHOUT_VERSION_0
+inline constexpr std::uint32_t oldest_version = 1;
+#else
+inline constexpr std::uint32_t oldest_version = 0;
+#endif
 
 // Sizes of the fixed records, in bytes.
 inline constexpr std::uint64_t header_size = 96;

@@ -309,7 +309,8 @@ class reader {
   status check_chunk_filled(const cell_chunk& chunk, const row_codes* codes,
                             std::span<std::byte> scratch) const noexcept;
 
-  // Version 0, in reader_v0.cpp.
+  // Version 0, in reader_v0.cpp. A constant where the reader is built without it.
+  [[nodiscard]] bool is_v0() const noexcept { return layout::oldest_version == 0 && version_ == 0; }
   status v0_draw(std::uint32_t number, draw_record& out) const noexcept;
   status v0_certificate(std::uint32_t number, certificate_record& out) const noexcept;
   status v0_row_bytes(std::uint32_t cell, row_place& out) const noexcept;

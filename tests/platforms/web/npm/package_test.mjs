@@ -13,6 +13,7 @@ const { DebugLines, Sightcell, SightcellError } =
   await import(pathToFileURL(resolve(folder, "sightcell.js")).href);
 const sightcell = await Sightcell.load();
 const lines = (path) => readFileSync(path, "utf8").split("\n").filter((line) => line !== "");
+const is_old = (name) => name.startsWith("v0_");  // version 0, which the module is built without
 const file = (name) => readFileSync(join(golden, name));
 const equal = (found, expected, what) => {
   require(JSON.stringify(found) === JSON.stringify(expected), `${what}: ${found} instead of ${expected}`);
@@ -34,6 +35,10 @@ function same_answers() {
   let read = 0;
   for (const line of lines(answers)) {
     const [name, size, expected] = line.split(" ");
+    if (is_old(name)) {
+      equal(id_of(() => sightcell.open(file(`${name}.pvs`))), "version", name);
+      continue;
+    }
     const db = sightcell.open(file(`${name}.pvs`));
     const hash = new fnv_hash();
     const text = dump(db);
@@ -204,7 +209,7 @@ function cycle(bytes, keep_view) {
 
 // A block that is not freed has at least 32 bytes, and a page 65,536.
 function memory_does_not_grow() {
-  const names = lines(answers).map((line) => `${line.split(" ")[0]}.pvs`);
+  const names = lines(answers).map((line) => `${line.split(" ")[0]}.pvs`).filter((name) => !is_old(name));
   const round = () => names.forEach((name) => { for (let i = 0; i < 10; ++i) cycle(file(name), i % 2 === 0); });
   round();
   const before = sightcell.memoryBytes;
