@@ -11,34 +11,21 @@
 #include "bound/bound_rays.h"
 #include "bound/clopper_pearson.h"
 #include "bound/sequential_test.h"
+#include "search/batch_plan.h"
 #include "search/cell_search.h"
 #include "search/volume_search.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr double viewpoint_risk_share =
-    0.01;                             // of an interim test's risk: that too many viewpoints are counted as valid
+// Of an interim test's risk: that too many viewpoints are counted as valid.
+constexpr double viewpoint_risk_share = 0.01;
 constexpr double search_share = 0.6;  // of the time that is left, before each batch
 // Cost of a verification ray, in aimed rays, where a batch is planned. In scenes of leaves it is twice as high, but a
 // batch that may end early is tried there too: planning with the higher cost took a sixth more time.
 constexpr double verification_ray_cost = 0.2;
-constexpr double left_after_round =
-    0.45;                                // share of the miss probability that is left after another round of hemicubes
-constexpr double left_after_rays = 0.7;  // and after rays toward the neighbors of what a batch found
-
-// A batch ends early where another search and a shorter batch seem cheaper. In a cell whose misses are many small
-// polygons, each found alone, the next batch is no shorter, and has half of the risk. So after this many batches since
-// the last hemicubes, the cheaper of two follows: a round of hemicubes, or a batch that is cast to its end and finds
-// more misses.
-constexpr std::uint64_t most_short_batches = 3;
 // The risk of a later batch would vanish beside 1.
 constexpr std::uint64_t most_batches = 40;
-
-// Returns the part of the 5 % that batch number `batch` may use.
-double risk_of(std::uint64_t batch) {
-  return 0.05 / std::ldexp(1.0, static_cast<int>(std::min<std::uint64_t>(batch, 1000)));
-}
 
 // Returns the number of rays to cast per trial wanted, 1 or more. Rays from invalid viewpoints are no trials. The
 // share of valid viewpoints is an estimate from about a hundred points, and the number of trials is a lower limit
@@ -48,43 +35,6 @@ double headroom(double trials, double valid_share) {
   constexpr double deviations = 3.5;
   const double tests = std::max(256.0, trials / valid_share / 256.0);
   return 1.02 + deviations * std::sqrt((1.0 - valid_share) / (valid_share * tests));
-}
-
-// Estimates the cost that is left, in rays, with batches alone and with rounds of hemicubes before the next batch.
-class plan_costs {
- public:
-  plan_costs(const std::vector<interim_test>& interim_tests, double of_trial, double of_views)
-      : interim_tests_(interim_tests), of_trial_(of_trial), of_views_(of_views) {}
-
-  // With a batch now. If it is expected to fail, its first interim test shows that, and another round follows.
-  double now(double missing, int round = 0) const {
-    const double trials = expected_trials(interim_tests_, missing);
-    if (std::isfinite(trials)) return of_trial_ * trials;
-    return of_trial_ * static_cast<double>(interim_tests_.front().trials) + later(missing, round);
-  }
-  // With a round of hemicubes first. Each round is twice the size of the one before it.
-  double later(double missing, int round = 0) const {
-    constexpr int most_rounds = 12;
-    if (round == most_rounds) return 0.0;
-    return std::ldexp(of_views_, round) + now(left_after_round * missing, round + 1);
-  }
-
- private:
-  const std::vector<interim_test>& interim_tests_;
-  double of_trial_, of_views_;
-};
-
-// Returns whether a batch now costs less than another round of hemicubes and a shorter batch after it, in the mean
-// over the estimates of the miss probability.
-bool batch_pays(const std::vector<interim_test>& interim_tests, const error_guess& missing, std::uint64_t cost_of_views,
-                double cost_of_trial) {
-  const auto views = static_cast<double>(cost_of_views);
-  // If nothing is known, a cheap batch is the quickest estimate.
-  if (missing.front() >= 1.0) return cost_of_trial * static_cast<double>(interim_tests.front().trials) <= views;
-  const plan_costs costs(interim_tests, cost_of_trial, views);
-  double now = 0.0, later = 0.0;
-  for (const double m : missing) now += costs.now(m), later += costs.later(m);
-  return now <= later;
 }
 
 // The search for visibility volumes. It does nothing if there are none.
@@ -256,7 +206,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
 
   for (bool more = true; more;) {
     const std::uint64_t number = how.batches_before + ++turns;
-    interim_tests = plan_interim_tests(target, risk_of(number), viewpoint_risk_share);
+    interim_tests = plan_interim_tests(target, risk_of_batch(number), viewpoint_risk_share);
     goal.max_cost = budget.left(of_batches);
     of_search = limit.part(how.limit_ends_batches ? 1.0 : search_share);
     const std::uint32_t hemicubes = views ? views->poses.taken() : 0;
@@ -273,9 +223,8 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                         contains, give_up);
       most_trials = trials_in(limit, pilot);
     }
-    const proof found =
-        prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial, budget.of_batch(result.rays_spent),
-              most_trials, batches_since_views++ >= most_short_batches);
+    const proof found = prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial,
+                              budget.of_batch(result.rays_spent), most_trials, batch_is_whole(batches_since_views++));
     result.batches = number;
     of_batches += std::max<std::uint64_t>(batch.spent(), 1);
     (void)limit.reached();  // throws where a stop was requested: the batch is not complete then
@@ -292,13 +241,14 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
     search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
 
-    const std::vector<interim_test> next = plan_interim_tests(target, risk_of(number + 1), viewpoint_risk_share);
+    const std::vector<interim_test> next = plan_interim_tests(target, risk_of_batch(number + 1), viewpoint_risk_share);
     const std::uint32_t round = budget.round();
     more = budget.go_on(result.rays_spent, static_cast<double>(next.front().trials) * rays_per_trial);
     const double cost_of_whole_batch =
         search.cost_of_verification_ray() * rays_per_trial * static_cast<double>(next.back().trials);
-    views_first = budget.round() > round || (batches_since_views >= most_short_batches &&
-                                             static_cast<double>(search.cost_of_views()) <= cost_of_whole_batch);
+    views_first =
+        budget.round() > round ||
+        hemicubes_follow(batches_since_views, static_cast<double>(search.cost_of_views()), cost_of_whole_batch);
   }
   result.rounds = 1 + budget.round();
   return result;
