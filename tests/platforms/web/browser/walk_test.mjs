@@ -3,18 +3,17 @@
 // usage: walk_test.mjs SITE NODE_MODULES VIEWPOINTS WIDTH [FOLDER]    SITE: of samples/web/make_site.py
 //   WIDTH: of the pictures; their height is 9/16 of it
 //   FOLDER: receives a picture of each viewpoint with more wrong pixels than allowed
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { require } from "../host.mjs";
 import { open_page, with_chromium } from "./chromium.mjs";
 import { serve } from "./static_server.mjs";
+import { pictures_are_the_same, tools, wrong_share_at } from "./walk_pictures.mjs";
 
 const [site, modules, viewpoints, width, folder] = process.argv.slice(2);
 const size = { width: Number(width), height: Number(width) * 9 / 16 };
-// Of the pixels of a picture of 1280 x 720. Nearly all wrong pixels are at walls that are narrower than a pixel: as many as
-// these are long, so that their share is larger in a smaller picture.
-const most_wrong = 1e-3 * Math.max(1, 1280 / size.width);
+const most_wrong = wrong_share_at(size.width);
 const cycles = 100;
 
 // The page with an emulated headset, paused.
@@ -30,89 +29,6 @@ async function open_walk(browser, url) {
   await opened.page.evaluate(() => globalThis.walk.pause());
   await opened.page.evaluate(tools);
   return opened;
-}
-
-/** What runs in the page: pictures of the same viewpoint, and a person who walks at random. */
-function tools() {
-  const { walk } = globalThis;
-  const gl = walk.renderer.getContext();
-  const start = walk.walker.eye.clone();
-  let seed = 12345;
-  const random = () => {
-    seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
-    return seed / 2 ** 32;
-  };
-  const picture = () => {
-    const { drawingBufferWidth: width, drawingBufferHeight: height } = gl;
-    const pixels = new Uint8Array(4 * width * height);
-    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-    return pixels;
-  };
-  globalThis.tools = {
-    /** The picture with the PVS and without, and how many pixels of each half differ by more than 8 levels. */
-    compare() {
-      walk.set({ pvs: true });
-      const frame = walk.draw();
-      const { drawn } = walk;
-      const culled = picture();
-      walk.set({ pvs: false });
-      walk.draw();
-      const all = picture();
-      const off = walk.drawn;
-      walk.set({ pvs: true });
-      const differ = (at) => [0, 1, 2].some((k) => Math.abs(culled[at + k] - all[at + k]) > 8);
-      const wrong = [0, 0];
-      const half = gl.drawingBufferWidth / 2;
-      for (let i = 0; i < all.length / 4; ++i) if (differ(4 * i)) ++wrong[i % gl.drawingBufferWidth < half ? 0 : 1];
-      const shades = new Set();
-      for (let at = 0; at < all.length; at += 4) shades.add(all[at] << 16 | all[at + 1] << 8 | all[at + 2]);
-      return { cell: frame.cell, drawAll: frame.drawAll, wrong, shades: shades.size, on: drawn, off,
-        pixels: all.length / 4 };
-    },
-    back_to_start() {
-      walk.walker.place(start);
-      walk.frame(performance.now());
-    },
-    /** Walks a few meters and looks somewhere. */
-    stroll() {
-      const heading = 2 * Math.PI * random();
-      const way = walk.rig.position.clone().set(Math.sin(heading), 0, Math.cos(heading)).multiplyScalar(0.08);
-      for (let i = 0; i < 150; ++i) walk.walker.move(way, 1 / 60);
-      walk.controls.heading = 2 * Math.PI * random();
-      walk.controls.pitch = 0.6 * random() - 0.3;
-      walk.frame(performance.now());
-    },
-  };
-}
-
-async function pictures_are_the_same(page, count) {
-  const cells = new Set();
-  const sums = { wrong: 0, pixels: 0, on: 0, off: 0 };
-  let worst = 0, rich = 0;
-  for (let i = 0; i < count; ++i) {
-    await page.evaluate(() => globalThis.tools.stroll());
-    await page.waitForFunction(() => !globalThis.walk.draw().pending);
-    const found = await page.evaluate(() => globalThis.tools.compare());
-    require(!found.drawAll && found.cell >= 0, `viewpoint ${i} is in no cell`);
-    const wrong = found.wrong[0] + found.wrong[1];
-    if (wrong > most_wrong * found.pixels && folder !== undefined) {
-      mkdirSync(folder, { recursive: true });
-      writeFileSync(join(folder, `viewpoint_${i}.png`), await page.screenshot());
-    }
-    require(wrong <= most_wrong * found.pixels, `viewpoint ${i}: ${wrong} wrong pixels of ${found.pixels}`);
-    worst = Math.max(worst, wrong);
-    rich += Number(found.shades > 20);
-    cells.add(found.cell);
-    sums.wrong += wrong;
-    sums.pixels += found.pixels;
-    sums.on += found.on.triangles;
-    sums.off += found.off.triangles;
-  }
-  require(rich > count / 2, `${rich} of ${count} pictures have more than 20 colors`);  // others show a wall
-  require(cells.size > count / 4, `${count} viewpoints are in ${cells.size} cells`);
-  require(sums.on < sums.off, `${sums.on} triangles with the PVS, ${sums.off} without`);
-  return `${sums.wrong} of ${sums.pixels} pixels are wrong, at most ${worst} in a picture; ` +
-    `triangles ${sums.on} of ${sums.off}`;
 }
 
 // An emulated headset: its eyes are on the left and on the right half of the picture.
@@ -298,7 +214,7 @@ const server = await serve(site);
 try {
   const results = await with_chromium(modules, async (browser) => {
     const { page, no_problems } = await open_walk(browser, server.url);
-    const texts = [await pictures_are_the_same(page, Number(viewpoints))];
+    const texts = [await pictures_are_the_same(page, { count: Number(viewpoints), most_wrong, folder })];
     no_problems();
     await the_panel_works(page);
     await fingers_work(page);
