@@ -67,8 +67,10 @@ void sightcell_view::destroy(sightcell_view* view) noexcept {
 }
 
 sightcell_status sightcell_view::set_policy(std::uint32_t outside, float max_distance) noexcept {
-  if (outside > SIGHTCELL_OUTSIDE_LAST || !(max_distance >= 0.0f)) return SIGHTCELL_ERR_ARGUMENT;
-  outside_ = outside;
+  const std::uint32_t flags = SIGHTCELL_PENDING_LAST;
+  if ((outside & ~flags) > SIGHTCELL_OUTSIDE_LAST || !(max_distance >= 0.0f)) return SIGHTCELL_ERR_ARGUMENT;
+  outside_ = outside & ~flags;
+  pending_last_ = (outside & flags) != 0;
   max_distance_ = static_cast<double>(max_distance);
   return SIGHTCELL_OK;
 }
@@ -163,7 +165,7 @@ void sightcell_view::go_to(const point& position) noexcept {
   const std::uint32_t cell_before = at_.cell;
   enter(locate(position));
   if (at_.cell == no_cell) return go_outside(position);
-  show_cell(at_, 0);
+  show_cell(at_, 0, position);
   last_ = at_;
   if (data_flags_ != 0) return;
   if (!shares_box_ && holds(inside_, position)) {
@@ -235,7 +237,7 @@ void sightcell_view::go_outside(const point& position) noexcept {
   const bool near = substitute.cell != no_cell &&
                     squared_distance(widened(substitute.bounds), position) <= max_distance_ * max_distance_;
   if (!near) return show_all(SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE);
-  show_cell(substitute, SIGHTCELL_FRAME_OUTSIDE);
+  show_cell(substitute, SIGHTCELL_FRAME_OUTSIDE, position);
 }
 
 const sightcell_view::placed_cell& sightcell_view::nearest_to(const point& position) noexcept {
@@ -255,7 +257,7 @@ void sightcell_view::go_into(const wide_box& closed) noexcept {
   enter(locate(center));
   // Both ends of the box, because kept_ is half-open.
   if (at_.cell != no_cell && holds(kept_, closed.min) && holds(kept_, closed.max)) {
-    show_cell(at_, 0);
+    show_cell(at_, 0, center);
     last_ = at_;
     return;
   }
@@ -268,16 +270,30 @@ void sightcell_view::go_into(const wide_box& closed) noexcept {
   if (!covered && outside_ == SIGHTCELL_OUTSIDE_ALL) {
     return show_all(SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_OUTSIDE);
   }
-  show_cells(touched, covered ? 0u : std::uint32_t{SIGHTCELL_FRAME_OUTSIDE});
+  show_cells(touched, covered ? 0u : std::uint32_t{SIGHTCELL_FRAME_OUTSIDE}, center);
+}
+
+// Returns whether the set that is shown stays while another one has not arrived.
+bool sightcell_view::keeps_shown(const point& position) const noexcept {
+  return pending_last_ && moved_ && !current_.everything && !regrouped_ &&
+         squared_distance(shown_box_, position) <= max_distance_ * max_distance_;
 }
 
 // Shows the set of a cell, unless it is shown already. Requests a pending one again.
-void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags) noexcept {
+void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags, const point& position) noexcept {
+  constexpr std::uint32_t without_set = SIGHTCELL_FRAME_DRAW_ALL | SIGHTCELL_FRAME_PENDING;
   eye_flags_ = flags;
-  const bool as_before = !regrouped_ && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0;
-  if (moved_ && shown_.cell == what.cell && as_before) return;
+  if (moved_ && shown_.cell == what.cell && !regrouped_ && data_flags_ != without_set) {
+    if (data_flags_ == SIGHTCELL_FRAME_PENDING) data_flags_ = 0;  // back in the cell whose set was kept
+    return;
+  }
   std::span<const format::run> volumes;
   const std::uint32_t data_flags = decode(what.cell, next_, volumes);
+  if (data_flags == without_set && keeps_shown(position)) {
+    data_flags_ = SIGHTCELL_FRAME_PENDING;
+    return;
+  }
+  shown_box_ = widened(what.bounds);
   next_.everything = data_flags != 0;
   db_->volumes().show(volumes, visible_);
   shown_ = what;
@@ -286,13 +302,17 @@ void sightcell_view::show_cell(const placed_cell& what, std::uint32_t flags) noe
 }
 
 // Shows the union of several sets, in the order of the cells' numbers, so that it does not depend on the search.
-void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t flags) noexcept {
+void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t flags, const point& position) noexcept {
   eye_flags_ = flags;
   sort_by_number(cells);
   const bool same = shown_cell_count_ == cells.size() &&
                     std::equal(cells.begin(), cells.end(), shown_cells_.begin(),
                                [](const located_cell& c, std::uint32_t shown) { return c.cell == shown; });
   if (same && !regrouped_ && (data_flags_ & SIGHTCELL_FRAME_PENDING) == 0) return;
+  if (keeps_shown(position) && any_is_pending(cells)) {
+    data_flags_ = SIGHTCELL_FRAME_PENDING;
+    return;
+  }
   std::uint32_t data_flags = 0;
   next_.count = 0;
   std::fill(visible_.begin(), visible_.end(), 0);
@@ -312,7 +332,24 @@ void sightcell_view::show_cells(std::span<located_cell> cells, std::uint32_t fla
   shown_ = {};
   shown_cell_count_ = cells.size();
   std::transform(cells.begin(), cells.end(), shown_cells_.begin(), [](const located_cell& c) { return c.cell; });
+  shown_box_ = widened(cells.front().bounds);
+  for (const located_cell& c : cells) {
+    const wide_box b = widened(c.bounds);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      shown_box_.min[axis] = std::min(shown_box_.min[axis], b.min[axis]);
+      shown_box_.max[axis] = std::max(shown_box_.max[axis], b.max[axis]);
+    }
+  }
   show_next(data_flags, db_->range_bound());
+}
+
+// Requests the sets of all cells. other_ is used within a move only.
+bool sightcell_view::any_is_pending(std::span<const located_cell> cells) noexcept {
+  bool pending = false;
+  format::row_parts parts;
+  for (const located_cell& c : cells)
+    pending |= db_->decode(c.cell, other_.buffer, scratch_, parts) == row_outcome::pending;
+  return pending;
 }
 
 void sightcell_view::show_all(std::uint32_t flags) noexcept {

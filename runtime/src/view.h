@@ -94,8 +94,11 @@ struct sightcell_view {
   void go_into(const sightcell::runtime::wide_box& closed) noexcept;
   void go_outside(const sightcell::runtime::point& position) noexcept;
   [[nodiscard]] const placed_cell& nearest_to(const sightcell::runtime::point& position) noexcept;
-  void show_cell(const placed_cell& what, std::uint32_t flags) noexcept;
-  void show_cells(std::span<sightcell::runtime::located_cell> cells, std::uint32_t flags) noexcept;
+  void show_cell(const placed_cell& what, std::uint32_t flags, const sightcell::runtime::point& position) noexcept;
+  void show_cells(std::span<sightcell::runtime::located_cell> cells, std::uint32_t flags,
+                  const sightcell::runtime::point& position) noexcept;
+  [[nodiscard]] bool keeps_shown(const sightcell::runtime::point& position) const noexcept;
+  [[nodiscard]] bool any_is_pending(std::span<const sightcell::runtime::located_cell> cells) noexcept;
   void show_all(std::uint32_t flags) noexcept;
   [[nodiscard]] std::uint32_t decode(std::uint32_t cell, polygon_set& out,
                                      std::span<const sightcell::format::run>& volumes) noexcept;
@@ -118,8 +121,10 @@ struct sightcell_view {
   placed_cell shown_;
   std::array<std::uint32_t, most_cells> shown_cells_{};
   std::size_t shown_cell_count_ = 0;
-  std::uint32_t eye_flags_ = 0;   // OUTSIDE, and DRAW_ALL for reasons other than the data
-  std::uint32_t data_flags_ = 0;  // DRAW_ALL with PENDING or DAMAGED
+  sightcell::runtime::wide_box shown_box_;  // around these cells
+  std::uint32_t eye_flags_ = 0;             // OUTSIDE, and DRAW_ALL for reasons other than the data
+  // DRAW_ALL with PENDING or DAMAGED; PENDING alone where another cell has not arrived and what is shown is kept.
+  std::uint32_t data_flags_ = 0;
   // Five buffers in rotation: the previous set must survive a new cell with an equal set, and a union needs two more.
   polygon_set current_, previous_, next_, joined_, other_;
   // The ranges of current_ and next_, in db's range bound. sightcell_view_ranges copies the current ones.
@@ -140,6 +145,7 @@ struct sightcell_view {
   sightcell::runtime::point origin_{};
   bool at_origin_ = true;  // origin_ is 0: positions are the host's floats
   std::uint32_t outside_ = SIGHTCELL_OUTSIDE_ALL;
+  bool pending_last_ = false;  // SIGHTCELL_PENDING_LAST
   double max_distance_ = 0.0;
   placed_cell last_;  // the last cell that the eye was in
   nearest_answer nearest_;

@@ -131,11 +131,12 @@ typedef enum sightcell_status {
   SIGHTCELL_ERR_OTHER_SCENE = 26 /* the file belongs to another scene */
 } sightcell_status;
 
-/* The set that a view returns outside all cells: sightcell_view_policy. */
+/* The set that a view returns where it has none of its own: sightcell_view_policy. */
 enum {
-  SIGHTCELL_OUTSIDE_ALL = 0,     /* everything; the default */
-  SIGHTCELL_OUTSIDE_NEAREST = 1, /* the set of the nearest cell */
-  SIGHTCELL_OUTSIDE_LAST = 2     /* the set of the cell that was left last */
+  SIGHTCELL_OUTSIDE_ALL = 0,     /* outside all cells everything; the default */
+  SIGHTCELL_OUTSIDE_NEAREST = 1, /* outside, the set of the nearest cell */
+  SIGHTCELL_OUTSIDE_LAST = 2,    /* outside, the set of the cell that was left last */
+  SIGHTCELL_PENDING_LAST = 16    /* added to one of these: the last set while the data of a cell has not arrived */
 };
 
 /* Bits of sightcell_frame.flags. */
@@ -143,7 +144,7 @@ enum {
   SIGHTCELL_FRAME_CHANGED = 1u,  /* the polygons to draw differ from those after the last move; set by the first move */
   SIGHTCELL_FRAME_DRAW_ALL = 2u, /* the visible polygons are not known: outputs return everything */
   SIGHTCELL_FRAME_OUTSIDE = 4u,  /* the eye is in no cell */
-  SIGHTCELL_FRAME_PENDING = 8u,  /* the data of the cell has not arrived; with DRAW_ALL; only after open_source */
+  SIGHTCELL_FRAME_PENDING = 8u,  /* the data of the cell has not arrived; with DRAW_ALL, but for PENDING_LAST */
   SIGHTCELL_FRAME_DAMAGED = 16u  /* the data of the cell is damaged; with DRAW_ALL; other cells are not affected */
 };
 
@@ -462,10 +463,12 @@ SIGHTCELL_API void sightcell_view_destroy(sightcell_view* view);
  * origin: meters, world space, finite. (0, 0, 0) in a new view. */
 SIGHTCELL_API sightcell_status sightcell_view_origin(sightcell_view* view, const double origin[3]);
 
-/* Sets which polygons later moves return outside all cells. Frames there still have SIGHTCELL_NO_CELL and OUTSIDE.
- * outside: SIGHTCELL_OUTSIDE_*.
- * max_distance: meters, 0 or more, may be infinite. NEAREST and LAST hold up to this distance from the box of the cell;
- *   beyond it, the view returns everything.
+/* Sets which polygons later moves return outside all cells, where frames still have SIGHTCELL_NO_CELL and OUTSIDE, and
+ * in a cell of a paged file whose data has not arrived, where frames still have PENDING.
+ * outside: SIGHTCELL_OUTSIDE_*, plus SIGHTCELL_PENDING_LAST or not. With it, a move into a cell without its data keeps
+ *   the set that was shown, which may lack polygons, until the data is there or a named group is shown or hidden.
+ * max_distance: meters, 0 or more, may be infinite. The set of another cell holds up to this distance from the box of
+ *   that cell; beyond it, the view returns everything.
  * Cost of NEAREST: a move visits all cells (on a lattice, all blocks of 8 x 8 cells), but only when the eye has moved
  *   so far that another cell may be nearer. */
 SIGHTCELL_API sightcell_status sightcell_view_policy(sightcell_view* view, uint32_t outside, float max_distance);

@@ -303,7 +303,8 @@ class view {
     return sightcell_view_move_box(handle_, min.data(), max.data(), &frame);
   }
 
-  // What later moves show outside all cells: SIGHTCELL_OUTSIDE_*, up to max_distance meters from the box of a cell.
+  // What later moves show outside all cells and while the data of a cell has not arrived: SIGHTCELL_OUTSIDE_*, plus
+  // SIGHTCELL_PENDING_LAST or not; the set of another cell up to max_distance meters from its box.
   sightcell_status policy(std::uint32_t outside, float max_distance) noexcept {
     return sightcell_view_policy(handle_, outside, max_distance);
   }

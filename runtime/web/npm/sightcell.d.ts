@@ -231,8 +231,11 @@ export class View {
   moveBox(box: Box): Frame;
   /** The point to which the positions of later calls are relative. */
   setOrigin(origin: Point): void;
-  /** The set that later moves outside all cells return, up to a distance from the cell. A new view has "all". */
-  setPolicy(outside: 'all' | 'nearest' | 'last', maxDistance?: number): void;
+  /**
+   * The set that later moves outside all cells return, up to a distance from the cell whose set it is. whilePending:
+   * the same in a cell whose page is on its way; "last" keeps what was shown. A new view has "all" for both.
+   */
+  setPolicy(outside: 'all' | 'nearest' | 'last', maxDistance?: number, whilePending?: 'all' | 'last'): void;
   /** Shows or hides a named group, by its name or number, from the next move on. */
   showNamedGroup(group: string | number, shown: boolean): void;
 

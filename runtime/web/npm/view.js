@@ -4,6 +4,7 @@ import { badArgument, SightcellError } from './error.js';
 import { constants, structs } from './layout.js';
 
 const policies = { all: constants.OUTSIDE_ALL, nearest: constants.OUTSIDE_NEAREST, last: constants.OUTSIDE_LAST };
+const pendingPolicies = { all: 0, last: constants.PENDING_LAST };
 
 /** The result of a move. A view has one, which each of its moves fills again. */
 class Frame {
@@ -106,10 +107,12 @@ export class View {
     heap.require(heap.c.sightcell_view_origin(this.#view, heap.scratch), 'setOrigin()');
   }
 
-  setPolicy(outside, maxDistance = Infinity) {
+  setPolicy(outside, maxDistance = Infinity, whilePending = 'all') {
     const heap = this.#use('setPolicy()');
     if (!Object.hasOwn(policies, outside)) throw badArgument('setPolicy() takes "all", "nearest" or "last"');
-    heap.require(heap.c.sightcell_view_policy(this.#view, policies[outside], maxDistance), 'setPolicy()');
+    if (!Object.hasOwn(pendingPolicies, whilePending)) throw badArgument('setPolicy() takes "all" or "last" at the end');
+    const policy = policies[outside] + pendingPolicies[whilePending];
+    heap.require(heap.c.sightcell_view_policy(this.#view, policy, maxDistance), 'setPolicy()');
   }
 
   showNamedGroup(group, shown) {

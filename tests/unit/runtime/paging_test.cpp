@@ -98,6 +98,56 @@ TEST(paging, draws_all_until_the_chunk_is_delivered) {
   EXPECT_EQ(host.requests, 1u);
 }
 
+// Goes to a cell whose chunk is there, then to one whose chunk is not.
+TEST(paging, a_policy_keeps_the_last_set_until_the_chunk_is_delivered) {
+  const sample_contents contents = eight_chunks();
+  paged_host host(contents.encode());
+  ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
+  test_view view(host.db());
+  constexpr std::uint32_t kept = SIGHTCELL_FRAME_PENDING;
+  ASSERT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_OUTSIDE_NEAREST | SIGHTCELL_PENDING_LAST, 1e6f), SIGHTCELL_OK);
+  EXPECT_EQ(go_to(view, contents, 70).flags, SIGHTCELL_FRAME_CHANGED | pending) << "no set was shown before";
+  host.deliver_all();
+  EXPECT_EQ(go_to(view, contents, 70).flags, static_cast<std::uint32_t>(SIGHTCELL_FRAME_CHANGED));
+  EXPECT_EQ(go_to(view, contents, 200).flags, kept);
+  EXPECT_EQ(view.polygons(), contents.sets[70]);
+  EXPECT_EQ(go_to(view, contents, 200).cell, 200u);
+  EXPECT_EQ(go_to(view, contents, 300).flags, kept);
+  EXPECT_EQ(view.polygons(), contents.sets[70]);
+  EXPECT_EQ(go_to(view, contents, 70).flags, 0u) << "its set is still shown";
+  EXPECT_EQ(go_to(view, contents, 200).flags, kept);
+  host.deliver_all();
+  EXPECT_EQ(go_to(view, contents, 200).flags, static_cast<std::uint32_t>(SIGHTCELL_FRAME_CHANGED));
+  EXPECT_EQ(view.polygons(), contents.sets[200]);
+  EXPECT_EQ(go_to(view, contents, 300).flags, static_cast<std::uint32_t>(SIGHTCELL_FRAME_CHANGED))
+      << "requested before";
+  EXPECT_EQ(view.polygons(), contents.sets[300]);
+}
+
+TEST(paging, the_last_set_is_kept_up_to_a_distance_and_for_boxes) {
+  const sample_contents contents = eight_chunks();
+  paged_host host(contents.encode());
+  ASSERT_EQ(host.open(1 << 20), SIGHTCELL_OK);
+  test_view view(host.db());
+  static_cast<void>(go_to(view, contents, 0));
+  host.deliver_all();
+  ASSERT_EQ(go_to(view, contents, 0).flags & shown, 0u);
+  const float min[3] = {1.5f, 1.5f, 1.5f};
+  const float max[3] = {3.5f, 3.5f, 3.5f};
+  sightcell_frame frame;
+  ASSERT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_PENDING_LAST, 1e6f), SIGHTCELL_OK);
+  ASSERT_EQ(sightcell_view_move_box(view.get(), min, max, &frame), SIGHTCELL_OK);
+  EXPECT_EQ(frame.flags, static_cast<std::uint32_t>(SIGHTCELL_FRAME_PENDING));
+  EXPECT_EQ(view.polygons(), contents.sets[0]);
+  EXPECT_GT(host.waiting.size(), 1u) << "all chunks are requested";
+  ASSERT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_PENDING_LAST, 0.1f), SIGHTCELL_OK);
+  ASSERT_EQ(sightcell_view_move_box(view.get(), min, max, &frame), SIGHTCELL_OK);
+  EXPECT_EQ(frame.flags, SIGHTCELL_FRAME_CHANGED | pending) << "too far from the cell whose set was shown";
+  host.deliver_all();
+  ASSERT_EQ(sightcell_view_move_box(view.get(), min, max, &frame), SIGHTCELL_OK);
+  EXPECT_EQ(frame.flags & shown, 0u);
+}
+
 TEST(paging, a_box_requests_all_its_chunks) {
   sample_contents contents = eight_chunks();
   paged_host host(contents.encode());

@@ -335,6 +335,7 @@ TEST(view_positions, wrong_policies_and_origins) {
   const loaded_file file(row_of_cells());
   const test_view view(file.db());
   EXPECT_EQ(sightcell_view_policy(view.get(), 3, 1.0f), SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_PENDING_LAST + 3, 1.0f), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_OUTSIDE_LAST, -1.0f), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_view_policy(view.get(), SIGHTCELL_OUTSIDE_LAST, std::nanf("")), SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(sightcell_view_policy(nullptr, SIGHTCELL_OUTSIDE_LAST, 1.0f), SIGHTCELL_ERR_ARGUMENT);

@@ -117,6 +117,21 @@ async function nothing_is_downloaded_twice() {
   small.dispose();
 }
 
+async function the_last_set_is_kept_where_that_is_asked_for() {
+  serve(send_range);
+  const db = await open();
+  const view = db.createView();
+  view.setPolicy("all", Infinity, "last");
+  await arrive(view, middle(db.cellBox(0)));
+  const last = db.info.cellCount - 1;
+  const { pending, drawAll, changed, cell } = view.move(middle(db.cellBox(last)));
+  equal([pending, drawAll, changed, cell], [true, false, false, last], "while the page is on its way");
+  equal(Array.from(view.ranges()).join(), expected[0], "ranges of the cell before");
+  await until(() => !view.move(middle(db.cellBox(last))).pending, "the last page");
+  equal(Array.from(view.ranges()).join(), expected[last], "ranges of the last cell");
+  db.dispose();
+}
+
 async function pages_are_prefetched() {
   serve(send_range);
   const db = await open();
@@ -248,6 +263,7 @@ async function files_are_closed_while_pages_are_pending() {
 try {
   const walk = await pages_arrive_when_they_are_needed();
   await nothing_is_downloaded_twice();
+  await the_last_set_is_kept_where_that_is_asked_for();
   await pages_are_prefetched();
   await servers_without_ranges_send_the_whole_file();
   await errors_while_opening();
