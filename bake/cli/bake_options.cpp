@@ -37,6 +37,10 @@ void add_output_options(CLI::App& verb, bake_options& o) {
                 "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
                 "largest polygons first.")
       ->group(group);
+  verb.add_flag("--names", o.settings.file.names,
+                "Stores a hash of the geometry of each draw and the names of its node and mesh, so that a host whose "
+                "importer drops glTF numbers finds its objects, and finds out that the file is of another scene.")
+      ->group(group);
   add_plain_option(verb, group, "--report-unseen", o.unseen_file, "FILE.json",
                    "Writes the polygons that are in the set of no cell to this file, by object, those with the most "
                    "first: what a level could do without. sightcell strip does so later.");

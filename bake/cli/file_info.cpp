@@ -8,6 +8,7 @@
 #include "number_text.h"
 #include "sightcell/bake/inspect.h"
 #include "sightcell/base/json_text.h"
+#include "sightcell/format/identity_table.h"
 #include "sightcell/format/layout.h"
 
 namespace sightcell::cli {
@@ -43,6 +44,8 @@ std::string section_name(std::uint32_t id) {
       return "viewpoints";
     case format::layout::section_eyes:
       return "eyes";
+    case format::layout::section_identity:
+      return "draw identity";
     case format::layout::section_borders:
       return "chunk borders";
     default:
@@ -100,6 +103,15 @@ ordered_json named_groups_json(const format::reader& file) {
   return names;
 }
 
+// Geometry hashes and names; null where there are none.
+ordered_json identity_json(const format::reader& file) {
+  format::identity_table table;
+  const format::status opened = format::identity_table::open(file, table);
+  if (opened == format::status::absent) return nullptr;
+  if (opened != format::status::ok) return std::string(format::status_text(opened));
+  return {{"draws", table.draw_count()}, {"geometries", table.hash_count()}, {"names", table.name_count()}};
+}
+
 // The settings text is somebody's JSON: shown as such when it is, as text when it is not.
 ordered_json settings_json(std::string_view text) {
   if (text.empty()) return nullptr;
@@ -150,6 +162,7 @@ ordered_json file_info(const pvs_file& pvs, const std::string& name) {
           {"volume_percent", 100.0 - 100.0 * static_cast<double>(bake::size_without_volumes(pvs.bytes(), name)) /
                                          static_cast<double>(pvs.size())},
           {"named_groups", named_groups_json(file)},
+          {"identity", identity_json(file)},
           {"layout", facts.layout == format::host_layout::merged ? "merged" : "instanced"},
           {"margin", facts.margin},
           {"metric", pvs.metric()},

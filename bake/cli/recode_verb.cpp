@@ -30,6 +30,7 @@ struct recode_options {
   std::filesystem::path file, output;
   std::filesystem::path importance, scene;  // the scene that options name, for one thing or the other
   std::string profile, order, layout;
+  bool names = false;
   bool json = false;
 };
 
@@ -63,6 +64,7 @@ int run_with_scene(const recode_options& options, const pvs_file& file, bake::re
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const stop_signals signals;
   how.layout_from = &s;
+  if (options.names) how.names_from = &s;
   if (!options.importance.empty()) how.importance_in = &s;
   how.on_progress = [&](std::uint32_t done, std::uint32_t total) {
     line.update(bake::progress{.phase = bake::bake_phase::measuring_importance,
@@ -132,6 +134,10 @@ void add_recode_verb(CLI::App& program, action& chosen) {
           "(up to 5 % of the visible ones) or small (up to 10 %). It cannot shrink. Without it: as it is.")
       ->type_name("NAME")
       ->check(one_of(bake::slack_profile_names));
+  CLI::Option* names = verb.add_flag("--names", options->names,
+                                     "Stores a hash of the geometry of each draw and the names of its node and mesh, "
+                                     "as bake --names does; needs --scene. "
+                                     "Without it: the names in the file stay.");
   verb.add_option("--order", options->order,
                   "Computes the stored order of polygons again: per-mesh (all instances of a mesh share it) or "
                   "per-instance (each draw has its own). Without it: as it is.")
@@ -143,12 +149,14 @@ void add_recode_verb(CLI::App& program, action& chosen) {
       ->type_name("NAME")
       ->check(one_of(bake::host_layout_names));
   CLI::Option* scene =
-      verb.add_option("--scene", options->scene, "The scene that was baked, for --layout merged.")->type_name("SCENE");
+      verb.add_option("--scene", options->scene, "The scene that was baked, for --layout merged and --names.")
+          ->type_name("SCENE");
   verb.add_option("--importance", options->importance,
                   "The scene that was baked: stores how large a part of the view from its cell each polygon covers. "
                   "Serves as --scene too. Without it: the importance in the file stays.")
       ->type_name("SCENE")
       ->excludes(scene);
+  names->needs(scene);
   verb.callback([options, &chosen] { chosen = [options] { return run_recode(*options); }; });
 }
 

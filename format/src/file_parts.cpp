@@ -7,6 +7,7 @@
 
 #include "sightcell/format/cell_lattice.h"
 #include "sightcell/format/eye_table.h"
+#include "sightcell/format/identity_table.h"
 
 namespace sightcell::format {
 namespace {
@@ -47,6 +48,29 @@ status read_viewpoints(const reader& file, file_parts& out) {
   return status::ok;
 }
 
+void read_names(const std::vector<std::string>& names, std::uint32_t name, std::uint32_t number,
+                std::vector<std::string>& out) {
+  if (name == 0) return;
+  if (number >= out.size()) out.resize(std::size_t{number} + 1);
+  out[number] = names[name - 1];
+}
+
+// After the draws.
+status read_identity(const reader& file, file_parts& out) {
+  identity_table table;
+  const status opened = identity_table::open(file, table);
+  if (opened != status::ok) return opened == status::absent ? status::ok : opened;
+  for (std::uint32_t place = 0; place < table.draw_count(); ++place) out.geometry_hashes.push_back(table.hash(place));
+  std::vector<std::string> names;
+  for (name_walk walk = table.names(); walk.next();) names.emplace_back(walk.name());
+  if (names.size() != table.name_count()) return status::corrupt;
+  for (const draw_record& d : out.draws) {
+    read_names(names, table.name_of_node(d.node), d.node, out.node_names);
+    read_names(names, table.name_of_mesh(d.mesh), d.mesh, out.mesh_names);
+  }
+  return status::ok;
+}
+
 std::vector<lattice_place> places_of(const cell_lattice& lattice) {
   std::vector<lattice_place> places;
   for (std::uint32_t number = 0; number < lattice.chunk_count(); ++number) {
@@ -76,6 +100,9 @@ file_contents file_parts::contents(cell_set_source sets) const {
   all.certificate = certificate;
   all.viewpoints = viewpoints;
   all.player_radius = player_radius;
+  all.geometry_hashes = geometry_hashes;
+  all.node_names = node_names;
+  all.mesh_names = mesh_names;
   all.settings = settings;
   all.chunk_bytes = chunk_bytes;
   return all;
@@ -120,6 +147,7 @@ status take_apart(const reader& file, file_parts& out) {
     if (const status s = file.certificate(i, parts.certificate[i]); s != status::ok) return s;
   }
   if (const status s = read_viewpoints(file, parts); s != status::ok) return s;
+  if (const status s = read_identity(file, parts); s != status::ok) return s;
   parts.settings = file.settings();
   out = std::move(parts);
   return status::ok;

@@ -11,6 +11,7 @@
 #include "checksum.h"
 #include "draw_table_rules.h"
 #include "eye_table_writer.h"
+#include "identity_table_writer.h"
 #include "named_group_table_writer.h"
 #include "polygon_orders_writer.h"
 #include "range_borders.h"
@@ -150,6 +151,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
   std::vector<std::byte> named_groups;
   std::vector<std::byte> viewpoints;
   std::vector<std::byte> eyes;
+  std::vector<std::byte> identity;
   if (!encode_cells(contents, cells)) return status::argument;
   if (!contents.volumes.places.empty()) {
     if (const status s = put_volumes(contents.volumes, volumes); s != status::ok) return s;
@@ -160,6 +162,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
     if (const status s = put_viewpoints(contents, viewpoints); s != status::ok) return s;
     if (const status s = put_eyes(contents, eyes); s != status::ok) return s;
   }
+  if (const status s = put_identity(contents, identity); s != status::ok) return s;
   put_orders(order.orders, orders);
   sections.push_back({layout::section_draws, true, encode_draws(contents.draws, order.order_of_draw)});
   sections.push_back({layout::section_orders, true, std::move(orders)});
@@ -176,6 +179,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
   }
   if (!viewpoints.empty()) sections.push_back({layout::section_viewpoints, false, std::move(viewpoints)});
   if (!eyes.empty()) sections.push_back({layout::section_eyes, false, std::move(eyes)});
+  if (!identity.empty()) sections.push_back({layout::section_identity, false, std::move(identity)});
   if (!contents.settings.empty()) {
     const auto text = std::as_bytes(std::span(contents.settings));
     sections.push_back({layout::section_settings, false, {text.begin(), text.end()}});

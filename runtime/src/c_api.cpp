@@ -13,6 +13,7 @@
 #include "db.h"
 #include "debug_lines.h"
 #include "draw_importance.h"
+#include "draw_match.h"
 #include "file_input.h"
 #include "index_list.h"
 #include "memory.h"
@@ -22,6 +23,9 @@
 #include "ranges.h"
 #include "sightcell/clusters.h"
 #include "sightcell/format/eye_table.h"
+#include "sightcell/format/geometry_hash.h"
+#include "sightcell/format/identity_table.h"
+#include "sightcell/identity.h"
 #include "sightcell/sightcell.h"
 #include "sightcell/viewpoints.h"
 #include "view.h"
@@ -60,6 +64,12 @@ sightcell_status check_room(const void* dst, std::size_t capacity, std::uint64_t
   if (need > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_LIMIT;
   *count = static_cast<std::size_t>(need);
   return need > capacity ? SIGHTCELL_ERR_CAPACITY : SIGHTCELL_OK;
+}
+
+// Opens the draw identity of a file.
+sightcell_status open_identity(const sightcell_db& db, format::identity_table& out) noexcept {
+  if (!db.is_open()) return SIGHTCELL_PENDING;
+  return static_cast<sightcell_status>(format::identity_table::open(db.file(), out));
 }
 
 // Writes the source ids of a range. Returns the end.
@@ -273,6 +283,73 @@ sightcell_status sightcell_db_cell_eye(const sightcell_db* db, uint32_t cell, ui
   if (s != format::status::ok) return SIGHTCELL_ERR_CORRUPT;  // the bytes have changed
   std::copy_n(format::eye_position(bounds, steps).data(), 3, eye);
   return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_geometry_hash(const void* positions, size_t stride, size_t vertex_count,
+                                         const uint32_t* indices, size_t index_count, uint64_t* hash) {
+  if (hash == nullptr || (positions == nullptr && vertex_count > 0) || (indices == nullptr && index_count > 0) ||
+      stride < 3 * sizeof(float) || index_count % 3 != 0) {
+    return SIGHTCELL_ERR_ARGUMENT;
+  }
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < index_count; i += 3) {
+    std::array<std::array<float, 3>, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (indices[i + k] >= vertex_count) return SIGHTCELL_ERR_ARGUMENT;
+      std::memcpy(corners[k].data(), static_cast<const std::byte*>(positions) + indices[i + k] * stride,
+                  3 * sizeof(float));
+    }
+    sum += format::triangle_hash(corners);
+  }
+  *hash = sum;
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_match(const sightcell_db* db, const uint64_t* hashes, const char* const* names,
+                                    size_t count, uint32_t* draw_of_host, sightcell_draw_match* match) {
+  if (db == nullptr || ((hashes == nullptr || draw_of_host == nullptr) && count > 0) || match == nullptr ||
+      match->struct_size < sizeof *match || count >= SIGHTCELL_NO_DRAW) {
+    return SIGHTCELL_ERR_ARGUMENT;
+  }
+  match->struct_size = sizeof *match;
+  format::identity_table table;
+  if (const sightcell_status s = open_identity(*db, table); s != SIGHTCELL_OK) return s;
+  return runtime::match_draws(*db, table, {hashes, count}, names, {draw_of_host, count}, *match);
+}
+
+sightcell_status sightcell_db_draw_hash(const sightcell_db* db, uint32_t draw, uint64_t* hash) {
+  if (db == nullptr || hash == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  if (!db->is_open()) return SIGHTCELL_PENDING;
+  if (draw >= db->file().draw_count()) return SIGHTCELL_ERR_ARGUMENT;
+  format::identity_table table;
+  if (const sightcell_status s = open_identity(*db, table); s != SIGHTCELL_OK) return s;
+  format::draw_record d;
+  std::uint32_t place = 0;
+  if (db->file().draw(draw, d) != format::status::ok) return SIGHTCELL_ERR_CORRUPT;
+  if (const sightcell_status s = runtime::place_in_source(*db, d, place); s != SIGHTCELL_OK) return s;
+  *hash = d.polygon_count == 0 ? 0 : table.hash(place);
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_db_draw_name(const sightcell_db* db, uint32_t draw, uint32_t kind, char* dst,
+                                        size_t capacity, size_t* count) {
+  if (db == nullptr || kind > SIGHTCELL_NAME_MESH) return SIGHTCELL_ERR_ARGUMENT;
+  if (!db->is_open()) return SIGHTCELL_PENDING;
+  if (draw >= db->file().draw_count()) return SIGHTCELL_ERR_ARGUMENT;
+  format::identity_table table;
+  if (const sightcell_status s = open_identity(*db, table); s != SIGHTCELL_OK) return s;
+  format::draw_record d;
+  if (db->file().draw(draw, d) != format::status::ok) return SIGHTCELL_ERR_CORRUPT;
+  std::uint32_t left = kind == SIGHTCELL_NAME_NODE ? table.name_of_node(d.node) : table.name_of_mesh(d.mesh);
+  format::name_walk walk = table.names();
+  std::string_view name;
+  for (; left > 0; --left) {
+    if (!walk.next()) return SIGHTCELL_ERR_CORRUPT;
+    name = walk.name();
+  }
+  const sightcell_status room = check_room(dst, capacity, name.size(), count);
+  if (room == SIGHTCELL_OK) std::copy_n(name.data(), name.size(), dst);
+  return room;
 }
 
 sightcell_status sightcell_db_check(const sightcell_db* db) {

@@ -440,8 +440,13 @@ class Bake(InRoom):
         self.assertIn('importance  ', self.expect(0, 'info', whole)[0])
         self.expect(0, 'verify', self.city, whole, '--rays', '20000')
         # What a file knows stays.
+        self.assertIsNone(infos[1]['identity'])
+        self.expect(0, 'recode', whole, '--names', '--scene', self.city)
         self.expect(0, 'patch', whole, '--add', '0:0-99')
-        self.assertIsNotNone(json.loads(self.expect(0, 'info', whole, '--json')[0])['importance'])
+        patched = json.loads(self.expect(0, 'info', whole, '--json')[0])
+        self.assertIsNotNone(patched['importance'])
+        self.assertGreater(patched['identity']['geometries'], 1)
+        self.assertGreaterEqual(patched['draws'], patched['identity']['draws'])
 
     def test_a_safety_ring_is_told_of(self):
         self.city = self.make_city('city.glb', polygons=2000)

@@ -1,6 +1,7 @@
 // libFuzzer target: the runtime on hostile .pvs files. Any file is refused with a status or answers within its
 // promises. Checksums are made right first, else nearly every change would end at them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include "checksum.h"
 #include "sightcell/format/importance_classes.h"
 #include "sightcell/format/reader.h"
+#include "sightcell/identity.h"
 #include "sightcell/sightcell.h"
 #include "sightcell/viewpoints.h"
 #include "volume_index.h"
@@ -206,6 +208,27 @@ void ask_names(const sightcell_db* db, std::size_t draws) {
     require(group < groups || group == SIGHTCELL_NO_NAMED_GROUP, "a group of a draw is one");
 }
 
+// A host with the hashes of the file has its draws. The section is checked when it is read, so each call finds a fault.
+// sound: the whole file was checked, so no two draws begin at one polygon.
+void ask_identity(const sightcell_db* db, std::uint32_t draws, bool sound) {
+  std::vector<std::uint64_t> hashes;
+  std::array<char, 255> name;
+  std::size_t count = 0;
+  for (std::uint32_t draw = 0; draw < std::min(draws, 20u); ++draw) {
+    std::uint64_t hash = 0;
+    if (sightcell_db_draw_hash(db, draw, &hash) != SIGHTCELL_OK) return;
+    hashes.push_back(hash);
+    for (const std::uint32_t kind : {SIGHTCELL_NAME_NODE, SIGHTCELL_NAME_MESH})
+      require(sightcell_db_draw_name(db, draw, kind, name.data(), name.size(), &count) == SIGHTCELL_OK, "names fit");
+  }
+  std::vector<std::uint32_t> found(hashes.size());
+  sightcell_draw_match match{};
+  match.struct_size = sizeof match;
+  const sightcell_status s = sightcell_db_match(db, hashes.data(), nullptr, hashes.size(), found.data(), &match);
+  require(s == SIGHTCELL_OK || s == SIGHTCELL_ERR_OTHER_SCENE, "draws are matched");
+  require(!sound || match.extra == 0, "a host with the hashes of the file has no other draws");
+}
+
 // Shares are shares; the boxes outside the region of a cell are inside its grown box. sound: the whole file was
 // checked, so the regions are trees.
 void ask_viewpoints(const sightcell_db* db, const sightcell_view* view, const sightcell_frame& frame, bool sound) {
@@ -285,6 +308,7 @@ void run(const std::uint8_t* data, std::size_t size) {
     std::vector<std::uint32_t> order(info.polygon_count);
     sightcell_db_order(db, order.data(), order.size(), &count);
     ask_names(db, info.draw_count);
+    ask_identity(db, info.draw_count, sound);
     sightcell_view* view = nullptr;
     if (sightcell_view_create(db, &view) == SIGHTCELL_OK)
       walk(std::as_bytes(std::span(data, size)), db, view, info, sound);

@@ -348,7 +348,8 @@ def main():
     golden = os.path.join(HERE, "..", "golden")
     for name in ("v0_small.pvs", "v0_tiny.pvs", "v1_small.pvs", "v1_tiny.pvs", "v1_lattice.pvs", "v1_merged.pvs",
                  "v1_importance.pvs", "v1_volumes.pvs", "v1_groups.pvs", "v1_viewpoints.pvs",
-                 "v1_grid.pvs", "v1_chunks.pvs", "v1_eyes.pvs"):
+                 "v1_grid.pvs", "v1_chunks.pvs", "v1_eyes.pvs",
+                 "v1_identity.pvs"):
         shutil.copyfile(os.path.join(golden, name), os.path.join(folder, "pvs", "seed_" + name))
     # What those do not have: two references behind each other, a lattice without cells, draws that share an order.
     for name in ("undamaged_rows.pvs", "undamaged_no_cells.pvs", "undamaged_whole.pvs", "undamaged_volumes.pvs",

@@ -16,7 +16,7 @@ import decode_v1  # noqa: E402
 from pvs_parts import Refused, crc32c, need  # noqa: E402
 
 MAGIC = bytes([0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A])
-ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES = 3, 4, 6, 9, 11, 12, 13
+ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY = 3, 4, 6, 9, 11, 12, 13, 15
 VERSIONS = {0: decode_v0, 1: decode_v1}
 
 
@@ -68,7 +68,8 @@ def sections_of(data, header, version):
         need(offset == place and flags < 2 and reserved == 0, "section record")
         place += size
         need(place <= len(data), "section leaves the file")
-        need(number not in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES) or flags == 0, f"required section {number}", "version")
+        never_required = number in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY)
+        need(not never_required or flags == 0, f"required section {number}", "version")
         if number in required or number in version.OPTIONAL:
             need(number not in found, "section is there twice")
             need(flags == (number in version.FLAGGED), "section flags")
@@ -92,6 +93,7 @@ class Contents:
         self.orders, self.lattice, self.certificate, self.volume_shape, self.volumes = [], None, [], None, []
         self.named_groups, self.named_group_of_draw = [], []
         self.player_radius, self.viewpoints, self.eyes = 0, [], []
+        self.identity = []
         self.settings = parts.get(SETTINGS, b"").decode("utf-8", "backslashreplace")
         version.decode_tables(header, parts, self)
         header.check_bounds(version.most_runs(len(parts[ROWS])))
@@ -194,6 +196,13 @@ class Contents:
         for i, eyes in enumerate(self.eyes):
             for eye in eyes:
                 yield f"eye of {i}: " + " ".join(f"{value:.9g}" for value in eye)
+        for i, (geometry, node, mesh) in enumerate(self.identity):
+            if geometry is not None:
+                yield f"geometry hash of draw {i}: {geometry:016x}"
+            if node is not None:
+                yield f"node of draw {i}: {node}"
+            if mesh is not None:
+                yield f"mesh of draw {i}: {mesh}"
         for i in range(len(self.importance)):
             yield f"importance {i}:" + "".join(f" {one}" for one in self.classes(i))
 

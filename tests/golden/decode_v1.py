@@ -5,9 +5,9 @@ import struct
 from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
-VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS = 10, 11, 12, 13, 14
+VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY = 10, 11, 12, 13, 14, 15
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
-OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY)
 FLAGGED = REQUIRED + (VOLUMES, BORDERS)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
@@ -288,6 +288,38 @@ def decode_eyes(header, section, boxes):
     return positions
 
 
+def decode_names(columns, text):
+    """Names that begin with bytes of the one before."""
+    names, before, at = [], b"", 0
+    for shared, further in zip(*columns):
+        need(shared <= len(before) and 1 <= further <= 255 - shared, "name of a draw")
+        before = before[:shared] + text[at:at + further]
+        at += further
+        need(at <= len(text) and 0 not in before, "text of a name")
+        names.append(before.decode("utf-8", "backslashreplace"))
+    need(at == len(text), "bytes behind the names")
+    return names
+
+
+def decode_identity(section, draws):
+    """Per draw: its hash, or None without polygons; the names of its node and its mesh, or None."""
+    need(len(section) >= 16, "identity is cut")
+    hashes, names, nodes, meshes = struct.unpack_from("<IIII", section)
+    drawn = sorted((draw[6], i) for i, draw in enumerate(draws) if draw[7] > 0)
+    need(hashes <= len(drawn) and max(names, nodes, meshes) <= 8 * len(section), "sizes of the identity")
+    (of_draw,), at = packed_columns(section, 16, 1, len(drawn))
+    (low, high), at = packed_columns(section, at, 2, hashes)
+    (of_node,), at = packed_columns(section, at, 1, nodes)
+    (of_mesh,), at = packed_columns(section, at, 1, meshes)
+    columns, at = packed_columns(section, at, 2, names)
+    need(all(number < hashes for number in of_draw), "hash of a draw")
+    need(all(number <= names for number in of_node + of_mesh), "name of a node or mesh")
+    texts = [None] + decode_names(columns, section[at:])
+    of_place = {i: low[number] | high[number] << 32 for number, (_, i) in zip(of_draw, drawn)}
+    return [(of_place.get(i), texts[of_node[node]] if node < nodes else None,
+             texts[of_mesh[mesh]] if mesh < meshes else None) for i, (node, mesh, *_) in enumerate(draws)]
+
+
 def decode_tables(header, parts, contents):
     if BORDERS in parts:
         header.cells_of_chunks = decode_borders(header.cells, parts[BORDERS])
@@ -306,6 +338,8 @@ def decode_tables(header, parts, contents):
         contents.player_radius, contents.viewpoints = decode_viewpoints(header, parts[VIEWPOINTS], contents.boxes)
     if EYES in parts:
         contents.eyes = decode_eyes(header, parts[EYES], contents.boxes)
+    if IDENTITY in parts:
+        contents.identity = decode_identity(parts[IDENTITY], contents.draws)
 
 
 class RunCode:

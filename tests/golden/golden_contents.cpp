@@ -208,6 +208,16 @@ sample_contents eye_contents() {
   return contents;
 }
 
+// Two draws of one geometry, an empty draw, a node and meshes without names, a name of a node and a mesh.
+sample_contents identity_contents() {
+  sample_contents contents = merged_contents();
+  constexpr std::uint64_t shared = 0x0123456789ABCDEFu;
+  contents.geometry_hashes = {shared, 0xFEDCBA9876543210u, 1, std::uint64_t{1} << 63, shared};
+  contents.node_names = {"", "", "", "", "", "", "Cube.001", "Cube.0015", "T\xC3\xBCr", "Cube"};
+  contents.mesh_names = {"Cube", "", "Cube.001", "Cube.00"};
+  return contents;
+}
+
 std::vector<golden_file_contents> golden_files() {
   return {{"v1_tiny", tiny_contents()},
           {"v1_small", ordered_contents()},
@@ -217,7 +227,8 @@ std::vector<golden_file_contents> golden_files() {
           {"v1_groups", named_contents()},
           {"v1_viewpoints", viewpoint_contents()},
           {"v1_grid", grid_contents()},
-          {"v1_eyes", eye_contents()}};
+          {"v1_eyes", eye_contents()},
+          {"v1_identity", identity_contents()}};
 }
 
 }  // namespace sightcell::test

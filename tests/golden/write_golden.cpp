@@ -1,6 +1,7 @@
 // Writes the golden files of the writer's version, and what is in them as text, into a folder, and damaged ones into
 // golden_errors there. Run by hand when that version's bytes change, which they may not once it is released; the files
 // of older versions stay as they are.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
@@ -138,6 +139,26 @@ void dump_eyes(const sample_contents& contents, std::FILE* out) {
   }
 }
 
+void dump_identity(const sample_contents& contents, std::FILE* out) {
+  if (contents.geometry_hashes.empty()) return;
+  const auto dump_name = [&](const char* of, std::size_t draw, std::uint32_t number, const auto& names) {
+    if (number >= names.size() || names[number].empty()) return;
+    std::fprintf(out, "%s of draw %zu: %s\n", of, draw, names[number].c_str());
+  };
+  for (std::size_t i = 0; i < contents.draws.size(); ++i) {
+    const auto& d = contents.draws[i];
+    if (d.polygon_count > 0) {
+      const auto place = std::count_if(contents.draws.begin(), contents.draws.end(), [&](const auto& other) {
+        return other.polygon_count > 0 && other.first_source < d.first_source;
+      });
+      const auto hash = contents.geometry_hashes[static_cast<std::size_t>(place)];
+      std::fprintf(out, "geometry hash of draw %zu: %016llx\n", i, static_cast<unsigned long long>(hash));
+    }
+    dump_name("node", i, d.node, contents.node_names);
+    dump_name("mesh", i, d.mesh, contents.mesh_names);
+  }
+}
+
 // By ascending source id, as sets are.
 void dump_importance(const sample_contents& contents, std::FILE* out) {
   for (std::size_t cell = 0; cell < contents.sets.size(); ++cell) {
@@ -159,6 +180,7 @@ bool write(const sample_contents& contents, const std::vector<std::byte>& bytes,
   dump_cells(contents, text);
   dump_viewpoints(contents, text);
   dump_eyes(contents, text);
+  dump_identity(contents, text);
   if (importance) dump_importance(contents, text);
   return std::fclose(text) == 0;
 }

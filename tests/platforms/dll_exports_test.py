@@ -5,7 +5,8 @@ import subprocess
 
 from harness import ROOT, SETTINGS, read
 
-HEADERS = [os.path.join(ROOT, 'runtime', 'include', 'sightcell', name) for name in ('sightcell.h', 'clusters.h', 'viewpoints.h')]
+HEADERS = [os.path.join(ROOT, 'runtime', 'include', 'sightcell', name)
+           for name in ('sightcell.h', 'clusters.h', 'viewpoints.h', 'identity.h')]
 
 
 def test_exports_and_needs():

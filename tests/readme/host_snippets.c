@@ -1,6 +1,8 @@
 /* The snippets of docs/hosting.md and docs/streaming.md, with a host around them that records what it is asked to draw:
- * every way must draw the same polygons. usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE.pvs ... */
+ * every way must draw the same polygons.
+ * usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE_WITH_NAMES.pvs FILE.pvs ... */
 #include <sightcell/clusters.h>
+#include <sightcell/identity.h>
 #include <sightcell/sightcell.h>
 #include <sightcell/viewpoints.h>
 #include <stdio.h>
@@ -318,6 +320,54 @@ static void doors(const char* path) {
   sightcell_db_close(db);
 }
 
+/* Objects of a host: triangles of a size of their own, one of which may be moved. */
+typedef struct {
+  float positions[9];
+  uint32_t indices[3];
+  size_t stride, vertex_count, index_count;
+} mesh;
+typedef struct {
+  const mesh* mesh;
+  const char* node_name;
+} object;
+enum { object_count = 3 };
+static object scene[object_count];
+static uint64_t hashes[object_count];
+static const char* names[object_count];
+static uint32_t draw_of_object[object_count];
+static int differences, everything;
+static void draw_everything(void) { ++everything; }
+static void report_difference(const sightcell_draw_match* match) {
+  require(match->extra > 0 && match->first_extra == 0, "the first object is of no scene");
+  ++differences;
+}
+
+static void find_by_geometry(void) {
+  /* [match */
+  sightcell_draw_match match = {.struct_size = sizeof match};
+  for (uint32_t i = 0; i < object_count; ++i) { /* positions in the space of the mesh; instances have the same hash */
+    const mesh* m = scene[i].mesh;
+    sightcell_geometry_hash(m->positions, m->stride, m->vertex_count, m->indices, m->index_count, &hashes[i]);
+    names[i] = scene[i].node_name;
+  }
+  const sightcell_status s = sightcell_db_match(db, hashes, names, object_count, draw_of_object, &match);
+  if (s == SIGHTCELL_ERR_OTHER_SCENE) report_difference(&match);
+  if (s != SIGHTCELL_OK) draw_everything(); /* SIGHTCELL_ERR_ABSENT: baked without --names */
+  /* match] */
+}
+
+/* A file without identity, then one of another scene. tests/unit/runtime/identity_test.cpp has those that match. */
+static void identity(const char* without, const char* other) {
+  mesh triangle = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, 12, 3, 3};
+  for (uint32_t i = 0; i < object_count; ++i) scene[i] = (object){&triangle, "Cube"};
+  for (int file = 0; file < 2; ++file) {
+    require(sightcell_db_open_file(file == 0 ? without : other, NULL, &db) == SIGHTCELL_OK, "open");
+    find_by_geometry();
+    require(everything == file + 1 && differences == file, "both files draw everything");
+    sightcell_db_close(db);
+  }
+}
+
 /* A host that reads its file at once; an asynchronous one returns and delivers later. */
 static sightcell_db* paged;
 /* [source */
@@ -502,10 +552,11 @@ static void draw_in_every_way(void) {
 }
 
 int main(int argc, char** argv) {
-  require(argc > 2, "usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE.pvs ...");
+  require(argc > 3, "usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE_WITH_NAMES.pvs FILE.pvs ...");
   doors(argv[1]);
+  identity(argv[1], argv[2]);
   int requests = 0;
-  for (int file = 2; file < argc; ++file) {
+  for (int file = 3; file < argc; ++file) {
     open_file(argv[file]);
     expect_objects_in_source_order();
     expect_permuted_primitives();

@@ -539,6 +539,7 @@ scene import_gltf(gltf_file file, const gltf_source& source, std::string name, i
   out.extensions = std::move(document.extensions);
   out.warnings = std::move(document.warnings);
   for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
+  for (const tinygltf::Mesh& mesh : model.meshes) out.mesh_names.push_back(mesh.name);
   importer(model, document, source.name, out, poses).walk(roots_of(model, scene_index, source.name));
   if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
   finish(out);

@@ -128,6 +128,7 @@ void put_in_order(const pvs_frame& frame, const record_source& record_of, stored
   }
   parts.draws = frame.draws;
   parts.named_groups = frame.named_groups;
+  put_identity(frame.identity, parts);
   order_polygons_of(
       parts, file_settings_of(frame.settings).order,
       [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { set = record_of(stored.places[cell]).set; });
@@ -198,6 +199,7 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
   frame.seed = how.seed;
   frame.draws = draw_table(s, frame.facts.layout);
   frame.named_groups = s.groups;
+  if (how.file.names) frame.identity = identity_of(s);
   for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
   if (volumes != nullptr) {
     frame.volume_width = volumes->width();

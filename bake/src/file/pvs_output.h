@@ -9,6 +9,7 @@
 
 #include "cell_set/cell_record.h"
 #include "cells/view_cell.h"
+#include "order/draw_identity.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/records.h"
 #include "volumes/volume_grid.h"
@@ -32,6 +33,7 @@ struct pvs_frame {
   std::vector<format::box> cells;              // all cells, including those that are not stored
   double volume_width = 0.0;                   // meters
   std::vector<format::lattice_place> volumes;  // in the order of the numbers in records
+  draw_identity identity;                      // empty: not stored
   std::string settings;                        // settings text of the file
 };
 

@@ -13,6 +13,7 @@
 #include "file/readable_file.h"
 #include "file/stored_rules.h"
 #include "input/two_scenes.h"
+#include "order/draw_identity.h"
 #include "order/draw_table.h"
 #include "order/file_order.h"
 #include "sightcell/bake/stored_overrides.h"
@@ -102,6 +103,8 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
                 "has the merged layout, in which instances share no polygon order", "leave out --order per-instance");
   if (other_layout) change_layout(parts, name, layout, how.layout_from);
 
+  if (how.names_from != nullptr) put_identity(identity_of(*how.names_from), parts);
+
   const bool old = opened.format_version() != format::layout::version;
   file_settings now = file_settings_of(parts.settings);
   now.profile = how.profile.value_or(now.profile);
@@ -156,7 +159,7 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   format::set_reader sets;
   require_readable(format::reader::open(file, opened), name);
   const scene::scene* s = how.importance_in;
-  for (const scene::scene* given : {s, how.layout_from})
+  for (const scene::scene* given : {s, how.layout_from, how.names_from})
     if (given != nullptr) require_scene(opened, *given, name);
   if (s != nullptr && stored_cells_from(opened.settings()))
     throw error(error_kind::wrong_use, "recode.two-scenes", name,
@@ -165,8 +168,8 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   require_readable(sets.open(opened), name);
   require_readable(sets.check(), name);
   // With importance alone the other bytes stay the same. Encoding sets with slack again could change them.
-  const bool stays =
-      s != nullptr && !how.profile && !how.order && !how.layout && opened.format_version() == format::layout::version;
+  const bool stays = s != nullptr && !how.profile && !how.order && !how.layout && how.names_from == nullptr &&
+                     opened.format_version() == format::layout::version;
   std::vector<std::byte> bytes =
       stays ? std::vector<std::byte>(file.begin(), file.end()) : encoded(opened, sets, name, how, output);
   format::reader made;

@@ -1,7 +1,7 @@
 #pragma once
-// C++20 wrapper over sightcell.h, clusters.h and viewpoints.h, header only. The conventions of sightcell.h (coordinates, units,
-// polygon numbers, the draw table, fail-open frames, memory, threads) hold here too. Most members call the C function
-// of the same name, where its parameters, failures and cost are documented. What the wrapper adds:
+// C++20 wrapper over sightcell.h, clusters.h, identity.h and viewpoints.h, header only. The conventions of sightcell.h
+// (coordinates, units, polygon numbers, the draw table, fail-open frames, memory, threads) hold here too. Most members
+// call the C function of the same name, where its parameters, failures and cost are documented. What the wrapper adds:
 //   - db and view are move-only and release their handles.
 //   - A function that makes something returns result<T>: the value, or the status of the failure.
 //   - A function that fills a list takes a span and returns a list_result.
@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "sightcell/clusters.h"
+#include "sightcell/identity.h"
 #include "sightcell/sightcell.h"
 #include "sightcell/viewpoints.h"
 
@@ -164,6 +165,32 @@ class db {
     std::array<float, 3> eye{};
     const sightcell_status s = sightcell_db_cell_eye(handle_, cell, number, eye.data());
     return s == SIGHTCELL_OK ? result<std::array<float, 3>>(eye) : result<std::array<float, 3>>(s);
+  }
+
+  // The draw of the file for each draw of a host. hashes: geometry hashes. names: of their nodes, or none at all; NULL
+  // for one without a name. draw_of_host: as many elements as hashes. The counts are complete with OK and OTHER_SCENE.
+  sightcell_status match(std::span<const std::uint64_t> hashes, std::span<const char* const> names,
+                         std::span<std::uint32_t> draw_of_host, sightcell_draw_match& counts) const noexcept {
+    if (draw_of_host.size() != hashes.size() || (!names.empty() && names.size() != hashes.size())) {
+      return SIGHTCELL_ERR_ARGUMENT;
+    }
+    counts.struct_size = sizeof(counts);
+    return sightcell_db_match(handle_, hashes.data(), names.empty() ? nullptr : names.data(), hashes.size(),
+                              draw_of_host.data(), &counts);
+  }
+
+  // The geometry hash of a draw.
+  [[nodiscard]] result<std::uint64_t> draw_hash(std::uint32_t draw) const noexcept {
+    std::uint64_t hash = 0;
+    const sightcell_status s = sightcell_db_draw_hash(handle_, draw, &hash);
+    return s == SIGHTCELL_OK ? result<std::uint64_t>(hash) : result<std::uint64_t>(s);
+  }
+
+  // A name of a draw. kind: SIGHTCELL_NAME_*. dst: UTF-8 bytes, without a zero at the end.
+  list_result draw_name(std::uint32_t draw, std::uint32_t kind, std::span<char> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_db_draw_name(handle_, draw, kind, dst.data(), dst.size(), &out.count);
+    return out;
   }
 
   // The number of a named group, SIGHTCELL_NO_NAMED_GROUP if there is none. name: UTF-8, with a zero at the end.

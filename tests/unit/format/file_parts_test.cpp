@@ -45,6 +45,12 @@ TEST(file_parts, make_the_same_file_again) {
   expect_same_file(contents);
   add_eyes(contents, 10);
   expect_same_file(contents);
+  for (const draw_record& d : contents.draws) {
+    if (d.polygon_count > 0) contents.geometry_hashes.push_back(d.first_source % 3);
+  }
+  contents.node_names = {"a", "ab", "abc", "b"};
+  contents.mesh_names = {"b", "c"};
+  expect_same_file(contents);
 }
 
 TEST(file_parts, of_version_0_are_those_it_was_written_from) {

@@ -17,6 +17,7 @@
 #include "polygon_orders_writer.h"
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/identity.h"
 #include "sightcell/viewpoints.h"
 #include "table_encoder.h"
 #include "unit/format/importance_samples.h"
@@ -40,6 +41,7 @@ statuses operator+(statuses all, const statuses& more) {
 }
 
 // The statuses that the comments of sightcell.h document.
+const statuses of_identity{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT, SIGHTCELL_PENDING};
 const std::map<std::string, statuses> promised{
     {"sightcell_db_open", of_open},
     {"sightcell_db_open_file", of_open + statuses{SIGHTCELL_ERR_IO}},
@@ -85,8 +87,12 @@ const std::map<std::string, statuses> promised{
     {"sightcell_db_statistics", with_arguments},
     {"sightcell_view_debug_lines", of_lists + statuses{SIGHTCELL_ERR_CORRUPT}},
     {"sightcell_db_misses_text", of_lists},
-    {"sightcell_db_cell_eye", with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM,
-                                                        SIGHTCELL_ERR_CORRUPT, SIGHTCELL_PENDING}},
+    {"sightcell_db_cell_eye",
+     with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT, SIGHTCELL_PENDING}},
+    {"sightcell_geometry_hash", with_arguments},
+    {"sightcell_db_match", with_arguments + of_identity + statuses{SIGHTCELL_ERR_OTHER_SCENE, SIGHTCELL_ERR_MEMORY}},
+    {"sightcell_db_draw_hash", with_arguments + of_identity},
+    {"sightcell_db_draw_name", of_lists + of_identity},
     {"sightcell_cluster_map_create", with_arguments + statuses{SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
     {"sightcell_view_clusters", of_lists},
     {"sightcell_cluster_list", of_lists},
@@ -235,6 +241,13 @@ void open_without_waiting(outcomes& out) {
   RETURNS(PENDING, sightcell_cluster_map_create(host.db(), nullptr, 0, 0, &map));
   float eye[3];
   RETURNS(PENDING, sightcell_db_cell_eye(host.db(), 0, 0, eye));
+  sightcell_draw_match match{};
+  match.struct_size = sizeof match;
+  RETURNS(PENDING, sightcell_db_match(host.db(), nullptr, nullptr, 0, nullptr, &match));
+  std::uint64_t hash = 0;
+  std::size_t count = 0;
+  RETURNS(PENDING, sightcell_db_draw_hash(host.db(), 0, &hash));
+  RETURNS(PENDING, sightcell_db_draw_name(host.db(), 0, SIGHTCELL_NAME_NODE, nullptr, 0, &count));
   host.answer = SIGHTCELL_ERR_STALE;
   EXPECT_EQ(host.deliver(host.waiting.back()), SIGHTCELL_OK);
   out.note("sightcell_db_opened", SIGHTCELL_ERR_STALE, sightcell_db_opened(host.db()));
@@ -377,6 +390,52 @@ void eyes(outcomes& out) {
   reseal(changed);
   const loaded_file corrupt(std::move(changed));
   RETURNS(ERR_CORRUPT, sightcell_db_cell_eye(corrupt.db(), 0, 0, eye));
+}
+
+void identities(outcomes& out) {
+  sample_contents contents = tiny_contents();
+  contents.geometry_hashes = {5};
+  contents.node_names = {"", "", "Cube"};
+  const bytes whole = contents.encode();
+  const std::size_t section = section_offset(whole, layout::section_identity);
+  bytes changed = whole;
+  changed[section] ^= std::byte{16};  // more hashes than draws
+  const loaded_file wrong_sum(changed);
+  reseal(changed);
+  const loaded_file corrupt(std::move(changed));
+  const loaded_file none(tiny_contents());
+  few_blocks one(1);
+  const loaded_file poor(whole, &one.interface);
+  const loaded_file file(whole);
+  std::uint64_t hash = 5;
+  std::uint32_t draw = 0;
+  std::size_t count = 0;
+  std::array<char, 4> name{};
+  sightcell_draw_match match{};
+  match.struct_size = sizeof match;
+  RETURNS(OK, sightcell_db_match(file.db(), &hash, nullptr, 1, &draw, &match));
+  RETURNS(ERR_OTHER_SCENE, sightcell_db_match(file.db(), nullptr, nullptr, 0, nullptr, &match));
+  RETURNS(ERR_ARGUMENT, sightcell_db_match(file.db(), &hash, nullptr, 1, nullptr, &match));
+  RETURNS(ERR_MEMORY, sightcell_db_match(poor.db(), &hash, nullptr, 1, &draw, &match));
+  RETURNS(OK, sightcell_db_draw_hash(file.db(), 0, &hash));
+  RETURNS(ERR_ARGUMENT, sightcell_db_draw_hash(file.db(), 1, &hash));
+  RETURNS(OK, sightcell_db_draw_name(file.db(), 0, SIGHTCELL_NAME_NODE, name.data(), 4, &count));
+  RETURNS(ERR_CAPACITY, sightcell_db_draw_name(file.db(), 0, SIGHTCELL_NAME_NODE, name.data(), 3, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_db_draw_name(file.db(), 0, 2, name.data(), 4, &count));
+  const std::array<std::pair<const loaded_file*, sightcell_status>, 3> faulty{
+      {{&wrong_sum, SIGHTCELL_ERR_CHECKSUM}, {&corrupt, SIGHTCELL_ERR_CORRUPT}, {&none, SIGHTCELL_ERR_ABSENT}}};
+  for (const auto& [from, expected] : faulty) {
+    out.note("sightcell_db_match", expected, sightcell_db_match(from->db(), &hash, nullptr, 1, &draw, &match));
+    out.note("sightcell_db_draw_hash", expected, sightcell_db_draw_hash(from->db(), 0, &hash));
+    out.note("sightcell_db_draw_name", expected,
+             sightcell_db_draw_name(from->db(), 0, SIGHTCELL_NAME_MESH, name.data(), 4, &count));
+  }
+  const std::array<float, 9> positions{0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::array<std::uint32_t, 3> triangle{0, 1, 2};
+  RETURNS(OK, sightcell_geometry_hash(positions.data(), 12, 3, triangle.data(), 3, &hash));
+  RETURNS(ERR_ARGUMENT, sightcell_geometry_hash(positions.data(), 12, 2, triangle.data(), 3, &hash));
+  RETURNS(ERR_ARGUMENT, sightcell_geometry_hash(positions.data(), 11, 3, triangle.data(), 3, &hash));
+  RETURNS(ERR_ARGUMENT, sightcell_geometry_hash(positions.data(), 12, 3, triangle.data(), 2, &hash));
 }
 
 void names(outcomes& out) {
@@ -606,6 +665,7 @@ TEST(every_outcome, is_reached) {
   deliver_and_prefetch(out);
   facts(out);
   eyes(out);
+  identities(out);
   names(out);
   places(out);
   lists(out);

@@ -1,5 +1,6 @@
 /* The headers are C11, and their structs have the sizes and offsets that other tools count on. */
 #include <sightcell/clusters.h>
+#include <sightcell/identity.h>
 #include <sightcell/sightcell.h>
 #include <sightcell/viewpoints.h>
 #include <stdio.h>

@@ -163,6 +163,26 @@ TEST(sightcell_hpp, viewpoints) {
   EXPECT_EQ(file->cell_eye(0).status(), SIGHTCELL_ERR_ABSENT);
 }
 
+TEST(sightcell_hpp, identity_of_draws) {
+  auto contents = sightcell::test::tiny_contents();
+  contents.geometry_hashes = {9};
+  contents.node_names = {"", "", "Tor"};
+  const auto bytes = contents.encode();
+  const auto file = sightcell::db::open(bytes);
+  ASSERT_TRUE(file);
+  EXPECT_EQ(*file->draw_hash(0), 9u);
+  std::array<char, 8> name{};
+  EXPECT_EQ(file->draw_name(0, SIGHTCELL_NAME_NODE, name).count, 3u);
+  EXPECT_STREQ(name.data(), "Tor");
+  const std::array<std::uint64_t, 2> hashes{8, 9};
+  std::array<std::uint32_t, 2> draws{};
+  sightcell_draw_match counts;
+  EXPECT_EQ(file->match(hashes, {}, draws, counts), SIGHTCELL_ERR_OTHER_SCENE);
+  EXPECT_EQ(draws, (std::array<std::uint32_t, 2>{SIGHTCELL_NO_DRAW, 0}));
+  EXPECT_EQ(counts.first_extra, 0u);
+  EXPECT_EQ(file->match(hashes, {}, std::span(draws).first(1), counts), SIGHTCELL_ERR_ARGUMENT);
+}
+
 TEST(sightcell_hpp, failures_are_values) {
   const auto file = sightcell::db::open({});
   EXPECT_FALSE(file);

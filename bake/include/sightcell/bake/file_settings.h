@@ -49,6 +49,10 @@ struct file_settings {
   // --importance: stores how large a part of the view from its cell each polygon covers, in 16 classes. Not in the
   // settings text: the other sections of the file do not depend on it.
   bool importance = false;
+
+  // --names: stores a hash of the geometry of each draw and the names of nodes and meshes, by which a host finds its
+  // objects. Not in the settings text, for the same reason.
+  bool names = false;
 };
 
 // Returns the value with this name, nothing for an unknown name.

@@ -1,6 +1,6 @@
 #pragma once
 // Writes a .pvs file again without a bake: in the current version of the format, with another profile, order or layout,
-// or with importance. bake.h has the conventions.
+// or with importance or names. bake.h has the conventions.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -31,6 +31,10 @@ struct recode_settings {
   // The scene that was baked: it has the names of groups, which decide what can be merged. The caller keeps it during
   // the call.
   const scene::scene* layout_from = nullptr;
+
+  // The scene that was baked: geometry hashes and names are taken from it, as a bake with file_settings::names does.
+  // Null keeps those that the file has. The caller keeps it during the call.
+  const scene::scene* names_from = nullptr;
 
   // The scene that was baked: importance is measured in it, as a bake with file_settings::importance does. Null keeps
   // the importance that the file has. The caller keeps it during the call.

@@ -181,7 +181,7 @@ struct settings {
   double volumes = 0.0;
 
   // ---- File
-  file_settings file;  // --profile, --order, --layout, --importance
+  file_settings file;  // --profile, --order, --layout, --importance, --names
 
   // ---- Machine. None of these changes a byte of the file.
   std::uint32_t threads = 0;  // --threads: 0 for all cores

@@ -27,8 +27,10 @@ struct file_parts {
   lattice_shape volume_shape;            // of each volume; set if there are volumes
   std::vector<lattice_place> volumes;
   std::vector<certificate_record> certificate;
-  std::vector<viewpoint_record> viewpoints;  // one per cell, or none
-  float player_radius = 0.0f;                // meters; 0 without viewpoints
+  std::vector<viewpoint_record> viewpoints;         // one per cell, or none
+  float player_radius = 0.0f;                       // meters; 0 without viewpoints
+  std::vector<std::uint64_t> geometry_hashes;       // of the draws with polygons, in source order; or none
+  std::vector<std::string> node_names, mesh_names;  // by number, of a file with hashes
   std::string settings;
   std::uint32_t chunk_bytes = usual_chunk_bytes;  // of file_contents; take_apart leaves it
 

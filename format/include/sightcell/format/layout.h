@@ -69,6 +69,7 @@ inline constexpr std::uint32_t section_named_groups = 11;  // since version 1; o
 inline constexpr std::uint32_t section_viewpoints = 12;    // since version 1; optional
 inline constexpr std::uint32_t section_eyes = 13;          // since version 1; optional, and open skips it
 inline constexpr std::uint32_t section_borders = 14;       // since version 1; a file with smaller chunks requires it
+inline constexpr std::uint32_t section_identity = 15;      // since version 1; optional, and open skips it
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
 
@@ -80,6 +81,9 @@ inline constexpr std::uint64_t named_groups_head_size = 8;
 
 // The viewpoints section begins with an f32.
 inline constexpr std::uint64_t viewpoints_head_size = 4;
+
+// The identity section begins with four u32.
+inline constexpr std::uint64_t identity_head_size = 16;
 
 // The cells section of version 1 begins with one of these.
 inline constexpr std::uint32_t cells_are_boxes = 0;
@@ -98,6 +102,8 @@ inline constexpr std::uint32_t max_region_size = 1u << 16;      // bytes of the 
 inline constexpr std::uint64_t max_regions_size = 0xFFFFFFFFu;  // of all cells together
 inline constexpr std::uint64_t max_chunk_size = 0xFFFFFFFFu;
 inline constexpr float max_margin = 1.0e6f;  // meters
+
+inline constexpr std::uint32_t max_draw_name = 255;  // bytes of the name of a node or mesh
 
 // Rows.
 inline constexpr std::uint32_t cells_per_block = 64;     // consecutive cells, aligned; a chunk is all of them, or some

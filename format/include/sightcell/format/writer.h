@@ -91,7 +91,11 @@ struct file_contents {
   std::span<const certificate_record> certificate;  // empty, or one per cell in cell order
   std::span<const viewpoint_record> viewpoints;     // empty, or one per cell in cell order
   float player_radius = 0.0f;                       // meters, above 0; not used without viewpoints
-  std::string_view settings;                        // JSON text of the settings that made the file; may be empty
+  // Draw identity (identity_table.h): the geometry hash of each draw with polygons, in source order; empty: none. Names
+  // are by the numbers of nodes and meshes in draws; those of others are left out, and long ones lose their end.
+  std::span<const std::uint64_t> geometry_hashes;
+  std::span<const std::string> node_names, mesh_names;
+  std::string_view settings;  // JSON text of the settings that made the file; may be empty
   // The share of polygons that encode may add to each set, 0 .. 1, in steps of a millionth; 0: sets are stored as they
   // are. encode chooses polygons that make the file smaller and (draw, first, count) ranges fewer. It removes none, and
   // adds no volumes. facts.slack is the slack that the sets have already; the file has the sum of both.

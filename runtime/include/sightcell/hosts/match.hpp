@@ -1,6 +1,7 @@
 #pragma once
 // Matches the triangles of a glTF primitive with those that an importer made of it, for importers that reorder
 // triangles or split meshes. Header only, C++20, and not part of the runtime: it allocates, and throws std::bad_alloc.
+// Which draw of the file is which of the host is found by sightcell_db_match (identity.h), with geometry_hash.
 //
 // Source ids number the triangles in the order of the glTF file. A host that has other triangles than the file reads
 // the positions and indices of the primitive from the file once more, with any glTF reader, and calls match_triangles.
@@ -16,10 +17,12 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "sightcell/identity.h"
 #include "sightcell/sightcell.h"
 
 namespace sightcell::hosts {
@@ -115,6 +118,16 @@ inline void match_equal(std::vector<keyed_triangle>& source, std::vector<keyed_t
 }
 
 }  // namespace detail
+
+// The geometry hash of triangles (sightcell/identity.h), for sightcell_db_match. Those of the parts of a split mesh add
+// up to that of the whole. Calls the runtime. Nothing if an index is beyond the positions.
+[[nodiscard]] inline std::optional<std::uint64_t> geometry_hash(const triangle_list& list) {
+  const std::size_t vertices = list.stride < 3 ? 0 : (list.positions.size() + list.stride - 3) / list.stride;
+  std::uint64_t hash = 0;
+  const sightcell_status s = sightcell_geometry_hash(list.positions.data(), list.stride * sizeof(float), vertices,
+                                                     list.indices.data(), list.indices.size(), &hash);
+  return s == SIGHTCELL_OK ? std::optional(hash) : std::nullopt;
+}
 
 // Matches each triangle of a primitive with one of the host. Triangles with equal corners are matched in their order,
 // so the result does not depend on anything else. First triangles with the same winding, then those that are left, for

@@ -48,7 +48,7 @@ scene::scene scene_with_doors(const std::filesystem::path& folder) {
 class named_groups_test : public testing::Test {
  protected:
   // Three cells.
-  std::vector<std::byte> file_of(host_layout layout) {
+  std::vector<std::byte> file_of(host_layout layout, bool names = false) {
     std::vector<cell_record> records(3);
     std::vector<view_cell> cells;
     for (std::uint32_t cell = 0; cell < 3; ++cell) {
@@ -61,6 +61,7 @@ class named_groups_test : public testing::Test {
     }
     settings how;
     how.file.layout = layout;
+    how.file.names = names;
     how.file.profile = slack_profile::exact;
     summary sum;
     write_pvs(
@@ -97,6 +98,33 @@ const std::map<std::uint32_t, std::string> expected = {{0, ""}, {1, "west door"}
 TEST_F(named_groups_test, are_in_the_file_of_both_layouts) {
   EXPECT_EQ(groups_in(file_of(instanced)), expected);
   EXPECT_EQ(groups_in(file_of(merged)), expected);
+}
+
+// Six instances of one geometry; the sketch gives neither nodes nor meshes names.
+TEST_F(named_groups_test, hashes_and_names_are_baked_added_and_kept) {
+  scene_.node_names[2] = std::string("gate\0x", 6);
+  scene_.mesh_names[0] = "row";
+  const std::vector<std::byte> plain = file_of(instanced);
+  const std::vector<std::byte> named = file_of(instanced, true);
+  EXPECT_GT(named.size(), plain.size());
+  recode_settings how;
+  how.names_from = &scene_;
+  EXPECT_EQ(recoded(plain, how), named);
+  how.names_from = nullptr;
+  EXPECT_EQ(recoded(named, how), named);
+  const std::vector<added_polygons> additions = {{.cell = 0, .first = 1, .count = 2}};
+  (void)patch(named, "doors.pvs", additions, path_);
+  for (const std::vector<std::byte>& file : {named, test::file_bytes(path_), file_of(merged, true)}) {
+    format::reader opened;
+    format::file_parts parts;
+    ASSERT_EQ(format::reader::open(file, opened), format::status::ok);
+    ASSERT_EQ(format::take_apart(opened, parts), format::status::ok);
+    ASSERT_EQ(parts.geometry_hashes.size(), 6u);
+    EXPECT_NE(parts.geometry_hashes[0], 0u);
+    for (const std::uint64_t hash : parts.geometry_hashes) EXPECT_EQ(hash, parts.geometry_hashes[0]);
+    EXPECT_EQ(parts.node_names, (std::vector<std::string>{"", "", "gate"}));
+    EXPECT_EQ(parts.mesh_names, std::vector<std::string>{"row"});
+  }
 }
 
 TEST_F(named_groups_test, stay_when_a_file_is_written_anew) {

@@ -141,7 +141,8 @@ struct scene {
   std::vector<marked_cell> cells;   // view cells, in the order of the nodes; not part of the fingerprint
 
   std::uint32_t polygon_count = 0;             // of all draws; set by finish
-  std::vector<std::string> node_names;         // by node, for messages
+  std::vector<std::string> node_names;         // by node, for messages and for hosts
+  std::vector<std::string> mesh_names;         // by mesh, likewise
   std::vector<extension_use> extensions;       // of the file, by name
   std::vector<std::string> warnings;           // of the import, one line each
   std::array<std::uint8_t, 16> fingerprint{};  // of all that decides visibility; set by finish
