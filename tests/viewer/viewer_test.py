@@ -299,7 +299,7 @@ class Refusals(InFolder):
                           [self.city, '--size', '800'], [self.city, '--size', '0x0'], [self.city, '--size', '8x8k'],
                           [self.city, '--eye', '1,2'], [self.city, '--eye', '1,nan,2'], [self.city, '--look', 'up,1'],
                           [self.city, '--frames', '3'], [self.city, '--cell', '0'],
-                          [self.city, '--screenshot', 'x.png', '--show', 'map'],
+                          [self.city, '--screenshot', 'x.png', '--show', 'sky'],
                           [self.city, '--screenshot', 'x.png', '--frames', '0']):
             self.refuse(2, 'viewer.wrong-use', *arguments)
 
