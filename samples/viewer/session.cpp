@@ -8,6 +8,7 @@
 #include <glm/vector_relational.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 
 #include "sightcell/base/error.h"
 #include "start_view.h"
@@ -123,21 +124,15 @@ void gpu_timer::end() {
   ++frame_;
 }
 
-void frame_rate::tick() {
-  const auto now = std::chrono::steady_clock::now();
-  times_.push_back(now);
-  while (times_.size() > 2 && now - times_.front() > std::chrono::seconds(1)) times_.pop_front();
+void frame_rate::add(double milliseconds) {
+  constexpr std::size_t most = 30;
+  milliseconds_.push_back(milliseconds);
+  if (milliseconds_.size() > most) milliseconds_.pop_front();
 }
 
 double frame_rate::per_second() const {
-  if (times_.size() < 2) return 0.0;
-  const double seconds = std::chrono::duration<double>(times_.back() - times_.front()).count();
-  return seconds > 0.0 ? static_cast<double>(times_.size() - 1) / seconds : 0.0;
-}
-
-double frame_rate::last_milliseconds() const {
-  if (times_.size() < 2) return 0.0;
-  return std::chrono::duration<double, std::milli>(times_.back() - times_[times_.size() - 2]).count();
+  const double sum = std::accumulate(milliseconds_.begin(), milliseconds_.end(), 0.0);
+  return sum > 0.0 ? 1e3 * static_cast<double>(milliseconds_.size()) / sum : 0.0;
 }
 
 session::session(const options& chosen, const loaded_scene& s, std::unique_ptr<loaded_file> file,
@@ -158,6 +153,12 @@ session::session(const options& chosen, const loaded_scene& s, std::unique_ptr<l
     frozen_camera_.vertical_fov = state_.camera.vertical_fov;
     file_->lists.move(frozen_camera_.eye, false);
   }
+}
+
+void session::took(double milliseconds) {
+  rate_.add(milliseconds);
+  facts_.frame_milliseconds = milliseconds;
+  facts_.frames_per_second = rate_.per_second();
 }
 
 const triangle_tree& session::tree() {
@@ -255,13 +256,13 @@ void session::draw(std::uint32_t width, std::uint32_t height, bool whole) {
   facts_.ranges_drawn = chosen.ranges;
   facts_.calls = renderer_.calls();
   facts_.gpu_milliseconds = timer_.milliseconds();
-  rate_.tick();
-  facts_.frames_per_second = rate_.per_second();
-  facts_.frame_milliseconds = rate_.last_milliseconds();
   const bool changed = here().cell != last_cell_;
   if (changed && last_cell_ != SIGHTCELL_NO_CELL) ++facts_.cell_changes;
   last_cell_ = here().cell;
   history_.add(facts_, changed);
+  const fly_camera& now = state_.camera;
+  still_ = now.eye == last_camera_.eye && now.yaw == last_camera_.yaw && now.pitch == last_camera_.pitch;
+  last_camera_ = now;
   if (!state_.hud) {
     panel_.hide();
     return;
@@ -312,12 +313,18 @@ nlohmann::json session::report() const {
   };
   const visible_lists& lists = file_->lists;
   const fly_camera& c = state_.camera;
+  nlohmann::json box;
+  if (here().cell < baked().cells.size()) {
+    const cell& now = baked().cells[here().cell];
+    box = {{now.min.x, now.min.y, now.min.z}, {now.max.x, now.max.y, now.max.z}};
+  }
   return {{"polygons", baked().polygon_count},
           {"polygons_drawn", facts_.polygons_drawn},
           {"ranges", lists.range_count()},
           {"ranges_drawn", facts_.ranges_drawn},
           {"calls", facts_.calls},
           {"cell", number_or_null(lists.here().cell)},
+          {"cell_box", box},
           {"shown_cell", number_or_null(lists.shown().cell)},
           {"cell_changes", facts_.cell_changes},
           {"flags", flags_text(lists.shown().flags & ~SIGHTCELL_FRAME_CHANGED)},

@@ -1,7 +1,6 @@
 #pragma once
 // One picture after another: camera, lists, lines, panel, and what is counted of them.
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -36,14 +35,14 @@ class gpu_timer {
   double milliseconds_ = 0.0;
 };
 
+// How long the last frames took.
 class frame_rate {
  public:
-  void tick();
+  void add(double milliseconds);
   double per_second() const;
-  double last_milliseconds() const;
 
  private:
-  std::deque<std::chrono::steady_clock::time_point> times_;
+  std::deque<double> milliseconds_;
 };
 
 // Throws sightcell::error (wrong_use) if an option names a cell that the file does not have.
@@ -58,6 +57,10 @@ class session {
   controls& state() { return state_; }
   panel& over() { return panel_; }
   const baked_scene& baked() const { return file_->baked; }
+  // Whether the last frame is as the one before: nothing moved and nothing was pressed.
+  bool still() const { return still_; }
+  // How long the last frame took, with all of its work and without waiting for something to happen.
+  void took(double milliseconds);
   void show_message(const std::string& text) { facts_.message = text; }
 
   // After step: walks, goes to cells, begins and ends a freeze.
@@ -95,6 +98,8 @@ class session {
   controls state_;
   fly_camera frozen_camera_;
   bool was_frozen_ = false, was_walking_ = false;
+  fly_camera last_camera_;
+  bool still_ = false;
   gpu_timer timer_;
   frame_rate rate_;
   frame_facts facts_;

@@ -84,15 +84,17 @@ void answer_requests(session& s, const scene_renderer& renderer) {
   if (s.state().print) say(s.report());
 }
 
-void fly(session& s, window& w, const scene_renderer& renderer, const loaded_scene& loaded, const options& chosen) {
-  replay recorded(chosen.replay.empty() ? std::vector<path_pose>() : read_path(chosen.replay));
+void fly(session& s, window& w, const scene_renderer& renderer, const loaded_scene& loaded, const options& chosen,
+         const std::vector<path_pose>& path) {
+  replay recorded(path);
   std::optional<path_recorder> recorder;
   if (!chosen.record.empty()) recorder.emplace(chosen.record);
   file_watch watch(chosen.pvs_file);
   const auto start = std::chrono::steady_clock::now();
   w.set_taken([&s](const glm::vec2& pixel) { return s.over().covers(pixel); });
   while (!w.closing()) {
-    const input in = w.poll();
+    const input in = w.poll(s.still() && !recorded.running());
+    const auto begun = std::chrono::steady_clock::now();
     step(s.state(), in);
     s.over().take_input(in);
     if (s.state().quit) break;
@@ -109,6 +111,7 @@ void fly(session& s, window& w, const scene_renderer& renderer, const loaded_sce
     renderer.show_in_window();
     w.present();
     check_gl("drawing");
+    s.took(1e3 * seconds_since(begun));
   }
   if (!recorder) return;
   recorder->finish();
@@ -126,8 +129,10 @@ void take_screenshot(session& s, const scene_renderer& renderer, const options& 
   state.wireframe = chosen.wireframe;
   state.count_wrong = chosen.wrong;
   for (std::uint32_t i = 0; i < chosen.frames; ++i) {
+    const auto begun = std::chrono::steady_clock::now();
     s.draw(chosen.width, chosen.height, true);
     glFinish();
+    s.took(1e3 * seconds_since(begun));
   }
   check_gl("drawing");
   picture::write_png(chosen.screenshot, renderer.read());
@@ -143,6 +148,7 @@ void run(const options& chosen) {
   // Before the window: a file that is broken needs no display to be named.
   baked_scene baked = open_baked(loaded.facts, loaded.world, chosen.pvs_file, chosen.cells_file);
   check_cells(chosen, baked);
+  const std::vector<path_pose> path = chosen.replay.empty() ? std::vector<path_pose>() : read_path(chosen.replay);
   window w(loaded.facts.name + " - Sightcell", chosen.width, chosen.height, flying);
   scene_renderer renderer(loaded.facts, loaded.world);
   // These are on the device now.
@@ -154,11 +160,10 @@ void run(const options& chosen) {
   session s(chosen, loaded, std::make_unique<loaded_file>(loaded, std::move(baked)), renderer,
             flying ? w.scale() : 1.0f);
   if (!chosen.benchmark.empty()) {
-    const std::vector<path_pose> path = read_path(chosen.replay);
     run_benchmark(s, chosen.poses > 0 ? thinned(path, chosen.poses) : path, chosen);
   } else if (flying) {
     if (!chosen.brightness) s.brighten(w.width(), w.height());
-    fly(s, w, renderer, loaded, chosen);
+    fly(s, w, renderer, loaded, chosen, path);
   } else {
     take_screenshot(s, renderer, chosen);
   }

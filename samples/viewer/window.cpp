@@ -65,10 +65,12 @@ bool window::closing() const {
   return glfwWindowShouldClose(handle_) == GLFW_TRUE;
 }
 
-input window::poll() {
+input window::poll(bool idle) {
   const bool hidden = width() == 0 || height() == 0 || glfwGetWindowAttrib(handle_, GLFW_ICONIFIED) == GLFW_TRUE;
   if (hidden) {
     glfwWaitEventsTimeout(0.5);
+  } else if (idle) {
+    glfwWaitEventsTimeout(0.03);
   } else {
     glfwPollEvents();
   }

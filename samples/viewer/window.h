@@ -21,7 +21,8 @@ class window {
 
   bool closing() const;
   // Handles what has happened since the last call; waits for something while nothing of the window can be seen.
-  input poll();
+  // idle: nothing moves. It then waits a little for something to happen.
+  input poll(bool idle);
   // In pixels; 0 while minimised.
   std::uint32_t width() const, height() const;
   // Turns the camera without a button. Hides the mouse while it does.
