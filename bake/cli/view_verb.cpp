@@ -71,10 +71,11 @@ void add_view_verb(CLI::App& program, action& chosen) {
       program, "view",
       {.summary = "Opens a window to fly through a scene and its .pvs file",
        .usage = "SCENE [FILE.pvs] [options of sightcell-viewer]",
-       .description = "Starts sightcell-viewer, which draws the scene with the cell set of the camera. Its keys switch "
-                      "the set on and off, freeze the set of a cell, and paint red what it leaves out. Without "
-                      "FILE.pvs, it draws all of the scene. Options behind the files are passed on; sightcell-viewer "
-                      "--help lists them.",
+       .description =
+           "Starts sightcell-viewer, which draws the scene with the cell set of the camera. Its keys walk and "
+           "fly, switch the set on and off, freeze the set of a cell, paint red what it leaves out and "
+           "count the pixels that are wrong. A map goes to each cell. Without FILE.pvs, it draws all of "
+           "the scene. Options behind the files are passed on; sightcell-viewer --help lists them.",
        .examples = {"sightcell view level.glb level.pvs", "sightcell view level.glb level.pvs --cell 12 --mode tint"}});
   verb.add_option("SCENE", options->scene, "The scene: a .glb or .gltf file.")->required();
   verb.add_option("FILE", options->file, "The .pvs file that was baked from it.");

@@ -68,9 +68,9 @@ void make_draws(const scene::scene& s, baked_scene& out) {
 }
 
 // Absent polygons become three times one corner: nothing is drawn, and every polygon keeps its place.
-void blank_absent(scene::world_geometry& world) {
+void blank_absent(const scene::world_geometry& world, std::vector<std::uint32_t>& indices) {
   for (std::size_t p = 0; p < world.kinds.size(); ++p) {
-    if (world.kinds[p].absent) std::fill_n(world.indices.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, 0u);
+    if (world.kinds[p].absent) std::fill_n(indices.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, 0u);
   }
 }
 
@@ -124,7 +124,7 @@ void name_cells(const std::string& path, std::vector<cell>& cells) {
 
 }  // namespace
 
-baked_scene open_baked(const scene::scene& s, scene::world_geometry& world, const std::string& pvs_file,
+baked_scene open_baked(const scene::scene& s, const scene::world_geometry& world, const std::string& pvs_file,
                        const std::string& cells_file) {
   baked_scene out;
   out.scene_name = s.name;
@@ -137,8 +137,8 @@ baked_scene open_baked(const scene::scene& s, scene::world_geometry& world, cons
     open_file(s, pvs_file, out);
   }
   if (!cells_file.empty()) name_cells(cells_file, out.cells);
-  blank_absent(world);
-  out.stored_indices = std::move(world.indices);
+  out.stored_indices = world.indices;
+  blank_absent(world, out.stored_indices);
   if (out.db) out.stored_indices = in_stored_order(std::move(out.stored_indices), *out.db, pvs_file);
   return out;
 }

@@ -31,9 +31,9 @@ struct baked_scene {
   glm::vec3 min{0.0f}, max{0.0f};
 };
 
-// Takes world's indices. pvs_file, cells_file (which gives cells their names): may be empty. Throws sightcell::error
-// (bad_input) with one line when a file is broken or was baked from another scene.
-baked_scene open_baked(const sightcell::scene::scene& s, sightcell::scene::world_geometry& world,
+// s: its geometries and images are not read. pvs_file, cells_file (which gives cells their names): may be empty. Throws
+// sightcell::error (bad_input) with one line when a file is broken or was baked from another scene.
+baked_scene open_baked(const sightcell::scene::scene& s, const sightcell::scene::world_geometry& world,
                        const std::string& pvs_file, const std::string& cells_file);
 
 // The cell to go to from an eye in cell `here`: `steps` on from the one visited last while the eye is still in its box

@@ -19,10 +19,17 @@ enum class action : std::uint8_t {
   up,
   down,
   faster,
+  jump,
   // When pressed.
   pvs,
+  objects,
+  frustum,
   freeze,
   tint,
+  count_wrong,
+  walk,
+  mouse_look,
+  map,
   box,
   all_cells,
   next_cell,
@@ -30,6 +37,7 @@ enum class action : std::uint8_t {
   wireframe,
   hud,
   screenshot,
+  print,
   quit,
   count
 };
@@ -49,6 +57,7 @@ std::optional<action> action_of_key(int key);
 struct fly_camera {
   glm::vec3 eye{0.0f};
   float yaw = 0.0f, pitch = 0.0f;
+  float vertical_fov = 1.2f;
   glm::vec3 forward() const;
   glm::vec3 right() const;
 };
@@ -59,18 +68,26 @@ struct input {
   glm::vec2 look{0.0f};  // pixels the mouse was dragged, right and down
   float wheel = 0.0f;    // notches, forward is positive
   float seconds = 0.0f;
+  glm::vec2 mouse{-1.0f};   // pixels from the upper left corner
+  bool mouse_down = false;  // the left button, at some time since the last frame
 };
 
 struct controls {
   fly_camera camera;
-  float speed = 4.0f;  // meters per second
-  bool pvs = true, frozen = false, tint = false;
-  bool box = true, all_cells = false, wireframe = false, hud = true;
+  float speed = 4.0f;       // meters per second
+  float brightness = 1.0f;  // what light is multiplied with
+  bool pvs = true, objects = false, frustum = false, frozen = false, tint = false, count_wrong = false;
+  bool box = true, all_cells = false, wireframe = false, hud = true, map = true;
+  bool walking = false, mouse_look = false;  // mouse_look: it turns the camera without being dragged
   // Asked for by the last step.
   int cell_steps = 0;
-  bool screenshot = false, quit = false;
+  bool screenshot = false, print = false, quit = false;
+  glm::vec3 velocity{0.0f};  // of a person who walks, meters per second
+  bool jump = false;
+  float seconds = 0.0f;  // that the step is about
 };
 
+// Turns and, unless it walks, moves the camera. Walking needs the scene: see walker.
 void step(controls& state, const input& in);
 
 }  // namespace viewer

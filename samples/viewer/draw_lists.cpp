@@ -29,28 +29,47 @@ draw_groups::draw_groups(const scene::scene& s, std::span<const sightcell_draw> 
   }
 }
 
-void make_stretches(const draw_groups& groups, std::span<const sightcell_range> ranges,
-                    std::vector<group_stretches>& out) {
+std::vector<list_part> parts_of(std::span<const sightcell_range> ranges) {
+  std::vector<list_part> parts;
+  parts.reserve(ranges.size());
+  std::uint64_t at = 0;
+  for (const sightcell_range& range : ranges) {
+    parts.push_back({range, at});
+    at += range.count;
+  }
+  return parts;
+}
+
+void make_stretches(const draw_groups& groups, std::span<const list_part> parts, std::vector<group_stretches>& out) {
   out.resize(groups.groups().size());
   for (group_stretches& g : out) {
     g.counts.clear();
     g.offsets.clear();
   }
-  std::uintptr_t end_of_last = 0;  // byte offset behind the last stretch
+  std::uint64_t end_of_last = 0;  // in polygons
   std::uint32_t last_group = scene::no_index;
-  for (const sightcell_range& range : ranges) {
-    const std::uint32_t group = groups.group_of_draw(range.draw);
+  for (const list_part& part : parts) {
+    const std::uint32_t group = groups.group_of_draw(part.range.draw);
     group_stretches& g = out[group];
-    const auto indices = static_cast<std::int32_t>(3 * range.count);
-    if (group == last_group) {
+    const auto indices = static_cast<std::int32_t>(3 * part.range.count);
+    if (group == last_group && part.at == end_of_last) {
       g.counts.back() += indices;  // goes on where the last one ended
     } else {
       g.counts.push_back(indices);
-      g.offsets.push_back(reinterpret_cast<const void*>(end_of_last));
+      g.offsets.push_back(reinterpret_cast<const void*>(std::uintptr_t{3 * sizeof(std::uint32_t) * part.at}));
     }
     last_group = group;
-    end_of_last += sizeof(std::uint32_t) * static_cast<std::uintptr_t>(indices);
+    end_of_last = part.at + part.range.count;
   }
+}
+
+std::vector<sightcell_range> whole_draws(std::span<const sightcell_draw> draws,
+                                         std::span<const sightcell_range> ranges) {
+  std::vector<sightcell_range> out;
+  for (const sightcell_range& range : ranges) {
+    if (out.empty() || out.back().draw != range.draw) out.push_back({range.draw, 0, draws[range.draw].polygon_count});
+  }
+  return out;
 }
 
 std::vector<sightcell_range> complement(std::span<const sightcell_draw> draws,
@@ -81,6 +100,12 @@ void gather_indices(std::span<const sightcell_draw> draws, std::span<const sight
 std::uint64_t polygons_in(std::span<const sightcell_range> ranges) {
   std::uint64_t sum = 0;
   for (const sightcell_range& range : ranges) sum += range.count;
+  return sum;
+}
+
+std::uint64_t polygons_in(std::span<const list_part> parts) {
+  std::uint64_t sum = 0;
+  for (const list_part& part : parts) sum += part.range.count;
   return sum;
 }
 

@@ -39,9 +39,21 @@ struct group_stretches {
   std::vector<const void*> offsets;  // bytes from the list's start
 };
 
-// One element per group. Ranges: as sightcell_view_ranges gives them; the list holds their indices back to back.
-void make_stretches(const draw_groups& groups, std::span<const sightcell_range> ranges,
-                    std::vector<group_stretches>& out);
+// A range and where its indices begin in an index list.
+struct list_part {
+  sightcell_range range;
+  std::uint64_t at = 0;  // in polygons
+};
+
+// The parts of a list that holds the indices of ranges, as sightcell_view_ranges gives them, back to back.
+std::vector<list_part> parts_of(std::span<const sightcell_range> ranges);
+
+// One element per group. Parts that follow each other in the list and have one state are joined.
+void make_stretches(const draw_groups& groups, std::span<const list_part> parts, std::vector<group_stretches>& out);
+
+// All polygons of each draw that has a range: what a host draws that culls whole objects.
+std::vector<sightcell_range> whole_draws(std::span<const sightcell_draw> draws,
+                                         std::span<const sightcell_range> ranges);
 
 // The ranges of all that the given ranges leave out, in the same order.
 std::vector<sightcell_range> complement(std::span<const sightcell_draw> draws, std::span<const sightcell_range> ranges);
@@ -51,5 +63,6 @@ void gather_indices(std::span<const sightcell_draw> draws, std::span<const sight
                     std::span<const std::uint32_t> stored_indices, std::vector<std::uint32_t>& out);
 
 std::uint64_t polygons_in(std::span<const sightcell_range> ranges);
+std::uint64_t polygons_in(std::span<const list_part> parts);
 
 }  // namespace viewer

@@ -33,6 +33,7 @@ const CLI::Validator finite(
 struct words {
   std::vector<float> eye, look;
   std::string size, show;
+  float fov = 0.0f, brightness = 0.0f;
 };
 
 void add_options(CLI::App& app, viewer::options& chosen, words& rest) {
@@ -50,6 +51,12 @@ void add_options(CLI::App& app, viewer::options& chosen, words& rest) {
       ->delimiter(',')
       ->expected(2)
       ->check(finite);
+  app.add_option("--fov", rest.fov, "vertical field of view in degrees")->check(CLI::Range(5.0f, 150.0f));
+  app.add_option("--brightness", rest.brightness, "of the light; without: 1, or more where a window would be dark")
+      ->check(CLI::Range(0.1f, 10.0f));
+  app.add_flag("--walk", chosen.walk, "begin on foot: G changes between walking and flying");
+  app.add_flag("--objects", chosen.objects, "draw all of each object of which a polygon is in the set");
+  app.add_flag("--frustum", chosen.frustum, "leave out what is not in view of the camera");
   app.add_option("--mode", chosen.mode, "pvs, all, or tint: what the set leaves out is red")
       ->transform(CLI::CheckedTransformer(modes));
   app.add_option("--frozen-from", chosen.frozen_from, "draw the set of this cell, wherever the camera is");
@@ -58,7 +65,18 @@ void add_options(CLI::App& app, viewer::options& chosen, words& rest) {
   app.add_option("--frames", chosen.frames, "draw so many before the screenshot")
       ->check(CLI::Range(1, 100000))
       ->needs(screenshot);
-  app.add_option("--show", rest.show, "in the screenshot: words of hud,box,cells,wireframe")->needs(screenshot);
+  app.add_option("--show", rest.show, "in the screenshot: words of hud,map,box,cells,wireframe,wrong")
+      ->needs(screenshot);
+  app.add_option("--record", chosen.record, "write the path of the camera into this file")->excludes(screenshot);
+  auto* replay =
+      app.add_option("--replay", chosen.replay, "follow the path of a file that --record wrote")->excludes(screenshot);
+  auto* benchmark = app.add_option("--benchmark", chosen.benchmark,
+                                   "draw each pose of --replay with the set and with everything, write numbers into "
+                                   "this .csv, end")
+                        ->needs(replay);
+  app.add_option("--poses", chosen.poses, "of the benchmark: so many, spread over the path; without: all")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(benchmark);
 }
 
 [[noreturn]] void refuse(const std::string& subject, const std::string& cause, const std::string& remedy) {
@@ -68,6 +86,8 @@ void add_options(CLI::App& app, viewer::options& chosen, words& rest) {
 void take_apart(const words& rest, viewer::options& chosen) {
   if (rest.eye.size() == 3) chosen.eye = {rest.eye[0], rest.eye[1], rest.eye[2]};
   if (rest.look.size() == 2) chosen.look = {rest.look[0], rest.look[1]};
+  if (rest.fov > 0.0f) chosen.fov = rest.fov;
+  if (rest.brightness > 0.0f) chosen.brightness = rest.brightness;
   if (!rest.size.empty()) {
     unsigned width = 0, height = 0;
     char end = 0;
@@ -81,6 +101,10 @@ void take_apart(const words& rest, viewer::options& chosen) {
   for (const std::string& word : CLI::detail::split(rest.show, ',')) {
     if (word == "hud") {
       chosen.hud = true;
+    } else if (word == "map") {
+      chosen.map = true;
+    } else if (word == "wrong") {
+      chosen.wrong = true;
     } else if (word == "box") {
       chosen.box = true;
     } else if (word == "cells") {
@@ -88,7 +112,7 @@ void take_apart(const words& rest, viewer::options& chosen) {
     } else if (word == "wireframe") {
       chosen.wireframe = true;
     } else if (!word.empty()) {
-      refuse("--show " + word, "there is no such thing", "name some of hud,box,cells,wireframe");
+      refuse("--show " + word, "there is no such thing", "name some of hud,map,box,cells,wireframe,wrong");
     }
   }
   if (chosen.pvs_file.empty() && (chosen.cell || chosen.frozen_from)) {

@@ -19,15 +19,14 @@ namespace picture = sightcell::picture;
 namespace scene = sightcell::scene;
 
 constexpr float near_plane = 0.001f;                 // meters; as near as the bake looks
-constexpr float vertical_fov = 1.2f;                 // radians
 constexpr glm::vec3 sky_color(0.36f, 0.55f, 0.82f);  // linear
 constexpr float haze_over_scene = 0.35f;             // optical depth across the scene's diagonal, but at most
 constexpr float thickest_haze = 0.001f;              // this per meter: none inside a room
-constexpr float faint = 0.5f;                        // alpha of hidden outlines
+constexpr float faint = 0.5f;                        // alpha of hidden lines
 
 // Uniform locations, as in shader_text.h.
-enum : GLint { at_eye, at_clip_x, at_clip_y, at_clip_w, at_sky, at_base_color, at_alpha, at_mark };
-constexpr GLint at_screen = 4;  // of the outlines
+enum : GLint { at_eye, at_clip_x, at_clip_y, at_clip_w, at_sky, at_base_color, at_alpha, at_mark, at_brightness };
+constexpr GLint at_screen = 4;  // of the lines
 
 struct surface {
   glm::vec4 base_color{1.0f};
@@ -108,24 +107,32 @@ void index_list::fill(std::size_t indices, const std::function<void(std::span<st
                          "the device has no room for " + std::to_string(bytes) + " bytes", "try a smaller scene");
 }
 
-void index_list::set_ranges(const draw_groups& groups, std::span<const sightcell_range> ranges) {
-  make_stretches(groups, ranges, stretches_);
-  polygons_ = polygons_in(ranges);
+void index_list::set_ranges(std::span<const sightcell_range> ranges) {
+  parts_ = parts_of(ranges);
+  clipped_ = stretches_are_current_ = false;
+}
+
+void index_list::clip(const draw_groups& groups, const polygon_blocks& blocks, const view_volume* volume) {
+  if (volume == nullptr && !clipped_ && stretches_are_current_) return;
+  clipped_ = volume != nullptr;
+  if (clipped_) blocks.clip(parts_, *volume, in_view_);
+  make_stretches(groups, parts(), stretches_);
+  polygons_ = polygons_in(parts());
+  stretches_are_current_ = true;
 }
 
 struct scene_renderer::state {
-  state(const scene::scene& s, const scene::world_geometry& world, const draw_groups& groups_used)
-      : groups(groups_used), textures(s) {
+  state(const scene::scene& s, const scene::world_geometry& world) : textures(s) {
     for (const scene::material& m : s.materials) surfaces.push_back(surface_of(m, textures));
     surfaces.push_back(surface_of(scene::material{}, textures));
     glCreateBuffers(4, buffers);
     glCreateVertexArrays(2, arrays);
     upload_vertices(s, world);
-    glVertexArrayVertexBuffer(arrays[1], 0, buffers[2], 0, sizeof(outline));
+    glVertexArrayVertexBuffer(arrays[1], 0, buffers[2], 0, sizeof(segment));
     glVertexArrayBindingDivisor(arrays[1], 0, 1);
-    add_attribute(arrays[1], 0, 3, offsetof(outline, min), 0);
-    add_attribute(arrays[1], 1, 3, offsetof(outline, max), 0);
-    add_attribute(arrays[1], 2, 4, offsetof(outline, color), 0);
+    add_attribute(arrays[1], 0, 3, offsetof(segment, a), 0);
+    add_attribute(arrays[1], 1, 3, offsetof(segment, b), 0);
+    add_attribute(arrays[1], 2, 4, offsetof(segment, color), 0);
     const float diagonal = glm::length(world.max - world.min);
     haze = diagonal > 0.0f && std::isfinite(diagonal) ? std::min(haze_over_scene / diagonal, thickest_haze) : 0.0f;
     check_gl("upload");
@@ -175,10 +182,10 @@ struct scene_renderer::state {
 
   void aim(const fly_camera& camera) const {
     const glm::vec3 forward = camera.forward(), right = camera.right(), up = glm::cross(right, forward);
-    const float half_height = std::tan(0.5f * vertical_fov);
+    const float half_height = std::tan(0.5f * camera.vertical_fov);
     const float aspect = static_cast<float>(frame.w()) / static_cast<float>(frame.h());
     const glm::vec3 x = right / (half_height * aspect), y = up / half_height;
-    for (const GLuint program : {scene_program.id(), outline_program.id()}) {
+    for (const GLuint program : {scene_program.id(), line_program.id()}) {
       glProgramUniform4f(program, at_eye, camera.eye.x, camera.eye.y, camera.eye.z, near_plane);
       glProgramUniform3f(program, at_clip_x, x.x, x.y, x.z);
       glProgramUniform3f(program, at_clip_y, y.x, y.y, y.z);
@@ -187,8 +194,9 @@ struct scene_renderer::state {
     glProgramUniform4f(scene_program.id(), at_sky, sky_color.x, sky_color.y, sky_color.z, haze);
   }
 
-  void draw_group_of(const draw_group& group, const group_stretches& part) const {
-    if (part.counts.empty()) return;
+  // Returns how many calls that took.
+  std::uint32_t draw_group_of(const draw_group& group, const group_stretches& part) const {
+    if (part.counts.empty()) return 0;
     (group.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
     const surface& s = surfaces[std::min<std::size_t>(group.material, surfaces.size() - 1)];
     glUniform4f(at_base_color, s.base_color.x, s.base_color.y, s.base_color.z, s.base_color.w);
@@ -196,40 +204,58 @@ struct scene_renderer::state {
     glBindTextureUnit(0, s.texture);
     glMultiDrawElements(GL_TRIANGLES, part.counts.data(), GL_UNSIGNED_INT, part.offsets.data(),
                         static_cast<GLsizei>(part.counts.size()));
+    return 1;
   }
 
-  void draw_pass(std::span<const painted_list> lists, bool blended) const {
-    (blended ? glEnable : glDisable)(GL_BLEND);
-    glDepthMask(blended ? GL_FALSE : GL_TRUE);
+  static void set_mark(const painted_list& painted) {
+    glUniform4f(at_mark, painted.mark.x, painted.mark.y, painted.mark.z, painted.mark.w);
+  }
+
+  std::uint32_t draw_opaque(const draw_groups& groups, std::span<const painted_list> lists) const {
+    glDisable(GL_BLEND);
+    glDepthMask(GL_TRUE);
+    std::uint32_t calls = 0;
     for (const painted_list& painted : lists) {
       glVertexArrayElementBuffer(arrays[0], painted.list->buffer());
-      glUniform4f(at_mark, painted.mark.x, painted.mark.y, painted.mark.z, painted.mark.w);
+      set_mark(painted);
       const std::vector<group_stretches>& stretches = painted.list->stretches();
       for (std::size_t g = 0; g < stretches.size(); ++g) {
         const draw_group& group = groups.groups()[g];
-        if ((group.alpha == scene::alpha_mode::blend) == blended) draw_group_of(group, stretches[g]);
+        if (group.alpha != scene::alpha_mode::blend) calls += draw_group_of(group, stretches[g]);
       }
     }
+    return calls;
   }
 
-  const draw_groups& groups;
+  std::uint32_t draw_blended(const draw_groups& groups, std::span<const painted_list> lists,
+                             std::span<const blended_run> runs, const index_list& everything) const {
+    glEnable(GL_BLEND);
+    glDepthMask(GL_FALSE);
+    glVertexArrayElementBuffer(arrays[0], everything.buffer());
+    std::uint32_t calls = 0;
+    for (const blended_run& run : runs) {
+      set_mark(lists[run.list]);
+      calls += draw_group_of(groups.groups()[run.group], run.stretches);
+    }
+    return calls;
+  }
+
   picture::texture_set textures;
   picture::gl_program scene_program{"viewer/scene", {{GL_VERTEX_SHADER, scene_vert}, {GL_FRAGMENT_SHADER, scene_frag}}};
-  picture::gl_program outline_program{"viewer/outline",
-                                      {{GL_VERTEX_SHADER, outline_vert}, {GL_FRAGMENT_SHADER, outline_frag}}};
+  picture::gl_program line_program{"viewer/line", {{GL_VERTEX_SHADER, line_vert}, {GL_FRAGMENT_SHADER, line_frag}}};
   std::vector<surface> surfaces;  // by material; glTF's default material comes last
-  GLuint buffers[4] = {};         // positions, texture coordinates, outlines, colors
-  GLuint arrays[2] = {};          // scene, outlines
+  GLuint buffers[4] = {};         // positions, texture coordinates, lines, colors
+  GLuint arrays[2] = {};          // scene, lines
   offscreen_frame frame;
   float haze = 0.0f;
 };
 
-scene_renderer::scene_renderer(const scene::scene& s, const scene::world_geometry& world, const draw_groups& groups)
-    : state_(std::make_unique<state>(s, world, groups)) {}
+scene_renderer::scene_renderer(const scene::scene& s, const scene::world_geometry& world)
+    : state_(std::make_unique<state>(s, world)) {}
 
 scene_renderer::~scene_renderer() = default;
 
-void scene_renderer::begin(const fly_camera& camera, std::uint32_t width, std::uint32_t height) {
+void scene_renderer::begin(const fly_camera& camera, float brightness, std::uint32_t width, std::uint32_t height) {
   state& r = *state_;
   r.frame.resize(width, height);
   glBindFramebuffer(GL_FRAMEBUFFER, r.frame.framebuffer());
@@ -247,25 +273,28 @@ void scene_renderer::begin(const fly_camera& camera, std::uint32_t width, std::u
   glClearBufferfv(GL_COLOR, 0, sky);
   glClearBufferfv(GL_DEPTH, 0, &farthest);
   r.aim(camera);
+  glProgramUniform1f(r.scene_program.id(), at_brightness, brightness);
+  calls_ = 0;
 }
 
-void scene_renderer::draw(std::span<const painted_list> lists, bool wireframe) {
+void scene_renderer::draw(const draw_groups& groups, std::span<const painted_list> lists,
+                          std::span<const blended_run> blended, const index_list& everything, bool wireframe) {
   glUseProgram(state_->scene_program.id());
   glBindVertexArray(state_->arrays[0]);
   glVertexAttrib4f(2, 1.0f, 1.0f, 1.0f, 1.0f);  // the tint of scenes without colors
   glDepthFunc(GL_GREATER);                      // reversed depth: larger is nearer
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glPolygonMode(GL_FRONT_AND_BACK, wireframe ? GL_LINE : GL_FILL);
-  state_->draw_pass(lists, false);
-  state_->draw_pass(lists, true);
+  calls_ += state_->draw_opaque(groups, lists);
+  calls_ += state_->draw_blended(groups, lists, blended, everything);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
-void scene_renderer::draw_outlines(std::span<const outline> boxes, float pixels_wide) {
-  if (boxes.empty()) return;
+void scene_renderer::draw_lines(std::span<const segment> lines, float pixels_wide) {
+  if (lines.empty()) return;
   state& r = *state_;
-  glNamedBufferData(r.buffers[2], static_cast<GLsizeiptr>(boxes.size_bytes()), boxes.data(), GL_STREAM_DRAW);
-  glUseProgram(r.outline_program.id());
+  glNamedBufferData(r.buffers[2], static_cast<GLsizeiptr>(lines.size_bytes()), lines.data(), GL_STREAM_DRAW);
+  glUseProgram(r.line_program.id());
   glBindVertexArray(r.arrays[1]);
   glDisable(GL_CULL_FACE);
   glEnable(GL_BLEND);
@@ -275,7 +304,7 @@ void scene_renderer::draw_outlines(std::span<const outline> boxes, float pixels_
     glDepthFunc(hidden ? GL_LEQUAL : GL_GREATER);
     glUniform4f(at_screen, static_cast<float>(r.frame.w()), static_cast<float>(r.frame.h()), pixels_wide,
                 hidden ? faint : 1.0f);
-    glDrawArraysInstanced(GL_TRIANGLES, 0, 72, static_cast<GLsizei>(boxes.size()));
+    glDrawArraysInstanced(GL_TRIANGLES, 0, 6, static_cast<GLsizei>(lines.size()));
   }
   glDepthMask(GL_TRUE);
 }

@@ -31,6 +31,7 @@ layout(location = 4) uniform vec4 sky;  // a: haze per meter
 layout(location = 5) uniform vec4 base_color;
 layout(location = 6) uniform vec2 alpha;  // x: cutoff, y: 1 writes alpha as 1
 layout(location = 7) uniform vec4 mark;
+layout(location = 8) uniform float brightness;
 layout(binding = 0) uniform sampler2D base_texture;
 in vec3 from_eye;
 in vec2 texture_uv;
@@ -53,7 +54,7 @@ void main() {
   float sun = 0.70 * max(dot(normal, toward_sun), 0.0);
   float lamp = 0.12 * abs(facing);
   vec3 ambient = mix(vec3(0.16, 0.15, 0.14), vec3(0.30, 0.34, 0.40), 0.5 + 0.5 * normal.y);
-  vec3 lit = base.rgb * (vec3(1.0, 0.96, 0.88) * sun + vec3(lamp) + ambient);
+  vec3 lit = brightness * base.rgb * (vec3(1.0, 0.96, 0.88) * sun + vec3(lamp) + ambient);
   float haze = 1.0 - exp(-sky.a * sqrt(distance_squared));
   vec3 usual = mix(lit, sky.rgb, haze);
   vec3 marked = mark.rgb * (0.5 + 0.5 * max(dot(normal, toward_sun), 0.0));
@@ -61,12 +62,12 @@ void main() {
 }
 )";
 
-// The 12 edges of boxes as strips of constant width on the screen: core OpenGL promises no line wider than a pixel.
-// One box per instance, 12 edges of two triangles; both ends are clipped to the near plane before they are widened.
-inline constexpr const char* outline_vert = R"(#version 450 core
-layout(location = 0) in vec3 box_min;
-layout(location = 1) in vec3 box_max;
-layout(location = 2) in vec4 box_color;
+// Lines as strips of constant width on the screen: core OpenGL promises no line wider than a pixel. One line per
+// instance, two triangles; both ends are clipped to the near plane before they are widened.
+inline constexpr const char* line_vert = R"(#version 450 core
+layout(location = 0) in vec3 line_a;
+layout(location = 1) in vec3 line_b;
+layout(location = 2) in vec4 own_color;
 layout(location = 0) uniform vec4 eye;
 layout(location = 1) uniform vec3 clip_x;
 layout(location = 2) uniform vec3 clip_y;
@@ -79,17 +80,9 @@ vec4 to_clip(vec3 place) {
   return vec4(dot(p, clip_x), dot(p, clip_y), eye.w, dot(p, clip_w));
 }
 
-vec3 corner(uint bits) {
-  return mix(box_min, box_max, vec3(bits & 1u, (bits >> 1) & 1u, (bits >> 2) & 1u));
-}
-
 void main() {
-  uint edge = uint(gl_VertexID) / 6u, vertex = uint(gl_VertexID) % 6u;
-  uint axis = edge / 4u, other = edge % 4u;
-  uint low = other & 1u, high = other >> 1;
-  uint begin = axis == 0u ? (low << 1) | (high << 2) : axis == 1u ? low | (high << 2) : low | (high << 1);
-  vec4 a = to_clip(corner(begin)), b = to_clip(corner(begin | (1u << axis)));
-  line_color = vec4(box_color.rgb, box_color.a * screen.w);
+  vec4 a = to_clip(line_a), b = to_clip(line_b);
+  line_color = vec4(own_color.rgb, own_color.a * screen.w);
   const float nearest = 0.01;  // meters
   if (a.w < nearest && b.w < nearest) {
     gl_Position = vec4(0.0, 0.0, 0.0, -1.0);  // behind the eye
@@ -100,15 +93,16 @@ void main() {
   vec2 along = (b.xy / b.w - a.xy / a.w) * screen.xy;
   float longness = length(along);
   vec2 aside = longness > 1e-4 ? vec2(-along.y, along.x) / longness : vec2(1.0, 0.0);
-  bool at_end = vertex == 1u || vertex == 2u || vertex == 4u;
-  float side = vertex == 0u || vertex == 1u || vertex == 3u ? -1.0 : 1.0;
+  int vertex = gl_VertexID;
+  bool at_end = vertex == 1 || vertex == 2 || vertex == 4;
+  float side = vertex == 0 || vertex == 1 || vertex == 3 ? -1.0 : 1.0;
   vec4 p = at_end ? b : a;
   p.xy += side * aside * screen.z / screen.xy * p.w;
   gl_Position = p;
 }
 )";
 
-inline constexpr const char* outline_frag = R"(#version 450 core
+inline constexpr const char* line_frag = R"(#version 450 core
 in vec4 line_color;
 layout(location = 0) out vec4 color;
 

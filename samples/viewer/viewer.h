@@ -1,5 +1,5 @@
 #pragma once
-// The program: opens scene and file, then flies, or draws one picture and ends.
+// The program: opens scene and file, then flies, or draws one picture or a path and ends.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -16,11 +16,17 @@ struct options {
   std::uint32_t width = 1280, height = 800;
   std::optional<std::array<float, 3>> eye;
   std::optional<std::array<float, 2>> look;  // yaw, pitch in degrees
+  std::optional<float> fov;                  // vertical, degrees
+  std::optional<float> brightness;
   std::optional<std::uint32_t> cell, frozen_from;
   draw_mode mode = draw_mode::pvs;
-  std::string screenshot;  // a .png: draw it without a visible window, say what was drawn, end
+  bool objects = false, frustum = false, walk = false;
+  std::string screenshot;  // a .png: draw it without a visible window, print what was drawn, end
   std::uint32_t frames = 1;
-  bool hud = false, box = false, all_cells = false, wireframe = false;  // of a screenshot
+  bool hud = false, map = false, box = false, all_cells = false, wireframe = false;  // of a screenshot
+  bool wrong = false;
+  std::string record, replay, benchmark;  // files
+  std::uint32_t poses = 0;                // of a benchmark; 0: all of the path
 };
 
 // Throws sightcell::error.

@@ -16,7 +16,7 @@ using sightcell::error_kind;
 
 // The pure half knows these numbers without GLFW's header.
 static_assert(GLFW_KEY_A == 'A' && GLFW_KEY_1 == '1' && GLFW_KEY_ESCAPE == 256 && GLFW_KEY_LEFT_SHIFT == 340 &&
-              GLFW_KEY_RIGHT_SHIFT == 344);
+              GLFW_KEY_RIGHT_SHIFT == 344 && GLFW_KEY_SPACE == 32);
 
 std::string last_glfw_error() {
   const char* text = nullptr;
@@ -65,10 +65,12 @@ bool window::closing() const {
   return glfwWindowShouldClose(handle_) == GLFW_TRUE;
 }
 
-input window::poll() {
+input window::poll(bool idle) {
   const bool hidden = width() == 0 || height() == 0 || glfwGetWindowAttrib(handle_, GLFW_ICONIFIED) == GLFW_TRUE;
   if (hidden) {
     glfwWaitEventsTimeout(0.5);
+  } else if (idle) {
+    glfwWaitEventsTimeout(0.03);
   } else {
     glfwPollEvents();
   }
@@ -82,7 +84,9 @@ input window::poll() {
   const double now = glfwGetTime();
   events_.seconds = static_cast<float>(now - last_poll_);
   last_poll_ = now;
-  const input result = events_;
+  input result = events_;
+  result.mouse = looking_ ? glm::vec2(-1.0f) : mouse();
+  result.mouse_down = events_.mouse_down || down_;  // a click may begin and end between two frames
   const action_set still_held = events_.held;
   events_ = {};
   events_.held = still_held;
@@ -130,14 +134,38 @@ void window::on_scroll(GLFWwindow* handle, double, double up) {
 void window::on_focus(GLFWwindow* handle, int focused) {
   if (focused == GLFW_TRUE) return;
   of(handle).events_.held.reset();  // a key released elsewhere would be held for ever
+  of(handle).down_ = false;
   of(handle).set_looking(false);
 }
 
-void window::on_button(GLFWwindow* handle, int, int what, int) {
-  of(handle).set_looking(what == GLFW_PRESS);
+void window::on_button(GLFWwindow* handle, int button, int what, int) {
+  window& w = of(handle);
+  const bool pressed = what == GLFW_PRESS;
+  if (button == GLFW_MOUSE_BUTTON_LEFT) {
+    w.down_ = pressed;
+    if (pressed) w.events_.mouse_down = true;
+  }
+  const bool for_panel = pressed && !w.looking_ && w.taken_ && w.taken_(w.mouse());
+  if (!for_panel) w.set_looking(pressed || w.mouse_look_);
+}
+
+void window::set_mouse_look(bool on) {
+  if (on == mouse_look_) return;
+  mouse_look_ = on;
+  set_looking(on);
+}
+
+glm::vec2 window::mouse() const {
+  double x = 0.0, y = 0.0;
+  int across = 1, along = 1;
+  glfwGetCursorPos(handle_, &x, &y);
+  glfwGetWindowSize(handle_, &across, &along);
+  return {static_cast<float>(x) * static_cast<float>(width()) / static_cast<float>(std::max(across, 1)),
+          static_cast<float>(y) * static_cast<float>(height()) / static_cast<float>(std::max(along, 1))};
 }
 
 void window::set_looking(bool looking) {
+  if (looking == looking_) return;
   looking_ = looking;
   glfwSetInputMode(handle_, GLFW_CURSOR, looking ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
   glfwGetCursorPos(handle_, &mouse_x_, &mouse_y_);

@@ -1,6 +1,8 @@
 #pragma once
 // A window with OpenGL 4.5 core, and what was pressed in it.
 #include <cstdint>
+#include <functional>
+#include <glm/vec2.hpp>
 #include <string>
 
 #include "controls.h"
@@ -19,9 +21,14 @@ class window {
 
   bool closing() const;
   // Handles what has happened since the last call; waits for something while nothing of the window can be seen.
-  input poll();
+  // idle: nothing moves. It then waits a little for something to happen.
+  input poll(bool idle);
   // In pixels; 0 while minimised.
   std::uint32_t width() const, height() const;
+  // Turns the camera without a button. Hides the mouse while it does.
+  void set_mouse_look(bool on);
+  // Where a press of the mouse is not for the camera.
+  void set_taken(std::function<bool(const glm::vec2& pixel)> taken) { taken_ = std::move(taken); }
   float scale() const;  // of text, larger than 1 on dense displays
   void present();       // waits for the display's next refresh
 
@@ -32,10 +39,14 @@ class window {
   static void on_focus(GLFWwindow* handle, int focused);
   static void on_button(GLFWwindow* handle, int button, int what, int modifiers);
   void set_looking(bool looking);
+  glm::vec2 mouse() const;  // pixels
 
   GLFWwindow* handle_ = nullptr;
   input events_;
-  bool looking_ = false;  // the mouse is dragged and turns the camera
+  bool looking_ = false;     // the mouse turns the camera
+  bool mouse_look_ = false;  // without a button
+  bool down_ = false;        // the left button
+  std::function<bool(const glm::vec2&)> taken_;
   double mouse_x_ = 0.0, mouse_y_ = 0.0, last_poll_ = 0.0;
 };
 

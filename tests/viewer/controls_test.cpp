@@ -139,6 +139,12 @@ TEST(controls, switches_turn_over_once_per_press) {
   expect_switch('C', state.all_cells);
   expect_switch('X', state.wireframe);
   expect_switch('H', state.hud);
+  expect_switch('R', state.objects);
+  expect_switch('U', state.frustum);
+  expect_switch('K', state.count_wrong);
+  expect_switch('M', state.map);
+  expect_switch('G', state.walking);
+  expect_switch('L', state.mouse_look);
 }
 
 TEST(controls, requests_last_one_frame) {
@@ -155,6 +161,29 @@ TEST(controls, requests_last_one_frame) {
   EXPECT_TRUE(state.quit);
   step(state, {});
   EXPECT_FALSE(state.quit);
+  step(state, pressing(action_of_key('2').value()));
+  EXPECT_TRUE(state.print);
+}
+
+TEST(controls, escape_releases_the_mouse_before_it_ends) {
+  controls state;
+  state.mouse_look = true;
+  step(state, pressing(action::quit));
+  EXPECT_FALSE(state.quit);
+  EXPECT_FALSE(state.mouse_look);
+  step(state, pressing(action::quit));
+  EXPECT_TRUE(state.quit);
+}
+
+TEST(controls, on_foot_keys_ask_for_a_level_velocity) {
+  controls state;
+  state.walking = true;
+  state.camera.pitch = -1.0f;
+  step(state, holding({action::forward, action::up}, 0.1f));
+  expect_near(state.camera.eye, {});
+  expect_near(state.velocity, {0, 0, -4.0f});
+  step(state, pressing(action::jump));
+  EXPECT_TRUE(state.jump);
 }
 
 TEST(controls, every_action_has_a_key_and_no_key_has_two) {

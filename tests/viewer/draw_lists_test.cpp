@@ -67,8 +67,8 @@ TEST(draw_lists, stretches_cover_the_list_once_and_neighbors_of_one_group_join) 
   const draw_groups g = s.groups();
   const std::vector<sightcell_range> ranges{{0, 0, 1}, {0, 2, 1}, {2, 1, 3}, {3, 0, 2}};
   std::vector<group_stretches> out;
-  make_stretches(g, ranges, out);
-  make_stretches(g, ranges, out);  // replaces, does not add
+  make_stretches(g, parts_of(ranges), out);
+  make_stretches(g, parts_of(ranges), out);  // replaces, does not add
   ASSERT_EQ(out.size(), 2u);
   EXPECT_EQ(out[0].counts, (std::vector<std::int32_t>{15})) << "draws 0 and 2 are drawn with one state";
   EXPECT_EQ(out[0].offsets, (std::vector<const void*>{nullptr}));
@@ -81,7 +81,7 @@ TEST(draw_lists, groups_that_alternate_get_their_own_stretches) {
   const draw_groups g = s.groups();
   const std::vector<sightcell_range> ranges{{0, 1, 2}, {2, 0, 4}, {3, 1, 1}};
   std::vector<group_stretches> out;
-  make_stretches(g, ranges, out);
+  make_stretches(g, parts_of(ranges), out);
   EXPECT_EQ(out[g.group_of_draw(0)].counts, (std::vector<std::int32_t>{6, 3}));
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(out[g.group_of_draw(0)].offsets.at(1)), 18 * sizeof(std::uint32_t));
   EXPECT_TRUE(out[g.group_of_draw(1)].counts.empty());

@@ -1,5 +1,7 @@
 """Runs sightcell-viewer under a virtual X server, looks at its pictures and presses its keys."""
+import csv
 import json
+import math
 import os
 import shutil
 import struct
@@ -182,8 +184,8 @@ class Pictures(UnderX):
         self.assertLess(commonest(pixels), 0.9, 'nothing but sky')
 
 
-class Window(UnderX):
-    """The window itself: keys, focus, sizes."""
+class UnderKeys(UnderX):
+    """A window, and keys and mouse for it."""
 
     @classmethod
     def setUpClass(cls):
@@ -194,16 +196,37 @@ class Window(UnderX):
     def tell(self, *arguments):
         return run('xdotool', *arguments, display=self.display)
 
-    def setUp(self):
+    def open(self, *arguments):
         self.shots = tempfile.mkdtemp(dir=self.folder)
         self.viewer = subprocess.Popen(
-            [program('sightcell-viewer'), self.city, self.city_pvs, '--cell', '0', '--size', '400x300'], cwd=self.shots,
+            [program('sightcell-viewer'), *map(str, arguments)], cwd=self.shots,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, 'DISPLAY': self.display})
         self.addCleanup(self.end)
         code, out, err = self.tell('search', '--sync', '--onlyvisible', '--pid', self.viewer.pid)
         self.assertEqual(code, 0, err)
         self.window = out.split()[-1]
+
+    def said(self):
+        """The next line of JSON that the viewer prints."""
+        return json.loads(self.viewer.stdout.readline())
+
+    def numbers(self):
+        self.press('2')
+        return self.said()
+
+    def numbers_when(self, good, what):
+        for _ in range(100):
+            numbers = self.numbers()
+            if good(numbers):
+                return numbers
+        self.fail(f'{what}: {numbers}')
+
+    def leave(self):
+        self.tell('key', '--window', self.window, 'Escape')
+        out, err = self.viewer.communicate(timeout=TIMEOUT)
+        self.assertEqual(self.viewer.returncode, 0, err)
+        return out, err
 
     def end(self):
         if self.viewer.poll() is None:
@@ -242,7 +265,12 @@ class Window(UnderX):
         x, y = where['X'], where['Y']
         return rows[y:y + where['HEIGHT'], x:x + where['WIDTH'], 2::-1]
 
+
+class Window(UnderKeys):
+    """The window itself: keys, focus, sizes."""
+
     def test_keys_sizes_and_the_way_out(self):
+        self.open(self.city, self.city_pvs, '--cell', 0, '--look=0,0', '--size', '400x300')
         self.press('h', 'o')  # no text, no box: what is left is the scene
         inside = self.shot()
         self.assertEqual(inside.shape, (300, 400, 3))
@@ -282,6 +310,144 @@ class Window(UnderX):
         self.assertEqual(self.viewer.wait(timeout=TIMEOUT), 0, self.viewer.stderr.read())
 
 
+class Visit(UnderKeys):
+    """A visit: on foot, frozen and from outside, over the map, recorded, followed again, with a file that changes."""
+
+    def test_a_visit(self):
+        path = self.path('walk.csv')
+        pvs = self.path('visited.pvs')
+        shutil.copy(self.city_pvs, pvs)
+        self.open(self.city, pvs, '--cell', 0, '--size', '640x360', '--record', path)
+        begun = self.numbers()
+        self.assertEqual((begun['cell'], begun['walking'], begun['cells']), (0, False, 3))
+
+        # On foot: down to the street, along it, and no further down.
+        self.press('g')
+        street = self.numbers_when(lambda n: n['on_floor'], 'stands on the street')
+        self.tell('keydown', '--window', self.window, 'w')
+        away = self.numbers_when(lambda n: math.dist(n['eye'], street['eye']) > 1.5, 'walks')
+        self.tell('keyup', '--window', self.window, 'w')
+        self.assertTrue(away['walking'])
+        self.assertAlmostEqual(away['eye'][1], street['eye'][1], delta=0.4)
+        self.press('g')
+
+        # Frozen: the set stays the same wherever the camera flies; inside its cell nothing is wrong, outside it is.
+        self.press('n', 'b')
+        inside = self.numbers()
+        self.assertEqual(inside['cell'], 0)
+        self.press('k', 'f')
+        frozen = self.numbers_when(lambda n: n['frozen'] and n['wrong_pixels'] is not None, 'frozen, counts')
+        self.assertLess(frozen['wrong_pixels'], SAME * 640 * 360)
+        self.press('k')
+        self.tell('keydown', '--window', self.window, 'Shift_L', 'e')
+        outside = self.numbers_when(lambda n: n['eye'][1] > 40, 'flies up')
+        self.tell('keyup', '--window', self.window, 'e', 'Shift_L')
+        self.assertEqual((outside['shown_cell'], outside['polygons_drawn']), (0, inside['polygons_drawn']))
+        self.tell('mousemove', '--window', self.window, 560, 300, 'mousedown', 1)
+        down = self.numbers_when(lambda n: self.tell('mousemove_relative', 0, 60) and n['look'][1] < -60, 'looks down')
+        self.tell('mouseup', 1)
+        self.assertIsNone(down['wrong_pixels'])
+        self.press('k')
+        self.assertGreater(self.numbers_when(lambda n: n['wrong_pixels'] is not None, 'counts')['wrong_pixels'], 1000)
+        self.press('k', 'f')
+        everything = self.numbers_when(lambda n: not n['frozen'], 'not frozen')
+        self.assertEqual((everything['cell'], everything['polygons_drawn']), (None, 3000))
+
+        # The map, upper right: two of its cells are clicked, one after the other.
+        boxes = []
+        for cell in range(3):
+            boxes.append(self.numbers_when(lambda n: n['cell'] == cell or self.press('n'), 'next cell')['cell_box'])
+        for cell in (0, 2):
+            for x, y in self.around_on_the_map(boxes, cell):
+                self.tell('mousemove', '--window', self.window, x, y, 'click', 1)
+                if self.numbers()['cell'] == cell:
+                    break
+            else:
+                self.fail(f'the map does not go to cell {cell}')
+
+        # The panel, upper left: its first switch.
+        self.tell('mousemove', '--window', self.window, 27, 66, 'click', 1)
+        self.assertEqual(self.numbers_when(lambda n: n['polygons_drawn'] == 3000, 'PVS off')['cell'], 2)
+        self.press('p')
+
+        # Objects draw more than ranges; what is not in view is left out.
+        ranges = self.numbers()
+        self.press('r')
+        objects = self.numbers_when(lambda n: n['polygons_drawn'] != ranges['polygons_drawn'], 'objects')
+        self.assertGreater(objects['polygons_drawn'], ranges['polygons_drawn'])
+        self.press('r', 'u')
+        in_view = self.numbers_when(lambda n: n['polygons_drawn'] < ranges['polygons_drawn'], 'frustum')
+        self.assertGreater(in_view['polygons_drawn'], 0)
+        self.press('u')
+
+        # A file that breaks is named and the old one kept; one that is whole again is read.
+        with open(pvs, 'rb') as file:
+            whole = file.read()
+        with open(pvs, 'wb') as file:
+            file.write(whole[:200])
+        broken = self.numbers_when(lambda n: n['message'], 'names the broken file')
+        self.assertIn('the old file is kept', broken['message'])
+        self.assertEqual((broken['cells'], broken['polygons_drawn']), (3, ranges['polygons_drawn']))
+        with open(self.fewer_pvs(), 'rb') as file, open(pvs, 'wb') as out:
+            out.write(file.read())
+        again = self.numbers_when(lambda n: n['cells'] == 2, 'reads the new file')
+        self.assertEqual(again['message'], '')
+
+        out, err = self.leave()
+        recorded = json.loads(out.splitlines()[-1])
+        self.assertIn('[viewer.runtime]; the old file is kept', err)
+        with open(path, encoding='utf-8') as file:
+            poses = file.read().splitlines()[1:]
+        self.assertEqual(recorded['recorded'], len(poses))
+
+        # The same path again ends in the same place.
+        self.open(self.city, pvs, '--size', '640x360', '--replay', self.shortened(path, poses))
+        replayed = self.said()
+        for name in ('eye', 'look', 'cell', 'polygons_drawn'):
+            self.assertEqual(replayed[name], recorded[name], name)
+        self.leave()
+
+        costs = self.path('costs.csv')
+        code, out, err = run(program('sightcell-viewer'), self.city, pvs, '--replay', path, '--benchmark', costs,
+                             '--poses', 5, '--size', SIZE, display=self.display)
+        self.assertEqual(code, 0, err)
+        sums = json.loads(out)
+        with open(costs, encoding='utf-8', newline='') as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual((sums['poses'], len(rows)), (5, 5))
+        self.assertEqual(sums['polygons'], sum(int(row['polygons']) for row in rows))
+        self.assertEqual(sums['all_polygons'], 5 * 3000)
+
+    @staticmethod
+    def around_on_the_map(boxes, number):
+        """Pixels about the center of a cell on the map of a window of 640 x 360."""
+        low, high = ([pick(box[end][axis] for box in boxes) for axis in (0, 2)] for end, pick in ((0, min), (1, max)))
+        border = 2 + max(4, 0.1 * max(high[0] - low[0], high[1] - low[1]))
+        # Contents of the map's window: 8 pixels of padding, a line of text above and the legend below.
+        left, top, wide, tall = 640 - 160 - 2, 35, 144, 136
+        scale = min(wide / (high[0] - low[0] + 2 * border), tall / (high[1] - low[1] + 2 * border))
+        center = [(boxes[number][0][axis] + boxes[number][1][axis]) / 2 for axis in (0, 2)]
+        x, y = (begin + size / 2 + scale * (c - (a + b) / 2) for begin, size, c, a, b in
+                zip((left, top), (wide, tall), center, low, high))
+        return [(round(x + dx), round(y + dy)) for dy in (0, 4, -4, 8, -8) for dx in (0, 4, -4, 8, -8)]
+
+    def fewer_pvs(self):
+        out = self.path('fewer.pvs')
+        self.bake(self.city, out, self.city_cells, '--cell-limit', 2)
+        return out
+
+    def shortened(self, path, poses):
+        """Every tenth pose and the last one, in no time."""
+        out = self.path('short.csv')
+        with open(path, encoding='utf-8') as file:
+            heading = file.readline()
+        with open(out, 'w', encoding='utf-8') as file:
+            file.write(heading)
+            for pose in poses[:-1:10] + poses[-1:]:
+                file.write('0,' + pose.split(',', 1)[1] + '\n')
+        return out
+
+
 class Refusals(InFolder):
     """One line and an exit code for all that cannot be shown. None of it needs a display."""
 
@@ -298,8 +464,9 @@ class Refusals(InFolder):
         for arguments in ([], [self.city, self.city_pvs, '--fly'], [self.city, '--mode', 'half'],
                           [self.city, '--size', '800'], [self.city, '--size', '0x0'], [self.city, '--size', '8x8k'],
                           [self.city, '--eye', '1,2'], [self.city, '--eye', '1,nan,2'], [self.city, '--look', 'up,1'],
-                          [self.city, '--frames', '3'], [self.city, '--cell', '0'],
-                          [self.city, '--screenshot', 'x.png', '--show', 'map'],
+                          [self.city, '--frames', '3'], [self.city, '--cell', '0'], [self.city, '--fov', '0'],
+                          [self.city, '--benchmark', 'x.csv'], [self.city, '--record', 'x', '--screenshot', 'x.png'],
+                          [self.city, '--screenshot', 'x.png', '--show', 'sky'],
                           [self.city, '--screenshot', 'x.png', '--frames', '0']):
             self.refuse(2, 'viewer.wrong-use', *arguments)
 
@@ -329,6 +496,8 @@ class Refusals(InFolder):
         self.assertIn('no.json', self.refuse(4, 'viewer.cells', self.city, self.city_pvs, '--cells-file',
                                              self.path('no.json')))
         self.refuse(4, 'viewer.cells', self.city, self.city_pvs, '--cells-file', broken)
+        for path in (broken, self.path('no.csv')):
+            self.assertIn(path, self.refuse(4, 'viewer.path', self.city, '--replay', path))
         for scene in (broken, self.path('no.glb')):
             answer, _, err = run(program('sightcell-viewer'), scene)
             self.assertEqual((answer, len(err.splitlines())), (4, 1), err)
@@ -341,5 +510,5 @@ class Refusals(InFolder):
         answer, out, err = run(program('sightcell-viewer'), '--help')
         self.assertEqual((answer, err), (0, ''))
         for option in ('--cells-file', '--size', '--cell', '--eye', '--look', '--mode', '--frozen-from',
-                       '--screenshot', '--frames', '--show'):
+                       '--screenshot', '--frames', '--show', '--fov', '--walk', '--record', '--replay', '--benchmark'):
             self.assertIn(option, out)
