@@ -33,9 +33,10 @@ class Usage(InRoom):
             '-o', '--profile', '--layout', '--volumes', '--importance', '--report-unseen', '--report', '--cells-file', '--cells-grid', '--reach',
             '--start', '--fly', '--path', '--cell-size', '--most-cells', '--merge-cells', '--cell-limit', '--margin',
             '--quality', '--max-pixel-error', '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',
-            '--threads', '--memory', '--shard', '--fresh', '--help-all'])
+            '--threads', '--memory', '--shard', '--fresh', '--keep-records', '--since', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),
-                         ['Output', 'Cells', 'Quality', 'Scene rules', 'Time and machines', 'Help', 'Examples'])
+                         ['Output', 'Cells', 'Quality', 'Scene rules', 'Time and machines', 'Edits', 'Help',
+                          'Examples'])
         self.assertEqual(len(re.findall(r'(?m)^  sightcell bake ', out)), 2)
         self.assertNotIn('Expert', out)
 

@@ -18,8 +18,8 @@ constexpr std::size_t head_size = 4 * sizeof(float) + 2;
 // For rounding, in voxels. Places are computed from doubles, so the error is far below this.
 constexpr float rounding = 1.0f / 64.0f;
 
-std::uint32_t bits_between(int first, int last) {
-  return (~0u >> (31 - last)) & (~0u << first);
+std::uint64_t bits_between(int first, int last) {
+  return (~std::uint64_t{0} >> (63 - last)) & (~std::uint64_t{0} << first);
 }
 
 }  // namespace
@@ -53,6 +53,7 @@ void touched_space::mark_line(const glm::vec3& from, const glm::vec3& direction,
       const double wall = static_cast<double>(middle_[axis]) + (along[axis] > 0.0 ? half : -half);
       leaves = std::min(leaves, (wall - eye[axis]) / along[axis]);
     }
+    if (!(leaves < std::numeric_limits<double>::infinity())) leaves = begin;  // no direction
     if (leaves >= begin) {
       walk(level, eye, along, begin, leaves);
       begin = leaves;
@@ -62,30 +63,23 @@ void touched_space::mark_line(const glm::vec3& from, const glm::vec3& direction,
   escapes_ = true;
 }
 
-// From voxel to voxel (Amanatides and Woo 1987).
+// Marks voxels at equal steps of at most one voxel along each axis, without a branch. So each point of the segment is
+// within half a voxel of a marked one on each axis, which meets() adds.
 void touched_space::walk(int level, const glm::dvec3& from, const glm::dvec3& direction, double begin, double end) {
+  constexpr double fixed = 1 << 20;  // parts of a voxel
   const double half = static_cast<double>(half_of(level)), width = 2.0 * half / side;
-  std::uint32_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
-  int at[3], step[3];
-  double next[3], stride[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = static_cast<double>(middle_[axis]) - half;
-    const double place = (from[axis] + direction[axis] * begin - low) / width;
-    at[axis] = std::clamp(static_cast<int>(std::floor(place)), 0, side - 1);
-    step[axis] = direction[axis] > 0.0 ? 1 : direction[axis] < 0.0 ? -1 : 0;
-    stride[axis] = next[axis] = std::numeric_limits<double>::infinity();
-    if (step[axis] == 0) continue;
-    stride[axis] = width / std::abs(direction[axis]);
-    next[axis] = (low + (at[axis] + (step[axis] > 0 ? 1 : 0)) * width - from[axis]) / direction[axis];
-  }
-  for (;;) {
-    rows[at[2] * side + at[1]] |= 1u << at[0];
-    const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-    if (!(next[axis] <= end)) return;
-    at[axis] += step[axis];
-    if (at[axis] < 0 || at[axis] >= side) return;
-    next[axis] += stride[axis];
-  }
+  const auto voxel_at = [&](double t) {
+    const glm::dvec3 place = (from + direction * t - (glm::dvec3(middle_) - half)) / width;
+    return glm::clamp(place, 0.0, side - 1e-3);
+  };
+  const glm::dvec3 first = voxel_at(begin), way = voxel_at(end) - first;
+  const int steps = static_cast<int>(std::ceil(std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)})));
+  const glm::dvec3 stride = way * (fixed / std::max(steps, 1));
+  glm::ivec3 at(first * fixed);
+  const glm::ivec3 by(stride);
+  std::uint64_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
+  for (int i = 0; i <= steps; ++i, at += by)
+    rows[((at.z >> 20) * side + (at.y >> 20)) & (side * side - 1)] |= std::uint64_t{1} << ((at.x >> 20) & (side - 1));
 }
 
 void touched_space::mark_box(const glm::vec3& min, const glm::vec3& max) {
@@ -101,7 +95,7 @@ void touched_space::mark_box(const glm::vec3& min, const glm::vec3& max) {
     first[axis] = static_cast<int>(std::clamp(std::floor((min[axis] - low) / width - rounding), 0.0f, side - 1.0f));
     last[axis] = static_cast<int>(std::clamp(std::floor((max[axis] - low) / width + rounding), 0.0f, side - 1.0f));
   }
-  std::uint32_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
+  std::uint64_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
   for (int z = first[2]; z <= last[2]; ++z)
     for (int y = first[1]; y <= last[1]; ++y) rows[z * side + y] |= bits_between(first[0], last[0]);
 }
@@ -126,10 +120,11 @@ bool touched_space::meets(const box& where, float near, const plane& cut) const 
   const float far = std::max({far_corner.x, far_corner.y, far_corner.z});
   if (!(far <= half_of(levels_ - 1)) && escapes_) return true;
   for (int level = 0; level < levels_; ++level) {
-    // How far the marked middle of a block may be from its pixels, at the depth of the polygon or of this cube.
-    const float depth = 1.74f * (std::min(far, 1.1f * half_of(level)) + 0.5f * half_);
-    const float width = 2.0f * half_of(level) / side;
-    const float by = near + block_error * depth + rounding * width;
+    // How far the marked middle of a block may be from its pixels, at the depth of the polygon or of this cube. Eyes
+    // are within half_ / 2 of the middle of the cell on each axis.
+    const float half = half_of(level);
+    const float depth = std::min(glm::length(far_corner), 1.74f * 1.1f * half) + 0.87f * half_;
+    const float by = near + block_error * depth + (0.5f + rounding) * 2.0f * half / side;
     if (meets(level, where, by, cut)) return true;
   }
   return false;
@@ -146,17 +141,18 @@ bool touched_space::meets(int level, const box& polygon, float by, const plane& 
     first[axis] = static_cast<int>(std::max(from, 0.0f));
     last[axis] = static_cast<int>(std::min(to, side - 1.0f));
   }
-  const std::uint32_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
-  const std::uint32_t wanted = bits_between(first[0], last[0]);
+  const std::uint64_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
+  const std::uint64_t wanted = bits_between(first[0], last[0]);
   const bool has_plane = cut.normal != glm::vec3{0.0f};
   const glm::vec3 size = glm::abs(cut.normal);
-  const float reach = by + 0.5f * width * (size.x + size.y + size.z);  // with half of a voxel along the normal
+  // With half a voxel along the normal, and half a one between the steps of walk().
+  const float reach = by + width * (size.x + size.y + size.z);
   for (int z = first[2]; z <= last[2]; ++z)
     for (int y = first[1]; y <= last[1]; ++y) {
-      std::uint32_t found = rows[z * side + y] & wanted;
+      std::uint64_t found = rows[z * side + y] & wanted;
       if (!has_plane && found != 0) return true;
       for (; found != 0; found &= found - 1) {
-        const int x = __builtin_ctz(found);
+        const int x = __builtin_ctzll(found);
         const glm::vec3 voxel{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
         const glm::vec3 middle = middle_ - half + (voxel + 0.5f) * width;
         if (std::abs(glm::dot(cut.normal, middle) - cut.offset) <= reach) return true;

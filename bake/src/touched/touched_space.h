@@ -12,14 +12,14 @@
 
 namespace sightcell::bake {
 
-// Level k is a cube around the middle of the cell with 32 x 32 x 32 voxels, twice as wide as level k - 1. A line is
-// marked in the smallest cube that contains its part, so voxels are about as wide as a sixteenth of the distance.
+// Level k is a cube around the middle of the cell with 64 x 64 x 64 voxels, twice as wide as level k - 1. A line is
+// marked in the smallest cube that contains its part, so voxels are a 32nd to a 16th of the distance wide.
 // Used by one thread at a time.
 class touched_space {
  public:
-  static constexpr int side = 32;  // voxels
+  static constexpr int side = 64;  // voxels
   // The largest distance of a pixel from the middle of its block of pixels (block_of), per meter of depth.
-  static constexpr float block_error = 0.0222f;
+  static constexpr float block_error = 0.0194f;
   // Returns the side of the blocks in which hemicubes of this resolution are marked, in pixels: 1, 2, 4 or 8.
   static std::uint32_t block_of(std::uint32_t resolution);
 
@@ -57,7 +57,7 @@ class touched_space {
   float half_ = 1.0f;  // meters, half of the width of the cube of level 0
   int levels_ = 1;
   bool escapes_ = false;             // a line left the largest cube
-  std::vector<std::uint32_t> rows_;  // 32 x 32 per level, by z, then y; a bit per x
+  std::vector<std::uint64_t> rows_;  // 64 x 64 per level, by z, then y; a bit per x
 };
 
 // The space that is recorded on this thread; null: none. Rays and hemicubes mark it.

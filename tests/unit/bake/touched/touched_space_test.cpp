@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -10,8 +11,8 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
-const box cell{{-2.0f, 0.0f, -2.0f}, {2.0f, 2.0f, 2.0f}}, scene{{-100.0f, -5.0f, -80.0f}, {60.0f, 40.0f, 90.0f}};
+constexpr float without_end = std::numeric_limits<float>::infinity();
+const box own_box{{-2.0f, 0.0f, -2.0f}, {2.0f, 2.0f, 2.0f}}, world_box{{-100.0f, -5.0f, -80.0f}, {60.0f, 40.0f, 90.0f}};
 
 glm::vec3 random_in(const box& where, random_stream& random) {
   return random.in_box(where.min, where.max);
@@ -26,8 +27,8 @@ std::array<glm::vec3, 3> triangle_around(const glm::vec3& point, float size, ran
 TEST(touched_space, a_triangle_on_a_line_is_met) {
   random_stream random(1, 2, purpose::viewpoints);
   for (int i = 0; i < 2000; ++i) {
-    touched_space space(cell, scene);
-    const glm::vec3 eye = random_in(cell, random), end = random_in(scene, random);
+    touched_space space(own_box, world_box);
+    const glm::vec3 eye = random_in(own_box, random), end = random_in(world_box, random);
     space.mark_line(eye, end - eye, 1.0f);
     const glm::vec3 on_line = eye + (end - eye) * random.uniform();
     for (const float size : {0.001f, 0.3f, 20.0f}) {
@@ -38,7 +39,7 @@ TEST(touched_space, a_triangle_on_a_line_is_met) {
 }
 
 TEST(touched_space, what_is_far_from_a_line_is_not_met) {
-  touched_space space(cell, scene);
+  touched_space space(own_box, world_box);
   space.mark_line({0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, 40.0f);
   const auto at = [](float x, float y, float z) {
     return std::array<glm::vec3, 3>{glm::vec3{x, y, z}, glm::vec3{x + 0.1f, y, z}, glm::vec3{x, y + 0.1f, z}};
@@ -55,23 +56,23 @@ TEST(touched_space, what_is_far_from_a_line_is_not_met) {
 }
 
 TEST(touched_space, what_is_beyond_the_scene_is_met_by_lines_that_leave_it) {
-  touched_space space(cell, scene);
-  space.mark_line({0.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, infinity);
+  touched_space space(own_box, world_box);
+  space.mark_line({0.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, without_end);
   EXPECT_TRUE(space.meets(box{{500.0f, 0.0f, 0.0f}, {501.0f, 1.0f, 1.0f}}, 0.0f));
   EXPECT_TRUE(space.meets(box{{-0.1f, 30.0f, -0.1f}, {0.1f, 31.0f, 0.1f}}, 0.0f));
   EXPECT_FALSE(space.meets(box{{20.0f, 30.0f, 0.0f}, {20.5f, 31.0f, 0.5f}}, 0.0f));
 }
 
 TEST(touched_space, a_box_is_met) {
-  touched_space space(cell, scene);
-  space.mark_box(cell.min, cell.max);
+  touched_space space(own_box, world_box);
+  space.mark_box(own_box.min, own_box.max);
   EXPECT_TRUE(space.meets(box{{1.9f, 1.9f, 1.9f}, {3.0f, 3.0f, 3.0f}}, 0.0f));
   EXPECT_FALSE(space.meets(box{{10.0f, 1.9f, 1.9f}, {11.0f, 3.0f, 3.0f}}, 0.0f));
 }
 
 TEST(touched_space, bytes_and_damaged_bytes) {
-  touched_space space(cell, scene);
-  space.mark_line({0.0f, 1.0f, 0.0f}, {1.0f, 0.1f, 0.2f}, infinity);
+  touched_space space(own_box, world_box);
+  space.mark_line({0.0f, 1.0f, 0.0f}, {1.0f, 0.1f, 0.2f}, without_end);
   const std::vector<std::uint8_t> bytes = space.encode();
   const auto again = touched_space::decode(bytes);
   ASSERT_TRUE(again);
@@ -79,11 +80,11 @@ TEST(touched_space, bytes_and_damaged_bytes) {
   for (std::size_t size = 0; size < bytes.size(); ++size)
     EXPECT_FALSE(touched_space::decode(std::span(bytes).first(size))) << size;
   for (std::size_t i = 0; i < bytes.size(); ++i)
-    for (const std::uint8_t value : {0x00, 0x7F, 0xFF}) {
+    for (const std::uint8_t value : std::array<std::uint8_t, 3>{0x00, 0x7F, 0xFF}) {
       std::vector<std::uint8_t> damaged = bytes;
       damaged[i] = value;
       const auto decoded = touched_space::decode(damaged);
-      if (decoded) (void)decoded->meets(scene, 0.1f);
+      if (decoded) (void)decoded->meets(world_box, 0.1f);
     }
 }
 
