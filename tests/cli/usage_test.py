@@ -96,7 +96,7 @@ class Usage(InRoom):
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--summary=x', '--since=x'):
+        for option in ('--summary=x', '--watch=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
 

@@ -30,7 +30,7 @@ std::string read_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-void write_file(const std::filesystem::path& path, const std::string& bytes) {
+void put_file(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
@@ -70,7 +70,7 @@ TEST(kept_records, damaged_files) {
   const std::filesystem::path path = records_beside(pvs);
   const std::string whole = read_file(path);
   for (std::size_t size = 0; size < whole.size(); size += 7) {
-    write_file(path, whole.substr(0, size));
+    put_file(path, whole.substr(0, size));
     EXPECT_EQ(id_of_reading(pvs), "records.damaged") << size;
   }
   for (std::size_t i = 0; i + 8 < whole.size(); ++i)
@@ -79,7 +79,7 @@ TEST(kept_records, damaged_files) {
       damaged[i] = value;
       const std::uint64_t checksum = XXH3_64bits(damaged.data(), damaged.size() - 8);
       std::memcpy(damaged.data() + damaged.size() - 8, &checksum, 8);
-      write_file(path, damaged);
+      put_file(path, damaged);
       const std::string id = id_of_reading(pvs);
       EXPECT_TRUE(id.empty() || id == "records.damaged") << i << ' ' << id;
     }

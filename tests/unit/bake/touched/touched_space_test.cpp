@@ -12,7 +12,8 @@ namespace sightcell::bake {
 namespace {
 
 constexpr float without_end = std::numeric_limits<float>::infinity();
-const box own_box{{-2.0f, 0.0f, -2.0f}, {2.0f, 2.0f, 2.0f}}, world_box{{-100.0f, -5.0f, -80.0f}, {60.0f, 40.0f, 90.0f}};
+const box small_cell{{-2.0f, 0.0f, -2.0f}, {2.0f, 2.0f, 2.0f}},
+    wide_scene{{-100.0f, -5.0f, -80.0f}, {60.0f, 40.0f, 90.0f}};
 
 glm::vec3 random_in(const box& where, random_stream& random) {
   return random.in_box(where.min, where.max);
@@ -27,8 +28,8 @@ std::array<glm::vec3, 3> triangle_around(const glm::vec3& point, float size, ran
 TEST(touched_space, a_triangle_on_a_line_is_met) {
   random_stream random(1, 2, purpose::viewpoints);
   for (int i = 0; i < 2000; ++i) {
-    touched_space space(own_box, world_box);
-    const glm::vec3 eye = random_in(own_box, random), end = random_in(world_box, random);
+    touched_space space(small_cell, wide_scene);
+    const glm::vec3 eye = random_in(small_cell, random), end = random_in(wide_scene, random);
     space.mark_line(eye, end - eye, 1.0f);
     const glm::vec3 on_line = eye + (end - eye) * random.uniform();
     for (const float size : {0.001f, 0.3f, 20.0f}) {
@@ -39,7 +40,7 @@ TEST(touched_space, a_triangle_on_a_line_is_met) {
 }
 
 TEST(touched_space, what_is_far_from_a_line_is_not_met) {
-  touched_space space(own_box, world_box);
+  touched_space space(small_cell, wide_scene);
   space.mark_line({0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, 40.0f);
   const auto at = [](float x, float y, float z) {
     return std::array<glm::vec3, 3>{glm::vec3{x, y, z}, glm::vec3{x + 0.1f, y, z}, glm::vec3{x, y + 0.1f, z}};
@@ -56,7 +57,7 @@ TEST(touched_space, what_is_far_from_a_line_is_not_met) {
 }
 
 TEST(touched_space, what_is_beyond_the_scene_is_met_by_lines_that_leave_it) {
-  touched_space space(own_box, world_box);
+  touched_space space(small_cell, wide_scene);
   space.mark_line({0.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, without_end);
   EXPECT_TRUE(space.meets(box{{500.0f, 0.0f, 0.0f}, {501.0f, 1.0f, 1.0f}}, 0.0f));
   EXPECT_TRUE(space.meets(box{{-0.1f, 30.0f, -0.1f}, {0.1f, 31.0f, 0.1f}}, 0.0f));
@@ -64,14 +65,14 @@ TEST(touched_space, what_is_beyond_the_scene_is_met_by_lines_that_leave_it) {
 }
 
 TEST(touched_space, a_box_is_met) {
-  touched_space space(own_box, world_box);
-  space.mark_box(own_box.min, own_box.max);
+  touched_space space(small_cell, wide_scene);
+  space.mark_box(small_cell.min, small_cell.max);
   EXPECT_TRUE(space.meets(box{{1.9f, 1.9f, 1.9f}, {3.0f, 3.0f, 3.0f}}, 0.0f));
   EXPECT_FALSE(space.meets(box{{10.0f, 1.9f, 1.9f}, {11.0f, 3.0f, 3.0f}}, 0.0f));
 }
 
 TEST(touched_space, bytes_and_damaged_bytes) {
-  touched_space space(own_box, world_box);
+  touched_space space(small_cell, wide_scene);
   space.mark_line({0.0f, 1.0f, 0.0f}, {1.0f, 0.1f, 0.2f}, without_end);
   const std::vector<std::uint8_t> bytes = space.encode();
   const auto again = touched_space::decode(bytes);
@@ -84,7 +85,7 @@ TEST(touched_space, bytes_and_damaged_bytes) {
       std::vector<std::uint8_t> damaged = bytes;
       damaged[i] = value;
       const auto decoded = touched_space::decode(damaged);
-      if (decoded) (void)decoded->meets(world_box, 0.1f);
+      if (decoded) (void)decoded->meets(wide_scene, 0.1f);
     }
 }
 
