@@ -143,6 +143,19 @@ void add_machine_options(CLI::App& verb, bake_options& o) {
       ->group(group);
 }
 
+void add_edit_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Edits";
+  verb.add_flag("--keep-records", o.settings.keep_records,
+                "Writes the records of all cells beside the output (FILE.pvs.records), for --since.")
+      ->group(group);
+  add_plain_option(verb, group, "--since", o.settings.since, "OLD.pvs",
+                   "Takes the cells that an edit of the scene cannot have changed from the records of an earlier bake "
+                   "with --keep-records, and bakes the others. The sets are those of a full bake. OLD.pvs may be the "
+                   "output itself. Includes --keep-records.")
+      ->excludes("--shard");
+  verb.get_option("--keep-records")->excludes("--shard");
+}
+
 // ---- With --help-all only
 
 void add_expert_output_options(CLI::App& verb, bake_options& o) {
@@ -286,6 +299,7 @@ void add_bake_options(CLI::App& verb, bake_options& options) {
   add_quality_options(verb, options);
   add_rule_options(verb, options);
   add_machine_options(verb, options);
+  add_edit_options(verb, options);
   add_expert_output_options(verb, options);
   add_expert_cell_options(verb, options);
   add_expert_scene_options(verb, options);

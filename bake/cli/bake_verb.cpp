@@ -41,6 +41,16 @@ progress_mode mode_of(const std::string& name) {
   return name == "none" ? progress_mode::none : progress_mode::automatic;
 }
 
+// Null without --since.
+nlohmann::ordered_json rebaked_json(const bake::summary& sum) {
+  if (!sum.rebaked) return nullptr;
+  return {{"cells", sum.rebaked->count()},
+          {"changed_polygon", sum.rebaked->changed_polygon},
+          {"something_new", sum.rebaked->something_new},
+          {"neighbors", sum.rebaked->neighbors},
+          {"new", sum.rebaked->is_new}};
+}
+
 nlohmann::ordered_json summary_json(const bake_options& options, const scene::scene& s, const bake::summary& sum,
                                     const phase_times& phases) {
   const char* const results[] = {"done", "bound_not_met", "cancelled"};
@@ -53,6 +63,7 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"cells_out_of_time", sum.cells_out_of_time},
           {"cells_unreached", sum.cells_unreached},
           {"cells_resumed", sum.cells_resumed},
+          {"cells_rebaked", rebaked_json(sum)},
           {"visible_set_percent", sum.visible_percent},
           {"metric", options.metric.metric},
           {"volumes", sum.volumes},
@@ -72,6 +83,14 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"source", sum.source},
           {"device", sum.device},
           {"seed", options.settings.seed}};
+}
+
+std::string rebaked_text(const bake::rebaked_cells& cells, double cpu_seconds) {
+  return fmt::format(
+      "baked again: {} of {} cells ({} saw what changed, {} could see something new, {} beside such cells, {} new), {} of "
+      "CPU time",
+      grouped(cells.count()), grouped(cells.count() + cells.kept), grouped(cells.changed_polygon),
+      grouped(cells.something_new), grouped(cells.neighbors), grouped(cells.is_new), duration_text(cpu_seconds));
 }
 
 [[noreturn]] void refuse_unwritable(const std::filesystem::path& path, const char* option) {
@@ -164,6 +183,7 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
   line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
                            options.output.string(), grouped(sum.cells), grouped(sum.bytes), sum.visible_percent,
                            duration_text(sum.cpu_seconds), how.seed));
+  if (sum.rebaked) line.message(rebaked_text(*sum.rebaked, sum.cpu_seconds));
   if (sum.times.cells > 0)
     line.message(fmt::format(
         "time per cell: median {:.2g} s, 99 % of cells at most {:.2g} s, slowest {:.2g} s (center {:.1f}, {:.1f}, {:.1f})",

@@ -272,6 +272,26 @@ def verify_from(content):
     return prepare
 
 
+def kept(folder, program):
+    """out.pvs with its records. Ends in an error if the program fails."""
+    done = subprocess.run([program, *bake(folder, '--source', 'cpu', '--keep-records')], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return os.path.join(folder, 'out.pvs')
+
+
+def since_damaged(folder, program):
+    path = kept(folder, program)
+    with open(path + '.records', 'r+b') as file:
+        file.seek(30)
+        file.write(b'damaged')
+    return Call(bake(folder, '--source', 'cpu', '--since', path), 'out.pvs.records')
+
+
+def since_other(folder, program):
+    path = kept(folder, program)
+    return Call(bake(folder, '--source', 'cpu', '--since', path, '--seed', '7'), 'seed')
+
+
 def reported(result):
     """A report of a bake, with something else than a result of verify."""
     def prepare(folder, program):
@@ -439,6 +459,9 @@ CASES = [
     ('pvs.other-scene', 4, other_scene),
     ('pvs.other-scene', 4, packed('p.glb', named='out.pvs', scene_of=lambda f: scene(f, 'other.gltf', scale=3.0))),
     ('pvs.two-scenes', 2, of_two_scenes(lambda f, file: ['verify', os.path.join(f, 'room.gltf'), file])),
+    ('records.damaged', 4, since_damaged),
+    ('records.missing', 4, options('out.pvs.records', '--since', 'out.pvs')),
+    ('records.other-bake', 2, since_other),
     ('recode.two-scenes', 2, of_two_scenes(lambda f, file: ['recode', file, '--importance',
                                                             os.path.join(f, 'room.gltf')])),
     ('recode.has-slack', 2, recoded('--profile', 'exact', named='a.pvs')),
@@ -484,6 +507,8 @@ CASES = [
     ('settings.out-of-range', 2, option('--resolution', '255')),
     ('settings.out-of-range', 2, options('--reach', '--reach', 'none')),
     ('settings.out-of-range', 2, option('--source', 'opengl')),
+    ('settings.records', 2, options('--since', '--since', 'a.pvs', '--sampler', 'halton')),
+    ('settings.records', 2, options('--keep-records', '--keep-records', '--source', 'rays')),
     ('settings.two-scenes', 2, lambda f: Call(['bake', '--polygons-from', room(f), '--cells-from', room(f), '-o',
                                                os.path.join(f, 'out.pvs'), '--metric', 'color'], '--metric')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--sampler', 'halton')),

@@ -64,6 +64,8 @@ ALLOWED = {
     'bake/src/stream/payload.cpp': ['sha2.h', 'zlib.h'],
     'bake/src/stream/encoded_copies.cpp': ['brotli/', 'zlib.h'],
     'bake/src/stream/smaller_images.cpp': SCENE + ['webp/'],
+    'bake/src/since': SCENE + ['tbb/', 'xxhash.h', 'zlib.h'],
+    'bake/src/touched': SCENE + ['zlib.h'],
     'bake/src/job/disk_space.cpp': SCENE + ['sys/', 'fmt/'],
     'bake/src/cells/walkable.cpp': SCENE + ['Recast.h', 'fmt/'],
     'bake/src/hemicube': SCENE + PICTURE + SHADERS + GL + ['embree3/', 'tbb/', 'fmt/'],

@@ -12,8 +12,8 @@ import os
 import re
 import sys
 
-ROOMS = ['trace', 'hemicube', 'cells', 'order', 'volumes', 'bound', 'cell_set', 'checkpoint', 'search', 'input', 'file', 'stream',
-         'sampler', 'misses', 'job', 'shards', 'verify']
+ROOMS = ['touched', 'trace', 'hemicube', 'cells', 'order', 'volumes', 'bound', 'cell_set', 'checkpoint', 'search', 'input',
+         'file', 'stream', 'sampler', 'misses', 'since', 'job', 'shards', 'verify']
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
 SUFFIXES = ('.h', '.cpp', '.inl')
 

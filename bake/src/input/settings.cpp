@@ -185,6 +185,23 @@ void check_two_scenes(const settings& s) {
   if (s.sampler == "importance-depth-color") refuse_colors_of_two_scenes("--sampler importance-depth-color");
 }
 
+// Steps of a cell must depend on the scene and the cell alone, and all that they see must be recorded.
+void check_kept_records(const settings& s) {
+  if (!s.keep_records && s.since.empty()) return;
+  const char* const option = s.since.empty() ? "--keep-records" : "--since";
+  const auto refuse_with = [&](const char* other) {
+    throw error(error_kind::wrong_use, "settings.records", option, fmt::format("does not work with {}", other),
+                "leave out one of the two");
+  };
+  if (s.sampler != "guided") refuse_with("a --sampler other than guided");
+  if (s.source != "cpu" && s.source != "auto") refuse_with("a --source other than cpu");
+  if (s.metric.kind == metric_kind::color) refuse_with("--metric color");
+  if (s.misses_file) refuse_with("--misses");
+  if (s.cells_from != nullptr) refuse_with("--cells-from");
+  if (s.time_budget > 0.0) refuse_with("--time-budget");
+  if (s.seconds_per_cell > 0.0) refuse_with("--seconds-per-cell");
+}
+
 void check_volumes(const settings& s) {
   if (s.volumes == 0.0) return;
   if (!(s.volumes >= 0.25 && s.volumes <= 1000.0)) refuse("--volumes", number(s.volumes), "0 (none) or 0.25 to 1000 m");
@@ -249,6 +266,7 @@ void validate(const settings& s) {
   check_two_scenes(s);
   check_time_budget(s);
   check_volumes(s);
+  check_kept_records(s);
   if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
   if (static_cast<std::size_t>(s.safety_ring) >= safety_ring_names.size())

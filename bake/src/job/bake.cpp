@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include <memory>
 #include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "checkpoint/work_file.h"
@@ -21,7 +23,9 @@
 #include "job/timed_bake.h"
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/base/disk.h"
+#include "sightcell/base/error.h"
 #include "sightcell/base/process_time.h"
+#include "since/step_keeper.h"
 
 namespace sightcell::bake {
 namespace {
@@ -53,9 +57,34 @@ std::optional<double> check_room(const bake_context& context, std::uint32_t cell
   return estimate->seconds;
 }
 
+// Returns what keeps the records of the steps; nothing if none are kept. before: of how.since.
+std::unique_ptr<step_keeper> keeper_of(const bake_context& context, std::optional<kept_records> before) {
+  const settings& how = context.how;
+  if (!how.keep_records && how.since.empty()) return nullptr;
+  if (context.device->chosen.name != "cpu")
+    throw error(error_kind::wrong_use, "settings.records", how.since.empty() ? "--keep-records" : "--since",
+                "does not work with the source " + context.device->chosen.name, "give --source cpu");
+  const volume_grid* volumes = context.volumes_or_null();
+  return std::make_unique<step_keeper>(context.input.geometry, context.traced->neighbors_or_null(), how,
+                                       volumes ? volumes->count() : 0,
+                                       steps_key_of(*context.cells, context.settings_text), std::move(before));
+}
+
+void count_rebaked(const step_keeper& keeper, const settings& how, summary& sum) {
+  if (how.since.empty()) return;
+  const auto counts = keeper.cells_by_reason();
+  const auto of = [&](rebake_reason why) { return counts[static_cast<std::size_t>(why)]; };
+  sum.rebaked = rebaked_cells{.is_new = of(rebake_reason::new_cell),
+                              .changed_polygon = of(rebake_reason::changed_polygon),
+                              .something_new = of(rebake_reason::something_new),
+                              .neighbors = of(rebake_reason::neighbors),
+                              .kept = of(rebake_reason::none)};
+}
+
 // Bakes all cells and writes the file.
+// keeper: null for none.
 void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_arena& arena, work_file& file,
-              const std::filesystem::path& output, const callbacks& events, summary& sum) {
+              const std::filesystem::path& output, const callbacks& events, step_keeper* keeper, summary& sum) {
   std::vector<std::uint32_t> blocks(context.cells->blocks.count());
   std::iota(blocks.begin(), blocks.end(), 0u);
   checkpoint& done = file.records();
@@ -65,14 +94,16 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
                            plan, events);
   resume(done, tracker, events);
   sum.cells_resumed = tracker.resumed();
-  const std::optional<double> expected = check_room(context, tracker.cells_left(), file, output, arena, events);
+  // How many cells an edit changes is not known before, so there is no estimate, and what it costs is saved.
+  const std::uint32_t to_estimate = context.how.since.empty() ? tracker.cells_left() : 0;
+  const std::optional<double> expected = check_room(context, to_estimate, file, output, arena, events);
   if (!expected) {
     sum.result = outcome::cancelled;
     file.copy();  // has the list of cells
     return;
   }
   tracker.expect(*expected);
-  const phase_work work{context, plan, blocks, arena, tracker, file};
+  const phase_work work{context, plan, blocks, arena, tracker, file, keeper};
   keeping(file, [&] {
     tracker.open();
     run_phase_1(work);
@@ -95,6 +126,10 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
     });
   });
   if (written) {
+    if (keeper) {
+      count_rebaked(*keeper, context.how, sum);
+      keeper->write(output);
+    }
     file.remove();
     return;
   }
@@ -111,6 +146,8 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   const double began = process_cpu_seconds();
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
+  std::optional<kept_records> before;
+  if (!how.since.empty()) before = read_records(how.since);
   std::optional<bake_context> context;
   find_decided find;
   if (!fresh)
@@ -125,6 +162,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   sum.device = context->device->source().device();
 
   const stage_plan plan(context->cells->blocks, context->bounds());
+  const std::unique_ptr<step_keeper> keeper = keeper_of(*context, std::move(before));
   work_file file(output, how.scratch, context->key, fresh, {}, context->cell_bytes,
                  stale_test_of(context->key, context->cells->blocks));
   if (how.time_budget > 0.0) {
@@ -135,7 +173,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
     }
     bake_in_time({*context, plan, arena, clock, file, output, events}, sum);
   } else {
-    bake_all(*context, plan, arena, file, output, events, sum);
+    bake_all(*context, plan, arena, file, output, events, keeper.get(), sum);
   }
   sum.cpu_seconds = process_cpu_seconds() - began;
   return sum;

@@ -113,6 +113,12 @@ std::string key_of(const scene::scene& s, const settings& how, const bake_input&
                      hash_of_cells(cells, input.given), settings_text);
 }
 
+std::string steps_key_of(const bake_cells& cells, const std::string& settings_text) {
+  number_hash volumes;
+  if (cells.volumes) volumes.add_bytes(std::as_bytes(std::span(cells.volumes->places())));
+  return fmt::format("volumes {:016x} settings {}", volumes.digest(), settings_text);
+}
+
 stale_key_test stale_test_of(const std::string& key, const cell_blocks& blocks) {
   return [key, &blocks](const std::string& stored) -> std::optional<stale_record> {
     const auto changed = blocks_with_other_misses(stored, key);

@@ -26,6 +26,10 @@ std::string key_of(const scene::scene& s, const settings& how, const bake_input&
 // are merged.
 std::string inputs_of_cells(const scene::scene& s, const settings& how, const bake_input& input);
 
+// Returns the text that names what steps of cells depend on besides the scene and the cells: settings, device, version
+// and volumes. Kept records of another text cannot be taken.
+std::string steps_key_of(const bake_cells& cells, const std::string& settings_text);
+
 // Returns the test that decides which stored records are stale in a bake with this key: if two keys differ only in
 // their reported misses, the records of the blocks with other misses. blocks must outlive the test.
 stale_key_test stale_test_of(const std::string& key, const cell_blocks& blocks);

@@ -13,6 +13,7 @@
 #include "job/cell_bake.h"
 #include "job/cell_workers.h"
 #include "job/progress_tracker.h"
+#include "since/step_keeper.h"
 
 namespace sightcell::bake {
 
@@ -32,7 +33,8 @@ struct phase_work {
   std::span<const std::uint32_t> blocks;  // to bake, in this order; the order changes no record
   tbb::task_arena& arena;                 // the calling thread is not inside of it
   progress_tracker& tracker;
-  work_file& file;  // where records are committed
+  work_file& file;                // where records are committed
+  step_keeper* keeper = nullptr;  // takes steps from kept records and keeps records; null: all steps are baked
 };
 
 // Passes the records of an earlier run to the tracker, and reports how many cells are done.

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "touched/touched_space.h"
 #include "trace/direction_code.h"
 #include "trace/embree_scene.h"
 #include "trace/triangle_math.h"
@@ -64,6 +65,11 @@ void note_front(std::uint32_t front, float distance, std::vector<passed_polygon>
     const bool again = !out.before.empty() && out.before.back().polygon == p.polygon;
     if (p.distance < distance && !again) out.before.push_back(p);
   }
+}
+
+// Records what a ray passed, with the reach of rule 2 behind its end and more for rounding.
+void record_line(const glm::vec3& eye, const glm::vec3& direction, float distance) {
+  if (recorded_space) recorded_space->mark_line(eye, direction, distance + 2.0f * coincidence_reach(distance));
 }
 
 struct nearness {
@@ -183,6 +189,7 @@ void ray_scene::trace(trace_context& context, const glm::vec3& eye, const glm::v
 
   const bool hit = r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   note_front(hit ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon, hit ? r.ray.tfar : infinity, passed, out);
+  record_line(eye, direction, out.distance);
 }
 
 void ray_scene::trace(std::span<const sight_line> lines, std::span<sight> out) const {
@@ -212,6 +219,7 @@ void ray_scene::trace(std::span<const sight_line> lines, std::span<sight> out) c
       const bool hit = r.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
       note_front(hit ? embree_->ids[r.hit.geomID[i]][r.hit.primID[i]] : no_polygon, hit ? r.ray.tfar[i] : infinity,
                  passed[i], out[first + i]);
+      record_line(lines[first + i].eye, lines[first + i].direction, out[first + i].distance);
     }
   }
 }
@@ -223,6 +231,7 @@ std::uint32_t ray_scene::front_of_set(const glm::vec3& eye, const glm::vec3& dir
   RTCRayHit r{.ray = one_ray(eye, direction, 0.0f, std::numeric_limits<float>::infinity()), .hit = {}};
   r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(embree_->solid, &context.base, &r);
+  record_line(eye, direction, r.ray.tfar);
   return r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? embree_->ids[r.hit.geomID][r.hit.primID] : no_polygon;
 }
 
@@ -236,6 +245,7 @@ void ray_scene::trace_against_set(const glm::vec3& eye, const glm::vec3& directi
 void ray_scene::coincident(const glm::vec3& eye, const glm::vec3& direction, float distance,
                            std::vector<std::uint32_t>& out) const {
   trace_context context(*embree_);
+  record_line(eye, direction, distance);
   const float reach = coincidence_reach(distance);
   collect(*embree_, context, one_ray(eye, direction, std::max(0.0f, distance - reach), distance + reach), out);
 }
@@ -251,6 +261,7 @@ bool ray_scene::through_gap(const glm::vec3& eye, const glm::vec3& direction, fl
                             float smallest_gap) const {
   const float blocked_before = distance - std::max(0.02f, 0.01f * distance);
   if (!(smallest_gap > 0.0f) || !(blocked_before > 0.0f)) return false;
+  record_line(eye, direction, distance);  // for the lines beside it too: they are no farther away than the gap is wide
   const auto blocked = [&](const glm::vec3& beside) {
     trace_context context(*embree_);
     RTCRay r = one_ray(eye + beside, direction, 0.0f, blocked_before);
@@ -270,6 +281,7 @@ bool ray_scene::through_gap(const glm::vec3& eye, const glm::vec3& direction, fl
 
 std::vector<std::uint32_t> ray_scene::touching(const glm::vec3& min, const glm::vec3& max) const {
   std::vector<std::uint32_t> found;
+  if (recorded_space) recorded_space->mark_box(min, max);
   const glm::vec3 middle = 0.5f * (min + max);
   RTCPointQuery query{};
   query.x = middle.x, query.y = middle.y, query.z = middle.z;
@@ -284,6 +296,7 @@ std::vector<std::uint32_t> ray_scene::touching(const glm::vec3& min, const glm::
 }
 
 bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {
+  if (recorded_space) recorded_space->mark_box(point - radius, point + radius);
   RTCPointQuery query{};
   query.x = point.x, query.y = point.y, query.z = point.z, query.time = 0.0f, query.radius = radius;
   RTCPointQueryContext context;
@@ -318,6 +331,7 @@ void ray_scene::find_solid(std::span<const glm::vec3> points, int one_in, std::s
       const int left = static_cast<int>(solid_directions - k - 1);
       alignas(32) int back[packet]{};
       for (std::size_t i = 0; i < count; ++i) {
+        if (valid[i] != 0) record_line(points[first + i], direction, r.ray.tfar[i]);
         if (valid[i] == 0 || r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         ++hits[i];
         const scene::polygon_kind kind = geometry_.kinds[embree_->ids[r.hit.geomID[i]][r.hit.primID[i]]];

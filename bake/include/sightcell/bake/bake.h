@@ -37,6 +37,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,17 @@ struct cell_times {
   std::vector<timed_cell> each;   // the counted cells, in the order of the bake
 };
 
+// With settings::since: how many cells were baked again, each counted once, by the first of these reasons that holds.
+struct rebaked_cells {
+  std::uint32_t is_new = 0;           // the earlier bake did not have it
+  std::uint32_t changed_polygon = 0;  // it saw a polygon that changed, moved or is gone, or the place of one
+  std::uint32_t something_new = 0;    // it could see where something new is
+  std::uint32_t neighbors = 0;        // what a neighbor sees changed
+  std::uint32_t kept = 0;             // not baked again
+
+  std::uint32_t count() const { return is_new + changed_polygon + something_new + neighbors; }
+};
+
 // Result of a bake, a shard or a merge. Percentages are of all polygons of the scene unless stated otherwise.
 struct summary {
   outcome result = outcome::done;
@@ -86,6 +98,8 @@ struct summary {
   // rays.
   std::uint32_t cells_out_of_time = 0;
   std::uint32_t cells_unreached = 0;  // with settings::time_budget: not in the file, without a bound when it ended
+
+  std::optional<rebaked_cells> rebaked;  // with settings::since
 
   double visible_percent = 0.0;  // mean size of the cell sets
 
@@ -113,9 +127,11 @@ struct summary {
 // fresh: true discards the checkpoint of an unfinished bake. false resumes it.
 // events: progress and log (progress.h); {} for none.
 // Returns: see summary.
-// Fails with settings.* and cells.* for settings, bake.no-free-cell, bake.nothing-to-see, bake.memory, bake.disk-space,
+// Fails with settings.* and cells.* for settings, records.* for settings::since, bake.no-free-cell,
+// bake.nothing-to-see, bake.memory, bake.disk-space,
 //   checkpoint.other-bake if the checkpoint has other settings, checkpoint.* and output.* for the disk.
 // Files: finished cells are committed to output + ".bake", which is removed at the end. A killed bake resumes there.
+//   With settings::keep_records also output + ".records".
 // Cost: 0.1 to 1 CPU seconds per cell for scenes of 40,000 to 1,000,000 polygons at a bound of 1e-3 (BENCHMARKS.md).
 summary bake(const scene::scene& s, const settings& how, const std::filesystem::path& output, bool fresh,
              const callbacks& events);

@@ -190,6 +190,14 @@ struct settings {
   // --scratch: a folder on a local disk for the unfinished bake. A copy is left beside the output every few minutes and
   // when the bake ends early. Empty: the unfinished bake is beside the output.
   std::filesystem::path scratch;
+
+  // --keep-records: writes the records of all cells beside the output (output + ".records"), for a later `since`. Works
+  // with the sampler guided, the source cpu and the metrics pixel and view, without --misses, --cells-from,
+  // --time-budget, --seconds-per-cell and shards.
+  bool keep_records = false;
+  // --since: a .pvs file with kept records. Cells that an edit of the scene since then cannot have changed are taken
+  // from there. Includes keep_records. Empty: none are taken.
+  std::filesystem::path since;
 };
 
 // Returns whether cells are where a camera flies: in boxes or near paths.
@@ -197,7 +205,7 @@ bool flies(const settings& s);
 
 // Checks ranges and combinations.
 // Fails with settings.out-of-range, settings.two-kinds-of-cells, settings.time-budget, settings.volumes,
-//   settings.two-scenes; the line names the option.
+//   settings.two-scenes, settings.records; the line names the option.
 void validate(const settings& s);
 
 // Returns the settings text: one line of JSON with all settings that can change a byte of the file, in fixed order. It

@@ -3,7 +3,9 @@
 #include <tbb/concurrent_queue.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <bit>
+#include <limits>
 #include <new>
 #include <optional>
 #include <string>
@@ -13,6 +15,7 @@
 #include "hemicube/cpu/kernel.h"
 #include "hemicube/hemicube_faces.h"
 #include "sightcell/base/process_time.h"
+#include "touched/touched_space.h"
 
 namespace sightcell::bake {
 namespace {
@@ -130,6 +133,33 @@ cpu::face_frame frame_of(const glm::vec3& eye, const face_view& face, std::uint3
   return f;
 }
 
+// Returns the depth of the farthest pixel of a block of a tile, in meters; infinity if it shows the background.
+float farthest_of(const float* inverse_depths, std::uint32_t x, std::uint32_t y, std::uint32_t block) {
+  float least = std::numeric_limits<float>::infinity();
+  for (std::uint32_t j = y; j < y + block; ++j)
+    for (std::uint32_t i = x; i < x + block; ++i) least = std::min(least, inverse_depths[j * cpu::tile_size + i]);
+  return least > 0.0f ? 1.0f / least : std::numeric_limits<float>::infinity();
+}
+
+// Marks what the pixels of a face look through, block by block of pixels.
+void record_face(const cpu::face_frame& f, const cpu::tile_image& tiles, std::uint32_t block, touched_space& space) {
+  const glm::vec3 eye{f.eye[0], f.eye[1], f.eye[2]}, right{f.right[0], f.right[1], f.right[2]};
+  const glm::vec3 up{f.up[0], f.up[1], f.up[2]}, forward{f.forward[0], f.forward[1], f.forward[2]};
+  for (std::uint32_t y = 0; y < f.height; y += block)
+    for (std::uint32_t x = 0; x < f.width; x += block) {
+      const std::size_t tile = std::size_t{y / cpu::tile_size} * tiles.stride + x / cpu::tile_size;
+      const float* depths = tiles.inverse_depths + tile * cpu::tile_pixels;
+      const float depth = tiles.states[tile] == cpu::tile_state::empty
+                              ? std::numeric_limits<float>::infinity()
+                              : farthest_of(depths, x % cpu::tile_size, y % cpu::tile_size, block);
+      const float half_block = 0.5f * static_cast<float>(block);
+      const float a = (static_cast<float>(x) + half_block - static_cast<float>(f.center_x)) / f.half;
+      const float b = (static_cast<float>(y) + half_block - static_cast<float>(f.center_y)) / f.half;
+      // Longer by more than the reach of rule 2, up to which non-occluders count.
+      space.mark_line(eye, forward + a * right + b * up, depth * 1.0001f + 1e-3f);
+    }
+}
+
 cpu::tree_view view_of(const cpu::cluster_tree& tree) {
   return {tree.nodes.empty() ? nullptr : tree.nodes.data(), tree.clusters.data(), tree.blocks.data(), tree.marks.data(),
           tree.masked.empty() ? nullptr : tree.masked.data()};
@@ -171,6 +201,7 @@ class cpu_source final : public hemicube_source {
         const cpu::face_frame frame = frame_of(where.eye, face, resolution_);
         const cpu::tile_image tiles = at.image(frame);
         kernel_.draw(view_, frame, tiles, at.counter());
+        if (recorded_space) record_face(frame, tiles, touched_space::block_of(resolution_), *recorded_space);
         for (std::uint32_t y = 0; y < face.height; ++y)
           for (std::uint32_t x = 0; x < face.width; ++x) {
             const std::size_t tile = std::size_t{y / cpu::tile_size} * tiles.stride + x / cpu::tile_size;
@@ -209,6 +240,7 @@ class cpu_source final : public hemicube_source {
       const cpu::tile_image tiles = at.image(frame);
       kernel_.draw(view_, frame, tiles, at.counter());
       lap(sum.draw);
+      if (recorded_space) record_face(frame, tiles, touched_space::block_of(resolution_), *recorded_space);
       kernel_.gather(frame, tiles, at.counter());
       lap(sum.gather);
       kernel_.add_importance(frame, tiles, far_plane_, sums);

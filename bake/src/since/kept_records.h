@@ -1,0 +1,46 @@
+#pragma once
+// The file of kept records beside a .pvs file: for each step of each cell its record, what went into it and the space
+// that it touched, and the polygons of the scene. A later bake takes from it what an edit did not change.
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "since/polygon_table.h"
+
+namespace sightcell::bake {
+
+// The steps of a cell (cell_bake.h).
+enum class step_kind : std::uint8_t { sample = 0, finish_rays = 1, sample_and_finish = 2, check = 3 };
+
+struct kept_step {
+  std::uint64_t place = 0;     // of the cell
+  std::array<float, 6> box{};  // of the cell: min, then max, meters
+  step_kind kind = step_kind::sample;
+  std::uint64_t inputs = 0;          // a hash of the records that went into the step
+  std::vector<std::uint8_t> record;  // encode() of the cell_record
+  std::vector<std::uint8_t> space;   // touched_space::encode()
+};
+
+struct kept_records {
+  std::string key;  // of the settings
+  polygon_table polygons;
+  std::vector<kept_step> steps;
+};
+
+// Returns the name of the file that belongs to a .pvs file.
+std::filesystem::path records_beside(const std::filesystem::path& pvs);
+
+// Writes the file of a .pvs file by rename. Sorts the steps first, so that the bytes do not depend on the order of
+// work. Fails with output.io.
+void write_records(kept_records& records, const std::filesystem::path& pvs);
+
+// Reads the file of a .pvs file. Its bytes may be arbitrary.
+// Fails with records.missing and records.damaged.
+kept_records read_records(const std::filesystem::path& pvs);
+
+// For a file that is whole by its checksum, and still not one that a bake wrote. Throws records.damaged.
+[[noreturn]] void refuse_records(const std::filesystem::path& pvs);
+
+}  // namespace sightcell::bake

@@ -1,0 +1,36 @@
+#pragma once
+// The polygons of a scene by content: names that do not depend on their numbers, and which polygons of two versions of
+// a scene are the same.
+#include <cstdint>
+#include <vector>
+
+#include "search/near_polygons.h"
+#include "sightcell/scene/scene.h"
+#include "trace/triangle_math.h"
+
+namespace sightcell::bake {
+
+struct polygon_table {
+  // By polygon. A name is a hash of all that decides how a polygon is visible and what it occludes: its corners in
+  // world space, its kind, and its mask with texture coordinates. 0 for absent polygons.
+  std::vector<std::uint64_t> names;
+  // By polygon: a hash of the names of its neighbors (near_polygons.h), from which dilation searches.
+  std::vector<std::uint64_t> near;
+  std::vector<triangle> corners;  // by polygon
+};
+
+// neighbors: null if a bake does not use them.
+polygon_table table_of(const scene::world_geometry& geometry, const near_polygons* neighbors);
+
+// What became of polygons in an edit.
+struct polygon_edit {
+  static constexpr std::uint32_t gone = 0xFFFFFFFFu;  // changed, moved or removed
+  std::vector<std::uint32_t> new_of;                  // by old polygon: its new number, or `gone`
+  std::vector<std::uint8_t> near_differs;             // by old polygon: 1 if it is not gone and has other neighbors
+  std::vector<triangle> removed, added;               // in the order of their numbers
+};
+
+// Matches polygons of the same name, the first with the first.
+polygon_edit edit_between(const polygon_table& before, const polygon_table& now);
+
+}  // namespace sightcell::bake

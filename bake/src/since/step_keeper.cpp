@@ -1,0 +1,210 @@
+#include "since/step_keeper.h"
+
+#include <tbb/task_arena.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <utility>
+
+#include "checkpoint/checkpoint.h"
+#include "sightcell/base/error.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr std::size_t triangles_of_part = 64;
+
+bool is_ascending(const std::vector<std::uint32_t>& ids, std::size_t end) {
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    if (ids[i] >= end || (i > 0 && ids[i] <= ids[i - 1])) return false;
+  return true;
+}
+
+bool is_share(double value) {
+  return value >= 0.0 && value <= 1.0;
+}
+
+}  // namespace
+
+step_keeper::step_keeper(const scene::world_geometry& geometry, const near_polygons* neighbors, const settings& how,
+                         std::uint32_t volumes, std::string key, std::optional<kept_records> before)
+    : how_(how), volumes_(volumes), scene_{geometry.min, geometry.max} {
+  now_.key = std::move(key);
+  now_.polygons = table_of(geometry, neighbors);
+  if (!before) return;
+  if (before->key != now_.key) {
+    const std::string names = differing_names(before->key, now_.key);
+    throw error(error_kind::wrong_use, "records.other-bake", records_beside(how.since).string(),
+                "was kept by a bake with other settings" + (names.empty() ? names : " (" + names + ")"),
+                "give the same settings, or bake with --keep-records and without --since");
+  }
+  before_ = std::move(*before);
+  edit_ = edit_between(before_.polygons, now_.polygons);
+  removed_ = parts_of(edit_.removed);
+  added_ = parts_of(edit_.added);
+  for (const kept_step& step : before_.steps) {
+    steps_[{step.place, step.box, step.kind}] = &step;
+    cells_.insert({step.place, step.box, step_kind::sample});
+  }
+}
+
+std::vector<step_keeper::edited_part> step_keeper::parts_of(const std::vector<triangle>& all) {
+  std::vector<edited_part> parts;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % triangles_of_part == 0) parts.push_back({{all[i][0], all[i][0]}, {}});
+    edited_part& part = parts.back();
+    part.corners.push_back(all[i]);
+    for (const glm::vec3& corner : all[i]) {
+      part.where.min = glm::min(part.where.min, corner);
+      part.where.max = glm::max(part.where.max, corner);
+    }
+  }
+  return parts;
+}
+
+step_keeper::step_name step_keeper::name_of(const view_cell& cell, step_kind kind) {
+  return {cell.place, {cell.min.x, cell.min.y, cell.min.z, cell.max.x, cell.max.y, cell.max.z}, kind};
+}
+
+// Lines beside a line (rule 3) are up to the smallest gap away from it.
+bool step_keeper::meets(const touched_space& space, const std::vector<edited_part>& parts) const {
+  const float near = how_.smallest_gap + 1e-4f;
+  return std::any_of(parts.begin(), parts.end(), [&](const edited_part& part) {
+    return space.meets(part.where, near) &&
+           std::any_of(part.corners.begin(), part.corners.end(), [&](const auto& t) { return space.meets(t, near); });
+  });
+}
+
+// Returns a hash of the set with its witnesses that does not depend on the numbers of polygons.
+std::uint64_t step_keeper::hash_of_set(const cell_record& record) const {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < record.set.size(); ++i) {
+    const glm::vec3& eye = record.witnesses[record.witness_of[i]];
+    std::array<std::uint64_t, 3> of{now_.polygons.names[record.set[i]], 0, 0};
+    std::memcpy(&of[1], &eye, sizeof(eye));
+    sum += XXH3_64bits(of.data(), sizeof(of));
+  }
+  return sum;
+}
+
+// Of neighbors only what the cell lacks counts, because a step reads nothing else of them.
+std::uint64_t step_keeper::inputs_of(const cell_record* own, std::span<const cell_record> neighbors) const {
+  std::vector<std::uint64_t> hashes;
+  if (own != nullptr) {
+    cell_record rest = *own;
+    rest.set.clear();
+    rest.witness_of.clear();
+    rest.late.clear();
+    const std::vector<std::uint8_t> bytes = encode(rest);
+    hashes.push_back(XXH3_64bits(bytes.data(), bytes.size()));
+    hashes.push_back(hash_of_set(*own));
+    std::uint64_t late = 0;
+    for (const std::uint32_t polygon : own->late) late += now_.polygons.names[polygon];
+    hashes.push_back(late);
+  }
+  for (const cell_record& neighbor : neighbors)
+    if (!neighbor.set.empty()) hashes.push_back(hash_of_set(neighbor));
+  return XXH3_64bits(hashes.data(), hashes.size() * sizeof(hashes[0]));
+}
+
+// The bytes are whole by their checksum, but they may still be of any origin.
+void step_keeper::require_sound(const cell_record& record) const {
+  const auto is_finite = [](const glm::vec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  };
+  const bool sound = is_ascending(record.set, edit_.new_of.size()) && is_ascending(record.late, edit_.new_of.size()) &&
+                     is_ascending(record.volumes, volumes_) && record.witness_of.size() == record.set.size() &&
+                     std::all_of(record.witness_of.begin(), record.witness_of.end(),
+                                 [&](std::uint32_t eye) { return eye < record.witnesses.size(); }) &&
+                     std::all_of(record.witnesses.begin(), record.witnesses.end(), is_finite) &&
+                     is_share(record.upper_bound) && is_share(record.confidence) && is_share(record.valid_share) &&
+                     is_share(record.outside_share);
+  if (!sound) refuse_records(how_.since);
+}
+
+// Gives the polygons of a record their new numbers. Returns false if one is gone or has other neighbors.
+bool step_keeper::renumber(cell_record& record) const {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> members;  // new number, witness
+  members.reserve(record.set.size());
+  for (std::size_t i = 0; i < record.set.size(); ++i) {
+    const std::uint32_t now = edit_.new_of[record.set[i]];
+    if (now == polygon_edit::gone || edit_.near_differs[record.set[i]] != 0) return false;
+    members.emplace_back(now, record.witness_of[i]);
+  }
+  std::sort(members.begin(), members.end());
+  for (std::size_t i = 0; i < members.size(); ++i) std::tie(record.set[i], record.witness_of[i]) = members[i];
+  for (std::uint32_t& polygon : record.late) {
+    polygon = edit_.new_of[polygon];
+    if (polygon == polygon_edit::gone) return false;
+  }
+  std::sort(record.late.begin(), record.late.end());
+  return true;
+}
+
+// Returns none if the kept record holds. record: then it, with new numbers.
+rebake_reason step_keeper::why_not(const kept_step* step, std::uint64_t inputs, cell_record& record) const {
+  if (step == nullptr) return rebake_reason::new_cell;
+  std::optional<cell_record> kept = decode(step->record);
+  if (!kept) refuse_records(how_.since);
+  require_sound(*kept);
+  if (!renumber(*kept)) return rebake_reason::changed_polygon;
+  if (!removed_.empty() || !added_.empty()) {
+    const std::optional<touched_space> space = touched_space::decode(step->space);
+    if (!space) refuse_records(how_.since);
+    if (meets(*space, removed_)) return rebake_reason::changed_polygon;
+    if (meets(*space, added_)) return rebake_reason::something_new;
+  }
+  if (step->inputs != inputs) return rebake_reason::neighbors;
+  record = std::move(*kept);
+  return rebake_reason::none;
+}
+
+cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_record* own,
+                              std::span<const cell_record> neighbors, const std::function<cell_record()>& bake) {
+  const step_name name = name_of(cell, kind);
+  const auto found = steps_.find(name);
+  const kept_step* before = found != steps_.end() ? found->second : nullptr;
+  kept_step step{name.place, name.box, kind, inputs_of(own, neighbors), {}, {}};
+  cell_record record;
+  rebake_reason why = why_not(before, step.inputs, record);
+  // A cell that had other steps has other neighbors now.
+  if (why == rebake_reason::new_cell && cells_.contains(name_of(cell, step_kind::sample)))
+    why = rebake_reason::neighbors;
+  if (why == rebake_reason::none) {
+    step.space = before->space;
+  } else {
+    touched_space space(box{cell.min, cell.max}.grown(how_.margin), scene_);
+    // What is recorded belongs to a thread, so no other thread may help. Cells are many, so all have work.
+    tbb::task_arena alone(1);
+    alone.execute([&] {
+      const recording on_this_thread(&space);
+      record = bake();
+    });
+    step.space = space.encode();
+  }
+  step.record = encode(record);
+  note(cell, why, std::move(step));
+  return record;
+}
+
+void step_keeper::note(const view_cell& cell, rebake_reason why, kept_step step) {
+  const std::scoped_lock lock(mutex_);
+  rebake_reason& of_cell = reasons_[name_of(cell, step_kind::sample)];
+  of_cell = std::max(of_cell, why);
+  now_.steps.push_back(std::move(step));
+}
+
+std::array<std::uint32_t, 5> step_keeper::cells_by_reason() const {
+  std::array<std::uint32_t, 5> counts{};
+  for (const auto& [cell, why] : reasons_) ++counts[static_cast<std::size_t>(why)];
+  return counts;
+}
+
+void step_keeper::write(const std::filesystem::path& pvs) {
+  write_records(now_, pvs);
+}
+
+}  // namespace sightcell::bake

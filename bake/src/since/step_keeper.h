@@ -1,0 +1,96 @@
+#pragma once
+// Takes the steps of cells from the kept records of an earlier bake where an edit cannot have changed them, bakes the
+// others, and keeps the records of all (docs/method/incremental.md).
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cell_set/cell_record.h"
+#include "cells/view_cell.h"
+#include "search/near_polygons.h"
+#include "sightcell/bake/settings.h"
+#include "sightcell/scene/scene.h"
+#include "since/kept_records.h"
+#include "touched/touched_space.h"
+
+namespace sightcell::bake {
+
+// Why a cell was baked again, of several reasons the largest.
+enum class rebake_reason : std::uint8_t {
+  none = 0,             // it was not
+  neighbors = 1,        // the record of a neighbor changed
+  something_new = 2,    // it could see where something new is
+  changed_polygon = 3,  // it saw a polygon that changed, moved or is gone, or the place of one
+  new_cell = 4,         // the earlier bake has no such cell
+};
+
+class step_keeper {
+ public:
+  // geometry, neighbors, how: of the bake; must outlive the keeper. neighbors: null if the bake has none.
+  // volumes: number of visibility volumes.
+  // key: of the settings. Records of another key are refused.
+  // before: the records of the earlier bake; nothing: all cells are new.
+  // Fails with records.other-bake.
+  step_keeper(const scene::world_geometry& geometry, const near_polygons* neighbors, const settings& how,
+              std::uint32_t volumes, std::string key, std::optional<kept_records> before);
+  step_keeper(const step_keeper&) = delete;  // cells point into it
+  step_keeper& operator=(const step_keeper&) = delete;
+
+  // Returns the record of a step: the kept one, or that of bake().
+  // own, neighbors: what goes into the step; own: null for the first step.
+  // bake: called at most once, on this thread, while rays and hemicubes are recorded.
+  // Threads: may be called from several at a time.
+  // Fails with records.damaged.
+  cell_record take(const view_cell& cell, step_kind kind, const cell_record* own,
+                   std::span<const cell_record> neighbors, const std::function<cell_record()>& bake);
+
+  // Returns the number of cells for each reason, of those for which take() was called.
+  std::array<std::uint32_t, 5> cells_by_reason() const;
+
+  // Writes the records of all steps beside a .pvs file. Fails with output.io.
+  void write(const std::filesystem::path& pvs);
+
+ private:
+  struct step_name {
+    std::uint64_t place;
+    std::array<float, 6> box;
+    step_kind kind;
+    auto operator<=>(const step_name&) const = default;
+  };
+  // Triangles that are near each other in the file, and their box.
+  struct edited_part {
+    box where;
+    std::vector<triangle> corners;
+  };
+  static std::vector<edited_part> parts_of(const std::vector<triangle>& all);
+  static step_name name_of(const view_cell& cell, step_kind kind);
+  bool meets(const touched_space& space, const std::vector<edited_part>& parts) const;
+  std::uint64_t hash_of_set(const cell_record& record) const;
+  std::uint64_t inputs_of(const cell_record* own, std::span<const cell_record> neighbors) const;
+  rebake_reason why_not(const kept_step* step, std::uint64_t inputs, cell_record& record) const;
+  bool renumber(cell_record& record) const;
+  void require_sound(const cell_record& record) const;
+  void note(const view_cell& cell, rebake_reason why, kept_step step);
+
+  const settings& how_;
+  const std::uint32_t volumes_;
+  box scene_;
+  kept_records before_, now_;
+  polygon_edit edit_;
+  std::vector<edited_part> removed_, added_;
+  std::map<step_name, const kept_step*> steps_;
+  std::set<step_name> cells_;                   // of before_, as of step_kind::sample
+  mutable std::mutex mutex_;                    // of now_.steps and reasons_
+  std::map<step_name, rebake_reason> reasons_;  // by cell, of step_kind::sample
+};
+
+}  // namespace sightcell::bake

@@ -1,0 +1,201 @@
+#include "touched/touched_space.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace sightcell::bake {
+namespace {
+
+constexpr int most_levels = 40;
+constexpr std::size_t rows_of_level = std::size_t{touched_space::side} * touched_space::side;
+constexpr std::size_t head_size = 4 * sizeof(float) + 2;
+// For rounding, in voxels. Places are computed from doubles, so the error is far below this.
+constexpr float rounding = 1.0f / 64.0f;
+
+std::uint64_t bits_between(int first, int last) {
+  return (~std::uint64_t{0} >> (63 - last)) & (~std::uint64_t{0} << first);
+}
+
+}  // namespace
+
+std::uint32_t touched_space::block_of(std::uint32_t resolution) {
+  return resolution >= 512 ? 8 : resolution >= 256 ? 4 : resolution >= 128 ? 2 : 1;
+}
+
+touched_space::touched_space(const box& cell, const box& scene) : middle_(0.5f * (cell.min + cell.max)) {
+  const glm::vec3 own = cell.max - cell.min;
+  half_ = std::max({own.x, own.y, own.z, 1e-3f});
+  const glm::vec3 far = glm::max(glm::abs(scene.min - middle_), glm::abs(scene.max - middle_));
+  const float needed = std::max({far.x, far.y, far.z});
+  while (levels_ < most_levels && half_of(levels_ - 1) < needed) ++levels_;
+  rows_.resize(rows_of_level * static_cast<std::size_t>(levels_));
+}
+
+float touched_space::half_of(int level) const {
+  return std::ldexp(half_, level);
+}
+
+void touched_space::mark_line(const glm::vec3& from, const glm::vec3& direction, float length) {
+  const glm::dvec3 eye(from), along(direction);
+  const double end = static_cast<double>(length);
+  double begin = 0.0;
+  for (int level = 0; level < levels_; ++level) {
+    double leaves = end;
+    const double half = static_cast<double>(half_of(level));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (along[axis] == 0.0) continue;
+      const double wall = static_cast<double>(middle_[axis]) + (along[axis] > 0.0 ? half : -half);
+      leaves = std::min(leaves, (wall - eye[axis]) / along[axis]);
+    }
+    if (!(leaves < std::numeric_limits<double>::infinity())) leaves = begin;  // no direction
+    if (leaves >= begin) {
+      walk(level, eye, along, begin, leaves);
+      begin = leaves;
+    }
+    if (leaves >= end) return;
+  }
+  escapes_ = true;
+}
+
+// Marks voxels at equal steps of at most one voxel along each axis, without a branch. So each point of the segment is
+// within half a voxel of a marked one on each axis, which meets() adds.
+void touched_space::walk(int level, const glm::dvec3& from, const glm::dvec3& direction, double begin, double end) {
+  constexpr double fixed = 1 << 20;  // parts of a voxel
+  const double half = static_cast<double>(half_of(level)), width = 2.0 * half / side;
+  const auto voxel_at = [&](double t) {
+    const glm::dvec3 place = (from + direction * t - (glm::dvec3(middle_) - half)) / width;
+    return glm::clamp(place, 0.0, side - 1e-3);
+  };
+  const glm::dvec3 first = voxel_at(begin), way = voxel_at(end) - first;
+  const int steps = static_cast<int>(std::ceil(std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)})));
+  const glm::dvec3 stride = way * (fixed / std::max(steps, 1));
+  glm::ivec3 at(first * fixed);
+  const glm::ivec3 by(stride);
+  std::uint64_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
+  for (int i = 0; i <= steps; ++i, at += by)
+    rows[((at.z >> 20) * side + (at.y >> 20)) & (side * side - 1)] |= std::uint64_t{1} << ((at.x >> 20) & (side - 1));
+}
+
+void touched_space::mark_box(const glm::vec3& min, const glm::vec3& max) {
+  const glm::vec3 far = glm::max(glm::abs(min - middle_), glm::abs(max - middle_));
+  const float needed = std::max({far.x, far.y, far.z});
+  int level = 0;
+  while (level < levels_ - 1 && half_of(level) < needed) ++level;
+  if (half_of(level) < needed) escapes_ = true;
+  const float half = half_of(level), width = 2.0f * half / side;
+  int first[3], last[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = middle_[axis] - half;
+    first[axis] = static_cast<int>(std::clamp(std::floor((min[axis] - low) / width - rounding), 0.0f, side - 1.0f));
+    last[axis] = static_cast<int>(std::clamp(std::floor((max[axis] - low) / width + rounding), 0.0f, side - 1.0f));
+  }
+  std::uint64_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
+  for (int z = first[2]; z <= last[2]; ++z)
+    for (int y = first[1]; y <= last[1]; ++y) rows[z * side + y] |= bits_between(first[0], last[0]);
+}
+
+bool touched_space::meets(const std::array<glm::vec3, 3>& corners, float near) const {
+  const box where{glm::min(corners[0], glm::min(corners[1], corners[2])),
+                  glm::max(corners[0], glm::max(corners[1], corners[2]))};
+  plane cut;
+  cut.normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+  const float length = glm::length(cut.normal);
+  cut.normal = length > 0.0f ? cut.normal / length : glm::vec3{0.0f};
+  cut.offset = glm::dot(cut.normal, corners[0]);
+  return meets(where, near, cut);
+}
+
+bool touched_space::meets(const box& where, float near) const {
+  return meets(where, near, {});
+}
+
+bool touched_space::meets(const box& where, float near, const plane& cut) const {
+  const glm::vec3 far_corner = glm::max(glm::abs(where.min - middle_), glm::abs(where.max - middle_));
+  const float far = std::max({far_corner.x, far_corner.y, far_corner.z});
+  if (!(far <= half_of(levels_ - 1)) && escapes_) return true;
+  for (int level = 0; level < levels_; ++level) {
+    // How far the marked middle of a block may be from its pixels, at the depth of the polygon or of this cube. Eyes
+    // are within half_ / 2 of the middle of the cell on each axis.
+    const float half = half_of(level);
+    const float depth = std::min(glm::length(far_corner), 1.74f * 1.1f * half) + 0.87f * half_;
+    const float by = near + block_error * depth + (0.5f + rounding) * 2.0f * half / side;
+    if (meets(level, where, by, cut)) return true;
+  }
+  return false;
+}
+
+bool touched_space::meets(int level, const box& polygon, float by, const plane& cut) const {
+  const box where = polygon.grown(by);
+  const float half = half_of(level), width = 2.0f * half / side;
+  int first[3], last[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = middle_[axis] - half;
+    const float from = std::floor((where.min[axis] - low) / width), to = std::floor((where.max[axis] - low) / width);
+    if (!(to >= 0.0f && from < static_cast<float>(side))) return false;
+    first[axis] = static_cast<int>(std::max(from, 0.0f));
+    last[axis] = static_cast<int>(std::min(to, side - 1.0f));
+  }
+  const std::uint64_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
+  const std::uint64_t wanted = bits_between(first[0], last[0]);
+  const bool has_plane = cut.normal != glm::vec3{0.0f};
+  const glm::vec3 size = glm::abs(cut.normal);
+  // With half a voxel along the normal, and half a one between the steps of walk().
+  const float reach = by + width * (size.x + size.y + size.z);
+  for (int z = first[2]; z <= last[2]; ++z)
+    for (int y = first[1]; y <= last[1]; ++y) {
+      std::uint64_t found = rows[z * side + y] & wanted;
+      if (!has_plane && found != 0) return true;
+      for (; found != 0; found &= found - 1) {
+        const int x = __builtin_ctzll(found);
+        const glm::vec3 voxel{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+        const glm::vec3 middle = middle_ - half + (voxel + 0.5f) * width;
+        if (std::abs(glm::dot(cut.normal, middle) - cut.offset) <= reach) return true;
+      }
+    }
+  return false;
+}
+
+std::vector<std::uint8_t> touched_space::encode() const {
+  const float head[4] = {middle_.x, middle_.y, middle_.z, half_};
+  uLongf size = compressBound(static_cast<uLong>(rows_.size() * sizeof(rows_[0])));
+  std::vector<std::uint8_t> bytes(head_size + size);
+  std::memcpy(bytes.data(), head, sizeof(head));
+  bytes[sizeof(head)] = static_cast<std::uint8_t>(levels_);
+  bytes[sizeof(head) + 1] = escapes_ ? 1 : 0;
+  // Fails only where the room is too small.
+  (void)compress2(bytes.data() + head_size, &size, reinterpret_cast<const Bytef*>(rows_.data()),
+                  static_cast<uLong>(rows_.size() * sizeof(rows_[0])), Z_DEFAULT_COMPRESSION);
+  bytes.resize(head_size + size);
+  return bytes;
+}
+
+std::optional<touched_space> touched_space::decode(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < head_size) return std::nullopt;
+  float head[4];
+  std::memcpy(head, bytes.data(), sizeof(head));
+  touched_space space;
+  space.middle_ = {head[0], head[1], head[2]};
+  space.half_ = head[3];
+  space.levels_ = bytes[sizeof(head)];
+  space.escapes_ = bytes[sizeof(head) + 1] != 0;
+  if (space.levels_ < 1 || space.levels_ > most_levels || !(space.half_ >= 1e-3f)) return std::nullopt;
+  for (const float value : head)
+    if (!(std::abs(value) < 1e9f)) return std::nullopt;
+  space.rows_.resize(rows_of_level * static_cast<std::size_t>(space.levels_));
+  uLongf size = static_cast<uLongf>(space.rows_.size() * sizeof(space.rows_[0]));
+  const uLongf wanted = size;
+  const auto body = bytes.subspan(head_size);
+  if (uncompress(reinterpret_cast<Bytef*>(space.rows_.data()), &size, body.data(), static_cast<uLong>(body.size())) !=
+          Z_OK ||
+      size != wanted)
+    return std::nullopt;
+  return space;
+}
+
+}  // namespace sightcell::bake
