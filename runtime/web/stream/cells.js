@@ -127,6 +127,19 @@ export class Cells {
     return sum;
   }
 
+  /** Meters from the eye to the nearest box of a page that is still to come, of the cell or of all cells. */
+  clearDistance({ x, y, z }) {
+    if (this.unknown) return 0;
+    let least = Infinity;
+    for (const pages of [this.front.everywhere.pages, this.cell?.pages ?? []]) {
+      for (const page of pages) {
+        const { state, box } = this.front.pages[page];
+        if (state !== PRESENT && state !== FAILED) least = Math.min(least, squaredDistance(box, x, y, z));
+      }
+    }
+    return Math.sqrt(least);
+  }
+
   /** Files to load, in order. All files that are wanted get the stamp that is returned, also those on their way.
    * view: { eye, velocity, seconds, sees(box), headings }. */
   requests(view) {

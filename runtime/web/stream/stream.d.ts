@@ -69,6 +69,10 @@ export interface Stream {
   readonly complete: boolean;
   /** The part of the cell's weight whose pages are there, 0 to 1. */
   readonly progress: number;
+  /** Meters up to which nothing is missing: the distance from the camera to the nearest box around a page that is
+   * still to come. Infinity where none is, 0 before a cell is known. Fog that ends there covers what has not arrived.
+   * Computed when it is read, from the boxes of the cell's pages. */
+  readonly clearDistance: number;
   /** The weight of the cell's pages in steradians. */
   readonly weight: number;
   /** Pages of the cell that were given up. */

@@ -85,6 +85,9 @@ class Stream {
   get progress() {
     return this.#sums.weight > 0 ? this.#sums.present / this.#sums.weight : Number(this.complete);
   }
+  get clearDistance() {
+    return this.#cells.clearDistance(this.#view.eye);
+  }
   get memoryBytes() {
     return this.#memory;
   }

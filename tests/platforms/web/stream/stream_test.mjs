@@ -133,6 +133,15 @@ async function files_ahead_come_first() {
   require(order({ seconds: 2 }) === "0,1,2,3", "a camera at rest reaches 1.5 m, and the chunk is 5 m away");
   require(order({ seconds: 2, velocity: { x: 3, y: 0, z: 0 } }) === "0,1,2,3,chunk 1", "the chunk in the way");
   require(order({ seconds: 2, velocity: { x: -3, y: 0, z: 0 } }) === "0,1,2,3", "the way back");
+  // Boxes are 1 m wide, from x = 0 on. A page that was given up is not to come.
+  const clear = [];
+  for (const [number, state] of [[1, 2], [0, 2], [2, 3], [3, 2]]) {
+    clear.push(cells.clearDistance({ x: -1, y: 0.5, z: 5 }));
+    pages[number].state = state;
+  }
+  clear.push(cells.clearDistance(eye));
+  const expected = [Math.hypot(1, 4), Math.hypot(1, 4), Math.hypot(3, 4), Math.hypot(4, 4), Infinity];
+  require(clear.join() === expected.join(), `clear up to ${clear}`);
   pages.forEach((page) => {
     page.state = 2;
   });
@@ -203,6 +212,7 @@ async function the_last_complete_cell_stays() {
   await until(() => server.held().length === 1, "a request");
   require(made.cell === 1 && !made.complete && made.progress < 1, `cell ${made.cell}`);
   check_drawn(scene, draws_of(0, 1), false, "two rooms");
+  require(made.clearDistance < 20, `clear up to ${made.clearDistance}`);
   const canceled = server.held();
   camera.position.copy(rooms[2]);
   clock.skipped += 1000;
@@ -215,6 +225,7 @@ async function the_last_complete_cell_stays() {
   server.holds = () => false;
   server.release();
   await until(() => made.complete, "the third room");
+  require(made.clearDistance === Infinity, "all is there");
   check_drawn(scene, draws_of(2), false, "only the third room");
   await go(rooms[1]);
   require(canceled.every((name) => server.names().filter((each) => each === name).length === 2), "requested again");

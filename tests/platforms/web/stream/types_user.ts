@@ -25,7 +25,8 @@ const draws: readonly StreamedDraw[] = streamed.draws;
 const moving = draws.findIndex((draw) => draw.flags & 1 && draw.node + draw.mesh + draw.primitive + draw.instance > 0);
 const at: Matrix4 | undefined = draws[moving]?.matrix;
 streamed.moveDraw(moving, at ?? matrix);
-const numbers: number[] = [streamed.cell, streamed.progress, streamed.weight, streamed.failed, streamed.memoryBytes];
+const numbers: number[] = [streamed.cell, streamed.progress, streamed.weight, streamed.failed, streamed.memoryBytes,
+  streamed.clearDistance];
 const facts: boolean[] = [streamed.outside, streamed.complete];
 streamed.dispose();
 const made: Error = new StreamError('io', 'https://host/site/scene.front', 'a test', { cause: numbers });
