@@ -2,6 +2,7 @@
 // The space that the rays and hemicubes of one step of a cell passed through, as nested grids of bits around the cell.
 // A polygon that meets none of it can change nothing in the step (docs/method/incremental.md).
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -43,6 +44,9 @@ class touched_space {
   static std::optional<touched_space> decode(std::span<const std::uint8_t> bytes);
 
  private:
+  static constexpr int most_levels = 40;
+  static constexpr std::size_t rows_of_level = std::size_t{side} * side;
+
   struct plane {
     glm::vec3 normal{0.0f};  // of any length; 0: none
     float offset = 0.0f;     // dot(normal, point)
