@@ -85,7 +85,8 @@ tried_scene far_away() {
          at + glm::vec3(5000, -2, -5000));
   for (int i = 0; i < 300; ++i) {
     const float away = std::pow(10.0f, 0.5f + 2.0f * (number() + 0.5f));
-    const glm::vec3 low = at + glm::vec3(away * number() * 4.0f, -2.0f, away * number() * 4.0f);
+    const float z = away * number() * 4.0f, x = away * number() * 4.0f;  // arguments have no order
+    const glm::vec3 low = at + glm::vec3(x, -2.0f, z);
     if (glm::distance(low, at) < 4.0f) continue;
     t.closed_box(low, low + glm::vec3(1, 0.2f + number() + 0.5f, 1) * (0.1f * away));
   }

@@ -273,7 +273,7 @@ std::uint64_t brute_force::for_free_places(const place_box& grown, const seeing_
   std::uint64_t eyes = 0;
   for (int pass = 0; pass < effort.passes; ++pass)
     for (int i = 0; i < n * n * n; ++i) {
-      const dvec3 at(i % n + random.uniform(), i / n % n + random.uniform(), i / n / n + random.uniform());
+      const dvec3 at{i % n + random.uniform(), i / n % n + random.uniform(), i / n / n + random.uniform()};  // in order
       const dvec3 eye = grown.min + at * step;
       if (!is_free(eye)) continue;
       ++eyes;

@@ -108,8 +108,10 @@ class tester {
     }
     if (nearest == 0) return;
     const double size = solid_angle(corners, eyes_[order_[0].second]);
-    for (int i = 1; i <= random_eyes && size >= i * how_.least_solid_angle; ++i)
-      if (aim(eyes_[random.bits() % eyes_.size()], random_point(corners, random))) return;
+    for (int i = 1; i <= random_eyes && size >= i * how_.least_solid_angle; ++i) {
+      const glm::vec3 point = random_point(corners, random);  // before the eye: compilers order arguments differently
+      if (aim(eyes_[random.bits() % eyes_.size()], point)) return;
+    }
   }
 
  private:
