@@ -258,7 +258,7 @@ status reader::open_tables() noexcept {
     return status::corrupt;
   }
 
-  const polygon_orders orders(part(orders_), draw_count_, has_clusters_);
+  const polygon_orders orders(part(orders_), draw_count_, layout::reads_clusters && has_clusters_);
   if (!orders.good()) return status::corrupt;
   order_count_ = orders.count();
   order_begin_ = orders.first_polygon_column();
@@ -412,7 +412,7 @@ status reader::orders(std::span<std::uint32_t> out) const noexcept {
     }
     return status::ok;
   }
-  const polygon_orders all(part(orders_), draw_count_, has_clusters_);
+  const polygon_orders all(part(orders_), draw_count_, layout::reads_clusters && has_clusters_);
   if (!all.good() || all.polygons() != out.size() || all.count() != order_count_) return status::corrupt;
   for (std::uint32_t number = 0; number < order_count_; ++number) {
     const std::uint32_t begin = all.first_polygon(number);
@@ -428,7 +428,7 @@ status reader::source_of_stored(std::span<std::uint32_t> out) const noexcept {
     std::iota(out.begin(), out.end(), 0u);
     return status::ok;
   }
-  const polygon_orders all(part(orders_), draw_count_, has_clusters_);
+  const polygon_orders all(part(orders_), draw_count_, layout::reads_clusters && has_clusters_);
   const bool merged = facts_.layout == host_layout::merged;
   for (std::uint32_t unit = 0; unit < range_units_; ++unit) {
     const std::uint32_t begin = range_unit_begin(unit);

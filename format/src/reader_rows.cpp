@@ -392,7 +392,8 @@ status reader::statistics(const row_codes* codes, std::span<run> out, std::span<
     total.runs += parts.polygons.size();
     total.ranges += count_ranges(parts.polygons);
     total.polygons += sum_of(parts.polygons);
-    if (has_clusters_) codes->clusters.for_each(parts.polygons, [&](const run& r) { total.clusters += r.count; });
+    if (layout::reads_clusters && has_clusters_)
+      codes->clusters.for_each(parts.polygons, [&](const run& r) { total.clusters += r.count; });
     total.volumes += sum_of(parts.volumes);
     total.volume_runs += parts.volumes.size();
   }
