@@ -160,6 +160,10 @@ void add_edit_options(CLI::App& verb, bake_options& o) {
 
 void add_expert_output_options(CLI::App& verb, bake_options& o) {
   const char* const group = "Expert: output";
+  add_option(verb, group, "--granularity", o.granularity, "NAME",
+             "What sets consist of: polygon, or cluster (up to 128 triangles each, for hosts that draw meshlets). A "
+             "cluster is in a set if any of its polygons is.")
+      ->check(one_of(bake::set_granularity_names));
   add_option(verb, group, "--order", o.order, "NAME",
              "Which draws share a stored order of polygons: per-mesh (all instances of a mesh, which share an index "
              "buffer) or per-instance (none: fewer ranges, but the host needs an index buffer for each draw).")
@@ -336,6 +340,7 @@ bake::settings settings_of(const bake_options& options) {
   how.safety_ring = *bake::safety_ring_of(options.safety_ring);
   how.file.profile = value_of<bake::slack_profile>(bake::slack_profile_names, options.profile);
   how.file.order = value_of<bake::polygon_order_kind>(bake::polygon_order_names, options.order);
+  how.file.granularity = value_of<bake::set_granularity>(bake::set_granularity_names, options.granularity);
   how.file.layout = value_of<bake::host_layout>(bake::host_layout_names, options.layout);
   bake::validate(how);
   return how;

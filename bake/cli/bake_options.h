@@ -31,6 +31,8 @@ struct bake_options {
   std::string safety_ring = std::string(bake::safety_ring_names.front());
   std::string profile = std::string(bake::slack_profile_names[static_cast<std::size_t>(settings.file.profile)]);
   std::string order = std::string(bake::polygon_order_names[static_cast<std::size_t>(settings.file.order)]);
+  std::string granularity =
+      std::string(bake::set_granularity_names[static_cast<std::size_t>(settings.file.granularity)]);
   std::string layout = std::string(bake::host_layout_names[static_cast<std::size_t>(settings.file.layout)]);
 
   std::filesystem::path output, json_file, unseen_file, report_file;

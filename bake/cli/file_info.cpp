@@ -48,6 +48,8 @@ std::string section_name(std::uint32_t id) {
       return "draw identity";
     case format::layout::section_borders:
       return "chunk borders";
+    case format::layout::section_clusters:
+      return "clusters";
     default:
       return fmt::format("unknown {}", id);
   }
@@ -145,6 +147,8 @@ ordered_json file_info(const pvs_file& pvs, const std::string& name) {
           {"bits_per_visible_polygon", sums.bits_per_visible_polygon()},
           {"runs_per_cell", sums.runs_per_cell()},
           {"ranges_per_cell", sums.ranges_per_cell()},
+          {"clusters", file.cluster_count()},  // 0: sets are of polygons
+          {"clusters_per_cell", sums.clusters_per_cell()},
           {"chunks", sums.chunks},
           {"cells_per_chunk", sums.cells_per_chunk()},
           {"largest_chunk_bytes", sums.largest_chunk},

@@ -35,13 +35,16 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
   fmt::print("  visible per cell   {:.3f} % of all polygons, {:.1f} runs, {:.1f} ranges\n",
              info["visible_set_percent"].get<double>(), info["runs_per_cell"].get<double>(),
              info["ranges_per_cell"].get<double>());
+  if (info["clusters"].get<std::uint32_t>() > 0)
+    fmt::print("  clusters           {} in the scene, {:.1f} per cell\n", grouped(info["clusters"]),
+               info["clusters_per_cell"].get<double>());
   fmt::print("  size               {:.3f} bits per visible polygon, {:.0f} % of the rows are differences\n",
              info["bits_per_visible_polygon"].get<double>(), info["delta_row_percent"].get<double>());
   fmt::print("  chunks             {} of {:.1f} cells, the largest has {} bytes\n", grouped(info["chunks"]),
              info["cells_per_chunk"].get<double>(), grouped(info["largest_chunk_bytes"]));
   if (info["false_visible_percent"].is_number())
-    fmt::print("  slack              {:.2f} % more polygons than are seen\n",
-               info["false_visible_percent"].get<double>());
+    fmt::print("  slack              {:.2f} % more {} than are seen\n", info["false_visible_percent"].get<double>(),
+               info["clusters"].get<std::uint32_t>() > 0 ? "clusters" : "polygons");
   if (info["importance"].is_object())
     fmt::print("  importance         {:.3f} bits per visible polygon\n",
                info["importance"]["bits_per_visible_polygon"].get<double>());

@@ -29,7 +29,7 @@ namespace {
 struct recode_options {
   std::filesystem::path file, output;
   std::filesystem::path importance, scene;  // the scene that options name, for one thing or the other
-  std::string profile, order, layout;
+  std::string profile, order, layout, granularity;
   bool names = false;
   bool json = false;
 };
@@ -64,6 +64,7 @@ int run_with_scene(const recode_options& options, const pvs_file& file, bake::re
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const stop_signals signals;
   how.layout_from = &s;
+  how.clusters_from = &s;
   if (options.names) how.names_from = &s;
   if (!options.importance.empty()) how.importance_in = &s;
   how.on_progress = [&](std::uint32_t done, std::uint32_t total) {
@@ -92,6 +93,8 @@ int run_recode(const recode_options& options) {
   if (!options.order.empty())
     how.order = bake::kind_of<bake::polygon_order_kind>(bake::polygon_order_names, options.order);
   if (!options.layout.empty()) how.layout = bake::kind_of<bake::host_layout>(bake::host_layout_names, options.layout);
+  if (!options.granularity.empty())
+    how.granularity = bake::kind_of<bake::set_granularity>(bake::set_granularity_names, options.granularity);
   if (!options.scene.empty() || !options.importance.empty()) return run_with_scene(options, file, how, output);
   report(output, bake::recode(file.bytes(), options.file.string(), how, output), options.json);
   return exit_done;
@@ -121,12 +124,13 @@ void add_recode_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<recode_options>();
   CLI::App& verb = add_verb(
       program, "recode",
-      {.summary = "Changes the profile, order or layout of a .pvs file without a bake",
+      {.summary = "Changes the profile, order, layout or granularity of a .pvs file without a bake",
        .usage = "FILE.pvs [options]",
        .description = "Writes a .pvs file again in the current version of the format. Bounds still hold. FILE.pvs is "
                       "replaced unless -o is given.",
        .examples = {"sightcell recode level.pvs --profile small",
-                    "sightcell recode level.pvs --layout merged --scene level.glb -o merged.pvs"}});
+                    "sightcell recode level.pvs --layout merged --scene level.glb -o merged.pvs",
+                    "sightcell recode level.pvs --granularity cluster --scene level.glb -o meshlets.pvs"}});
   add_common(verb, *options);
   verb.add_option(
           "--profile", options->profile,
@@ -148,9 +152,15 @@ void add_recode_verb(CLI::App& program, action& chosen) {
                   "space, all static draws of a material as one list; needs --scene). Without it: as it is.")
       ->type_name("NAME")
       ->check(one_of(bake::host_layout_names));
-  CLI::Option* scene =
-      verb.add_option("--scene", options->scene, "The scene that was baked, for --layout merged and --names.")
-          ->type_name("SCENE");
+  verb.add_option(
+          "--granularity", options->granularity,
+          "What sets consist of: cluster (up to 128 triangles each, for hosts that draw meshlets; needs --scene) "
+          "or polygon. Clusters cannot become polygons again. Without it: as it is.")
+      ->type_name("NAME")
+      ->check(one_of(bake::set_granularity_names));
+  CLI::Option* scene = verb.add_option("--scene", options->scene,
+                                       "The scene that was baked, for --layout merged, --granularity and --names.")
+                           ->type_name("SCENE");
   verb.add_option("--importance", options->importance,
                   "The scene that was baked: stores how large a part of the view from its cell each polygon covers. "
                   "Serves as --scene too. Without it: the importance in the file stays.")

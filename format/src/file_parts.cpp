@@ -21,6 +21,13 @@ status read_orders(const reader& file, file_parts& out) {
     if (begin > end || end > all.size()) return status::corrupt;
     out.orders.emplace_back(all.begin() + begin, all.begin() + end);
   }
+  const cluster_table& clusters = file.clusters();
+  for (std::uint32_t number = 0; clusters.exists() && number < file.order_count(); ++number) {
+    std::vector<std::uint32_t>& sizes = out.clusters.emplace_back();
+    for (std::uint32_t i = 0; i < clusters.clusters_of(number); ++i) {
+      sizes.push_back(clusters.polygons(clusters.first_cluster(number) + i));
+    }
+  }
   return status::ok;
 }
 
@@ -88,7 +95,7 @@ file_contents file_parts::contents(cell_set_source sets) const {
   all.facts = facts;
   all.draws = draws;
   all.named_groups = named_groups;
-  all.order = {order_of_draw, orders};
+  all.order = {order_of_draw, orders, clusters};
   if (lattice)
     all.lattice = lattice_cells{*lattice, places};
   else if (grid)

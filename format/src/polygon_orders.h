@@ -13,8 +13,10 @@ namespace sightcell::format {
 class polygon_orders {
  public:
   // bytes: the section; not copied. most: the number of draws, and so the most orders; without it, few bytes could
-  // claim more. O(orders).
-  polygon_orders(std::span<const std::byte> bytes, std::uint32_t most) noexcept { good_ = open(bytes, most); }
+  // claim more. in_runs: as in a file with clusters. O(orders).
+  polygon_orders(std::span<const std::byte> bytes, std::uint32_t most, bool in_runs = false) noexcept {
+    good_ = open(bytes, most, in_runs);
+  }
   // False if there are more orders, or if the parts contradict each other or the bytes; there are no orders then.
   [[nodiscard]] bool good() const noexcept { return good_; }
 
@@ -36,13 +38,14 @@ class polygon_orders {
   [[nodiscard]] const packed_column& first_polygon_column() const noexcept { return first_polygon_; }
 
  private:
-  [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t most) noexcept;
+  [[nodiscard]] bool open(std::span<const std::byte> bytes, std::uint32_t most, bool in_runs) noexcept;
 
   bool good_ = false;
   std::uint32_t count_ = 0;
   packed_column first_polygon_, first_byte_;
   std::span<const std::byte> permutations_;
-  prefix_code steps_;
+  bool in_runs_ = false;
+  prefix_code steps_, lengths_;
 };
 
 }  // namespace sightcell::format

@@ -8,7 +8,7 @@
 namespace sightcell::format {
 
 // Appends the section. Each order is a source_of_stored: a permutation of 0 .. its size - 1. Ascending sequences take
-// the fewest bits.
-void put_orders(std::span<const std::vector<std::uint32_t>> orders, std::vector<std::byte>& out);
+// the fewest bits. in_runs: as in a file with clusters.
+void put_orders(std::span<const std::vector<std::uint32_t>> orders, std::vector<std::byte>& out, bool in_runs = false);
 
 }  // namespace sightcell::format

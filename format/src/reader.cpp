@@ -129,17 +129,17 @@ status reader::read_sections() noexcept {
   if (!checked_reader(bytes_).read_u32(layout::header_table_checksum, stored_checksum)) return status::corrupt;
   if (crc32c(part({layout::header_size, table_size})) != stored_checksum) return status::checksum;
 
-  const std::array<std::uint32_t, 13> ids{
+  const std::array<std::uint32_t, 14> ids{
       layout::section_draws,         layout::section_cells,        layout::section_rows,
       layout::section_row_directory, layout::section_certificate,  layout::section_settings,
       layout::section_orders,        layout::section_codes,        layout::section_importance,
       layout::section_volumes,       layout::section_named_groups, layout::section_viewpoints,
-      layout::section_borders};
-  const std::array<extent*, 13> places{
-      &draws_, &cells_,      &rows_,         &directory_,         &certificate_,     &settings_,    &orders_,
-      &codes_, &importance_, &volume_bytes_, &named_group_bytes_, &viewpoint_bytes_, &border_bytes_};
-  std::array<bool, 13> found{};
-  const std::size_t known_ids = is_v0() ? 6 : ids.size();
+      layout::section_borders,       layout::section_clusters};
+  const std::array<extent*, 14> places{
+      &draws_, &cells_,      &rows_,         &directory_,         &certificate_,     &settings_,     &orders_,
+      &codes_, &importance_, &volume_bytes_, &named_group_bytes_, &viewpoint_bytes_, &border_bytes_, &cluster_bytes_};
+  std::array<bool, 14> found{};
+  const std::size_t known_ids = is_v0() ? 6 : ids.size() - (layout::reads_clusters ? 0 : 1);
   std::uint64_t next = layout::header_size + table_size;
   for (std::uint32_t i = 0; i < section_count_; ++i) {
     section_record entry;
@@ -170,6 +170,7 @@ status reader::read_sections() noexcept {
   has_named_groups_ = found[10];
   has_viewpoints_ = found[11];
   has_borders_ = found[12];
+  has_clusters_ = layout::reads_clusters && found[13];
   return next == total_size_ && complete ? status::ok : status::corrupt;
 }
 
@@ -257,10 +258,13 @@ status reader::open_tables() noexcept {
     return status::corrupt;
   }
 
-  const polygon_orders orders(part(orders_), draw_count_);
+  const polygon_orders orders(part(orders_), draw_count_, layout::reads_clusters && has_clusters_);
   if (!orders.good()) return status::corrupt;
   order_count_ = orders.count();
   order_begin_ = orders.first_polygon_column();
+  if (layout::reads_clusters && has_clusters_) {
+    if (const status s = open_clusters(); s != status::ok) return s;
+  }
 
   if (has_volumes_) {
     const status s = volume_table::open(part(volume_bytes_), facts_.polygon_count, volumes_);
@@ -293,6 +297,20 @@ status reader::open_tables() noexcept {
       break;
   }
   return good ? status::ok : status::corrupt;
+}
+
+// The clusters of the whole file are those of its range units. Draws are checked later.
+status reader::open_clusters() noexcept {
+  const status s = cluster_table::open(part(cluster_bytes_), order_begin_, order_count_, clusters_);
+  if (s != status::ok) return s;
+  const bool merged = facts_.layout == host_layout::merged;
+  std::uint64_t count = 0;
+  for (std::uint32_t unit = 0; unit < (merged ? order_count_ : draw_count_); ++unit) {
+    count += clusters_.clusters_of(merged ? unit : order_of_draw(unit));
+  }
+  if (count > facts_.polygon_count) return status::corrupt;
+  cluster_count_ = static_cast<std::uint32_t>(count);
+  return status::ok;
 }
 
 std::uint32_t reader::order_of_draw(std::uint32_t draw) const noexcept {
@@ -394,7 +412,7 @@ status reader::orders(std::span<std::uint32_t> out) const noexcept {
     }
     return status::ok;
   }
-  const polygon_orders all(part(orders_), draw_count_);
+  const polygon_orders all(part(orders_), draw_count_, layout::reads_clusters && has_clusters_);
   if (!all.good() || all.polygons() != out.size() || all.count() != order_count_) return status::corrupt;
   for (std::uint32_t number = 0; number < order_count_; ++number) {
     const std::uint32_t begin = all.first_polygon(number);
@@ -410,7 +428,7 @@ status reader::source_of_stored(std::span<std::uint32_t> out) const noexcept {
     std::iota(out.begin(), out.end(), 0u);
     return status::ok;
   }
-  const polygon_orders all(part(orders_), draw_count_);
+  const polygon_orders all(part(orders_), draw_count_, layout::reads_clusters && has_clusters_);
   const bool merged = facts_.layout == host_layout::merged;
   for (std::uint32_t unit = 0; unit < range_units_; ++unit) {
     const std::uint32_t begin = range_unit_begin(unit);

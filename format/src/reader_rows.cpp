@@ -17,10 +17,6 @@
 namespace sightcell::format {
 namespace {
 
-row_bounds bounds_of(const reader& file, std::uint32_t list_bound) noexcept {
-  return {file.polygon_count() + file.volumes().count(), file.run_bound(), list_bound};
-}
-
 // The number of runs of a set before the first volume. Volumes begin with number `polygons`, maybe inside the next run.
 std::size_t runs_without_volumes(std::span<const run> set, std::uint32_t polygons) noexcept {
   const auto is_without = [&](const run& r) { return std::uint64_t{r.first} + r.count <= polygons; };
@@ -43,6 +39,10 @@ std::span<T> as_array(std::span<std::byte> bytes) noexcept {
 }
 
 }  // namespace
+
+row_bounds reader::bounds() const noexcept {
+  return {item_count(), run_bound_, list_bound_};
+}
 
 status reader::chunk_extent(std::uint32_t chunk, extent& out, std::uint32_t& checksum) const noexcept {
   if (chunk >= chunk_count()) return status::argument;
@@ -98,13 +98,30 @@ status reader::check_directory() const noexcept {
 }
 
 std::size_t reader::codes_size() const noexcept {
-  return is_v0() ? 0 : sizeof(row_codes);
+  if (is_v0()) return 0;
+  if (!layout::reads_clusters || !has_clusters_) return sizeof(row_codes);
+  const std::uint64_t room = cluster_borders::room(range_units_, order_count_, clusters_.first_cluster(order_count_));
+  return sizeof(row_codes) + static_cast<std::size_t>(room) * sizeof(std::uint32_t);
+}
+
+// memory: behind the code tables, of the size that codes_size() has for it.
+bool reader::fill_clusters(row_codes& codes, std::span<std::byte> memory) const noexcept {
+  const bool merged = facts_.layout == host_layout::merged;
+  return codes.clusters.fill(
+      as_array<std::uint32_t>(memory), clusters_, range_units_, order_count_, facts_.polygon_count, cluster_count_,
+      [&](std::uint32_t unit) { return merged ? unit : order_of_draw(unit); },
+      [&](std::uint32_t unit) { return range_unit_begin(unit); });
+}
+
+const cluster_borders& reader::borders_of_clusters(const row_codes& codes) noexcept {
+  return codes.clusters;
 }
 
 status reader::make_codes(std::span<std::byte> memory, const row_codes*& out) const noexcept {
   out = nullptr;
   if (is_v0()) return status::ok;
-  if (memory.size() < sizeof(row_codes)) return status::capacity;
+  const std::size_t size = codes_size();
+  if (memory.size() < size) return status::capacity;
   auto* codes = new (memory.data()) row_codes;
   std::span<const std::byte> bytes = part(codes_);
   for (run_code* kind : {&codes->own, &codes->removed, &codes->added}) {
@@ -115,13 +132,17 @@ status reader::make_codes(std::span<std::byte> memory, const row_codes*& out) co
     }
   }
   if (!bytes.empty()) return status::corrupt;
+  if (layout::reads_clusters && has_clusters_ &&
+      !fill_clusters(*codes, memory.first(size).subspan(sizeof(row_codes)))) {
+    return status::corrupt;
+  }
   out = codes;
   return status::ok;
 }
 
 std::size_t reader::scratch_size() const noexcept {
   if (is_v0()) return run_bound_ * sizeof(run);
-  return bounds_of(*this, list_bound_).scratch_room() * sizeof(std::uint32_t);
+  return bounds().scratch_room() * sizeof(std::uint32_t);
 }
 
 // Decodes a set as it is stored, polygons and volumes together.
@@ -149,11 +170,12 @@ status reader::decode_items(std::uint32_t cell, std::span<const std::byte> chunk
   if (!rows.open(chunk, cells.cells)) return status::corrupt;
   std::span<const std::uint32_t> borders;
   std::uint64_t end = 0;
-  const status s = rows.decode(cell - cells.first_cell, *codes, bounds_of(*this, list_bound_),
-                               as_array<std::uint32_t>(scratch), borders, end);
+  const status s =
+      rows.decode(cell - cells.first_cell, *codes, bounds(), as_array<std::uint32_t>(scratch), borders, end);
   if (s != status::ok) return s;
   count = borders.size() / 2;
   for (std::size_t i = 0; i < count; ++i) out[i] = {borders[2 * i], borders[2 * i + 1] - borders[2 * i]};
+  if (layout::reads_clusters && codes->clusters.exist()) codes->clusters.expand(out.first(count));
   return status::ok;
 }
 
@@ -250,13 +272,13 @@ status reader::check_chunk_filled(const cell_chunk& cells, const row_codes* code
   if (const status s = chunk_extent(cells.number, where, checksum); s != status::ok) return s;
   row_chunk chunk;
   if (!chunk.open(part(where), cells.cells)) return status::corrupt;
-  const row_bounds bounds = bounds_of(*this, list_bound_);
+  const row_bounds limits = bounds();
   std::uint64_t next = 0;
   for (std::uint32_t place = 0; place < chunk.rows(); ++place) {
     const std::uint64_t begin = chunk.begin_of(place);
     if (begin == next) {
       std::span<const std::uint32_t> borders;
-      const status s = chunk.decode(place, *codes, bounds, as_array<std::uint32_t>(scratch), borders, next);
+      const status s = chunk.decode(place, *codes, limits, as_array<std::uint32_t>(scratch), borders, next);
       if (s != status::ok) return s;
       continue;
     }
@@ -370,6 +392,8 @@ status reader::statistics(const row_codes* codes, std::span<run> out, std::span<
     total.runs += parts.polygons.size();
     total.ranges += count_ranges(parts.polygons);
     total.polygons += sum_of(parts.polygons);
+    if (layout::reads_clusters && has_clusters_)
+      codes->clusters.for_each(parts.polygons, [&](const run& r) { total.clusters += r.count; });
     total.volumes += sum_of(parts.volumes);
     total.volume_runs += parts.volumes.size();
   }

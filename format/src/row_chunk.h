@@ -9,13 +9,15 @@
 #include "bit_reader.h"
 #include "rank_difference.h"
 #include "run_code.h"
+#include "sightcell/format/cluster_table.h"
 #include "sightcell/format/status.h"
 
 namespace sightcell::format {
 
-// The codes of the three kinds of lists; about 62 KiB.
+// The codes of the three kinds of lists; about 62 KiB. And where clusters begin, in the memory behind this.
 struct row_codes {
   run_code own, removed, added;
+  cluster_borders clusters;
 };
 
 // Bounds of all sets of a file: the room that decoding needs.

@@ -25,13 +25,14 @@ constexpr std::uint64_t widened_bytes = 3;
 
 }  // namespace
 
-rows_encoder::rows_encoder(const file_contents& contents, stored_sets& stored)
+rows_encoder::rows_encoder(const file_contents& contents, stored_sets& stored, std::vector<std::uint32_t> unit_borders)
     : contents_(contents),
       stored_(stored),
-      items_(contents.facts.polygon_count + static_cast<std::uint32_t>(contents.volumes.places.size())),
-      borders_(range_borders(contents.draws, contents.facts.layout)),
+      columns_(stored.columns()),
+      items_(columns_ + static_cast<std::uint32_t>(contents.volumes.places.size())),
+      borders_(std::move(unit_borders)),
       slack_share_(static_cast<std::uint64_t>(std::llround(contents.slack * double{slack_share_unit}))) {
-  if (items_ > contents.facts.polygon_count) borders_.push_back(items_);
+  if (items_ > columns_) borders_.push_back(items_);
 }
 
 std::size_t rows_encoder::block_count() const {
@@ -52,7 +53,7 @@ std::size_t rows_encoder::directory_size() const {
 status rows_encoder::read_set(std::uint32_t cell, std::vector<run>& runs) {
   ids_.clear();
   if (const status s = contents_.cell_sets.get(cell, ids_); s != status::ok) return s;
-  if (!ids_.empty() && ids_.back() >= items_) return status::argument;
+  if (!ids_.empty() && ids_.back() >= items_ - columns_ + contents_.facts.polygon_count) return status::argument;
   if (std::adjacent_find(ids_.begin(), ids_.end(), std::greater_equal<>()) != ids_.end()) return status::argument;
   stored_.runs_of(ids_, runs);
   return status::ok;
@@ -106,18 +107,17 @@ std::vector<planned_chunk> rows_encoder::planned(std::size_t block, const row_en
 }
 
 void rows_encoder::take_volumes() {
-  const std::uint32_t polygons = contents_.facts.polygon_count;
   volumes_.resize(sets_.size());
   for (std::size_t i = 0; i < sets_.size(); ++i) {
     std::vector<run>& set = sets_[i];
-    const auto has_volumes = [&](const run& r) { return r.first + r.count > polygons; };
+    const auto has_volumes = [&](const run& r) { return r.first + r.count > columns_; };
     const auto from = std::find_if(set.begin(), set.end(), has_volumes);
     volumes_[i].assign(from, set.end());
     set.erase(from, set.end());
-    if (volumes_[i].empty() || volumes_[i].front().first >= polygons) continue;
+    if (volumes_[i].empty() || volumes_[i].front().first >= columns_) continue;
     run& cut = volumes_[i].front();
-    set.push_back({cut.first, polygons - cut.first});
-    cut = {polygons, cut.count - set.back().count};
+    set.push_back({cut.first, columns_ - cut.first});
+    cut = {columns_, cut.count - set.back().count};
   }
 }
 

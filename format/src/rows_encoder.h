@@ -19,8 +19,8 @@ namespace sightcell::format {
 
 class rows_encoder {
  public:
-  // Both must outlive the encoder.
-  rows_encoder(const file_contents& contents, stored_sets& stored);
+  // Both must outlive the encoder. unit_borders: where range units begin, in polygons or clusters, then their number.
+  rows_encoder(const file_contents& contents, stored_sets& stored, std::vector<std::uint32_t> unit_borders);
 
   // First step: chooses how each row is coded. argument: a set is not ascending, or contains a polygon or volume that
   // does not exist; the status of the source of the sets.
@@ -57,8 +57,9 @@ class rows_encoder {
 
   const file_contents& contents_;
   stored_sets& stored_;
-  std::uint32_t items_ = 0;             // polygons and volumes
-  std::vector<std::uint32_t> borders_;  // of range units; volumes are one more
+  std::uint32_t columns_ = 0;           // polygons, or clusters
+  std::uint32_t items_ = 0;             // these and volumes
+  std::vector<std::uint32_t> borders_;  // of range units in items; volumes are one more
   std::vector<std::vector<planned_chunk>> blocks_;
   std::unique_ptr<row_encoders> encoders_;
   std::uint64_t slack_share_ = 0;                 // in slack_share_units

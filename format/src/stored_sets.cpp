@@ -26,16 +26,24 @@ void for_each_source(std::span<const draw_record> draws, std::span<const std::ui
 }  // namespace
 
 stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw,
-                         std::span<const std::vector<std::uint32_t>> orders, host_layout layout,
-                         std::uint32_t volumes) {
+                         std::span<const std::vector<std::uint32_t>> orders, host_layout layout, std::uint32_t volumes,
+                         std::span<const std::uint32_t> cluster_begins) {
   const std::uint32_t polygons = draws.empty() ? 0 : draws.back().first_stored + draws.back().polygon_count;
   stored_of_source_.resize(polygons);
-  members_.resize((std::size_t{polygons} + volumes) / 64 + 1);
+  columns_ = cluster_begins.empty() ? polygons : static_cast<std::uint32_t>(cluster_begins.size());
+  members_.resize((std::size_t{columns_} + volumes) / 64 + 1);
   std::uint32_t stored = 0;
+  std::uint32_t cluster = 0;  // clusters that begin up to here
+  const auto next_column = [&] {
+    if (cluster_begins.empty()) return stored++;
+    if (cluster < cluster_begins.size() && cluster_begins[cluster] == stored) ++cluster;
+    ++stored;
+    return cluster - 1;
+  };
   for (std::size_t begin = 0, end = 0; begin < draws.size(); begin = end) {
     for (end = begin + 1; end < draws.size() && !begins_range_unit(draws, end, layout);) ++end;
     for_each_source(draws.subspan(begin, end - begin), orders[order_of_draw[begin]],
-                    [&](std::uint32_t source) { stored_of_source_[source] = stored++; });
+                    [&](std::uint32_t source) { stored_of_source_[source] = next_column(); });
   }
 }
 
@@ -43,7 +51,8 @@ stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std
 void stored_sets::runs_of(std::span<const std::uint32_t> source_ids, std::vector<run>& runs) {
   runs.clear();
   for (const std::uint32_t id : source_ids) {
-    const std::uint32_t stored = id < stored_of_source_.size() ? stored_of_source_[id] : id;
+    const auto polygons = static_cast<std::uint32_t>(stored_of_source_.size());
+    const std::uint32_t stored = id < polygons ? stored_of_source_[id] : id - polygons + columns_;
     members_[stored / 64] |= std::uint64_t{1} << (stored % 64);
   }
   std::uint64_t before = 0;  // the bit of the polygon before the word

@@ -1,5 +1,6 @@
 #pragma once
-// Converts sets of source ids, and of volumes after them, to runs in the order that a file stores.
+// Converts sets of source ids, and of volumes after them, to runs in the order that a file stores: of polygons, or of
+// clusters, which are in a set if any of their polygons is.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -15,17 +16,22 @@ class stored_sets {
   // order_of_draw: the order of each draw.
   // orders: permutations, each of the length of its draws, or of its draw group.
   // volumes: their number.
+  // cluster_begins: stored number of the first polygon of each cluster, ascending; empty without clusters.
   // The arguments are not kept.
   stored_sets(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw,
               std::span<const std::vector<std::uint32_t>> orders, host_layout layout = host_layout::instanced,
-              std::uint32_t volumes = 0);
+              std::uint32_t volumes = 0, std::span<const std::uint32_t> cluster_begins = {});
+
+  // The numbers in sets below those of volumes: polygons, or clusters.
+  [[nodiscard]] std::uint32_t columns() const { return columns_; }
 
   // Computes the stored polygons of a set of source ids, each once, in any order. The numbers of volumes, which follow
   // those of polygons, stay. runs is replaced. Not for two threads at once.
   void runs_of(std::span<const std::uint32_t> source_ids, std::vector<run>& runs);
 
  private:
-  std::vector<std::uint32_t> stored_of_source_;
+  std::uint32_t columns_ = 0;
+  std::vector<std::uint32_t> stored_of_source_;  // or the number of its cluster
   std::vector<std::uint64_t> members_;  // a bit for each polygon and volume and one after them; empty between calls
 };
 

@@ -9,6 +9,7 @@
 
 #include "byte_sink.h"
 #include "checksum.h"
+#include "cluster_table_writer.h"
 #include "draw_table_rules.h"
 #include "eye_table_writer.h"
 #include "identity_table_writer.h"
@@ -74,7 +75,26 @@ status check_draws(const file_contents& contents, const stored_order& order) {
   if (!rules.complete(static_cast<std::uint32_t>(order.orders.size()))) return status::argument;
   const bool good = std::all_of(order.orders.begin(), order.orders.end(),
                                 [](const auto& one) { return is_permutation_of_places(one); });
-  return good ? status::ok : status::argument;
+  return good ? check_clusters(order) : status::argument;
+}
+
+// The order of each range unit.
+std::vector<std::uint32_t> unit_orders(const file_contents& contents, const stored_order& order) {
+  std::vector<std::uint32_t> orders;
+  for (std::size_t d = 0; d < contents.draws.size(); ++d) {
+    if (begins_range_unit(contents.draws, d, contents.facts.layout)) orders.push_back(order.order_of_draw[d]);
+  }
+  return orders;
+}
+
+// Where range units begin in the numbers of sets, then the end of the last one.
+std::vector<std::uint32_t> unit_borders(const file_contents& contents, const stored_order& order) {
+  if (order.clusters.empty()) return range_borders(contents.draws, contents.facts.layout);
+  std::vector<std::uint32_t> borders{0};
+  for (const std::uint32_t number : unit_orders(contents, order)) {
+    borders.push_back(borders.back() + static_cast<std::uint32_t>(order.clusters[number].size()));
+  }
+  return borders;
 }
 
 // Cells on a lattice or grid are checked when they are encoded.
@@ -128,7 +148,7 @@ class complete_order {
       order.resize(size + contents.draws[d].polygon_count);
       std::iota(order.begin() + static_cast<std::ptrdiff_t>(size), order.end(), static_cast<std::uint32_t>(size));
     }
-    given_ = {of_draw_, orders_};
+    given_ = {of_draw_, orders_, given_.clusters};
   }
   complete_order(const complete_order&) = delete;
   complete_order& operator=(const complete_order&) = delete;
@@ -147,6 +167,7 @@ status front_sections(const file_contents& contents, const stored_order& order, 
                       std::vector<section_bytes>& sections) {
   std::vector<std::byte> cells;
   std::vector<std::byte> orders;
+  std::vector<std::byte> clusters;
   std::vector<std::byte> volumes;
   std::vector<std::byte> named_groups;
   std::vector<std::byte> viewpoints;
@@ -163,9 +184,11 @@ status front_sections(const file_contents& contents, const stored_order& order, 
     if (const status s = put_eyes(contents, eyes); s != status::ok) return s;
   }
   if (const status s = put_identity(contents, identity); s != status::ok) return s;
-  put_orders(order.orders, orders);
+  put_orders(order.orders, orders, !order.clusters.empty());
+  if (!order.clusters.empty()) put_clusters(order, clusters);
   sections.push_back({layout::section_draws, true, encode_draws(contents.draws, order.order_of_draw)});
   sections.push_back({layout::section_orders, true, std::move(orders)});
+  if (!clusters.empty()) sections.push_back({layout::section_clusters, true, std::move(clusters)});
   sections.push_back({layout::section_cells, true, std::move(cells)});
   if (!volumes.empty()) sections.push_back({layout::section_volumes, true, std::move(volumes)});
   sections.push_back({layout::section_codes, true, rows.codes()});
@@ -205,8 +228,8 @@ std::vector<std::byte> encode_table(std::span<const section_bytes> front, std::s
   return bytes;
 }
 
-// The slack of the sets before and the polygons that were added now, as a share of the visible polygons; never rounded
-// down.
+// The slack of the sets before and the polygons, or clusters, that were added now, as a share of the visible ones;
+// never rounded down.
 float slack_of(const file_contents& contents, const slack_sums& sums) {
   if (sums.added == 0) return contents.facts.slack;
   const double before = 1.0 + static_cast<double>(contents.facts.slack);
@@ -245,8 +268,9 @@ status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
   const complete_order order(contents);
   if (const status s = check_draws(contents, order.get()); s != status::ok) return s;
   stored_sets stored(contents.draws, order.get().order_of_draw, order.get().orders, contents.facts.layout,
-                     static_cast<std::uint32_t>(contents.volumes.places.size()));
-  rows_encoder rows(contents, stored);
+                     static_cast<std::uint32_t>(contents.volumes.places.size()),
+                     cluster_begins(order.get(), unit_orders(contents, order.get())));
+  rows_encoder rows(contents, stored, unit_borders(contents, order.get()));
   if (const status s = rows.plan(); s != status::ok) return s;
   const float slack = slack_of(contents, rows.sums());
   if (slack > 1.0f) return status::limit;

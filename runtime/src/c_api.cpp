@@ -565,6 +565,28 @@ sightcell_status sightcell_cluster_map_create(const sightcell_db* db, const uint
   return sightcell_cluster_map::create(*db, {cluster_of_source, polygon_count}, cluster_count, out);
 }
 
+sightcell_status sightcell_cluster_map_of_file(const sightcell_db* db, sightcell_cluster_map** out) {
+  if (out == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  *out = nullptr;
+  if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  if (!db->is_open()) return SIGHTCELL_PENDING;
+  if (db->file().cluster_count() == 0) return SIGHTCELL_ERR_ABSENT;
+  return sightcell_cluster_map::create_of_file(*db, out);
+}
+
+uint32_t sightcell_db_cluster_count(const sightcell_db* db) {
+  return db == nullptr || !db->is_open() ? 0 : db->file().cluster_count();
+}
+
+sightcell_status sightcell_db_clusters(const sightcell_db* db, sightcell_range* dst, size_t capacity, size_t* count) {
+  if (db == nullptr) return SIGHTCELL_ERR_ARGUMENT;
+  if (!db->is_open()) return SIGHTCELL_PENDING;
+  const std::uint32_t clusters = db->file().cluster_count();
+  const sightcell_status room = check_room(dst, capacity, clusters, count);
+  if (room == SIGHTCELL_OK && clusters > 0) runtime::list_file_clusters(*db, dst);
+  return room;
+}
+
 void sightcell_cluster_map_destroy(sightcell_cluster_map* map) {
   sightcell_cluster_map::destroy(map);
 }

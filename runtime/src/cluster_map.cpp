@@ -102,6 +102,8 @@ std::uint64_t sightcell_cluster_map::carve(void* block) noexcept {
     sightcell::runtime::construct(first, target.size());
     target = {first, target.size()};
   };
+  of_file_.carve(space);
+  give(host_of_file_);
   give(cluster_of_stored_);
   for (cluster_blocks* blocks : {&small_, &large_}) {
     give(blocks->begins);
@@ -115,6 +117,17 @@ sightcell_status sightcell_cluster_map::create(const sightcell_db& db, std::span
   if (cluster_of_source.size() != db.polygon_count()) return SIGHTCELL_ERR_ARGUMENT;
   for (const std::uint32_t cluster : cluster_of_source) {
     if (cluster >= cluster_count && cluster != SIGHTCELL_NO_CLUSTER) return SIGHTCELL_ERR_ARGUMENT;
+  }
+  if (db.file().cluster_count() > 0) {
+    sightcell_cluster_map plan;
+    plan.db_ = &db;
+    plan.words_ = whole_parts(cluster_count, bits_per_word);
+    plan.of_file_.measure(db);
+    plan_room(plan.host_of_file_, db.file().cluster_count());
+    if (const sightcell_status s = make(plan, out); s != SIGHTCELL_OK) return s;
+    if ((*out)->take_file_clusters(cluster_of_source)) return SIGHTCELL_OK;
+    destroy(*out);
+    *out = nullptr;
   }
   block_builder small(small_block, {});
   block_builder large(large_block, {});
@@ -133,13 +146,8 @@ sightcell_status sightcell_cluster_map::create(const sightcell_db& db, std::span
   plan_room(plan.small_.bits, small.count());
   plan_room(plan.large_.begins, std::uint64_t{db.polygon_count() / large_block} + 1);
   plan_room(plan.large_.bits, large.count());
-  const std::uint64_t size = plan.carve(nullptr);
-  void* block = allocate(db.allocator(), size);
-  if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
-  auto* map = new (block) sightcell_cluster_map(plan);
-  map->block_size_ = size;
-  static_cast<void>(map->carve(block));
-
+  sightcell_cluster_map* map = nullptr;
+  if (const sightcell_status s = make(plan, &map); s != SIGHTCELL_OK) return s;
   block_builder fill_small(small_block, map->small_);
   block_builder fill_large(large_block, map->large_);
   static_cast<void>(for_each_stored(db, cluster_of_source, [&](std::uint32_t stored, std::uint32_t cluster) {
@@ -150,6 +158,54 @@ sightcell_status sightcell_cluster_map::create(const sightcell_db& db, std::span
   }));
   *out = map;
   return SIGHTCELL_OK;
+}
+
+// plan: with the sizes of its tables.
+sightcell_status sightcell_cluster_map::make(const sightcell_cluster_map& plan, sightcell_cluster_map** out) noexcept {
+  sightcell_cluster_map sized(plan);
+  const std::uint64_t size = sized.carve(nullptr);
+  void* block = allocate(plan.db_->allocator(), size);
+  if (block == nullptr) return SIGHTCELL_ERR_MEMORY;
+  auto* map = new (block) sightcell_cluster_map(plan);
+  map->block_size_ = size;
+  static_cast<void>(map->carve(block));
+  map->of_file_.fill(*plan.db_);
+  *out = map;
+  return SIGHTCELL_OK;
+}
+
+sightcell_status sightcell_cluster_map::create_of_file(const sightcell_db& db, sightcell_cluster_map** out) noexcept {
+  sightcell_cluster_map plan;
+  plan.db_ = &db;
+  plan.words_ = whole_parts(db.file().cluster_count(), bits_per_word);
+  plan.of_file_.measure(db);
+  return make(plan, out);
+}
+
+// False if polygons of one cluster of the file are in different ones of the host.
+bool sightcell_cluster_map::take_file_clusters(std::span<const std::uint32_t> cluster_of_source) noexcept {
+  std::uint32_t cluster = 0;
+  return for_each_stored(*db_, cluster_of_source, [&](std::uint32_t stored, std::uint32_t of_host) {
+    if (stored == of_file_.begin(cluster)) host_of_file_[cluster] = of_host;
+    if (host_of_file_[cluster] != of_host) return false;
+    if (stored + 1 == of_file_.begin(cluster + 1)) ++cluster;
+    return true;
+  });
+}
+
+void sightcell_cluster_map::mark_file_clusters(std::span<const format::run> set,
+                                               std::span<std::uint32_t> row) const noexcept {
+  for (const format::run& r : set) {
+    const std::uint32_t first = of_file_.at(r.first);
+    const std::uint32_t end = of_file_.at(r.first + r.count);
+    if (host_of_file_.empty()) {
+      set_bits(row, first, end);
+      continue;
+    }
+    for (const std::uint32_t cluster : host_of_file_.subspan(first, end - first)) {
+      if (cluster != SIGHTCELL_NO_CLUSTER) row[cluster / bits_per_word] |= 1u << cluster % bits_per_word;
+    }
+  }
 }
 
 void sightcell_cluster_map::destroy(sightcell_cluster_map* map) noexcept {
@@ -173,6 +229,7 @@ void sightcell_cluster_map::mark_each(std::uint32_t first, std::uint32_t end, st
 }
 
 void sightcell_cluster_map::mark(std::span<const format::run> set, std::span<std::uint32_t> row) const noexcept {
+  if (of_file_.exist()) return mark_file_clusters(set, row);
   constexpr std::uint32_t small_in_large = large_block / small_block;
   std::uint32_t* const words = row.data();
   for (const format::run& r : set) {

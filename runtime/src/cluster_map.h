@@ -5,6 +5,7 @@
 #include <span>
 
 #include "db.h"
+#include "file_clusters.h"
 #include "memory.h"
 #include "sightcell/clusters.h"
 
@@ -38,6 +39,8 @@ struct sightcell_cluster_map {
   // db: open. cluster_of_source: one element per polygon of db.
   static sightcell_status create(const sightcell_db& db, std::span<const std::uint32_t> cluster_of_source,
                                  std::uint32_t cluster_count, sightcell_cluster_map** out) noexcept;
+  // The clusters of the file itself, which must have some.
+  static sightcell_status create_of_file(const sightcell_db& db, sightcell_cluster_map** out) noexcept;
   static void destroy(sightcell_cluster_map* map) noexcept;
 
   [[nodiscard]] const sightcell_db& db() const noexcept { return *db_; }
@@ -49,11 +52,18 @@ struct sightcell_cluster_map {
  private:
   sightcell_cluster_map() = default;
   [[nodiscard]] std::uint64_t carve(void* block) noexcept;
+  static sightcell_status make(const sightcell_cluster_map& plan, sightcell_cluster_map** out) noexcept;
+  [[nodiscard]] bool take_file_clusters(std::span<const std::uint32_t> cluster_of_source) noexcept;
+  void mark_file_clusters(std::span<const sightcell::format::run> set, std::span<std::uint32_t> row) const noexcept;
   void mark_each(std::uint32_t first, std::uint32_t end, std::uint32_t* row) const noexcept;
 
   const sightcell_db* db_ = nullptr;
   std::uint64_t block_size_ = 0;
   std::size_t words_ = 0;
+  // For a file of clusters, unless polygons of one of these are in different clusters of the host: these, and the bit
+  // of each in the row, or nothing if they are the clusters of the row. Then the tables below are empty.
+  sightcell::runtime::file_clusters of_file_;
+  std::span<std::uint32_t> host_of_file_;
   std::span<std::uint32_t> cluster_of_stored_;
   // Of 16 and of 128 polygons; polygons after the last whole block are in none.
   sightcell::runtime::cluster_blocks small_, large_;

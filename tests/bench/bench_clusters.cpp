@@ -1,5 +1,6 @@
 // bench_clusters SCENE FILE.pvs [--triangles N] [--cells N] [--json OUT.json]: the clusters that meshoptimizer makes of
-// the meshes of a scene (meshlets), each instance with clusters of its own, and how many of them a set has. Mean over
+// the meshes of a scene (meshlets), each instance with clusters of its own, and how many of them a set has; or, for a
+// file of clusters, those of the file. Mean over
 // cells: polygons in the set, clusters with any of them, polygons in these clusters, words of the row that change on
 // the way to the next cell. Microseconds: the median over cells of the medians of repeated calls.
 #include <meshoptimizer.h>
@@ -105,8 +106,21 @@ struct sums {
   double most_bits_us = 0.0;
 };
 
+// The clusters of a file of clusters; none for other files.
+scene_clusters clusters_of(const db& file) {
+  scene_clusters all;
+  const std::uint32_t clusters = sightcell_db_cluster_count(file.get());
+  std::vector<sightcell_range> ranges(clusters);
+  std::size_t count = 0;
+  require(sightcell_db_clusters(file.get(), ranges.data(), clusters, &count), "clusters of the file");
+  for (const sightcell_range& r : ranges) all.polygons.push_back(r.count);
+  return all;
+}
+
 cluster_map make_map(const db& file, const scene_clusters& clusters) {
-  auto made = cluster_map::create(file, clusters.of_source, static_cast<std::uint32_t>(clusters.polygons.size()));
+  auto made = clusters.of_source.empty() && !clusters.polygons.empty()
+                  ? cluster_map::of_file(file)
+                  : cluster_map::create(file, clusters.of_source, static_cast<std::uint32_t>(clusters.polygons.size()));
   require(made.status(), "clusters");
   return std::move(*made);
 }
@@ -183,7 +197,8 @@ nlohmann::ordered_json run(const options& how) {
   const db file = std::move(*opened);
   const scene::scene from = scene::load_gltf(how.scene);
   require(file.same_scene(from.fingerprint), how.file);
-  const scene_clusters clusters = clusters_of(from, how.triangles);
+  const scene_clusters of_file = clusters_of(file);
+  const scene_clusters clusters = of_file.polygons.empty() ? clusters_of(from, how.triangles) : of_file;
   const std::size_t before = memory.bytes;
   cluster_map map = make_map(file, clusters);
   const std::size_t map_bytes = memory.bytes - before;
@@ -196,6 +211,7 @@ nlohmann::ordered_json run(const options& how) {
   const auto mean = [&](std::uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(all.cells); };
   return {
       {"polygons", from.polygon_count},
+      {"of_file", !of_file.polygons.empty()},
       {"clusters", clusters.polygons.size()},
       {"polygons_per_cluster", static_cast<double>(from.polygon_count) / static_cast<double>(clusters.polygons.size())},
       {"map_bytes_per_polygon", static_cast<double>(map_bytes) / std::max(from.polygon_count, 1u)},

@@ -415,12 +415,32 @@ class Bake(InRoom):
                                    infos[name]['false_visible_percent'], places=3)
             self.expect(0, 'verify', self.city, files[name], '--rays', '20000')
         self.assert_one_error_line(self.expect(2, 'recode', recoded, '--profile', 'exact')[1], 'recode.has-slack')
+        self.clusters_are_baked_or_recoded(files['exact'])
         # In place, and not at all.
         self.expect(0, 'recode', recoded, '--order', 'per-instance')
         self.assertNotEqual(read(recoded), read(files['balanced']))
         before = read(recoded)
         self.assertIn('format version 1 -> 1', self.expect(0, 'migrate', recoded)[0])
         self.assertEqual(read(recoded), before)
+
+    def clusters_are_baked_or_recoded(self, exact):
+        baked, recoded = self.path('clusters-baked.pvs'), self.path('clusters-recoded.pvs')
+        self.expect(0, 'bake', self.city, '-o', baked, '--cell-limit', '6', '--quality', 'draft', '--profile', 'exact',
+                    '--granularity', 'cluster')
+        self.expect(0, 'recode', exact, '--granularity', 'cluster', '--scene', self.city, '-o', recoded)
+        self.assertEqual(read(recoded), read(baked), 'baked or recoded: the same file')
+        info, before = (json.loads(self.expect(0, 'info', file, '--json')[0]) for file in (baked, exact))
+        self.assertEqual((before['clusters'], info['settings']['granularity']), (0, 'cluster'))
+        self.assertTrue(0 < info['clusters_per_cell'] < info['clusters'], info)
+        rows = [section['size'] for file in (info, before) for section in file['sections'] if section['name'] == 'rows']
+        self.assertLess(rows[0], rows[1])
+        self.assertIn('clusters  ', self.expect(0, 'info', baked)[0])
+        change = json.loads(self.expect(0, 'diff', exact, baked, '--json')[0])
+        self.assertEqual(change['polygons_lost'], 0)
+        self.assertGreater(change['polygons_gained'], 0)
+        self.expect(0, 'verify', self.city, baked, '--rays', '20000')
+        self.expect(0, 'recode', baked, '--profile', 'small', '--order', 'per-instance', '-o', recoded)
+        self.assertEqual(json.loads(self.expect(0, 'info', recoded, '--json')[0])['clusters'], info['clusters'])
 
     def test_importance_is_baked_or_added_to_a_file(self):
         self.city = self.make_city('city.glb', polygons=2000)

@@ -84,7 +84,7 @@ void damage_border_records(const bytes& whole, damaged_list& list) {
   constexpr std::uint32_t own = layout::section_borders;
   list.push_back({"borders_not_required", status::corrupt, with_record(whole, own, own, 0)});
   list.push_back({"borders_twice", status::corrupt, with_record(whole, layout::section_settings, own, 1)});
-  list.push_back({"borders_missing", status::corrupt, with_record(whole, own, 16, 0)});
+  list.push_back({"borders_missing", status::corrupt, with_record(whole, own, 18, 0)});
   bytes sum = whole;
   sum[section_place(sum, own) + 24] ^= std::byte{1};
   reseal_front(sum);

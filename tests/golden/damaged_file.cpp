@@ -26,7 +26,7 @@ bool is_found_later(std::string_view name) {
                                                    "run_bound_below_runs",
                                                    "range_bound_above_ranges",
                                                    "section_3_checksum",
-                                                   "section_16_checksum",
+                                                   "section_18_checksum",
                                                    "chunk_checksum",
                                                    "sources_twice",
                                                    "step_is_no_code",
@@ -40,9 +40,9 @@ bool is_found_later(std::string_view name) {
 
 damaged_list damaged_files() {
   damaged_list all;
-  for (auto* part :
-       {damaged_headers, damaged_section_tables, damaged_tables, damaged_groups, damaged_lattices, damaged_code_tables,
-        damaged_rows, damaged_importance, damaged_volumes, damaged_named_groups, damaged_viewpoints, damaged_borders}) {
+  for (auto* part : {damaged_headers, damaged_section_tables, damaged_tables, damaged_groups, damaged_lattices,
+                     damaged_code_tables, damaged_rows, damaged_importance, damaged_volumes, damaged_named_groups,
+                     damaged_viewpoints, damaged_borders, damaged_clusters}) {
     damaged_list some = part();
     all.insert(all.end(), std::move_iterator(some.begin()), std::move_iterator(some.end()));
   }

@@ -30,6 +30,7 @@ damaged_list damaged_volumes();
 damaged_list damaged_named_groups();
 damaged_list damaged_viewpoints();
 damaged_list damaged_borders();
+damaged_list damaged_clusters();
 // All of them.
 damaged_list damaged_files();
 

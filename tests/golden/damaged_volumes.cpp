@@ -124,7 +124,7 @@ void damage_records(const bytes& whole, damaged_list& list) {
   constexpr std::uint32_t volumes = layout::section_volumes;
   list.push_back({"volumes_not_required", status::corrupt, with_record(whole, volumes, volumes, 0)});
   list.push_back({"volumes_section_twice", status::corrupt, with_record(whole, layout::section_settings, volumes, 1)});
-  list.push_back({"volumes_missing", status::corrupt, with_record(whole, volumes, 16, 0), true});
+  list.push_back({"volumes_missing", status::corrupt, with_record(whole, volumes, 18, 0), true});
   bytes sum = whole;
   sum[section_place(sum, volumes) + 24] ^= std::byte{1};
   reseal_front(sum);

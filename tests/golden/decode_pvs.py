@@ -38,6 +38,7 @@ class Header:
          self.table_checksum) = struct.unpack_from("<IIfffIIIIIIfI", data, 40)
         self.merged = layout == 1
         self.volumes = 0
+        self.begins = None  # of clusters, in stored polygons
         need(layout < 2 and self.flags < 2, "host layout or flags")
         need(0 <= self.margin < math.inf, "margin")
         need(0 <= self.error <= 1 and 0 <= self.confidence <= 1 and 0 <= self.slack <= 1, "share")
@@ -53,8 +54,8 @@ class Header:
         need(self.run_bound <= self.range_bound <= (self.run_bound + draws if self.run_bound else 0), "range bound")
 
     def items(self):
-        """Polygons, and volumes behind them: what sets are of."""
-        return self.polygons + self.volumes
+        """Polygons, or clusters, and volumes behind them: what sets are of."""
+        return (self.polygons if self.begins is None else len(self.begins)) + self.volumes
 
 
 def sections_of(data, header, version):
@@ -93,7 +94,7 @@ class Contents:
         self.orders, self.lattice, self.certificate, self.volume_shape, self.volumes = [], None, [], None, []
         self.named_groups, self.named_group_of_draw = [], []
         self.player_radius, self.viewpoints, self.eyes = 0, [], []
-        self.identity = []
+        self.identity, self.clusters = [], []
         self.settings = parts.get(SETTINGS, b"").decode("utf-8", "backslashreplace")
         version.decode_tables(header, parts, self)
         header.check_bounds(version.most_runs(len(parts[ROWS])))
@@ -173,6 +174,8 @@ class Contents:
                 yield f"named group of draw {i}: {group - 1}"
         for i, order in enumerate(self.orders):
             yield f"order {i}:" + "".join(f" {polygon}" for polygon in order)
+        for i, sizes in enumerate(self.clusters):
+            yield f"clusters of order {i}:" + "".join(f" {size}" for size in sizes)
         if self.lattice is not None:
             yield "%s %.17g %.17g" % self.lattice
         for i, box in enumerate(self.boxes):

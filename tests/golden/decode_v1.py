@@ -5,10 +5,10 @@ import struct
 from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
-VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY = 10, 11, 12, 13, 14, 15
+VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS = 10, 11, 12, 13, 14, 15, 16
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
-OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY)
-FLAGGED = REQUIRED + (VOLUMES, BORDERS)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS)
+FLAGGED = REQUIRED + (VOLUMES, BORDERS, CLUSTERS)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
 FURTHEST_LAYER = 1 << 30
@@ -17,6 +17,8 @@ MOST_VOLUMES = 16777216
 MOST_NAMES = 16777216  # bytes
 MOST_REGION = 65536  # bytes
 DEEPEST = 18  # leaf of a region
+LARGEST_CLUSTER = 256  # polygons
+LONGEST_RUN = 64  # of an order in a file with clusters
 MOST_ITEMS = 4294967294  # polygons and volumes
 
 
@@ -30,27 +32,51 @@ def whole_columns(section, columns, rows, what, at=0):
     return values
 
 
-def decode_orders(section):
+def decode_orders(section, in_runs):
     count = unpack("<I", section, 0, "orders")[0]
     (polygons, firsts), at = packed_columns(section, 4, 2, count + 1)
     for column in (polygons, firsts):
         need(column[0] == 0 and all(a <= b for a, b in zip(column, column[1:])), "orders do not follow each other")
     code, at = code_table(section, at)
+    lengths = None
+    if in_runs:
+        lengths, at = code_table(section, at)
     need(at + firsts[-1] + PADDING == len(section), "size of the orders")
     orders = []
     for i in range(count):
         end = at + firsts[i + 1]
         bits = Bits(section, 8 * (at + firsts[i]), 8 * end)
         order, expected = [], 0
-        for _ in range(polygons[i + 1] - polygons[i]):
+        while len(order) < polygons[i + 1] - polygons[i]:
             number = code.number(bits)
             step = -(number + 1) // 2 if number & 1 else number // 2
-            order.append((expected + step) & MASK32)
+            first = (expected + step) & MASK32
+            more = lengths.number(bits) if in_runs else 0
+            need(more < LONGEST_RUN, "run of an order is too long")
+            order.extend(range(first, first + more + 1))
             expected = order[-1] + 1
         need((bits.at + 7) // 8 == end, "a permutation does not end where the next begins")
         need(sorted(order) == list(range(len(order))), "an order is no permutation")
         orders.append(order)
     return orders
+
+
+def decode_clusters(header, section, orders, draws):
+    """Per order the polygons of its clusters. Sets the columns of the header: where each cluster begins in stored
+    polygons."""
+    (firsts,), at = packed_columns(section, 0, 1, len(orders) + 1)
+    need(firsts[0] == 0 and all(a <= b for a, b in zip(firsts, firsts[1:])), "clusters do not follow each other")
+    need(firsts[-1] <= sum(map(len, orders)), "more clusters than polygons")
+    sizes = whole_columns(section, 1, firsts[-1], "the clusters", at)[0]
+    need(all(1 <= size <= LARGEST_CLUSTER for size in sizes), "polygons of a cluster")
+    of_order = [sizes[a:b] for a, b in zip(firsts, firsts[1:])]
+    need(all(sum(own) == len(order) for own, order in zip(of_order, orders)), "clusters have not the polygons of an order")
+    header.begins, stored = [], 0
+    for number in range(len(orders)) if header.merged else [draw[-1] for draw in draws]:
+        for size in of_order[number]:
+            header.begins.append(stored)
+            stored += size
+    return of_order
 
 
 def decode_draws(header, section, orders):
@@ -323,8 +349,10 @@ def decode_identity(section, draws):
 def decode_tables(header, parts, contents):
     if BORDERS in parts:
         header.cells_of_chunks = decode_borders(header.cells, parts[BORDERS])
-    contents.orders = decode_orders(parts[ORDERS])
+    contents.orders = decode_orders(parts[ORDERS], CLUSTERS in parts)
     contents.draws, contents.source_of_stored, contents.borders = decode_draws(header, parts[DRAWS], contents.orders)
+    if CLUSTERS in parts:
+        contents.clusters = decode_clusters(header, parts[CLUSTERS], contents.orders, contents.draws)
     contents.lattice, contents.boxes = decode_cells(header, parts[CELLS])
     if CERTIFICATE in parts:
         contents.certificate = decode_certificate(header, parts[CERTIFICATE])
@@ -424,7 +452,14 @@ class RowDecoder:
             else:
                 need(begin in begins[:cell], "rows do not follow each other")
         need(place == len(rows) - PADDING, "bytes behind the last row")
-        return sets
+        return [[(self.polygon_at(first), self.polygon_at(end)) for first, end in runs] for runs in sets]
+
+    def polygon_at(self, number):
+        """Where a number of a row is in stored polygons and volumes."""
+        begins, polygons = self.header.begins, self.header.polygons
+        if begins is None:
+            return number
+        return begins[number] if number < len(begins) else polygons + number - len(begins)
 
     def decode_row(self, rows, begins, cell, made, ends, followed):
         """The set, and how many references it stands on. made: rows decoded before, by their begin."""

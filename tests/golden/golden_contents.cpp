@@ -5,6 +5,7 @@
 
 #include "sightcell/format/cell_lattice.h"
 #include "sightcell/format/grid_boxes.h"
+#include "unit/format/cluster_samples.h"
 #include "unit/format/viewpoint_samples.h"
 
 namespace sightcell::test {
@@ -218,6 +219,19 @@ sample_contents identity_contents() {
   return contents;
 }
 
+// Two instances that share clusters, an empty draw, volumes, and clusters of one polygon up to the most.
+sample_contents cluster_contents() {
+  sample_contents contents = volume_contents();
+  put_in_clusters(contents, 11, 24);
+  return contents;
+}
+
+sample_contents merged_cluster_contents() {
+  sample_contents contents = named_contents();
+  put_in_clusters(contents, 13, 40);
+  return contents;
+}
+
 std::vector<golden_file_contents> golden_files() {
   return {{"v1_tiny", tiny_contents()},
           {"v1_small", ordered_contents()},
@@ -228,7 +242,9 @@ std::vector<golden_file_contents> golden_files() {
           {"v1_viewpoints", viewpoint_contents()},
           {"v1_grid", grid_contents()},
           {"v1_eyes", eye_contents()},
-          {"v1_identity", identity_contents()}};
+          {"v1_identity", identity_contents()},
+          {"v1_clusters", cluster_contents()},
+          {"v1_merged_clusters", merged_cluster_contents()}};
 }
 
 }  // namespace sightcell::test

@@ -28,6 +28,11 @@ sample_contents viewpoint_contents();
 // ordered_contents() with 60 volumes on both sides of the origin.
 sample_contents volume_contents();
 
+// volume_contents() whose sets are of clusters.
+sample_contents cluster_contents();
+// named_contents(), in the merged layout, whose sets are of clusters.
+sample_contents merged_cluster_contents();
+
 struct golden_file_contents {
   std::string name;  // of the file without its ending
   sample_contents contents;

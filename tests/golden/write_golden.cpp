@@ -61,6 +61,10 @@ void dump_draws(const sample_contents& contents, std::FILE* out) {
     std::fprintf(out, "order %zu:", i);
     dump_numbers(orders[i], out);
   }
+  for (std::size_t i = 0; i < contents.clusters.size(); ++i) {
+    std::fprintf(out, "clusters of order %zu:", i);
+    dump_numbers(contents.clusters[i], out);
+  }
 }
 
 // What a cell sees of polygons, or of volumes by their own numbers.

@@ -136,6 +136,25 @@ static void update_clusters(uint32_t* row, size_t words, sightcell_cluster_word*
   /* clusters] */
 }
 
+/* A host without clusters of its own: those of the file, as parts of the permuted index buffers. */
+static void add_meshlet(uint32_t draw, uint32_t first, uint32_t count) {
+  require(draw < draw_total && count > 0 && first + count <= draws[draw].polygon_count, "meshlet");
+}
+
+static void use_clusters_of_the_file(void) {
+  sightcell_cluster_map* own_map;
+  size_t count;
+  if (sightcell_db_cluster_count(db) == 0) return;
+  /* [file clusters */
+  sightcell_range* clusters = malloc(sightcell_db_cluster_count(db) * sizeof *clusters);
+  sightcell_db_clusters(db, clusters, sightcell_db_cluster_count(db), &count);
+  for (size_t c = 0; c < count; ++c) add_meshlet(clusters[c].draw, clusters[c].first, clusters[c].count);
+  if (sightcell_cluster_map_of_file(db, &own_map) != SIGHTCELL_OK) exit(1); /* bit c of a row is cluster c */
+  /* file clusters] */
+  sightcell_cluster_map_destroy(own_map);
+  free(clusters);
+}
+
 static float camera[3];
 static int cameras_put;
 static void put_camera(const float at[3]) {
@@ -561,6 +580,7 @@ int main(int argc, char** argv) {
     expect_objects_in_source_order();
     expect_permuted_primitives();
     prepare_clusters();
+    use_clusters_of_the_file();
     for (uint32_t cell = 0; cell < sightcell_db_cell_count(db); ++cell) {
       float min[3], max[3];
       sightcell_db_cell_box(db, cell, min, max);

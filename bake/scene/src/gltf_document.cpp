@@ -99,6 +99,7 @@ class document_reader {
   void check_version();
   void check_extensions();
   void note_uses();
+  void add_clusters(const json_object& primitive, json& reduced);
   json reduced_mesh(std::size_t mesh);
   std::string uv_key(std::optional<std::uint32_t> material) const;
   json reduced_primitive(const json_object& primitive, const mesh_use& use);
@@ -325,10 +326,25 @@ json document_reader::reduced_draco(const json_object& primitive, const json_obj
   return reduced;
 }
 
+// Adds the accessor of the host's clusters, extras.sightcell.clusters, as one more attribute.
+void document_reader::add_clusters(const json_object& primitive, json& reduced) {
+  const json* extras = primitive.raw("extras");
+  if (extras == nullptr || !extras->is_object() || !reduced.contains("attributes")) return;
+  const auto marks = extras->find("sightcell");
+  if (marks == extras->end() || !marks->is_object()) return;
+  const json_object given = primitive.required_object("extras").required_object("sightcell");
+  const auto index = given.index("clusters", "accessors", table_.size());
+  if (!index) return;
+  table_.require(given, *index, "clusters", {"SCALAR"}, {5121, 5123, 5125});
+  reduced["attributes"][clusters_attribute] = *index;
+}
+
 json document_reader::reduced_mesh(std::size_t mesh) {
   json primitives = json::array();
-  for (const json_object& primitive : meshes_[mesh].objects("primitives"))
-    primitives.push_back(reduced_primitive(primitive, uses_[mesh]));
+  for (const json_object& primitive : meshes_[mesh].objects("primitives")) {
+    json& reduced = primitives.emplace_back(reduced_primitive(primitive, uses_[mesh]));
+    add_clusters(primitive, reduced);
+  }
   return {{"primitives", std::move(primitives)}};
 }
 

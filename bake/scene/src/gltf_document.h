@@ -15,6 +15,9 @@
 
 namespace sightcell::scene {
 
+// The name of the attribute that has the host's clusters in the reduced document.
+inline constexpr const char* clusters_attribute = "_SIGHTCELL_CLUSTERS";
+
 // The checked content of a file.
 struct gltf_document {
   std::string json;                                // for tinygltf; its accessors are stubs

@@ -128,6 +128,7 @@ class importer {
   const glm::dmat4& world_of(int node);
   void count_vertices(int positions);
   geometry read_geometry(const tinygltf::Primitive& primitive, const std::string& where) const;
+  std::vector<std::uint32_t> read_clusters(int accessor, std::size_t triangles, const std::string& where) const;
   template <typename T>
   std::vector<T> numbers(int accessor) const;
 
@@ -145,8 +146,8 @@ class importer {
   scene& out_;
   pose_list* poses_;
   // Keys of shared geometries. Primitives that differ in material only share one: (positions, texture coordinates,
-  // their transform, colors, indices, mode). Posed ones: mesh, primitive, pose.
-  std::map<std::tuple<int, int, int, int, int, int>, std::uint32_t> geometries_;
+  // their transform, colors, indices, mode, clusters). Posed ones: mesh, primitive, pose.
+  std::map<std::tuple<int, int, int, int, int, int, int>, std::uint32_t> geometries_;
   std::size_t vertices_ = 0;  // of all geometries
   std::map<std::tuple<std::size_t, std::size_t, pose>, std::uint32_t> posed_;
   std::uint64_t posed_vertices_ = 0;
@@ -205,6 +206,25 @@ geometry importer::read_geometry(const tinygltf::Primitive& primitive, const std
                             " corners, not whole triangles: the last ones are left out");
   }
   out.indices = to_triangles(std::move(corners), primitive.mode);
+  const auto clusters = primitive.attributes.find(clusters_attribute);
+  if (clusters != primitive.attributes.end())
+    out.clusters = read_clusters(clusters->second, out.indices.size() / 3, where);
+  return out;
+}
+
+std::vector<std::uint32_t> importer::read_clusters(int accessor, std::size_t triangles,
+                                                   const std::string& where) const {
+  std::vector<std::uint32_t> out;
+  if (!read_indices(accessors_[static_cast<std::size_t>(accessor)], out)) {
+    refuse(file_, "scene.index-out-of-range",
+           "accessors[" + std::to_string(accessor) + "] has a sparse index beyond its count", "export the file again");
+  }
+  if (out.size() != triangles) {
+    refuse(file_, "scene.bad-field",
+           where + " has clusters for " + std::to_string(out.size()) + " triangles but " + std::to_string(triangles) +
+               " triangles",
+           "give the number of a cluster for each triangle");
+  }
   return out;
 }
 
@@ -344,9 +364,11 @@ std::optional<std::uint32_t> importer::geometry_of(std::size_t mesh, std::size_t
   }
   const auto uv = source.attributes.find("TEXCOORD_0");
   const auto color = source.attributes.find("COLOR_0");
+  const auto clusters = source.attributes.find(clusters_attribute);
   const bool has_uv = uv != source.attributes.end();
   const std::tuple key(position->second, has_uv ? uv->second : -1, has_uv ? coordinates_of(source.material) : -1,
-                       color == source.attributes.end() ? -1 : color->second, source.indices, source.mode);
+                       color == source.attributes.end() ? -1 : color->second, source.indices, source.mode,
+                       clusters == source.attributes.end() ? -1 : clusters->second);
   const auto known = geometries_.find(key);
   if (known != geometries_.end()) return known->second;
   count_vertices(position->second);

@@ -129,9 +129,14 @@ void put_in_order(const pvs_frame& frame, const record_source& record_of, stored
   parts.draws = frame.draws;
   parts.named_groups = frame.named_groups;
   put_identity(frame.identity, parts);
-  order_polygons_of(
-      parts, file_settings_of(frame.settings).order,
-      [&](std::uint32_t cell, std::vector<std::uint32_t>& set) { set = record_of(stored.places[cell]).set; });
+  const polygon_order_kind kind = file_settings_of(frame.settings).order;
+  const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+    set = record_of(stored.places[cell]).set;
+  };
+  if (frame.clusters.empty())
+    order_polygons_of(parts, kind, set_of);
+  else
+    order_clusters_of(parts, kind, frame.clusters, set_of);
 }
 
 void put_volumes_in_order(const pvs_frame& frame, const record_source& record_of, stored_cells& stored) {
@@ -199,6 +204,7 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
   frame.seed = how.seed;
   frame.draws = draw_table(s, frame.facts.layout);
   frame.named_groups = s.groups;
+  if (how.file.granularity == set_granularity::cluster) frame.clusters = clusters_of_scene(s);
   if (how.file.names) frame.identity = identity_of(s);
   for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});
   if (volumes != nullptr) {

@@ -9,6 +9,7 @@
 
 #include "cell_set/cell_record.h"
 #include "cells/view_cell.h"
+#include "order/cluster_order.h"
 #include "order/draw_identity.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/records.h"
@@ -30,6 +31,7 @@ struct pvs_frame {
   std::uint64_t seed = 0;
   std::vector<format::draw_record> draws;
   std::vector<std::string> named_groups;       // of the scene
+  cluster_numbers clusters;                    // empty: sets are of polygons
   std::vector<format::box> cells;              // all cells, including those that are not stored
   double volume_width = 0.0;                   // meters
   std::vector<format::lattice_place> volumes;  // in the order of the numbers in records

@@ -13,6 +13,7 @@
 #include "file/readable_file.h"
 #include "file/stored_rules.h"
 #include "input/two_scenes.h"
+#include "order/cluster_order.h"
 #include "order/draw_identity.h"
 #include "order/draw_table.h"
 #include "order/file_order.h"
@@ -53,11 +54,13 @@ std::string with_names(const std::string& settings, const file_settings& how) {
     if (how.order != polygon_order_kind::per_mesh)
       made["order"] = polygon_order_names[static_cast<std::size_t>(how.order)];
     if (how.layout != host_layout::instanced) made["layout"] = host_layout_names[static_cast<std::size_t>(how.layout)];
+    if (how.granularity != set_granularity::polygon)
+      made["granularity"] = set_granularity_names[static_cast<std::size_t>(how.granularity)];
   };
   for (const auto& [key, value] : text.items()) {
     if (key == "profile")
       put_names();
-    else if (key != "order" && key != "layout")
+    else if (key != "order" && key != "layout" && key != "granularity")
       made[key] = value;
   }
   if (!made.contains("profile")) put_names();
@@ -89,6 +92,23 @@ void change_layout(format::file_parts& parts, const std::string& name, format::h
   parts.facts.layout = layout;
 }
 
+// Returns the clusters that the new file has; empty: none.
+cluster_numbers clusters_for(const format::file_parts& parts, const std::string& name, const recode_settings& how) {
+  const bool wanted = how.granularity == set_granularity::cluster;
+  if (!parts.clusters.empty()) {
+    if (how.granularity && !wanted)
+      throw error(error_kind::wrong_use, "recode.has-clusters", name,
+                  "has sets of clusters, which do not contain which of their polygons are visible",
+                  "recode the file of polygons, or bake without --granularity cluster");
+    return clusters_of_file(parts);
+  }
+  if (!wanted) return {};
+  if (how.clusters_from == nullptr)
+    throw error(error_kind::wrong_use, "recode.no-scene", name, "does not contain the triangles that form clusters",
+                "name the scene that was baked: --scene SCENE");
+  return clusters_of_scene(*how.clusters_from);
+}
+
 // Returns the bytes of the file in the current version with the requested settings.
 std::vector<std::byte> encoded(const format::reader& opened, format::set_reader& sets, const std::string& name,
                                const recode_settings& how, const std::filesystem::path& output) {
@@ -101,6 +121,8 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   if (layout == format::host_layout::merged && how.order == polygon_order_kind::per_instance)
     throw error(error_kind::wrong_use, "recode.merged", name,
                 "has the merged layout, in which instances share no polygon order", "leave out --order per-instance");
+  const bool in_clusters = !parts.clusters.empty();
+  const cluster_numbers clusters = clusters_for(parts, name, how);
   if (other_layout) change_layout(parts, name, layout, how.layout_from);
 
   if (how.names_from != nullptr) put_identity(identity_of(*how.names_from), parts);
@@ -110,6 +132,7 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   now.profile = how.profile.value_or(now.profile);
   now.order = layout == format::host_layout::merged ? polygon_order_kind::per_mesh : how.order.value_or(now.order);
   now.layout = static_cast<host_layout>(layout);
+  now.granularity = clusters.empty() ? set_granularity::polygon : set_granularity::cluster;
   parts.settings = with_names(parts.settings, now);
   // Per cell: its number in the file that is read.
   std::vector<std::uint32_t> before;
@@ -118,10 +141,14 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   else
     put_on_grid(parts);  // older files of this version have boxes instead
   const auto number_before = [&](std::uint32_t cell) { return before.empty() ? cell : before[cell]; };
-  if (old || how.order || other_layout)
-    order_polygons_of(parts, now.order, [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-      require_readable(sets.source_ids(number_before(cell), set), name);
-    });
+  const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+    require_readable(sets.source_ids(number_before(cell), set), name);
+  };
+  const bool reordered = old || how.order || other_layout;
+  if (!clusters.empty() && (reordered || !in_clusters))
+    order_clusters_of(parts, now.order, clusters, set_of);
+  else if (reordered)
+    order_polygons_of(parts, now.order, set_of);
 
   format::file_contents contents =
       parts.contents({parts.cells.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
@@ -159,7 +186,7 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   format::set_reader sets;
   require_readable(format::reader::open(file, opened), name);
   const scene::scene* s = how.importance_in;
-  for (const scene::scene* given : {s, how.layout_from, how.names_from})
+  for (const scene::scene* given : {s, how.layout_from, how.names_from, how.clusters_from})
     if (given != nullptr) require_scene(opened, *given, name);
   if (s != nullptr && stored_cells_from(opened.settings()))
     throw error(error_kind::wrong_use, "recode.two-scenes", name,
@@ -168,8 +195,8 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   require_readable(sets.open(opened), name);
   require_readable(sets.check(), name);
   // With importance alone the other bytes stay the same. Encoding sets with slack again could change them.
-  const bool stays = s != nullptr && !how.profile && !how.order && !how.layout && how.names_from == nullptr &&
-                     opened.format_version() == format::layout::version;
+  const bool stays = s != nullptr && !how.profile && !how.order && !how.layout && !how.granularity &&
+                     how.names_from == nullptr && opened.format_version() == format::layout::version;
   std::vector<std::byte> bytes =
       stays ? std::vector<std::byte>(file.begin(), file.end()) : encoded(opened, sets, name, how, output);
   format::reader made;

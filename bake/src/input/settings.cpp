@@ -277,6 +277,8 @@ void validate(const settings& s) {
     refuse("--order", number(static_cast<int>(s.file.order)), "per-mesh or per-instance");
   if (static_cast<std::size_t>(s.file.layout) >= host_layout_names.size())
     refuse("--layout", number(static_cast<int>(s.file.layout)), "instanced or merged");
+  if (static_cast<std::size_t>(s.file.granularity) >= set_granularity_names.size())
+    refuse("--granularity", number(static_cast<int>(s.file.granularity)), "polygon or cluster");
   if (s.file.layout == host_layout::merged && s.file.order != polygon_order_kind::per_mesh)
     refuse("--order", "per-instance",
            "per-mesh with --layout merged, where polygons of all draws of a material share an order");
@@ -310,6 +312,8 @@ std::string describe(const settings& s) {
     text += fmt::format(R"(,"order":"{}")", polygon_order_names[static_cast<std::size_t>(s.file.order)]);
   if (s.file.layout != host_layout::instanced)
     text += fmt::format(R"(,"layout":"{}")", host_layout_names[static_cast<std::size_t>(s.file.layout)]);
+  if (s.file.granularity != set_granularity::polygon)
+    text += fmt::format(R"(,"granularity":"{}")", set_granularity_names[static_cast<std::size_t>(s.file.granularity)]);
   if (s.scene >= 0) text += fmt::format(R"(,"scene":{})", s.scene);
   if (s.cells_from != nullptr) text += fmt::format(R"(,"{}":"{}")", cells_from_member, fingerprint_text(*s.cells_from));
   text += "}";
@@ -327,6 +331,7 @@ file_settings file_settings_of(std::string_view settings) {
   how.profile = kind_of<slack_profile>(slack_profile_names, named("profile")).value_or(how.profile);
   how.order = kind_of<polygon_order_kind>(polygon_order_names, named("order")).value_or(how.order);
   how.layout = kind_of<host_layout>(host_layout_names, named("layout")).value_or(how.layout);
+  how.granularity = kind_of<set_granularity>(set_granularity_names, named("granularity")).value_or(how.granularity);
   return how;
 }
 

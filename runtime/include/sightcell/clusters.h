@@ -16,6 +16,14 @@
  * whose mesh has m clusters gives its n instances n * m numbers. Consecutive numbers for neighboring clusters make maps
  * small and fast.
  *
+ * FILES OF CLUSTERS. `sightcell bake --granularity cluster` and `sightcell recode` make files whose sets are of
+ * clusters of up to 128 triangles: those of the host, where the scene has them, or others. Such files are a fraction of
+ * the size. Their clusters are numbered 0 .. sightcell_db_cluster_count - 1, draw by draw. sightcell_db_clusters lists
+ * them as ranges of the stored polygon order, so a host can make its meshlets of them; sightcell_cluster_map_of_file
+ * makes a map whose bits are these clusters. A host with clusters of its own uses sightcell_cluster_map_create here
+ * too, which needs 4 bytes per cluster where each cluster of the file is in one of the host. All other outputs work
+ * with such files, and return whole clusters.
+ *
  * ERROR BOUND. A cluster is visible if any of its polygons is in the set, so the host draws a superset of the set, and
  * the error bound of the file holds.
  */
@@ -55,6 +63,27 @@ typedef struct sightcell_cluster_word {
 SIGHTCELL_API sightcell_status sightcell_cluster_map_create(const sightcell_db* db, const uint32_t* cluster_of_source,
                                                             size_t polygon_count, uint32_t cluster_count,
                                                             sightcell_cluster_map** out);
+
+/* Returns the number of clusters of a file of clusters; 0 for other files, for NULL, and before sightcell_db_opened has
+ * returned OK. Cost: O(1). */
+SIGHTCELL_API uint32_t sightcell_db_cluster_count(const sightcell_db* db);
+
+/* Lists the clusters of a file of clusters in the order of their numbers: the draw (draw group of a merged file) of
+ * each, its first polygon in the stored order of the draw, and its number of polygons, 1 to 256.
+ * dst, capacity, count: in clusters; the list has sightcell_db_cluster_count.
+ * Fails with PENDING too.
+ * Cost: O(clusters). */
+SIGHTCELL_API sightcell_status sightcell_db_clusters(const sightcell_db* db, sightcell_range* dst, size_t capacity,
+                                                     size_t* count);
+
+/* Makes a map of the clusters of a file of clusters: bit c of a row is cluster c of the file.
+ * db: must outlive the map.
+ * out: receives the map, or NULL on failure.
+ * Fails with ABSENT if the sets of the file are of polygons; with MEMORY; with PENDING before sightcell_db_opened has
+ *   returned OK.
+ * Cost: O(clusters + polygons / 64). One allocation of the allocator of db: 4 bytes per cluster and for each 64
+ *   polygons. */
+SIGHTCELL_API sightcell_status sightcell_cluster_map_of_file(const sightcell_db* db, sightcell_cluster_map** out);
 
 /* Destroys a map and releases its memory. NULL is allowed. */
 SIGHTCELL_API void sightcell_cluster_map_destroy(sightcell_cluster_map* map);

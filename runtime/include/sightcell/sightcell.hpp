@@ -276,6 +276,13 @@ class cluster_map {
     return s == SIGHTCELL_OK ? result<cluster_map>(std::move(map)) : result<cluster_map>(s);
   }
 
+  // Bit c of a row is cluster c of the file. ABSENT: its sets are of polygons.
+  static result<cluster_map> of_file(const db& file) noexcept {
+    cluster_map map;
+    const sightcell_status s = sightcell_cluster_map_of_file(file.get(), &map.handle_);
+    return s == SIGHTCELL_OK ? result<cluster_map>(std::move(map)) : result<cluster_map>(s);
+  }
+
   // The clusters of a row whose bits are 1, ascending.
   static list_result list(std::span<const std::uint32_t> row, std::span<std::uint32_t> dst) noexcept {
     list_result out;

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "cluster_samples.h"
 #include "random_source.h"
 #include "sightcell/format/cell_lattice.h"
 #include "sightcell/format/grid_boxes.h"
@@ -19,7 +20,7 @@ namespace sightcell::test {
 
 format::file_contents any_contents::contents_to_write() const {
   format::file_contents all = view();
-  if (orders_left_out) all.order = {};
+  if (orders_left_out) all.order = {{}, {}, clusters};
   all.slack = slack_to_add;
   return all;
 }
@@ -393,6 +394,7 @@ any_contents make_any_contents(std::uint32_t seed) {
   choose_sets(choose, out);
   if (choose.one_in(3)) choose_volumes(choose, out);
   if (choose.one_in(3)) add_viewpoints(out, choose.bits());
+  if (seed % 4 == 1) put_in_clusters(out, seed, choose.one_of({1u, 4u, 30u, 256u}));
   return out;
 }
 

@@ -7,9 +7,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <set>
 #include <span>
 
 #include "any_contents.h"
+#include "cluster_samples.h"
 #include "sightcell/format/cell_lattice.h"
 #include "sightcell/format/file_parts.h"
 #include "sightcell/format/reader.h"
@@ -38,6 +40,7 @@ struct kinds_met {
   std::uint32_t own = 0, first_differences = 0, second_differences = 0, shared_rows = 0;
   std::uint32_t empty_sets = 0, full_sets = 0, sets_of_one = 0, widened_sets = 0, chunks = 0, overlapping = 0;
   std::uint32_t volumes = 0, from_polygons_on = 0, widened_with_volumes = 0, small_chunks = 0;
+  std::uint32_t in_clusters = 0, widened_by_clusters = 0;
 };
 
 void expect_facts(const any_contents& in, const reader& file) {
@@ -260,9 +263,19 @@ read_sets expect_sets_agree(const any_contents& in, const reader& file) {
   return out;
 }
 
+// The polygons of a set, or its clusters.
+std::size_t columns_of(const any_contents& in, const numbers& cluster, const numbers& set) {
+  std::set<std::uint32_t> columns;
+  for (const std::uint32_t item : set) {
+    if (item < in.facts.polygon_count) columns.insert(cluster.empty() ? item : cluster[item]);
+  }
+  return columns.size();
+}
+
 // Exact sets, or supersets within the budget; and the header has the slack of all together.
 void expect_sets(const any_contents& in, const reader& file, const read_sets& out, kinds_met& met) {
   const double share = in.slack_to_add;
+  const numbers cluster = in.clusters.empty() ? numbers() : cluster_of_source(in);
   std::uint64_t seen = 0;
   std::uint64_t held = 0;
   for (std::size_t cell = 0; cell < in.sets.size(); ++cell) {
@@ -270,17 +283,19 @@ void expect_sets(const any_contents& in, const reader& file, const read_sets& ou
     const numbers& read = out.items[cell];
     const auto volumes =
         static_cast<std::size_t>(exact.end() - std::lower_bound(exact.begin(), exact.end(), in.facts.polygon_count));
-    const std::size_t polygons = exact.size() - volumes;
-    seen += polygons;
-    held += out.ids[cell].size();
+    const std::size_t columns = columns_of(in, cluster, exact);
+    const std::size_t columns_read = columns_of(in, cluster, read);
+    seen += columns;
+    held += columns_read;
     met.widened_sets += read.size() > exact.size() ? 1 : 0;
+    met.widened_by_clusters += columns_read > columns && !cluster.empty() ? 1 : 0;
     met.widened_with_volumes += read.size() > exact.size() && volumes > 0 ? 1 : 0;
     if (share == 0.0) {
       EXPECT_EQ(read, exact) << cell;
       continue;
     }
     EXPECT_TRUE(std::includes(read.begin(), read.end(), exact.begin(), exact.end())) << cell;
-    EXPECT_LE(static_cast<double>(read.size() - exact.size()), share * static_cast<double>(polygons) + 1e-9) << cell;
+    EXPECT_LE(static_cast<double>(columns_read - columns), share * static_cast<double>(columns) + 1e-9) << cell;
     EXPECT_EQ(read.size() - out.ids[cell].size(), volumes) << "no volume is added";
   }
   const double added = seen == 0 ? 0.0 : static_cast<double>(held - seen) / static_cast<double>(seen);
@@ -447,6 +462,7 @@ void count_kinds(const any_contents& in, const reader& file, kinds_met& met) {
   met.chunks = std::max(met.chunks, file.chunk_count());
   met.small_chunks += file.chunk_count() > (file.cell_count() + 63) / 64 ? 1 : 0;
   met.volumes += in.volumes.empty() ? 0 : 1;
+  met.in_clusters += file.cluster_count() > 0 ? 1 : 0;
   for (const draw_record& d : in.draws) met.moving += d.flags != 0 ? 1 : 0;
   for (const numbers& set : in.sets) {
     met.empty_sets += set.empty() ? 1 : 0;
@@ -520,7 +536,9 @@ TEST(round_trip, contents_of_any_kind_come_back) {
                                     met.volumes,
                                     met.from_polygons_on,
                                     met.widened_with_volumes,
-                                    met.small_chunks}) {
+                                    met.small_chunks,
+                                    met.in_clusters,
+                                    met.widened_by_clusters}) {
     EXPECT_GT(count, 5u);
   }
   EXPECT_GT(met.chunks, 3u) << "with slack, not all are sampled";

@@ -8,6 +8,7 @@
 
 #include "held_memory.h"
 #include "loaded_file.h"
+#include "unit/format/cluster_samples.h"
 #include "unit/format/random_source.h"
 
 namespace {
@@ -117,6 +118,49 @@ TEST(clusters, every_begin_and_end_of_a_run) {
     for (std::uint32_t i = 0; i < count; ++i) set.push_back(first + i);
   }
   expect_clusters(contents, 300, 4);
+}
+
+// In a file of clusters: its own clusters, tables of the host that unite or divide them.
+void expect_file_clusters(const sample_contents& contents) {
+  const loaded_file file(contents);
+  const words own = cluster_of_source(contents);
+  const std::uint32_t clusters = 1 + *std::max_element(own.begin(), own.end());
+  ASSERT_EQ(sightcell_db_cluster_count(file.db()), clusters);
+  std::vector<sightcell_range> ranges(clusters);
+  std::size_t count = 0;
+  ASSERT_EQ(sightcell_db_clusters(file.db(), ranges.data(), clusters, &count), SIGHTCELL_OK);
+  std::uint32_t stored = 0;
+  for (const sightcell_range& r : ranges) stored += r.count;
+  EXPECT_EQ(stored, contents.facts.polygon_count);
+  words united = own, divided = own;
+  for (std::uint32_t& cluster : united) cluster = cluster % 7 == 3 ? SIGHTCELL_NO_CLUSTER : (clusters - cluster) / 3;
+  for (std::uint32_t i = 0; i < divided.size(); ++i) divided[i] = 2 * divided[i] + i % 2;
+  sightcell_cluster_map* of_file = nullptr;
+  ASSERT_EQ(sightcell_cluster_map_of_file(file.db(), &of_file), SIGHTCELL_OK);
+  std::vector<std::pair<map_handle, words>> maps;
+  maps.emplace_back(of_file, own);
+  for (const words& table : {united, divided}) maps.emplace_back(make_map(file.db(), table, 2 * clusters), table);
+  const std::size_t size = (2 * clusters + 31) / 32;
+  test_view view(file.db());
+  static_cast<void>(view.move(-1e6f, 0, 0));
+  for (std::size_t cell = 0; cell <= contents.cells.size(); ++cell) {
+    for (const auto& [map, table] : maps)
+      ASSERT_EQ(row_of(view, map, size), expected_row(view.polygons(), table, size)) << cell;
+    if (cell == contents.cells.size()) break;
+    const auto& b = contents.cells[cell];
+    static_cast<void>(view.move((b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2, (b.min[2] + b.max[2]) / 2));
+  }
+}
+
+TEST(clusters, of_the_file) {
+  sample_contents contents = random_contents(46, {.polygons = 1500, .draws = 20, .cells = 40});
+  put_in_order(contents, 7);
+  put_in_clusters(contents, 47, 90);
+  expect_file_clusters(contents);
+  sample_contents merged = random_contents(48, {.polygons = 1500, .draws = 40, .cells = 40});
+  put_in_groups(merged, 8);
+  put_in_clusters(merged, 49, 4);
+  expect_file_clusters(merged);
 }
 
 TEST(clusters, hidden_groups_have_no_bits_under_draw_all) {

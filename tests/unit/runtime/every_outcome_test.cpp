@@ -94,6 +94,9 @@ const std::map<std::string, statuses> promised{
     {"sightcell_db_draw_hash", with_arguments + of_identity},
     {"sightcell_db_draw_name", of_lists + of_identity},
     {"sightcell_cluster_map_create", with_arguments + statuses{SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
+    {"sightcell_db_clusters", of_lists + statuses{SIGHTCELL_PENDING}},
+    {"sightcell_cluster_map_of_file",
+     with_arguments + statuses{SIGHTCELL_ERR_MEMORY, SIGHTCELL_ERR_ABSENT, SIGHTCELL_PENDING}},
     {"sightcell_view_clusters", of_lists},
     {"sightcell_cluster_list", of_lists},
     {"sightcell_cluster_changes", of_lists},
@@ -239,6 +242,7 @@ void open_without_waiting(outcomes& out) {
   RETURNS(PENDING, sightcell_view_create(host.db(), &view));
   sightcell_cluster_map* map = nullptr;
   RETURNS(PENDING, sightcell_cluster_map_create(host.db(), nullptr, 0, 0, &map));
+  RETURNS(PENDING, sightcell_cluster_map_of_file(host.db(), &map));
   float eye[3];
   RETURNS(PENDING, sightcell_db_cell_eye(host.db(), 0, 0, eye));
   sightcell_draw_match match{};
@@ -246,6 +250,8 @@ void open_without_waiting(outcomes& out) {
   RETURNS(PENDING, sightcell_db_match(host.db(), nullptr, nullptr, 0, nullptr, &match));
   std::uint64_t hash = 0;
   std::size_t count = 0;
+  EXPECT_EQ(sightcell_db_cluster_count(host.db()), 0u);
+  RETURNS(PENDING, sightcell_db_clusters(host.db(), nullptr, 0, &count));
   RETURNS(PENDING, sightcell_db_draw_hash(host.db(), 0, &hash));
   RETURNS(PENDING, sightcell_db_draw_name(host.db(), 0, SIGHTCELL_NAME_NODE, nullptr, 0, &count));
   host.answer = SIGHTCELL_ERR_STALE;
@@ -595,6 +601,30 @@ void clusters(outcomes& out) {
   sightcell_cluster_map_destroy(map);
 }
 
+void clusters_of_files(outcomes& out) {
+  sightcell_cluster_map* map = nullptr;
+  std::array<sightcell_range, 3> list;
+  std::size_t count = 0;
+  const loaded_file of_polygons(tiny_contents());
+  RETURNS(ERR_ABSENT, sightcell_cluster_map_of_file(of_polygons.db(), &map));
+  RETURNS(ERR_ARGUMENT, sightcell_cluster_map_of_file(nullptr, &map));
+  sample_contents contents = tiny_contents();
+  contents.orders = {{0, 1, 2, 3, 4, 5}};
+  contents.order_of_draw = {0};
+  contents.clusters = {{3, 1, 2}};
+  few_blocks two(2);
+  const loaded_file file(contents.encode(), &two.interface);
+  EXPECT_EQ(sightcell_db_cluster_count(file.db()), 3u);
+  RETURNS(OK, sightcell_db_clusters(file.db(), list.data(), 3, &count));
+  EXPECT_TRUE(list[2].draw == 0 && list[2].first == 4 && list[2].count == 2);
+  RETURNS(ERR_CAPACITY, sightcell_db_clusters(file.db(), list.data(), 2, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_db_clusters(nullptr, list.data(), 3, &count));
+  RETURNS(OK, sightcell_cluster_map_of_file(file.db(), &map));
+  sightcell_cluster_map* none = nullptr;
+  RETURNS(ERR_MEMORY, sightcell_cluster_map_of_file(file.db(), &none));
+  sightcell_cluster_map_destroy(map);
+}
+
 void boxes(outcomes& out) {
   sample_contents contents = tiny_contents();
   add_volumes(contents, 4, 3);
@@ -670,6 +700,7 @@ TEST(every_outcome, is_reached) {
   places(out);
   lists(out);
   clusters(out);
+  clusters_of_files(out);
   boxes(out);
   importance(out);
 

@@ -83,6 +83,43 @@ TEST(load_gltf, indices_of_all_three_widths) {
   for (const geometry& part : s.geometries) EXPECT_EQ(part.indices, words);
 }
 
+TEST(load_gltf, clusters_of_the_host) {
+  gltf_sketch g;
+  const int positions = g.add_row_of_triangles(3);
+  const std::vector<std::uint16_t> numbers = {9, 2, 9};
+  const std::vector<std::uint8_t> others = {0, 0, 1, 0};
+  const auto add = [&](int accessor) {
+    const int mesh = g.add_mesh(positions);
+    if (accessor >= 0) g.json["meshes"][mesh]["primitives"][0]["extras"] = {{"sightcell", {{"clusters", accessor}}}};
+    g.add_node({{"mesh", mesh}});
+  };
+  const int of_host = g.add_accessor(numbers, "SCALAR", 5123, 3);
+  add(of_host);
+  add(g.add_accessor(others, "SCALAR", 5121, 3));
+  add(-1);
+  add(of_host);
+  const scene s = load(g);
+  ASSERT_EQ(s.geometries.size(), 3u) << "equal clusters share their geometry";
+  EXPECT_EQ(s.geometries[0].clusters, (std::vector<std::uint32_t>{9, 2, 9}));
+  EXPECT_EQ(s.geometries[1].clusters, (std::vector<std::uint32_t>{0, 0, 1}));
+  EXPECT_TRUE(s.geometries[2].clusters.empty());
+  gltf_sketch one;
+  one.add_node({{"mesh", one.add_mesh(one.add_row_of_triangles(3))}});
+  const auto fingerprint = load(one).fingerprint;
+  one.json["meshes"][0]["primitives"][0]["extras"]["sightcell"]["clusters"] =
+      one.add_accessor(numbers, "SCALAR", 5123, 3);
+  EXPECT_EQ(load(one).fingerprint, fingerprint);
+  gltf_sketch wrong = g;
+  wrong.json["meshes"][0]["primitives"][0]["extras"]["sightcell"]["clusters"] =
+      wrong.add_accessor(numbers, "SCALAR", 5123, 2);
+  EXPECT_THROW((void)load(wrong), error) << "two numbers for three triangles";
+  wrong = g;
+  wrong.json["meshes"][0]["primitives"][0]["extras"]["sightcell"]["clusters"] = positions;
+  EXPECT_THROW((void)load(wrong), error) << "no numbers of clusters";
+  wrong.json["meshes"][0]["primitives"][0]["extras"]["sightcell"] = {1, 2};  // extras may be of any type
+  EXPECT_TRUE(load(wrong).geometries[0].clusters.empty());
+}
+
 TEST(load_gltf, a_rest_that_is_no_whole_triangle_is_left_out) {
   gltf_sketch g;
   g.add_node({{"mesh", g.add_mesh(g.add_positions(std::vector<float>(5 * 3, 1.0f)))}});

@@ -12,7 +12,7 @@ namespace sightcell::bake {
 // ---- Profile --------------------------------------------------------------------------------------------------------
 
 // --profile: how much slack sets may have, which makes files smaller and lists of ranges shorter. Slack is invisible
-// polygons: pictures do not change.
+// polygons, or clusters in a file with clusters: pictures do not change.
 enum class slack_profile : std::uint8_t { exact, balanced, small };
 
 // As the command line and the settings text call them, in the order of the values.
@@ -39,12 +39,24 @@ enum class host_layout : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 2> host_layout_names = {"instanced", "merged"};
 
+// ---- Granularity ----------------------------------------------------------------------------------------------------
+
+// --granularity: what sets consist of.
+enum class set_granularity : std::uint8_t {
+  polygon,
+  cluster  // up to 128 triangles (meshlets), for hosts that draw whole clusters; rows are much smaller
+};
+inline constexpr std::array<std::string_view, 2> set_granularity_names = {"polygon", "cluster"};
+
 // ---- All of it ------------------------------------------------------------------------------------------------------
 
 struct file_settings {
   slack_profile profile = slack_profile::balanced;
   polygon_order_kind order = polygon_order_kind::per_mesh;  // per_mesh only, for host_layout::merged
   host_layout layout = host_layout::instanced;
+
+  // With clusters, those of scene::geometry::clusters where the host has given any.
+  set_granularity granularity = set_granularity::polygon;
 
   // --importance: stores how large a part of the view from its cell each polygon covers, in 16 classes. Not in the
   // settings text: the other sections of the file do not depend on it.

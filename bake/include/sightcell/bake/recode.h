@@ -1,6 +1,6 @@
 #pragma once
 // Writes a .pvs file again without a bake: in the current version of the format, with another profile, order or layout,
-// or with importance or names. bake.h has the conventions.
+// of clusters, or with importance or names. bake.h has the conventions.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -32,6 +32,14 @@ struct recode_settings {
   // the call.
   const scene::scene* layout_from = nullptr;
 
+  // cluster: sets of polygons become sets of clusters, which needs clusters_from. Bounds still hold, because a cluster
+  // is in a set if any of its polygons is. Sets of clusters cannot become sets of polygons again.
+  std::optional<set_granularity> granularity = {};
+
+  // The scene that was baked: its triangles are put into clusters, or the host has done that
+  // (scene::geometry::clusters). The caller keeps it during the call.
+  const scene::scene* clusters_from = nullptr;
+
   // The scene that was baked: geometry hashes and names are taken from it, as a bake with file_settings::names does.
   // Null keeps those that the file has. The caller keeps it during the call.
   const scene::scene* names_from = nullptr;
@@ -54,14 +62,14 @@ struct recode_result {
   bool cancelled = false;            // by on_progress; no file was written
 };
 
-// Checks a file and writes it again. Sets stay the same except for slack. Bounds and certificate stay, rounded up where
-// the old version has them more precisely. Importance stays; added slack has the least. The settings text of the new
-// file has the new profile, order and layout. A file of the current version for which only importance is measured keeps
-// all else, byte for byte.
+// Checks a file and writes it again. Sets stay the same except for slack and for polygons that fill clusters. Bounds
+// and certificate stay, rounded up where the old version has them more precisely. Importance stays; added slack has the
+// least. The settings text of the new file has the new profile, order, layout and granularity. A file of the current
+// version for which only importance is measured keeps all else, byte for byte.
 // file: the bytes of the .pvs file, of any version.
 // name: of the file, for messages.
 // output: the new file; may be the file that was read.
-// Fails with pvs.refused, pvs.broken, pvs.other-scene, recode.*; then no file has changed.
+// Fails with pvs.refused, pvs.broken, pvs.other-scene, scene.bad-field, recode.*; then no file has changed.
 // Cost: seconds for a file of thousands of cells; with importance, as much as rays of a bake. Uses all cores.
 recode_result recode(std::span<const std::byte> file, const std::string& name, const recode_settings& how,
                      const std::filesystem::path& output);

@@ -19,12 +19,13 @@ struct file_parts {
   std::vector<std::string> named_groups;
   std::vector<std::uint32_t> order_of_draw;
   std::vector<std::vector<std::uint32_t>> orders;
-  std::vector<box> cells;                // also for cells on a lattice or grid
-  std::optional<lattice_shape> lattice;  // where cells are on one
-  std::vector<lattice_place> places;     // one per cell on the lattice, else none
-  std::optional<lattice_shape> grid;     // the step, where cells are on a grid
-  std::vector<grid_box> grid_places;     // one per cell on the grid, else none
-  lattice_shape volume_shape;            // of each volume; set if there are volumes
+  std::vector<std::vector<std::uint32_t>> clusters;  // of a file with clusters: the polygons of each, by order
+  std::vector<box> cells;                            // also for cells on a lattice or grid
+  std::optional<lattice_shape> lattice;              // where cells are on one
+  std::vector<lattice_place> places;                 // one per cell on the lattice, else none
+  std::optional<lattice_shape> grid;                 // the step, where cells are on a grid
+  std::vector<grid_box> grid_places;                 // one per cell on the grid, else none
+  lattice_shape volume_shape;                        // of each volume; set if there are volumes
   std::vector<lattice_place> volumes;
   std::vector<certificate_record> certificate;
   std::vector<viewpoint_record> viewpoints;         // one per cell, or none

@@ -15,6 +15,12 @@ inline constexpr std::uint32_t oldest_version = 1;
 #else
 inline constexpr std::uint32_t oldest_version = 0;
 #endif
+// Whether files whose sets are of clusters are read. The module for pages rejects them, to be smaller.
+#ifdef SIGHTCELL_WITHOUT_CLUSTERS
+inline constexpr bool reads_clusters = false;
+#else
+inline constexpr bool reads_clusters = true;
+#endif
 
 // Sizes of the fixed records, in bytes.
 inline constexpr std::uint64_t header_size = 96;
@@ -70,6 +76,7 @@ inline constexpr std::uint32_t section_viewpoints = 12;    // since version 1; o
 inline constexpr std::uint32_t section_eyes = 13;          // since version 1; optional, and open skips it
 inline constexpr std::uint32_t section_borders = 14;       // since version 1; a file with smaller chunks requires it
 inline constexpr std::uint32_t section_identity = 15;      // since version 1; optional, and open skips it
+inline constexpr std::uint32_t section_clusters = 16;      // since version 1; a file with clusters requires it
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
 
@@ -111,6 +118,10 @@ inline constexpr std::uint32_t max_reference_depth = 2;  // row -> reference -> 
 
 // Regions of viewpoints.
 inline constexpr std::uint32_t max_region_depth = 18;  // of a leaf; the root has 0
+
+// Clusters.
+inline constexpr std::uint32_t max_cluster_polygons = 256;
+inline constexpr std::uint32_t max_order_run = 64;  // polygons of a run of an order, in a file with clusters
 
 // Eyes.
 inline constexpr std::uint32_t max_eyes = 8;               // of a cell

@@ -25,6 +25,7 @@
 
 #include "sightcell/format/cell_lattice.h"
 #include "sightcell/format/chunk_borders.h"
+#include "sightcell/format/cluster_table.h"
 #include "sightcell/format/grid_boxes.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/named_group_table.h"
@@ -36,8 +37,10 @@
 
 namespace sightcell::format {
 
-// The code tables of a file, in the caller's memory. Made by reader::make_codes, used by any number of threads.
+// The code tables of a file, and its clusters, in the caller's memory. Made by reader::make_codes, used by any number
+// of threads.
 struct row_codes;
+struct row_bounds;
 class importance_classes;  // importance_classes.h
 
 // One entry of the section table, for tools.
@@ -68,6 +71,7 @@ struct row_statistics {
   std::uint64_t polygons = 0;         // sum of the polygons of all cell sets
   std::uint64_t runs = 0;             // sum of runs of polygons in stored order
   std::uint64_t ranges = 0;           // sum of (draw, first, count) ranges
+  std::uint64_t clusters = 0;         // sum of the clusters of all cell sets; 0 for a file without clusters
   std::uint64_t volumes = 0;          // sum of the volumes of all cell sets
   std::uint64_t volume_runs = 0;      // sum of runs of volumes
   std::uint64_t delta_rows = 0;       // cells whose row is a difference
@@ -84,6 +88,7 @@ struct row_statistics {
   [[nodiscard]] double cells_per_chunk() const {
     return chunks == 0 ? 0.0 : static_cast<double>(cells) / static_cast<double>(chunks);
   }
+  [[nodiscard]] double clusters_per_cell() const { return per_cell(static_cast<double>(clusters)); }
   [[nodiscard]] double volumes_per_cell() const { return per_cell(static_cast<double>(volumes)); }
   [[nodiscard]] double volume_runs_per_cell() const { return per_cell(static_cast<double>(volume_runs)); }
 
@@ -183,6 +188,16 @@ class reader {
   // corrupt: there are two. For a paged file, the front contains them. O(bytes of the section).
   [[nodiscard]] status skipped_section(std::uint32_t id, std::span<const std::byte>& out) const noexcept;
 
+  // The clusters of a file whose sets are of clusters; clusters().exists() is false for most. A set contains whole
+  // clusters: decode_row converts them to runs of polygons.
+  [[nodiscard]] const cluster_table& clusters() const noexcept { return clusters_; }
+
+  // The number of clusters of all range units together; 0 for a file without clusters.
+  [[nodiscard]] std::uint32_t cluster_count() const noexcept { return cluster_count_; }
+
+  // Where the clusters of a file with clusters begin: a part of codes.
+  [[nodiscard]] static const cluster_borders& borders_of_clusters(const row_codes& codes) noexcept;
+
   // The volumes of the file, mostly none. In sets, volume v has the number polygon_count() + v.
   [[nodiscard]] const volume_table& volumes() const noexcept { return volumes_; }
 
@@ -214,7 +229,8 @@ class reader {
   // How a cell's row is stored. argument: no such cell; corrupt.
   status row(std::uint32_t cell, row_record& out) const noexcept;
 
-  // The size of the code tables (about 62,000 bytes; 0 in version 0). make_codes makes them in memory of this size at
+  // The size of the code tables (about 62,000 bytes, and with clusters 4 bytes for each cluster of an order and 12 for
+  // each range unit; 0 in version 0). make_codes makes them in memory of this size at
   // a multiple of 8, which must outlive their use. capacity: less memory; corrupt: invalid codes.
   [[nodiscard]] std::size_t codes_size() const noexcept;
   status make_codes(std::span<std::byte> memory, const row_codes*& out) const noexcept;
@@ -297,8 +313,14 @@ class reader {
   status check_stored(std::span<std::uint32_t> stored) const noexcept;
   status check_rows(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept;
 
-  // The numbers in sets: polygons, then volumes.
-  [[nodiscard]] std::uint32_t item_count() const noexcept { return facts_.polygon_count + volumes_.count(); }
+  // The numbers in rows: polygons, or clusters, then volumes.
+  [[nodiscard]] std::uint32_t column_count() const noexcept {
+    return clusters_.exists() ? cluster_count_ : facts_.polygon_count;
+  }
+  [[nodiscard]] std::uint32_t item_count() const noexcept { return column_count() + volumes_.count(); }
+  [[nodiscard]] row_bounds bounds() const noexcept;
+  status open_clusters() noexcept;
+  [[nodiscard]] bool fill_clusters(row_codes& codes, std::span<std::byte> memory) const noexcept;
   status decode_items(std::uint32_t cell, const row_codes* codes, std::span<run> out, std::span<std::byte> scratch,
                       std::size_t& count) const noexcept;
   status decode_items(std::uint32_t cell, std::span<const std::byte> chunk, const row_codes* codes, std::span<run> out,
@@ -333,16 +355,19 @@ class reader {
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
   extent draws_, cells_, rows_, directory_, certificate_, settings_, orders_, codes_, importance_, volume_bytes_,
-      named_group_bytes_, viewpoint_bytes_, border_bytes_;
+      named_group_bytes_, viewpoint_bytes_, border_bytes_, cluster_bytes_;
   bool has_importance_ = false;
   bool has_volumes_ = false;
   bool has_named_groups_ = false;
   bool has_viewpoints_ = false;
   bool has_borders_ = false;
+  bool has_clusters_ = false;
   chunk_borders chunks_;
   std::uint32_t cell_kind_ = layout::cells_are_boxes;
   cell_lattice lattice_;
   grid_boxes grid_;
+  cluster_table clusters_;
+  std::uint32_t cluster_count_ = 0;
   volume_table volumes_;
   named_group_table named_groups_;
   viewpoint_table viewpoints_;

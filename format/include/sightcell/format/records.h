@@ -96,7 +96,8 @@ struct file_facts {
   float max_pixel_error = 1.0f;  // largest upper bound of any cell; 1 if one has none
   float confidence = 0.95f;
   bool repeatable = true;  // false: a time limit or a signal ended the bake
-  float slack = 0.0f;      // invisible polygons in the sets as a share of the visible ones; 0: none
+  // Invisible polygons in the sets as a share of the visible ones; 0: none. With clusters, the share of clusters.
+  float slack = 0.0f;
   std::array<std::uint8_t, 16> scene_fingerprint{};
 };
 

@@ -37,6 +37,9 @@ struct stored_order {
   std::span<const std::uint32_t> order_of_draw;
   // Element i of an order: which polygon of the draw, or the draw group, in source order, is stored at index i.
   std::span<const std::vector<std::uint32_t>> orders;
+  // For a file whose sets are of clusters: the polygons of each cluster, 1 .. max_cluster_polygons, as they follow each
+  // other in each order. Empty: sets are of polygons.
+  std::span<const std::vector<std::uint32_t>> clusters{};
 };
 
 // Cells on a lattice, which take a tenth of the bytes of boxes. Positions ascend by lattice_comes_before.
@@ -97,8 +100,9 @@ struct file_contents {
   std::span<const std::string> node_names, mesh_names;
   std::string_view settings;  // JSON text of the settings that made the file; may be empty
   // The share of polygons that encode may add to each set, 0 .. 1, in steps of a millionth; 0: sets are stored as they
-  // are. encode chooses polygons that make the file smaller and (draw, first, count) ranges fewer. It removes none, and
-  // adds no volumes. facts.slack is the slack that the sets have already; the file has the sum of both.
+  // are. With clusters, the share of clusters; polygons that fill a cluster do not count. encode chooses polygons that
+  // make the file smaller and (draw, first, count) ranges fewer. It removes none, and adds no volumes. facts.slack is
+  // the slack that the sets have already; the file has the sum of both.
   double slack = 0.0;
   // About the most bytes of a chunk of rows that has more than one cell; above 0. Rows of 64 cells that are smaller
   // together are one chunk. A chunk may be a little larger, since its bytes are estimated before they are written.

@@ -68,6 +68,10 @@ struct geometry {
   std::vector<glm::vec2> uvs;          // of the base color, with its texture transform; empty, or one per position
   std::vector<std::uint32_t> indices;  // three per triangle; strips and fans are expanded
   std::vector<glm::u8vec4> colors{};   // linear, multiplied with the base color; empty, or one per position
+
+  // The host's clusters (meshlets): for each triangle the number of its cluster, which has at most 256; or empty. Used
+  // where the sets of a file are of clusters; not part of the fingerprint.
+  std::vector<std::uint32_t> clusters{};
 };
 
 // ---- Draws ----------------------------------------------------------------------------------------------------------
