@@ -154,6 +154,12 @@ void add_edit_options(CLI::App& verb, bake_options& o) {
                    "output itself. Includes --keep-records.")
       ->excludes("--shard");
   verb.get_option("--keep-records")->excludes("--shard");
+  verb.add_flag(
+          "--watch", o.watch,
+          "Keeps running and bakes again each time that the scene is saved: first a preview of the quality draft, "
+          "then the quality that is asked for. A save during a bake stops it. Ctrl-C ends.")
+      ->group(group)
+      ->excludes("--shard", "--since", "--time-budget");
 }
 
 // ---- With --help-all only
