@@ -33,7 +33,7 @@ struct bake_options {
   std::string order = std::string(bake::polygon_order_names[static_cast<std::size_t>(settings.file.order)]);
   std::string layout = std::string(bake::host_layout_names[static_cast<std::size_t>(settings.file.layout)]);
 
-  std::filesystem::path output, json_file, unseen_file, report_file;
+  std::filesystem::path output, json_file, unseen_file, report_file, embed_file;
   bool fresh = false, json = false, watch = false;
   std::string shard, progress = "auto";
   std::uint32_t phase = 1;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sightcell/base/error.h"
+#include "sightcell/scene/embed.h"
 
 namespace sightcell::cli {
 namespace {
@@ -46,6 +47,9 @@ void refuse_overwriting(const bake_options& options) {
   const auto is_same = [&](const std::filesystem::path& a, const std::filesystem::path& b) {
     return !a.empty() && std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
   };
+  for (const std::filesystem::path& other :
+       {options.output, options.json_file, options.unseen_file, options.report_file})
+    if (is_same(options.embed_file, other)) refuse(options.embed_file, "is both --embed and another output");
   if (is_same(options.json_file, options.output)) refuse(options.json_file, "is both -o and --json-file");
   if (is_same(options.unseen_file, options.output)) refuse(options.unseen_file, "is both -o and --report-unseen");
   if (is_same(options.unseen_file, options.json_file))
@@ -64,13 +68,19 @@ void refuse_bad_outputs(const bake_options& options) {
                 fs::is_directory(there) ? "is a folder" : "names no file", "choose a file as -o");
   for (const auto& [path, option] : {std::pair(options.json_file, "--json-file"),
                                      {options.unseen_file, "--report-unseen"},
-                                     {options.report_file, "--report"}}) {
+                                     {options.report_file, "--report"},
+                                     {options.embed_file, "--embed"}}) {
     if (path.empty()) continue;
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     const bool exists = fs::exists(path, ignored);
     if (fs::is_directory(path, ignored) || access(exists ? path.c_str() : folder.c_str(), W_OK) != 0)
       refuse_unwritable(path, option);
   }
+}
+
+void refuse_bad_embedding(const bake_options& options) {
+  const std::byte nothing{};
+  (void)scene::with_embedded(options.scenes.scene, {&nothing, 1}, options.output, options.embed_file);
 }
 
 }  // namespace sightcell::cli

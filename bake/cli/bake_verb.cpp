@@ -28,6 +28,7 @@ int run_bake(const bake_options& options) {
   }
   refuse_overwriting(options);
   refuse_bad_outputs(options);
+  if (!options.embed_file.empty()) refuse_bad_embedding(options);
   outlive_failed_writes();
   if (options.watch) return watch_bake(options);
   progress_line line(progress_mode_of(options.progress));
