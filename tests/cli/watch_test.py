@@ -174,6 +174,23 @@ class Watch(InRoom):
         running.until('waiting for')
         self.assertNotIn(read(output), files)
 
+    def test_kept_records_save_what_a_save_did_not_change(self):
+        files, output = self.baked([*FEW, '--source', 'cpu']), self.path('kept.pvs')
+        self.save(0)
+        running = Watcher(self, self.room, output, *FEW, '--source', 'cpu', '--keep-records')
+        running.until('waiting for')
+        self.save(1)
+        running.until('baked again: 1 of 1 cells')
+        running.until('waiting for')
+        self.assertEqual(read(output), files[1])
+        write_room(self.room, HEIGHTS[1], nodes=[{'mesh': 0, 'name': 'renamed'}, {'mesh': 0}])
+        running.until('baked again: 0 of 1 cells')
+        running.until('waiting for')
+        self.assertEqual(read(output), files[1])
+        self.assertEqual(running.end(signal.SIGINT), 0)
+        left = [n for n in os.listdir(self.folder) if n.startswith('kept.pvs.')]
+        self.assertEqual(left, ['kept.pvs.records'])
+
     def test_what_ends_it_at_the_beginning(self):
         output = self.path('no.pvs')
         _, err = self.expect(4, 'bake', self.path('missing.glb'), '-o', output, '--watch')
