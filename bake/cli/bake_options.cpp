@@ -44,6 +44,9 @@ void add_output_options(CLI::App& verb, bake_options& o) {
   add_plain_option(verb, group, "--report-unseen", o.unseen_file, "FILE.json",
                    "Writes the polygons that are in the set of no cell to this file, by object, those with the most "
                    "first: what a level could do without. sightcell strip does so later.");
+  add_plain_option(verb, group, "--embed", o.embed_file, "SCENE",
+                   "Also writes the scene with the result: a .glb contains the .pvs file, a .gltf names it. May be the "
+                   "scene itself.");
   add_plain_option(verb, group, "--report", o.report_file, "FILE.html",
                    "Writes a page about the bake and its file, for people. sightcell report does so later.");
 }
@@ -138,7 +141,7 @@ void add_machine_options(CLI::App& verb, bake_options& o) {
   add_plain_option(verb, group, "--shard", o.shard, "I/N",
                    "Bakes part I of N on this machine, with I from 0 to N - 1; sightcell merge joins the parts. array "
                    "and array/N take I from the array of a Slurm, Kubernetes or AWS Batch job.")
-      ->excludes("--report-unseen", "--report");
+      ->excludes("--report-unseen", "--report", "--embed");
   verb.add_flag("--fresh", o.fresh, "Discards an unfinished bake of the same output instead of resuming it.")
       ->group(group);
 }
@@ -154,6 +157,12 @@ void add_edit_options(CLI::App& verb, bake_options& o) {
                    "output itself. Includes --keep-records.")
       ->excludes("--shard");
   verb.get_option("--keep-records")->excludes("--shard");
+  verb.add_flag(
+          "--watch", o.watch,
+          "Keeps running and bakes again each time that the scene is saved: first a preview of the quality draft, "
+          "then the quality that is asked for. A save during a bake stops it. Ctrl-C ends.")
+      ->group(group)
+      ->excludes("--shard", "--since", "--time-budget", "--embed");
 }
 
 // ---- With --help-all only

@@ -35,8 +35,8 @@ struct bake_options {
       std::string(bake::set_granularity_names[static_cast<std::size_t>(settings.file.granularity)]);
   std::string layout = std::string(bake::host_layout_names[static_cast<std::size_t>(settings.file.layout)]);
 
-  std::filesystem::path output, json_file, unseen_file, report_file;
-  bool fresh = false, json = false;
+  std::filesystem::path output, json_file, unseen_file, report_file, embed_file;
+  bool fresh = false, json = false, watch = false;
   std::string shard, progress = "auto";
   std::uint32_t phase = 1;
 };

@@ -1,231 +1,25 @@
 // sightcell bake SCENE -o FILE.pvs
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <chrono>
-#include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "bake_options.h"
+#include "bake_outputs.h"
+#include "bake_run.h"
 #include "console.h"
-#include "exit_codes.h"
 #include "help.h"
-#include "number_text.h"
-#include "phase_times.h"
-#include "progress_line.h"
-#include "pvs_file.h"
-#include "report/write_report.h"
-#include "safety_ring_text.h"
 #include "shard_option.h"
-#include "sightcell/bake/bake.h"
-#include "sightcell/bake/shards.h"
-#include "sightcell/bake/unseen.h"
-#include "sightcell/base/error.h"
-#include "sightcell/scene/scene.h"
 #include "stop_signals.h"
-#include "unseen_report.h"
 #include "verbs.h"
+#include "watch/watch_bake.h"
 
 namespace sightcell::cli {
 
 namespace {
 
-progress_mode mode_of(const std::string& name) {
-  if (name == "json") return progress_mode::json;
-  return name == "none" ? progress_mode::none : progress_mode::automatic;
-}
-
-// Null without --since.
-nlohmann::ordered_json rebaked_json(const bake::summary& sum) {
-  if (!sum.rebaked) return nullptr;
-  return {{"cells", sum.rebaked->count()},
-          {"changed_polygon", sum.rebaked->changed_polygon},
-          {"something_new", sum.rebaked->something_new},
-          {"neighbors", sum.rebaked->neighbors},
-          {"new", sum.rebaked->is_new}};
-}
-
-nlohmann::ordered_json summary_json(const bake_options& options, const scene::scene& s, const bake::summary& sum,
-                                    const phase_times& phases) {
-  const char* const results[] = {"done", "bound_not_met", "cancelled"};
-  return {{"result", results[static_cast<int>(sum.result)]},
-          {"output", options.output.string()},
-          {"polygons", s.polygon_count},
-          {"cells", sum.cells},
-          {"cells_left_out", sum.cells_left_out},
-          {"cells_over_bound", sum.cells_over_bound},
-          {"cells_out_of_time", sum.cells_out_of_time},
-          {"cells_unreached", sum.cells_unreached},
-          {"cells_resumed", sum.cells_resumed},
-          {"cells_rebaked", rebaked_json(sum)},
-          {"visible_set_percent", sum.visible_percent},
-          {"metric", options.metric.metric},
-          {"volumes", sum.volumes},
-          {"volumes_per_cell", sum.volumes_per_cell},
-          {"unseen_per_cell", sum.unseen_per_cell},
-          {"unseen_percent", sum.unseen_percent},
-          {"max_upper_bound", sum.max_upper_bound},
-          {"cpu_seconds", sum.cpu_seconds},
-          {"cell_seconds",
-           {{"cells", sum.times.cells},
-            {"median", sum.times.median},
-            {"percentile_99", sum.times.percentile_99},
-            {"longest", sum.times.longest},
-            {"longest_center", sum.times.center}}},
-          {"phases", phases.json()},
-          {"bytes", sum.bytes},
-          {"source", sum.source},
-          {"device", sum.device},
-          {"seed", options.settings.seed}};
-}
-
-std::string rebaked_text(const bake::rebaked_cells& cells, double cpu_seconds) {
-  return fmt::format(
-      "baked again: {} of {} cells ({} saw what changed, {} could see something new, {} beside such cells, {} new), {} of "
-      "CPU time",
-      grouped(cells.count()), grouped(cells.count() + cells.kept), grouped(cells.changed_polygon),
-      grouped(cells.something_new), grouped(cells.neighbors), grouped(cells.is_new), duration_text(cpu_seconds));
-}
-
-[[noreturn]] void refuse_unwritable(const std::filesystem::path& path, const char* option) {
-  throw error(error_kind::failed, "cli.not-writable", path.string(), "cannot be written",
-              fmt::format("choose a {} in a folder that exists and can be written", option));
-}
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text << '\n';
-  out.close();
-  if (out) return;
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(path, ignored))
-    std::filesystem::remove(path, ignored);  // half of it helps nobody
-  refuse_unwritable(path, "--json-file");
-}
-
-// A file that the bake writes must not be one that it reads, or another one that it writes.
-void refuse_overwriting(const bake_options& options) {
-  const auto refuse = [](const std::filesystem::path& output, const char* what) {
-    throw error(error_kind::wrong_use, "cli.output-is-input", output.string(), what, "choose another name");
-  };
-  std::error_code ignored;
-  for (const std::filesystem::path& output : {options.output, options.json_file, options.unseen_file, options.report_file}) {
-    for (const std::filesystem::path& scene : {options.scenes.scene, options.scenes.cells_from})
-      if (std::filesystem::equivalent(scene, output, ignored)) refuse(output, "is the scene itself");
-    if (std::filesystem::equivalent(options.cells_file, output, ignored)) refuse(output, "is the cells file");
-    if (std::filesystem::equivalent(options.path_file, output, ignored)) refuse(output, "is the file of paths");
-    if (std::filesystem::equivalent(options.misses_file, output, ignored)) refuse(output, "is the file of misses");
-  }
-  const auto is_same = [&](const std::filesystem::path& a, const std::filesystem::path& b) {
-    return !a.empty() && std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
-  };
-  if (is_same(options.json_file, options.output)) refuse(options.json_file, "is both -o and --json-file");
-  if (is_same(options.unseen_file, options.output)) refuse(options.unseen_file, "is both -o and --report-unseen");
-  if (is_same(options.unseen_file, options.json_file))
-    refuse(options.unseen_file, "is both --json-file and --report-unseen");
-  for (const std::filesystem::path& other : {options.output, options.json_file, options.unseen_file})
-    if (is_same(options.report_file, other)) refuse(options.report_file, "is both --report and another output");
-}
-
-// What could not be written after hours is refused before.
-void refuse_bad_outputs(const bake_options& options) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  const fs::file_status there = fs::status(options.output, ignored);
-  if (!options.output.has_filename() || (fs::exists(there) && !fs::is_regular_file(there)))
-    throw error(error_kind::failed, "output.io", options.output.string(),
-                fs::is_directory(there) ? "is a folder" : "names no file", "choose a file as -o");
-  for (const auto& [path, option] :
-       {std::pair(options.json_file, "--json-file"),
-                                      {options.unseen_file, "--report-unseen"},
-                                      {options.report_file, "--report"}}) {
-    if (path.empty()) continue;
-    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    const bool exists = fs::exists(path, ignored);
-    if (fs::is_directory(path, ignored) || access(exists ? path.c_str() : folder.c_str(), W_OK) != 0)
-      refuse_unwritable(path, option);
-  }
-}
-
-int report_shard(const std::filesystem::path& target, const bake::summary& sum, progress_line& line) {
-  if (sum.result == bake::outcome::cancelled) {
-    line.message(fmt::format("stopped: the same command resumes; finished cells are in {}.bake", target.string()));
-    return exit_cancelled;
-  }
-  line.message(fmt::format("{}: {} cells ({} were there), {} of CPU time", target.string(), grouped(sum.cells),
-                           grouped(sum.cells_resumed), duration_text(sum.cpu_seconds)));
-  return exit_done;
-}
-
-// Without a limit of time there is one reason: the rays of a cell were spent.
-std::string why_over_bound(const bake::settings& how, const bake::summary& sum) {
-  if (how.time_budget == 0.0 && sum.cells_out_of_time == 0) return "";
-  const std::uint32_t out_of_rays = sum.cells_over_bound - sum.cells_out_of_time;
-  return fmt::format(", {} because {} was spent{}", grouped(sum.cells_out_of_time),
-                     how.time_budget > 0.0 ? "--time-budget" : "--seconds-per-cell",
-                     out_of_rays > 0 ? fmt::format(" and {} because their rays were", grouped(out_of_rays)) : "");
-}
-
-int report(const bake_options& options, const bake::settings& how, const bake::summary& sum, progress_line& line) {
-  if (sum.result == bake::outcome::cancelled) {
-    line.message(fmt::format("stopped: the same command resumes; {} are in {}.bake{}",
-                             how.time_budget > 0.0 ? "cells and what they have come to" : "finished cells",
-                             options.output.string(),
-                             sum.bytes > 0 ? ", and " + options.output.string() + " holds them" : ""));
-    return exit_cancelled;
-  }
-  line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
-                           options.output.string(), grouped(sum.cells), grouped(sum.bytes), sum.visible_percent,
-                           duration_text(sum.cpu_seconds), how.seed));
-  if (sum.rebaked) line.message(rebaked_text(*sum.rebaked, sum.cpu_seconds));
-  if (sum.times.cells > 0)
-    line.message(fmt::format(
-        "time per cell: median {:.2g} s, 99 % of cells at most {:.2g} s, slowest {:.2g} s (center {:.1f}, {:.1f}, {:.1f})",
-        sum.times.median, sum.times.percentile_99, sum.times.longest, sum.times.center[0], sum.times.center[1],
-        sum.times.center[2]));
-  if (sum.volumes > 0)
-    line.message(fmt::format("{} volumes of {:g} m, {:.0f} seen per cell", grouped(sum.volumes), how.volumes,
-                             sum.volumes_per_cell));
-  if (how.safety_ring != bake::safety_ring::none) line.message(safety_ring_text(sum));
-  if (how.max_pixel_error > 0.0)
-    line.message(fmt::format("largest bound of a cell's {}: {:.2e} (asked for {:g})", error_name(how.metric),
-                             sum.max_upper_bound, how.max_pixel_error));
-  if (sum.result == bake::outcome::bound_not_met) {
-    line.message(fmt::format("{} of {} cells are above --max-pixel-error {:g}{}; the file is complete and says so",
-                             grouped(sum.cells_over_bound), grouped(sum.cells), how.max_pixel_error,
-                             why_over_bound(how, sum)));
-    return exit_bound_not_met;
-  }
-  return exit_done;
-}
-
-void report_unseen(const bake_options& options, const scene::scene& s, progress_line& line) {
-  const pvs_file file = pvs_file::open(options.output);
-  const bake::unseen_polygons found = bake::find_unseen(s, file.bytes(), options.output.string());
-  for (const std::string& warning : found.warnings) line.message("warning: " + warning);
-  write_unseen_report(found, options.unseen_file);
-  line.message(fmt::format("{}: {}", unseen_text(found), options.unseen_file.string()));
-}
-
-void report_on_page(const bake_options& options, const scene::scene& s, const scene::scene* of_cells,
-                    const bake::summary& sum, const nlohmann::ordered_json& result, progress_line& line) {
-  report_request request;
-  request.scene = options.scenes.scene;
-  request.file = options.output;
-  request.output = options.report_file;
-  request.bake = result;
-  request.summary = &sum;
-  write_report(s, of_cells, pvs_file::open(options.output), request, line);
-}
-
 int run_bake(const bake_options& options) {
-  const auto began = std::chrono::steady_clock::now();
   bake::settings how = settings_of(options);  // fails before minutes of loading
   std::optional<bake::shard> part;
   if (!options.shard.empty()) {
@@ -234,49 +28,14 @@ int run_bake(const bake_options& options) {
   }
   refuse_overwriting(options);
   refuse_bad_outputs(options);
+  if (!options.embed_file.empty()) refuse_bad_embedding(options);
   outlive_failed_writes();
-  progress_line line(mode_of(options.progress));
-  line.loading(options.scenes.scene);
-  const scene::scene s = scene::load_gltf(options.scenes.scene, how.scene);
-  for (const std::string& warning : s.warnings) line.message("warning: " + warning);
-  line.message(fmt::format("{}: {} polygons in {} draws", s.name, grouped(s.polygon_count), grouped(s.draws.size())));
-  const std::optional<scene::scene> of_cells = load_scene_of_cells(options.scenes, line);
-  if (of_cells) how.cells_from = &*of_cells;
-
-  how.time_spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  if (options.watch) return watch_bake(options);
+  progress_line line(progress_mode_of(options.progress));
+  const bake_input input = load_input(options, std::move(how), line);
   const stop_signals signals;
-  bake::callbacks events;
-  events.on_progress = [&](const bake::progress& now) {
-    const bool stop = signals.asked();
-    if (stop)
-      line.stopping(now);
-    else
-      line.update(now);
-    return !stop;
-  };
-  phase_times phases;
-  events.on_phase = [&](bake::bake_phase phase) {
-    line.phase(phase);
-    phases.begin(phase);
-  };
-  events.on_stopping = [&](const bake::progress& now) { line.stopping(now); };
-  events.on_message = [&line](bake::severity how_bad, const std::string& text) {
-    line.message(how_bad == bake::severity::warning ? "warning: " + text : text);
-  };
-  const bake::summary sum = part ? bake::bake_shard(s, how, options.output, *part, options.fresh, events)
-                                 : bake::bake(s, how, options.output, options.fresh, events);
-  phases.end();
-  line.end();
-  const int code =
-      part ? report_shard(bake::shard_file(options.output, *part), sum, line) : report(options, how, sum, line);
-  if (!options.unseen_file.empty() && sum.result != bake::outcome::cancelled) report_unseen(options, s, line);
-  const nlohmann::ordered_json result = summary_json(options, s, sum, phases);
-  if (!options.report_file.empty() && sum.result != bake::outcome::cancelled)
-    report_on_page(options, s, of_cells ? &*of_cells : nullptr, sum, result, line);
-  const std::string text = result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  if (!options.json_file.empty()) write_text(options.json_file, text);
-  if (options.json) fmt::print("{}\n", text);
-  return code;
+  return bake_and_report(options, input, input.how, options.fresh, part ? &*part : nullptr, line,
+                         [&] { return signals.asked(); });
 }
 
 }  // namespace

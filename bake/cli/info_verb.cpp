@@ -70,8 +70,14 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
 
 int run_info(const info_options& options) {
   const std::optional<pvs_file> pvs = pvs_file::open_if_pvs(options.path);
-  const ordered_json info =
-      pvs ? file_info(*pvs, options.path.string()) : scene_info(scene::load_gltf(options.path, options.scene));
+  ordered_json info;
+  if (pvs) {
+    info = file_info(*pvs, options.path.string());
+  } else {
+    const scene::scene s = scene::load_gltf(options.path, options.scene);
+    info = scene_info(s);
+    add_embedded(options.path, s, info);
+  }
   if (options.json)
     fmt::print("{}\n", info.dump(2, ' ', false, ordered_json::error_handler_t::replace));
   else if (pvs)

@@ -61,6 +61,10 @@ pvs_file pvs_file::open(const std::filesystem::path& path) {
   return {path, read_bytes(path)};
 }
 
+pvs_file pvs_file::of_bytes(const std::filesystem::path& path, std::vector<std::byte> bytes) {
+  return {path, std::move(bytes)};
+}
+
 format::row_statistics pvs_file::statistics() const {
   format::row_statistics sums;
   check(sets().statistics(sums));

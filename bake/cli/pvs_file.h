@@ -22,6 +22,9 @@ class pvs_file {
   // Throws as well when it is no .pvs file.
   static pvs_file open(const std::filesystem::path& path);
 
+  // Of bytes that are in memory. path: for messages.
+  static pvs_file of_bytes(const std::filesystem::path& path, std::vector<std::byte> bytes);
+
   const format::reader& content() const { return reader_; }
   std::span<const std::byte> bytes() const { return bytes_; }
   std::uint64_t size() const { return bytes_.size(); }

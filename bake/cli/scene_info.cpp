@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "number_text.h"
+#include "pvs_file.h"
 #include "sightcell/bake/inspect.h"
+#include "sightcell/base/error.h"
+#include "sightcell/scene/embed.h"
 
 namespace sightcell::cli {
 
@@ -163,6 +167,14 @@ std::string extensions_text(const ordered_json& extensions) {
   return text.empty() ? "none" : text;
 }
 
+std::string embedded_text(const ordered_json& embedded) {
+  const std::string where = embedded["uri"].is_null()
+                                ? fmt::format("buffer view {}", embedded["buffer_view"].get<std::uint32_t>())
+                                : embedded["uri"].get<std::string>();
+  return fmt::format("{}, {} bytes, {} cells, of {} scene", where, grouped(embedded["bytes"]),
+                     grouped(embedded["cells"]), embedded["same_scene"].get<bool>() ? "this" : "another");
+}
+
 }  // namespace
 
 ordered_json scene_info(const scene::scene& s) {
@@ -189,6 +201,23 @@ ordered_json scene_info(const scene::scene& s) {
           {"warnings", warnings}};
 }
 
+void add_embedded(const std::filesystem::path& path, const scene::scene& s, ordered_json& info) {
+  info["embedded"] = nullptr;
+  try {
+    std::optional<scene::embedded_pvs> found = scene::read_embedded(path);
+    if (!found) return;
+    const pvs_file file = pvs_file::of_bytes(path, std::move(found->bytes));
+    const bool in_view = found->buffer_view != scene::no_index;
+    info["embedded"] = {{"buffer_view", in_view ? ordered_json(found->buffer_view) : ordered_json()},
+                        {"uri", in_view ? ordered_json() : ordered_json(found->uri)},
+                        {"bytes", file.size()},
+                        {"cells", file.content().cell_count()},
+                        {"same_scene", file.content().facts().scene_fingerprint == s.fingerprint}};
+  } catch (const error& e) {
+    info["warnings"].push_back(e.what());
+  }
+}
+
 void print_scene_info(const std::filesystem::path& path, const ordered_json& info) {
   fmt::print("{}: {} polygons, {} draws, {} instances\n", path.string(), grouped(info["polygons"]),
              grouped(info["draws"]), grouped(info["instances"]));
@@ -204,6 +233,7 @@ void print_scene_info(const std::filesystem::path& path, const ordered_json& inf
   if (info["lod_objects"] != 0) fmt::print("  levels of detail   {} objects\n", grouped(info["lod_objects"]));
   fmt::print("  extensions         {}\n", extensions_text(info["extensions"]));
   fmt::print("  fingerprint        {}\n", info["fingerprint"].get<std::string>());
+  if (info["embedded"].is_object()) fmt::print("  .pvs file          {}\n", embedded_text(info["embedded"]));
   for (const ordered_json& warning : info["warnings"])
     fmt::print("  warning            {}\n", warning.get<std::string>());
 }

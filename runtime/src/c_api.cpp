@@ -14,6 +14,7 @@
 #include "debug_lines.h"
 #include "draw_importance.h"
 #include "draw_match.h"
+#include "embedded_pvs.h"
 #include "file_input.h"
 #include "index_list.h"
 #include "memory.h"
@@ -58,6 +59,20 @@ bool take_allocator(const sightcell_allocator* given, sightcell_allocator& out) 
   return out.alloc != nullptr && out.release != nullptr;
 }
 
+// Of a .glb, keeps the .pvs file in it alone. On failure the block is as it was.
+sightcell_status keep_embedded_pvs(const sightcell_allocator& mem, runtime::file_block& file) noexcept {
+  std::span<const std::byte> part;
+  const sightcell_status s = runtime::find_embedded_pvs(
+      {static_cast<const std::byte*>(file.bytes), static_cast<std::size_t>(file.size)}, part);
+  if (s != SIGHTCELL_OK || part.size() == file.size) return s;
+  const runtime::file_block alone{runtime::allocate(mem, part.size()), part.size()};
+  if (alone.bytes == nullptr) return SIGHTCELL_ERR_MEMORY;
+  std::memcpy(alone.bytes, part.data(), part.size());
+  runtime::release(mem, file.bytes, file.size);
+  file = alone;
+  return SIGHTCELL_OK;
+}
+
 // The checks of all list functions. OK: dst has room for need elements.
 sightcell_status check_room(const void* dst, std::size_t capacity, std::uint64_t need, std::size_t* count) noexcept {
   if (count == nullptr || (dst == nullptr && capacity > 0)) return SIGHTCELL_ERR_ARGUMENT;
@@ -95,7 +110,11 @@ sightcell_status sightcell_db_open(const void* bytes, size_t size, const sightce
   *out = nullptr;
   sightcell_allocator allocator;
   if ((bytes == nullptr && size > 0) || !take_allocator(mem, allocator)) return SIGHTCELL_ERR_ARGUMENT;
-  return sightcell_db::open({static_cast<const std::byte*>(bytes), size}, allocator, nullptr, out);
+  std::span<const std::byte> file;
+  if (const sightcell_status s = runtime::find_embedded_pvs({static_cast<const std::byte*>(bytes), size}, file);
+      s != SIGHTCELL_OK)
+    return s;
+  return sightcell_db::open(file, allocator, nullptr, out);
 }
 
 sightcell_status sightcell_db_open_file(const char* path, const sightcell_allocator* mem, sightcell_db** out) {
@@ -104,9 +123,11 @@ sightcell_status sightcell_db_open_file(const char* path, const sightcell_alloca
   sightcell_allocator allocator;
   if (path == nullptr || !take_allocator(mem, allocator)) return SIGHTCELL_ERR_ARGUMENT;
   runtime::file_block file;
-  if (const sightcell_status s = runtime::read_file(path, allocator, file); s != SIGHTCELL_OK) return s;
+  sightcell_status s = runtime::read_file(path, allocator, file);
+  if (s != SIGHTCELL_OK) return s;
+  s = keep_embedded_pvs(allocator, file);
   const std::span bytes(static_cast<const std::byte*>(file.bytes), static_cast<std::size_t>(file.size));
-  const sightcell_status s = sightcell_db::open(bytes, allocator, file.bytes, out);
+  if (s == SIGHTCELL_OK) s = sightcell_db::open(bytes, allocator, file.bytes, out);
   if (s != SIGHTCELL_OK) runtime::release(allocator, file.bytes, file.size);
   return s;
 }

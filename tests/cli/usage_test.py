@@ -30,11 +30,11 @@ class Usage(InRoom):
     def test_help_of_bake_has_what_most_users_need_and_two_examples(self):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
-            '-o', '--profile', '--layout', '--volumes', '--importance', '--names', '--report-unseen', '--report',
+            '-o', '--profile', '--layout', '--volumes', '--importance', '--names', '--report-unseen', '--embed', '--report',
             '--cells-file', '--cells-grid', '--reach',
             '--start', '--fly', '--path', '--cell-size', '--most-cells', '--merge-cells', '--cell-limit', '--margin',
             '--quality', '--max-pixel-error', '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',
-            '--threads', '--memory', '--shard', '--fresh', '--keep-records', '--since', '--help-all'])
+            '--threads', '--memory', '--shard', '--fresh', '--keep-records', '--since', '--watch', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),
                          ['Output', 'Cells', 'Quality', 'Scene rules', 'Time and machines', 'Edits', 'Help',
                           'Examples'])
@@ -97,7 +97,7 @@ class Usage(InRoom):
             self.assert_one_error_line(err, 'cli.wrong-use')
 
     def test_options_of_later_versions_are_unknown(self):
-        for option in ('--summary=x', '--watch=x'):
+        for option in ('--summary=x', '--watched=x'):
             _, err = self.expect(2, 'bake', self.room, '-o', self.path('no.pvs'), option)
             self.assert_one_error_line(err, 'cli.wrong-use')
 

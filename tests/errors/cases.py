@@ -21,6 +21,7 @@ UNIT_TESTS = {
     'checkpoint.other-version': 'tests/unit/bake/checkpoint/checkpoint_test.cpp',
     'cli.memory': 'tests/unit/cli/run_action_test.cpp',
     'cli.unexpected': 'tests/unit/cli/run_action_test.cpp',
+    'embed.too-large': 'tests/unit/scene/embed_test.cpp',
     'gl.bind': 'tests/unit/picture/gl_context_test.cpp',
     'gl.error': 'tests/unit/picture/gl_context_test.cpp',
     'gl.lost': 'tests/unit/picture/gl_context_test.cpp',
@@ -341,6 +342,18 @@ def glb(*chunks, version=2, length=None):
     return struct.pack('<4sII', b'glTF', version, 12 + len(body) if length is None else length) + body
 
 
+def embed_elsewhere(folder):
+    os.makedirs(os.path.join(folder, 'elsewhere'), exist_ok=True)
+    return Call(bake(folder, '--embed', os.path.join(folder, 'elsewhere', 's.gltf')), 'out.pvs')
+
+
+def embed_in_empty_glb(folder):
+    """The scene names its buffer."""
+    text = b'{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"a.bin"}]}'
+    path = write(folder, 'named.glb', glb((b'JSON', text)))
+    return Call(bake(folder, '--embed', path, scene_file=path), path)
+
+
 def set_in(*path, value):
     """A change: the value at the path of keys and indices; None removes the key."""
     def change(made):
@@ -428,6 +441,8 @@ CASES = [
     ('cli.wrong-use', 2, in_folder('fly', named='fly')),
     ('cli.wrong-use', 2, in_folder('bake', 'x.glb', '-o', 'x.pvs', '--samples', 'many', named='--samples')),
     ('diff.other-scene', 4, diff_of_two_scenes),
+    ('embed.outside-folder', 4, embed_elsewhere),
+    ('embed.separate-buffers', 4, embed_in_empty_glb),
     ('gl.no-context', 1, lambda f: Call(bake(f, '--source', 'gpu'), 'OpenGL', environment={
         '__EGL_VENDOR_LIBRARY_DIRS': f, '__EGL_VENDOR_LIBRARY_FILENAMES': ''})),
     ('hemicube.far-plane', 4, lambda f: Call(bake(f, scene_file=scene(f, scale=1e-5)), 'scene')),

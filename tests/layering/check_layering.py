@@ -74,6 +74,7 @@ ALLOWED = {
     'bake/cli/console.cpp': ['unistd.h', 'fcntl.h', 'sys/ioctl.h'],
     'bake/cli': BAKE + SCENE + PICTURE + FORMAT_READ + ['sightcell/format/set_reader.h', 'CLI/', 'fmt/', 'nlohmann/',
                                                        'unistd.h'],
+    'bake/cli/watch/input_watch.cpp': BASE + ['poll.h', 'sys/inotify.h', 'unistd.h'],
     'bake/cli/report/data_uri.cpp': ['webp/', 'sightcell/picture/'],
     'samples': RUNTIME + SCENE + PICTURE + ['CLI/', 'fmt/', 'nlohmann/', 'stb_image_write.h'] + GL,
     'samples/hello_cull': RUNTIME,  # C, and nothing else: it is what a host writes

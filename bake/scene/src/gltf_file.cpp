@@ -153,6 +153,16 @@ bool has_uri_scheme(const std::string& uri) {
   return colon != std::string::npos && uri.find('/') > colon;
 }
 
+// Returns the path of a relative URI from the scene's folder; nothing if it is outside. Lexical on purpose: a symbolic
+// link was made by the user, "../.." comes from the file.
+std::optional<std::filesystem::path> path_in_folder(const std::string& uri) {
+  const auto decoded = percent_decoded(uri);
+  std::filesystem::path relative = std::filesystem::path(decoded.value_or("")).lexically_normal();
+  if (!decoded || relative.empty() || relative.is_absolute() || relative.has_root_name() || *relative.begin() == "..")
+    return std::nullopt;
+  return relative;
+}
+
 }  // namespace
 
 gltf_source source_of(const std::filesystem::path& path) {
@@ -178,6 +188,12 @@ gltf_file split_gltf(std::span<const std::uint8_t> bytes, const std::string& nam
   return out;
 }
 
+std::optional<std::filesystem::path> file_of_uri(const gltf_source& scene, const std::string& uri) {
+  if (!scene.folder || has_uri_scheme(uri)) return std::nullopt;
+  const auto relative = path_in_folder(uri);
+  return relative ? std::optional(*scene.folder / *relative) : std::nullopt;
+}
+
 std::vector<std::uint8_t> read_resource(const gltf_source& scene, const std::string& uri, const std::string& what,
                                         std::optional<std::uint64_t> size) {
   const std::string& name = scene.name;
@@ -192,14 +208,12 @@ std::vector<std::uint8_t> read_resource(const gltf_source& scene, const std::str
            what + " is at \"" + printable(uri) + "\", but the scene is in memory and has no folder",
            "name the folder of its resources, or put them into the scene");
   }
-  const auto decoded = percent_decoded(uri);
-  const std::filesystem::path relative = std::filesystem::path(decoded.value_or("")).lexically_normal();
-  // Lexical on purpose: a symbolic link was made by the user, "../.." comes from the file.
-  if (!decoded || relative.empty() || relative.is_absolute() || relative.has_root_name() || *relative.begin() == "..") {
+  const auto relative = path_in_folder(uri);
+  if (!relative) {
     refuse(name, "scene.outside-folder", what + " is at \"" + printable(uri) + "\", outside the scene's folder",
            "put it beside the scene and use a relative URI");
   }
-  return read_bytes(*scene.folder / relative, name, what + " (" + printable(uri) + ")", size);
+  return read_bytes(*scene.folder / *relative, name, what + " (" + printable(uri) + ")", size);
 }
 
 }  // namespace sightcell::scene

@@ -30,6 +30,9 @@ std::vector<std::uint8_t> read_scene_bytes(const std::filesystem::path& path);
 // Splits container and text; a .glb is recognized by its magic number. Throws sightcell::error.
 gltf_file split_gltf(std::span<const std::uint8_t> bytes, const std::string& name);
 
+// Returns the file that a URI names; nothing for data URIs and for what read_resource() rejects.
+std::optional<std::filesystem::path> file_of_uri(const gltf_source& scene, const std::string& uri);
+
 // Returns the bytes of a URI: data:...;base64 or a file at or below the scene's folder.
 // what: the name of the resource for messages, such as "buffers[0]".
 // size: number of bytes needed; throws sightcell::error before reading if the resource has fewer. Empty: all of it.

@@ -134,6 +134,14 @@ void drop_extensions(json& document, const std::set<std::string>& before) {
   }
 }
 
+// A .pvs file of the scene is of its polygons and not of those that are left.
+void drop_embedded_pvs(json& document) {
+  const auto extras = document.find("extras");
+  if (extras == document.end() || !extras->is_object()) return;
+  const auto marks = extras->find("sightcell");
+  if (marks != extras->end() && marks->is_object()) marks->erase("pvs");
+}
+
 }  // namespace
 
 struct gltf_stripper::state {
@@ -187,6 +195,7 @@ stripped_scene gltf_stripper::strip(const std::vector<bool>& unwanted, std::vect
   const scene& s = state_->content;
   const kept_triangles kept = triangle_choice(s, *state_->root, *state_->table).choose(unwanted, warnings);
   json document = state_->document;
+  drop_embedded_pvs(document);
   const added_accessors added = strip_meshes(document, *state_->root, *state_->table, kept);
   carried_materials materials =
       carry_materials(state_->document, *state_->root, state_->source, *state_->table, warnings);

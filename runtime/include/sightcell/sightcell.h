@@ -298,12 +298,14 @@ SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
 
 /* Opens a file that is in memory. Checks all of it but the sets: the first use of a set checks those of its chunk.
- * bytes: the whole file, at any alignment. The db refers to them: the caller keeps them until sightcell_db_close.
+ * bytes: the whole file, at any alignment. The db refers to them: the caller keeps them until sightcell_db_close. A .glb
+ *   that contains a .pvs file (sightcell bake --embed) will do. The WebAssembly module opens no .glb.
  * size: of the file, in bytes.
  * mem: copied. NULL means malloc and free.
  * out: receives the db, or NULL on failure.
- * Fails with MEMORY, NOT_OURS, VERSION, TRUNCATED, CHECKSUM, CORRUPT, LIMIT.
- * Cost: one pass over all but the sets. One allocation: 40 to 60 bytes per cell (48 per 8 x 8 positions for cells on a
+ * Fails with MEMORY, NOT_OURS, VERSION, TRUNCATED, CHECKSUM, CORRUPT, LIMIT, and with ABSENT for a .glb without a .pvs
+ *   file.
+ * Cost: one pass over all but the sets, and of a .glb one or two over its JSON. One allocation: 40 to 60 bytes per cell (48 per 8 x 8 positions for cells on a
  *   lattice, so 0.75 per cell at best), 16 per draw (merged: 4 per draw and 20 per draw group), 4 per polygon of a
  *   primitive whatever the number of its instances (merged: 4 per polygon), 4 per volume plus 50 to 100 per block of
  *   4 x 4 x 4 volumes, and 62,000 for code tables. */
@@ -311,7 +313,7 @@ SIGHTCELL_API sightcell_status sightcell_db_open(const void* bytes, size_t size,
                                                  sightcell_db** out);
 
 /* Opens a file on disk: reads all of it into memory of the allocator, closes it, and then does what sightcell_db_open
- * does.
+ * does. Of a .glb it keeps the .pvs file alone, in a block of its own.
  * path: UTF-8.
  * Fails with IO and as sightcell_db_open. The WebAssembly module has no files and always returns IO. */
 SIGHTCELL_API sightcell_status sightcell_db_open_file(const char* path, const sightcell_allocator* mem,

@@ -34,8 +34,8 @@ export class Sightcell {
   /** Fails with "io" and "version". */
   static load(options?: LoadOptions): Promise<Sightcell>;
 
-  /** Opens a .pvs file, of which the module keeps a copy.
-   * Fails with "memory", "not_ours", "version", "truncated", "checksum", "corrupt" and "limit". */
+  /** Opens a .pvs file, or the one in a .glb, of which the module keeps a copy.
+   * Fails with "absent" for a .glb without one, and with "memory", "not_ours", "version", "truncated", "checksum", "corrupt" and "limit". */
   open(bytes: ArrayBuffer | SharedArrayBuffer | ArrayBufferView): Database;
 
   /** Opens a .pvs file of a server. Downloads its first bytes, the rest of its tables, and then, while views move, the

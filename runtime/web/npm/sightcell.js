@@ -1,6 +1,7 @@
 // The module and the files that it has open. See sightcell.d.ts for what each function does.
 import { Database } from './database.js';
 import { badArgument, SightcellError } from './error.js';
+import { pvsOfGlb } from './glb.js';
 import { Heap } from './heap.js';
 import { constants } from './layout.js';
 import { beginningOf, bodyOf, download, Pages } from './pages.js';
@@ -73,7 +74,7 @@ export class Sightcell {
 
   open(bytes) {
     const heap = this.#use('open()');
-    return this.#add((closed) => Database.open(heap, asBytes(bytes, 'open()'), closed));
+    return this.#add((closed) => Database.open(heap, pvsOfGlb(asBytes(bytes, 'open()')), closed));
   }
 
   async openUrl(url, options = {}) {

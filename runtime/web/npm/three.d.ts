@@ -35,4 +35,7 @@ export interface Attachment {
 /** Finds the mesh of each draw. Call it before you move, add or remove objects of the scene. Positions of nodes count from
  * the scene, which may be anywhere; what is drawn in a batch does not move in it.
  * Fails with "other_scene" where the file and the scene have different polygons; the message names the nodes. */
+/** The bytes of the .pvs file that a scene contains or names (sightcell bake --embed); null if there is none. */
+export function embeddedPvs(gltf: { readonly parser: any }): Promise<ArrayBuffer | null>;
+
 export function attach(gltf: LoadedScene, db: Database, options?: AttachOptions): Promise<Attachment>;

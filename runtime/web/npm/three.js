@@ -1,5 +1,5 @@
 // Shows of a scene of three.js what is in the set of the camera's cell. See three.d.ts.
-import { BatchedMesh, BufferAttribute, BufferGeometry, Frustum, Matrix4, Sphere, Vector3 } from 'three';
+import { BatchedMesh, BufferAttribute, BufferGeometry, Frustum, LoaderUtils, Matrix4, Sphere, Vector3 } from 'three';
 
 import { SightcellError } from './error.js';
 
@@ -391,6 +391,13 @@ class Attachment {
     this.#batches = [];
     this.view.dispose();
   }
+}
+
+export async function embeddedPvs({ parser }) {
+  const pvs = parser.json.extras?.sightcell?.pvs;
+  if (pvs?.bufferView !== undefined) return parser.getDependency('bufferView', pvs.bufferView);
+  if (pvs?.uri === undefined) return null;
+  return parser.fileLoader.loadAsync(LoaderUtils.resolveURL(pvs.uri, parser.options.path));
 }
 
 export async function attach(gltf, db, options = {}) {

@@ -43,8 +43,8 @@ statuses operator+(statuses all, const statuses& more) {
 // The statuses that the comments of sightcell.h document.
 const statuses of_identity{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT, SIGHTCELL_PENDING};
 const std::map<std::string, statuses> promised{
-    {"sightcell_db_open", of_open},
-    {"sightcell_db_open_file", of_open + statuses{SIGHTCELL_ERR_IO}},
+    {"sightcell_db_open", of_open + statuses{SIGHTCELL_ERR_ABSENT}},
+    {"sightcell_db_open_file", of_open + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_IO}},
     // STALE is what the host's request returned.
     {"sightcell_db_open_source", of_open + statuses{SIGHTCELL_ERR_IO, SIGHTCELL_ERR_CAPACITY, SIGHTCELL_ERR_STALE}},
     {"sightcell_db_begin_source",
@@ -125,6 +125,18 @@ std::vector<faulty_file> faulty_files() {
   return files;
 }
 
+// A .glb with the JSON {}.
+bytes glb_without_pvs() {
+  bytes b(24);
+  set_u32(b, 0, 0x46546C67);
+  set_u32(b, 4, 2);
+  set_u32(b, 8, 24);
+  set_u32(b, 12, 4);
+  set_u32(b, 16, 0x4E4F534A);
+  set_u32(b, 20, 0x20207D7B);
+  return b;
+}
+
 void open_from_memory(outcomes& out) {
   const bytes whole = small_contents().encode();
   sightcell_db* db = nullptr;
@@ -136,6 +148,8 @@ void open_from_memory(outcomes& out) {
   for (const auto& [expected, content] : faulty_files()) {
     out.note("sightcell_db_open", expected, sightcell_db_open(content.data(), content.size(), nullptr, &db));
   }
+  const bytes glb = glb_without_pvs();
+  RETURNS(ERR_ABSENT, sightcell_db_open(glb.data(), glb.size(), nullptr, &db));
 }
 
 void open_from_disk(outcomes& out) {
@@ -155,6 +169,8 @@ void open_from_disk(outcomes& out) {
     write(content);
     out.note("sightcell_db_open_file", expected, sightcell_db_open_file(name.c_str(), nullptr, &db));
   }
+  write(glb_without_pvs());
+  RETURNS(ERR_ABSENT, sightcell_db_open_file(name.c_str(), nullptr, &db));
   std::remove(name.c_str());
 }
 

@@ -140,6 +140,38 @@ function a_view_moves() {
   db.dispose();
 }
 
+// What sightcell bake --embed writes: JSON, and a BIN chunk with other bytes before the file.
+function glb_of(json, pvs, before = 4) {
+  const text = Buffer.from(JSON.stringify(json)), pad = (size) => size + (4 - size % 4) % 4;
+  const chunk = pad(text.length), binary = pad(before + pvs.length);
+  const glb = Buffer.alloc(28 + chunk + binary, " ");
+  [0x46546c67, 2, glb.length, chunk, 0x4e4f534a].forEach((value, i) => glb.writeUInt32LE(value, 4 * i));
+  text.copy(glb, 20);
+  glb.writeUInt32LE(binary, 20 + chunk);
+  glb.writeUInt32LE(0x004e4942, 24 + chunk);
+  pvs.copy(glb, 28 + chunk + before);
+  return glb;
+}
+
+function files_in_a_glb_open() {
+  const pvs = file("v1_small.pvs"), view = { buffer: 0, byteOffset: 4, byteLength: pvs.length };
+  const json = { bufferViews: [{}, view], extras: { sightcell: { pvs: { bufferView: 1 } } } };
+  const [inside, plain] = [glb_of(json, pvs), pvs].map((bytes) => sightcell.open(bytes));
+  equal(dump(inside), dump(plain), "the file in a .glb");
+  const bad = (changed) => id_of(() => sightcell.open(glb_of({ ...json, ...changed }, pvs)));
+  equal(bad({ extras: {} }), "absent", "a .glb without a file");
+  for (const other of [undefined, {}, { ...view, buffer: 1 }, { ...view, byteOffset: -4 }, { ...view, byteLength: "7" },
+    { ...view, byteOffset: 2 ** 40 }, { ...view, byteLength: pvs.length + 9 }]) {
+    equal(bad({ bufferViews: [{}, other] }), "corrupt", `the view ${JSON.stringify(other)}`);
+  }
+  const whole = glb_of(json, pvs);
+  for (let size = 0; size < whole.length; size += size < 400 ? 1 : 97) {
+    require(["truncated", "not_ours", "corrupt"].includes(id_of(() => sightcell.open(whole.subarray(0, size)))), `${size}`);
+  }
+  inside.dispose();
+  plain.dispose();
+}
+
 function errors_have_ids() {
   let damaged = 0;
   for (const line of lines(join(golden, "golden_errors", "statuses.txt"))) {
@@ -271,6 +303,7 @@ importance_is_of_the_set();
 objects_are_those_of_the_set(readFileSync(town), town);  // more draws than a word has bits
 boxes_are_visible_with_their_volume();
 a_view_moves();
+files_in_a_glb_open();
 errors_have_ids();
 await everything_is_disposed();
 memory_does_not_grow();

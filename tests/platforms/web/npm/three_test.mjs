@@ -18,7 +18,7 @@ const load = (name) => import(pathToFileURL(join(project, "node_modules", name))
 const THREE = await load("three/build/three.module.js");
 const { GLTFLoader } = await load("three/examples/jsm/loaders/GLTFLoader.js");
 const { DebugLines, Sightcell, SightcellError } = await load("sightcell/sightcell.js");
-const { attach } = await load("sightcell/three.js");
+const { attach, embeddedPvs } = await load("sightcell/three.js");
 const { DebugOverlay } = await load("sightcell/three_overlay.js");
 
 for (const level of ["warn", "error"]) console[level] = (text) => { throw new Error(`console.${level}: ${text}`); };
@@ -258,6 +258,23 @@ async function the_overlay_freezes_the_set() {
   pvs.dispose();
 }
 
+// As sightcell bake --embed writes it.
+async function the_file_in_the_scene_is_found() {
+  require(await embeddedPvs(await load_scene()) === null, "a scene without a file");
+  const file = readFileSync(join(town, "town.pvs"));
+  const { json, binary } = structuredClone({ json: glb.json, binary: glb.binary });
+  const view = { buffer: 0, byteOffset: binary.length, byteLength: file.length };
+  const parts = [{ ...json, bufferViews: [...json.bufferViews, view], buffers: [{ byteLength: binary.length + file.length }],
+    extras: { sightcell: { pvs: { bufferView: json.bufferViews.length } } } }].map((made) => Buffer.from(JSON.stringify(made)));
+  const padded = Buffer.concat([parts[0], Buffer.alloc((4 - parts[0].length % 4) % 4, " ")]);
+  const body = Buffer.concat([binary, file, Buffer.alloc((4 - (binary.length + file.length) % 4) % 4)]);
+  const numbers = (...values) => Buffer.from(Uint32Array.from(values).buffer);
+  const bytes = Buffer.concat([numbers(0x46546c67, 2, 28 + padded.length + body.length, padded.length, 0x4e4f534a), padded,
+    numbers(body.length, 0x004e4942), body]);
+  const gltf = await new GLTFLoader().parseAsync(Uint8Array.from(bytes).buffer, "");
+  require(Buffer.from(await embeddedPvs(gltf)).equals(file), "the file in the .glb");
+}
+
 async function the_documents_show_what_works() {
   const name = join(dirname(fileURLToPath(import.meta.url)), "show_three.mjs");
   const shown = readFileSync(name, "utf8").match(/\/\* \[three \*\/\n(.*?)\/\* three\] \*\//s)[1];
@@ -281,5 +298,6 @@ await the_near_plane_is_checked();
 await skipped_meshes_are_left();
 await what_moves_stays_apart();
 await the_overlay_freezes_the_set();
+await the_file_in_the_scene_is_found();
 await the_documents_show_what_works();
 console.log(`three.js ${THREE.REVISION}: ${objects.toFixed(1)} calls with objects, ${ranges.toFixed(1)} with ranges`);

@@ -1,5 +1,5 @@
 // Uses every declaration of three.d.ts and three_overlay.d.ts. types_test.mjs compiles it, beside a few lines in place of the types of three.js.
-import { attach } from 'sightcell/three';
+import { attach, embeddedPvs } from 'sightcell/three';
 import type { Attachment, AttachOptions, LoadedScene } from 'sightcell/three';
 import { DebugOverlay } from 'sightcell/three/overlay';
 import { DebugLines } from 'sightcell';
@@ -14,6 +14,7 @@ const loaded: LoadedScene = gltf;
 const clone: LoadedScene = { scene: gltf.scene, parser: loaded.parser.json };
 const options: AttachOptions = { mode: 'ranges', warn: (text: string) => console.log(text.length),
   skip: (mesh: Mesh, draw) => mesh.name === 'door' || draw.node === 3 };
+const inside: ArrayBuffer | null = await embeddedPvs(gltf);
 const pvs: Attachment = await attach(gltf, db, options);
 await attach(clone, db);
 const frame: Frame = pvs.update(camera);
