@@ -24,6 +24,7 @@ struct outcomes {
   std::uint32_t frame_flags = 0;
   std::uint32_t debug_kinds = 0;
   std::map<std::uint32_t, std::uint32_t> polygons_outside;  // by policy
+  std::set<std::uint32_t> kept_while_pending;               // policies with which the last set was kept
 
   void note(const std::string& call, sightcell_status expected, sightcell_status answer) {
     EXPECT_EQ(answer, expected) << call;
