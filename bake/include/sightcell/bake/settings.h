@@ -53,6 +53,16 @@ struct player_settings {
   float highest_eye = 2.1f;  // --eye-heights LOW,HIGH: when jumping, 0 .. 100
 };
 
+// ---- Sun ------------------------------------------------------------------------------------------------------------
+
+// A sun whose shadows a host draws: one direction, or the way from one to another that the sun moves along. Degrees:
+// azimuth, clockwise from north (-z) as seen from above, then elevation above the horizon.
+struct sun_setting {
+  std::array<double, 2> from{};  // azimuth -360 .. 360, elevation -90 .. 90
+  std::array<double, 2> to{};    // equal to from where the sun stands still; at most 90 degrees from there
+};
+inline constexpr std::size_t most_suns = 64;  // of one bake
+
 // ---- Metric ---------------------------------------------------------------------------------------------------------
 
 // What the error of a cell is, and so what its upper bound bounds.
@@ -179,6 +189,10 @@ struct settings {
 
   // --volumes: width of visibility volumes, meters, 0.25 .. 1000, or 0 for none. Needs a max_pixel_error above 0.
   double volumes = 0.0;
+
+  // --sun: for each sun, the polygons whose shadow can fall on what a cell sees (docs/shadows.md). At most most_suns.
+  // Needs a max_pixel_error above 0.
+  std::vector<sun_setting> suns;
 
   // ---- File
   file_settings file;  // --profile, --order, --layout, --importance, --names
