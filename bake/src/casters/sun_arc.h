@@ -1,10 +1,9 @@
 #pragma once
 // The directions toward the sun that one caster set serves.
-#include <array>
 #include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "input/sun_direction.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/base/random.h"
 
@@ -21,15 +20,8 @@ struct sun_arc {
   }
 };
 
-// Returns the direction toward a sun: degrees, clockwise from north (-z) as seen from above, and above the horizon.
-inline glm::vec3 direction_to_sun(const std::array<double, 2>& azimuth_elevation) {
-  const double azimuth = glm::radians(azimuth_elevation[0]), elevation = glm::radians(azimuth_elevation[1]);
-  return glm::normalize(glm::vec3(glm::dvec3(glm::sin(azimuth) * glm::cos(elevation), glm::sin(elevation),
-                                             -glm::cos(azimuth) * glm::cos(elevation))));
-}
-
 inline sun_arc arc_of(const sun_setting& sun) {
-  return {direction_to_sun(sun.from), direction_to_sun(sun.to)};
+  return {glm::normalize(glm::vec3(toward_sun(sun.from))), glm::normalize(glm::vec3(toward_sun(sun.to)))};
 }
 
 }  // namespace sightcell::bake

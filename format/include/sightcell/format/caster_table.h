@@ -22,7 +22,7 @@
 
 namespace sightcell::format {
 
-// Unit vectors toward the sun; it moves from one direction to the other. Equal where it stands still.
+// Unit vectors toward the sun; it moves from one direction to the other. Equal where it does not move.
 struct sun_record {
   std::array<float, 3> from{}, to{};
 };

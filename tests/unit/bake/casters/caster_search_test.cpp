@@ -9,30 +9,15 @@
 
 #include "bound/clopper_pearson.h"
 #include "casters/shadow_batch.h"
+#include "unit/bake/court.h"
 #include "unit/bake/gridded_room.h"
 
 namespace sightcell::bake {
 namespace {
 
+using test::court;
 using test::scene_with_rays;
-using test::tiny_scene;
 using ids = std::vector<std::uint32_t>;
-
-// A camera that sees a floor through a wide gap under a wall, and what is above it, behind the wall, casts shadows
-// there.
-struct court {
-  std::uint32_t floor = 0, wall = 0, near_roof = 0, far_roof = 0, unseen_roof = 0;
-  tiny_scene tiny;
-  ids camera;
-  court() {
-    floor = tiny.quad({-20, 0, 20}, {20, 0, 20}, {20, 0, -20}, {-20, 0, -20});
-    wall = tiny.quad({-20, 2, -2}, {20, 2, -2}, {20, 30, -2}, {-20, 30, -2}, {scene::alpha_mode::opaque, true});
-    near_roof = tiny.quad({-3, 6, -4}, {3, 6, -4}, {3, 6, -8}, {-3, 6, -8});
-    far_roof = tiny.quad({-3, 9, -10}, {3, 9, -10}, {3, 9, -14}, {-3, 9, -14});
-    unseen_roof = tiny.quad({-3, 9, -60}, {3, 9, -60}, {3, 9, -64}, {-3, 9, -64});  // beside the floor
-    camera = {floor, floor + 1, wall, wall + 1};
-  }
-};
 
 const viewpoint_region eyes_of_court{{-0.5f, 1.2f, 1.5f}, {0.5f, 1.8f, 2.5f}};
 const sun_arc noon{{0.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
