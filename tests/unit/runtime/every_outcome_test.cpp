@@ -15,11 +15,13 @@
 #include "outcomes.h"
 #include "paged_host.h"
 #include "polygon_orders_writer.h"
+#include "sightcell/casters.h"
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/identity.h"
 #include "sightcell/viewpoints.h"
 #include "table_encoder.h"
+#include "unit/format/caster_samples.h"
 #include "unit/format/importance_samples.h"
 #include "unit/format/viewpoint_samples.h"
 
@@ -95,6 +97,12 @@ const std::map<std::string, statuses> promised{
     {"sightcell_db_draw_name", of_lists + of_identity},
     {"sightcell_cluster_map_create", with_arguments + statuses{SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
     {"sightcell_view_clusters", of_lists},
+    {"sightcell_casters_create",
+     with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT,
+                               SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
+    {"sightcell_casters_suns", of_lists},
+    {"sightcell_view_casters", of_lists},
+    {"sightcell_view_caster_indices", of_lists},
     {"sightcell_cluster_list", of_lists},
     {"sightcell_cluster_changes", of_lists},
 };
@@ -239,6 +247,8 @@ void open_without_waiting(outcomes& out) {
   RETURNS(PENDING, sightcell_view_create(host.db(), &view));
   sightcell_cluster_map* map = nullptr;
   RETURNS(PENDING, sightcell_cluster_map_create(host.db(), nullptr, 0, 0, &map));
+  sightcell_casters* casters = nullptr;
+  RETURNS(PENDING, sightcell_casters_create(host.db(), &casters));
   float eye[3];
   RETURNS(PENDING, sightcell_db_cell_eye(host.db(), 0, 0, eye));
   sightcell_draw_match match{};
@@ -595,6 +605,44 @@ void clusters(outcomes& out) {
   sightcell_cluster_map_destroy(map);
 }
 
+void shadow_casters(outcomes& out) {
+  few_blocks three(3);
+  const sample_contents contents = tiny_contents();
+  const bytes whole = with_casters(contents.encode(), sample_casters(contents));
+  const loaded_file file(whole, &three.interface);
+  test_view view(file.db());
+  static_cast<void>(view.move(1, 1, 1));
+  sightcell_casters* casters = nullptr;
+  RETURNS(ERR_ARGUMENT, sightcell_casters_create(nullptr, &casters));
+  RETURNS(OK, sightcell_casters_create(file.db(), &casters));
+  sightcell_casters* none = nullptr;
+  RETURNS(ERR_MEMORY, sightcell_casters_create(file.db(), &none));
+  const loaded_file without(contents);
+  RETURNS(ERR_ABSENT, sightcell_casters_create(without.db(), &none));
+  bytes changed = whole;
+  changed[section_offset(whole, layout::section_casters)] ^= std::byte{2};  // no sun
+  const loaded_file wrong_sum(changed);
+  RETURNS(ERR_CHECKSUM, sightcell_casters_create(wrong_sum.db(), &none));
+  reseal(changed);
+  const loaded_file corrupt(std::move(changed));
+  RETURNS(ERR_CORRUPT, sightcell_casters_create(corrupt.db(), &none));
+  std::array<sightcell_sun, 2> suns;
+  std::array<sightcell_range, 6> ranges;
+  std::array<std::uint32_t, 18> indices{};
+  std::array<std::uint32_t, 18> drawn;
+  std::size_t count = 0;
+  RETURNS(OK, sightcell_casters_suns(casters, suns.data(), 2, &count));
+  RETURNS(ERR_CAPACITY, sightcell_casters_suns(casters, suns.data(), 1, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_casters_suns(nullptr, suns.data(), 2, &count));
+  RETURNS(OK, sightcell_view_casters(view.get(), casters, 1, ranges.data(), 6, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_casters(view.get(), casters, 1, ranges.data(), 0, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_casters(view.get(), casters, 2, ranges.data(), 6, &count));
+  RETURNS(OK, sightcell_view_caster_indices(view.get(), casters, 0, indices.data(), drawn.data(), 18, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_caster_indices(view.get(), casters, 0, indices.data(), drawn.data(), 3, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_caster_indices(view.get(), casters, 0, nullptr, drawn.data(), 18, &count));
+  sightcell_casters_destroy(casters);
+}
+
 void boxes(outcomes& out) {
   sample_contents contents = tiny_contents();
   add_volumes(contents, 4, 3);
@@ -670,6 +718,7 @@ TEST(every_outcome, is_reached) {
   places(out);
   lists(out);
   clusters(out);
+  shadow_casters(out);
   boxes(out);
   importance(out);
 
