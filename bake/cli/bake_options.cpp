@@ -35,7 +35,7 @@ void add_output_options(CLI::App& verb, bake_options& o) {
              "move. Width of the boxes in meters; 0: none. Range: 0.25 to 1000.");
   add_plain_option(
       verb, group, "--sun", o.suns, "A,E[,A,E]",
-      "Also finds the polygons whose shadow can fall on what a cell sees, for the shadow map of a sun: its "
+      "Also finds the polygons whose shadow can fall into the view of a cell, for the shadow map of a sun: its "
       "azimuth in degrees, clockwise from north (-z), and its elevation above the horizon. With a second "
       "pair: a sun that moves from one place to the other. May be repeated.")
       ->take_all();
