@@ -33,6 +33,12 @@ void add_output_options(CLI::App& verb, bake_options& o) {
   add_option(verb, group, "--volumes", o.settings.volumes, "M",
              "Also computes which boxes of space are visible from each cell, so that a host can cull objects that "
              "move. Width of the boxes in meters; 0: none. Range: 0.25 to 1000.");
+  add_plain_option(
+      verb, group, "--sun", o.suns, "A,E[,A,E]",
+      "Also finds the polygons whose shadow can fall into the view of a cell, for the shadow map of a sun: its "
+      "azimuth in degrees, clockwise from north (-z), and its elevation above the horizon. With a second "
+      "pair: a sun that moves from one place to the other. May be repeated.")
+      ->take_all();
   verb.add_flag("--importance", o.settings.file.importance,
                 "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
                 "largest polygons first.")
@@ -294,6 +300,19 @@ std::array<float, Count> numbers_of(const char* option, const std::string& text,
   return numbers;
 }
 
+// Returns the sun that is given as "A,E" or "A,E,A,E".
+bake::sun_setting sun_of(const std::string& text) {
+  std::array<double, 4> numbers{};
+  const std::vector<std::string> parts = CLI::detail::split(text, ',');
+  bool good = parts.size() == 2 || parts.size() == 4;
+  for (std::size_t i = 0; good && i < parts.size(); ++i) good = CLI::detail::lexical_cast(parts[i], numbers[i]);
+  if (!good)
+    throw error(error_kind::wrong_use, "settings.out-of-range", "--sun", "is \"" + text + "\"",
+                "give AZIMUTH,ELEVATION in degrees, or two such pairs");
+  const std::size_t last = parts.size() - 2;
+  return {{numbers[0], numbers[1]}, {numbers[last], numbers[last + 1]}};
+}
+
 }  // namespace
 
 void add_cells_options(CLI::App& verb, bake_options& options) {
@@ -326,6 +345,7 @@ bake::settings settings_of(const bake_options& options) {
   how.reach = value_of<bake::reach_kind>(bake::reach_names, options.reach);
   for (const std::string& start : options.starts) how.starts.push_back(numbers_of<3>("--start", start, "x,y,z"));
   for (const std::string& box : options.fly) how.fly.push_back(numbers_of<6>("--fly", box, "x0,y0,z0,x1,y1,z1"));
+  for (const std::string& sun : options.suns) how.suns.push_back(sun_of(sun));
   if (!options.path_file.empty()) how.path_file = options.path_file;
   for (const std::string& name : options.path_cameras)
     for (scene::point_path& path :

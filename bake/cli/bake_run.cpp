@@ -33,6 +33,17 @@ nlohmann::ordered_json rebaked_json(const bake::summary& sum) {
           {"new", sum.rebaked->is_new}};
 }
 
+nlohmann::ordered_json suns_json(const bake_options& options, const bake::summary& sum) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < sum.suns.size(); ++i)
+    list.push_back({{"sun", options.suns[i]},
+                    {"casters_per_cell", sum.suns[i].casters_per_cell},
+                    {"max_upper_bound", sum.suns[i].max_upper_bound},
+                    {"cells_over_bound", sum.suns[i].cells_over_bound},
+                    {"rays", sum.suns[i].rays}});
+  return list;
+}
+
 nlohmann::ordered_json summary_json(const bake_options& options, const scene::scene& s, const bake::summary& sum,
                                     const phase_times& phases) {
   const char* const results[] = {"done", "bound_not_met", "cancelled"};
@@ -50,6 +61,7 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"metric", options.metric.metric},
           {"volumes", sum.volumes},
           {"volumes_per_cell", sum.volumes_per_cell},
+          {"suns", suns_json(options, sum)},
           {"unseen_per_cell", sum.unseen_per_cell},
           {"unseen_percent", sum.unseen_percent},
           {"max_upper_bound", sum.max_upper_bound},
@@ -65,6 +77,17 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"source", sum.source},
           {"device", sum.device},
           {"seed", options.settings.seed}};
+}
+
+std::string suns_text(const bake::settings& how, const bake::summary& sum, std::size_t number) {
+  const bake::sun_setting& sun = how.suns[number];
+  const bake::sun_summary& found = sum.suns[number];
+  const std::string way = sun.from == sun.to ? "" : fmt::format(" to {:g},{:g}", sun.to[0], sun.to[1]);
+  return fmt::format(
+      "sun {:g},{:g}{}: {:.0f} casters per cell beside its set, largest bound of a cell's shadow error: "
+      "{:.2e} (asked for {:g}), {} cells above it",
+      sun.from[0], sun.from[1], way, found.casters_per_cell, found.max_upper_bound, how.max_pixel_error,
+      grouped(found.cells_over_bound));
 }
 
 std::string rebaked_text(const bake::rebaked_cells& cells, double cpu_seconds) {
@@ -117,6 +140,7 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
     line.message(fmt::format("{} volumes of {:g} m, {:.0f} seen per cell", grouped(sum.volumes), how.volumes,
                              sum.volumes_per_cell));
   if (how.safety_ring != bake::safety_ring::none) line.message(safety_ring_text(sum));
+  for (std::size_t sun = 0; sun < sum.suns.size(); ++sun) line.message(suns_text(how, sum, sun));
   if (how.max_pixel_error > 0.0)
     line.message(fmt::format("largest bound of a cell's {}: {:.2e} (asked for {:g})", error_name(how.metric),
                              sum.max_upper_bound, how.max_pixel_error));

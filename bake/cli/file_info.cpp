@@ -46,6 +46,8 @@ std::string section_name(std::uint32_t id) {
       return "eyes";
     case format::layout::section_identity:
       return "draw identity";
+    case format::layout::section_casters:
+      return "shadow casters";
     case format::layout::section_borders:
       return "chunk borders";
     case format::layout::section_clusters:

@@ -19,6 +19,7 @@
 #include "scene_options.h"
 #include "sightcell/bake/misses.h"
 #include "sightcell/bake/verify.h"
+#include "sightcell/bake/verify_casters.h"
 #include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
@@ -44,6 +45,7 @@ struct verify_options {
   std::optional<double> max_pixel_error;  // without it: the bound that the bake was asked for
   double bound = 0.0;                     // the one that decides
   bool json = false;
+  bool suns = false;  // the shadow casters too
 };
 
 // Pictures are an aid: a machine that cannot draw still gets its numbers.
@@ -118,6 +120,54 @@ std::pair<ordered_json, bool> verify_with_rays(const scene::scene& s, const pvs_
           v.upper_bound <= options.bound};
 }
 
+// Returns the result for --json, and whether the bound was met for each sun.
+std::pair<ordered_json, bool> verify_suns(const scene::scene& s, const pvs_file& file, const verify_options& options,
+                                          progress_line& line) {
+  const bake::caster_verification v =
+      bake::verify_casters(s, file.bytes(), options.file.string(), options.how,
+                           [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
+  ordered_json result = {{"suns", ordered_json::array()}, {"missing", ordered_json::array()}};
+  bool passed = true;
+  for (std::size_t sun = 0; sun < v.suns.size(); ++sun) {
+    const bake::sun_verification& one = v.suns[sun];
+    const bool met = one.upper_bound <= options.bound;
+    line.message(
+        fmt::format("{}: sun {}: {} rays of {} show a point without its shadow; at most {:.2e} ({:g} % sure); "
+                    "asked for {:g}",
+                    met ? "passed" : "FAILED", sun, grouped(one.misses), grouped(one.rays), one.upper_bound,
+                    100.0 * v.confidence, options.bound));
+    line.message(
+        fmt::format("sun {}: with the sets alone {} of these rays would; {:.2f} % of all polygons drawn per cell, "
+                    "{:.2f} % without casters",
+                    sun, grouped(one.misses_of_sets), one.drawn_percent, one.set_percent));
+    result["suns"].push_back({{"rays", one.rays},
+                              {"misses", one.misses},
+                              {"upper_bound", one.upper_bound},
+                              {"misses_of_sets", one.misses_of_sets},
+                              {"drawn_percent", one.drawn_percent},
+                              {"set_percent", one.set_percent}});
+    passed = passed && met;
+  }
+  for (std::size_t i = 0; i < v.missing.size(); ++i) {
+    const bake::missing_polygon& miss = v.missing[i];
+    const std::uint32_t draw = scene::draw_of(s, miss.polygon);
+    const std::uint32_t node = s.draws[draw].node;
+    const std::string node_name = node < s.node_names.size() ? s.node_names[node] : std::string();
+    result["missing"].push_back({{"cell", miss.cell},
+                                 {"polygon", miss.polygon},
+                                 {"draw", draw},
+                                 {"node", node},
+                                 {"node_name", node_name},
+                                 {"rays", miss.rays},
+                                 {"eye", miss.eye},
+                                 {"target", miss.target}});
+    if (i < named_on_terminal)
+      line.message(fmt::format("missing caster: polygon {} (draw {}, node {} \"{}\") in cell {}: {} rays", miss.polygon,
+                               draw, node, node_name, miss.cell, miss.rays));
+  }
+  return {std::move(result), passed};
+}
+
 int run_verify(verify_options options) {
   options.how.metric = metric_of(options.metric);
   if (options.max_pixel_error && !(*options.max_pixel_error > 0.0 && *options.max_pixel_error <= 1.0))
@@ -134,6 +184,9 @@ int run_verify(verify_options options) {
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const std::optional<scene::scene> of_cells = load_scene_of_cells(options.scenes, line);
   if (of_cells) options.how.cells_from = &*of_cells;
+  // First, because a file without casters is refused.
+  std::optional<std::pair<ordered_json, bool>> of_suns;
+  if (options.suns) of_suns = verify_suns(s, file, options, line);
   ordered_json result;
   bool passed = true;
   if (options.with_rays) std::tie(result, passed) = verify_with_rays(s, file, options, line);
@@ -145,6 +198,11 @@ int run_verify(verify_options options) {
     passed = passed && found.reproduced == 0;
     result["passed"] = passed;
     result["from"] = misses_json(found, s);
+  }
+  if (of_suns) {
+    passed = passed && of_suns->second;
+    result["passed"] = passed;
+    result["casters"] = std::move(of_suns->first);
   }
   if (options.json) fmt::print("{}\n", result.dump(2, ' ', false, ordered_json::error_handler_t::replace));
   return passed ? exit_done : exit_bound_not_met;
@@ -187,6 +245,10 @@ void add_verify_verb(CLI::App& program, action& chosen) {
                    "Tries misses that a host reported instead of random rays: {\"misses\": [{\"eye\": [x, y, z], "
                    "\"polygon\": 1234}]}. Exit code 3: a polygon is visible from its eye and missing in a set. With "
                    "--rays, random rays are cast too.");
+  verb.add_flag("--sun", options->suns,
+                "Verifies the shadow casters too, for each sun that the file was baked with: counts rays that show a "
+                "point without its shadow, and lists the casters that are missing.")
+      ->group(group);
   add_plain_option(verb, group, "--picture", options->picture, "FOLDER",
                    "Folder for the pictures of the worst view. Default: the folder of FILE.");
   verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.")->group(group);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <numeric>
 
+#include "certificate_columns.h"
 #include "checked_reader.h"
 #include "checksum.h"
 #include "draw_table_rules.h"
@@ -15,9 +16,9 @@
 namespace sightcell::format {
 namespace {
 
-// Sections that are checked chunk by chunk when they are used, and may be kept elsewhere until then.
+// Sections that are checked when they are used, most of them chunk by chunk, and may be kept elsewhere until then.
 constexpr bool is_bulk(std::uint32_t section) noexcept {
-  return section == layout::section_rows || section == layout::section_importance;
+  return section == layout::section_rows || section == layout::section_importance || section == layout::section_casters;
 }
 
 }  // namespace
@@ -501,14 +502,7 @@ std::string_view reader::settings() const noexcept {
 status reader::certificate(std::uint32_t number, certificate_record& out) const noexcept {
   if (number >= certificate_count_) return status::argument;
   if (is_v0()) return v0_certificate(number, out);
-  const auto column = [&](std::size_t which) { return certificate_columns_[which][number]; };
-  const auto wide = [&](std::size_t which) { return std::uint64_t{column(which + 1)} << 32 | column(which); };
-  const certificate_record c{.cell = number,
-                             .rays = wide(0),
-                             .misses = wide(2),
-                             .upper_bound = static_cast<double>(std::bit_cast<float>(column(4))),
-                             .confidence = static_cast<double>(std::bit_cast<float>(column(5))),
-                             .seed = wide(6)};
+  const certificate_record c = certificate_of(certificate_columns_, number, number);
   if (!certificate_is_valid(c)) return status::corrupt;
   out = c;
   return status::ok;

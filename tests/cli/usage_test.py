@@ -30,7 +30,7 @@ class Usage(InRoom):
     def test_help_of_bake_has_what_most_users_need_and_two_examples(self):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
-            '-o', '--profile', '--layout', '--volumes', '--importance', '--names', '--report-unseen', '--embed', '--report',
+            '-o', '--profile', '--layout', '--volumes', '--sun', '--importance', '--names', '--report-unseen', '--embed', '--report',
             '--cells-file', '--cells-grid', '--reach',
             '--start', '--fly', '--path', '--cell-size', '--most-cells', '--merge-cells', '--cell-limit', '--margin',
             '--quality', '--max-pixel-error', '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',

@@ -273,6 +273,10 @@ def verify_from(content):
     return prepare
 
 
+def verify_without_casters(folder, program):
+    return Call(['verify', os.path.join(folder, 'room.gltf'), baked(folder, program), '--sun'], 'out.pvs')
+
+
 def kept(folder, program):
     """out.pvs with its records. Ends in an error if the program fails."""
     done = subprocess.run([program, *bake(folder, '--source', 'cpu', '--keep-records')], capture_output=True, text=True)
@@ -473,6 +477,7 @@ CASES = [
     ('pvs.broken', 4, chunk_damaged),
     ('pvs.other-scene', 4, other_scene),
     ('pvs.other-scene', 4, packed('p.glb', named='out.pvs', scene_of=lambda f: scene(f, 'other.gltf', scale=3.0))),
+    ('pvs.no-casters', 2, verify_without_casters),
     ('pvs.two-scenes', 2, of_two_scenes(lambda f, file: ['verify', os.path.join(f, 'room.gltf'), file])),
     ('records.damaged', 4, since_damaged),
     ('records.missing', 4, options('out.pvs.records', '--since', 'out.pvs')),
@@ -530,6 +535,8 @@ CASES = [
                                                os.path.join(f, 'out.pvs'), '--metric', 'color'], '--metric')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--sampler', 'halton')),
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--shard', '0/2')),
+    ('settings.suns', 2, options('--sun', '--sun', '180,45', '--max-pixel-error', '0')),
+    ('settings.suns', 2, options('--sun', '--sun', '180,45', '--shard', '0/2')),
     ('settings.volumes', 2, options('--volumes', '--volumes', '2', '--max-pixel-error', '0')),
     ('strip.not-written', 1, packed('no/s.glb', named='no/s.glb', verb='strip')),
     ('view.not-installed', 1, view_without_viewer),

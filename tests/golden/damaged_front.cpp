@@ -160,6 +160,7 @@ damaged_list damaged_section_tables() {
   }
   constexpr std::uint32_t settings = layout::section_settings;
   list.push_back({"section_9_required", status::version, with_record(whole, settings, layout::section_importance, 1)});
+  list.push_back({"section_17_required", status::version, with_record(whole, settings, layout::section_casters, 1)});
   list.push_back({"section_18_skipped", status::ok, with_record(whole, settings, unknown_section, 0)});
   list.push_back({"section_18_required", status::version, with_record(whole, settings, unknown_section, 1)});
   // Any bytes are settings.

@@ -16,7 +16,7 @@ import decode_v1  # noqa: E402
 from pvs_parts import Refused, crc32c, need  # noqa: E402
 
 MAGIC = bytes([0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A])
-ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY = 3, 4, 6, 9, 11, 12, 13, 15
+ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY, CASTERS = 3, 4, 6, 9, 11, 12, 13, 15, 17
 VERSIONS = {0: decode_v0, 1: decode_v1}
 
 
@@ -69,7 +69,7 @@ def sections_of(data, header, version):
         need(offset == place and flags < 2 and reserved == 0, "section record")
         place += size
         need(place <= len(data), "section leaves the file")
-        never_required = number in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY)
+        never_required = number in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY, CASTERS)
         need(not never_required or flags == 0, f"required section {number}", "version")
         if number in required or number in version.OPTIONAL:
             need(number not in found, "section is there twice")
@@ -104,6 +104,9 @@ class Contents:
         if IMPORTANCE in version.OPTIONAL and IMPORTANCE in parts:
             sizes = [len(self.polygons_in(cell)) for cell in range(header.cells)]
             self.importance = version.decode_importance(parts[IMPORTANCE], sizes, header.cells_of_chunks)
+        self.suns, self.caster_proofs, self.casters = [], [], []
+        if CASTERS in version.OPTIONAL and CASTERS in parts:
+            self.suns, self.caster_proofs, self.casters = version.decode_casters(header, parts[CASTERS])
 
     def check_records(self):
         for box in self.boxes:
@@ -208,6 +211,13 @@ class Contents:
                 yield f"mesh of draw {i}: {mesh}"
         for i in range(len(self.importance)):
             yield f"importance {i}:" + "".join(f" {one}" for one in self.classes(i))
+        for i, sun in enumerate(self.suns):
+            yield f"sun {i}: " + " ".join(f"{value:.9g}" for value in sun)
+        for i, (runs, (rays, misses, bound, sure, seed)) in enumerate(zip(self.casters, self.caster_proofs)):
+            of = f"{i // len(self.suns)} {i % len(self.suns)}"
+            ids = sorted(self.source_of_stored[number] for first, end in runs for number in range(first, end))
+            yield f"casters {of}:" + "".join(f" {polygon}" for polygon in ids)
+            yield f"certificate of casters {of}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}"
 
 
 def box_text(box):

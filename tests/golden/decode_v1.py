@@ -5,9 +5,10 @@ import struct
 from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_columns, unpack, with_raw_bits
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
-VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS = 10, 11, 12, 13, 14, 15, 16
+VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS, CASTERS = 10, 11, 12, 13, 14, 15, 16, 17
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
-OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS)
+OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS,
+            CASTERS)
 FLAGGED = REQUIRED + (VOLUMES, BORDERS, CLUSTERS)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
@@ -190,10 +191,13 @@ def as_float(bits):
     return struct.unpack("<f", struct.pack("<I", bits))[0]
 
 
-def decode_certificate(header, section):
+def proofs_of(columns):
     return [(rays_high << 32 | rays, misses_high << 32 | misses, as_float(bound), as_float(sure), seed_high << 32 | seed)
-            for rays, rays_high, misses, misses_high, bound, sure, seed, seed_high
-            in zip(*whole_columns(section, 8, header.cells, "the certificate"))]
+            for rays, rays_high, misses, misses_high, bound, sure, seed, seed_high in zip(*columns)]
+
+
+def decode_certificate(header, section):
+    return proofs_of(whole_columns(section, 8, header.cells, "the certificate"))
 
 
 def decode_volumes(header, section):
@@ -494,6 +498,46 @@ def row_decoder(header, parts, chunks):
     need(len(parts[DIRECTORY]) == 16 * chunks, "size of the chunk directory")
     rows = RowDecoder(header, parts[CODES])
     return lambda number, chunk, cells: rows.decode_chunk(chunk, cells)
+
+
+class CasterBounds:
+    """What RowDecoder needs of a header."""
+
+    def __init__(self, header, run_bound, list_bound):
+        self.header, self.run_bound, self.list_bound = header, run_bound, list_bound
+
+    def items(self):
+        return self.header.polygons
+
+
+def decode_casters(header, section):
+    """The suns as six numbers each; the certificate and the runs of every caster set, by its number."""
+    count, run_bound, list_bound = unpack("<III", section, 0, "casters")
+    need(count > 0, "no sun")
+    need(count <= 64 and header.cells * count <= 16777216, "suns", "limit")
+    suns = [unpack("<6f", section, 12 + 24 * i, "a sun") for i in range(count)]
+    for sun in suns:
+        need(all(0.99 < sum(v * v for v in part) < 1.01 for part in (sun[:3], sun[3:])), "direction to a sun")
+        need(sum(a * b for a, b in zip(sun, sun[3:])) > -0.01, "way of a sun")
+    sets = header.cells * count
+    columns, at = packed_columns(section, 12 + 24 * count, 8, sets)
+    proofs = proofs_of(columns)
+    need(all(p[1] <= p[0] and 0 <= p[2] <= 1 and 0 <= p[3] <= 1 for p in proofs), "certificate of casters")
+    (ends,), at = packed_columns(section, at, 1, (sets + 63) // 64)
+    codes = at
+    for _ in range(6):
+        _, at = code_table(section, at)
+    rows = section[at:]
+    need(run_bound <= min(4 * len(rows), header.polygons) and list_bound <= 4 * len(rows), "bounds of casters")
+    decoder = RowDecoder(CasterBounds(header, run_bound, list_bound), section[codes:at])
+    made, begin = [], 0
+    for end in ends:
+        need(begin <= end <= len(rows), "chunk of casters")
+        made += decoder.decode_chunk(rows[begin:end], min(64, sets - len(made)))
+        begin = end
+    need(begin == len(rows), "bytes behind the last chunk of casters")
+    need(max(map(len, made), default=0) == run_bound, "run bound of casters")
+    return suns, proofs, made
 
 
 def decode_importance(section, sizes, cells_of_chunks):

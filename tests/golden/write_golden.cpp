@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "damaged_file.h"
+#include "golden_casters.h"
 #include "golden_contents.h"
 #include "golden_importance.h"
 #include "sightcell/format/eye_table.h"
@@ -174,8 +175,30 @@ void dump_importance(const sample_contents& contents, std::FILE* out) {
   }
 }
 
-bool write(const sample_contents& contents, const std::vector<std::byte>& bytes, bool importance,
-           const std::string& name) {
+void dump_casters(const sample_contents& contents, std::FILE* out) {
+  using namespace sightcell::test;
+  const sample_casters casters(contents);
+  for (std::size_t i = 0; i < casters.suns.size(); ++i) {
+    std::fprintf(out, "sun %zu:", i);
+    for (const auto* direction : {&casters.suns[i].from, &casters.suns[i].to}) {
+      for (const float value : *direction) std::fprintf(out, " %.9g", static_cast<double>(value));
+    }
+    std::fputc('\n', out);
+  }
+  for (std::size_t i = 0; i < casters.sets.size(); ++i) {
+    const auto& c = casters.certificate[i];
+    const std::size_t cell = i / casters.suns.size(), sun = i % casters.suns.size();
+    std::fprintf(out, "casters %zu %zu:", cell, sun);
+    dump_numbers(casters.sets[i], out);
+    std::fprintf(out, "certificate of casters %zu %zu: %llu %llu %.17g %.17g %llu\n", cell, sun,
+                 static_cast<unsigned long long>(c.rays), static_cast<unsigned long long>(c.misses), c.upper_bound,
+                 c.confidence, static_cast<unsigned long long>(c.seed));
+  }
+}
+
+enum class extra { nothing, importance, casters };
+
+bool write(const sample_contents& contents, const std::vector<std::byte>& bytes, extra with, const std::string& name) {
   if (sightcell::format::write_file((name + ".pvs").c_str(), bytes) != sightcell::format::status::ok) return false;
   std::FILE* text = std::fopen((name + ".txt").c_str(), "wb");
   if (text == nullptr) return false;
@@ -185,7 +208,8 @@ bool write(const sample_contents& contents, const std::vector<std::byte>& bytes,
   dump_viewpoints(contents, text);
   dump_eyes(contents, text);
   dump_identity(contents, text);
-  if (importance) dump_importance(contents, text);
+  if (with == extra::importance) dump_importance(contents, text);
+  if (with == extra::casters) dump_casters(contents, text);
   return std::fclose(text) == 0;
 }
 
@@ -216,12 +240,15 @@ int main(int argc, char** argv) {
   const std::string folder = argv[1];
   bool written = true;
   for (const auto& [name, contents] : sightcell::test::golden_files()) {
-    written = written && write(contents, contents.encode(), false, folder + "/" + name);
+    written = written && write(contents, contents.encode(), extra::nothing, folder + "/" + name);
   }
   for (const auto& [name, contents] : sightcell::test::golden_files_with_importance()) {
     const auto bytes = sightcell::test::importance_golden_bytes(contents);
-    written = written && write(contents, bytes, true, folder + "/" + name);
+    written = written && write(contents, bytes, extra::importance, folder + "/" + name);
   }
+  const sample_contents with_casters = sightcell::test::caster_golden_contents();
+  written =
+      written && write(with_casters, sightcell::test::caster_golden_bytes(), extra::casters, folder + "/v1_casters");
   written = written && write_damaged(folder + "/golden_errors");
   if (!written) std::fprintf(stderr, "write_golden: cannot write to %s\n", folder.c_str());
   return written ? 0 : 1;

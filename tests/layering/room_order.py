@@ -13,7 +13,7 @@ import re
 import sys
 
 ROOMS = ['touched', 'trace', 'hemicube', 'cells', 'order', 'volumes', 'bound', 'cell_set', 'checkpoint', 'search', 'input',
-         'file', 'stream', 'sampler', 'misses', 'since', 'job', 'shards', 'verify']
+         'file', 'casters', 'stream', 'sampler', 'misses', 'since', 'job', 'shards', 'verify']
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
 SUFFIXES = ('.h', '.cpp', '.inl')
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "file/caster_sets.h"
 #include "file/importance_section.h"
 #include "file/readable_file.h"
 #include "sightcell/bake/patch.h"
@@ -125,6 +126,7 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
                 "with the added polygons it exceeds the limits of the format",
                 "bake again with these polygons in the cells file");
   carry_importance(opened, bytes, output.string());
+  carry_casters(opened, bytes, output.string());
   if (format::write_file(output.string().c_str(), bytes) != format::status::ok)
     throw error(error_kind::failed, "patch.not-written", output.string(), "cannot be written",
                 "free space or choose another -o; the file is unchanged");

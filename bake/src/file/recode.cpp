@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "file/caster_sets.h"
 #include "file/importance_section.h"
 #include "file/readable_file.h"
 #include "file/stored_rules.h"
@@ -205,6 +206,7 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
     result.cancelled = !measure_importance(opened, output.string(), how, bytes);
   else
     carry_importance(opened, bytes, output.string());
+  if (!stays) carry_casters(opened, bytes, output.string());
   if (result.cancelled) return result;
   require_readable(format::reader::open(bytes, made), output.string());
   if (format::write_file(output.string().c_str(), bytes) != format::status::ok)

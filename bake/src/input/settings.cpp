@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "input/sun_direction.h"
 #include "input/two_scenes.h"
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/base/error.h"
@@ -215,6 +217,34 @@ void check_volumes(const settings& s) {
                 "leave out --volumes here, and bake them with the scene of the cells");
 }
 
+void check_suns(const settings& s) {
+  if (s.suns.empty()) return;
+  if (s.suns.size() > most_suns) refuse("--sun", fmt::format("given {} times", s.suns.size()), "at most 64");
+  for (const sun_setting& sun : s.suns) {
+    for (const std::array<double, 2>& place : {sun.from, sun.to}) {
+      check("--sun", place[0], -360.0, 360.0, " degrees of azimuth");
+      check("--sun", place[1], -90.0, 90.0, " degrees of elevation");
+    }
+    const glm::dvec3 from = toward_sun(sun.from), to = toward_sun(sun.to);
+    if (glm::dot(from, to) < -1e-9) refuse("--sun", "a way of more than 90 degrees", "parts of it, each as one --sun");
+  }
+  const auto refuse_with = [](const char* cause, const char* remedy) {
+    throw error(error_kind::wrong_use, "settings.suns", "--sun", cause, remedy);
+  };
+  if (s.max_pixel_error == 0.0)
+    refuse_with("has shadows that rays find, and --max-pixel-error 0 casts none",
+                "give a --max-pixel-error above 0, or leave out --sun");
+  if (s.time_budget > 0.0) refuse_with("is given together with --time-budget", "give one of them");
+}
+
+std::string suns_text(const settings& s) {
+  std::string text;
+  for (const sun_setting& sun : s.suns)
+    text += fmt::format("{}[{},{},{},{}]", text.empty() ? "" : ",", number(sun.from[0]), number(sun.from[1]),
+                        number(sun.to[0]), number(sun.to[1]));
+  return text.empty() ? text : fmt::format(R"(,"suns":[{}])", text);
+}
+
 const char* kind_of_cells(const settings& s) {
   if (!s.cells.empty()) return "given";
   if (s.cells_file) return "file";
@@ -266,6 +296,7 @@ void validate(const settings& s) {
   check_two_scenes(s);
   check_time_budget(s);
   check_volumes(s);
+  check_suns(s);
   check_kept_records(s);
   if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
@@ -307,6 +338,7 @@ std::string describe(const settings& s) {
   if (s.safety_ring != safety_ring::none)
     text += fmt::format(R"(,"safety_ring":"{}")", safety_ring_names[static_cast<std::size_t>(s.safety_ring)]);
   if (s.volumes != 0.0) text += fmt::format(R"(,"volumes":{})", number(s.volumes));
+  text += suns_text(s);
   text += fmt::format(R"(,"profile":"{}")", slack_profile_names[static_cast<std::size_t>(s.file.profile)]);
   if (s.file.order != polygon_order_kind::per_mesh)
     text += fmt::format(R"(,"order":"{}")", polygon_order_names[static_cast<std::size_t>(s.file.order)]);

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "casters/caster_section.h"
 #include "checkpoint/work_file.h"
 #include "file/importance_section.h"
 #include "file/pvs_output.h"
@@ -81,6 +83,15 @@ void count_rebaked(const step_keeper& keeper, const settings& how, summary& sum)
                               .kept = of(rebake_reason::none)};
 }
 
+// Returns what is added to the encoded file.
+file_completion completion_of(const bake_context& context, const std::filesystem::path& output, const callbacks& events,
+                              std::vector<sun_summary>& suns) {
+  return [importance = importance_of(context.how, context.traced->rays, output, events),
+          casters =
+              casters_of(context.how, context.traced->rays, context.traced->neighbors_or_null(), output, events, suns)](
+             std::vector<std::byte>& file) { return (!importance || importance(file)) && (!casters || casters(file)); };
+}
+
 // Bakes all cells and writes the file.
 // keeper: null for none.
 void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_arena& arena, work_file& file,
@@ -122,10 +133,12 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
     arena.execute([&] {
       written = write_pvs(
           frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, events, sum,
-          importance_of(context.how, context.traced->rays, output, events));
+          completion_of(context, output, events, sum.suns));
     });
   });
   if (written) {
+    const auto over = [](const sun_summary& sun) { return sun.cells_over_bound > 0; };
+    if (std::any_of(sum.suns.begin(), sum.suns.end(), over)) sum.result = outcome::bound_not_met;
     if (keeper) {
       count_rebaked(*keeper, context.how, sum);
       keeper->write(output);

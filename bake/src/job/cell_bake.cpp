@@ -8,6 +8,7 @@
 #include "bound/cell_eyes.h"
 #include "bound/explore_viewpoints.h"
 #include "misses/join_misses.h"
+#include "search/coarser_levels.h"
 #include "search/dilation.h"
 #include "search/refinement.h"
 #include "search/volume_search.h"
@@ -21,24 +22,6 @@ namespace {
 constexpr double sampling_time = 0.4, bounding_time = 0.9;
 constexpr double neighbor_time = 0.25;          // of the time for the bound: the neighbor check before it
 constexpr std::size_t viewpoints_wanted = 128;  // for cubes inside the cell and the test of polygons inside
-
-// Adds all polygons of the coarser levels of detail of each object of which the set has a polygon of the finest level.
-// set: ascending, before and after.
-void add_coarser_levels(const std::vector<scene::lod_object>& objects, std::vector<std::uint32_t>& set) {
-  const std::size_t seen = set.size();
-  const auto any_in = [&](const scene::polygon_range& range) {
-    const auto end = set.begin() + static_cast<std::ptrdiff_t>(seen);
-    const auto first = std::lower_bound(set.begin(), end, range.first);
-    return first != end && *first - range.first < range.count;
-  };
-  for (const scene::lod_object& object : objects) {
-    if (std::none_of(object.finest.begin(), object.finest.end(), any_in)) continue;
-    for (const scene::polygon_range& range : object.coarser)
-      for (std::uint32_t i = 0; i < range.count; ++i) set.push_back(range.first + i);
-  }
-  std::sort(set.begin(), set.end());
-  set.erase(std::unique(set.begin(), set.end()), set.end());
-}
 
 void take_bound(const finish_result& proof, cell_record& record) {
   record.rays = proof.rays;

@@ -46,6 +46,9 @@ void refuse_time_budget(const settings& how) {
 
 // Importance is measured when all sets are known, and merge has no scene.
 void refuse_importance(const settings& how) {
+  if (!how.suns.empty())
+    throw error(error_kind::wrong_use, "settings.suns", "--sun", "is for a bake on one machine",
+                "leave it out, or bake without --shard");
   if (how.file.importance)
     throw error(error_kind::wrong_use, "shard.importance", "--importance", "is for a bake on one machine",
                 "leave it out, and add it to the merged file: sightcell recode FILE --importance SCENE");

@@ -1,7 +1,8 @@
 #pragma once
-// C++20 wrapper over sightcell.h, clusters.h, identity.h and viewpoints.h, header only. The conventions of sightcell.h
-// (coordinates, units, polygon numbers, the draw table, fail-open frames, memory, threads) hold here too. Most members
-// call the C function of the same name, where its parameters, failures and cost are documented. What the wrapper adds:
+// C++20 wrapper over sightcell.h, casters.h, clusters.h, identity.h and viewpoints.h, header only. The conventions of
+// sightcell.h (coordinates, units, polygon numbers, the draw table, fail-open frames, memory, threads) hold here too.
+// Most members call the C function of the same name, where its parameters, failures and cost are documented. What the
+// wrapper adds:
 //   - db and view are move-only and release their handles.
 //   - A function that makes something returns result<T>: the value, or the status of the failure.
 //   - A function that fills a list takes a span and returns a list_result.
@@ -14,6 +15,7 @@
 #include <span>
 #include <utility>
 
+#include "sightcell/casters.h"
 #include "sightcell/clusters.h"
 #include "sightcell/identity.h"
 #include "sightcell/sightcell.h"
@@ -254,6 +256,39 @@ class db {
   sightcell_db* handle_ = nullptr;
 };
 
+// The shadow casters of a db, which must outlive them. Used by one thread at a time.
+class casters {
+ public:
+  casters() noexcept = default;
+  ~casters() { sightcell_casters_destroy(handle_); }
+  casters(casters&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  casters& operator=(casters&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  casters(const casters&) = delete;
+  casters& operator=(const casters&) = delete;
+
+  static result<casters> create(const db& file) noexcept {
+    casters made;
+    const sightcell_status s = sightcell_casters_create(file.get(), &made.handle_);
+    return s == SIGHTCELL_OK ? result<casters>(std::move(made)) : result<casters>(s);
+  }
+
+  // The suns of the file.
+  list_result suns(std::span<sightcell_sun> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_casters_suns(handle_, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+
+  // The C handle, null without one.
+  [[nodiscard]] sightcell_casters* get() noexcept { return handle_; }
+
+ private:
+  sightcell_casters* handle_ = nullptr;
+};
+
 // The host's clusters in the polygon order of a db, which must outlive it. Shared by threads.
 class cluster_map {
  public:
@@ -356,6 +391,20 @@ class view {
   // One bit per draw: 1 if it has a polygon to draw.
   sightcell_status objects(std::span<std::uint64_t> bits_by_draw) const noexcept {
     return sightcell_view_objects(handle_, bits_by_draw.data(), bits_by_draw.size());
+  }
+
+  // The polygons to draw into the shadow map of a sun, as ranges, and as indices in stored order.
+  list_result shadow_ranges(casters& of, std::uint32_t sun, std::span<sightcell_range> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_view_casters(handle_, of.get(), sun, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+  list_result shadow_indices(casters& of, std::uint32_t sun, std::span<const std::uint32_t> stored_indices,
+                             std::span<std::uint32_t> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_view_caster_indices(handle_, of.get(), sun, stored_indices.data(), dst.data(), dst.size(),
+                                               &out.count);
+    return out;
   }
 
   // One bit per cluster of the host: 1 if it has a polygon to draw. row: (clusters + 31) / 32 words or more.

@@ -82,6 +82,12 @@ const std::map<std::string, statuses> promised{
     {"sightcell_cluster_map_of_file",
      with_arguments + statuses{SIGHTCELL_ERR_MEMORY, SIGHTCELL_ERR_ABSENT, SIGHTCELL_PENDING}},
     {"sightcell_view_clusters", of_lists},
+    {"sightcell_casters_create",
+     with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT,
+                               SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
+    {"sightcell_casters_suns", of_lists},
+    {"sightcell_view_casters", of_lists},
+    {"sightcell_view_caster_indices", of_lists},
     {"sightcell_cluster_list", of_lists},
     {"sightcell_cluster_changes", of_lists},
 };
@@ -102,6 +108,7 @@ TEST(every_outcome, is_reached) {
   lists(out);
   clusters(out);
   clusters_of_files(out);
+  shadow_casters(out);
   boxes(out);
   importance(out);
 

@@ -1,4 +1,5 @@
 /* The headers are C11, and their structs have the sizes and offsets that other tools count on. */
+#include <sightcell/casters.h>
 #include <sightcell/clusters.h>
 #include <sightcell/identity.h>
 #include <sightcell/sightcell.h>
@@ -18,6 +19,7 @@ _Static_assert(SIGHTCELL_ERR_STALE == 4 && SIGHTCELL_ERR_IO == 10 && SIGHTCELL_E
 _Static_assert(SIGHTCELL_ERR_OTHER_SCENE == 26 && SIGHTCELL_ERR_CHECKSUM == 23, "statuses");
 _Static_assert(SIGHTCELL_FRAME_DAMAGED == 16 && SIGHTCELL_FRAME_DRAW_ALL == 2, "flags");
 _Static_assert(sizeof(sightcell_cluster_word) == 8, "word of a row");
+_Static_assert(sizeof(sightcell_sun) == 24, "sun");
 
 int main(int argc, char **argv) {
   sightcell_db *db = NULL;

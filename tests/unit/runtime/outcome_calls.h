@@ -23,6 +23,7 @@ void sets_while_pending(outcomes& out);
 void lists(outcomes& out);
 void clusters(outcomes& out);
 void clusters_of_files(outcomes& out);
+void shadow_casters(outcomes& out);
 void boxes(outcomes& out);
 void importance(outcomes& out);
 

@@ -1,4 +1,5 @@
 // What a file knows: facts, valid viewpoints, identity and names of draws, named groups.
+#include <cmath>
 #include <string>
 #include <vector>
 

@@ -8,6 +8,7 @@
 #include "loaded_file.h"
 #include "outcome_calls.h"
 #include "paged_host.h"
+#include "sightcell/casters.h"
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/identity.h"
@@ -177,6 +178,8 @@ void open_without_waiting(outcomes& out) {
   RETURNS(PENDING, sightcell_view_create(host.db(), &view));
   sightcell_cluster_map* map = nullptr;
   RETURNS(PENDING, sightcell_cluster_map_create(host.db(), nullptr, 0, 0, &map));
+  sightcell_casters* casters = nullptr;
+  RETURNS(PENDING, sightcell_casters_create(host.db(), &casters));
   RETURNS(PENDING, sightcell_cluster_map_of_file(host.db(), &map));
   float eye[3];
   RETURNS(PENDING, sightcell_db_cell_eye(host.db(), 0, 0, eye));

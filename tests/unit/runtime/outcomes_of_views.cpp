@@ -8,9 +8,11 @@
 #include "outcome_calls.h"
 #include "paged_host.h"
 #include "polygon_orders_writer.h"
+#include "sightcell/casters.h"
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
 #include "table_encoder.h"
+#include "unit/format/caster_samples.h"
 #include "unit/format/importance_samples.h"
 
 namespace sightcell::test {
@@ -197,6 +199,44 @@ void clusters_of_files(outcomes& out) {
   sightcell_cluster_map* none = nullptr;
   RETURNS(ERR_MEMORY, sightcell_cluster_map_of_file(file.db(), &none));
   sightcell_cluster_map_destroy(map);
+}
+
+void shadow_casters(outcomes& out) {
+  few_blocks three(3);
+  const sample_contents contents = tiny_contents();
+  const bytes whole = with_casters(contents.encode(), sample_casters(contents));
+  const loaded_file file(whole, &three.interface);
+  test_view view(file.db());
+  static_cast<void>(view.move(1, 1, 1));
+  sightcell_casters* casters = nullptr;
+  RETURNS(ERR_ARGUMENT, sightcell_casters_create(nullptr, &casters));
+  RETURNS(OK, sightcell_casters_create(file.db(), &casters));
+  sightcell_casters* none = nullptr;
+  RETURNS(ERR_MEMORY, sightcell_casters_create(file.db(), &none));
+  const loaded_file without(contents);
+  RETURNS(ERR_ABSENT, sightcell_casters_create(without.db(), &none));
+  bytes changed = whole;
+  changed[section_offset(whole, layout::section_casters)] ^= std::byte{2};  // no sun
+  const loaded_file wrong_sum(changed);
+  RETURNS(ERR_CHECKSUM, sightcell_casters_create(wrong_sum.db(), &none));
+  reseal(changed);
+  const loaded_file corrupt(std::move(changed));
+  RETURNS(ERR_CORRUPT, sightcell_casters_create(corrupt.db(), &none));
+  std::array<sightcell_sun, 2> suns;
+  std::array<sightcell_range, 6> ranges;
+  std::array<std::uint32_t, 18> indices{};
+  std::array<std::uint32_t, 18> drawn;
+  std::size_t count = 0;
+  RETURNS(OK, sightcell_casters_suns(casters, suns.data(), 2, &count));
+  RETURNS(ERR_CAPACITY, sightcell_casters_suns(casters, suns.data(), 1, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_casters_suns(nullptr, suns.data(), 2, &count));
+  RETURNS(OK, sightcell_view_casters(view.get(), casters, 1, ranges.data(), 6, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_casters(view.get(), casters, 1, ranges.data(), 0, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_casters(view.get(), casters, 2, ranges.data(), 6, &count));
+  RETURNS(OK, sightcell_view_caster_indices(view.get(), casters, 0, indices.data(), drawn.data(), 18, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_caster_indices(view.get(), casters, 0, indices.data(), drawn.data(), 3, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_caster_indices(view.get(), casters, 0, nullptr, drawn.data(), 18, &count));
+  sightcell_casters_destroy(casters);
 }
 
 void boxes(outcomes& out) {

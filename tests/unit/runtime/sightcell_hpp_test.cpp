@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "unit/format/caster_samples.h"
 #include "unit/format/sample_contents.h"
 
 namespace {
@@ -80,6 +81,34 @@ TEST(sightcell_hpp, clusters) {
   EXPECT_EQ(words[1].index, 1u);
   EXPECT_EQ(words[1].bits, 256u);
   EXPECT_EQ(sightcell::cluster_map::changes(before, std::span(row).first(1), words).status, SIGHTCELL_ERR_ARGUMENT);
+}
+
+TEST(sightcell_hpp, casters) {
+  const auto contents = sightcell::test::small_contents();
+  const auto bytes = sightcell::test::with_casters(contents.encode(), sightcell::test::sample_casters(contents));
+  const auto file = sightcell::db::open(bytes);
+  ASSERT_TRUE(file);
+  auto made = sightcell::casters::create(*file);
+  ASSERT_TRUE(made);
+  sightcell::casters casters = std::move(*made);
+  std::array<sightcell_sun, 2> suns{};
+  EXPECT_EQ(casters.suns(suns).count, 2u);
+  auto camera = sightcell::view::create(*file);
+  ASSERT_TRUE(camera);
+  sightcell_frame frame;
+  const float eye[3] = {3.5f, 0.5f, 0.5f};
+  EXPECT_EQ(camera->move(eye, frame), SIGHTCELL_OK);
+  std::vector<sightcell_range> ranges(300);
+  const auto listed = camera->shadow_ranges(casters, 1, ranges);
+  ASSERT_TRUE(listed);
+  std::uint32_t polygons = 0;
+  for (std::size_t i = 0; i < listed.count; ++i) polygons += ranges[i].count;
+  EXPECT_GT(polygons, contents.sets[3].size());
+  const std::vector<std::uint32_t> stored(900, 7);
+  std::vector<std::uint32_t> indices(900);
+  EXPECT_EQ(camera->shadow_indices(casters, 1, stored, indices).count, 3 * std::size_t{polygons});
+  EXPECT_EQ(sightcell::casters().suns(suns).status, SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(camera->shadow_ranges(casters, 2, ranges).status, SIGHTCELL_ERR_ARGUMENT);
 }
 
 TEST(sightcell_hpp, an_opening_that_does_not_wait) {

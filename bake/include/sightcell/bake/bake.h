@@ -53,7 +53,7 @@ namespace sightcell::bake {
 
 enum class outcome {
   done,           // each cell has its bound
-  bound_not_met,  // the file is complete, and the bound of some cells is above settings::max_pixel_error
+  bound_not_met,  // the file is complete, and some bound of some cells is above settings::max_pixel_error
   cancelled       // by callbacks::on_progress; the same call resumes
 };
 
@@ -85,6 +85,14 @@ struct rebaked_cells {
   std::uint32_t count() const { return is_new + changed_polygon + something_new + neighbors; }
 };
 
+// What was found for one of settings::suns.
+struct sun_summary {
+  double casters_per_cell = 0.0;       // mean number of polygons beside the set of a cell
+  double max_upper_bound = 1.0;        // largest bound of a cell: that a point which it sees lacks its shadow
+  std::uint32_t cells_over_bound = 0;  // whose bound is above settings::max_pixel_error
+  std::uint64_t rays = 0;              // that were spent
+};
+
 // Result of a bake, a shard or a merge. Percentages are of all polygons of the scene unless stated otherwise.
 struct summary {
   outcome result = outcome::done;
@@ -110,6 +118,8 @@ struct summary {
   std::uint32_t volumes = 0;      // visibility volumes in the file
   double volumes_per_cell = 0.0;  // mean number of visible volumes
   double slack = 0.0;             // polygons that file_settings::profile added, as a share of the others; 0 .. 0.1
+
+  std::vector<sun_summary> suns;  // one for each of settings::suns
 
   double max_upper_bound = 1.0;  // largest bound of a cell, 0 .. 1
   double cpu_seconds = 0.0;      // of the process during this call, all threads

@@ -22,6 +22,7 @@ enum class bake_phase {
   checking_neighbors,    // tests in each cell what adjacent cells found
   writing_file,          // orders and encodes the sets
   measuring_importance,  // settings::file.importance
+  finding_casters,       // settings::suns
 };
 
 // ---- Progress -------------------------------------------------------------------------------------------------------
@@ -43,6 +44,7 @@ struct progress {
   std::uint32_t cells_checked = 0;  // of cells_done: finished. Time budget: whose bound is at most max_pixel_error
   std::uint32_t cells_in_work = 0;  // now
 
+  double casters = 0.0;     // part of the cells whose shadow casters are found, 0 .. 1; 0 before that begins
   double importance = 0.0;  // part of the importance that is measured, 0 .. 1; 0 before that begins
   double target = 0.0;      // time budget: the bound that all cells are brought to now; else 0
   // Part that is done of merging cells, or of what the sampler does once for all cells, 0 .. 1; 1 if there is nothing

@@ -53,6 +53,16 @@ struct player_settings {
   float highest_eye = 2.1f;  // --eye-heights LOW,HIGH: when jumping, 0 .. 100
 };
 
+// ---- Sun ------------------------------------------------------------------------------------------------------------
+
+// A sun whose shadows a host draws: one direction, or the way from one to another that the sun moves along. Degrees:
+// azimuth, clockwise from north (-z) as seen from above, then elevation above the horizon.
+struct sun_setting {
+  std::array<double, 2> from{};  // azimuth -360 .. 360, elevation -90 .. 90
+  std::array<double, 2> to{};    // equal to from where the sun does not move; at most 90 degrees from there
+};
+inline constexpr std::size_t most_suns = 64;  // of one bake
+
 // ---- Metric ---------------------------------------------------------------------------------------------------------
 
 // What the error of a cell is, and so what its upper bound bounds.
@@ -180,6 +190,10 @@ struct settings {
   // --volumes: width of visibility volumes, meters, 0.25 .. 1000, or 0 for none. Needs a max_pixel_error above 0.
   double volumes = 0.0;
 
+  // --sun: for each sun, the polygons whose shadow falls into the view of a cell (docs/shadows.md). At most most_suns.
+  // Needs a max_pixel_error above 0.
+  std::vector<sun_setting> suns;
+
   // ---- File
   file_settings file;  // --profile, --order, --layout, --importance, --names
 
@@ -205,7 +219,7 @@ bool flies(const settings& s);
 
 // Checks ranges and combinations.
 // Fails with settings.out-of-range, settings.two-kinds-of-cells, settings.time-budget, settings.volumes,
-//   settings.two-scenes, settings.records; the line names the option.
+//   settings.two-scenes, settings.records, settings.suns; the line names the option.
 void validate(const settings& s);
 
 // Returns the settings text: one line of JSON with all settings that can change a byte of the file, in fixed order. It

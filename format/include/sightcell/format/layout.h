@@ -77,6 +77,7 @@ inline constexpr std::uint32_t section_eyes = 13;          // since version 1; o
 inline constexpr std::uint32_t section_borders = 14;       // since version 1; a file with smaller chunks requires it
 inline constexpr std::uint32_t section_identity = 15;      // since version 1; optional, and open skips it
 inline constexpr std::uint32_t section_clusters = 16;      // since version 1; a file with clusters requires it
+inline constexpr std::uint32_t section_casters = 17;       // since version 1; optional, and open skips it
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
 
@@ -91,6 +92,10 @@ inline constexpr std::uint64_t viewpoints_head_size = 4;
 
 // The identity section begins with four u32.
 inline constexpr std::uint64_t identity_head_size = 16;
+
+// The casters section begins with three u32, then has six f32 for each sun.
+inline constexpr std::uint64_t casters_head_size = 12;
+inline constexpr std::uint64_t sun_record_size = 24;
 
 // The cells section of version 1 begins with one of these.
 inline constexpr std::uint32_t cells_are_boxes = 0;
@@ -122,6 +127,9 @@ inline constexpr std::uint32_t max_region_depth = 18;  // of a leaf; the root ha
 // Clusters.
 inline constexpr std::uint32_t max_cluster_polygons = 256;
 inline constexpr std::uint32_t max_order_run = 64;  // polygons of a run of an order, in a file with clusters
+// Shadow casters.
+inline constexpr std::uint32_t max_suns = 64;
+inline constexpr std::uint32_t max_caster_sets = 1u << 24;  // cells times suns
 
 // Eyes.
 inline constexpr std::uint32_t max_eyes = 8;               // of a cell

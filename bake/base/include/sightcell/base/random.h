@@ -32,7 +32,10 @@ enum class purpose : std::uint64_t {
   agvs_place = 15,  // of a cell on such a ray
   importance = 16,
   volumes = 17,
-  merging = 18  // of cells
+  merging = 18,  // of cells
+  caster_search = 19,
+  caster_bound = 20,
+  caster_verify = 21
 };
 
 class random_stream {

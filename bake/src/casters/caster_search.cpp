@@ -1,0 +1,188 @@
+#include "casters/caster_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "bound/bound_rays.h"
+#include "bound/clopper_pearson.h"
+#include "bound/sequential_test.h"
+#include "casters/shadow_batch.h"
+#include "search/batch_plan.h"
+#include "trace/triangle_math.h"
+
+namespace sightcell::bake {
+namespace {
+
+constexpr double eye_risk_share = 0.01;       // of an interim test's risk: too many viewpoints are counted as valid
+constexpr std::uint64_t first_search = 8192;  // trials
+constexpr std::uint64_t largest_search = 262'144;
+constexpr std::uint64_t most_proofs = 40;      // batches: the risk of a later one would vanish beside 1
+constexpr std::uint64_t hopeless_misses = 16;  // a batch with more misses is no cheaper than a search and another batch
+
+// Returns the number of trials to cast for each one wanted, as the lower limit of trials falls short of them.
+double trials_per_wanted(double wanted, double valid_share) {
+  if (valid_share < fewest_valid) return 1.0;
+  const double tests = std::max(256.0, wanted / valid_share / 256.0);
+  return 1.02 + 3.5 * std::sqrt((1.0 - valid_share) / (valid_share * tests));
+}
+
+class caster_finder {
+ public:
+  caster_finder(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell, const sun_arc& sun,
+                const caster_search_settings& how)
+      : rays_(rays), neighbors_(neighbors), cell_(cell), sun_(sun), how_(how), state_(rays.geometry().kinds.size()) {
+    for (const std::uint32_t polygon : cell.camera) state_[polygon] = in_camera;
+    sets_.camera = [this](std::uint32_t polygon) { return state_[polygon] == in_camera; };
+    sets_.drawn = [this](std::uint32_t polygon) {
+      return polygon >= how_.own_polygons || state_[polygon] == in_camera || state_[polygon] == caster;
+    };
+  }
+
+  caster_result run() {
+    std::uint64_t size = first_search;
+    for (std::uint64_t number = 1; number <= most_proofs; ++number) {
+      search(size);
+      prove(number);
+      if (result_.bound_met || result_.rays_spent >= how_.max_rays) break;
+    }
+    for (std::uint32_t polygon = 0; polygon < state_.size(); ++polygon)
+      if (state_[polygon] == caster) result_.casters.push_back(polygon);
+    return std::move(result_);
+  }
+
+ private:
+  enum state : std::uint8_t { absent, in_camera, caster };
+
+  shadow_batch batch(purpose use, std::uint64_t round) const {
+    return {rays_, cell_.region, how_.player_radius, cell_.valid_share, sun_, {how_.seed, cell_.place, use, round},
+            sets_};
+  }
+
+  // Casts batches of growing size until a batch that could prove the bound is likely to do so.
+  void search(std::uint64_t& size) {
+    const double enough = std::min(1.0 / how_.max_error, static_cast<double>(largest_search));
+    while (result_.rays_spent < how_.max_rays) {
+      shadow_batch trial = batch(purpose::caster_search, ++searches_);
+      trial.cast(size);
+      result_.rays_spent += trial.spent();
+      const bool calm = static_cast<double>(trial.misses()) <= 0.4 * how_.max_error * static_cast<double>(size) &&
+                        static_cast<double>(size) >= enough;
+      join(trial.missed());
+      if (calm) return;
+      size = std::min(2 * size, largest_search);
+    }
+  }
+
+  // Casts one batch of independent trials; see plan_interim_tests.
+  void prove(std::uint64_t number) {
+    shadow_batch trial = batch(purpose::caster_bound, number);
+    for (const interim_test& next : plan_interim_tests(how_.max_error, risk_of_batch(number), eye_risk_share)) {
+      if (next.misses < trial.misses()) continue;
+      std::uint64_t trials = trial.trials(eye_risk_share * next.risk);
+      while (trials < next.trials && trial.spent() < how_.max_rays) {
+        const auto more = static_cast<double>(next.trials - trials);
+        trial.cast(static_cast<std::uint64_t>(std::max(trials_per_wanted(more, cell_.valid_share) * more, 1.0)));
+        trials = trial.trials(eye_risk_share * next.risk);
+      }
+      take(std::max(std::min(trials, next.trials), trial.misses()), trial.misses(), next.risk);
+      if (trial.misses() <= next.misses || trials < next.trials || trial.misses() > hopeless_misses) break;
+    }
+    result_.rays_spent += trial.spent();
+    join(trial.missed());
+  }
+
+  // Sets only grow, so the smallest bound of all batches holds.
+  void take(std::uint64_t trials, std::uint64_t misses, double risk) {
+    const double bound = clopper_pearson_upper(misses, trials, 1.0 - (1.0 - eye_risk_share) * risk);
+    if (result_.rays > 0 && bound >= result_.upper_bound) return;
+    result_.rays = trials, result_.misses = misses;
+    result_.upper_bound = bound, result_.confidence = 1.0 - risk;
+    result_.bound_met = bound <= how_.max_error;
+  }
+
+  void join(const std::vector<missed_shadow>& missed) {
+    joined_.clear();
+    for (const missed_shadow& one : missed) join(one);
+    if (neighbors_) look_beside();
+  }
+
+  // Earlier shadows of the same batch may have brought what this one lacks.
+  void join(const missed_shadow& one) {
+    const std::vector<std::uint32_t>& blockers = one.lacking.one_of;
+    if (!blockers.empty() && std::none_of(blockers.begin(), blockers.end(), sets_.drawn)) {
+      add(blockers.front(), one);
+      add(blockers.back(), one);
+    }
+    for (const std::uint32_t polygon : one.lacking.each) add(polygon, one);
+  }
+
+  void add(std::uint32_t polygon, const missed_shadow& from) {
+    if (sets_.drawn(polygon)) return;
+    state_[polygon] = caster;
+    joined_.push_back({polygon, from.eye, from.to_light});
+  }
+
+  // Tries the neighbors of each polygon that joined: those whose shadow is seen from the same viewpoint join too.
+  void look_beside() {
+    for (std::size_t i = 0; i < joined_.size(); ++i) {
+      const found one = joined_[i];
+      neighbors_->for_each(one.polygon, [&](std::uint32_t polygon) {
+        if (!sets_.drawn(polygon)) try_caster(polygon, one);
+      });
+    }
+  }
+
+  struct found {
+    std::uint32_t polygon = 0;
+    glm::vec3 eye{0.0f}, to_light{0.0f};  // of a shadow of it that is seen
+  };
+
+  // Joins the polygon if the shadow of one of some points of it falls on something that the viewpoint sees.
+  void try_caster(std::uint32_t polygon, const found& beside) {
+    // Barycentric coordinates: the middle, and points near the corners.
+    constexpr std::array<std::array<float, 3>, 4> tries{
+        {{1.0f / 3, 1.0f / 3, 1.0f / 3}, {0.8f, 0.1f, 0.1f}, {0.1f, 0.8f, 0.1f}, {0.1f, 0.1f, 0.8f}}};
+    const triangle t = corners_of(rays_.geometry(), polygon);
+    sight below, seen;
+    std::vector<missed_shadow> missed;
+    for (const auto& weights : tries) {
+      const glm::vec3 on = t[0] * weights[0] + t[1] * weights[1] + t[2] * weights[2];
+      ++result_.rays_spent;
+      rays_.trace(on - 2e-3f * beside.to_light, -beside.to_light, below);
+      if (below.front == no_polygon || !sets_.camera(below.front)) continue;
+      const glm::vec3 to_point = on - beside.to_light * (2e-3f + below.distance) - beside.eye;
+      const float distance = glm::length(to_point);
+      if (!(distance > 0.0f)) continue;
+      const sight_line line{beside.eye, to_point / distance};
+      rays_.trace(line.eye, line.direction, seen);
+      if (seen.front != below.front) continue;
+      missed.clear();
+      if (lacks_shadow(rays_, line, seen, beside.to_light, sets_, missed))
+        for (const missed_shadow& one : missed) join(one);
+      if (sets_.drawn(polygon)) return;
+    }
+  }
+
+  const ray_scene& rays_;
+  const near_polygons* neighbors_;
+  const caster_cell& cell_;
+  const sun_arc& sun_;
+  const caster_search_settings& how_;
+  std::vector<state> state_;  // by polygon
+  caster_sets sets_;
+  std::vector<found> joined_;
+  std::uint64_t searches_ = 0;
+  caster_result result_;
+};
+
+}  // namespace
+
+caster_result find_casters(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell,
+                           const sun_arc& sun, const caster_search_settings& how) {
+  return caster_finder(rays, neighbors, cell, sun, how).run();
+}
+
+}  // namespace sightcell::bake
