@@ -503,11 +503,13 @@ def row_decoder(header, parts, chunks):
 class CasterBounds:
     """What RowDecoder needs of a header."""
 
+    begins = None  # also in a file of clusters, caster sets are of polygons
+
     def __init__(self, header, run_bound, list_bound):
-        self.header, self.run_bound, self.list_bound = header, run_bound, list_bound
+        self.polygons, self.run_bound, self.list_bound = header.polygons, run_bound, list_bound
 
     def items(self):
-        return self.header.polygons
+        return self.polygons
 
 
 def decode_casters(header, section):
