@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { dump } from "./dump.mjs";
-import { fnv_hash, host, require, status } from "./host.mjs";
+import { fnv_hash, host, require, requires_clusters, status } from "./host.mjs";
 import { open_paged } from "./paged.mjs";
 import { hash_of_walk } from "./walk.mjs";
 
@@ -49,14 +49,6 @@ for (const line of lines(answers)) {
 }
 require(read > 0 && old > 0, `${answers}: ${read} files, and ${old} of version 0`);
 
-// Whether a record of the section table has the id of clusters and the required flag.
-function requires_clusters(path) {
-  const file = readFileSync(path);
-  for (let at = 96; at + 8 <= file.length && at < 96 + 32 * file.readUInt32LE(12); at += 32)
-    if (file.readUInt32LE(at) === 16 && file.readUInt32LE(at + 4) === 1) return true;
-  return false;
-}
-
 let of_clusters = 0;
 const names = Object.fromEntries(Object.entries(status).map(([name, number]) => [number, name]));
 const damaged = lines(join(folder, "golden_errors", "statuses.txt"));
@@ -65,7 +57,7 @@ for (const line of damaged) {
   const found = page.with_file(join(folder, "golden_errors", name), ({ db, status: opened }) =>
     names[opened === status.ok ? page.c.sightcell_db_check(db) : opened]);
   // The module is built without clusters.
-  const in_clusters = requires_clusters(join(folder, "golden_errors", name));
+  const in_clusters = requires_clusters(readFileSync(join(folder, "golden_errors", name)));
   const expected_here = in_clusters ? "version" : expected;
   require(found === expected_here, `${name}: ${found} instead of ${expected_here}`);
   of_clusters += in_clusters ? 1 : 0;

@@ -8,6 +8,13 @@ export function require(good, what) {
   if (!good) throw new Error(what);
 }
 
+// Whether a record of the section table has the id of clusters and the required flag. The module is built without them.
+export function requires_clusters(file) {
+  for (let at = 96; at + 8 <= file.length && at < 96 + 32 * file.readUInt32LE(12); at += 32)
+    if (file.readUInt32LE(at) === 16 && file.readUInt32LE(at + 4) === 1) return true;
+  return false;
+}
+
 export class host {
   static async load(path) {
     const { instance } = await WebAssembly.instantiate(readFileSync(path));
