@@ -19,7 +19,7 @@ C_STANDARD = {name + '.h' for name in (
     'assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic '
     'stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype').split()}
 
-POSIX = ['unistd.h', 'fcntl.h', 'sys/']
+POSIX = ['unistd.h', 'fcntl.h', 'poll.h', 'sys/']
 SYSTEM = POSIX + ['windows.h']
 PLATFORM = SYSTEM + ['io.h']  # of tests
 FORMAT_READ = ['sightcell/format/layout.h', 'sightcell/format/status.h', 'sightcell/format/records.h',
