@@ -31,15 +31,15 @@ class Watcher:
             self.lines.put(line)
         self.lines.put(None)
 
-    def until(self, text):
-        """The lines up to one with this text."""
+    def until(self, *texts):
+        """The lines up to one with one of these texts."""
         lines = []
         while True:
             line = self.lines.get(timeout=TIMEOUT)
             self.all.append(line)
-            self.test.assertIsNotNone(line, f'no "{text}" in\n{self.all}')
+            self.test.assertIsNotNone(line, f'none of {texts} in\n{self.all}')
             lines.append(line)
-            if text in line:
+            if any(text in line for text in texts):
                 return lines
 
     def end(self, number=signal.SIGKILL):
@@ -107,12 +107,18 @@ class Watch(InRoom):
         draft, files, output = self.baked(DRAFT), self.baked(SLOW), self.path('during.pvs')
         self.save(0)
         running = Watcher(self, self.room, output, *SLOW)
-        running.until('preview of 1 cells')
-        running.process.send_signal(signal.SIGSTOP)  # the bake must not end before the save
-        self.assertEqual(read(output), draft[0])
-        self.save(1)
-        running.process.send_signal(signal.SIGCONT)
-        running.until('stopped')
+        for _ in range(10):  # on a busy machine the bake may end before the signal
+            running.until('preview of 1 cells')
+            running.process.send_signal(signal.SIGSTOP)  # the bake must not end before the save
+            self.assertIn(read(output), (draft[0], files[0]))
+            self.save(1)
+            running.process.send_signal(signal.SIGCONT)
+            if 'stopped' in running.until('stopped', 'waiting for')[-1]:
+                break
+            running.until('waiting for')
+            self.save(0)
+        else:
+            self.fail('no save stopped a bake')
         running.until('preview of 1 cells')
         running.until('waiting for')
         self.assertEqual(read(output), files[1])
@@ -129,8 +135,8 @@ class Watch(InRoom):
         self.assertEqual(read(output), files[0])
         self.save(1)
         running.until('preview of 1 cells')
-        self.assertEqual(running.end(signal.SIGINT), 130)
-        self.assertEqual(read(output), draft[1])
+        code = running.end(signal.SIGINT)
+        self.assertIn((code, read(output)), ((130, draft[1]), (0, files[1])))  # unfinished, or ended before the signal
 
     def test_a_kill_leaves_a_complete_file(self):
         known = self.baked(DRAFT) + self.baked(SLOW)
@@ -141,7 +147,7 @@ class Watch(InRoom):
         for i, moment in enumerate(moments):
             self.save(1 - i % 2)
             running = Watcher(self, self.room, output, *SLOW)
-            running.until(moment)
+            running.until(moment, 'waiting for')  # a quick bake reports no cell in work
             self.assertEqual(running.end(), -signal.SIGKILL)
             self.assertIn(read(output), known, moment)
         self.assert_nothing_left(output)
