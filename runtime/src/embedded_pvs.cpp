@@ -78,7 +78,7 @@ class json_position {
       if (text_[at_] == '\\') {
         ++at_;
       } else if (text_[at_] == '"') {
-        out = text_.substr(begin, at_ - begin);
+        out = {text_.data() + begin, at_ - begin};  // substr() may throw, which needs the C++ library
         ++at_;
         return true;
       }
