@@ -48,13 +48,19 @@ nlohmann::json paces_of(const gl_context& context, const options& asked) {
   for (const bench::pace& p : bench::measure_paces(context, world, poses, asked.resolution, asked.gather)) {
     std::printf("%-10s %-10s %8u %12.1f %14.1f %18.0f %14.1f\n", p.gather.c_str(), p.culling.c_str(), p.at_once,
                 p.samples_per_second, p.cpu_ms_per_sample, p.triangles_per_sample, p.polygons_seen);
+    nlohmann::json stages = nlohmann::json::object();
+    for (const auto& [name, seconds] : p.stages) {
+      std::printf("    %-22s %10.1f us\n", name.c_str(), 1e6 * seconds);
+      stages[name] = 1e6 * seconds;
+    }
     rows.push_back({{"gather", p.gather},
                     {"culling", p.culling},
                     {"at_once", p.at_once},
                     {"samples_per_second", p.samples_per_second},
                     {"cpu_ms_per_sample", p.cpu_ms_per_sample},
                     {"triangles_per_sample", p.triangles_per_sample},
-                    {"polygons_seen", p.polygons_seen}});
+                    {"polygons_seen", p.polygons_seen},
+                    {"stage_microseconds", stages}});
   }
   return {{"scene", asked.scene}, {"polygons", world.kinds.size()}, {"poses", poses.size()}, {"paces", rows}};
 }

@@ -24,6 +24,17 @@ void render(bake::hemicube_source& source, const std::vector<bake::pose>& poses,
   }
 }
 
+// Renders one by one, because the stages of hemicubes in flight would overlap.
+std::vector<bake::gpu_timeline::stage> stages_of(bake::hemicube_source& source, bake::gpu_timeline& timeline,
+                                                 const std::vector<bake::pose>& poses) {
+  std::vector<bake::hemicube_view> views;
+  timeline.enable();
+  render(source, poses, 1, views);
+  std::vector<bake::gpu_timeline::stage> stages = timeline.stages();
+  for (bake::gpu_timeline::stage& s : stages) s.seconds /= static_cast<double>(poses.size());
+  return stages;
+}
+
 pace measure(bake::hemicube_source& source, const std::vector<bake::pose>& poses, std::uint32_t at_once) {
   pace measured;
   measured.at_once = at_once;
@@ -82,8 +93,10 @@ std::vector<pace> measure_paces(const picture::gl_context& context, const scene:
          {std::pair{bake::culling::none, "none"}, std::pair{bake::culling::frustum, "frustum"},
           std::pair{bake::culling::occlusion, "occlusion"}}) {
       if (hide == bake::culling::occlusion && !bake::can_cull_on_device()) continue;
+      bake::gpu_timeline timeline;
       const auto source = bake::make_gpu_source(
-          context, world, {.resolution = resolution, .far_plane = far_plane, .how = how, .hide = hide});
+          context, world,
+          {.resolution = resolution, .far_plane = far_plane, .how = how, .hide = hide, .timeline = &timeline});
       for (const std::uint32_t at_once : {1u, 16u}) {
         if (at_once > 1 && how == bake::gather::read_back) continue;
         pace measured = measure(*source, poses, at_once);
@@ -91,6 +104,7 @@ std::vector<pace> measure_paces(const picture::gl_context& context, const scene:
         measured.gather = gather_name;
         all.push_back(measured);
       }
+      if (how == bake::gather::compute) all.back().stages = stages_of(*source, timeline, poses);
     }
   }
   return all;

@@ -18,6 +18,7 @@ struct pace {
   double cpu_ms_per_sample = 0.0;     // of the process, all threads; least of three
   double triangles_per_sample = 0.0;  // given to the rasterizer
   double polygons_seen = 0.0;         // per sample: the same for all
+  std::vector<bake::gpu_timeline::stage> stages;  // seconds of the device per sample; with the gather "compute" alone
 };
 
 // Eight in a row in each of some cells of the file, looking the same way: as on a face of a cell in a bake.

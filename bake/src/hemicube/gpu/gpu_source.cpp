@@ -43,6 +43,7 @@ class gpu_source final : public hemicube_source {
       : context_(context),
         resolution_(options.resolution),
         near_over_far_(hemicube_near / options.far_plane),
+        timeline_(options.timeline),
         geometry_(world),
         opaque_("hemicube/opaque", {{GL_VERTEX_SHADER, shaders::hemicube_polygon_vert},
                                     {GL_FRAGMENT_SHADER, shaders::hemicube_opaque_frag}}),
@@ -92,6 +93,7 @@ class gpu_source final : public hemicube_source {
         if (i >= poses.size()) continue;
         draw(poses[i]);
         compute_->send(atlas(), slot);
+        end_stage("gather");
       }
     }
     context_.check("hemicube");
@@ -129,6 +131,10 @@ class gpu_source final : public hemicube_source {
   std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
 
  private:
+  void end_stage(const char* name) {
+    if (timeline_ != nullptr) timeline_->end(name);
+  }
+
   // Each visible occluder has at least one pixel of its own.
   std::uint32_t most_seen() const {
     const std::uint64_t most = 3 * std::uint64_t{resolution_} * resolution_ + geometry_.see_through_polygons();
@@ -143,13 +149,20 @@ class gpu_source final : public hemicube_source {
     std::array<face_block, face_count> blocks;
     for (std::uint32_t f = 0; f < face_count; ++f) blocks[f] = block_of(where.eye, faces[f]);
     glNamedBufferSubData(face_blocks_.id(), 0, sizeof blocks, blocks.data());
+    if (timeline_ != nullptr) timeline_->start();
     culling_->start(where.eye, faces);
+    end_stage("cull, first pass");
 
     set_state();
+    end_stage("clear");
     draw_pass(faces);
+    end_stage("draw, first pass");
     if (culling_->start_second()) {
+      end_stage("cull, second pass");
       draw_pass(faces);
+      end_stage("draw, second pass");
       culling_->finish_second();
+      end_stage("resolve");
     }
     return faces;
   }
@@ -171,6 +184,7 @@ class gpu_source final : public hemicube_source {
         glUseProgram(see_through_masked_->id());
         draw_faces(faces, see_through_masked_single_sided, see_through_masked_double_sided);
       }
+      end_stage("count non-occluders");
     }
     return faces;
   }
@@ -237,6 +251,7 @@ class gpu_source final : public hemicube_source {
   const picture::gl_context& context_;
   std::uint32_t resolution_;
   float near_over_far_;
+  gpu_timeline* timeline_;
   gpu_geometry geometry_;
   picture::gl_program opaque_, see_through_;
   std::optional<picture::gl_program> masked_, see_through_masked_;  // only where the scene has such polygons

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "hemicube/gpu/gpu_culling.h"
+#include "hemicube/gpu/gpu_timeline.h"
 #include "hemicube/hemicube_source.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/scene.h"
@@ -18,6 +19,7 @@ struct gpu_source_options {
   float far_plane = 1.0f;             // meters; depths are divided by it in the importance, background counts as 1
   gather how = gather::automatic;     // automatic: read_back on a software rasterizer, else compute
   culling hide = culling::automatic;  // which clusters are drawn; does not change the image
+  gpu_timeline* timeline = nullptr;   // if not null, records the stages of each hemicube; must outlive the source
 };
 
 // Uploads the geometry. context and geometry must outlive the source, and context must be current at every call.

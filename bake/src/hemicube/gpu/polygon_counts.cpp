@@ -41,7 +41,7 @@ void clear_first(const gl_buffer& words) {
 class mapped_words {
  public:
   explicit mapped_words(std::size_t words)
-      : size_(words), buffer_(4 * words, nullptr, flags), data_(map(buffer_, 4 * words)) {}
+      : size_(words), buffer_(4 * words, nullptr, flags | GL_CLIENT_STORAGE_BIT), data_(map(buffer_, 4 * words)) {}
   GLuint id() const { return buffer_.id(); }
   std::size_t size() const { return size_; }
   const std::uint32_t* data() const { return data_; }
