@@ -3,10 +3,12 @@
 layout(local_size_x = hemicube_cull_size) in;
 
 layout(std140, binding = hemicube_block_cull) uniform cull_block { hemicube_cull view; };
-layout(std140, binding = hemicube_block_cull_scene) uniform cull_scene_block { hemicube_cull_scene scene; };
 layout(std430, binding = hemicube_buffer_clusters) readonly buffer clusters_buffer { hemicube_cluster clusters[]; };
 layout(std430, binding = hemicube_buffer_commands) writeonly buffer commands_buffer { uint commands[]; };
+layout(std430, binding = hemicube_buffer_group_draws) writeonly buffer group_draws_buffer { uint group_draws[]; };
 layout(std430, binding = hemicube_buffer_last_seen) readonly buffer seen_buffer { uint last_seen[]; };
+
+shared uint draws;
 
 // Returns half the extent of the box, enlarged for rounding here and in the vertex shader.
 vec3 reach_of(hemicube_cluster c) {
@@ -32,10 +34,17 @@ bool in_first_pass(uint cluster) {
 }
 
 void write_draw(uint cluster, uint face, bool drawn) {
-  uint at = hemicube_command_words * (face * scene.cluster_count + cluster);
-  commands[at] = drawn ? 3u * clusters[cluster].polygon_count : 0u;
-  commands[at + 1u] = 1u;
-  commands[at + 2u] = 3u * clusters[cluster].first_polygon;
-  commands[at + 3u] = 0u;
-  commands[at + 4u] = 0u;
+  if (gl_LocalInvocationIndex == 0u) draws = 0u;
+  barrier();
+  if (cluster != no_cluster) {
+    uint at = hemicube_command_words * (face * scene.cluster_count + cluster);
+    commands[at] = drawn ? 3u * clusters[cluster].polygon_count : 0u;
+    commands[at + 1u] = 1u;
+    commands[at + 2u] = 3u * clusters[cluster].first_polygon;
+    commands[at + 3u] = 0u;
+    commands[at + 4u] = 0u;
+    if (drawn) atomicAdd(draws, 1u);
+  }
+  barrier();
+  if (gl_LocalInvocationIndex == 0u) group_draws[face * scene.group_count + gl_WorkGroupID.x] = draws;
 }

@@ -1,5 +1,6 @@
 #version 450 core
 #include "shared/hemicube_layout.h"
+#include "hemicube/cull_scene.glsl"
 #include "hemicube/cull.glsl"
 
 // Second pass: draws every other cluster that the depths of the first pass do not occlude.
@@ -47,9 +48,11 @@ bool hidden(hemicube_cluster c, hemicube_cull_face face) {
 }
 
 void main() {
-  uint cluster = gl_GlobalInvocationID.x, face = gl_WorkGroupID.y;
-  if (cluster >= scene.cluster_count) return;
-  hemicube_cluster c = clusters[cluster];
-  write_draw(cluster, face,
-             !in_first_pass(cluster) && in_frustum(c, view.faces[face]) && !hidden(c, view.faces[face]));
+  uint cluster = cluster_of_invocation(gl_WorkGroupID.x, gl_LocalInvocationIndex), face = gl_WorkGroupID.y;
+  bool drawn = false;
+  if (cluster != no_cluster && !in_first_pass(cluster)) {
+    hemicube_cluster c = clusters[cluster];
+    drawn = in_frustum(c, view.faces[face]) && !hidden(c, view.faces[face]);
+  }
+  write_draw(cluster, face, drawn);
 }

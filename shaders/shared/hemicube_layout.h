@@ -12,12 +12,11 @@ const uint hemicube_group_width = 16u;
 const uint hemicube_group_height = 16u;
 const uint hemicube_collect_size = 256u;
 
-// Invocations per work group of the culling shaders and, below, of compact.comp.
-const uint hemicube_cull_size = 64u;
+// Clusters per work group of the culling shaders.
+const uint hemicube_cull_size = 256u;
 // The first pass draws the clusters that were visible in one of this number of hemicubes before this one. The samples
 // of a cell are on six faces in turns, so the last hemicube alone is not enough.
 const uint hemicube_memory = 8u;
-const uint hemicube_compact_size = 256u;
 // Levels of the hierarchical depth below the full size. A work group of depth_levels.comp makes all levels of one block
 // of 2^levels x 2^levels pixels.
 const uint hemicube_depth_levels = 5u;
@@ -60,6 +59,7 @@ const uint hemicube_buffer_masks = 3u;   // hemicube_mask per mask
 const uint hemicube_buffer_texels = 4u;  // alphas, four per word, lowest byte first
 
 // For culling. Passes share bindings, because OpenGL guarantees only eight.
+const uint hemicube_buffer_group_draws = 0u;  // per face and work group: number of clusters that are drawn
 const uint hemicube_buffer_clusters = 5u;   // hemicube_cluster, grouped by class
 const uint hemicube_buffer_commands = 6u;   // one draw per face and cluster; index count 0 if the cluster is culled
 const uint hemicube_buffer_last_seen = 7u;  // per cluster: number of the last hemicube in which it was visible, or 0
@@ -117,8 +117,9 @@ struct hemicube_cull {
 struct hemicube_cull_scene {
   uint cluster_count;
   uint hiding_clusters;  // clusters of opaque and MASK polygons, which are first
-  uint unused_a, unused_b;
-  uvec4 classes[hemicube_classes];  // first cluster, number of clusters
+  uint group_count;      // work groups of culling, of hemicube_cull_size clusters of one class each
+  uint unused_word;
+  uvec4 classes[hemicube_classes];  // first cluster, number of clusters, first work group, number of work groups
 };
 
 // The pixels of one polygon. Pixels of the atlas are numbered row by row from its lower left corner.

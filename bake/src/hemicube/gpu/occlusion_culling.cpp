@@ -35,7 +35,9 @@ shaders::hemicube_cull_scene scene_block(const gpu_geometry& geometry) {
   block.hiding_clusters = geometry.clusters_of(see_through_single_sided).first;
   for (std::uint32_t c = 0; c < polygon_class_count; ++c) {
     const gpu_geometry::index_range range = geometry.clusters_of(static_cast<polygon_class>(c));
-    block.classes[c] = {range.first, range.count, 0, 0};
+    const GLuint groups = groups_for(range.count, shaders::hemicube_cull_size);
+    block.classes[c] = {range.first, range.count, block.group_count, groups};
+    block.group_count += groups;
   }
   return block;
 }
@@ -81,6 +83,7 @@ class occlusion_culling final : public gpu_culling {
         scene_(scene_block(geometry)),
         clusters_(buffer_of(device_clusters(geometry))),
         cluster_of_(buffer_of(geometry.cluster_of_polygons())),
+        group_draws_(sizeof(std::uint32_t) * face_count * scene_.group_count, nullptr),
         commands_(command_bytes * face_count * scene_.cluster_count, nullptr),
         packed_commands_(command_bytes * face_count * scene_.cluster_count, nullptr),
         packed_counts_(sizeof(std::uint32_t) * face_count * polygon_class_count, nullptr),
@@ -144,7 +147,7 @@ class occlusion_culling final : public gpu_culling {
   }
 
   void draw(std::uint32_t face, polygon_class which) const override {
-    const auto [first, count, unused_a, unused_b] = scene_.classes[which];
+    const auto [first, count, first_group, groups] = scene_.classes[which];
     if (count == 0) return;
     geometry_.bind_vertices(which);
     const auto* offset =
@@ -161,17 +164,18 @@ class occlusion_culling final : public gpu_culling {
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_cull, view_block_.id());
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_cull_scene, scene_block_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_clusters, clusters_.id());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_group_draws, group_draws_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_commands, commands_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_last_seen, last_seen_.id());
     // The commands of the last pass have to be read before they are overwritten.
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     glUseProgram(program.id());
-    glDispatchCompute(groups_for(scene_.cluster_count, shaders::hemicube_cull_size), face_count, 1);
+    glDispatchCompute(scene_.group_count, face_count, 1);
     glUseProgram(compact_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_packed, packed_commands_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_packed_counts, packed_counts_.id());
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glDispatchCompute(polygon_class_count, face_count, 1);
+    glDispatchCompute(scene_.group_count, face_count, 1);
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT);
   }
 
@@ -179,7 +183,7 @@ class occlusion_culling final : public gpu_culling {
   culling_target target_;
   std::uint32_t number_ = 0;  // of the last hemicube
   shaders::hemicube_cull_scene scene_;
-  gl_buffer clusters_, cluster_of_, commands_, packed_commands_, packed_counts_, last_seen_, view_block_, scene_block_;
+  gl_buffer clusters_, cluster_of_, group_draws_, commands_, packed_commands_, packed_counts_, last_seen_, view_block_, scene_block_;
   depth_levels levels_;
   gl_image second_ids_;
   picture::gl_program first_, second_, compact_, resolve_;
