@@ -48,8 +48,8 @@ void main() {
   uint local = gl_LocalInvocationIndex;
   sums[local] = vec4(0.0);
   if (pixel.x < 3 * int(settings.resolution) && pixel.y < int(settings.resolution)) {
-    uint id = texelFetch(ids, pixel, 0).x;
-    if (id != hemicube_background) mark(id, pixel);
+    // Where nothing was drawn the id may be that of an earlier hemicube.
+    if (texelFetch(depths, pixel, 0).x > 0.0) mark(texelFetch(ids, pixel, 0).x, pixel);
     sums[local] = importance(pixel);
   }
   // A tree in fixed order, so that the sum is always the same.

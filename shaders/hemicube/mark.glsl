@@ -3,6 +3,7 @@ layout(std140, binding = hemicube_block_gather) uniform gather_block { hemicube_
 layout(std430, binding = hemicube_buffer_counts) buffer counts_buffer { hemicube_count counts[]; };
 layout(std430, binding = hemicube_buffer_found) buffer found_buffer {
   uint found_count;
+  uint groups_done;
   uint found[];
 };
 

@@ -44,16 +44,20 @@ const uint hemicube_block_cull_scene = 3u;
 const uint hemicube_texture_ids = 0u;
 const uint hemicube_texture_depth = 1u;
 const uint hemicube_texture_levels = 2u;      // hierarchical depth; level 0 is the depth after the first pass
-const uint hemicube_texture_second_ids = 3u;  // ids of the second pass
 
 // Images.
 const uint hemicube_image_level = 0u;  // and the hemicube_depth_levels units after it
 const uint hemicube_image_ids = 0u;    // in resolve.comp
+const uint hemicube_image_second_ids = 1u;
 
 // Storage buffers.
 const uint hemicube_buffer_counts = 0u;  // hemicube_count per source id; all 0 between hemicubes
-const uint hemicube_buffer_found = 1u;   // number of polygons, then the source ids whose count is not 0, in any order
-const uint hemicube_buffer_result = 2u;  // the result that is read back, see below
+// Number of polygons, number of work groups of collect.comp that are done, then the source ids whose count is not 0, in
+// any order. Both numbers are 0 between hemicubes.
+const uint hemicube_buffer_found = 1u;
+const uint hemicube_found_header = 2u;  // words
+const uint hemicube_buffer_result = 2u;   // the result, see below, as far as hemicube_buffer_arrived does not reach
+const uint hemicube_buffer_arrived = 6u;  // the beginning of the result, in memory that the host reads
 
 const uint hemicube_buffer_masks = 3u;   // hemicube_mask per mask
 const uint hemicube_buffer_texels = 4u;  // alphas, four per word, lowest byte first

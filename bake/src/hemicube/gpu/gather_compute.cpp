@@ -8,8 +8,8 @@
 
 namespace sightcell::bake {
 
-gather_compute::gather_compute(polygon_counts& counted)
-    : counted_(counted), program_("hemicube/gather", {{GL_COMPUTE_SHADER, shaders::hemicube_gather_comp}}) {}
+gather_compute::gather_compute(polygon_counts& counted, gpu_timeline* timeline)
+    : counted_(counted), timeline_(timeline), program_("hemicube/gather", {{GL_COMPUTE_SHADER, shaders::hemicube_gather_comp}}) {}
 
 void gather_compute::run(const hemicube_atlas& atlas, std::span<const face_view, face_count>, hemicube_view& view,
                          sample_split* spent) {
@@ -28,7 +28,9 @@ void gather_compute::send(const hemicube_atlas& atlas, std::uint32_t slot) {
   // Orders this after the see-through pass, which has counted into the same list.
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glDispatchCompute(columns, rows, 1);
+  if (timeline_ != nullptr) timeline_->end("count pixels");
   counted_.send(slot);
+  if (timeline_ != nullptr) timeline_->end("list polygons");
 }
 
 void gather_compute::receive(std::uint32_t slot, hemicube_view& view) {

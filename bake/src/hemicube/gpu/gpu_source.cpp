@@ -70,7 +70,7 @@ class gpu_source final : public hemicube_source {
     if (compute || geometry_.has_see_through())
       counts_.emplace(geometry_.polygon_count(), groups, most_seen(), compute ? in_flight : 1);
     if (compute)
-      compute_.emplace(*counts_);
+      compute_.emplace(*counts_, timeline_);
     else
       read_back_ = make_gather_read_back(geometry_.polygon_count(), counts_ ? &*counts_ : nullptr);
     const shaders::hemicube_gather block{resolution_, groups, near_over_far_, 0};
@@ -93,7 +93,6 @@ class gpu_source final : public hemicube_source {
         if (i >= poses.size()) continue;
         draw(poses[i]);
         compute_->send(atlas(), slot);
-        end_stage("gather");
       }
     }
     context_.check("hemicube");
@@ -116,7 +115,7 @@ class gpu_source final : public hemicube_source {
   }
 
   void render_image(const pose& where, hemicube_image& image) override {
-    draw_occluders(where);
+    draw_occluders(where, ids_of_background::clear);
     const std::size_t pixels = 3 * std::size_t{resolution_} * resolution_;
     image.resolution = resolution_;
     image.ids.resize(pixels);
@@ -143,8 +142,11 @@ class gpu_source final : public hemicube_source {
 
   hemicube_atlas atlas() const { return {resolution_, near_over_far_, framebuffer_.id(), ids_.id(), depths_.id()}; }
 
+  // What the ids are where nothing was drawn. Compute shaders look at the depth first.
+  enum class ids_of_background { clear, any };
+
   // Draws the occluders into the atlas.
-  std::array<face_view, face_count> draw_occluders(const pose& where) {
+  std::array<face_view, face_count> draw_occluders(const pose& where, ids_of_background wanted) {
     const auto faces = hemicube_faces(where, resolution_);
     std::array<face_block, face_count> blocks;
     for (std::uint32_t f = 0; f < face_count; ++f) blocks[f] = block_of(where.eye, faces[f]);
@@ -154,6 +156,7 @@ class gpu_source final : public hemicube_source {
     end_stage("cull, first pass");
 
     set_state();
+    clear(wanted);
     end_stage("clear");
     draw_pass(faces);
     end_stage("draw, first pass");
@@ -169,11 +172,8 @@ class gpu_source final : public hemicube_source {
 
   // Draws the occluders and counts the non-occluders. The counts have to be collected before the next hemicube.
   std::array<face_view, face_count> draw(const pose& where) {
-    const auto faces = draw_occluders(where);
-    if (counts_) {
-      counts_->start();
-      counts_->bind();
-    }
+    const auto faces = draw_occluders(where, compute_.has_value() ? ids_of_background::any : ids_of_background::clear);
+    if (counts_) counts_->bind();
     if (geometry_.has_see_through()) {
       glUseProgram(see_through_.id());
       glDepthMask(GL_FALSE);
@@ -214,12 +214,15 @@ class gpu_source final : public hemicube_source {
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     const auto width = static_cast<GLsizei>(3 * resolution_), height = static_cast<GLsizei>(resolution_);
     glScissor(0, 0, width, height);
-    const GLuint background[4] = {shaders::hemicube_background, 0, 0, 0};
-    const GLfloat farthest = 0.0f;
-    glClearBufferuiv(GL_COLOR, 0, background);
-    glClearBufferfv(GL_DEPTH, 0, &farthest);
     geometry_.bind();
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_gather, gather_block_->id());
+  }
+
+  void clear(ids_of_background wanted) const {
+    const GLuint background[4] = {shaders::hemicube_background, 0, 0, 0};
+    const GLfloat farthest = 0.0f;
+    if (wanted == ids_of_background::clear) glClearBufferuiv(GL_COLOR, 0, background);
+    glClearBufferfv(GL_DEPTH, 0, &farthest);
   }
 
   // Draws the selected occluders.

@@ -96,7 +96,9 @@ class occlusion_culling final : public gpu_culling {
         second_("hemicube/cull_second", {{GL_COMPUTE_SHADER, shaders::hemicube_cull_second_comp}}),
         compact_("hemicube/compact", {{GL_COMPUTE_SHADER, shaders::hemicube_compact_comp}}),
         resolve_("hemicube/resolve", {{GL_COMPUTE_SHADER, shaders::hemicube_resolve_comp}}),
-        second_framebuffer_(second_ids_.id(), target.depths) {}
+        second_framebuffer_(second_ids_.id(), target.depths) {
+    glClearTexImage(second_ids_.id(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, &shaders::hemicube_background);
+  }
 
   void start(const glm::vec3& eye, std::span<const face_view, face_count> faces) override {
     shaders::hemicube_cull block{};
@@ -121,10 +123,6 @@ class occlusion_culling final : public gpu_culling {
     glBindTextureUnit(shaders::hemicube_texture_levels, levels_.id());
     cull(second_);
     glBindFramebuffer(GL_FRAMEBUFFER, second_framebuffer_.id());
-    const GLuint background[4] = {shaders::hemicube_background, 0, 0, 0};
-    const auto width = static_cast<GLsizei>(3 * target_.resolution), height = static_cast<GLsizei>(target_.resolution);
-    glScissor(0, 0, width, height);
-    glClearBufferuiv(GL_COLOR, 0, background);
     return true;
   }
 
@@ -132,8 +130,8 @@ class occlusion_culling final : public gpu_culling {
     glUseProgram(resolve_.id());
     glBindTextureUnit(shaders::hemicube_texture_depth, target_.depths);
     glBindTextureUnit(shaders::hemicube_texture_levels, levels_.id());
-    glBindTextureUnit(shaders::hemicube_texture_second_ids, second_ids_.id());
     glBindImageTexture(shaders::hemicube_image_ids, target_.ids, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+    glBindImageTexture(shaders::hemicube_image_second_ids, second_ids_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_cluster_of, cluster_of_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_last_seen, last_seen_.id());
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);

@@ -33,11 +33,7 @@ void clear(const gl_buffer& words) {
   glClearNamedBufferData(words.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
 }
 
-void clear_first(const gl_buffer& words) {
-  glClearNamedBufferSubData(words.id(), GL_R32UI, 0, 4, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
-}
-
-// Memory that stays mapped: the device copies into it, and the program reads it.
+// Memory that stays mapped: shaders write into it, and the program reads it.
 class mapped_words {
  public:
   explicit mapped_words(std::size_t words)
@@ -68,7 +64,7 @@ struct polygon_counts::slot {
   ~slot() { glDeleteSync(sent); }  // 0 is ignored
   gl_buffer result;
   std::size_t room;                     // words of result
-  std::optional<mapped_words> arrived;  // the beginning of result, usually all of it
+  std::optional<mapped_words> arrived;  // the beginning of the result, usually all of it
   GLsync sent = nullptr;
 };
 
@@ -76,19 +72,16 @@ polygon_counts::polygon_counts(std::uint32_t polygon_count, std::uint32_t group_
                                std::uint32_t slots)
     : most_seen_(std::min(checked(polygon_count), most_seen)),
       counts_(8 * std::size_t{polygon_count}, nullptr),
-      found_(4 + 4 * std::size_t{most_seen_}, nullptr),
+      found_(4 * (shaders::hemicube_found_header + std::size_t{most_seen_}), nullptr),
       sums_(16 * std::size_t{group_count}, nullptr),
       collect_program_("hemicube/collect", {{GL_COMPUTE_SHADER, shaders::hemicube_collect_comp}}) {
   clear(counts_);
+  clear(found_);
   for (std::uint32_t i = 0; i < slots; ++i)
     slots_.push_back(std::make_unique<slot>(header + 3 * std::size_t{most_seen_}));
 }
 
 polygon_counts::~polygon_counts() = default;
-
-void polygon_counts::start() {
-  clear_first(found_);
-}
 
 void polygon_counts::bind() const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_counts, counts_.id());
@@ -99,14 +92,12 @@ void polygon_counts::bind() const {
 void polygon_counts::send(std::uint32_t number) {
   slot& s = *slots_[number];
   if (!s.arrived) s.arrived.emplace(std::min<std::size_t>(s.room, header + 3 * 4096));
-  clear_first(s.result);
   glUseProgram(collect_program_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_result, s.result.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_arrived, s.arrived->id());
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glDispatchCompute(collect_groups, 1, 1);
-  // The barrier is also for clearing the list for the next hemicube.
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-  glCopyNamedBufferSubData(s.result.id(), s.arrived->id(), 0, 0, static_cast<GLsizeiptr>(4 * s.arrived->size()));
+  glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
   glDeleteSync(s.sent);
   s.sent = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   glFlush();

@@ -22,7 +22,6 @@ class polygon_counts {
                  std::uint32_t slots = 1);
   ~polygon_counts();
 
-  void start();  // clears the list; all counts are 0 already
   void bind() const;
   // Finishes the list on the device and starts its transfer. The uniform block hemicube_gather must be bound.
   void send(std::uint32_t slot);
