@@ -243,6 +243,11 @@ void gl_context::make_current() const {
   }
 }
 
+void gl_context::release() const {
+  eglBindAPI(EGL_OPENGL_API);
+  eglMakeCurrent(state_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+}
+
 const std::string& gl_context::renderer() const {
   return state_->renderer;
 }

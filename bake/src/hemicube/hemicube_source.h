@@ -50,6 +50,7 @@ struct sample_split {
 // A hemicube covers the half-space in front of a pose: a front face of S x S pixels with a field of view of 90 degrees
 // along forward, and four half faces of S x S/2 pixels toward right, left, up and down. The distance of the near plane
 // is at most 1 mm. There is no far plane.
+// Threads: several may call a source at a time, unless its maker says otherwise.
 class hemicube_source {
  public:
   virtual ~hemicube_source() = default;
@@ -66,8 +67,9 @@ class hemicube_source {
     render(where, view);
     return std::nullopt;
   }
-  // True: several threads may call the source at a time. False: only the thread that made it may call it.
-  virtual bool shared() const = 0;
+  // Returns the seconds that a device has worked for all callers so far; nothing where the work is CPU time of the
+  // calling threads.
+  virtual std::optional<double> device_seconds() const { return std::nullopt; }
   virtual std::uint32_t resolution() const = 0;  // S
   virtual std::string device() const = 0;        // its name, for progress messages, report and checkpoint key
 };

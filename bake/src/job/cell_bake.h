@@ -36,8 +36,8 @@ struct cell_turn {
 //
 // stop, in all calls: a request ends the step with step_stopped within a few tenths of a second. Null for none.
 // set, in all calls: working memory, overwritten. It is as large as the scene (set_bytes()), so make it once per
-// worker. Threads: if the source of hemicubes is shared(), several threads may call at the same time, each with a set
-// of its own. All functions work on the calling thread's TBB arena.
+// worker. Threads: several may call at the same time, each with a set of its own. All functions work on the calling
+// thread's TBB arena.
 class cell_baker {
  public:
   // References must outlive the baker.

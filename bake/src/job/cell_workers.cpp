@@ -117,35 +117,9 @@ void run_worker(const std::function<cell_set()>& make_set, const take_step& take
   }
 }
 
-void take_one_by_one(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
-                     const worker_pool& pool, const steps_ended& ended) {
-  pool.arena.execute([&] {
-    cell_set set = make_set();
-    while (const auto step = queue.begin_next()) {
-      const step_in_work now{step->cell, work_clock::now()};
-      pool.stop.poll_with(
-          [&] {
-            if (!ended({}, {&now, 1})) pool.stop.ask();
-          },
-          pool.pause);
-      try {
-        stage_record record{step->cell, step->to, take(*step, set)};
-        record.seconds = std::chrono::duration<double>(work_clock::now() - now.began).count();
-        pool.stop.poll_with({}, pool.pause);
-        if (!ended({&record, 1}, {})) return;
-      } catch (const step_stopped&) {
-        pool.stop.poll_with({}, pool.pause);
-        return;
-      }
-      queue.committed(*step);
-    }
-  });
-}
-
 }  // namespace
 
-std::size_t worker_count(bool shared, int threads, std::size_t set_bytes) {
-  if (!shared) return 1;
+std::size_t worker_count(int threads, std::size_t set_bytes) {
   const std::size_t room = memory_of_sets / std::max<std::size_t>(set_bytes, 1);
   return std::clamp<std::size_t>(room, 1, static_cast<std::size_t>(std::max(threads, 1)));
 }
@@ -153,7 +127,6 @@ std::size_t worker_count(bool shared, int threads, std::size_t set_bytes) {
 void take_steps(step_queue& queue, const std::function<cell_set()>& make_set, const take_step& take,
                 const worker_pool& pool, const steps_ended& ended) {
   if (queue.left() == 0) return;
-  if (pool.on_calling_thread) return take_one_by_one(queue, make_set, take, pool, ended);
 
   const std::size_t workers = std::clamp<std::size_t>(pool.workers, 1, queue.left());
   work_list work(queue, workers);

@@ -16,10 +16,10 @@
 
 namespace sightcell::bake {
 
-// Returns the number of workers: one per thread if the source of hemicubes is shared, else one. Each worker has a cell
-// set, which is as large as the scene. If the sets would take more than 1 GiB together, there are fewer workers, and
-// the other threads work on loops inside the cells. set_bytes: size of one set.
-std::size_t worker_count(bool shared, int threads, std::size_t set_bytes);
+// Returns the number of workers: one per thread. Each worker has a cell set, which is as large as the scene. If the sets
+// would take more than 1 GiB together, there are fewer workers, and the other threads work on loops inside the cells.
+// set_bytes: size of one set.
+std::size_t worker_count(int threads, std::size_t set_bytes);
 
 // Takes one step. set: working memory of the worker.
 using take_step = std::function<cell_record(const cell_step& step, cell_set& set)>;
@@ -34,17 +34,13 @@ struct worker_pool {
   tbb::task_arena& arena;
   stop_request& stop;       // made when `ended` returns false or throws: steps in work end soon, without a record
   std::size_t workers = 1;  // how many steps are taken at a time
-  // True: the calling thread takes all steps, one after the other. A source that is not shared needs this: its OpenGL
-  // context belongs to that thread.
-  bool on_calling_thread = false;
   // The longest time between calls of `ended` while steps are in work. A cancel takes effect within twice this time.
   std::chrono::milliseconds pause{250};
 };
 
 // Takes the steps of the queue.
 // make_set: makes the working memory of a worker.
-// ended: called on the calling thread, one call at a time. Its steps count as committed when it returns. If
-//   pool.on_calling_thread, it is also called from inside a step, where the step looks for a request to stop.
+// ended: called on the calling thread, one call at a time. Its steps count as committed when it returns.
 // Failure: if ended returns false or throws, or if a step throws, no further step begins, and pool.stop is requested.
 // Steps in work that throw step_stopped have no record; others come to their end, and ended is called for them too.
 // Then the first exception is thrown again.

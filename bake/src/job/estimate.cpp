@@ -166,7 +166,8 @@ std::optional<bake_estimate> estimate_from_cells(const bake_context& context, st
   std::vector<stage_record> records;
   bool canceled = false;
   const progress now{.phase = bake_phase::estimating, .cells_total = static_cast<std::uint32_t>(cells.size())};
-  const double cpu_before = process_cpu_seconds(), began = seconds_now();
+  const auto device_seconds = [&] { return context.device->source().device_seconds().value_or(0.0); };
+  const double cpu_before = process_cpu_seconds(), device_before = device_seconds(), began = seconds_now();
   take_steps(
       queue, [&] { return baker.make_set(); },
       [&](const cell_step& step, cell_set& set) {
@@ -185,10 +186,10 @@ std::optional<bake_estimate> estimate_from_cells(const bake_context& context, st
   for (const stage_record& one : records) polygons += static_cast<double>(one.record.set.size());
   const double factor = with_neighbors / static_cast<double>(done);
   const double cpu = (process_cpu_seconds() - cpu_before) * factor, wall = (seconds_now() - began) * factor;
+  const double device = (device_seconds() - device_before) * factor;
   // A few cells do not keep all threads busy to their end, as those of a bake do.
-  const bool shared = context.device->source().shared();
   const double seconds =
-      static_cast<double>(cells_left) * (shared ? std::min(wall, cpu / arena.max_concurrency()) : wall);
+      static_cast<double>(cells_left) * std::min(wall, std::max(device, cpu / arena.max_concurrency()));
   if (events.on_message)
     events.on_message(severity::note,
                       fmt::format("estimate: {} cells at {:.2g} s of CPU time: about {}, from {} {}", cells_left, cpu,

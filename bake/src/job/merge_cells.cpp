@@ -236,11 +236,7 @@ std::vector<std::optional<cube>> block_estimates::look_at_all(std::span<const cu
   std::vector<std::optional<cube>> cubes(places.size());
   for (std::size_t first = 0; first < places.size(); first += cubes_at_once) {
     const std::size_t end = std::min(places.size(), first + cubes_at_once);
-    const auto look_at = [&](std::size_t i) { cubes[i] = look(places[i]); };
-    if (tools_.source.shared())
-      tbb::parallel_for(first, end, look_at);
-    else
-      for (std::size_t i = first; i < end; ++i) look_at(i);
+    tbb::parallel_for(first, end, [&](std::size_t i) { cubes[i] = look(places[i]); });
     pause();
   }
   return cubes;

@@ -77,14 +77,12 @@ cell_baker baker_of(const bake_context& context) {
 
 worker_pool workers_for(const bake_context& context, const cell_baker& baker, tbb::task_arena& arena,
                         stop_request& stop) {
-  const bool shared = context.device->source().shared();
-  const std::size_t most = worker_count(shared, arena.max_concurrency(), baker.set_bytes());
+  const std::size_t most = worker_count(arena.max_concurrency(), baker.set_bytes());
   const std::uint64_t worker_bytes =
       memory_of_worker(context.input.geometry.kinds.size(), baker.set_bytes(), context.how);
   return {.arena = arena,
           .stop = stop,
-          .workers = workers_that_fit(most, worker_bytes, context.how),
-          .on_calling_thread = !shared};
+          .workers = workers_that_fit(most, worker_bytes, context.how)};
 }
 
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,

@@ -18,7 +18,7 @@ class hemicube_sampler final : public cell_sampler {
  public:
   hemicube_sampler(const settings& how, const sampler_world& world) : how_(how), world_(world) {}
 
-  bool uses_device() const override { return !world_.source.shared(); }
+  bool uses_device() const override { return world_.source.device_seconds().has_value(); }
 
   sampling_effort sample(const sampled_cell& cell, cell_set& set) const override {
     gap_filter without_leaks(world_.source, world_.rays, set, how_.smallest_gap);

@@ -58,8 +58,8 @@ class cell_sampler {
   // called.
   virtual void prepare(const std::function<bool(double share)>& go_on) { (void)go_on; }
   // Adds to set the polygons that it finds visible from the cell. The result depends on settings, world and cell
-  // alone unless a time limit ends it. May be called from several threads at a time, each with its own set, if the
-  // source is shared(). Uses the calling thread's TBB arena.
+  // alone unless a time limit ends it. May be called from several threads at a time, each with its own set. Uses the
+  // calling thread's TBB arena.
   virtual sampling_effort sample(const sampled_cell& cell, cell_set& set) const = 0;
   // Returns whether a device does the work, so that limits of time count wall-clock time and not that of a thread.
   virtual bool uses_device() const { return false; }

@@ -13,7 +13,7 @@ class guided final : public cell_sampler {
   guided(const settings& how, const sampler_world& world);
 
   sampling_effort sample(const sampled_cell& cell, cell_set& set) const override;
-  bool uses_device() const override { return !world_.source.shared(); }
+  bool uses_device() const override { return world_.source.device_seconds().has_value(); }
   std::optional<search_views> later_views(const sampled_cell& cell, std::uint32_t taken) const override;
 
  private:

@@ -22,7 +22,7 @@ class gap_filter final : public hemicube_source {
   using hemicube_source::render;
   void render(std::span<const pose> poses, std::span<hemicube_view> views) override;
   void render_image(const pose& where, hemicube_image& image) override { behind_.render_image(where, image); }
-  bool shared() const override { return behind_.shared(); }
+  std::optional<double> device_seconds() const override { return behind_.device_seconds(); }
   std::uint32_t resolution() const override { return behind_.resolution(); }
   std::string device() const override { return behind_.device(); }
 

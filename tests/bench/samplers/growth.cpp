@@ -41,7 +41,6 @@ class one_face_source final : public bake::hemicube_source {
   void render_image(const bake::pose& where, bake::hemicube_image& image) override {
     behind_.render_image(where, image);
   }
-  bool shared() const override { return false; }
   std::uint32_t resolution() const override { return behind_.resolution(); }
   std::string device() const override { return behind_.device(); }
 

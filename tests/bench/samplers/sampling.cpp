@@ -67,7 +67,7 @@ class without_importance final : public bake::hemicube_source {
   void render_image(const bake::pose& where, bake::hemicube_image& image) override {
     behind_.render_image(where, image);
   }
-  bool shared() const override { return behind_.shared(); }
+  std::optional<double> device_seconds() const override { return behind_.device_seconds(); }
   std::uint32_t resolution() const override { return behind_.resolution(); }
   std::string device() const override { return behind_.device(); }
 
@@ -169,7 +169,7 @@ void sampling_bench::measure(const job& what, const std::vector<std::size_t>& ce
   bake::hemicube_source& eyes = source_of(how_);
   without_importance flat(eyes);
   bake::hemicube_source& source = what.importance ? eyes : flat;
-  sampler_->by_process = !source.shared();
+  sampler_->by_process = source.device_seconds().has_value();
   sampler_->inner = bake::make_cell_sampler(how_, {ground_.rays, source, &ground_.colors, ground_.cells, neighbors()});
   const double began = bake::process_cpu_seconds();
   sampler_->inner->prepare([](double) { return true; });

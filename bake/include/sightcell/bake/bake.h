@@ -29,8 +29,8 @@
 // stable id. bake/ERRORS.md lists the ids. std::bad_alloc when memory is short. What a callback throws passes through.
 //
 // THREADS. Functions may be called from any thread, several at once. A bake uses settings::threads threads; callbacks
-// come on the calling thread, one at a time. Hemicubes of the source `gpu` are drawn on a headless OpenGL context that
-// is current on the calling thread during the call: the caller must have no other context current there.
+// come on the calling thread, one at a time. Hemicubes of the source `gpu` are drawn on a thread of their own. Its
+// headless OpenGL context is made on the calling thread, so the caller must have no other context current there.
 //
 // REPEATABILITY. Same scene, settings and source of hemicubes: same bytes, for any number of threads or shards and
 // after any interruption. Exceptions are settings::time_budget and settings::seconds_per_cell.

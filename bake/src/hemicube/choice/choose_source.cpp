@@ -7,7 +7,9 @@
 #include "hemicube/cpu/cpu_source.h"
 #include "hemicube/gpu/gpu_source.h"
 #include "hemicube/rays/rays_source.h"
+#include "hemicube/source_on_thread.h"
 #include "sightcell/bake/sampler_options.h"
+#include "sightcell/picture/gl_context.h"
 
 namespace sightcell::bake {
 namespace {
@@ -18,7 +20,6 @@ class no_source final : public hemicube_source {
   using hemicube_source::render;
   void render(std::span<const pose>, std::span<hemicube_view>) override { fail(); }
   void render_image(const pose&, hemicube_image&) override { fail(); }
-  bool shared() const override { return true; }
   std::uint32_t resolution() const override { return 0; }
   std::string device() const override { return "rays alone"; }
 
@@ -26,13 +27,25 @@ class no_source final : public hemicube_source {
   [[noreturn]] static void fail() { throw std::logic_error("this sampler takes no hemicubes"); }
 };
 
-void resolve(const settings& how, chosen_source& chosen) {
+// Returns the context of the source gpu, which is current on the calling thread.
+std::unique_ptr<picture::gl_context> resolve(const settings& how, chosen_source& chosen) {
   chosen.name = how.source;
-  if (how.source == "gpu") chosen.context = std::make_unique<picture::gl_context>();
-  if (how.source != "auto") return;
-  chosen.context = picture::gl_context::on_hardware();
-  chosen.name = chosen.context ? "gpu" : "cpu";
-  chosen.because = chosen.context ? "a hardware GPU was found" : "no hardware GPU was found";
+  if (how.source == "gpu") return std::make_unique<picture::gl_context>();
+  if (how.source != "auto") return nullptr;
+  auto context = picture::gl_context::on_hardware();
+  chosen.name = context ? "gpu" : "cpu";
+  chosen.because = context ? "a hardware GPU was found" : "no hardware GPU was found";
+  return context;
+}
+
+std::unique_ptr<hemicube_source> gpu_source_for_all(std::shared_ptr<picture::gl_context> context,
+                                                    const scene::world_geometry& drawn,
+                                                    const gpu_source_options& options) {
+  context->release();
+  return make_source_on_thread([context = std::move(context), &drawn, options] {
+    context->make_current();
+    return make_gpu_source(*context, drawn, options);
+  });
 }
 
 }  // namespace
@@ -44,7 +57,7 @@ chosen_source choose_source(const settings& how, const scene::world_geometry& ge
     chosen.source = std::make_unique<no_source>();
     return chosen;
   }
-  resolve(how, chosen);
+  auto context = resolve(how, chosen);
   // The far plane of the importance is the diagonal of the scene's box.
   const float diagonal = glm::distance(geometry.min, geometry.max);
   if (chosen.name == "rays") {
@@ -58,7 +71,8 @@ chosen_source choose_source(const settings& how, const scene::world_geometry& ge
     drawn = chosen.both_sides.get();
   }
   if (chosen.name == "gpu")
-    chosen.source = make_gpu_source(*chosen.context, *drawn, {.resolution = how.resolution, .far_plane = diagonal});
+    chosen.source =
+        gpu_source_for_all(std::move(context), *drawn, {.resolution = how.resolution, .far_plane = diagonal});
   else
     chosen.source = make_cpu_source(*drawn, {.resolution = how.resolution, .far_plane = diagonal});
   return chosen;

@@ -5,7 +5,6 @@
 
 #include "hemicube/hemicube_source.h"
 #include "sightcell/bake/settings.h"
-#include "sightcell/picture/gl_context.h"
 #include "sightcell/scene/scene.h"
 #include "trace/ray_scene.h"
 
@@ -16,7 +15,6 @@ struct chosen_source {
   std::string name;     // gpu, cpu, rays or none; the bytes of a bake depend on it and on the device
   std::string because;  // the reason for the choice of auto; empty where the user named the source
   std::unique_ptr<scene::world_geometry> both_sides;  // the geometry that is drawn, with all_double_sided
-  std::unique_ptr<picture::gl_context> context;       // for gpu only; current on the calling thread
   std::unique_ptr<hemicube_source> source;
 };
 

@@ -216,7 +216,6 @@ class cpu_source final : public hemicube_source {
     });
   }
 
-  bool shared() const override { return true; }
   std::uint32_t resolution() const override { return resolution_; }
   // Part of the settings text of every file, so its spelling cannot change without changing bytes.
   std::string device() const override { return std::string("CPU rasterizer (") + kernel_.name + ")"; }

@@ -29,8 +29,9 @@ void gather_compute::send(const hemicube_atlas& atlas, std::uint32_t slot) {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glDispatchCompute(columns, rows, 1);
   if (timeline_ != nullptr) timeline_->end("count pixels");
-  counted_.send(slot);
+  counted_.list(slot);
   if (timeline_ != nullptr) timeline_->end("list polygons");
+  counted_.mark_end(slot);
 }
 
 void gather_compute::receive(std::uint32_t slot, hemicube_view& view) {

@@ -125,7 +125,6 @@ class gpu_source final : public hemicube_source {
     context_.check("hemicube");
   }
 
-  bool shared() const override { return false; }
   std::uint32_t resolution() const override { return resolution_; }
   std::string device() const override { return context_.renderer() + " (" + context_.choice() + ")"; }
 

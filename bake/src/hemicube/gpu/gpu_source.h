@@ -22,7 +22,8 @@ struct gpu_source_options {
   gpu_timeline* timeline = nullptr;   // if not null, records the stages of each hemicube; must outlive the source
 };
 
-// Uploads the geometry. context and geometry must outlive the source, and context must be current at every call.
+// Uploads the geometry. context and geometry must outlive the source, and context must be current at every call: so only
+// one thread may call it. make_source_on_thread() makes it a source for several.
 // Throws sightcell::error where the device lacks a feature.
 std::unique_ptr<hemicube_source> make_gpu_source(const picture::gl_context& context,
                                                  const scene::world_geometry& geometry,

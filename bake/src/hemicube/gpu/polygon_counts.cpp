@@ -90,6 +90,11 @@ void polygon_counts::bind() const {
 }
 
 void polygon_counts::send(std::uint32_t number) {
+  list(number);
+  mark_end(number);
+}
+
+void polygon_counts::list(std::uint32_t number) {
   slot& s = *slots_[number];
   if (!s.arrived) s.arrived.emplace(std::min<std::size_t>(s.room, header + 3 * 4096));
   glUseProgram(collect_program_.id());
@@ -98,6 +103,10 @@ void polygon_counts::send(std::uint32_t number) {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glDispatchCompute(collect_groups, 1, 1);
   glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void polygon_counts::mark_end(std::uint32_t number) {
+  slot& s = *slots_[number];
   glDeleteSync(s.sent);
   s.sent = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   glFlush();

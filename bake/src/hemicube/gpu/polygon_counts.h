@@ -25,6 +25,9 @@ class polygon_counts {
   void bind() const;
   // Finishes the list on the device and starts its transfer. The uniform block hemicube_gather must be bound.
   void send(std::uint32_t slot);
+  // The two halves of send().
+  void list(std::uint32_t slot);
+  void mark_end(std::uint32_t slot);
   // Waits for the list, which is in any order, and for the four importance sums. Throws sightcell::error when the
   // device does not respond.
   void receive(std::uint32_t slot, std::vector<seen_polygon>& found, std::array<float, 4>& sums);

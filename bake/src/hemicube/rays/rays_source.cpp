@@ -144,7 +144,6 @@ class rays_source final : public hemicube_source {
     return sample_split{traced - start, listed - traced, thread_cpu_seconds() - listed};
   }
 
-  bool shared() const override { return true; }
   std::uint32_t resolution() const override { return resolution_; }
   std::string device() const override {
     const auto version = [&](RTCDeviceProperty part) {

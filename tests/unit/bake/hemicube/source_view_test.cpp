@@ -11,6 +11,7 @@
 
 #include "errors/error_id.h"
 #include "hemicube/gpu/polygon_counts.h"
+#include "hemicube/source_on_thread.h"
 #include "hemicube/hemicube_faces.h"
 #include "hemicube/rays/rays_source.h"
 #include "trace/ray_scene.h"
@@ -195,10 +196,20 @@ TEST_P(source_view_test, telling_the_parts_of_its_cost_changes_nothing) {
   EXPECT_TRUE(!split || split->draw > 0.0);
 }
 
-TEST_P(source_view_test, shared_sources_may_be_called_from_several_threads) {
+// A source with an OpenGL context is on a thread of its own, as in a bake.
+std::unique_ptr<bake::hemicube_source> source_for_threads(const tested_source& which,
+                                                          const scene::world_geometry& world) {
+  if (!which.needs_device) return which.make(nullptr, world, source_test_size, 100.0f);
+  const auto context = std::make_shared<std::unique_ptr<sightcell::picture::gl_context>>();
+  return bake::make_source_on_thread([=, &world] {
+    *context = std::make_unique<sightcell::picture::gl_context>();
+    return which.make(context->get(), world, source_test_size, 100.0f);
+  });
+}
+
+TEST_P(source_view_test, several_threads_get_what_one_gets) {
   const scene::world_geometry world = scene::flatten(cloud().finished());
-  const auto tested = source(world);
-  if (!tested->shared()) GTEST_SKIP() << "it is not shared";
+  const auto tested = source_for_threads(GetParam(), world);
   const std::vector<bake::pose> poses = poses_around(16);
   std::vector<bake::hemicube_view> one(poses.size()), many(poses.size());
   tested->render(poses, one);

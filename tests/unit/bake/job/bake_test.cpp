@@ -207,6 +207,7 @@ class device_to_lose {
 TEST_F(several_cells, a_lost_graphics_device_costs_no_finished_cell) {
   if (sources().back() != "gpu") GTEST_SKIP() << "no OpenGL here";
   how_.source = "gpu";
+  how_.threads = 1;  // several share calls of the device, now more, now fewer
   std::vector<std::byte> whole;
   int questions = 0;
   {
@@ -241,7 +242,7 @@ TEST_F(several_cells, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_by
   std::uint32_t most_resumed = 0;
   for (const std::string& source : sources())
     for (const std::uint32_t threads : {1u, 2u, 8u}) {
-      if (source == "gpu" && threads != 2) continue;  // cells one after the other, whatever the threads
+      if (source == "gpu" && threads != 2) continue;  // to save time
       how_.source = source;
       how_.threads = threads;
       const std::vector<std::byte> whole = baked("whole.pvs");
@@ -264,7 +265,7 @@ TEST_F(several_cells, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_by
       EXPECT_EQ(baked("broken.pvs", events), whole) << source << ", " << threads;
       EXPECT_GE(resumed_, 2u);
       most_resumed = std::max(most_resumed, resumed_);
-      if (threads == 1 || source == "gpu") {
+      if (threads == 1) {
         EXPECT_EQ(resumed_, 2u);
       }
       ASSERT_GE(told.size(), 2u);

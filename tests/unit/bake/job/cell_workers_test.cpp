@@ -34,7 +34,6 @@ class traced_source final : public hemicube_source {
     tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) { trace(poses[i], views[i]); });
   }
   void render_image(const pose&, hemicube_image&) override {}
-  bool shared() const override { return true; }
   std::uint32_t resolution() const override { return 16; }
   std::string device() const override { return "traced"; }
 
@@ -191,35 +190,33 @@ TEST_F(cell_workers, finished_cells_are_kept_when_the_user_stops) {
 // A step that would take an hour looks at its limit, and ends when the user stops.
 TEST_F(cell_workers, a_step_in_work_ends_when_the_user_stops) {
   using std::chrono::milliseconds;
-  for (const bool on_calling_thread : {false, true}) {
-    step_queue steps = queue();
-    stop_request stop;
-    tbb::task_arena arena(2);
-    int finished = 0, reports = 0;
-    bool ended_early = false;
-    take_steps(
-        steps, [] { return cell_set(10, nullptr, 10); },
-        [&](const cell_step&, cell_set&) -> cell_record {
-          const time_limit limit(0.0, true, &stop);
-          try {
-            for (int i = 0; i < 3'600'000 && !limit.reached(); ++i) std::this_thread::sleep_for(milliseconds(1));
-          } catch (const step_stopped&) {
-            ended_early = true;
-            throw;
-          }
-          return {};
-        },
-        {.arena = arena, .stop = stop, .workers = 1, .on_calling_thread = on_calling_thread, .pause = milliseconds(2)},
-        [&](std::span<stage_record> ended, std::span<const step_in_work> in_work) {
-          finished += static_cast<int>(ended.size());
-          if (!in_work.empty()) ++reports;
-          return reports < 3;
-        });
-    EXPECT_TRUE(ended_early);
-    EXPECT_EQ(finished, 0);
-    EXPECT_GE(reports, 3);
-    EXPECT_TRUE(stop.asked());
-  }
+  step_queue steps = queue();
+  stop_request stop;
+  tbb::task_arena arena(2);
+  int finished = 0, reports = 0;
+  bool ended_early = false;
+  take_steps(
+      steps, [] { return cell_set(10, nullptr, 10); },
+      [&](const cell_step&, cell_set&) -> cell_record {
+        const time_limit limit(0.0, true, &stop);
+        try {
+          for (int i = 0; i < 3'600'000 && !limit.reached(); ++i) std::this_thread::sleep_for(milliseconds(1));
+        } catch (const step_stopped&) {
+          ended_early = true;
+          throw;
+        }
+        return {};
+      },
+      {.arena = arena, .stop = stop, .workers = 1, .pause = milliseconds(2)},
+      [&](std::span<stage_record> ended, std::span<const step_in_work> in_work) {
+        finished += static_cast<int>(ended.size());
+        if (!in_work.empty()) ++reports;
+        return reports < 3;
+      });
+  EXPECT_TRUE(ended_early);
+  EXPECT_EQ(finished, 0);
+  EXPECT_GE(reports, 3);
+  EXPECT_TRUE(stop.asked());
 }
 
 TEST_F(cell_workers, an_error_in_a_cell_ends_the_bake_and_spoils_no_other) {
@@ -307,13 +304,12 @@ TEST_F(cell_workers, a_disk_that_is_slow_holds_the_lanes_up) {
   EXPECT_EQ(begun, wanted_.size());
 }
 
-TEST(worker_count, follows_threads_source_and_memory) {
-  EXPECT_EQ(worker_count(false, 8, 1000), 1u);
-  EXPECT_EQ(worker_count(true, 8, 1000), 8u);
-  EXPECT_EQ(worker_count(true, 1, 1000), 1u);
-  EXPECT_EQ(worker_count(true, 64, 8 * 7'928'519), 16u) << "eight million polygons";
-  EXPECT_EQ(worker_count(true, 64, std::size_t{2} << 30), 1u);
-  EXPECT_EQ(worker_count(true, 4, 0), 4u);
+TEST(worker_count, follows_threads_and_memory) {
+  EXPECT_EQ(worker_count(8, 1000), 8u);
+  EXPECT_EQ(worker_count(1, 1000), 1u);
+  EXPECT_EQ(worker_count(64, 8 * 7'928'519), 16u) << "eight million polygons";
+  EXPECT_EQ(worker_count(64, std::size_t{2} << 30), 1u);
+  EXPECT_EQ(worker_count(4, 0), 4u);
 }
 
 }  // namespace

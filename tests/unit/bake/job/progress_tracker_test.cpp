@@ -211,30 +211,6 @@ TEST_F(tracked_bake, a_cell_that_takes_long_does_not_silence_progress) {
   }
 }
 
-TEST_F(tracked_bake, on_the_calling_thread_each_step_is_reported_at_its_end) {
-  std::vector<std::uint32_t> blocks(cell_total);
-  std::iota(blocks.begin(), blocks.end(), 0u);
-  step_queue queue = step_queue::phase_1(*plan_, stage_table(cell_total), blocks);
-  tbb::task_arena arena(2);
-  stop_request stop;
-  const auto caller = std::this_thread::get_id();
-  int reports = 0;
-  take_steps(
-      queue, [] { return cell_set(10, nullptr, 10); },
-      [&](const cell_step&, cell_set&) {
-        EXPECT_EQ(std::this_thread::get_id(), caller) << "its OpenGL context belongs to that thread";
-        return cell_record();
-      },
-      {.arena = arena, .stop = stop, .on_calling_thread = true, .pause = milliseconds(1)},
-      [&](std::span<stage_record> ended, std::span<const step_in_work> in_work) {
-        EXPECT_EQ(ended.size(), 1u);
-        EXPECT_TRUE(in_work.empty());
-        ++reports;
-        return true;
-      });
-  EXPECT_EQ(reports, static_cast<int>(cell_total));
-}
-
 // Whole bakes of two rooms.
 class phases_of_a_bake : public testing::Test {
  protected:

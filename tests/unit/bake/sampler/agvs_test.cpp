@@ -189,7 +189,6 @@ class no_source final : public hemicube_source {
  public:
   void render(std::span<const pose>, std::span<hemicube_view>) override { FAIL(); }
   void render_image(const pose&, hemicube_image&) override { FAIL(); }
-  bool shared() const override { return true; }
   std::uint32_t resolution() const override { return 16; }
   std::string device() const override { return "none"; }
 };

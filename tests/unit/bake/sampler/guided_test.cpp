@@ -49,7 +49,6 @@ class no_hemicubes final : public hemicube_source {
   using hemicube_source::render;
   void render(std::span<const pose> poses, std::span<hemicube_view>) override { EXPECT_TRUE(poses.empty()); }
   void render_image(const pose&, hemicube_image&) override {}
-  bool shared() const override { return true; }
   std::uint32_t resolution() const override { return 64; }
   std::string device() const override { return "none"; }
 };

@@ -25,7 +25,6 @@ class scripted_source final : public bake::hemicube_source {
     }
   }
   void render_image(const bake::pose&, bake::hemicube_image&) override {}
-  bool shared() const override { return false; }
   std::uint32_t resolution() const override { return 64; }
   std::string device() const override { return "scripted"; }
 };

@@ -22,7 +22,6 @@ class told_source final : public hemicube_source {
     for (std::size_t i = 0; i < poses.size(); ++i) views[i] = answers[i];
   }
   void render_image(const pose&, hemicube_image&) override {}
-  bool shared() const override { return true; }
   std::uint32_t resolution() const override { return size; }
   std::string device() const override { return "told"; }
 };

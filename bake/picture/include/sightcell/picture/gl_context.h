@@ -32,6 +32,8 @@ class gl_context {
 
   // Makes the context current on the calling thread. Fails with gl.bind.
   void make_current() const;
+  // Unbinds the context from the calling thread, so that another one can make it current.
+  void release() const;
 
   // Returns GL_RENDERER.
   const std::string& renderer() const;
