@@ -278,6 +278,7 @@ TEST_F(several_cells, a_cancelled_bake_leaves_no_file_and_resumes_to_the_same_by
         EXPECT_GE(told[i].cells_done, told[i - 1].cells_done);
         EXPECT_GE(told[i].cells_checked, told[i - 1].cells_checked);
         // Of what is left some may be in work, at most a cell per thread.
+        if (told[i].cells_done == told[0].cells_done) continue;  // no rate before a cell is done
         EXPECT_GT(told[i].cells_per_second, 0.0) << i;
         const double left = told[i].seconds_left * told[i].cells_per_second;
         EXPECT_LE(left, cells - static_cast<double>(told[i].cells_checked) + 1e-6);

@@ -10,6 +10,7 @@
 #include "hemicube/rays/rays_source.h"
 #include "search/guided_views.h"
 #include "unit/bake/gridded_room.h"
+#include "unit/bake/tiny_scene.h"
 
 namespace sightcell::bake {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 using test::gridded_room;
 using test::room_middle;
 using test::scene_with_rays;
+using test::tiny_scene;
 
 TEST(certify, goes_on_counting_batches) {
   const scene_with_rays w(gridded_room(5));
