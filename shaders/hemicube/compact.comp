@@ -1,6 +1,7 @@
 #version 450 core
 #include "shared/hemicube_layout.h"
 #include "hemicube/cull_scene.glsl"
+#include "hemicube/lists.glsl"
 
 // Packs the draws of a face and class: draws without indices are removed, the others keep their order, because of two
 // polygons at the same depth the later one is kept. One work group per face and group of clusters; it adds up what the
@@ -10,7 +11,6 @@ layout(local_size_x = hemicube_cull_size) in;
 layout(std430, binding = hemicube_buffer_commands) readonly buffer commands_buffer { uint commands[]; };
 layout(std430, binding = hemicube_buffer_group_draws) readonly buffer group_draws_buffer { uint group_draws[]; };
 layout(std430, binding = hemicube_buffer_packed) writeonly buffer packed_buffer { uint packed_commands[]; };
-layout(std430, binding = hemicube_buffer_packed_counts) writeonly buffer counts_buffer { uint packed_counts[]; };
 
 shared uint sums[hemicube_cull_size];
 
@@ -46,5 +46,6 @@ void main() {
     for (uint word = 0u; word < hemicube_command_words; ++word) packed_commands[to + word] = commands[from + word];
   }
   bool last = group + 1u == clusters.z + clusters.w;
-  if (last && local == hemicube_cull_size - 1u) packed_counts[face * hemicube_classes + which] = number;
+  if (last && local == hemicube_cull_size - 1u)
+    lists[face * hemicube_classes + which] = hemicube_list(number, 0u, 0u, 0u, 1u, 0u, 0u, 0u);
 }

@@ -2,17 +2,10 @@
 #include "shared/hemicube_layout.h"
 #include "hemicube/cull_scene.glsl"
 #include "hemicube/cull.glsl"
+#include "hemicube/occluded.glsl"
 
 // Second pass: draws every other cluster that the depths of the first pass do not occlude.
-layout(binding = hemicube_texture_levels) uniform sampler2D levels;
-
-// Factor by which the depth of a box is taken as nearer: the possible error of the rasterizer's interpolation.
-const float depth_slack = 1.001;
-// A box that covers more blocks of the coarsest level than this on a side is drawn without a test.
-const int most_blocks = 16;
-
-// Returns whether every pixel that the box may cover is nearer than the box. A comparison with NaN fails, and the box
-// is then drawn.
+// Returns whether every pixel that the box may cover is nearer than the box.
 bool hidden(hemicube_cluster c, hemicube_cull_face face) {
   vec3 from_eye = c.center.xyz - view.eye.xyz, reach = reach_of(c);
   float nearest = dot(face.forward.xyz, from_eye) - dot(abs(face.forward.xyz), reach);
@@ -25,26 +18,8 @@ bool hidden(hemicube_cluster c, hemicube_cull_face face) {
     low = min(low, at);
     high = max(high, at);
   }
-  // One more pixel on each side, then clamped to the face. A box beside the face keeps the pixels of its border.
   vec2 scale = face.pixels.zw / (face.kept.yw - face.kept.xz);
-  ivec2 first_of_face = ivec2(face.pixels.xy), last_of_face = first_of_face + ivec2(face.pixels.zw) - 1;
-  ivec2 first = first_of_face + ivec2(floor(clamp((low - face.kept.xz) * scale - 1.0, vec2(0.0), face.pixels.zw)));
-  ivec2 last = first_of_face + ivec2(floor(clamp((high - face.kept.xz) * scale + 1.0, vec2(0.0), face.pixels.zw)));
-  first = min(first, last_of_face);
-  last = min(last, last_of_face);
-
-  int level = 1;
-  while (level < int(hemicube_depth_levels) && any(greaterThan((last >> level) - (first >> level), ivec2(3)))) ++level;
-  first >>= level;
-  last >>= level;
-  if (any(greaterThanEqual(last - first, ivec2(most_blocks)))) return false;
-  float depth = depth_slack * view.eye.w / nearest;
-  for (int y = first.y; y <= last.y; ++y) {
-    for (int x = first.x; x <= last.x; ++x) {
-      if (!(texelFetch(levels, ivec2(x, y), level).x > depth)) return false;
-    }
-  }
-  return true;
+  return occluded((low - face.kept.xz) * scale, (high - face.kept.xz) * scale, face, nearest, view.eye.w, 4);
 }
 
 void main() {

@@ -17,6 +17,12 @@ const uint hemicube_cull_size = 256u;
 // The first pass draws the clusters that were visible in one of this number of hemicubes before this one. The samples
 // of a cell are on six faces in turns, so the last hemicube alone is not enough.
 const uint hemicube_memory = 8u;
+// Triangles per cluster, at most, and invocations per work group of the shaders that have a group per cluster. These
+// groups are in rows of hemicube_most_columns, because OpenGL guarantees no more than 65535 along one axis.
+const uint hemicube_cluster_size = 128u;
+const uint hemicube_most_columns = 32768u;
+const uint hemicube_number_size = 256u;  // invocations of number_clusters.comp
+const uint hemicube_sum_size = 64u;      // clusters whose triangles are added up in one word
 // Levels of the hierarchical depth below the full size. A work group of depth_levels.comp makes all levels of one block
 // of 2^levels x 2^levels pixels.
 const uint hemicube_depth_levels = 5u;
@@ -68,8 +74,15 @@ const uint hemicube_buffer_clusters = 5u;   // hemicube_cluster, grouped by clas
 const uint hemicube_buffer_commands = 6u;   // one draw per face and cluster; index count 0 if the cluster is culled
 const uint hemicube_buffer_last_seen = 7u;  // per cluster: number of the last hemicube in which it was visible, or 0
 const uint hemicube_buffer_packed = 5u;     // compact.comp: the remaining draws in the same order
-const uint hemicube_buffer_packed_counts = 7u;  // number of remaining draws per face and class
+const uint hemicube_buffer_lists = 7u;          // how many remain per face and class, see hemicube/lists.glsl
 const uint hemicube_buffer_cluster_of = 5u;     // resolve.comp: cluster of each source id
+
+// For the triangles of drawn clusters, beside hemicube_buffer_packed and hemicube_buffer_lists.
+const uint hemicube_buffer_vertices = 0u;      // xyz; w is the source id, see gpu_geometry.cpp
+const uint hemicube_buffer_indices = 1u;       // of all triangles
+const uint hemicube_buffer_triangle_sums = 2u;  // kept triangles per hemicube_sum_size clusters
+const uint hemicube_buffer_kept = 6u;          // hemicube_kept per cluster of the lists
+const uint hemicube_buffer_kept_indices = 0u;  // pack_triangles.comp: of the kept triangles
 
 // For gather.comp, after the draws.
 const uint hemicube_buffer_sums = 5u;  // one vec4 per work group of gather.comp: its sum of importance
@@ -102,6 +115,22 @@ struct hemicube_cluster {
   uint first_polygon;
   uint polygon_count;
   uint unused_a, unused_b;
+};
+
+// The draws of a face and class, which are consecutive.
+struct hemicube_list {
+  uint clusters;        // number of clusters
+  uint first_cluster;   // number of clusters in the lists before
+  uint whole_clusters;  // clusters if these are drawn with all triangles, else 0
+  // The draw of the kept triangles.
+  uint index_count, instances, first_index, base_vertex, base_instance;
+};
+
+// Which triangles of a drawn cluster are kept: one bit each.
+struct hemicube_kept {
+  uvec4 bits;
+  uint triangles;
+  uint unused_a, unused_b, unused_c;
 };
 
 struct hemicube_cull_face {
@@ -147,6 +176,8 @@ struct hemicube_mask {
 static_assert(hemicube_result_header == hemicube_result_sums + 4u);
 static_assert(1u << hemicube_depth_levels == hemicube_depth_block);
 static_assert(sizeof(hemicube_cluster) == 48);
+static_assert(sizeof(hemicube_list) == 32);
+static_assert(sizeof(hemicube_kept) == 32);
 static_assert(sizeof(hemicube_cull_face) == 80);
 static_assert(sizeof(hemicube_cull) == 432);
 static_assert(sizeof(hemicube_cull_scene) == 144);

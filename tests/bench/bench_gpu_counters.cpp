@@ -16,7 +16,7 @@ namespace bench = sightcell::bench;
 using sightcell::picture::gl_context;
 
 struct options {
-  std::string scene, cells, json_file, gather = "all";
+  std::string scene, cells, json_file, gather = "all", culling = "all";
   std::uint32_t resolution = 1024;
   std::uint32_t samples = 32;
   double seconds = 0.5;
@@ -45,7 +45,7 @@ nlohmann::json paces_of(const gl_context& context, const options& asked) {
               world.kinds.size(), poses.size(), "gather", "culling", "at once", "samples/s", "CPU ms/sample",
               "triangles/sample", "polygons seen");
   nlohmann::json rows = nlohmann::json::array();
-  for (const bench::pace& p : bench::measure_paces(context, world, poses, asked.resolution, asked.gather)) {
+  for (const bench::pace& p : bench::measure_paces(context, world, poses, asked.resolution, asked.gather, asked.culling)) {
     std::printf("%-10s %-10s %8u %12.1f %14.1f %18.0f %14.1f\n", p.gather.c_str(), p.culling.c_str(), p.at_once,
                 p.samples_per_second, p.cpu_ms_per_sample, p.triangles_per_sample, p.polygons_seen);
     nlohmann::json stages = nlohmann::json::object();
@@ -98,6 +98,8 @@ int main(int argc, char** argv) {
   auto* samples = app.add_option("--samples", asked.samples, "hemicubes (32)");
   app.add_option("--gather", asked.gather, "compute, read_back or all (all)")
       ->check(CLI::IsMember({"compute", "read_back", "all"}));
+  app.add_option("--culling", asked.culling, "none, frustum, occlusion or all (all)")
+      ->check(CLI::IsMember({"none", "frustum", "occlusion", "all"}));
   app.add_option("--json-file", asked.json_file, "write the results here, too");
   app.add_flag("--quick", asked.quick, "small and short: does it run?");
   CLI11_PARSE(app, argc, argv);

@@ -83,7 +83,7 @@ std::vector<bake::pose> poses_in(const std::filesystem::path& cells, std::size_t
 
 std::vector<pace> measure_paces(const picture::gl_context& context, const scene::world_geometry& world,
                                 const std::vector<bake::pose>& poses, std::uint32_t resolution,
-                                const std::string& gather) {
+                                const std::string& gather, const std::string& culling) {
   std::vector<pace> all;
   const float far_plane = glm::distance(world.min, world.max);
   for (const auto& [how, gather_name] :
@@ -92,6 +92,7 @@ std::vector<pace> measure_paces(const picture::gl_context& context, const scene:
     for (const auto& [hide, hide_name] :
          {std::pair{bake::culling::none, "none"}, std::pair{bake::culling::frustum, "frustum"},
           std::pair{bake::culling::occlusion, "occlusion"}}) {
+      if (culling != "all" && culling != hide_name) continue;
       if (hide == bake::culling::occlusion && !bake::can_cull_on_device()) continue;
       bake::gpu_timeline timeline;
       const auto source = bake::make_gpu_source(

@@ -24,9 +24,9 @@ struct pace {
 // Eight in a row in each of some cells of the file, looking the same way: as on a face of a cell in a bake.
 std::vector<bake::pose> poses_in(const std::filesystem::path& cells, std::size_t count);
 
-// gather: compute, read_back, or all.
+// gather: compute, read_back, or all. culling: none, frustum, occlusion, or all.
 std::vector<pace> measure_paces(const picture::gl_context& context, const scene::world_geometry& world,
                                 const std::vector<bake::pose>& poses, std::uint32_t resolution,
-                                const std::string& gather);
+                                const std::string& gather, const std::string& culling);
 
 }  // namespace sightcell::bench

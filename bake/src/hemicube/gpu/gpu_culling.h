@@ -43,7 +43,10 @@ struct culling_target {
 
 // The first pass draws the clusters that were visible in the last hemicubes. Their hierarchical depth occludes most of
 // the others.
-std::unique_ptr<gpu_culling> make_occlusion_culling(const gpu_geometry& geometry, const culling_target& target);
+// most_triangles: room on the device for the triangles of one pass, 12 bytes each; what has no room is drawn all the
+// same, with triangles that have no pixels.
+std::unique_ptr<gpu_culling> make_occlusion_culling(const gpu_geometry& geometry, const culling_target& target,
+                                                    std::uint32_t most_triangles);
 
 // True if the device can read the number of draws from a buffer (GL_ARB_indirect_parameters, optional in OpenGL 4.5).
 bool can_cull_on_device();

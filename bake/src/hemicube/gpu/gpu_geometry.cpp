@@ -12,7 +12,7 @@ namespace sightcell::bake {
 namespace {
 
 // Maximum number of polygons per cluster. Smaller clusters are culled more tightly but need more commands.
-constexpr std::size_t cluster_size = 128;
+constexpr std::size_t cluster_size = shaders::hemicube_cluster_size;
 
 struct placed_polygon {
   glm::vec3 center;
@@ -29,11 +29,6 @@ polygon_class class_of(scene::polygon_kind kind) {
                                : kind.occludes() ? opaque_single_sided
                                                  : see_through_single_sided;
   return static_cast<polygon_class>(single + (kind.double_sided ? 1 : 0));
-}
-
-bool is_masked(polygon_class which) {
-  return which == masked_single_sided || which == masked_double_sided || which == see_through_masked_single_sided ||
-         which == see_through_masked_double_sided;
 }
 
 // Splits the polygons at the median of the longest side of their centers' box until the parts are small enough; calls
@@ -129,6 +124,11 @@ class vertex_welder {
 
 }  // namespace
 
+bool is_masked(polygon_class which) {
+  return which == masked_single_sided || which == masked_double_sided || which == see_through_masked_single_sided ||
+         which == see_through_masked_double_sided;
+}
+
 gpu_geometry::gpu_geometry(const scene::world_geometry& world)
     : polygon_count_(static_cast<std::uint32_t>(world.kinds.size())) {
   std::array<std::vector<placed_polygon>, polygon_class_count> by_class;
@@ -188,12 +188,11 @@ void gpu_geometry::upload(const scene::world_geometry& world) {
   }
   vertices_.emplace(welder.vertices().size() * sizeof(device_vertex), welder.vertices().data());
   indices_.emplace(indices.size() * sizeof(std::uint32_t), indices.data());
-  vertex_array_ = make_vertex_array();
+  vertex_array_ = make_vertex_array(opaque_single_sided, indices_->id());
   if (!masked.empty()) {
     mask_vertices_.emplace(masked.size() * sizeof(mask_vertex), masked.data());
     upload_masks(world);
-    masked_array_ = make_vertex_array();
-    add_mask_attributes(masked_array_);
+    masked_array_ = make_vertex_array(masked_single_sided, indices_->id());
   }
 }
 
@@ -211,10 +210,10 @@ void gpu_geometry::upload_masks(const scene::world_geometry& world) {
   texels_.emplace(texels.size(), texels.data());
 }
 
-GLuint gpu_geometry::make_vertex_array() const {
+GLuint gpu_geometry::make_vertex_array(polygon_class which, GLuint indices) const {
   GLuint made = 0;
   glCreateVertexArrays(1, &made);
-  glVertexArrayElementBuffer(made, indices_->id());
+  glVertexArrayElementBuffer(made, indices);
   glVertexArrayVertexBuffer(made, 0, vertices_->id(), 0, sizeof(device_vertex));
   glVertexArrayAttribFormat(made, shaders::hemicube_attribute_position, 3, GL_FLOAT, GL_FALSE,
                             offsetof(device_vertex, position));
@@ -224,6 +223,7 @@ GLuint gpu_geometry::make_vertex_array() const {
     glEnableVertexArrayAttrib(made, attribute);
     glVertexArrayAttribBinding(made, attribute, 0);
   }
+  if (is_masked(which) && mask_vertices_) add_mask_attributes(made);
   return made;
 }
 

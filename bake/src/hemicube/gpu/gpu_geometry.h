@@ -29,6 +29,8 @@ enum polygon_class : std::uint32_t {
   polygon_class_count
 };
 
+bool is_masked(polygon_class which);
+
 class gpu_geometry {
  public:
   explicit gpu_geometry(const scene::world_geometry& world);
@@ -59,10 +61,16 @@ class gpu_geometry {
   // Binds vertices and indices (three 32-bit ones per polygon, in device order) of one class.
   void bind_vertices(polygon_class which) const;
 
+  // For shaders and draws that select polygons.
+  GLuint vertices() const { return vertices_->id(); }  // hemicube_buffer_vertices
+  GLuint indices() const { return indices_->id(); }
+  std::uint32_t drawn_polygons() const { return static_cast<std::uint32_t>(source_ids_.size()); }
+  // Returns a vertex array of a class with other indices, which the caller deletes.
+  GLuint make_vertex_array(polygon_class which, GLuint indices) const;
+
  private:
   void upload(const scene::world_geometry& world);
   void upload_masks(const scene::world_geometry& world);
-  GLuint make_vertex_array() const;
   void add_mask_attributes(GLuint vertex_array) const;
 
   std::uint32_t polygon_count_ = 0;

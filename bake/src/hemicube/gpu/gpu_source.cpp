@@ -53,7 +53,7 @@ class gpu_source final : public hemicube_source {
         depths_(GL_DEPTH_COMPONENT32F, static_cast<GLsizei>(3 * resolution_), static_cast<GLsizei>(resolution_)),
         framebuffer_(ids_.id(), depths_.id()),
         face_blocks_(face_count * sizeof(face_block), nullptr, GL_DYNAMIC_STORAGE_BIT),
-        culling_(make_culling(options.hide)) {
+        culling_(make_culling(options)) {
     using stages = std::initializer_list<picture::gl_program::stage>;
     if (geometry_.has(masked_single_sided, masked_double_sided)) {
       masked_.emplace("hemicube/masked", stages{{GL_VERTEX_SHADER, shaders::hemicube_masked_vert},
@@ -188,9 +188,11 @@ class gpu_source final : public hemicube_source {
     return faces;
   }
 
-  std::unique_ptr<gpu_culling> make_culling(culling how) const {
+  std::unique_ptr<gpu_culling> make_culling(const gpu_source_options& options) const {
+    const culling how = options.hide;
     if ((how == culling::occlusion || (how == culling::automatic && !context_.software())) && can_cull_on_device())
-      return make_occlusion_culling(geometry_, {resolution_, framebuffer_.id(), ids_.id(), depths_.id()});
+      return make_occlusion_culling(geometry_, {resolution_, framebuffer_.id(), ids_.id(), depths_.id()},
+                                    options.most_triangles);
     return make_frustum_culling(geometry_, how != culling::none);
   }
 

@@ -19,6 +19,7 @@ struct gpu_source_options {
   float far_plane = 1.0f;             // meters; depths are divided by it in the importance, background counts as 1
   gather how = gather::automatic;     // automatic: read_back on a software rasterizer, else compute
   culling hide = culling::automatic;  // which clusters are drawn; does not change the image
+  std::uint32_t most_triangles = 16'000'000;  // of a pass, for culling by occlusion: see make_occlusion_culling()
   gpu_timeline* timeline = nullptr;   // if not null, records the stages of each hemicube; must outlive the source
 };
 

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "hemicube/gpu/gpu_culling.h"
+#include "hemicube/gpu/triangle_culling.h"
 #include "shaders/sources.h"
 #include "shared/hemicube_layout.h"
 #include "sightcell/picture/gl_program.h"
@@ -77,7 +78,7 @@ class depth_levels {
 
 class occlusion_culling final : public gpu_culling {
  public:
-  occlusion_culling(const gpu_geometry& geometry, const culling_target& target)
+  occlusion_culling(const gpu_geometry& geometry, const culling_target& target, std::uint32_t most_triangles)
       : geometry_(geometry),
         target_(target),
         scene_(scene_block(geometry)),
@@ -86,7 +87,7 @@ class occlusion_culling final : public gpu_culling {
         group_draws_(sizeof(std::uint32_t) * face_count * scene_.group_count, nullptr),
         commands_(command_bytes * face_count * scene_.cluster_count, nullptr),
         packed_commands_(command_bytes * face_count * scene_.cluster_count, nullptr),
-        packed_counts_(sizeof(std::uint32_t) * face_count * polygon_class_count, nullptr),
+        triangles_(geometry, most_triangles),
         last_seen_(buffer_of(std::vector<std::uint32_t>(scene_.cluster_count))),
         view_block_(sizeof(shaders::hemicube_cull), nullptr, GL_DYNAMIC_STORAGE_BIT),
         scene_block_(sizeof scene_, &scene_),
@@ -114,14 +115,14 @@ class occlusion_culling final : public gpu_culling {
                          static_cast<float>(face.height)}};
     }
     glNamedBufferSubData(view_block_.id(), 0, sizeof block, &block);
-    cull(first_);
+    cull(first_, false);
   }
 
   bool start_second() override {
     // Texture fetches need no barrier to see the drawn pixels, because the framebuffer changes before the next draw.
     levels_.build(target_.depths);
     glBindTextureUnit(shaders::hemicube_texture_levels, levels_.id());
-    cull(second_);
+    cull(second_, true);
     glBindFramebuffer(GL_FRAMEBUFFER, second_framebuffer_.id());
     return true;
   }
@@ -147,18 +148,11 @@ class occlusion_culling final : public gpu_culling {
   void draw(std::uint32_t face, polygon_class which) const override {
     const auto [first, count, first_group, groups] = scene_.classes[which];
     if (count == 0) return;
-    geometry_.bind_vertices(which);
-    const auto* offset =
-        reinterpret_cast<const void*>(command_bytes * (std::size_t{face} * scene_.cluster_count + first));
-    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, packed_commands_.id());
-    glBindBuffer(GL_PARAMETER_BUFFER_ARB, packed_counts_.id());
-    const std::size_t number = sizeof(std::uint32_t) * (std::size_t{face} * polygon_class_count + which);
-    glMultiDrawElementsIndirectCountARB(GL_TRIANGLES, GL_UNSIGNED_INT, offset, static_cast<GLintptr>(number),
-                                        static_cast<GLsizei>(count), 0);
+    triangles_.draw(face, which, packed_commands_.id(), std::size_t{face} * scene_.cluster_count + first, count);
   }
 
  private:
-  void cull(const picture::gl_program& program) const {
+  void cull(const picture::gl_program& program, bool second) const {
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_cull, view_block_.id());
     glBindBufferBase(GL_UNIFORM_BUFFER, shaders::hemicube_block_cull_scene, scene_block_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_clusters, clusters_.id());
@@ -171,17 +165,19 @@ class occlusion_culling final : public gpu_culling {
     glDispatchCompute(scene_.group_count, face_count, 1);
     glUseProgram(compact_.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_packed, packed_commands_.id());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_packed_counts, packed_counts_.id());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shaders::hemicube_buffer_lists, triangles_.lists());
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glDispatchCompute(scene_.group_count, face_count, 1);
-    glMemoryBarrier(GL_COMMAND_BARRIER_BIT);
+    triangles_.run(packed_commands_.id(), second);
   }
 
   const gpu_geometry& geometry_;
   culling_target target_;
   std::uint32_t number_ = 0;  // of the last hemicube
   shaders::hemicube_cull_scene scene_;
-  gl_buffer clusters_, cluster_of_, group_draws_, commands_, packed_commands_, packed_counts_, last_seen_, view_block_, scene_block_;
+  gl_buffer clusters_, cluster_of_, group_draws_, commands_, packed_commands_;
+  triangle_culling triangles_;
+  gl_buffer last_seen_, view_block_, scene_block_;
   depth_levels levels_;
   gl_image second_ids_;
   picture::gl_program first_, second_, compact_, resolve_;
@@ -190,8 +186,9 @@ class occlusion_culling final : public gpu_culling {
 
 }  // namespace
 
-std::unique_ptr<gpu_culling> make_occlusion_culling(const gpu_geometry& geometry, const culling_target& target) {
-  return std::make_unique<occlusion_culling>(geometry, target);
+std::unique_ptr<gpu_culling> make_occlusion_culling(const gpu_geometry& geometry, const culling_target& target,
+                                                    std::uint32_t most_triangles) {
+  return std::make_unique<occlusion_culling>(geometry, target, most_triangles);
 }
 
 bool can_cull_on_device() {
