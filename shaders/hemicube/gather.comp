@@ -10,6 +10,8 @@ layout(binding = hemicube_texture_ids) uniform usampler2D ids;
 layout(binding = hemicube_texture_depth) uniform sampler2D depths;
 layout(std430, binding = hemicube_buffer_sums) writeonly buffer sums_buffer { vec4 group_sums[]; };
 
+shared uint ids_of_group[hemicube_group_width * hemicube_group_height];
+shared uint mixed;  // not 0: the work group has pixels of several polygons
 shared vec4 sums[hemicube_group_width * hemicube_group_height];
 
 // Returns (near / far) / d, where d is the depth divided by the far plane, at most 1.
@@ -43,15 +45,36 @@ vec4 importance(ivec2 pixel) {
   return sum;
 }
 
+// Counts a pixel of each invocation, with one atomic operation per work group that shows a single polygon, else one per
+// run of equal pixels in a row.
+void count(uint id, ivec2 pixel) {
+  uint local = gl_LocalInvocationIndex, column = gl_LocalInvocationID.x;
+  ids_of_group[local] = id;
+  if (local == 0u) mixed = 0u;
+  barrier();
+  if (id != ids_of_group[0]) mixed = 1u;
+  barrier();
+  if (mixed == 0u) {
+    if (local == 0u && id != hemicube_background) mark(id, pixel, hemicube_group_width * hemicube_group_height);
+    return;
+  }
+  if (id == hemicube_background || (column > 0u && ids_of_group[local - 1u] == id)) return;
+  uint length = 1u;
+  while (column + length < hemicube_group_width && ids_of_group[local + length] == id) ++length;
+  mark(id, pixel, length);
+}
+
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   uint local = gl_LocalInvocationIndex;
+  uint id = hemicube_background;
   sums[local] = vec4(0.0);
   if (pixel.x < 3 * int(settings.resolution) && pixel.y < int(settings.resolution)) {
     // Where nothing was drawn the id may be that of an earlier hemicube.
-    if (texelFetch(depths, pixel, 0).x > 0.0) mark(texelFetch(ids, pixel, 0).x, pixel);
+    if (texelFetch(depths, pixel, 0).x > 0.0) id = texelFetch(ids, pixel, 0).x;
     sums[local] = importance(pixel);
   }
+  count(id, pixel);
   // A tree in fixed order, so that the sum is always the same.
   for (uint half_size = hemicube_group_width * hemicube_group_height / 2u; half_size > 0u; half_size /= 2u) {
     barrier();

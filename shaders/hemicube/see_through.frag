@@ -8,4 +8,4 @@ layout(early_fragment_tests) in;
 
 flat in uint polygon_id;
 
-void main() { mark(polygon_id, ivec2(gl_FragCoord.xy)); }
+void main() { mark(polygon_id, ivec2(gl_FragCoord.xy), 1u); }

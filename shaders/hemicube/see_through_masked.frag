@@ -9,5 +9,5 @@ layout(early_fragment_tests) in;
 flat in uint polygon_id;
 
 void main() {
-  if (alpha_passes()) mark(polygon_id, ivec2(gl_FragCoord.xy));
+  if (alpha_passes()) mark(polygon_id, ivec2(gl_FragCoord.xy), 1u);
 }

@@ -49,7 +49,7 @@ const uint hemicube_block_cull_scene = 3u;
 // Textures.
 const uint hemicube_texture_ids = 0u;
 const uint hemicube_texture_depth = 1u;
-const uint hemicube_texture_levels = 2u;      // hierarchical depth; level 0 is the depth after the first pass
+const uint hemicube_texture_levels = 2u;  // hierarchical depth; level 0 is the depth after the first pass
 
 // Images.
 const uint hemicube_image_level = 0u;  // and the hemicube_depth_levels units after it
@@ -61,7 +61,7 @@ const uint hemicube_buffer_counts = 0u;  // hemicube_count per source id; all 0 
 // Number of polygons, number of work groups of collect.comp that are done, then the source ids whose count is not 0, in
 // any order. Both numbers are 0 between hemicubes.
 const uint hemicube_buffer_found = 1u;
-const uint hemicube_found_header = 2u;  // words
+const uint hemicube_found_header = 2u;    // words
 const uint hemicube_buffer_result = 2u;   // the result, see below, as far as hemicube_buffer_arrived does not reach
 const uint hemicube_buffer_arrived = 6u;  // the beginning of the result, in memory that the host reads
 
@@ -70,19 +70,19 @@ const uint hemicube_buffer_texels = 4u;  // alphas, four per word, lowest byte f
 
 // For culling. Passes share bindings, because OpenGL guarantees only eight.
 const uint hemicube_buffer_group_draws = 0u;  // per face and work group: number of clusters that are drawn
-const uint hemicube_buffer_clusters = 5u;   // hemicube_cluster, grouped by class
-const uint hemicube_buffer_commands = 6u;   // one draw per face and cluster; index count 0 if the cluster is culled
-const uint hemicube_buffer_last_seen = 7u;  // per cluster: number of the last hemicube in which it was visible, or 0
-const uint hemicube_buffer_packed = 5u;     // compact.comp: the remaining draws in the same order
-const uint hemicube_buffer_lists = 7u;          // how many remain per face and class, see hemicube/lists.glsl
-const uint hemicube_buffer_cluster_of = 5u;     // resolve.comp: cluster of each source id
+const uint hemicube_buffer_clusters = 5u;     // hemicube_cluster, grouped by class
+const uint hemicube_buffer_commands = 6u;     // one draw per face and cluster; index count 0 if the cluster is culled
+const uint hemicube_buffer_last_seen = 7u;    // per cluster: number of the last hemicube in which it was visible, or 0
+const uint hemicube_buffer_packed = 5u;       // compact.comp: the remaining draws in the same order
+const uint hemicube_buffer_lists = 7u;        // how many remain per face and class, see hemicube/lists.glsl
+const uint hemicube_buffer_cluster_of = 5u;   // resolve.comp: cluster of each source id
 
 // For the triangles of drawn clusters, beside hemicube_buffer_packed and hemicube_buffer_lists.
-const uint hemicube_buffer_vertices = 0u;      // xyz; w is the source id, see gpu_geometry.cpp
-const uint hemicube_buffer_indices = 1u;       // of all triangles
+const uint hemicube_buffer_vertices = 0u;       // xyz; w is the source id, see gpu_geometry.cpp
+const uint hemicube_buffer_indices = 1u;        // of all triangles
 const uint hemicube_buffer_triangle_sums = 2u;  // kept triangles per hemicube_sum_size clusters
-const uint hemicube_buffer_kept = 6u;          // hemicube_kept per cluster of the lists
-const uint hemicube_buffer_kept_indices = 0u;  // pack_triangles.comp: of the kept triangles
+const uint hemicube_buffer_kept = 6u;           // hemicube_kept per cluster of the lists
+const uint hemicube_buffer_kept_indices = 0u;   // pack_triangles.comp: of the kept triangles
 
 // For gather.comp, after the draws.
 const uint hemicube_buffer_sums = 5u;  // one vec4 per work group of gather.comp: its sum of importance

@@ -45,7 +45,8 @@ nlohmann::json paces_of(const gl_context& context, const options& asked) {
               world.kinds.size(), poses.size(), "gather", "culling", "at once", "samples/s", "CPU ms/sample",
               "triangles/sample", "polygons seen");
   nlohmann::json rows = nlohmann::json::array();
-  for (const bench::pace& p : bench::measure_paces(context, world, poses, asked.resolution, asked.gather, asked.culling)) {
+  for (const bench::pace& p :
+       bench::measure_paces(context, world, poses, asked.resolution, asked.gather, asked.culling)) {
     std::printf("%-10s %-10s %8u %12.1f %14.1f %18.0f %14.1f\n", p.gather.c_str(), p.culling.c_str(), p.at_once,
                 p.samples_per_second, p.cpu_ms_per_sample, p.triangles_per_sample, p.polygons_seen);
     nlohmann::json stages = nlohmann::json::object();

@@ -106,8 +106,8 @@ class source_on_thread final : public hemicube_source {
 
   void render_all(hemicube_source& source, std::vector<request*>& requests) {
     const auto began = std::chrono::steady_clock::now();
-    const auto first_image =
-        std::stable_partition(requests.begin(), requests.end(), [](const request* one) { return one->image == nullptr; });
+    const auto first_image = std::stable_partition(requests.begin(), requests.end(),
+                                                   [](const request* one) { return one->image == nullptr; });
     std::exception_ptr failure;
     try {
       render_views(source, {requests.begin(), first_image});

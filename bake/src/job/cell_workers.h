@@ -16,9 +16,9 @@
 
 namespace sightcell::bake {
 
-// Returns the number of workers: one per thread. Each worker has a cell set, which is as large as the scene. If the sets
-// would take more than 1 GiB together, there are fewer workers, and the other threads work on loops inside the cells.
-// set_bytes: size of one set.
+// Returns the number of workers: one per thread. Each worker has a cell set, which is as large as the scene. If the
+// sets would take more than 1 GiB together, there are fewer workers, and the other threads work on loops inside the
+// cells. set_bytes: size of one set.
 std::size_t worker_count(int threads, std::size_t set_bytes);
 
 // Takes one step. set: working memory of the worker.

@@ -105,8 +105,8 @@ class block_cubes {
   std::vector<std::vector<std::uint32_t>> in_node_;
 };
 
-std::uint32_t block_cubes::add(const viewpoint_region& where, std::uint64_t tests, std::uint64_t name,
-                               place_kind kind, std::uint64_t of_kind) {
+std::uint32_t block_cubes::add(const viewpoint_region& where, std::uint64_t tests, std::uint64_t name, place_kind kind,
+                               std::uint64_t of_kind) {
   places_.push_back({where, tests, name, kind, of_kind});
   return static_cast<std::uint32_t>(places_.size() - 1);
 }

@@ -80,9 +80,7 @@ worker_pool workers_for(const bake_context& context, const cell_baker& baker, tb
   const std::size_t most = worker_count(arena.max_concurrency(), baker.set_bytes());
   const std::uint64_t worker_bytes =
       memory_of_worker(context.input.geometry.kinds.size(), baker.set_bytes(), context.how);
-  return {.arena = arena,
-          .stop = stop,
-          .workers = workers_that_fit(most, worker_bytes, context.how)};
+  return {.arena = arena, .stop = stop, .workers = workers_that_fit(most, worker_bytes, context.how)};
 }
 
 std::vector<cell_record> neighbors_of(const cell_record& own, std::span<const std::uint32_t> others,

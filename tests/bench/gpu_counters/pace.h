@@ -13,11 +13,11 @@ namespace sightcell::bench {
 
 struct pace {
   std::string culling, gather;
-  std::uint32_t at_once = 1;          // poses per call of render()
-  double samples_per_second = 0.0;    // best of three
-  double cpu_ms_per_sample = 0.0;     // of the process, all threads; least of three
-  double triangles_per_sample = 0.0;  // given to the rasterizer
-  double polygons_seen = 0.0;         // per sample: the same for all
+  std::uint32_t at_once = 1;                      // poses per call of render()
+  double samples_per_second = 0.0;                // best of three
+  double cpu_ms_per_sample = 0.0;                 // of the process, all threads; least of three
+  double triangles_per_sample = 0.0;              // given to the rasterizer
+  double polygons_seen = 0.0;                     // per sample: the same for all
   std::vector<bake::gpu_timeline::stage> stages;  // seconds of the device per sample; with the gather "compute" alone
 };
 

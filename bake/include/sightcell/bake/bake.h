@@ -64,7 +64,7 @@ struct timed_cell {
 };
 
 // How long the cells of a bake took: CPU seconds of the thread that baked a cell, without the help of other threads.
-// With the source `gpu` wall-clock seconds. Times vary from run to run; nothing in the file depends on them.
+// Without the time of a GPU. Times vary from run to run; nothing in the file depends on them.
 struct cell_times {
   std::uint32_t cells = 0;        // counted: all steps of the cell ran in this call
   double median = 0.0;            // 0 where no cell is counted

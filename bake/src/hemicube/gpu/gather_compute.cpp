@@ -9,7 +9,9 @@
 namespace sightcell::bake {
 
 gather_compute::gather_compute(polygon_counts& counted, gpu_timeline* timeline)
-    : counted_(counted), timeline_(timeline), program_("hemicube/gather", {{GL_COMPUTE_SHADER, shaders::hemicube_gather_comp}}) {}
+    : counted_(counted),
+      timeline_(timeline),
+      program_("hemicube/gather", {{GL_COMPUTE_SHADER, shaders::hemicube_gather_comp}}) {}
 
 void gather_compute::run(const hemicube_atlas& atlas, std::span<const face_view, face_count>, hemicube_view& view,
                          sample_split* spent) {

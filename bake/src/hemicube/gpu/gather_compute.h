@@ -11,7 +11,8 @@ std::array<std::uint32_t, 2> gather_compute_groups(std::uint32_t resolution);
 
 class gather_compute final : public gpu_gather {
  public:
-  // counted: made with the number of groups of gather_compute_groups(). timeline: null, or where the stages are recorded.
+  // counted: made with the number of groups of gather_compute_groups(). timeline: null, or where the stages are
+  // recorded.
   explicit gather_compute(polygon_counts& counted, gpu_timeline* timeline = nullptr);
 
   void run(const hemicube_atlas& atlas, std::span<const face_view, face_count> faces, hemicube_view& view,

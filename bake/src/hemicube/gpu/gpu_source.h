@@ -20,12 +20,12 @@ struct gpu_source_options {
   gather how = gather::automatic;     // automatic: read_back on a software rasterizer, else compute
   culling hide = culling::automatic;  // which clusters are drawn; does not change the image
   std::uint32_t most_triangles = 16'000'000;  // of a pass, for culling by occlusion: see make_occlusion_culling()
-  gpu_timeline* timeline = nullptr;   // if not null, records the stages of each hemicube; must outlive the source
+  gpu_timeline* timeline = nullptr;  // if not null, records the stages of each hemicube; must outlive the source
 };
 
-// Uploads the geometry. context and geometry must outlive the source, and context must be current at every call: so only
-// one thread may call it. make_source_on_thread() makes it a source for several.
-// Throws sightcell::error where the device lacks a feature.
+// Uploads the geometry. context and geometry must outlive the source, and context must be current at every call: so
+// only one thread may call it. make_source_on_thread() makes it a source for several. Throws sightcell::error where the
+// device lacks a feature.
 std::unique_ptr<hemicube_source> make_gpu_source(const picture::gl_context& context,
                                                  const scene::world_geometry& geometry,
                                                  const gpu_source_options& options);

@@ -79,8 +79,7 @@ class depth_levels {
 class occlusion_culling final : public gpu_culling {
  public:
   occlusion_culling(const gpu_geometry& geometry, const culling_target& target, std::uint32_t most_triangles)
-      : geometry_(geometry),
-        target_(target),
+      : target_(target),
         scene_(scene_block(geometry)),
         clusters_(buffer_of(device_clusters(geometry))),
         cluster_of_(buffer_of(geometry.cluster_of_polygons())),
@@ -171,7 +170,6 @@ class occlusion_culling final : public gpu_culling {
     triangles_.run(packed_commands_.id(), second);
   }
 
-  const gpu_geometry& geometry_;
   culling_target target_;
   std::uint32_t number_ = 0;  // of the last hemicube
   shaders::hemicube_cull_scene scene_;

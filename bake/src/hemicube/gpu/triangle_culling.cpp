@@ -10,7 +10,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::size_t list_count = face_count * polygon_class_count;
+constexpr std::size_t list_count = std::size_t{face_count} * polygon_class_count;
 constexpr std::size_t header_bytes = 4 * sizeof(std::uint32_t);
 constexpr std::size_t bytes_of_lists = header_bytes + list_count * sizeof(shaders::hemicube_list);
 

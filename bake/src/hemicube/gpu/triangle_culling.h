@@ -1,6 +1,6 @@
 #pragma once
 // The draws of the clusters that a pass of occlusion culling has selected, without the triangles that have no pixel for
-// certain: those that face away, lie beside the image, cover no pixel's center, or, in the second pass, are occluded.
+// certain: those that face away, are outside of the image, cover no pixel's center, or, in the second pass, are occluded.
 // A graphics device tests triangles in compute shaders faster than its rasterizer drops them.
 #include <cstdint>
 
@@ -13,7 +13,7 @@ namespace sightcell::bake {
 
 class triangle_culling {
  public:
-  // geometry must outlive the object. cluster_count: of the scene.
+  // geometry must outlive the object.
   // most_triangles: room for triangles of a pass; lists beyond it are drawn as whole clusters.
   triangle_culling(const gpu_geometry& geometry, std::uint32_t most_triangles);
   ~triangle_culling();

@@ -11,9 +11,9 @@
 
 #include "errors/error_id.h"
 #include "hemicube/gpu/polygon_counts.h"
-#include "hemicube/source_on_thread.h"
 #include "hemicube/hemicube_faces.h"
 #include "hemicube/rays/rays_source.h"
+#include "hemicube/source_on_thread.h"
 #include "trace/ray_scene.h"
 #include "unit/bake/hemicube/all_sources.h"
 
