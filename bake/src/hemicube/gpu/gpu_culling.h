@@ -43,8 +43,8 @@ struct culling_target {
 
 // The first pass draws the clusters that were visible in the last hemicubes. Their hierarchical depth occludes most of
 // the others.
-// most_triangles: room on the device for the triangles of one pass, 12 bytes each; what has no room is drawn all the
-// same, with triangles that have no pixels.
+// most_triangles: room on the device for the triangles of one pass, 12 bytes each. What has no room is drawn all the
+// same, with triangles that have no pixels. 0: triangles are not tested.
 std::unique_ptr<gpu_culling> make_occlusion_culling(const gpu_geometry& geometry, const culling_target& target,
                                                     std::uint32_t most_triangles);
 

@@ -186,7 +186,8 @@ void gpu_geometry::upload(const scene::world_geometry& world) {
       for (std::size_t k = 0; k < 3; ++k) masked.push_back({test->uvs[k], test->mask, test->alphas[k]});
     }
   }
-  vertices_.emplace(welder.vertices().size() * sizeof(device_vertex), welder.vertices().data());
+  vertex_bytes_ = welder.vertices().size() * sizeof(device_vertex);
+  vertices_.emplace(vertex_bytes_, welder.vertices().data());
   indices_.emplace(indices.size() * sizeof(std::uint32_t), indices.data());
   vertex_array_ = make_vertex_array(opaque_single_sided, indices_->id());
   if (!masked.empty()) {

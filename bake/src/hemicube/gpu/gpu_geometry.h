@@ -64,6 +64,8 @@ class gpu_geometry {
   // For shaders and draws that select polygons.
   GLuint vertices() const { return vertices_->id(); }  // hemicube_buffer_vertices
   GLuint indices() const { return indices_->id(); }
+  std::size_t vertex_bytes() const { return vertex_bytes_; }
+  std::size_t index_bytes() const { return 3 * sizeof(std::uint32_t) * source_ids_.size(); }
   std::uint32_t drawn_polygons() const { return static_cast<std::uint32_t>(source_ids_.size()); }
   // Returns a vertex array of a class with other indices, which the caller deletes.
   GLuint make_vertex_array(polygon_class which, GLuint indices) const;
@@ -77,6 +79,7 @@ class gpu_geometry {
   std::vector<cluster> clusters_;  // grouped by class
   std::array<index_range, polygon_class_count> clusters_of_class_;
   std::vector<std::uint32_t> source_ids_;  // in device order
+  std::size_t vertex_bytes_ = 0;
   std::optional<gl_buffer> vertices_, indices_;
   std::optional<gl_buffer> mask_vertices_, masks_, texels_;  // only where the scene has masked polygons
   GLuint vertex_array_ = 0, masked_array_ = 0;

@@ -22,17 +22,30 @@ std::size_t list_at(std::uint32_t face, polygon_class which) {
   return header_bytes + (face * polygon_class_count + which) * sizeof(shaders::hemicube_list);
 }
 
+// Returns for how many triangles of a pass there is to be room.
+std::uint32_t room_for(const gpu_geometry& geometry, std::uint32_t most_triangles) {
+  GLint steps = 0;  // triangles.glsl leaves room for those of 1/256 pixel
+  glGetIntegerv(GL_SUBPIXEL_BITS, &steps);
+  if (steps < 8) return 0;
+  GLint64 limit = 0;  // at least 128 MiB
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+  const auto bytes = static_cast<std::uint64_t>(limit);
+  if (geometry.vertex_bytes() > bytes || geometry.index_bytes() > bytes) return 0;
+  const std::uint64_t most = std::uint64_t{geometry.drawn_polygons()} * face_count;
+  return static_cast<std::uint32_t>(std::min({most, std::uint64_t{most_triangles}, bytes / 12}));
+}
+
 }  // namespace
 
 triangle_culling::triangle_culling(const gpu_geometry& geometry, std::uint32_t most_triangles)
     : geometry_(geometry),
-      may_overflow_(std::uint64_t{geometry.drawn_polygons()} * face_count > most_triangles),
+      room_(room_for(geometry, most_triangles)),
+      may_overflow_(std::uint64_t{geometry.drawn_polygons()} * face_count > room_),
       // Lists of classes without clusters are written by no shader.
       lists_(bytes_of_lists, std::vector<std::byte>(bytes_of_lists).data()),
       kept_(most_clusters(geometry) * sizeof(shaders::hemicube_kept), nullptr),
       triangle_sums_(4 * (most_clusters(geometry) / shaders::hemicube_sum_size + 1), nullptr),
-      kept_indices_(std::min<std::size_t>(std::size_t{geometry.drawn_polygons()} * face_count, most_triangles) * 12,
-                    nullptr),
+      kept_indices_(std::size_t{room_} * 12, nullptr),
       number_("hemicube/number_clusters", {{GL_COMPUTE_SHADER, shaders::hemicube_number_clusters_comp}}),
       first_("hemicube/triangles_first", {{GL_COMPUTE_SHADER, shaders::hemicube_triangles_first_comp}}),
       second_("hemicube/triangles_second", {{GL_COMPUTE_SHADER, shaders::hemicube_triangles_second_comp}}),
@@ -47,6 +60,7 @@ triangle_culling::~triangle_culling() {
 }
 
 void triangle_culling::run(GLuint packed_commands, bool second) const {
+  if (room_ == 0) return glMemoryBarrier(GL_COMMAND_BARRIER_BIT);
   const auto bind = [](std::uint32_t where, GLuint buffer) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, where, buffer);
   };
@@ -81,19 +95,22 @@ void triangle_culling::run(GLuint packed_commands, bool second) const {
 void triangle_culling::draw(std::uint32_t face, polygon_class which, GLuint packed_commands, std::size_t first_command,
                             std::uint32_t most_clusters) const {
   const std::size_t list = list_at(face, which);
-  glBindVertexArray(is_masked(which) ? masked_array_ : vertex_array_);
-  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, lists_.id());
-  glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
-                         reinterpret_cast<const void*>(list + offsetof(shaders::hemicube_list, index_count)));
+  if (room_ > 0) {
+    glBindVertexArray(is_masked(which) ? masked_array_ : vertex_array_);
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, lists_.id());
+    glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
+                           reinterpret_cast<const void*>(list + offsetof(shaders::hemicube_list, index_count)));
+  }
   if (!may_overflow_) return;
+  const std::size_t number =
+      room_ > 0 ? offsetof(shaders::hemicube_list, whole_clusters) : offsetof(shaders::hemicube_list, clusters);
   geometry_.bind_vertices(which);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, packed_commands);
   glBindBuffer(GL_PARAMETER_BUFFER_ARB, lists_.id());
   glMultiDrawElementsIndirectCountARB(
       GL_TRIANGLES, GL_UNSIGNED_INT,
       reinterpret_cast<const void*>(first_command * shaders::hemicube_command_words * sizeof(std::uint32_t)),
-      static_cast<GLintptr>(list + offsetof(shaders::hemicube_list, whole_clusters)),
-      static_cast<GLsizei>(most_clusters), 0);
+      static_cast<GLintptr>(list + number), static_cast<GLsizei>(most_clusters), 0);
 }
 
 }  // namespace sightcell::bake

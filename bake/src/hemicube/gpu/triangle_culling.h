@@ -1,7 +1,7 @@
 #pragma once
 // The draws of the clusters that a pass of occlusion culling has selected, without the triangles that have no pixel for
-// certain: those that face away, are outside of the image, cover no pixel's center, or, in the second pass, are occluded.
-// A graphics device tests triangles in compute shaders faster than its rasterizer drops them.
+// certain: those that face away, are outside of the image, cover no pixel's center, or, in the second pass, are
+// occluded. A graphics device tests triangles in compute shaders faster than its rasterizer drops them.
 #include <cstdint>
 
 #include "hemicube/gpu/gpu_geometry.h"
@@ -14,7 +14,8 @@ namespace sightcell::bake {
 class triangle_culling {
  public:
   // geometry must outlive the object.
-  // most_triangles: room for triangles of a pass; lists beyond it are drawn as whole clusters.
+  // most_triangles: room for triangles of a pass; lists beyond it are drawn as whole clusters. Where it is 0, the
+  // device's storage buffers cannot hold the vertices or its coordinates are coarse, no triangle is tested.
   triangle_culling(const gpu_geometry& geometry, std::uint32_t most_triangles);
   ~triangle_culling();
   triangle_culling(const triangle_culling&) = delete;
@@ -32,6 +33,7 @@ class triangle_culling {
 
  private:
   const gpu_geometry& geometry_;
+  std::uint32_t room_;  // in triangles; 0: triangles are not tested
   bool may_overflow_;
   gl_buffer lists_, kept_, triangle_sums_, kept_indices_;
   picture::gl_program number_, first_, second_, pack_, whole_;

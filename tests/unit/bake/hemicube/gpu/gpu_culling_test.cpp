@@ -192,7 +192,7 @@ TEST_F(gpu_culling_test, without_room_for_triangles_the_image_is_the_same) {
   const auto plain = source(world, bake::culling::none, 64);
   bake::hemicube_image expected, image;
   bake::hemicube_view all, seen;
-  for (const std::uint32_t most_triangles : {0u, 100u, 300u}) {
+  for (const std::uint32_t most_triangles : {0u, 1u, 100u, 300u}) {
     const auto tested = bake::make_gpu_source(*context_, world,
                                               {.resolution = 64,
                                                .far_plane = 100.0f,
