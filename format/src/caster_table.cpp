@@ -14,17 +14,6 @@
 namespace sightcell::format {
 namespace {
 
-// Takes a table of packed columns from the begin of bytes.
-bool take_table(std::span<const std::byte>& bytes, std::uint32_t rows, std::span<packed_column> out) noexcept {
-  std::uint64_t size = 0;
-  if (!packed_columns::size_of(bytes, static_cast<std::uint32_t>(out.size()), rows, size) ||
-      !open_columns(bytes.first(static_cast<std::size_t>(size)), rows, out)) {
-    return false;
-  }
-  bytes = bytes.subspan(static_cast<std::size_t>(size));
-  return true;
-}
-
 bool sun_is_valid(const sun_record& sun) noexcept {
   const auto is_unit = [](const std::array<float, 3>& v) {
     const float square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
@@ -56,7 +45,7 @@ status caster_table::open(const reader& file, caster_table& out) noexcept {
     if (made.sun(i, sun) != status::ok || !sun_is_valid(sun)) return status::corrupt;
   }
   std::span<const std::byte> left = made.bytes_.subspan(static_cast<std::size_t>(head));
-  if (!take_table(left, made.sets(), made.certificate_) || !take_table(left, made.chunks(), {&made.ends_, 1})) {
+  if (!take_columns(left, made.sets(), made.certificate_) || !take_columns(left, made.chunks(), {&made.ends_, 1})) {
     return status::corrupt;
   }
   certificate_record proof;

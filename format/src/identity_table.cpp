@@ -7,17 +7,6 @@
 namespace sightcell::format {
 namespace {
 
-// Takes a table of packed columns from the begin of bytes.
-bool take_columns(std::span<const std::byte>& bytes, std::uint32_t rows, std::span<packed_column> out) noexcept {
-  std::uint64_t size = 0;
-  if (!packed_columns::size_of(bytes, static_cast<std::uint32_t>(out.size()), rows, size) ||
-      !open_columns(bytes.first(static_cast<std::size_t>(size)), rows, out)) {
-    return false;
-  }
-  bytes = bytes.subspan(static_cast<std::size_t>(size));
-  return true;
-}
-
 bool all_at_most(const packed_column& values, std::uint32_t rows, std::uint32_t most) noexcept {
   for (std::uint32_t row = 0; row < rows; ++row) {
     if (values[row] > most) return false;

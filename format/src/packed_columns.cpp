@@ -81,4 +81,14 @@ bool open_columns(std::span<const std::byte> bytes, std::uint32_t rows, std::spa
   return true;
 }
 
+bool take_columns(std::span<const std::byte>& bytes, std::uint32_t rows, std::span<packed_column> out) noexcept {
+  std::uint64_t size = 0;
+  if (!packed_columns::size_of(bytes, static_cast<std::uint32_t>(out.size()), rows, size) ||
+      !open_columns(bytes.first(static_cast<std::size_t>(size)), rows, out)) {
+    return false;
+  }
+  bytes = bytes.subspan(static_cast<std::size_t>(size));
+  return true;
+}
+
 }  // namespace sightcell::format

@@ -54,4 +54,8 @@ class packed_column {
 [[nodiscard]] bool open_columns(std::span<const std::byte> bytes, std::uint32_t rows,
                                 std::span<packed_column> out) noexcept;
 
+// Opens the columns of a table at the begin of bytes and takes it from them. rows, result: as for packed_columns::open.
+[[nodiscard]] bool take_columns(std::span<const std::byte>& bytes, std::uint32_t rows,
+                                std::span<packed_column> out) noexcept;
+
 }  // namespace sightcell::format
