@@ -8,14 +8,12 @@ layout(std430, binding = hemicube_buffer_triangle_sums) buffer sums_buffer { uin
 
 shared uint kept_bits[hemicube_cluster_size / 32u];
 
-// More than the rounding here, in the vertex shader and to the device's steps of at most 1/256 pixel together.
-const float pixel_slack = 1.0 / 64.0;
 // Coordinates in pixels are exact enough up to this many images from the face.
 const float most_images = 4.0;
 
 struct triangle_place {
   bool on_screen;   // in front of the eye and near the image: the other members are valid
-  vec2 low, high;   // box in pixels of the face, enlarged by pixel_slack
+  vec2 low, high;   // box in pixels of the face, enlarged by the slack
   float nearest;    // smallest distance along the axis of the face, in meters
 };
 
@@ -45,15 +43,15 @@ bool without_pixels(uint first_index, hemicube_cull_face face, bool double_sided
     if (!(all(lessThan(abs(at[k]), most_images * face.pixels.zw)))) return false;
   }
   place.on_screen = true;
-  place.low = min(at[0], min(at[1], at[2])) - pixel_slack;
-  place.high = max(at[0], max(at[1], at[2])) + pixel_slack;
+  place.low = min(at[0], min(at[1], at[2])) - scene.pixel_slack;
+  place.high = max(at[0], max(at[1], at[2])) + scene.pixel_slack;
   // A pixel is drawn where the triangle covers its center.
   if (any(greaterThan(ceil(place.low - 0.5), floor(place.high - 0.5)))) return true;
   if (double_sided) return false;
   vec2 ab = at[1] - at[0], ac = at[2] - at[0];
   float area = ab.x * ac.y - ab.y * ac.x;
   float perimeter = length(ab) + length(ac) + length(at[2] - at[1]);
-  return area < -pixel_slack * (perimeter + pixel_slack);
+  return area < -scene.pixel_slack * (perimeter + scene.pixel_slack);
 }
 
 // Records which triangles of the group's cluster are kept.

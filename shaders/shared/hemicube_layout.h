@@ -149,9 +149,9 @@ struct hemicube_cull {
 // Data that all hemicubes of a source share.
 struct hemicube_cull_scene {
   uint cluster_count;
-  uint hiding_clusters;  // clusters of opaque and MASK polygons, which are first
-  uint group_count;      // work groups of culling, of hemicube_cull_size clusters of one class each
-  uint unused_word;
+  uint hiding_clusters;             // clusters of opaque and MASK polygons, which are first
+  uint group_count;                 // work groups of culling, of hemicube_cull_size clusters of one class each
+  float pixel_slack;                // more than the error of the device's coordinates of corners, in pixels
   uvec4 classes[hemicube_classes];  // first cluster, number of clusters, first work group, number of work groups
 };
 

@@ -10,8 +10,6 @@ from harness import InRoom, QUICK_BAKE, program, program_or_skip, run
 # Where Vulkan's loader looks for drivers.
 MANIFESTS = ('/etc/vulkan/icd.d/lvp_icd*.json', '/usr/local/share/vulkan/icd.d/lvp_icd*.json',
              '/usr/share/vulkan/icd.d/lvp_icd*.json')
-# Tests that skip themselves on every driver.
-SKIPS = {'shared_sources_may_be_called_from_several_threads'}
 
 
 def environment(folder):
@@ -36,8 +34,6 @@ class Zink(InRoom):
         ran = 0
         for test in [test for suite in suites for test in suite['testsuite']]:
             which = f'{name}: {test["classname"]}.{test["name"]}'
-            if test['result'] == 'SKIPPED' and test['name'].split('/')[0] in SKIPS:
-                continue
             self.assertNotEqual(test['result'], 'SKIPPED', which + ' was skipped\n' + out + err)
             self.assertIn('zink', test.get('renderer', 'no renderer'), which)
             ran += 1

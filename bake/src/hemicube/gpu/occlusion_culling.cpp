@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "hemicube/gpu/gpu_culling.h"
@@ -30,10 +32,19 @@ std::vector<shaders::hemicube_cluster> device_clusters(const gpu_geometry& geome
   return all;
 }
 
+// Devices round coordinates of corners to steps of a power of two: most to 1/256 pixel, all to at most 1/16. The least
+// slack is for rounding in shaders.
+float pixel_slack() {
+  GLint bits = 4;
+  glGetIntegerv(GL_SUBPIXEL_BITS, &bits);
+  return std::max(1.0f / 64.0f, std::ldexp(2.0f, -bits));
+}
+
 shaders::hemicube_cull_scene scene_block(const gpu_geometry& geometry) {
   shaders::hemicube_cull_scene block{};
   block.cluster_count = static_cast<std::uint32_t>(geometry.clusters().size());
   block.hiding_clusters = geometry.clusters_of(see_through_single_sided).first;
+  block.pixel_slack = pixel_slack();
   for (std::uint32_t c = 0; c < polygon_class_count; ++c) {
     const gpu_geometry::index_range range = geometry.clusters_of(static_cast<polygon_class>(c));
     const GLuint groups = groups_for(range.count, shaders::hemicube_cull_size);

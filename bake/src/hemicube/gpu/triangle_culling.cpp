@@ -24,9 +24,6 @@ std::size_t list_at(std::uint32_t face, polygon_class which) {
 
 // Returns for how many triangles of a pass there is to be room.
 std::uint32_t room_for(const gpu_geometry& geometry, std::uint32_t most_triangles) {
-  GLint steps = 0;  // triangles.glsl leaves room for those of 1/256 pixel
-  glGetIntegerv(GL_SUBPIXEL_BITS, &steps);
-  if (steps < 8) return 0;
   GLint64 limit = 0;  // at least 128 MiB
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
   const auto bytes = static_cast<std::uint64_t>(limit);

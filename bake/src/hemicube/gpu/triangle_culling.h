@@ -14,8 +14,8 @@ namespace sightcell::bake {
 class triangle_culling {
  public:
   // geometry must outlive the object.
-  // most_triangles: room for triangles of a pass; lists beyond it are drawn as whole clusters. Where it is 0, the
-  // device's storage buffers cannot hold the vertices or its coordinates are coarse, no triangle is tested.
+  // most_triangles: room for triangles of a pass; lists beyond it are drawn as whole clusters. Where it is 0, or the
+  // device's storage buffers cannot hold the vertices, no triangle is tested.
   triangle_culling(const gpu_geometry& geometry, std::uint32_t most_triangles);
   ~triangle_culling();
   triangle_culling(const triangle_culling&) = delete;

@@ -17,9 +17,14 @@ using sightcell::test::rooms;
 class gpu_culling_test : public sightcell::test::gpu_test {
  protected:
   static std::unique_ptr<bake::hemicube_source> source(const scene::world_geometry& world, bake::culling how,
-                                                       std::uint32_t resolution) {
-    return bake::make_gpu_source(
-        *context_, world, {.resolution = resolution, .far_plane = 100.0f, .how = bake::gather::read_back, .hide = how});
+                                                       std::uint32_t resolution,
+                                                       std::uint32_t most_triangles = 16'000'000) {
+    return bake::make_gpu_source(*context_, world,
+                                 {.resolution = resolution,
+                                  .far_plane = 100.0f,
+                                  .how = bake::gather::read_back,
+                                  .hide = how,
+                                  .most_triangles = most_triangles});
   }
   void SetUp() override {
     gpu_test::SetUp();
@@ -175,7 +180,9 @@ TEST_F(gpu_culling_test, what_is_hidden_is_not_drawn) {
   EXPECT_LT(in_frustum, everything);
   const auto occlusion = source(world, bake::culling::occlusion, 128);
   const std::uint64_t first = drawn_triangles(*occlusion, from);
-  EXPECT_LT(first, in_frustum / 3) << "most face away or lie between the centers of pixels";
+  GLint steps = 0;  // coarse coordinates make more triangles uncertain; zink has the 4 bits that OpenGL guarantees
+  glGetIntegerv(GL_SUBPIXEL_BITS, &steps);
+  EXPECT_LT(first, in_frustum / (steps < 8 ? 2 : 3)) << "most face away or are between the centers of pixels";
   // Clusters are culled too: the first hemicube of a source knows nothing of what is hidden.
   EXPECT_LT(drawn_triangles(*occlusion, from), first / 2);
   EXPECT_LT(drawn_triangles(*occlusion, from), first / 2) << "and it does not forget";
@@ -191,29 +198,28 @@ TEST_F(gpu_culling_test, without_room_for_triangles_the_image_is_the_same) {
   const scene::world_geometry world = rooms().world();
   const auto plain = source(world, bake::culling::none, 64);
   bake::hemicube_image expected, image;
-  bake::hemicube_view all, seen;
-  for (const std::uint32_t most_triangles : {0u, 1u, 100u, 300u}) {
-    const auto tested = bake::make_gpu_source(*context_, world,
-                                              {.resolution = 64,
-                                               .far_plane = 100.0f,
-                                               .how = bake::gather::read_back,
-                                               .hide = bake::culling::occlusion,
-                                               .most_triangles = most_triangles});
-    const auto roomy = source(world, bake::culling::occlusion, 64);
-    std::uint64_t drawn = 0, least = 0;
+  std::vector<std::uint64_t> drawn;
+  // Without any room triangles are not even tested. One source after the other: with llvmpipe of Mesa 22.3.6 indirect
+  // draws of one source have no triangles while another has indirect draws that read their number alone.
+  for (const std::uint32_t most_triangles : {0u, 1u, 100u, 300u, 1'000'000u}) {
+    const auto tested = source(world, bake::culling::occlusion, 64, most_triangles);
+    drawn.push_back(0);
     for (const bake::pose& from : rooms::walk(6)) {
       plain->render_image(from, expected);
       tested->render_image(from, image);
       expect_same_image(expected, image, "room for " + std::to_string(most_triangles));
-      roomy->render_image(from, image);
-      roomy->render(from, all);
+      bake::hemicube_view all, seen;
+      plain->render(from, all);
       tested->render(from, seen);
       expect_same_view(all, seen, "room for " + std::to_string(most_triangles));
-      drawn += drawn_triangles(*tested, from);
-      least += drawn_triangles(*roomy, from);
+      drawn.back() += drawn_triangles(*tested, from);
     }
-    EXPECT_GT(drawn, least) << most_triangles;
   }
+  EXPECT_GT(drawn[0], drawn[1]);
+  EXPECT_GT(drawn[1], drawn[2]);
+  EXPECT_GT(drawn[2], drawn[3]);
+  EXPECT_GT(drawn[3], drawn[4]);
+  EXPECT_GT(drawn[4], 0u);
 }
 
 TEST_F(gpu_culling_test, a_scene_without_anything_that_hides) {
