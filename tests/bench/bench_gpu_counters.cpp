@@ -67,6 +67,7 @@ nlohmann::json paces_of(const gl_context& context, const options& asked) {
 }
 
 int run(const options& asked) {
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // each line as it comes: a limit of time may end the program
   const gl_context context;
   std::printf("device: %s (%s), resolution %u\n", context.renderer().c_str(), context.choice().c_str(),
               asked.resolution);
