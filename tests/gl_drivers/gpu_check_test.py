@@ -6,6 +6,8 @@ import subprocess
 import tempfile
 import unittest
 
+import harness
+
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "gpu-check"
 PROGRAMS = ("sightcell", "sightcell-city", "bench_gpu_counters", "bench_hemicube", "bench_agreement", "gpu_test")
 WORKS = "#!/bin/sh\necho \"$(basename $0) $*\"\n"
@@ -44,12 +46,21 @@ class GpuCheck(unittest.TestCase):
 
     def test_names_the_steps_that_fail_and_goes_on(self):
         self.program("bench_agreement", "#!/bin/sh\nexit 3\n")
-        self.program("gpu_test", "#!/bin/sh\necho '[  FAILED  ] first.one'\nexit 1\n")
+        self.program("gpu_test", "#!/bin/sh\necho '[  FAILED  ] first.one'\nexit 7\n")
         done = self.check("run")
         self.assertEqual(done.returncode, 1)
         self.assertIn("failed: tests agreement", done.stdout)
+        self.assertIn("first_test: exit 7", (self.tmp / "results" / "tests.log").read_text())
         self.assertIn("[  FAILED  ] first.one", done.stdout)
         self.assertTrue((self.tmp / "results" / "pace.log").exists())
+
+    def test_makes_a_town_where_no_scenes_were_packed(self):
+        (self.folder / "scenes" / "a b.glb").unlink()
+        shutil.copy(harness.program("sightcell-city"), self.folder / "bin")
+        done = self.check("run", SIGHTCELL_GPU_STEPS="bake-town")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertGreater((self.folder / "scenes" / "town.glb").stat().st_size, 1_000_000)
+        self.assertIn("scenes/town.glb", (self.tmp / "results" / "bake-town.log").read_text())
 
     def test_runs_the_steps_that_are_named(self):
         done = self.check("run", SIGHTCELL_GPU_STEPS="verify counters")

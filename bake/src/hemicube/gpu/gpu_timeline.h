@@ -4,7 +4,6 @@
 #include <epoxy/gl.h>
 
 #include <cstddef>
-#include <span>
 #include <string>
 #include <vector>
 
