@@ -22,14 +22,6 @@ constexpr std::array<std::string_view, 3> progress_names{"auto", "json", "none"}
 void add_output_options(CLI::App& verb, bake_options& o) {
   const char* const group = "Output";
   add_plain_option(verb, group, "-o", o.output, "FILE.pvs", "The file to write.")->required();
-  add_option(verb, group, "--profile", o.profile, "NAME",
-             "How many invisible polygons a set may have where that makes the file smaller: exact (none), balanced (up "
-             "to 5 % of the visible ones) or small (up to 10 %). Pictures stay the same.")
-      ->check(one_of(bake::slack_profile_names));
-  add_option(verb, group, "--layout", o.layout, "NAME",
-             "How the host stores its polygons: instanced (its own meshes, drawn one by one) or merged (in world "
-             "space, all static draws of a material as one list).")
-      ->check(one_of(bake::host_layout_names));
   add_option(verb, group, "--volumes", o.settings.volumes, "M",
              "Also computes which boxes of space are visible from each cell, so that a host can cull objects that "
              "move. Width of the boxes in meters; 0: none. Range: 0.25 to 1000.");
@@ -43,18 +35,8 @@ void add_output_options(CLI::App& verb, bake_options& o) {
                 "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
                 "largest polygons first.")
       ->group(group);
-  verb.add_flag("--names", o.settings.file.names,
-                "Stores a hash of the geometry of each draw and the names of its node and mesh, so that a host whose "
-                "importer drops glTF numbers finds its objects, and finds out that the file is of another scene.")
-      ->group(group);
-  add_plain_option(verb, group, "--report-unseen", o.unseen_file, "FILE.json",
-                   "Writes the polygons that are in the set of no cell to this file, by object, those with the most "
-                   "first: what a level could do without. sightcell strip does so later.");
-  add_plain_option(verb, group, "--embed", o.embed_file, "SCENE",
-                   "Also writes the scene with the result: a .glb contains the .pvs file, a .gltf names it. May be the "
-                   "scene itself.");
   add_plain_option(verb, group, "--report", o.report_file, "FILE.html",
-                   "Writes a page about the bake and its file, for people. sightcell report does so later.");
+                   "Writes an HTML page about the bake and its file. sightcell report does so later.");
 }
 
 void add_cell_options(CLI::App& verb, bake_options& o) {
@@ -81,23 +63,10 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
                    "A box that a camera flies in gets cells too, all of it that is not solid. Meters, the lower corner "
                    "first; may be repeated.")
       ->take_all();
-  add_plain_option(verb, group, "--path", o.path_file, "FILE.json",
-                   "Space around the path of a camera gets cells too: {\"path\": [[x, y, z], ...]}, in meters; "
-                   "\"paths\" has a list of paths.");
   add_option(verb, group, "--cell-size", s.cell_size, "M",
              "Width of the smallest lattice cells in meters. Cells of a grid are half as high. Range: 0.25 to 1000.");
-  add_option(verb, group, "--most-cells", s.most_cells, "N",
-             "Where the floors that a player can reach need more cells of --cell-size than this, cells are twice as "
-             "wide, and so on, so that the bake of a large landscape ends. Range: 64 to 1000000.");
-  add_option(verb, group, "--merge-cells", s.merge_cells, "G",
-             "Merges cells side by side that see nearly the same polygons into wider ones, while the polygons that a "
-             "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "
-             "all cells have the width of --cell-size. Range: 0 to 10.");
   add_option(verb, group, "--cell-limit", s.cell_limit, "N",
              "Bakes this many cells only, spread evenly over the scene, as a trial. 0: all cells.");
-  add_option(verb, group, "--margin", s.margin, "M",
-             "Meters by which the bake grows each cell on all sides. The runtime keeps a cell while the camera is in "
-             "the grown cell. Range: 0 to 10.");
 }
 
 void add_quality_options(CLI::App& verb, bake_options& o) {
@@ -110,10 +79,6 @@ void add_quality_options(CLI::App& verb, bake_options& o) {
   add_plain_option(verb, group, "--max-pixel-error", o.max_pixel_error, "E",
                    "Another bound than that of --quality. 0: no verification rays and no bound. Range: 1e-7 to 0.5. "
                    "Default: that of --quality.");
-  add_option(verb, group, "--safety-ring", o.safety_ring, "NAME",
-             "Adds to each set, without a visibility test, the polygons that share an edge (edge) or a vertex (vertex) "
-             "with a member: fewer misses, more polygons to draw. none: adds nothing.")
-      ->check(one_of(bake::safety_ring_names));
 }
 
 void add_rule_options(CLI::App& verb, bake_options& o) {
@@ -122,15 +87,10 @@ void add_rule_options(CLI::App& verb, bake_options& o) {
   add_option(verb, group, "--player-radius", s.player_radius, "M",
              "Meters that the camera keeps from every surface. Sets hold for viewpoints that keep it. Range: 0.001 to "
              "1.");
-  add_option(verb, group, "--smallest-gap", s.smallest_gap, "M",
-             "Light-leak tolerance in meters: gaps between polygons that are narrower let no line of sight through. "
-             "Range: 0 to 0.1.");
   add_option(verb, group, "--animated", o.animated, "NAME",
              "Draws that an animation or a skin moves, without a mark in the scene: always (in every set, occlude "
              "nothing), rest (static, in the pose of the file) or dynamic (left out; the host draws them).")
       ->check(one_of(scene::animated_as_names));
-  verb.add_flag("--all-double-sided", s.all_double_sided, "All polygons are visible and occlude from both sides.")
-      ->group(group);
 }
 
 void add_machine_options(CLI::App& verb, bake_options& o) {
@@ -140,14 +100,10 @@ void add_machine_options(CLI::App& verb, bake_options& o) {
              "Wall-clock seconds for the whole bake, spent on the cells with the largest bounds. It ends earlier when "
              "all cells have the bound of --quality. The result depends on the machine. 0: no limit. Range: 0 to 1e7.");
   add_option(verb, group, "--threads", s.threads, "N", "Threads to use. 0: one per core. Changes no byte of the file.");
-  add_option(verb, group, "--memory", s.memory, "BYTES",
-             "Memory that the process may use: a number, or one with K, M or G (powers of 1024). 0: no limit. Changes "
-             "no byte of the file.")
-      ->transform(CLI::AsSizeValue(false));
   add_plain_option(verb, group, "--shard", o.shard, "I/N",
                    "Bakes part I of N on this machine, with I from 0 to N - 1; sightcell merge joins the parts. array "
                    "and array/N take I from the array of a Slurm, Kubernetes or AWS Batch job.")
-      ->excludes("--report-unseen", "--report", "--embed");
+      ->excludes("--report");
   verb.add_flag("--fresh", o.fresh, "Discards an unfinished bake of the same output instead of resuming it.")
       ->group(group);
 }
@@ -168,13 +124,33 @@ void add_edit_options(CLI::App& verb, bake_options& o) {
           "Keeps running and bakes again each time that the scene is saved: first a preview of the quality draft, "
           "then the quality that is asked for. A save during a bake stops it. Ctrl-C ends.")
       ->group(group)
-      ->excludes("--shard", "--since", "--time-budget", "--embed");
+      ->excludes("--shard", "--since", "--time-budget");
 }
 
 // ---- With --help-all only
 
 void add_expert_output_options(CLI::App& verb, bake_options& o) {
   const char* const group = "Expert: output";
+  add_option(verb, group, "--profile", o.profile, "NAME",
+             "How many invisible polygons a set may have where that makes the file smaller: exact (none), balanced (up "
+             "to 5 % of the visible ones) or small (up to 10 %). Pictures stay the same.")
+      ->check(one_of(bake::slack_profile_names));
+  add_option(verb, group, "--layout", o.layout, "NAME",
+             "How the host stores its polygons: instanced (its own meshes, drawn one by one) or merged (in world "
+             "space, all static draws of a material as one list).")
+      ->check(one_of(bake::host_layout_names));
+  verb.add_flag("--names", o.settings.file.names,
+                "Stores a hash of the geometry of each draw and the names of its node and mesh, so that a host whose "
+                "importer drops glTF numbers can find its objects, and notices a file of another scene.")
+      ->group(group);
+  add_plain_option(verb, group, "--report-unseen", o.unseen_file, "FILE.json",
+                   "Writes the polygons that are in the set of no cell to this file, by object, the object with the "
+                   "most first: they can be deleted. sightcell strip does so later.")
+      ->excludes("--shard");
+  add_plain_option(verb, group, "--embed", o.embed_file, "SCENE",
+                   "Also writes the scene with the result: a .glb contains the .pvs file, a .gltf names it. May be the "
+                   "scene itself.")
+      ->excludes("--shard", "--watch");
   add_option(verb, group, "--granularity", o.granularity, "NAME",
              "What sets consist of: polygon, or cluster (up to 128 triangles each, for hosts that draw meshlets). A "
              "cluster is in a set if any of its polygons is.")
@@ -194,6 +170,12 @@ void add_expert_output_options(CLI::App& verb, bake_options& o) {
 
 void add_expert_scene_options(CLI::App& verb, bake_options& o) {
   const char* const group = "Expert: scenes";
+  add_option(verb, group, "--smallest-gap", o.settings.smallest_gap, "M",
+             "Light-leak tolerance in meters: gaps between polygons that are narrower let no line of sight through. "
+             "Range: 0 to 0.1.");
+  verb.add_flag("--all-double-sided", o.settings.all_double_sided,
+                "All polygons are visible and occlude from both sides.")
+      ->group(group);
   add_two_scene_options(verb, o.scenes, group);
   add_plain_option(verb, group, "--scene", o.settings.scene, "N",
                    "Number of the glTF scene in the file, from 0. Without it: the default scene of the file.")
@@ -206,7 +188,21 @@ void add_expert_scene_options(CLI::App& verb, bake_options& o) {
 
 void add_expert_cell_options(CLI::App& verb, bake_options& o) {
   const char* const group = "Expert: cells";
-  bake::player_settings& player = o.settings.player;
+  bake::settings& s = o.settings;
+  bake::player_settings& player = s.player;
+  add_option(verb, group, "--most-cells", s.most_cells, "N",
+             "Where the floors that a player can reach need more cells of --cell-size than this, cells are twice as "
+             "wide, and so on, so that the bake of a large landscape ends. Range: 64 to 1000000.");
+  add_option(verb, group, "--merge-cells", s.merge_cells, "G",
+             "Merges cells side by side that see nearly the same polygons into wider ones, while the polygons that a "
+             "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "
+             "all cells have the width of --cell-size. Range: 0 to 10.");
+  add_option(verb, group, "--margin", s.margin, "M",
+             "Meters by which the bake grows each cell on all sides. The runtime keeps a cell while the camera is in "
+             "the grown cell. Range: 0 to 10.");
+  add_plain_option(verb, group, "--path", o.path_file, "FILE.json",
+                   "Space around the path of a camera gets cells too: {\"path\": [[x, y, z], ...]}, in meters; "
+                   "\"paths\" has a list of paths.");
   add_option(verb, group, "--player-height", player.height, "M",
              "Meters that must be empty above a floor. Range: 0.1 to 100.");
   add_option(verb, group, "--player-step", player.step, "M",
@@ -227,6 +223,14 @@ void add_expert_cell_options(CLI::App& verb, bake_options& o) {
       ->take_all();
   add_option(verb, group, "--path-radius", o.settings.path_radius, "M",
              "How near to a path a cell is, on each axis, in meters. Range: 0 to 100.");
+}
+
+void add_expert_quality_options(CLI::App& verb, bake_options& o) {
+  const char* const group = "Expert: quality";
+  add_option(verb, group, "--safety-ring", o.safety_ring, "NAME",
+             "Adds to each set, without a visibility test, the polygons that share an edge (edge) or a vertex (vertex) "
+             "with a member: fewer misses, more polygons to draw. none: adds nothing.")
+      ->check(one_of(bake::safety_ring_names));
 }
 
 std::string sentence(std::string text) {
@@ -270,6 +274,10 @@ void add_expert_sampling_options(CLI::App& verb, bake_options& o) {
 
 void add_expert_machine_options(CLI::App& verb, bake_options& o) {
   const char* const group = "Expert: machines";
+  add_option(verb, group, "--memory", o.settings.memory, "BYTES",
+             "Memory that the process may use: a number, or one with K, M or G (powers of 1024). 0: no limit. Changes "
+             "no byte of the file.")
+      ->transform(CLI::AsSizeValue(false));
   add_option(
       verb, group, "--phase", o.phase, "N",
       "Phase of a shard: 1 (sets and bounds), or 2 (the check with neighboring cells, once phase 1 of all shards "
@@ -320,6 +328,7 @@ void add_cells_options(CLI::App& verb, bake_options& options) {
   add_cell_options(verb, options);
   add_quality_options(verb, options);
   add_expert_cell_options(verb, options);
+  add_expert_quality_options(verb, options);
   add_two_scene_options(verb, options.scenes, "Expert: scenes");
   verb.add_flag("--json", options.json, "Prints the cells as one JSON object on standard output.");
 }
@@ -334,6 +343,7 @@ void add_bake_options(CLI::App& verb, bake_options& options) {
   add_edit_options(verb, options);
   add_expert_output_options(verb, options);
   add_expert_cell_options(verb, options);
+  add_expert_quality_options(verb, options);
   add_expert_scene_options(verb, options);
   add_metric_options(verb, options.metric, "Expert: metric");
   add_expert_sampling_options(verb, options);

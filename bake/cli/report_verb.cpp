@@ -56,7 +56,7 @@ void add_report_verb(CLI::App& program, action& chosen) {
   report_request& request = options->request;
   CLI::App& verb = add_verb(
       program, "report",
-      {.summary = "Writes a page about a .pvs file, for people",
+      {.summary = "Writes an HTML page about a .pvs file",
        .usage = "FILE.pvs --scene SCENE -o FILE.html [options]",
        .description = "Writes one HTML file that needs no network and no other file: what the file achieves in plain "
                       "words, what to do next, the worst views as pictures, bounds and sizes of the cells with maps, "

@@ -98,7 +98,7 @@ void add_strip_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<strip_options>();
   CLI::App& verb = add_verb(
       program, "strip",
-      {.summary = "Removes the polygons that are seen from no cell, or lists them",
+      {.summary = "Removes the polygons that are visible from no cell, or lists them",
        .usage = "SCENE FILE.pvs [-o OUT.glb] [options]",
        .description = "Finds the polygons that are in the set of no cell of a .pvs file (unseen polygons), object "
                       "by object, and what the bounds of the cells state about them. With -o, writes the scene "

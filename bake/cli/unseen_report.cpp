@@ -56,7 +56,7 @@ ordered_json bound_json(const bake::unseen_bound& b) {
 }  // namespace
 
 std::string unseen_text(const bake::unseen_polygons& found) {
-  return fmt::format("{} of {} polygons ({:.1f} %) are seen from no cell", grouped(found.unseen),
+  return fmt::format("{} of {} polygons ({:.1f} %) are visible from no cell", grouped(found.unseen),
                      grouped(found.polygons), 100.0 * share_of(found.unseen, found.polygons));
 }
 

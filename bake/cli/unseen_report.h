@@ -8,7 +8,7 @@
 
 namespace sightcell::cli {
 
-// "12,345 of 60,000 polygons (20.6 %) are seen from no cell"
+// "12,345 of 60,000 polygons (20.6 %) are visible from no cell"
 std::string unseen_text(const bake::unseen_polygons& found);
 
 // What the bounds of the cells state about unseen polygons, in sentences.

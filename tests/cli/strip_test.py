@@ -24,7 +24,7 @@ class Strip(InRoom):
 
     def test_bake_and_strip_report_the_same(self):
         _, err = self.bake('a.pvs', '--report-unseen', self.path('a.json'))
-        self.assertIn(f'12 of 24 polygons (50.0 %) are seen from no cell: {self.path("a.json")}', err)
+        self.assertIn(f'12 of 24 polygons (50.0 %) are visible from no cell: {self.path("a.json")}', err)
         found = self.report('a.json')
         self.assertEqual([(o['node'], o['node_name'], o['polygons'], o['unseen'], o['share']) for o in found['objects']],
                          [(1, 'far', 12, 12, 1.0), (0, 'room', 12, 0, 0.0)])

@@ -30,11 +30,9 @@ class Usage(InRoom):
     def test_help_of_bake_has_what_most_users_need_and_two_examples(self):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
-            '-o', '--profile', '--layout', '--volumes', '--sun', '--importance', '--names', '--report-unseen', '--embed', '--report',
-            '--cells-file', '--cells-grid', '--reach',
-            '--start', '--fly', '--path', '--cell-size', '--most-cells', '--merge-cells', '--cell-limit', '--margin',
-            '--quality', '--max-pixel-error', '--safety-ring', '--player-radius', '--smallest-gap', '--animated', '--all-double-sided', '--time-budget',
-            '--threads', '--memory', '--shard', '--fresh', '--keep-records', '--since', '--watch', '--help-all'])
+            '-o', '--volumes', '--sun', '--importance', '--report', '--cells-file', '--cells-grid', '--reach', '--start',
+            '--fly', '--cell-size', '--cell-limit', '--quality', '--max-pixel-error', '--player-radius', '--animated',
+            '--time-budget', '--threads', '--shard', '--fresh', '--keep-records', '--since', '--watch', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),
                          ['Output', 'Cells', 'Quality', 'Scene rules', 'Time and machines', 'Edits', 'Help',
                           'Examples'])
@@ -46,7 +44,9 @@ class Usage(InRoom):
         everyday = self.expect(0, 'bake', '--help')[0]
         for option in re.findall(r'(?m)^  (-o|--[a-z-]+)', everyday):
             self.assertIn(f'\n  {option}', out)
-        for option in ('--order', '--progress', '--json', '--json-file', '--polygons-from', '--cells-from', '--scene',
+        for option in ('--profile', '--layout', '--names', '--report-unseen', '--embed', '--most-cells', '--merge-cells',
+                       '--path', '--margin', '--safety-ring', '--smallest-gap', '--all-double-sided', '--memory',
+                       '--order', '--progress', '--json', '--json-file', '--polygons-from', '--cells-from', '--scene',
                        '--misses', '--metric', '--view-resolution', '--view-fov', '--view-pitch', '--view-least',
                        '--sampler', '--samples', '--sampling-rays', '--source', '--resolution', '--seed', '--phase',
                        '--scratch', '--player-height', '--player-step', '--player-jump', '--player-gap', '--player-slope',
