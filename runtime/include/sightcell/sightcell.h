@@ -144,7 +144,7 @@ enum {
   SIGHTCELL_FRAME_CHANGED = 1u,  /* the polygons to draw differ from those after the last move; set by the first move */
   SIGHTCELL_FRAME_DRAW_ALL = 2u, /* the visible polygons are not known: outputs return everything */
   SIGHTCELL_FRAME_OUTSIDE = 4u,  /* the eye is in no cell */
-  SIGHTCELL_FRAME_PENDING = 8u,  /* the data of the cell has not arrived; with DRAW_ALL, but for PENDING_LAST */
+  SIGHTCELL_FRAME_PENDING = 8u,  /* the data of the cell has not arrived; with DRAW_ALL unless PENDING_LAST is set */
   SIGHTCELL_FRAME_DAMAGED = 16u  /* the data of the cell is damaged; with DRAW_ALL; other cells are not affected */
 };
 
@@ -298,17 +298,17 @@ SIGHTCELL_API const char* sightcell_status_text(sightcell_status status);
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
 
 /* Opens a file that is in memory. Checks all of it but the sets: the first use of a set checks those of its chunk.
- * bytes: the whole file, at any alignment. The db refers to them: the caller keeps them until sightcell_db_close. A .glb
- *   that contains a .pvs file (sightcell bake --embed) will do. The WebAssembly module opens no .glb.
+ * bytes: the whole file, at any alignment. The db refers to them: the caller keeps them until sightcell_db_close. They
+ *   may be a .glb that contains a .pvs file (sightcell bake --embed), but not for the WebAssembly module.
  * size: of the file, in bytes.
  * mem: copied. NULL means malloc and free.
  * out: receives the db, or NULL on failure.
  * Fails with MEMORY, NOT_OURS, VERSION, TRUNCATED, CHECKSUM, CORRUPT, LIMIT, and with ABSENT for a .glb without a .pvs
  *   file.
- * Cost: one pass over all but the sets, and of a .glb one or two over its JSON. One allocation: 40 to 60 bytes per cell (48 per 8 x 8 positions for cells on a
- *   lattice, so 0.75 per cell at best), 16 per draw (merged: 4 per draw and 20 per draw group), 4 per polygon of a
- *   primitive whatever the number of its instances (merged: 4 per polygon), 4 per volume plus 50 to 100 per block of
- *   4 x 4 x 4 volumes, and 62,000 for code tables. */
+ * Cost: one pass over all but the sets, and of a .glb one or two over its JSON. One allocation: 40 to 60 bytes per
+ *   cell (48 per 8 x 8 positions for cells on a lattice, so 0.75 per cell at best), 16 per draw (merged: 4 per draw and
+ *   20 per draw group), 4 per polygon of a primitive whatever the number of its instances (merged: 4 per polygon), 4
+ *   per volume plus 50 to 100 per block of 4 x 4 x 4 volumes, and 62,000 for code tables. */
 SIGHTCELL_API sightcell_status sightcell_db_open(const void* bytes, size_t size, const sightcell_allocator* mem,
                                                  sightcell_db** out);
 

@@ -169,6 +169,13 @@ class db {
     return s == SIGHTCELL_OK ? result<std::array<float, 3>>(eye) : result<std::array<float, 3>>(s);
   }
 
+  // The upper bound of the miss probability of each cell.
+  list_result error_bounds(std::span<float> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_db_error_bounds(handle_, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+
   // The draw of the file for each draw of a host. hashes: geometry hashes. names: of their nodes, or none at all; NULL
   // for one without a name. draw_of_host: as many elements as hashes. The counts are complete with OK and OTHER_SCENE.
   sightcell_status match(std::span<const std::uint64_t> hashes, std::span<const char* const> names,

@@ -1,6 +1,7 @@
 // Opening, facts, arguments and statuses. The results of views: view_test.cpp.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include "loaded_file.h"
 #include "paged_host.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/viewpoints.h"
 #include "unit/format/viewpoint_samples.h"
 
 namespace {
@@ -149,6 +151,23 @@ void expect_viewpoints(const sightcell_db* db, const sample_contents& contents) 
     EXPECT_EQ(valid, there ? contents.viewpoints[cell].valid_share : 1.0f) << cell;
     EXPECT_EQ(static_cast<double>(outside), there ? contents.viewpoints[cell].outside_share : 0.0) << cell;
   }
+}
+
+TEST(c_api, error_bounds_of_cells) {
+  const sample_contents contents = small_contents();
+  const loaded_file file(contents);
+  std::vector<float> bounds(contents.cells.size(), -1.0f);
+  std::size_t count = 0;
+  ASSERT_EQ(sightcell_db_error_bounds(file.db(), bounds.data(), bounds.size(), &count), SIGHTCELL_OK);
+  ASSERT_EQ(count, contents.cells.size());
+  for (std::size_t cell = 0; cell < count; ++cell) EXPECT_EQ(bounds[cell], contents.certificate[cell].upper_bound);
+  EXPECT_EQ(*std::max_element(bounds.begin(), bounds.end()), file.info().max_pixel_error);
+  sample_contents unmeasured = contents;
+  unmeasured.certificate[3] = {.cell = 3, .upper_bound = 1.0};
+  const loaded_file other(unmeasured);
+  ASSERT_EQ(sightcell_db_error_bounds(other.db(), bounds.data(), bounds.size(), &count), SIGHTCELL_OK);
+  EXPECT_EQ(bounds[3], 1.0f);
+  EXPECT_LT(bounds[2], 1.0f);
 }
 
 TEST(c_api, viewpoints_of_cells) {

@@ -73,6 +73,7 @@ const std::map<std::string, statuses> promised{
     {"sightcell_db_misses_text", of_lists},
     {"sightcell_db_cell_eye",
      with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT, SIGHTCELL_PENDING}},
+    {"sightcell_db_error_bounds", of_lists + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_PENDING}},
     {"sightcell_geometry_hash", with_arguments},
     {"sightcell_db_match", with_arguments + of_identity + statuses{SIGHTCELL_ERR_OTHER_SCENE, SIGHTCELL_ERR_MEMORY}},
     {"sightcell_db_draw_hash", with_arguments + of_identity},

@@ -1,4 +1,5 @@
 // What a file knows: facts, valid viewpoints, identity and names of draws, named groups.
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -65,6 +66,15 @@ void facts(outcomes& out) {
   RETURNS(OK, sightcell_db_order(db, order.data(), order.size(), &count));
   RETURNS(ERR_CAPACITY, sightcell_db_order(db, order.data(), 299, &count));
   RETURNS(ERR_ARGUMENT, sightcell_db_order(db, order.data(), 300, nullptr));
+
+  std::array<float, 67> bounds;
+  RETURNS(OK, sightcell_db_error_bounds(db, bounds.data(), bounds.size(), &count));
+  RETURNS(ERR_CAPACITY, sightcell_db_error_bounds(db, bounds.data(), 66, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_db_error_bounds(db, nullptr, 67, &count));
+  sample_contents unproved = tiny_contents();
+  unproved.certificate.clear();
+  const loaded_file without(unproved);
+  RETURNS(ERR_ABSENT, sightcell_db_error_bounds(without.db(), bounds.data(), bounds.size(), &count));
 
   sightcell_db_stats stats{};
   RETURNS(ERR_ARGUMENT, sightcell_db_statistics(db, &stats));

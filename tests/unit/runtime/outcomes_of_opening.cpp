@@ -190,6 +190,7 @@ void open_without_waiting(outcomes& out) {
   std::size_t count = 0;
   EXPECT_EQ(sightcell_db_cluster_count(host.db()), 0u);
   RETURNS(PENDING, sightcell_db_clusters(host.db(), nullptr, 0, &count));
+  RETURNS(PENDING, sightcell_db_error_bounds(host.db(), nullptr, 0, &count));
   RETURNS(PENDING, sightcell_db_draw_hash(host.db(), 0, &hash));
   RETURNS(PENDING, sightcell_db_draw_name(host.db(), 0, SIGHTCELL_NAME_NODE, nullptr, 0, &count));
   host.answer = SIGHTCELL_ERR_STALE;
