@@ -44,6 +44,16 @@ nlohmann::ordered_json suns_json(const bake_options& options, const bake::summar
   return list;
 }
 
+nlohmann::ordered_json found_json(const bake::found_shares& found) {
+  return {{"sampler", found.sampler},
+          {"touching", found.touching},
+          {"adjacent_cells", found.adjacent_cells},
+          {"later_hemicubes", found.later_hemicubes},
+          {"nearby_rays", found.nearby_rays},
+          {"verification_rays", found.verification_rays},
+          {"reported", found.reported}};
+}
+
 nlohmann::ordered_json summary_json(const bake_options& options, const scene::scene& s, const bake::summary& sum,
                                     const phase_times& phases) {
   const char* const results[] = {"done", "bound_not_met", "cancelled"};
@@ -58,6 +68,7 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"cells_resumed", sum.cells_resumed},
           {"cells_rebaked", rebaked_json(sum)},
           {"visible_set_percent", sum.visible_percent},
+          {"found_by", found_json(sum.found)},
           {"metric", options.metric.metric},
           {"volumes", sum.volumes},
           {"volumes_per_cell", sum.volumes_per_cell},

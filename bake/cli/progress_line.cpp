@@ -92,6 +92,7 @@ void progress_line::update(const bake::progress& now) {
   what_ = phase_text(now.phase);
   counted_ = is_counted(now.phase);
   if (mode_ == progress_mode::json) print_json();
+  last_.bounded = {};  // valid during this call
   if (mode_ != progress_mode::automatic || !counted_) return;
   if (is_last(now))
     keep(text());
@@ -104,6 +105,7 @@ void progress_line::stopping(const bake::progress& now) {
   last_ = now;
   stopping_ = counted_ = true;
   if (mode_ == progress_mode::json) print_json();
+  last_.bounded = {};
   if (mode_ == progress_mode::automatic && due()) show(text());
 }
 
@@ -122,12 +124,17 @@ void progress_line::update(std::uint32_t done, std::uint32_t total) {
 void progress_line::print_json() {
   nlohmann::ordered_json slow = nullptr;
   if (last_.slow) slow = {{"cell", last_.slow->cell}, {"center", last_.slow->center}, {"seconds", last_.slow->seconds}};
+  nlohmann::ordered_json bounded = nlohmann::ordered_json::array();
+  for (const bake::bounded_cell& c : last_.bounded)
+    bounded.push_back(
+        {{"cell", c.cell}, {"min", c.min}, {"max", c.max}, {"polygons", c.polygons}, {"upper_bound", c.bound}});
   const nlohmann::ordered_json line = {{"phase", phase_name(last_.phase)},
                                        {"cells", last_.cells_done},
                                        {"cells_total", last_.cells_total},
                                        {"cells_checked", last_.cells_checked},
                                        {"cells_in_work", last_.cells_in_work},
                                        {"slow_cell", slow},
+                                       {"bounded_cells", bounded},
                                        {"target", last_.target},
                                        {"prepared", last_.prepared},
                                        {"importance", last_.importance},

@@ -78,6 +78,12 @@ class Progress(Stopped):
         self.assertEqual(done.returncode, 0, done.stderr)
         lines = [json.loads(line) for line in done.stderr.splitlines() if line.startswith('{')]
         self.assertEqual(list(dict.fromkeys(line['phase'] for line in lines)), PHASES)
+        bounded = [cell for line in lines for cell in line['bounded_cells']]
+        self.assertEqual(sorted(cell['cell'] for cell in bounded), list(range(8)), 'each once')
+        for cell in bounded:
+            self.assertTrue(all(low < high for low, high in zip(cell['min'], cell['max'])), cell)
+            self.assertGreater(cell['polygons'], 0)
+            self.assertTrue(0 < cell['upper_bound'] <= 1e-3, cell)
         lines = [line for line in lines if line['phase'] not in ('merging_cells', 'estimating')]
         self.assertEqual({line['cells_total'] for line in lines}, {8})
         self.assertEqual(lines[0]['cells_per_second'], 0)

@@ -121,6 +121,10 @@ class Report(InRoom):
         for phase in summary['phases']:
             self.assertIn(phase['phase'].replace('_', ' '), text)
         self.assertIn('Bake seconds per cell', text)
+        self.assertAlmostEqual(sum(summary['found_by'].values()), 1)
+        self.assertGreater(summary['found_by']['sampler'], 0.5)
+        self.assertIn('How the sets grew', text)
+        self.assertRegex(text, r'100(\.0+)? % so far')
         # The same from the JSON of the bake, but for the seconds of each cell.
         with open(self.path('bake.json'), 'w', encoding='utf-8') as file:
             file.write(out)

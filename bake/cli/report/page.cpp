@@ -110,8 +110,8 @@ std::string report_page(const report_data& data) {
                      escaped(name_of(data.file_path)));
   out += summary_of(data);
   out += next_steps(data);
-  for (const auto section :
-       {views_section, bounds_section, plans_section, time_section, file_section, unseen_section, settings_section})
+  for (const auto section : {views_section, bounds_section, growth_section, plans_section, time_section, file_section,
+                             unseen_section, settings_section})
     out += section(data);
   return out + "</main>\n</body>\n</html>\n";
 }

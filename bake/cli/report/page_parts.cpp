@@ -225,6 +225,31 @@ std::string bounds_section(const report_data& data) {
   return out + largest_bounds(data) + left_out_html(data);
 }
 
+std::string growth_section(const report_data& data) {
+  const ordered_json& found = member_of(data.bake, "found_by");
+  std::vector<bar> bars;
+  double so_far = 0.0;
+  for (const auto& [name, key] : {std::pair("hemicubes of the sampler", "sampler"),
+                                  {"in all sets, or touching the cell", "touching"},
+                                  {"rays toward what adjacent cells see", "adjacent_cells"},
+                                  {"further hemicubes", "later_hemicubes"},
+                                  {"rays beside visible polygons", "nearby_rays"},
+                                  {"verification rays", "verification_rays"},
+                                  {"misses that a host reported", "reported"}}) {
+    const double share = number_at(found, key);
+    if (!(share > 0.0)) continue;
+    so_far += share;
+    bars.push_back(
+        {name, share, fmt::format("{}, {} so far", percent_text(100.0 * share), percent_text(100.0 * so_far))});
+  }
+  if (bars.empty()) return "";
+  return "<h2>How the sets grew</h2>\n<p>The steps of a cell, and the share of the polygons of all sets that each "
+         "found "
+         "first. Verification rays find what the search missed: where their share is large, the search stopped too "
+         "early.</p>\n" +
+         bars_of(bars);
+}
+
 std::string plans_section(const report_data& data) {
   if (data.floors.empty()) return "";
   const std::vector<cell_colors> colors = colors_of_cells(data);

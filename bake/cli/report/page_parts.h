@@ -24,6 +24,7 @@ std::string viewer_command(const report_data& data, const report_view& view);
 std::string grounds_of(const report_data& data);
 std::string views_section(const report_data& data);
 std::string bounds_section(const report_data& data);
+std::string growth_section(const report_data& data);
 std::string plans_section(const report_data& data);
 std::string time_section(const report_data& data);
 std::string file_section(const report_data& data);

@@ -1,6 +1,7 @@
 #pragma once
 // The result of a cell so far, and its encoding in a checkpoint.
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -17,11 +18,25 @@ enum class cell_stage : std::uint8_t {
   finished = 2  // phase 2: checked against the cells of the blocks around; overrides and levels of detail are applied
 };
 
+// What found a polygon of a set first. A report shows how much of the sets each finds.
+enum class found_by : std::uint8_t {
+  sampler,          // hemicubes of the sampler, or its rays
+  touching,         // it touches the cell; draws that are in all sets
+  adjacent_cell,    // a ray toward what an adjacent cell sees
+  later_hemicubes,  // of the search for the bound
+  nearby_rays,      // a ray toward a neighbor of a visible polygon
+  verification,     // a verification ray, which was a miss until then
+  report            // a miss that a host reported
+};
+inline constexpr std::size_t found_by_count = 7;
+using find_counts = std::array<std::uint32_t, found_by_count>;  // polygons, by found_by
+
 struct cell_record {
   std::vector<std::uint32_t> set;      // ascending source ids
   std::vector<std::uint32_t> volumes;  // ascending; empty if the bake has no volumes
   bool stored = true;                  // false: no valid viewpoint was found, and the file leaves the cell out
   bool geometry_inside = false;
+  find_counts found{};     // the polygons of the set but for those that join without a test
   std::uint64_t rays = 0;  // certificate: trials of the last batch of verification rays
   std::uint64_t misses = 0;
   double upper_bound = 1.0;
@@ -61,6 +76,9 @@ struct cell_summary {
   std::uint64_t polygons = 0;  // number of polygons in the set
 };
 cell_summary summary_of(const cell_record& record);
+
+// Of the encoding. It is in the keys of checkpoints and of kept records, so that those of another version are rejected.
+inline constexpr std::uint8_t record_version = 8;
 
 // Returns the bytes of a record: version, the plain fields in little-endian order, the set, its witnesses, the late
 // polygons, the volumes if there are any, as varint runs, and XXH3-64 of all bytes before it. A set takes at most one

@@ -10,6 +10,7 @@ void cell_set::clear() {
   members_.clear();
   eyes_.clear();
   volumes_.clear();
+  found_ = {};
 }
 
 void cell_set::add_view(const glm::vec3& eye, const std::vector<seen_polygon>& seen) {
@@ -34,11 +35,14 @@ bool cell_set::add(std::uint32_t polygon, const glm::vec3& eye) {
 void cell_set::join(std::uint32_t polygon, const entry& as) {
   entries_[polygon] = as;
   members_.push_back(polygon);
+  std::uint32_t& count = found_[static_cast<std::size_t>(how_)];
+  ++count;
   if (!duplicates_) return;
   for (const std::uint32_t same : duplicates_->class_of(polygon)) {
     if (contains(same)) continue;
     entries_[same] = {1, as.eye};
     members_.push_back(same);
+    ++count;
   }
 }
 
@@ -51,6 +55,7 @@ std::vector<std::uint32_t> cell_set::sorted() const {
 void cell_set::save(cell_record& record) const {
   record.set = sorted();
   record.volumes = volumes_.members();
+  record.found = found_;
   // Each witness once, in an order that does not depend on the order of joining.
   const auto below = [](const glm::vec3& a, const glm::vec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
@@ -79,6 +84,7 @@ void cell_set::load(const cell_record& record) {
   clear();
   eyes_ = record.witnesses;
   members_ = record.set;
+  found_ = record.found;
   for (std::size_t i = 0; i < members_.size(); ++i) entries_[members_[i]] = {1, record.witness_of[i]};
   for (const std::uint32_t volume : record.volumes) volumes_.add(volume);
 }

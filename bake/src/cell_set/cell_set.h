@@ -44,6 +44,10 @@ class cell_set {
   // replaces the witness.
   bool add(std::uint32_t polygon, const glm::vec3& eye);
 
+  // Polygons that join from now on are counted for this way of finding them.
+  void find_by(found_by how) { how_ = how; }
+  found_by how() const { return how_; }
+
   // Returns the members, ascending.
   std::vector<std::uint32_t> sorted() const;
 
@@ -70,6 +74,22 @@ class cell_set {
   std::vector<std::uint32_t> members_;
   std::vector<glm::vec3> eyes_;
   volume_set volumes_;
+  find_counts found_{};
+  found_by how_ = found_by::sampler;
+};
+
+// Counts the polygons that join during its life for one way of finding them.
+class finding {
+ public:
+  // set must outlive the object.
+  finding(cell_set& set, found_by how) : set_(set), before_(set.how()) { set.find_by(how); }
+  ~finding() { set_.find_by(before_); }
+  finding(const finding&) = delete;
+  finding& operator=(const finding&) = delete;
+
+ private:
+  cell_set& set_;
+  found_by before_;
 };
 
 }  // namespace sightcell::bake

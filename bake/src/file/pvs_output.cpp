@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -41,6 +43,7 @@ struct stored_cells {
   double polygons = 0.0;                                      // in all sets together
   double unseen = 0.0;                                        // of these, added by the conservative dilation
   double volumes = 0.0;                                       // in all sets together
+  std::array<double, found_by_count> found{};                 // polygons in all sets together, by found_by
   std::vector<std::uint32_t> number_of_volume;                // in the file, by the number in records
   std::vector<std::pair<double, std::uint32_t>> out_of_time;  // bound and place of cells that a limit of time ended
 };
@@ -77,11 +80,24 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
     out.polygons += static_cast<double>(record.set.size());
     out.unseen += static_cast<double>(record.unverified);
     out.volumes += static_cast<double>(record.volumes.size());
+    for (std::size_t by = 0; by < found_by_count; ++by) out.found[by] += record.found[by];
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;
     if (record.out_of_time) out.out_of_time.emplace_back(record.upper_bound, i);
   }
   return out;
+}
+
+found_shares shares_of(const std::array<double, found_by_count>& found) {
+  const double all = std::max(std::accumulate(found.begin(), found.end(), 0.0), 1.0);
+  const auto share = [&](found_by how) { return found[static_cast<std::size_t>(how)] / all; };
+  return {.sampler = share(found_by::sampler),
+          .touching = share(found_by::touching),
+          .adjacent_cells = share(found_by::adjacent_cell),
+          .later_hemicubes = share(found_by::later_hemicubes),
+          .nearby_rays = share(found_by::nearby_rays),
+          .verification_rays = share(found_by::verification),
+          .reported = share(found_by::report)};
 }
 
 void warn_of_cells_left_out(const pvs_frame& frame, const summary& sum, const callbacks& events) {
@@ -235,6 +251,7 @@ bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   sum.cells = cells_written;
   sum.visible_percent =
       100.0 * stored.polygons / (static_cast<double>(cells_written) * std::max(frame.facts.polygon_count, 1u));
+  sum.found = shares_of(stored.found);
   sum.unseen_per_cell = stored.unseen / cells_written;
   sum.unseen_percent = 100.0 * stored.unseen / std::max(stored.polygons - stored.unseen, 1.0);
   sum.volumes = static_cast<std::uint32_t>(frame.volumes.size());

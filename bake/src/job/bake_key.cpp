@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "cell_set/cell_record.h"
 #include "cells/path_file.h"
 #include "input/two_scenes.h"
 #include "sightcell/base/json_text.h"
@@ -109,14 +110,15 @@ std::string key_of(const scene::scene& s, const settings& how, const bake_input&
   const std::string of_blocks = input.misses.key_of(cells.blocks, cells.list.cells, how.margin);
   const std::string settings_text =
       with_misses(text_of(of_records, cells, device.chosen), input.misses, fmt::format("\"{}\"", of_blocks));
-  return fmt::format("scene {:02x} cells {} {:016x} settings {}", fmt::join(s.fingerprint, ""), cells.list.cells.size(),
-                     hash_of_cells(cells, input.given), settings_text);
+  return fmt::format("records {} scene {:02x} cells {} {:016x} settings {}", record_version,
+                     fmt::join(s.fingerprint, ""), cells.list.cells.size(), hash_of_cells(cells, input.given),
+                     settings_text);
 }
 
 std::string steps_key_of(const bake_cells& cells, const std::string& settings_text) {
   number_hash volumes;
   if (cells.volumes) volumes.add_bytes(std::as_bytes(std::span(cells.volumes->places())));
-  return fmt::format("volumes {:016x} settings {}", volumes.digest(), settings_text);
+  return fmt::format("records {} volumes {:016x} settings {}", record_version, volumes.digest(), settings_text);
 }
 
 stale_key_test stale_test_of(const std::string& key, const cell_blocks& blocks) {

@@ -103,7 +103,10 @@ cell_record cell_baker::sample(const view_cell& cell, cell_set& set, const time_
   known.insert(known.end(), found->viewpoints.begin(), found->viewpoints.end());
   record.eyes = choose_eyes(rays_, {cell.min, cell.max}, found->region, how_.player_radius, known);
   const std::vector<glm::vec3>& viewpoints = found->viewpoints;
-  for (const std::uint32_t polygon : always_) set.add(polygon, viewpoints.front());
+  {
+    const finding without_test(set, found_by::touching);
+    for (const std::uint32_t polygon : always_) set.add(polygon, viewpoints.front());
+  }
   const auto inside = rays_.touching(grown(cell).min, grown(cell).max);
   record.geometry_inside = !inside.empty();
   const sampling_effort effort =
@@ -121,6 +124,7 @@ cell_record cell_baker::sample(const view_cell& cell, cell_set& set, const time_
 // Visibility rule 4: a polygon that touches the cell and faces a valid viewpoint of it is in its set.
 void cell_baker::add_inside(const view_cell& cell, const std::vector<std::uint32_t>& inside,
                             const std::vector<glm::vec3>& viewpoints, cell_set& set) const {
+  const finding inside_it(set, found_by::touching);
   // A polygon that no drawn viewpoint faces may still be visible from nearby, like the underside of a shelf just above
   // the floor. So a point in front of its center is tested too.
   const box where = grown(cell);
@@ -155,6 +159,7 @@ void cell_baker::add_misses(const view_cell& cell, cell_set& set, cell_record& r
   std::vector<reported_miss> own;
   for (const std::uint32_t place : misses_->in(cell.min, cell.max, how_.margin)) own.push_back(misses_->all()[place]);
   if (own.empty()) return;
+  const finding reported(set, found_by::report);
   record.rays_spent += join_misses(rays_, {how_.player_radius, how_.smallest_gap}, own, set);
   set.save(record);
 }

@@ -51,6 +51,14 @@ void progress_tracker::count(std::uint32_t cell, cell_stage stage, const cell_su
     misses_ += record.misses;
     now_.pixel_error = rays_ > 0 ? static_cast<double>(misses_) / static_cast<double>(rays_) : 0.0;
     now_.worst_bound = std::max(now_.worst_bound, record.rays > 0 ? record.upper_bound : 0.0);
+    if (events_.on_progress) {
+      const view_cell& box = tracked_.cells[cell];
+      bounded_.push_back({.cell = cell,
+                          .min = {box.min.x, box.min.y, box.min.z},
+                          .max = {box.max.x, box.max.y, box.max.z},
+                          .polygons = record.polygons,
+                          .bound = record.rays > 0 ? record.upper_bound : 1.0});
+    }
   }
   const auto size = static_cast<std::uint32_t>(std::max<std::uint64_t>(record.polygons, sizes_[cell]));
   visible_ += 100.0 * (size - sizes_[cell]) / std::max(tracked_.polygon_count, 1u);
@@ -167,8 +175,11 @@ bool progress_tracker::report_progress(std::span<const step_in_work> in_work) {
   now_.slow = longest_in_work(in_work, tracked_.cells, tracked_.now(), slow_seconds);
   const bool all = (tracked_.last_phase == 1 ? now_.cells_done : now_.cells_checked) == now_.cells_total;
   if (all) now_.seconds_left = 0.0;  // without the rest that rounding leaves
-  stopped_ = true;                   // stays true if the callback throws
+  now_.bounded = bounded_;
+  stopped_ = true;  // stays true if the callback throws
   stopped_ = canceled_ = !events_.on_progress(now_) && !all;
+  now_.bounded = {};
+  bounded_.clear();
   return !stopped_;
 }
 

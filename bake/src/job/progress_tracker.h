@@ -67,7 +67,8 @@ class progress_tracker {
   std::vector<bool> counted_;         // through phase 1
   std::vector<std::uint32_t> sizes_;  // of the cell sets, as counted so far
   std::vector<double> work_of_;       // by cell: the part that is done, 0 .. 1
-  std::vector<float> seconds_of_;     // by cell: of the steps of this run; negative for one with steps of an earlier run
+  std::vector<float> seconds_of_;  // by cell: of the steps of this run; negative for one with steps of an earlier run
+  std::vector<bounded_cell> bounded_;  // since the last report
   work_clock::time_point began_;
   double expected_ = 0.0;                      // seconds for the cells that were left at the start
   progress now_;                               // over the cells of this run and of earlier runs

@@ -172,6 +172,7 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
 
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const viewpoint_region& where,
                                const finish_settings& how, cell_set& set, search_views* views) {
+  const finding later(set, found_by::later_hemicubes);  // but for what rays find
   finish_result result;
   const double target = how.max_pixel_error;
   const time_limit& limit = how.limit ? *how.limit : no_limit;
@@ -230,7 +231,10 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     (void)limit.reached();  // throws where a stop was requested: the batch is not complete then
     if (!batch.given_up()) take_bound(found, target, result);
 
-    for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
+    {
+      const finding misses(set, found_by::verification);
+      for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
+    }
     volumes.add(batch.missed_volumes());
     of_search = limit.part(1.0);
     search.look_beside(budget.left(of_batches));

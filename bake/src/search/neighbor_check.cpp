@@ -191,6 +191,7 @@ std::uint64_t neighbor_check(const ray_scene& rays, const box& grown, const neig
   }
   // Of several eyes that found a polygon the lowest becomes its witness, so that the choice does not depend on ids.
   std::sort(found.begin(), found.end());
+  const finding from_neighbors(set, found_by::adjacent_cell);
   for (const found_polygon& f : found) set.add(f.polygon, f.eye);
   return spent;
 }

@@ -195,6 +195,7 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
   // Of several eyes that found a polygon in this wave the lowest becomes its witness, so that the choice does not
   // depend on ids.
   std::sort(found.begin(), found.end());
+  const finding rays(set_, found_by::nearby_rays);
   for (const found_polygon& f : found) set_.add(f.polygon, f.eye);
   return now.size();
 }

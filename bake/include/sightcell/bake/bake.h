@@ -85,6 +85,19 @@ struct rebaked_cells {
   std::uint32_t count() const { return is_new + changed_polygon + something_new + neighbors; }
 };
 
+// Which part of the polygons of all sets each step found first, 0 .. 1, in the order of a bake. The sum is 1, or 0 if
+// there is none. Polygons that join a set without a test (settings::safety_ring, coarser levels of detail) are left
+// out.
+struct found_shares {
+  double sampler = 0.0;            // hemicubes of the sampler, or its rays
+  double touching = 0.0;           // no search: they touch the cell, or are in all sets
+  double adjacent_cells = 0.0;     // rays toward what adjacent cells see
+  double later_hemicubes = 0.0;    // of the search for the bound
+  double nearby_rays = 0.0;        // rays toward the neighbors of visible polygons
+  double verification_rays = 0.0;  // which were misses until then
+  double reported = 0.0;           // by a host, with --misses
+};
+
 // What was found for one of settings::suns.
 struct sun_summary {
   double casters_per_cell = 0.0;       // mean number of polygons beside the set of a cell
@@ -110,6 +123,7 @@ struct summary {
   std::optional<rebaked_cells> rebaked;  // with settings::since
 
   double visible_percent = 0.0;  // mean size of the cell sets
+  found_shares found;            // not counted for a shard
 
   // Polygons that settings::safety_ring added, without a visibility test. 0 for a shard.
   double unseen_per_cell = 0.0;  // mean over the cells

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace sightcell::bake {
@@ -34,6 +35,14 @@ struct slow_cell {
   double seconds = 0.0;           // in work, without interruption
 };
 
+// A cell whose bound is known now.
+struct bounded_cell {
+  std::uint32_t cell = 0;             // in the order of the bake's cells, from 0
+  std::array<float, 3> min{}, max{};  // corners of its box, meters
+  std::uint64_t polygons = 0;         // of its set; the check with the cells around may add some
+  double bound = 1.0;                 // of its miss probability, 0 .. 1
+};
+
 // State of a bake. Reported before the first cell, after each step of a cell, and several times per second while cells
 // are in work or a sampler prepares all cells together.
 struct progress {
@@ -60,6 +69,10 @@ struct progress {
   double pixel_error = 0.0;      // misses / verification rays of all cells so far, 0 .. 1
   double worst_bound = 0.0;      // largest bound of a cell so far, 0 .. 1
   double visible_percent = 0.0;  // mean size of the cell sets so far, percent of all polygons
+
+  // The cells whose bound became known since the last report, first those of an earlier run; no cell without a valid
+  // viewpoint. Empty with settings::time_budget, where bounds get better over the whole bake.
+  std::span<const bounded_cell> bounded = {};
 
   std::optional<slow_cell> slow = {};  // the cell longest in work, from 10 seconds on; always there in on_stopping
 };

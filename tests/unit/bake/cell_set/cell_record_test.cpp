@@ -23,6 +23,7 @@ cell_record sample() {
   r.valid_share = 0.1;
   r.bound_met = false;
   r.unverified = 3;
+  r.found = {5, 0, 2, 0, 1, 0, 0xFFFFFFFFu};
   r.batches = 2;
   r.geometry_inside = true;
   r.late = {7, 500};

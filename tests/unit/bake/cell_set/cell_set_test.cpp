@@ -36,6 +36,34 @@ TEST(cell_set, clear_forgets_everything) {
   EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{1, 3}));
 }
 
+TEST(cell_set, counts_polygons_by_what_found_them) {
+  cell_set set(10);
+  set.add_view({1, 0, 0}, {{2, 5}, {7, 1}});
+  {
+    const finding rays(set, found_by::nearby_rays);
+    set.add(7, {2, 0, 0});  // is a member
+    set.add(3, {2, 0, 0});
+    {
+      const finding misses(set, found_by::verification);
+      set.add(5, {3, 0, 0});
+    }
+    set.add(4, {2, 0, 0});
+  }
+  set.add(6, {2, 0, 0});
+  cell_record saved;
+  set.save(saved);
+  EXPECT_EQ(saved.found, (find_counts{3, 0, 0, 0, 2, 1, 0}));
+  cell_set later(10);
+  later.load(saved);
+  const finding touching(later, found_by::touching);
+  later.add(9, {4, 0, 0});
+  later.save(saved);
+  EXPECT_EQ(saved.found, (find_counts{3, 1, 0, 0, 2, 1, 0})) << "counts go on in the next stage";
+  later.clear();
+  later.save(saved);
+  EXPECT_EQ(saved.found, find_counts{});
+}
+
 TEST(cell_set, who_joins_brings_its_duplicates) {
   test::tiny_scene tiny;
   const auto wall = tiny.wall_x(2, -1, 1), apart = tiny.wall_x(3, -1, 1), again = tiny.wall_x(2, -1, 1);

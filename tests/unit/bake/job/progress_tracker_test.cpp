@@ -39,6 +39,8 @@ class tracked_bake : public testing::Test {
     events_.on_phase = [this](bake_phase phase) { phases_.push_back(phase); };
     events_.on_progress = [this](const progress& now) {
       reports_.push_back(now);
+      bounded_.emplace_back(now.bounded.begin(), now.bounded.end());
+      reports_.back().bounded = {};  // valid during the call
       return !cancel_;
     };
     events_.on_stopping = [this](const progress& now) { stopping_.push_back(now); };
@@ -66,6 +68,7 @@ class tracked_bake : public testing::Test {
   callbacks events_;
   std::vector<bake_phase> phases_;
   std::vector<progress> reports_, stopping_;
+  std::vector<std::vector<bounded_cell>> bounded_;  // of each report
   bool cancel_ = false;
 };
 
@@ -86,6 +89,26 @@ TEST_F(tracked_bake, times_are_those_of_cells_that_this_run_baked) {
   EXPECT_EQ(times.percentile_99, 10.0);
   EXPECT_EQ(times.longest, 10.0) << "the steps of a cell add up";
   EXPECT_EQ(times.center, (std::array<float, 3>{31.0f, 0.5f, 1.0f}));
+}
+
+TEST_F(tracked_bake, each_cell_is_reported_once_with_its_bound) {
+  auto tracked = tracker();
+  tracked.resume(2, cell_stage::finished, {.rays = 10, .misses = 1, .upper_bound = 0.25, .polygons = 7});
+  tracked.resume(0, cell_stage::finished, {.stored = false});
+  tracked.open();
+  end(tracked, 1);
+  tracked.close({}, {}, *done_);
+  ASSERT_EQ(bounded_.size(), 3u);
+  ASSERT_EQ(bounded_[0].size(), 1u) << "of the earlier run, without the cell that is not stored";
+  EXPECT_EQ(bounded_[0][0].cell, 2u);
+  EXPECT_EQ(bounded_[0][0].min, (std::array<float, 3>{20, 0, -2}));
+  EXPECT_EQ(bounded_[0][0].max, (std::array<float, 3>{22, 1, 4}));
+  EXPECT_EQ(bounded_[0][0].polygons, 7u);
+  EXPECT_EQ(bounded_[0][0].bound, 0.25);
+  ASSERT_EQ(bounded_[1].size(), 1u);
+  EXPECT_EQ(bounded_[1][0].cell, 1u);
+  EXPECT_EQ(bounded_[1][0].bound, 1.0) << "no ray was cast";
+  EXPECT_TRUE(bounded_[2].empty());
 }
 
 TEST_F(tracked_bake, time_left_is_the_estimate_until_a_step_has_ended) {
