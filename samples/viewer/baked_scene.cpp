@@ -54,6 +54,8 @@ void open_file(const scene::scene& s, const std::string& path, baked_scene& out)
     const auto eye = opened->cell_eye(i);
     out.cells.push_back({min, max, {}, eye ? vec3_of(*eye) : 0.5f * (min + max)});
   }
+  out.bounds.resize(out.cells.size());
+  if (opened->error_bounds(out.bounds).status != SIGHTCELL_OK) out.bounds.clear();
   out.db = std::move(*opened);
 }
 

@@ -23,7 +23,8 @@ struct baked_scene {
   std::string scene_name, pvs_name;  // pvs_name is empty without a file
   std::optional<sightcell::db> db;
   std::vector<cell> cells;
-  float margin = 0.0f;  // meters by which cells were grown for the bake
+  std::vector<float> bounds;  // of the miss probability, by cell; empty if the file has none
+  float margin = 0.0f;        // meters by which cells were grown for the bake
   std::size_t range_bound = 0;
   std::vector<sightcell_draw> draws;          // what ranges count in: of the file, or made from the scene
   std::vector<std::uint32_t> stored_indices;  // into the flattened vertices, three per polygon in stored order

@@ -8,6 +8,8 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "text.h"
 
@@ -54,37 +56,55 @@ picture::image_rgba thinned(picture::image_rgba image) {
   return image;
 }
 
-// Meters of the plan to pixels of the window.
-struct placement {
+}  // namespace
+
+struct cell_map::placement {
   ImVec2 origin;
   float scale = 1.0f;
   picture::plan_rectangle extent;
   ImVec2 at(float x, float z) const {
     return {origin.x + scale * (x - extent.min_x), origin.y + scale * (z - extent.min_z)};
   }
+  ImVec2 low(const cell& c) const { return at(c.min.x, c.min.z); }
+  ImVec2 high(const cell& c) const { return at(c.max.x, c.max.z); }
 };
 
-void draw_eye(ImDrawList& list, const placement& place, const fly_camera& camera, float aspect) {
-  const ImVec2 eye = place.at(camera.eye.x, camera.eye.z);
+namespace {
+
+// at: in pixels.
+void draw_eye(ImDrawList& list, const ImVec2& at, const fly_camera& camera, float aspect) {
   const float half = std::atan(std::tan(0.5f * camera.vertical_fov) * aspect);
-  const auto toward = [&](float yaw) { return ImVec2(eye.x + 34.0f * std::sin(yaw), eye.y - 34.0f * std::cos(yaw)); };
-  list.AddTriangleFilled(eye, toward(camera.yaw - half), toward(camera.yaw + half), IM_COL32(255, 255, 255, 90));
-  list.AddCircleFilled(eye, 4.5f, IM_COL32(20, 20, 20, 255));
-  list.AddCircleFilled(eye, 3.0f, IM_COL32(255, 255, 255, 255));
+  const auto toward = [&](float yaw) { return ImVec2(at.x + 34.0f * std::sin(yaw), at.y - 34.0f * std::cos(yaw)); };
+  list.AddTriangleFilled(at, toward(camera.yaw - half), toward(camera.yaw + half), IM_COL32(255, 255, 255, 90));
+  list.AddCircleFilled(at, 4.5f, IM_COL32(20, 20, 20, 255));
+  list.AddCircleFilled(at, 3.0f, IM_COL32(255, 255, 255, 255));
+}
+
+std::string bound_text(float bound) {
+  return bound < 1.0f ? fmt::format("{:.1e}", bound) : std::string("no bound");
 }
 
 }  // namespace
 
 cell_map::cell_map(const baked_scene& baked, const sightcell::scene::world_geometry& world)
-    : baked_(baked), world_(world), floors_(floors_of(baked.cells)), floor_of_cell_(baked.cells.size()) {
-  if (baked.cells.empty()) return;
-  for (std::size_t f = 0; f < floors_.size(); ++f) {
-    for (const std::uint32_t c : floors_[f].cells) floor_of_cell_[c] = f;
-  }
-  plans_.resize(floors_.size());
-  frame_ = around(baked.cells);
-  extent_ = picture::plan_extent(frame_);
+    : cells_(baked.cells), world_(world), bounds_(baked.bounds) {
+  make_floors();
+  if (cells_.empty()) return;
   if (auto created = sightcell::view::create(*baked.db); created) view_ = std::move(*created);
+}
+
+cell_map::cell_map(std::span<const finished_cell> finished, const sightcell::scene::world_geometry& world)
+    : world_(world) {
+  for (const finished_cell& c : finished) {
+    cells_.push_back({c.min, c.max, {}, 0.5f * (c.min + c.max)});
+    polygons_.push_back(c.polygons);
+    bounds_.push_back(c.bound);
+    most_ = std::max(most_, c.polygons);
+  }
+  make_floors();
+  // All of the scene, so that the map stays in place while cells come.
+  frame_ = {world.min.x, world.min.z, world.max.x, world.max.z};
+  extent_ = picture::plan_extent(frame_);
 }
 
 cell_map::~cell_map() {
@@ -93,10 +113,43 @@ cell_map::~cell_map() {
   }
 }
 
+void cell_map::make_floors() {
+  if (cells_.empty()) return;
+  floors_ = floors_of(cells_);
+  floor_of_cell_.resize(cells_.size());
+  for (std::size_t f = 0; f < floors_.size(); ++f) {
+    for (const std::uint32_t c : floors_[f].cells) floor_of_cell_[c] = f;
+  }
+  plans_.resize(floors_.size());
+  frame_ = around(cells_);
+  extent_ = picture::plan_extent(frame_);
+  for (const float bound : bounds_) {
+    if (!(bound > 0.0f && bound < 1.0f)) continue;
+    lowest_bound_ = std::min(lowest_bound_, bound);
+    highest_bound_ = std::max(highest_bound_, bound);
+  }
+}
+
+// That of the nearest cell.
+void cell_map::choose_floor(const glm::vec3& eye) {
+  const auto distance_to = [&](const cell& c) { return glm::distance(eye, glm::clamp(eye, c.min, c.max)); };
+  const auto nearest = std::min_element(cells_.begin(), cells_.end(),
+                                        [&](const cell& a, const cell& b) { return distance_to(a) < distance_to(b); });
+  floor_ = floor_of_cell_[static_cast<std::size_t>(nearest - cells_.begin())];
+}
+
+bool cell_map::prepare(const glm::vec3& eye) {
+  if (cells_.empty()) return true;
+  if (!floor_) choose_floor(eye);
+  if (!plans_[*floor_].begun) begin_plan(*floor_);
+  take_plan(plans_[*floor_], false);
+  return plans_[*floor_].texture != 0;
+}
+
 void cell_map::count_polygons(bool all) {
-  const std::size_t end = all ? baked_.cells.size() : std::min(baked_.cells.size(), polygons_.size() + some);
+  const std::size_t end = all ? cells_.size() : std::min(cells_.size(), polygons_.size() + some);
   for (std::size_t c = polygons_.size(); c < end && view_; ++c) {
-    const glm::vec3& eye = baked_.cells[c].eye;
+    const glm::vec3& eye = cells_[c].eye;
     sightcell_frame frame{};
     const bool found = view_->move(std::array<float, 3>{eye.x, eye.y, eye.z}, frame) == SIGHTCELL_OK &&
                        (frame.flags & SIGHTCELL_FRAME_DRAW_ALL) == 0;
@@ -110,7 +163,7 @@ void cell_map::begin_plan(std::size_t floor) {
   what.frame = frame_;
   what.bare = true;
   for (const std::uint32_t c : floors_[floor].cells) {
-    what.areas.push_back({rectangle_of(baked_.cells[c]), baked_.cells[c].min.y - lowest_eye, 0.0f});
+    what.areas.push_back({rectangle_of(cells_[c]), cells_[c].min.y - lowest_eye, 0.0f});
   }
   plans_[floor].begun = true;
   plans_[floor].coming = std::async(std::launch::async,
@@ -128,31 +181,93 @@ void cell_map::take_plan(plan& p, bool wait) {
   glTextureParameteri(p.texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
 }
 
+void cell_map::draw_title() {
+  const map_floor& floor = floors_[*floor_];
+  ImGui::Text("Floor %zu of %zu: %zu cells", *floor_ + 1, floors_.size(), floor.cells.size());
+  if (highest_bound_ > 0.0f) {
+    ImGui::SameLine();
+    if (ImGui::SmallButton(by_bound_ ? "bound" : "polygons")) by_bound_ = !by_bound_;
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("color of a cell: its polygons, or the bound of its miss probability");
+  }
+  if (floors_.size() <= 1) return;
+  ImGui::SameLine(ImGui::GetWindowWidth() - 62.0f);
+  if (ImGui::ArrowButton("lower", ImGuiDir_Down) && *floor_ > 0) --*floor_;
+  ImGui::SameLine();
+  if (ImGui::ArrowButton("higher", ImGuiDir_Up) && *floor_ + 1 < floors_.size()) ++*floor_;
+}
+
 std::optional<std::uint32_t> cell_map::draw(const fly_camera& camera, std::uint32_t here, std::uint32_t frozen,
                                             const glm::vec2& corner, const glm::vec2& size, bool wait) {
   if (floors_.empty()) return std::nullopt;
+  if (!floor_) choose_floor(camera.eye);
   if (here != last_here_ && here < floor_of_cell_.size()) floor_ = floor_of_cell_[here];
   last_here_ = here;
   count_polygons(wait);
-  if (!plans_[floor_].begun) begin_plan(floor_);
-  take_plan(plans_[floor_], wait);
+  if (!plans_[*floor_].begun) begin_plan(*floor_);
+  take_plan(plans_[*floor_], wait);
 
   ImGui::SetNextWindowPos(ImVec2(corner.x, corner.y));
   ImGui::SetNextWindowSize(ImVec2(size.x, size.y));
   ImGui::SetNextWindowBgAlpha(0.82f);
   ImGui::Begin("map", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove);
-  const map_floor& floor = floors_[floor_];
-  ImGui::Text("Floor %zu of %zu: %zu cells", floor_ + 1, floors_.size(), floor.cells.size());
-  if (floors_.size() > 1) {
-    ImGui::SameLine(ImGui::GetWindowWidth() - 62.0f);
-    if (ImGui::ArrowButton("lower", ImGuiDir_Down) && floor_ > 0) --floor_;
-    ImGui::SameLine();
-    if (ImGui::ArrowButton("higher", ImGuiDir_Up) && floor_ + 1 < floors_.size()) ++floor_;
-  }
+  draw_title();
   const std::optional<std::uint32_t> clicked = draw_cells(camera, here, frozen);
   ImGui::End();
   return clicked;
+}
+
+// The share of the color ramp: of the most polygons, or between the smallest and the largest bound, by logarithms.
+float cell_map::heat_of(std::uint32_t cell) const {
+  if (!by_bound_) {
+    return cell < polygons_.size() && most_ > 0 ? static_cast<float>(polygons_[cell]) / static_cast<float>(most_)
+                                                : 0.0f;
+  }
+  if (!(bounds_[cell] < 1.0f) || !(bounds_[cell] > 0.0f)) return 1.0f;
+  const float range = std::log(highest_bound_ / lowest_bound_);
+  return range > 0.0f ? std::log(bounds_[cell] / lowest_bound_) / range : 0.5f;
+}
+
+// Returns the cell under the mouse.
+std::optional<std::uint32_t> cell_map::draw_boxes(const placement& place, bool hovered) const {
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  std::optional<std::uint32_t> under;
+  for (const std::uint32_t c : floors_[*floor_].cells) {
+    const ImVec2 a = place.low(cells_[c]), b = place.high(cells_[c]);
+    const std::array<float, 3> color = heat_color(heat_of(c));
+    list.AddRectFilled(a, b, ImGui::GetColorU32(ImVec4(color[0], color[1], color[2], 0.62f)));
+    if (b.x - a.x > 5.0f) list.AddRect(a, b, IM_COL32(0, 0, 0, 90));
+    if (hovered && mouse.x >= a.x && mouse.x < b.x && mouse.y >= a.y && mouse.y < b.y) under = c;
+  }
+  return under;
+}
+
+void cell_map::write_tooltip(std::uint32_t cell) const {
+  std::string text = fmt::format("cell {}", cell);
+  if (!cells_[cell].name.empty()) text += fmt::format(" \"{}\"", cells_[cell].name);
+  text += fmt::format("\n{} polygons", with_commas(cell < polygons_.size() ? polygons_[cell] : 0));
+  if (!bounds_.empty()) text += fmt::format("\nbound {}", bound_text(bounds_[cell]));
+  ImGui::SetTooltip("%s\nclick to go there", text.c_str());
+}
+
+// A strip of all colors between the two ends of the ramp.
+void cell_map::draw_legend(const glm::vec2& corner, float length) {
+  const std::string low = by_bound_ ? bound_text(lowest_bound_) : "0",
+                    high = by_bound_ ? bound_text(highest_bound_) : with_commas(most_) + " polygons";
+  const float left = ImGui::CalcTextSize(low.c_str()).x + 8.0f, right = ImGui::CalcTextSize(high.c_str()).x + 8.0f;
+  const ImVec2 strip(corner.x + left, corner.y);
+  const float wide = length - left - right;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  for (int i = 0; i < 32; ++i) {
+    const std::array<float, 3> color = heat_color(static_cast<float>(i) / 31.0f);
+    list.AddRectFilled({strip.x + wide * static_cast<float>(i) / 32.0f, strip.y + 2.0f},
+                       {strip.x + wide * static_cast<float>(i + 1) / 32.0f, strip.y + 11.0f},
+                       ImGui::GetColorU32(ImVec4(color[0], color[1], color[2], 1.0f)));
+  }
+  list.AddText({corner.x + 2.0f, strip.y}, IM_COL32(220, 225, 230, 255), low.c_str());
+  list.AddText({strip.x + wide + 8.0f, strip.y}, IM_COL32(220, 225, 230, 255), high.c_str());
 }
 
 std::optional<std::uint32_t> cell_map::draw_cells(const fly_camera& camera, std::uint32_t here, std::uint32_t frozen) {
@@ -164,54 +279,26 @@ std::optional<std::uint32_t> cell_map::draw_cells(const fly_camera& camera, std:
   place.origin.x += 0.5f * (area.x - place.scale * wide);
   place.origin.y += 0.5f * (area.y - place.scale * high);
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  const ImVec2 low = place.at(extent_.min_x, extent_.min_z), top = place.at(extent_.max_x, extent_.max_z);
-  const unsigned texture = plans_[floor_].texture;
-  if (texture != 0) {
-    list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)), low, top, {0, 0}, {1, 1},
+  if (const unsigned texture = plans_[*floor_].texture; texture != 0) {
+    list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)),
+                  place.at(extent_.min_x, extent_.min_z), place.at(extent_.max_x, extent_.max_z), {0, 0}, {1, 1},
                   IM_COL32(255, 255, 255, 200));
   }
   ImGui::InvisibleButton("cells", area);
   const bool hovered = ImGui::IsItemHovered(), pressed = ImGui::IsItemClicked();
-  const ImVec2 mouse = ImGui::GetIO().MousePos;
-  std::optional<std::uint32_t> under;
   list.PushClipRect(corner, ImVec2(corner.x + area.x, corner.y + area.y), true);
-  for (const std::uint32_t c : floors_[floor_].cells) {
-    const cell& one = baked_.cells[c];
-    const ImVec2 a = place.at(one.min.x, one.min.z), b = place.at(one.max.x, one.max.z);
-    const float share =
-        c < polygons_.size() && most_ > 0 ? static_cast<float>(polygons_[c]) / static_cast<float>(most_) : 0.0f;
-    const std::array<float, 3> color = heat_color(share);
-    list.AddRectFilled(a, b, ImGui::GetColorU32(ImVec4(color[0], color[1], color[2], 0.62f)));
-    if (b.x - a.x > 5.0f) list.AddRect(a, b, IM_COL32(0, 0, 0, 90));
-    if (hovered && mouse.x >= a.x && mouse.x < b.x && mouse.y >= a.y && mouse.y < b.y) under = c;
-  }
+  const std::optional<std::uint32_t> under = draw_boxes(place, hovered);
   const auto frame = [&](std::uint32_t c, ImU32 color) {
-    if (c >= baked_.cells.size() || floor_of_cell_[c] != floor_) return;
-    const cell& one = baked_.cells[c];
-    list.AddRect(place.at(one.min.x, one.min.z), place.at(one.max.x, one.max.z), color, 0.0f, 0, 2.0f);
+    if (c >= cells_.size() || floor_of_cell_[c] != *floor_) return;
+    list.AddRect(place.low(cells_[c]), place.high(cells_[c]), color, 0.0f, 0, 2.0f);
   };
   frame(here, map_here_color);
   if (frozen != here) frame(frozen, map_frozen_color);
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
-  draw_eye(list, place, camera, whole.x / std::max(whole.y, 1.0f));
+  draw_eye(list, place.at(camera.eye.x, camera.eye.z), camera, whole.x / std::max(whole.y, 1.0f));
   list.PopClipRect();
-  if (under) {
-    ImGui::SetTooltip("cell %u%s\n%s polygons\nclick to go there", *under,
-                      baked_.cells[*under].name.empty() ? "" : (" \"" + baked_.cells[*under].name + "\"").c_str(),
-                      with_commas(*under < polygons_.size() ? polygons_[*under] : 0).c_str());
-  }
-  // The legend: a strip of all colors between 0 and the most polygons.
-  const std::string most = with_commas(most_) + " polygons";
-  const ImVec2 strip(corner.x + 14.0f, corner.y + area.y + 6.0f);
-  const float length = area.x - ImGui::CalcTextSize(most.c_str()).x - 28.0f;
-  for (int i = 0; i < 32; ++i) {
-    const std::array<float, 3> color = heat_color(static_cast<float>(i) / 31.0f);
-    list.AddRectFilled({strip.x + length * static_cast<float>(i) / 32.0f, strip.y + 2.0f},
-                       {strip.x + length * static_cast<float>(i + 1) / 32.0f, strip.y + 11.0f},
-                       ImGui::GetColorU32(ImVec4(color[0], color[1], color[2], 1.0f)));
-  }
-  list.AddText({corner.x + 2.0f, strip.y}, IM_COL32(220, 225, 230, 255), "0");
-  list.AddText({strip.x + length + 8.0f, strip.y}, IM_COL32(220, 225, 230, 255), most.c_str());
+  if (under) write_tooltip(*under);
+  draw_legend({corner.x, corner.y + area.y + 6.0f}, area.x);
   return pressed ? under : std::nullopt;
 }
 

@@ -1,11 +1,14 @@
 #pragma once
-// The map beside the picture: one plan per floor, with cells in the color of how many polygons they draw.
+// The map over the picture: one plan per floor, with cells in the color of how many polygons they draw, or of their
+// bound.
 #include <cstdint>
 #include <future>
 #include <glm/vec2.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "background_bake.h"
 #include "baked_scene.h"
 #include "cell_floors.h"
 #include "controls.h"
@@ -15,11 +18,17 @@ namespace viewer {
 
 class cell_map {
  public:
-  // References must outlive the object: a plan may be drawn in a thread of its own.
+  // Of a file. References must outlive the object: a plan may be drawn in a thread of its own.
   cell_map(const baked_scene& baked, const sightcell::scene::world_geometry& world);
+  // Of the cells that a bake has finished. They are copied.
+  cell_map(std::span<const finished_cell> finished, const sightcell::scene::world_geometry& world);
   ~cell_map();
   cell_map(const cell_map&) = delete;
   cell_map& operator=(const cell_map&) = delete;
+
+  std::size_t size() const { return cells_.size(); }
+  // Begins to draw the plan of the floor around an eye. Returns whether it is there.
+  bool prepare(const glm::vec3& eye);
 
   // Draws the window of the map with Dear ImGui. Returns the cell that was clicked.
   // here, frozen: the cell of the camera and the one whose set is drawn, or SIGHTCELL_NO_CELL.
@@ -33,21 +42,33 @@ class cell_map {
     std::future<sightcell::picture::image_rgba> coming;
     unsigned texture = 0;
   };
+  // Meters of the plan to pixels of the window.
+  struct placement;
+  void make_floors();
+  void choose_floor(const glm::vec3& eye);
   void count_polygons(bool all);
   void begin_plan(std::size_t floor);
   void take_plan(plan& p, bool wait);
+  void draw_title();
+  void draw_legend(const glm::vec2& corner, float length);
+  float heat_of(std::uint32_t cell) const;
   std::optional<std::uint32_t> draw_cells(const fly_camera& camera, std::uint32_t here, std::uint32_t frozen);
+  std::optional<std::uint32_t> draw_boxes(const placement& place, bool hovered) const;
+  void write_tooltip(std::uint32_t cell) const;
 
-  const baked_scene& baked_;
+  std::vector<cell> cells_;
   const sightcell::scene::world_geometry& world_;
   std::vector<map_floor> floors_;
   std::vector<std::size_t> floor_of_cell_;
   std::vector<plan> plans_;
   sightcell::picture::plan_rectangle frame_, extent_;
-  std::optional<sightcell::view> view_;
-  std::vector<std::uint32_t> polygons_;  // by cell, as far as counted
+  std::optional<sightcell::view> view_;               // counts polygons
+  std::vector<std::uint32_t> polygons_;               // by cell, as far as counted
+  std::vector<float> bounds_;                         // by cell; empty if there are none
+  float lowest_bound_ = 1.0f, highest_bound_ = 0.0f;  // of those below 1
+  bool by_bound_ = false;
   std::uint32_t most_ = 0;
-  std::size_t floor_ = 0;
+  std::optional<std::size_t> floor_;
   std::uint32_t last_here_ = SIGHTCELL_NO_CELL;
 };
 

@@ -112,6 +112,8 @@ void switch_over(controls& state, const action_set& pressed) {
 }  // namespace
 
 void step(controls& state, const input& in) {
+  state.bake_quality = nullptr;
+  state.stop_bake = state.open_file = false;
   turn(state.camera, in.look);
   state.speed = std::clamp(state.speed * std::pow(per_notch, in.wheel), slowest, fastest);
   state.seconds = std::clamp(in.seconds, 0.0f, longest_step);

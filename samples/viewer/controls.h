@@ -82,6 +82,9 @@ struct controls {
   // Asked for by the last step.
   int cell_steps = 0;
   bool screenshot = false, print = false, quit = false;
+  // Asked for in the panel, for the next step to clear.
+  const char* bake_quality = nullptr;  // of a bake to start
+  bool stop_bake = false, open_file = false;
   glm::vec3 velocity{0.0f};  // of a person who walks, meters per second
   bool jump = false;
   float seconds = 0.0f;  // that the step is about

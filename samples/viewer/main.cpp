@@ -67,13 +67,19 @@ void add_options(CLI::App& app, viewer::options& chosen, words& rest) {
       ->needs(screenshot);
   app.add_option("--show", rest.show, "in the screenshot: words of hud,map,box,cells,wireframe,wrong")
       ->needs(screenshot);
+  app.add_option("--bake", chosen.bake,
+                 "without a .pvs file: bakes one beside the scene, draft, normal or final, in the background")
+      ->check(CLI::IsMember({"draft", "normal", "final"}))
+      ->excludes(screenshot)
+      ->excludes(app.get_option("pvs"));
   app.add_option("--record", chosen.record, "write the path of the camera into this file")->excludes(screenshot);
   auto* replay =
       app.add_option("--replay", chosen.replay, "follow the path of a file that --record wrote")->excludes(screenshot);
   auto* benchmark = app.add_option("--benchmark", chosen.benchmark,
                                    "draw each pose of --replay with the set and with everything, write numbers into "
                                    "this .csv, end")
-                        ->needs(replay);
+                        ->needs(replay)
+                        ->excludes("--bake");
   app.add_option("--poses", chosen.poses, "of the benchmark: so many, spread over the path; without: all")
       ->check(CLI::Range(1, 1000000))
       ->needs(benchmark);

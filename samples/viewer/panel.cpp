@@ -6,7 +6,9 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <numbers>
+#include <tuple>
 
 #include "text.h"
 
@@ -43,6 +45,47 @@ void write_place(const baked_scene& baked, const controls& state, const visible_
   const std::uint32_t flags = lists.here().flags & ~SIGHTCELL_FRAME_CHANGED;
   line(cell_text(baked, lists.here().cell) + (flags != 0 ? "   " + flags_text(flags) : ""));
   if (state.frozen) colored_line(warm, "frozen: set of " + cell_text(baked, lists.shown().cell));
+}
+
+std::string time_left_text(double seconds) {
+  if (seconds <= 0.0) return "";
+  return seconds < 90.0 ? fmt::format(", {:.0f} s left", seconds) : fmt::format(", {:.0f} min left", seconds / 60.0);
+}
+
+void write_running_bake(const background_bake& bake, controls& state) {
+  const bool counts = bake.cells_total() > 0 && bake.phase() != "merging cells";
+  const double done = counts ? bake.cells() / static_cast<double>(bake.cells_total()) : bake.prepared();
+  const std::string text = counts ? fmt::format("{} of {} cells{}", with_commas(bake.cells()),
+                                                with_commas(bake.cells_total()), time_left_text(bake.seconds_left()))
+                                  : fmt::format("{:.0f} %", 100.0 * done);
+  line(fmt::format("bake ({}): {}", bake.quality(), bake.phase()));
+  ImGui::ProgressBar(static_cast<float>(done), ImVec2(350.0f, 0.0f), text.c_str());
+  ImGui::SameLine();
+  if (ImGui::Button("Stop")) state.stop_bake = true;
+}
+
+// Offers a bake, or shows the one that runs.
+void write_bake(const frame_facts& facts, controls& state) {
+  using step = background_bake::step;
+  const background_bake& bake = *facts.bake;
+  if (bake.now() == step::running) return write_running_bake(bake, state);
+  if (bake.now() == step::failed) colored_line(bad, bake.error());
+  if (bake.now() == step::stopped) colored_line(warm, "the bake was stopped; Bake goes on from there");
+  const std::string name = std::filesystem::path(bake.output()).filename().string();
+  if (facts.file_beside && bake.now() != step::done) {
+    if (ImGui::Button(("Open " + name).c_str())) state.open_file = true;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Opens the .pvs file beside the scene.");
+    return;
+  }
+  for (const auto& [label, quality, hint] :
+       {std::tuple("Bake a draft", "draft",
+                   "Bakes %s with a bound of 1e-3, in the background.\nCells appear on the map."),
+        {"Bake", "normal", "Bakes %s with a bound of 1e-4, in the background.\nCells appear on the map."}}) {
+    if (ImGui::Button(label)) state.bake_quality = quality;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip(hint, name.c_str());
+    ImGui::SameLine();
+  }
+  ImGui::NewLine();
 }
 
 // Two columns of switches, each with its key.
@@ -203,6 +246,8 @@ std::optional<std::uint32_t> panel::draw(const baked_scene& baked, controls& sta
     line(baked.scene_name + (baked.pvs_name.empty() ? "" : " + " + baked.pvs_name));
     write_place(baked, state, lists);
     if (!facts.message.empty()) colored_line(bad, facts.message);
+    const bool offers_bake = !baked.db || (facts.bake != nullptr && facts.bake->now() != background_bake::step::idle);
+    if (facts.bake != nullptr && offers_bake) write_bake(facts, state);
     ImGui::Separator();
     write_switches(baked, state);
     ImGui::Separator();

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "background_bake.h"
 #include "baked_scene.h"
 #include "cell_map.h"
 #include "controls.h"
@@ -23,8 +24,10 @@ struct frame_facts {
   std::uint64_t cell_changes = 0;
   std::optional<std::uint64_t> wrong_pixels;  // of the last count
   std::uint64_t pixels = 0;
-  std::string renderer;  // GL_RENDERER
-  std::string message;   // of a file that could not be read again, of a path that is replayed
+  std::string renderer;                   // GL_RENDERER
+  std::string message;                    // of a file that could not be read again, of a path that is replayed
+  const background_bake* bake = nullptr;  // where the viewer began without a .pvs file
+  bool file_beside = false;               // the file that this bake would write exists
 };
 
 // The last frames, for the graphs.

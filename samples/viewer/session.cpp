@@ -94,6 +94,16 @@ controls first_state(const options& chosen, const baked_scene& baked) {
   return state;
 }
 
+nlohmann::json bake_json(const background_bake& bake) {
+  const char* const steps[] = {"idle", "running", "done", "failed", "stopped"};
+  return {{"step", steps[static_cast<std::size_t>(bake.now())]},
+          {"output", bake.output()},
+          {"cells", bake.cells()},
+          {"cells_total", bake.cells_total()},
+          {"cells_shown", bake.finished().size()},
+          {"error", bake.error()}};
+}
+
 }  // namespace
 
 void check_cells(const options& chosen, const baked_scene& baked) {
@@ -267,16 +277,44 @@ void session::draw(std::uint32_t width, std::uint32_t height, bool whole) {
     panel_.hide();
     return;
   }
-  const auto clicked = panel_.draw(baked(), state_, file_->lists, facts_, history_,
-                                   baked().cells.empty() ? nullptr : &file_->map, width, height, whole);
-  if (clicked) go_to_cell(*clicked);
+  const auto clicked =
+      panel_.draw(baked(), state_, file_->lists, facts_, history_, map_to_show(), width, height, whole);
+  if (clicked) go_where_clicked(*clicked);
+}
+
+cell_map* session::map_to_show() {
+  if (preview_ && preview_->map() != nullptr) return preview_->map();
+  return baked().cells.empty() ? nullptr : &file_->map;
+}
+
+void session::go_where_clicked(std::uint32_t number) {
+  if (map_to_show() == &file_->map) return go_to_cell(number);
+  state_.camera.eye = facts_.bake->finished()[number].middle();
+  walker_.reset();
+}
+
+void session::follow_bake(const background_bake& bake, bool file_exists) {
+  facts_.bake = &bake;
+  facts_.file_beside = file_exists;
+  const bool running = bake.now() == background_bake::step::running;
+  if (!running) {
+    preview_.reset();
+    return;
+  }
+  if (!preview_) preview_.emplace(scene_.world);
+  preview_->update(bake.finished(), state_.camera.eye, bake.cells() == bake.cells_total());
 }
 
 void session::replace(std::unique_ptr<loaded_file> file) {
+  const bool first = baked().cells.empty() && !file->baked.cells.empty();
   file_ = std::move(file);
   last_cell_ = SIGHTCELL_NO_CELL;
   visited_ = 0;
   if (state_.frozen) file_->lists.move(frozen_camera_.eye, false);
+  if (!first) return;
+  file_->lists.move(state_.camera.eye, false);
+  if (here().cell != SIGHTCELL_NO_CELL) return;
+  go_to(first_camera({}, baked(), scene_, [this]() -> const triangle_tree& { return tree(); }));
 }
 
 std::vector<segment> session::lines(float aspect) const {
@@ -335,6 +373,7 @@ nlohmann::json session::report() const {
           {"look", {c.yaw / radians, c.pitch / radians}},
           {"wrong_pixels", facts_.wrong_pixels ? nlohmann::json(*facts_.wrong_pixels) : nlohmann::json()},
           {"message", facts_.message},
+          {"bake", facts_.bake != nullptr ? bake_json(*facts_.bake) : nlohmann::json()},
           {"cells", baked().cells.size()},
           {"renderer", facts_.renderer},
           {"gpu_milliseconds", facts_.gpu_milliseconds},

@@ -8,6 +8,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
+#include "background_bake.h"
+#include "bake_preview.h"
 #include "controls.h"
 #include "panel.h"
 #include "scene_files.h"
@@ -75,8 +77,11 @@ class session {
   void brighten(std::uint32_t width, std::uint32_t height);
   // Draws the full scene and the set, without lines and panel. Returns how many pixels differ.
   std::uint64_t count_wrong_pixels(std::uint32_t width, std::uint32_t height);
-  // Replaces the file; the camera stays where it is.
+  // Replaces the file; the camera stays where it is, unless it is outside of all cells and there were none before.
   void replace(std::unique_ptr<loaded_file> file);
+  // Shows this bake in the panel, and its finished cells on the map. It must outlive the object.
+  // file_exists: the file that it would write is there.
+  void follow_bake(const background_bake& bake, bool file_exists);
 
   const frame_facts& facts() const { return facts_; }
   const sightcell_frame& here() const { return file_->lists.here(); }
@@ -86,6 +91,8 @@ class session {
 
  private:
   chosen_lists lists_for(bool pvs, bool tint, const view_volume* volume);
+  cell_map* map_to_show();
+  void go_where_clicked(std::uint32_t number);
   std::vector<segment> lines(float aspect) const;
   const triangle_tree& tree();
 
@@ -104,6 +111,7 @@ class session {
   frame_rate rate_;
   frame_facts facts_;
   frame_history history_;
+  std::optional<bake_preview> preview_;  // while a bake runs
   std::uint32_t visited_ = 0, last_cell_ = SIGHTCELL_NO_CELL;
 };
 

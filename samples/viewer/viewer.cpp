@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "background_bake.h"
 #include "benchmark.h"
 #include "camera_path.h"
 #include "session.h"
@@ -60,19 +62,63 @@ class replay {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Reads the .pvs file again when it has changed. A broken one is named, and the old one stays.
-void reload(session& s, file_watch& watch, const loaded_scene& loaded, const options& chosen) {
-  if (!watch.changed()) return;
-  try {
-    s.replace(std::make_unique<loaded_file>(
-        loaded, open_baked(loaded.facts, loaded.world, chosen.pvs_file, chosen.cells_file)));
-    s.show_message("");
-    fmt::print(stderr, "sightcell-viewer: {} was read again: {} cells\n", chosen.pvs_file, s.baked().cells.size());
-  } catch (const sightcell::error& e) {
-    s.show_message(std::string(e.what()) + "; the old file is kept");
-    fmt::print(stderr, "sightcell-viewer: {}; the old file is kept\n", e.what());
+// The .pvs file of the window: one that is named and may change, or one that is baked or opened later.
+class file_of_window {
+ public:
+  // References must outlive the object. A bake of the options begins at once.
+  file_of_window(const options& chosen, const loaded_scene& loaded)
+      : loaded_(loaded), pvs_file_(chosen.pvs_file), cells_file_(chosen.cells_file), watch_(chosen.pvs_file) {
+    if (!chosen.pvs_file.empty()) return;
+    bake_.emplace(bake_command{chosen.scene_file, chosen.scene, chosen.cells_file, file_beside(chosen.scene_file)});
+    if (!chosen.bake.empty()) bake_->start(chosen.bake);
   }
-}
+
+  // After each frame: does what the panel asks for, and reads the file again when it has changed.
+  void follow(session& s) {
+    if (watch_.changed()) read(s);
+    if (!bake_) return;
+    const controls& asked = s.state();
+    if (asked.bake_quality != nullptr) bake_->start(asked.bake_quality);
+    if (asked.stop_bake) bake_->stop();
+    if (bake_->poll() || asked.open_file) {
+      pvs_file_ = bake_->output();
+      watch_ = file_watch(pvs_file_);
+      read(s);
+    }
+    s.follow_bake(*bake_, output_exists());
+  }
+
+ private:
+  // A broken file is named, and the old one stays.
+  void read(session& s) const {
+    try {
+      s.replace(
+          std::make_unique<loaded_file>(loaded_, open_baked(loaded_.facts, loaded_.world, pvs_file_, cells_file_)));
+      s.show_message("");
+      fmt::print(stderr, "sightcell-viewer: {} was read: {} cells\n", pvs_file_, s.baked().cells.size());
+    } catch (const sightcell::error& e) {
+      s.show_message(std::string(e.what()) + "; the old file is kept");
+      fmt::print(stderr, "sightcell-viewer: {}; the old file is kept\n", e.what());
+    }
+  }
+
+  // Asks the file system once per second at most.
+  bool output_exists() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - asked_ < std::chrono::seconds(1)) return exists_;
+    asked_ = now;
+    std::error_code ignored;
+    exists_ = std::filesystem::exists(bake_->output(), ignored);
+    return exists_;
+  }
+
+  const loaded_scene& loaded_;
+  std::string pvs_file_, cells_file_;
+  file_watch watch_;
+  std::optional<background_bake> bake_;
+  std::chrono::steady_clock::time_point asked_{};
+  bool exists_ = false;
+};
 
 void answer_requests(session& s, const scene_renderer& renderer) {
   if (s.state().screenshot) {
@@ -84,22 +130,29 @@ void answer_requests(session& s, const scene_renderer& renderer) {
   if (s.state().print) say(s.report());
 }
 
-void fly(session& s, window& w, const scene_renderer& renderer, const loaded_scene& loaded, const options& chosen,
+volatile std::sig_atomic_t asked_to_end = 0;
+
+// Lets signals end the window as its user would, so that a bake of it ends too.
+void take_signals() {
+  for (const int one : {SIGINT, SIGTERM, SIGHUP}) std::signal(one, [](int) { asked_to_end = 1; });
+}
+
+void fly(session& s, window& w, const scene_renderer& renderer, file_of_window& file, const options& chosen,
          const std::vector<path_pose>& path) {
   replay recorded(path);
   std::optional<path_recorder> recorder;
   if (!chosen.record.empty()) recorder.emplace(chosen.record);
-  file_watch watch(chosen.pvs_file);
   const auto start = std::chrono::steady_clock::now();
   w.set_taken([&s](const glm::vec2& pixel) { return s.over().covers(pixel); });
-  while (!w.closing()) {
+  file.follow(s);
+  take_signals();
+  while (!w.closing() && asked_to_end == 0) {
     const input in = w.poll(s.still() && !recorded.running());
     const auto begun = std::chrono::steady_clock::now();
     step(s.state(), in);
     s.over().take_input(in);
     if (s.state().quit) break;
     w.set_mouse_look(s.state().mouse_look);
-    reload(s, watch, loaded, chosen);
     s.follow();
     recorded.follow(s);
     const std::uint32_t width = w.width(), height = w.height();
@@ -107,6 +160,7 @@ void fly(session& s, window& w, const scene_renderer& renderer, const loaded_sce
     if (recorder) recorder->add(seconds_since(start), s.state().camera);
     s.draw(width, height, false);
     answer_requests(s, renderer);
+    file.follow(s);
     if (recorded.ended()) say(s.report());
     renderer.show_in_window();
     w.present();
@@ -157,13 +211,14 @@ void run(const options& chosen) {
   loaded.world.masked = {};
   loaded.world.masks = {};
   loaded.world.opacity = {};
+  file_of_window file(chosen, loaded);
   session s(chosen, loaded, std::make_unique<loaded_file>(loaded, std::move(baked)), renderer,
             flying ? w.scale() : 1.0f);
   if (!chosen.benchmark.empty()) {
     run_benchmark(s, chosen.poses > 0 ? thinned(path, chosen.poses) : path, chosen);
   } else if (flying) {
     if (!chosen.brightness) s.brighten(w.width(), w.height());
-    fly(s, w, renderer, loaded, chosen, path);
+    fly(s, w, renderer, file, chosen, path);
   } else {
     take_screenshot(s, renderer, chosen);
   }

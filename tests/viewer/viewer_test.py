@@ -448,6 +448,71 @@ class Visit(UnderKeys):
         return out
 
 
+def bakes_of(scene):
+    """The processes that bake a scene."""
+    found = []
+    for process in filter(str.isdigit, os.listdir('/proc')):
+        try:
+            with open(f'/proc/{process}/cmdline', 'rb') as file:
+                words = file.read().decode(errors='replace').split('\0')
+        except OSError:
+            continue  # it has ended
+        if words[1:3] == ['bake', scene]:
+            found.append(process)
+    return found
+
+
+class Bake(UnderKeys):
+    """A bake in the background, of a scene without a .pvs file."""
+
+    def test_a_bake(self):
+        scene, pvs = self.path('alone.glb'), self.path('alone.pvs')
+        shutil.copy(self.city, scene)
+        self.open(scene, '--cells-file', self.city_cells, '--bake', 'draft', '--size', '640x360')
+        begun = self.numbers()
+        self.assertEqual((begun['cells'], begun['polygons_drawn']), (0, 3000))
+        self.assertEqual((begun['bake']['step'], begun['bake']['output']), ('running', pvs))
+        done = self.numbers_when(lambda n: n['bake']['step'] != 'running', 'the bake ends')
+        self.assertEqual((done['bake']['step'], done['bake']['error']), ('done', ''))
+        count = done['bake']['cells_total']
+        self.assertEqual((done['bake']['cells'], done['bake']['cells_shown'], done['cells']), (count, count, count))
+        self.assertIsNotNone(done['cell'], 'the camera is in a cell of the new file')
+        self.assertLess(done['polygons_drawn'], 1500)
+        self.assertIn(f'{pvs} was read: {count} cells', self.leave()[1])
+
+        # A file beside the scene is offered, not opened and not replaced.
+        before = os.stat(pvs)
+        self.open(scene, '--size', '640x360')
+        self.assertEqual(self.numbers()['bake']['step'], 'idle')
+        self.leave()
+        self.assertEqual(os.stat(pvs).st_mtime_ns, before.st_mtime_ns)
+
+        # A bake that fails names its cause, and the scene is still there.
+        os.remove(pvs)
+        os.mkdir(pvs)
+        self.open(scene, '--bake', 'draft', '--size', '640x360')
+        failed = self.numbers_when(lambda n: n['bake']['step'] != 'running', 'the bake ends')
+        self.assertEqual((failed['bake']['step'], failed['polygons_drawn']), ('failed', 3000))
+        self.assertIn(pvs, failed['bake']['error'])
+        self.leave()
+
+    def test_closing_the_window_ends_the_bake(self):
+        scene, pvs = self.path('closed.glb'), self.path('closed.pvs')
+        shutil.copy(self.city, scene)
+        self.open(scene, '--cells-file', self.city_cells, '--bake', 'final', '--size', '640x360')
+        self.numbers_when(lambda n: n['bake']['cells_total'] > 0, 'the bake begins')
+        self.assertEqual(len(bakes_of(scene)), 1)
+        self.leave()
+        self.assertEqual(bakes_of(scene), [], 'the bake goes on')
+
+        self.open(scene, '--cells-file', self.city_cells, '--bake', 'final', '--size', '640x360')
+        self.numbers_when(lambda n: n['bake']['cells_total'] > 0, 'the bake begins')
+        self.viewer.terminate()
+        self.viewer.communicate(timeout=TIMEOUT)
+        self.assertEqual((self.viewer.returncode, bakes_of(scene)), (0, []), 'after a signal')
+        self.assertFalse(os.path.exists(pvs))
+
+
 class Refusals(InFolder):
     """One line and an exit code for all that cannot be shown. None of it needs a display."""
 
@@ -467,6 +532,8 @@ class Refusals(InFolder):
                           [self.city, '--frames', '3'], [self.city, '--cell', '0'], [self.city, '--fov', '0'],
                           [self.city, '--benchmark', 'x.csv'], [self.city, '--record', 'x', '--screenshot', 'x.png'],
                           [self.city, '--screenshot', 'x.png', '--show', 'sky'],
+                          [self.city, '--bake', 'best'], [self.city, self.city_pvs, '--bake', 'draft'],
+                          [self.city, '--bake', 'draft', '--screenshot', 'x.png'],
                           [self.city, '--screenshot', 'x.png', '--frames', '0']):
             self.refuse(2, 'viewer.wrong-use', *arguments)
 
