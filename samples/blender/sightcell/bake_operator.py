@@ -1,0 +1,221 @@
+"""The operators that bake: export, run the program in the background, take in its result."""
+import atexit
+import os
+import shlex
+import time
+
+import bpy
+
+from . import freeze, messages, overlay, program, scene_file, state
+from .problem import Problem
+
+PAUSE = 0.2  # seconds between two polls of the running program
+SHOWN = 20  # messages in the panel
+OTHER_BAKE = '[checkpoint.other-bake]'
+
+
+def export_scene(path, objects):
+    """Exports the scene as Blender's File > Export does. Options that a version of the exporter lacks are left out."""
+    options = {'filepath': path, 'export_format': 'GLB', 'export_extras': True, 'export_yup': True,
+               'export_apply': True, 'use_active_scene': True, 'use_renderable': objects == 'RENDERABLE',
+               'use_visible': objects == 'VISIBLE', 'use_selection': False, 'use_active_collection': False,
+               'export_cameras': False, 'export_lights': False, 'export_gpu_instances': False,
+               'export_draco_mesh_compression_enable': False, 'will_save_settings': False, 'check_existing': False}
+    active = bpy.context.view_layer.objects.active
+    mode = active.mode if active is not None else 'OBJECT'  # the exporter leaves the edit mode
+    try:
+        known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
+        bpy.ops.export_scene.gltf(**{name: value for name, value in options.items() if name in known})
+    except (AttributeError, KeyError):
+        raise Problem('enable the add-on "glTF 2.0 format": it exports the scene') from None
+    except RuntimeError as problem:
+        raise Problem(f'the export failed: {str(problem).strip().splitlines()[-1]}') from None
+    if mode != 'OBJECT':
+        bpy.ops.object.mode_set(mode=mode)
+    if not os.path.exists(path):
+        raise Problem(f'{path}: the export wrote nothing; choose a folder that can be written')
+
+
+class BakeSteps:
+    """A bake from export to result. The exported scene takes its place together with the .pvs file, at the end."""
+
+    def __init__(self, scene):
+        settings = state.settings(scene)
+        self.program, self.pvs = state.program_path(), state.output_path(scene)
+        self.exported = self.pvs[:-len('.pvs')] + '.export.glb'
+        if not os.path.isdir(os.path.dirname(self.pvs)):
+            raise Problem(f'{os.path.dirname(self.pvs)} is not a folder: choose another one')
+        self.command = [self.program, 'bake', self.exported, '-o', self.pvs, '--quality', settings.quality,
+                        '--progress', 'json', '--json']
+        if settings.cell_limit:
+            self.command += ['--cell-limit', str(settings.cell_limit)]
+        try:
+            self.command += shlex.split(settings.options)
+        except ValueError:
+            raise Problem(f'Options: a quote is missing in {settings.options}') from None
+        state.messages.clear()
+        state.summary = ''
+        if settings.objects == 'VISIBLE':
+            freeze.unfreeze(scene)  # hidden objects belong to the level too
+        try:
+            export_scene(self.exported, settings.objects)
+            self.nodes = scene_file.Nodes(scene_file.read_document(self.exported), state.object_table(scene))
+            state.job = program.Job(self.command)
+        except Problem:
+            self.remove_export()
+            raise
+
+    def remove_export(self):
+        if os.path.exists(self.exported):
+            os.remove(self.exported)
+
+    def poll(self):
+        """True when the bake has ended. One that finds the checkpoint of an earlier scene starts again without it."""
+        if not state.job.poll():
+            return False
+        left_over = not state.job.canceled and any(OTHER_BAKE in line for line in state.job.messages)
+        if left_over and '--fresh' not in self.command:
+            self.command.append('--fresh')
+            state.job = program.Job(self.command)
+            return False
+        return True
+
+    def finish(self):
+        """Takes in the result: the messages, and the scene beside the .pvs file. Throws Problem if there is none."""
+        job, state.job = state.job, None
+        found = [messages.translate(line, self.nodes) for line in job.messages]
+        state.messages[:] = [message for message in found if message is not None][:SHOWN]
+        if job.code in (program.DONE, program.BOUND_NOT_MET):
+            os.replace(self.exported, state.scene_path(self.pvs))
+            state.summary = summary_text(job.summary)
+            return
+        self.remove_export()
+        if job.canceled or job.code == program.CANCELED:
+            state.summary = 'Canceled. The next bake of this scene continues from there'
+            return
+        errors = [message for message in state.messages if message.kind == messages.ERROR]
+        if not errors:
+            errors = [messages.Message(messages.ERROR, (job.messages or [f'exit code {job.code}'])[-1])]
+            state.messages += errors
+        raise Problem(errors[-1].text)
+
+    def abandon(self):
+        """Blender goes on without this bake."""
+        if state.job is not None:
+            state.job.cancel()
+            state.job = None
+        self.remove_export()
+
+
+def summary_text(summary):
+    cells = summary.get('cells', 0)
+    text = f"{cells:,} cells, {summary.get('visible_set_percent', 0):.1f} % of all polygons visible per cell"
+    if summary.get('max_upper_bound'):
+        text += f", largest bound {summary['max_upper_bound']:.1e}"
+    over = summary.get('cells_over_bound', 0)
+    return text + (f'; {over:,} cells are above the bound' if over else '')
+
+
+def show_result(scene):
+    """The cells of a new bake, where cells are shown."""
+    settings = state.settings(scene)
+    state.forget()
+    settings.frozen_cell = -1  # cells have other numbers now
+    if settings.show_cells:
+        overlay.prepare(state.bake(scene), settings.color_by)
+    state.redraw()
+
+
+class SIGHTCELL_OT_bake(bpy.types.Operator):
+    bl_idname = 'sightcell.bake'
+    bl_label = 'Bake'
+    bl_description = 'Export the scene and compute what is visible from each cell. You can go on working meanwhile'
+
+    steps = None
+
+    @classmethod
+    def poll(cls, context):
+        return state.job is None
+
+    def begin(self, context):
+        self.steps = BakeSteps(context.scene)
+
+    def end(self, context):
+        self.steps.finish()
+        show_result(context.scene)
+        level = 'WARNING' if state.messages else 'INFO'
+        self.report({level}, f'Sightcell: {state.summary}')
+        return {'FINISHED'}
+
+    def failed(self, problem):
+        if not any(message.text == str(problem) for message in state.messages):
+            state.messages.append(messages.Message(messages.ERROR, str(problem)))
+        state.redraw()
+        self.report({'ERROR'}, str(problem))
+        return {'CANCELLED'}
+
+    def execute(self, context):
+        """To its end: for scripts, and for Blender without a window."""
+        try:
+            self.begin(context)
+            while not self.steps.poll():
+                time.sleep(PAUSE / 4)
+            return self.end(context)
+        except Problem as problem:
+            return self.failed(problem)
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        try:
+            self.begin(context)
+        except Problem as problem:
+            return self.failed(problem)
+        self.timer = context.window_manager.event_timer_add(PAUSE, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {'RUNNING_MODAL'}
+
+    def modal(self, context, event):
+        if event.type != 'TIMER':
+            return {'PASS_THROUGH'}
+        state.redraw()
+        try:
+            if state.job is not None and not self.steps.poll():
+                return {'PASS_THROUGH'}
+            context.window_manager.event_timer_remove(self.timer)
+            if state.job is None:  # the add-on was disabled
+                self.steps.abandon()
+                return {'CANCELLED'}
+            return self.end(context)
+        except Problem as problem:
+            return self.failed(problem)
+
+    def cancel(self, context):
+        """Blender ends the operator: another file is opened, or Blender quits."""
+        self.steps.abandon()
+
+
+class SIGHTCELL_OT_cancel_bake(bpy.types.Operator):
+    bl_idname = 'sightcell.cancel_bake'
+    bl_label = 'Cancel'
+    bl_description = ('Stop the bake. An older result stays as it is, and the next bake of this scene continues from '
+                      'here')
+
+    @classmethod
+    def poll(cls, context):
+        return state.job is not None
+
+    def execute(self, context):
+        state.job.cancel()
+        return {'FINISHED'}
+
+
+def stop():
+    """Ends a running bake with Blender."""
+    if state.job is not None:
+        state.job.cancel()
+        state.job = None
+
+
+atexit.register(stop)
+CLASSES = (SIGHTCELL_OT_bake, SIGHTCELL_OT_cancel_bake)
