@@ -48,12 +48,12 @@ class Addon(harness.InFolder):
         self.assertEqual(read(again), read(SETTINGS['zip']))
 
     def test_marks_arrive_as_documented(self):
-        document = document_of(self.file('level.glb'))
+        document = document_of(self.file('first.glb'))
         found = {node['name']: node['extras']['sightcell'] for node in document['nodes'] if 'extras' in node}
         self.assertEqual(found, {
             'door': {'group': 'door 1'}, 'cart': {'dynamic': True}, 'fence': {'occluder': False},
             'navigation': {'never': True}, 'cell of the first room': {'cell': True},
-            'cell of the second room': {'cell': True}, 'lamp': 'shiny'})
+            'cell of the second room': {'cell': True}, 'Start': {'start': True}, 'lamp': 'shiny'})
         for mark in found.values():
             for value in mark.values() if isinstance(mark, dict) else ():
                 self.assertIn(type(value), (bool, str))  # 1 is equal to True
@@ -65,8 +65,11 @@ class Addon(harness.InFolder):
     def test_the_bake_is_that_of_the_command_line(self):
         self.assertEqual(self.facts['files'], ['level.blend', 'level.glb', 'level.pvs'])
         again = self.path('again.pvs')
-        self.expect(0, 'bake', self.file('level.glb'), '-o', again, *LEVEL_OPTIONS)
-        self.assertEqual(read(again), read(self.file('level.pvs')))
+        self.expect(0, 'bake', self.file('first.glb'), '-o', again, *LEVEL_OPTIONS)
+        self.assertEqual(read(again), read(self.file('first.pvs')))
+
+    def test_a_bake_leaves_edit_modes_as_they_were(self):
+        self.assertEqual((self.facts['mode'], self.facts['active']), ('EDIT', 'door'))
 
     def test_a_broken_mark_is_named(self):
         error, messages = self.facts['bake']
@@ -110,7 +113,7 @@ class Addon(harness.InFolder):
 
     def test_unseen_objects_are_those_of_the_report(self):
         self.assertEqual(self.facts['unseen'], ['treasure'])
-        out, _ = self.expect(0, 'strip', self.file('level.glb'), self.file('level.pvs'), '--json')
+        out, _ = self.expect(0, 'strip', self.file('first.glb'), self.file('first.pvs'), '--json')
         whole = [each['node_name'] for each in json.loads(out)['objects'] if each['unseen'] == each['polygons'] > 0]
         self.assertEqual(whole, ['treasure'])
 
@@ -119,9 +122,21 @@ class Addon(harness.InFolder):
         self.assertIn('is not the program "sightcell"', self.facts['no program'])
         self.assertIn('bake first', self.facts['freeze before a bake'])
         error, messages = self.facts['flat cell']
-        self.assertIn('[cells.empty-box]', error)
+        self.assertRegex(error, r' on z;.*\[cells\.empty-box\]$')
         self.assertEqual([(kind, name) for kind, _, name in messages if kind == 'ERROR'], [('ERROR', 'flat')])
         self.assertFalse(self.facts['after disabling'])
+
+    def test_quick_bakes_again_are_those_of_the_command_line(self):
+        (first, _, _), *later = self.facts['quick']
+        self.assertIsNone(first)
+        for (error, summary, _), wanted in zip(later, ('0 of 2 cells', '2 of 2 cells', None)):
+            self.assertIsNone(error)
+            self.assertEqual('baked again' in summary, wanted is not None, summary)  # other settings: a whole bake
+            self.assertIn(wanted or '', summary)
+        self.assertEqual(self.facts['quick'][1][2], self.facts['quick'][0][2])
+        again = self.path('last.pvs')
+        self.expect(0, 'bake', self.file('level.glb'), '-o', again, '--samples', 8, '--resolution', 64)
+        self.assertEqual(read(again).hex(), self.facts['quick'][3][2])
 
     def test_a_canceled_bake_leaves_its_checkpoint_alone(self):
         self.assertEqual(self.facts['canceled'], [None, 'Canceled. The next bake of this scene continues from there'])

@@ -4,6 +4,7 @@ usage: blender --background --factory-startup --python in_blender.py -- ZIP PROG
 """
 import json
 import os
+import shutil
 import sys
 import threading
 import time
@@ -83,6 +84,7 @@ def make_level():
     bpy.context.scene.cursor.location = (5, 2, 1.5)
     bpy.ops.sightcell.add(kind='CELL')
     bpy.context.active_object.name, bpy.context.active_object.scale = 'cell of the second room', (1, 1, 0.5)
+    bpy.ops.sightcell.add(kind='START')
     bpy.data.objects['put away'].hide_set(True)
     select(bpy.data.objects['corner'], bpy.data.objects['lamp'])
 
@@ -146,8 +148,16 @@ def failing_bakes():
 
 def good_bake():
     bpy.data.objects['lamp']['sightcell'] = 'shiny'
+    select(bpy.data.objects['lamp'])
+    bpy.ops.object.mode_set(mode='EDIT')
+    bpy.context.view_layer.objects.active = bpy.data.objects['door']
     FACTS['bake'] = bake(), messages()
+    FACTS['mode'], FACTS['active'] = bpy.data.objects['lamp'].mode, bpy.context.active_object.name
+    bpy.context.view_layer.objects.active = bpy.data.objects['lamp']
+    bpy.ops.object.mode_set(mode='OBJECT')
     FACTS['files'] = sorted(os.listdir(FOLDER))
+    for ending in ('glb', 'pvs'):
+        shutil.copy(os.path.join(FOLDER, f'level.{ending}'), os.path.join(FOLDER, f'first.{ending}'))
     FACTS['marks'] = {each.name: sightcell.marks.describe(each) for each in bpy.data.objects}
     found = sightcell.state.bake(bpy.context.scene)
     FACTS['boxes'], FACTS['polygons'] = found.boxes.tolist(), found.polygons.tolist()
@@ -157,6 +167,19 @@ def good_bake():
         FACTS[color_by] = {name: getattr(geometry, name).tolist() for name in (
             'floor_positions', 'floor_colors', 'edge_positions', 'edge_colors')}
         FACTS[color_by].update(lowest=geometry.lowest, highest=geometry.highest)
+
+
+def bake_again():
+    """Quick re-bakes: nothing changed, then an edit that one room sees, then other settings."""
+    settings().keep_records = True
+    FACTS['quick'] = []
+    for edit in (None, None, 'lamp', 'quality'):
+        if edit == 'lamp':
+            bpy.data.objects['lamp'].location.x -= 0.1
+        settings().quality = 'normal' if edit == 'quality' else 'draft'
+        FACTS['quick'].append((bake(), sightcell.state.summary))
+        with open(os.path.join(FOLDER, 'level.pvs'), 'rb') as file:
+            FACTS['quick'][-1] += (file.read().hex(),)
 
 
 def freezes():
@@ -194,6 +217,7 @@ make_level()
 failing_bakes()
 good_bake()
 freezes()
+bake_again()
 bpy.ops.preferences.addon_disable(module='sightcell')
 FACTS['after disabling'] = hasattr(bpy.types.Scene, 'sightcell_settings')
 with open(os.path.join(FOLDER, 'facts.json'), 'w', encoding='utf-8') as out:

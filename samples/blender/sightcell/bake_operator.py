@@ -1,6 +1,7 @@
 """The operators that bake: export, run the program in the background, take in its result."""
 import atexit
 import os
+import re
 import shlex
 import time
 
@@ -11,7 +12,7 @@ from .problem import Problem
 
 PAUSE = 0.2  # seconds between two polls of the running program
 SHOWN = 20  # messages in the panel
-OTHER_BAKE = '[checkpoint.other-bake]'
+OTHER_BAKE, OTHER_RECORDS = '[checkpoint.other-bake]', '[records.'  # in errors that another command avoids
 
 
 def export_scene(path, objects):
@@ -21,19 +22,43 @@ def export_scene(path, objects):
                'use_visible': objects == 'VISIBLE', 'use_selection': False, 'use_active_collection': False,
                'export_cameras': False, 'export_lights': False, 'export_gpu_instances': False,
                'export_draco_mesh_compression_enable': False, 'will_save_settings': False, 'check_existing': False}
-    active = bpy.context.view_layer.objects.active
-    mode = active.mode if active is not None else 'OBJECT'  # the exporter leaves the edit mode
+    modes = leave_modes()
     try:
         known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
         bpy.ops.export_scene.gltf(**{name: value for name, value in options.items() if name in known})
     except (AttributeError, KeyError):
         raise Problem('enable the add-on "glTF 2.0 format": it exports the scene') from None
     except RuntimeError as problem:
-        raise Problem(f'the export failed: {str(problem).strip().splitlines()[-1]}') from None
-    if mode != 'OBJECT':
-        bpy.ops.object.mode_set(mode=mode)
+        raise Problem(f'the export failed: {cause_of(problem)}') from None
+    finally:
+        set_modes(*modes)
     if not os.path.exists(path):
         raise Problem(f'{path}: the export wrote nothing; choose a folder that can be written')
+
+
+def leave_modes():
+    """Ends edit modes: what is being edited is not in the mesh yet, and the exporter ends only that of the active
+    object. Returns the arguments of set_modes() that bring them back."""
+    objects = bpy.context.view_layer.objects
+    modes = [(found, found.mode) for found in objects if found.mode != 'OBJECT'], objects.active
+    set_modes([(found, 'OBJECT') for found, _ in modes[0]], modes[1])
+    return modes
+
+
+def set_modes(modes, active):
+    objects = bpy.context.view_layer.objects
+    for found, mode in modes:
+        objects.active = found
+        if found.mode != mode:
+            bpy.ops.object.mode_set(mode=mode)
+    objects.active = active
+
+
+def cause_of(problem):
+    """The line of a traceback that names the cause."""
+    lines = [line.strip() for line in str(problem).splitlines() if line.strip()]
+    named = [line for line in lines if re.match(r'[A-Za-z]*Error: ', line) and not line.startswith('Error: ')]
+    return (named or lines or ['no reason given'])[-1]
 
 
 class BakeSteps:
@@ -47,6 +72,10 @@ class BakeSteps:
             raise Problem(f'{os.path.dirname(self.pvs)} is not a folder: choose another one')
         self.command = [self.program, 'bake', self.exported, '-o', self.pvs, '--quality', settings.quality,
                         '--progress', 'json', '--json']
+        self.since = []
+        if settings.keep_records:
+            self.command.append('--keep-records')
+            self.since = ['--since', self.pvs] if os.path.exists(self.pvs + '.records') else []
         if settings.cell_limit:
             self.command += ['--cell-limit', str(settings.cell_limit)]
         try:
@@ -60,25 +89,34 @@ class BakeSteps:
         try:
             export_scene(self.exported, settings.objects)
             self.nodes = scene_file.Nodes(scene_file.read_document(self.exported), state.object_table(scene))
-            state.job = program.Job(self.command)
+            self.start()
         except Problem:
             self.remove_export()
             raise
+
+    def start(self):
+        state.job = program.Job(self.command + self.since)
 
     def remove_export(self):
         if os.path.exists(self.exported):
             os.remove(self.exported)
 
     def poll(self):
-        """True when the bake has ended. One that finds the checkpoint of an earlier scene starts again without it."""
+        """True when the bake has ended. One that finds the checkpoint of an earlier scene, or records of another bake,
+        starts again without them."""
         if not state.job.poll():
             return False
-        left_over = not state.job.canceled and any(OTHER_BAKE in line for line in state.job.messages)
-        if left_over and '--fresh' not in self.command:
+        said = '\n'.join(state.job.messages)
+        if state.job.canceled or state.job.code == program.DONE:
+            return True
+        if self.since and OTHER_RECORDS in said:
+            self.since = []
+        elif OTHER_BAKE in said and '--fresh' not in self.command:
             self.command.append('--fresh')
-            state.job = program.Job(self.command)
-            return False
-        return True
+        else:
+            return True
+        self.start()
+        return False
 
     def finish(self):
         """Takes in the result: the messages, and the scene beside the .pvs file. Throws Problem if there is none."""
@@ -112,6 +150,9 @@ def summary_text(summary):
     text = f"{cells:,} cells, {summary.get('visible_set_percent', 0):.1f} % of all polygons visible per cell"
     if summary.get('max_upper_bound'):
         text += f", largest bound {summary['max_upper_bound']:.1e}"
+    again = summary.get('cells_rebaked')
+    if again:
+        text += f"; {again['cells']:,} of {cells:,} cells baked again"
     over = summary.get('cells_over_bound', 0)
     return text + (f'; {over:,} cells are above the bound' if over else '')
 

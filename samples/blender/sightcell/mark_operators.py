@@ -75,6 +75,10 @@ class SIGHTCELL_OT_add(bpy.types.Operator):
     bl_label = 'Add'
     bl_options = {'REGISTER', 'UNDO'}
 
+    @classmethod
+    def poll(cls, context):
+        return context.mode == 'OBJECT'
+
     kind: EnumProperty(name='Kind', items=[('START', 'Start', 'A player begins at the 3D cursor'),
                                            ('CELL', 'Cell box', 'A box of 4 x 4 x 2 m around the 3D cursor. Scale it')])
 

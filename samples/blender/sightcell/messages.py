@@ -3,6 +3,8 @@ import re
 
 NODE = re.compile(r'\bnodes\[(\d+)\]')
 CELL = re.compile(r'\bcell \d+ "([^"]*)"')
+AXIS = re.compile(r'(?<= on )[xyz](?=;)')  # of the flat box of a cell
+AXES = {'x': 'x', 'y': 'z', 'z': 'y'}  # of glTF: in Blender
 ERROR, WARNING = 'ERROR', 'WARNING'
 
 
@@ -29,6 +31,7 @@ def translate(line, nodes):
         numbers = [int(number) for number in NODE.findall(text) if int(number) < len(nodes.nodes)]
         found = next((nodes.owners[number] for number in numbers if nodes.owners[number]), None)
         text = NODE.sub(lambda match: nodes.label(int(match.group(1))), text)
+        text = AXIS.sub(lambda match: AXES[match.group()], text)
         cell = CELL.search(text)
         if found is None and cell and cell.group(1) in nodes.owners:
             found = cell.group(1)

@@ -59,6 +59,8 @@ class SIGHTCELL_PT_bake(SightcellPanel, bpy.types.Panel):
         column.enabled = state.job is None
         for name in ('output', 'quality', 'objects', 'cell_limit', 'options'):
             column.prop(settings, name)
+        column.use_property_split = False
+        column.prop(settings, 'keep_records')
         if state.job is None:
             row = layout.row()
             row.scale_y = 1.4
@@ -67,11 +69,6 @@ class SIGHTCELL_PT_bake(SightcellPanel, bpy.types.Panel):
             self.draw_progress(context)
         if state.summary:
             wrapped(context, layout, state.summary, icon='INFO')
-        for message in state.messages:
-            row = layout.row()
-            wrapped(context, row, message.text, icon='CANCEL' if message.kind == messages.ERROR else 'ERROR')
-            if message.object_name:
-                row.operator('sightcell.select_object', text='', icon='RESTRICT_SELECT_OFF').name = message.object_name
 
     def draw_progress(self, context):
         layout, job = self.layout, state.job
@@ -98,8 +95,8 @@ class SIGHTCELL_PT_result(SightcellPanel, bpy.types.Panel):
         if settings.show_cells and shown is not None and shown.lowest is not None:
             form = (lambda value: f'{value:.1e}') if settings.color_by == 'BOUND' else (lambda value: f'{value:,.0f}')
             row = layout.row()
-            row.label(text=form(shown.lowest), icon='SEQUENCE_COLOR_05')
-            row.label(text=form(shown.highest), icon='SEQUENCE_COLOR_01')
+            row.label(text=form(shown.lowest), icon='COLORSET_04_VEC')
+            row.label(text=form(shown.highest), icon='COLORSET_01_VEC')
         column = layout.column(align=True)
         column.label(text='Freeze the cell of', icon='FREEZE')
         row = column.row(align=True)
@@ -111,4 +108,19 @@ class SIGHTCELL_PT_result(SightcellPanel, bpy.types.Panel):
         layout.operator('sightcell.select_unseen', icon='RESTRICT_SELECT_OFF')
 
 
-CLASSES = (SIGHTCELL_PT_marks, SIGHTCELL_PT_bake, SIGHTCELL_PT_result)
+class SIGHTCELL_PT_messages(SightcellPanel, bpy.types.Panel):
+    bl_label = 'Messages'
+
+    @classmethod
+    def poll(cls, context):
+        return bool(state.messages)
+
+    def draw(self, context):
+        for message in state.messages:
+            row = self.layout.row()
+            wrapped(context, row, message.text, icon='CANCEL' if message.kind == messages.ERROR else 'ERROR')
+            if message.object_name:
+                row.operator('sightcell.select_object', text='', icon='RESTRICT_SELECT_OFF').name = message.object_name
+
+
+CLASSES = (SIGHTCELL_PT_marks, SIGHTCELL_PT_bake, SIGHTCELL_PT_result, SIGHTCELL_PT_messages)

@@ -56,6 +56,10 @@ class SightcellSettings(bpy.types.PropertyGroup):
     cell_limit: IntProperty(
         name='Cells', min=0, soft_max=1000,
         description='Bake only some cells, spread over the level, to try things out. 0: all cells')
+    keep_records: BoolProperty(
+        name='Quick re-bakes',
+        description='After an edit, bake only the cells that it can change. The records of a bake stay on the disk '
+                    'beside the .pvs file, and may be several times its size')
     objects: EnumProperty(
         name='Objects', default='RENDERABLE', description='Which objects are exported and baked',
         items=[('RENDERABLE', 'That render', 'Objects and collections whose camera icon in the Outliner is on'),
