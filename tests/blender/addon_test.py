@@ -23,7 +23,7 @@ class Addon(harness.InFolder):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.level, home = cls.path('level'), cls.path('home')
+        cls.level, home = cls.path('a level ü'), cls.path('home')
         os.mkdir(cls.level)
         script = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'in_blender.py')
         changes = {'HOME': home, 'BLENDER_USER_CONFIG': home, 'BLENDER_USER_SCRIPTS': os.path.join(home, 'scripts'),

@@ -189,6 +189,8 @@ class SIGHTCELL_OT_bake(bpy.types.Operator):
         return {'FINISHED'}
 
     def failed(self, problem):
+        if self.steps is not None:
+            self.steps.abandon()
         if not any(message.text == str(problem) for message in state.messages):
             state.messages.append(messages.Message(messages.ERROR, str(problem)))
         state.redraw()
@@ -223,13 +225,11 @@ class SIGHTCELL_OT_bake(bpy.types.Operator):
         try:
             if state.job is not None and not self.steps.poll():
                 return {'PASS_THROUGH'}
-            context.window_manager.event_timer_remove(self.timer)
-            if state.job is None:  # the add-on was disabled
-                self.steps.abandon()
-                return {'CANCELLED'}
-            return self.end(context)
+            result = self.end(context) if state.job is not None else {'CANCELLED'}  # none: the add-on was disabled
         except Problem as problem:
-            return self.failed(problem)
+            result = self.failed(problem)
+        context.window_manager.event_timer_remove(self.timer)
+        return result
 
     def cancel(self, context):
         """Blender ends the operator: another file is opened, or Blender quits."""
