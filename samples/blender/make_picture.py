@@ -35,8 +35,8 @@ def outside():
                         '--out', town], check=True)
         subprocess.run([sys.executable, '-B', os.path.join(HERE, 'make_zip.py'), os.path.join(HERE, 'sightcell'),
                         os.path.join(HERE, '..', '..', 'LICENSE'), archive], check=True)
-        environment = {**os.environ, 'HOME': folder, 'BLENDER_USER_CONFIG': folder, 'LIBGL_ALWAYS_SOFTWARE': '1',
-                       'BLENDER_USER_SCRIPTS': os.path.join(folder, 'scripts')}
+        environment = {**os.environ, 'HOME': folder, 'TMPDIR': folder, 'BLENDER_USER_CONFIG': folder,
+                       'LIBGL_ALWAYS_SOFTWARE': '1', 'BLENDER_USER_SCRIPTS': os.path.join(folder, 'scripts')}
         os.makedirs(os.path.join(folder, 'scripts', 'addons'))
         subprocess.run(['blender', '--factory-startup', '--window-geometry', '0', '0', str(WIDTH),
                         str(HEIGHT), '--python', os.path.abspath(__file__), '--', town, archive,
