@@ -53,5 +53,6 @@ string(JOIN ", " CPACK_DEBIAN_BAKE-DEV_PACKAGE_DEPENDS "libsightcell-dev ${exact
 sightcell_deb(tools graphics "baked visibility for engines: the baker"
   "This package has the programs: sightcell, the baker, and sightcell-city, a\ngenerator of test scenes.")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS libegl1)  # opened at run time
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "libegl-mesa0 | libegl-vendor, libgl1-mesa-dri")
+# The library is for samples/blender, whose users install this package.
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "libegl-mesa0 | libegl-vendor, libgl1-mesa-dri, libsightcell1 ${exact}")
 include(CPack)

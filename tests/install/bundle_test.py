@@ -60,6 +60,7 @@ class Bundle(unittest.TestCase):
             self.assertIn('libstdc++6', names)
             self.assertIn('libepoxy0', names)
             self.assertTrue(os.path.exists(os.path.join(self.prefix, 'share/doc/sightcell-tools/THIRD_PARTY.md')))
+            self.assertEqual(os.listdir(os.path.join(self.prefix, 'share/sightcell')), ['sightcell-blender-0.1.0.zip'])
 
     def test_hosts_build_on_it(self):
         libraries = os.path.join(self.prefix, installed.ARGS.libdir)

@@ -75,6 +75,8 @@ class Packages(unittest.TestCase):
     def test_tools(self):
         if not installed.ARGS.bake:
             self.skipTest('this build has no bake half')
+        self.assertIn('sightcell-blender-0.1.0.zip', self.names_in(TOOLS))
+        self.assertIn('libsightcell1 (= 0.1.0)', self.field(TOOLS, 'Recommends'))  # of that add-on
         depends = self.field(TOOLS, 'Depends')
         for package in ('libegl1', 'libembree3-3', 'libtbb12', 'libepoxy0', 'libsqlite3-0', 'libstdc++6'):
             self.assertRegex(depends, r'(^|, )' + package.replace('+', r'\+'))
