@@ -61,6 +61,27 @@ def skip_without_egl(code, err):
         raise unittest.SkipTest('no EGL device: ' + err)
 
 
+def skip_without_xvfb():
+    if shutil.which('Xvfb') is None:
+        raise unittest.SkipTest('Xvfb is not installed')
+
+
+def start_xvfb(folder, add_cleanup):
+    """The name of the display of a virtual X server, which ends with the test. folder: for its frame buffer."""
+    ready, told = os.pipe()
+    server = subprocess.Popen(['Xvfb', '-displayfd', str(told), '-screen', '0', '1024x768x24', '-nolisten', 'tcp',
+                               '-fbdir', folder], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL, pass_fds=[told])
+    os.close(told)
+    add_cleanup(server.wait)
+    add_cleanup(server.terminate)
+    with os.fdopen(ready) as pipe:
+        number = pipe.readline().strip()
+    if not number:
+        raise unittest.SkipTest('Xvfb does not start here')
+    return ':' + number
+
+
 def new_folder(add_cleanup):
     """A temporary folder. add_cleanup: addCleanup of a test, or addClassCleanup of its class."""
     folder = tempfile.mkdtemp(prefix='sightcell-test-')
