@@ -49,18 +49,7 @@ class UnderX(InFolder):
         if shutil.which('Xvfb') is None:
             raise unittest.SkipTest('Xvfb is not installed')
         super().setUpClass()
-        ready, told = os.pipe()
-        server = subprocess.Popen(['Xvfb', '-displayfd', str(told), '-screen', '0', '1024x768x24', '-nolisten', 'tcp',
-                                   '-fbdir', cls.folder], stdin=subprocess.DEVNULL,
-                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, pass_fds=[told])
-        os.close(told)
-        cls.addClassCleanup(server.wait)
-        cls.addClassCleanup(server.terminate)
-        with os.fdopen(ready) as pipe:
-            number = pipe.readline().strip()
-        if not number:
-            raise unittest.SkipTest('Xvfb does not start here')
-        cls.display = ':' + number
+        cls.display = harness.start_screen(cls.addClassCleanup, cls.folder)
 
     def view(self, scene, pvs, *arguments):
         """A screenshot and what the viewer says about it."""
