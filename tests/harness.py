@@ -3,6 +3,7 @@
 conftest.py sets BIN and SETTINGS from the command line, before it imports a test.
 """
 import base64
+import glob
 import json
 import os
 import shutil
@@ -56,9 +57,17 @@ def must(path, *arguments):
         raise RuntimeError(f'{path} {arguments}: {code}\n{err}')
 
 
-def skip_without_egl(code, err):
-    if code == 1 and '[gl.' in err:
-        raise unittest.SkipTest('no EGL device: ' + err)
+# Where Vulkan's loader looks for drivers.
+VULKAN_MANIFESTS = ('/etc/vulkan/icd.d/lvp_icd*.json', '/usr/local/share/vulkan/icd.d/lvp_icd*.json',
+                    '/usr/share/vulkan/icd.d/lvp_icd*.json')
+
+
+def vulkan_on_cpu():
+    """What makes Vulkan's loader choose Mesa's driver for the CPU (lavapipe), or skips."""
+    manifests = [path for pattern in VULKAN_MANIFESTS for path in sorted(glob.glob(pattern))]
+    if not manifests:
+        raise unittest.SkipTest('no Vulkan driver for the CPU: ' + VULKAN_MANIFESTS[-1] + ' (mesa-vulkan-drivers)')
+    return {'VK_ICD_FILENAMES': manifests[0], 'VK_DRIVER_FILES': manifests[0]}
 
 
 def skip_without_xvfb():
@@ -66,12 +75,13 @@ def skip_without_xvfb():
         raise unittest.SkipTest('Xvfb is not installed')
 
 
-def start_xvfb(folder, add_cleanup):
-    """The name of the display of a virtual X server, which ends with the test. folder: for its frame buffer."""
+def start_screen(add_cleanup, folder):
+    """A virtual X server until the cleanup, or skips. folder: receives its picture. Returns its display."""
+    skip_without_xvfb()
     ready, told = os.pipe()
     server = subprocess.Popen(['Xvfb', '-displayfd', str(told), '-screen', '0', '1024x768x24', '-nolisten', 'tcp',
-                               '-fbdir', folder], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, pass_fds=[told])
+                               '-fbdir', folder], stdin=subprocess.DEVNULL,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, pass_fds=[told])
     os.close(told)
     add_cleanup(server.wait)
     add_cleanup(server.terminate)
@@ -80,6 +90,11 @@ def start_xvfb(folder, add_cleanup):
     if not number:
         raise unittest.SkipTest('Xvfb does not start here')
     return ':' + number
+
+
+def skip_without_egl(code, err):
+    if code == 1 and '[gl.' in err:
+        raise unittest.SkipTest('no EGL device: ' + err)
 
 
 def new_folder(add_cleanup):

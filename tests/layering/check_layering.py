@@ -88,6 +88,8 @@ ALLOWED = {
     'samples/viewer': RUNTIME + SCENE + PICTURE + GL +
                       ['GLFW/', 'imgui', 'backends/imgui_impl_opengl3.h', 'CLI/', 'fmt/', 'nlohmann/'],
     'samples/viewer/background_bake.cpp': POSIX + BASE + ['spawn.h', 'nlohmann/', 'glm/'],
+    'samples/vulkan': RUNTIME + SCENE + ['vulkan/', 'SDL.h', 'SDL_vulkan.h', 'spirv/', 'CLI/', 'fmt/', 'nlohmann/',
+                                         'stb_image_write.h'],
     'tests/bench/format_peers': RUNTIME + FORMAT_READ + ['roaring/', 'zstd.h', 'zdict.h'],
     # Tests may look at everything, inside the rooms too.
     'tests': BAKE + SCENE + PICTURE + FORMAT + RUNTIME + SHADERS + GL + PLATFORM +

@@ -15,7 +15,7 @@ class Ogre(harness.InFolder):
     def setUpClass(cls):
         harness.skip_without_xvfb()
         super().setUpClass()
-        cls.display = harness.start_xvfb(cls.folder, cls.addClassCleanup)
+        cls.display = harness.start_screen(cls.addClassCleanup, cls.folder)
         cls.city_cells, cls.city_pvs = cls.path('city.json'), cls.path('city.pvs')
         cls.city = cls.make_city('city.glb', '--cells', cls.city_cells)
         cls.bake(cls.city, cls.city_pvs, cls.city_cells, '--cell-limit', 3, '--names')

@@ -48,7 +48,7 @@ class UnderX(InFolder):
     def setUpClass(cls):
         harness.skip_without_xvfb()
         super().setUpClass()
-        cls.display = harness.start_xvfb(cls.folder, cls.addClassCleanup)
+        cls.display = harness.start_screen(cls.addClassCleanup, cls.folder)
 
     def view(self, scene, pvs, *arguments):
         """A screenshot and what the viewer says about it."""
