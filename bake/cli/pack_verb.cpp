@@ -1,4 +1,5 @@
-// sightcell pack SCENE FILE.pvs -o PACKED.glb, sightcell pack --stream SCENE FILE.pvs -o FOLDER
+// sightcell pack SCENE FILE.pvs -o PACKED.glb, sightcell pack --stream SCENE FILE.pvs -o FOLDER,
+// sightcell pack --meshlets SCENE -o PACKED.glb
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +18,7 @@
 #include "one_of.h"
 #include "pvs_file.h"
 #include "sightcell/bake/file_settings.h"
+#include "sightcell/bake/meshlets.h"
 #include "sightcell/bake/pack.h"
 #include "sightcell/bake/stream.h"
 #include "sightcell/base/error.h"
@@ -29,7 +31,7 @@ namespace {
 struct pack_options {
   std::filesystem::path scene, file, output;
   bool json = false;
-  bool stream = false, no_textures = false;
+  bool stream = false, no_textures = false, meshlets = false;
   bake::stream_settings streamed;
   std::string compress = std::string(bake::stream_copies_names[static_cast<std::size_t>(streamed.copies)]);
 };
@@ -50,13 +52,18 @@ void print_json(const nlohmann::ordered_json& text) {
 class slow_progress {
  public:
   void operator()(bake::stream_phase phase, std::uint64_t done, std::uint64_t total) {
+    (*this)(name_of(phase), done, total);
+  }
+
+  // phase: a text with static storage.
+  void operator()(const char* phase, std::uint64_t done, std::uint64_t total) {
     const clock::time_point now = clock::now();
     if (phase != phase_ || !began_) began_ = now, phase_ = phase;
     if (now - shown_ < std::chrono::seconds(10)) return;
     shown_ = now;
     const double seconds = std::chrono::duration<double>(now - *began_).count();
     const double left = done == 0 ? 0.0 : seconds / static_cast<double>(done) * static_cast<double>(total - done);
-    say_line(fmt::format("{}: {} of {}, {} left", name_of(phase), grouped(done), grouped(total), duration_text(left)));
+    say_line(fmt::format("{}: {} of {}, {} left", phase, grouped(done), grouped(total), duration_text(left)));
   }
 
  private:
@@ -78,7 +85,7 @@ class slow_progress {
     return "writing cells";
   }
 
-  bake::stream_phase phase_ = bake::stream_phase::reading_sets;
+  const char* phase_ = nullptr;
   std::optional<clock::time_point> began_;
   clock::time_point shown_ = clock::now();
 };
@@ -176,8 +183,33 @@ int run_merged(const pack_options& options) {
   return exit_done;
 }
 
+int run_meshlets(const pack_options& options) {
+  refuse_overwriting(options);
+  slow_progress progress;
+  const bake::meshlet_result result = bake::pack_meshlets(
+      options.scene, -1, options.output,
+      [&](std::uint64_t done, std::uint64_t total) { progress("triangles in meshlets", done, total); });
+  for (const std::string& warning : result.warnings) say_line("warning: " + warning);
+  if (options.json) {
+    print_json({{"output", options.output.string()},
+                {"polygons", result.polygons},
+                {"triangles", result.triangles},
+                {"primitives", result.primitives},
+                {"meshlets", result.meshlets},
+                {"drawn_meshlets", result.drawn_meshlets},
+                {"table_bytes", result.table_bytes},
+                {"bytes", result.bytes}});
+    return exit_done;
+  }
+  fmt::print("{}: {} triangles of {} primitives in {} meshlets ({} with all instances), table {}, {} bytes\n",
+             options.output.string(), grouped(result.triangles), grouped(result.primitives), grouped(result.meshlets),
+             grouped(result.drawn_meshlets), size_text(static_cast<double>(result.table_bytes)), grouped(result.bytes));
+  return exit_done;
+}
+
 int run_pack(const pack_options& options) {
   outlive_failed_writes();
+  if (options.meshlets) return run_meshlets(options);
   return options.stream ? run_stream(options) : run_merged(options);
 }
 
@@ -188,24 +220,32 @@ void add_pack_verb(CLI::App& program, action& chosen) {
   CLI::App& verb = add_verb(
       program, "pack",
       {.summary = "Writes the scene for hosts that load it with a .pvs file: one mesh, or files to stream",
-       .usage = "SCENE FILE.pvs -o PACKED.glb|FOLDER [options]",
+       .usage = "SCENE [FILE.pvs] -o PACKED.glb|FOLDER [options]",
        .description = "Writes the scene as one mesh in world space, with its triangles in the stored order of a .pvs "
                       "file of the merged layout: one vertex buffer, one index buffer, one node for each draw group. "
                       "With --stream, writes a folder of small files for a static web server instead: pages of "
-                      "polygons, and for each cell the list of its pages, the most visible ones first.",
+                      "polygons, and for each cell the list of its pages, the most visible ones first. "
+                      "With --meshlets, writes the scene in clusters of up to 128 triangles and a table of them, for "
+                      "a bake with --granularity cluster.",
        .examples = {"sightcell bake level.glb -o level.pvs --layout merged",
                     "sightcell pack level.glb level.pvs -o packed.glb",
                     "sightcell bake level.glb -o level.pvs --importance",
-                    "sightcell pack --stream level.glb level.pvs -o site --compress brotli"}});
+                    "sightcell pack --stream level.glb level.pvs -o site --compress brotli",
+                    "sightcell pack --meshlets level.glb -o meshlets.glb"}});
   verb.add_option("SCENE", options->scene, "The scene that was baked: a .glb or .gltf file.")->required();
-  verb.add_option("FILE", options->file,
-                  "The .pvs file that was baked from it: with --layout merged, or for --stream with --importance.")
-      ->required();
+  CLI::Option* const file = verb.add_option(
+      "FILE", options->file,
+      "The .pvs file that was baked from it: with --layout merged, or for --stream with --importance. --meshlets "
+      "needs none.");
   verb.add_option("-o", options->output, "The .glb file to write; for --stream the folder.")
       ->type_name("OUTPUT")
       ->required();
   CLI::Option* const stream =
       verb.add_flag("--stream", options->stream, "Writes a streamed scene: docs/streaming.md describes the files.");
+  verb.add_flag("--meshlets", options->meshlets,
+                "Writes the scene in meshlets: docs/meshlets.md describes the file. Bake that one.")
+      ->excludes(stream)
+      ->excludes(file);
   verb.add_option("--page-size", options->streamed.page_bytes,
                   "Bytes of a page in the mean. Larger ones take fewer requests and contain more that is "
                   "not visible.")
@@ -234,7 +274,10 @@ void add_pack_verb(CLI::App& program, action& chosen) {
       ->capture_default_str()
       ->needs(stream);
   verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
-  verb.callback([options, &chosen] { chosen = [options] { return run_pack(*options); }; });
+  verb.callback([options, &chosen] {
+    if (!options->meshlets && options->file.empty()) throw CLI::RequiredError("FILE");
+    chosen = [options] { return run_pack(*options); };
+  });
 }
 
 }  // namespace sightcell::cli

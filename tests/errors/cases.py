@@ -466,6 +466,7 @@ CASES = [
     ('pack.no-importance', 2, packed('site', '--stream', named='out.pvs')),
     ('pack.not-folder', 2, packed('out.pvs', '--stream', named='out.pvs')),
     ('pack.not-written', 1, packed('no/p.glb', named='no/p.glb')),
+    ('pack.not-written', 1, lambda f: Call(['pack', '--meshlets', room(f), '-o', os.path.join(f, 'no/p.glb')], 'no/p.glb')),
     ('pack.not-written', 1, packed('room.gltf/site', '--stream', bake_options=['--importance'], named='room.gltf/site')),
     ('patch.bad-add', 2, patch('7')),
     ('patch.bad-add', 2, patch('0:7-')),

@@ -22,6 +22,7 @@ static sightcell_db* db;
 static sightcell_view* view;
 static sightcell_frame frame;
 static sightcell_draw* draws;
+static sightcell_range* ranges;
 static uint32_t polygon_total, bound_draw;
 static unsigned char* drawn; /* of each stored polygon: how often */
 static uint32_t *source_id_of_stored, *source_indices, *stored_indices, *mapped;
@@ -196,6 +197,23 @@ static void index_buffer(void) {
   }
   draw_elements(needed);
   /* index buffer] */
+}
+
+static const uint32_t* permuted_indices_of(uint32_t draw) { return stored_indices + 3 * (size_t)draws[draw].first_stored; }
+
+static void shared_index_buffers(void) {
+  size_t count;
+  /* [shared index buffers */
+  size_t needed = 0;
+  uint32_t* dst = map_index_buffer(3 * (size_t)frame.polygon_count);
+  sightcell_view_ranges(view, ranges, range_bound, &count);
+  for (size_t i = 0; i < count; needed += 3 * (size_t)ranges[i++].count) {
+    const uint32_t* permuted = permuted_indices_of(ranges[i].draw);  /* of its primitive, shared by all instances */
+    memcpy(dst + needed, permuted + 3 * (size_t)ranges[i].first, 3 * sizeof *dst * ranges[i].count);
+  }
+  unmap_index_buffer();
+  /* shared index buffers] */
+  draw_elements(needed);
 }
 
 static void vulkan_indirect(int cmd, VkDrawIndexedIndirectCommand* buffer) {
@@ -430,7 +448,6 @@ static void expect_drawn(const unsigned char* expected, const char* what) {
 }
 
 static unsigned char *expected, *of_objects; /* of each stored polygon: is it to be drawn? */
-static sightcell_range* ranges;
 
 static void open_file(const char* path) {
   require(sightcell_db_open_file(path, NULL, &db) == SIGHTCELL_OK, "open");
@@ -560,6 +577,8 @@ static void draw_in_every_way(void) {
   frame.flags |= SIGHTCELL_FRAME_CHANGED;
   index_buffer();
   expect_drawn(expected, "index buffer");
+  shared_index_buffers();
+  expect_drawn(expected, "shared index buffers");
   vulkan_indirect(1, commands);
   expect_drawn(expected, "indirect");
   objects(bits, words);

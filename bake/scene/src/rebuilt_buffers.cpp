@@ -45,6 +45,7 @@ void visit_accessors(json& document, const std::function<void(json&, int target)
       if (json* const indices = member_of(&primitive, "indices")) visit(*indices, target_indices);
       json* const extensions = member_of(&primitive, "extensions");
       other(member_of(member_of(extensions, "CESIUM_primitive_outline"), "indices"));
+      other(member_of(member_of(member_of(&primitive, "extras"), "sightcell"), "clusters"));
     });
   });
   for_each_in(member_of(&document, "skins"), [&](json& skin) { other(member_of(&skin, "inverseBindMatrices")); });
@@ -99,10 +100,12 @@ void visit_views(json& document, const std::function<void(json&)>& visit) {
 }  // namespace
 
 rebuilt_buffers::rebuilt_buffers(json& document, const json_object& root, accessor_table& table,
-                                 const added_accessors& added, const carried_images& images, const std::string& file)
+                                 const added_accessors& added, const carried_images& images, const std::string& file,
+                                 std::uint64_t room_bytes)
     : root_(root), table_(table), added_(added), file_(file) {
   renumber_accessors(document);
   renumber_views(document);
+  if (room_bytes > 0) room_view_ = add_piece({.size = room_bytes, .bytes = {}, .elements = {}}, 0, no_target);
   std::map<std::string_view, std::size_t> views_of_images;  // some files have an image under several numbers
   for (const auto& [number, bytes] : images) {
     const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -23,12 +23,16 @@ class rebuilt_buffers {
   // compression; accessors of the same bytes share one.
   // document: changed. Its images are those of `images`.
   // root, table: of the file. added: accessors that the file has not.
+  // room_bytes: size of one more buffer view, whose bytes the caller writes; 0: none.
   // All references must outlive the object.
   // Throws sightcell::error (bad_input).
   rebuilt_buffers(nlohmann::json& document, const json_object& root, accessor_table& table,
-                  const added_accessors& added, const carried_images& images, const std::string& file);
+                  const added_accessors& added, const carried_images& images, const std::string& file,
+                  std::uint64_t room_bytes = 0);
 
-  std::uint64_t bytes() const { return bytes_; }  // of the buffer, a multiple of 4
+  std::uint64_t bytes() const { return bytes_; }        // of the buffer, a multiple of 4
+  std::size_t room_view() const { return room_view_; }  // the number of the view of room_bytes
+  std::uint64_t room_offset() const { return pieces_[room_view_].offset; }
   // into: bytes() bytes, zero.
   void write(std::span<std::byte> into) const;
 
@@ -57,6 +61,7 @@ class rebuilt_buffers {
   std::map<std::tuple<const std::uint8_t*, std::size_t, std::size_t, std::size_t, std::size_t, int>, std::size_t>
       views_of_elements_;
   std::uint64_t bytes_ = 0;
+  std::size_t room_view_ = 0;
   std::vector<nlohmann::json> views_;
 };
 

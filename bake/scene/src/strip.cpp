@@ -1,7 +1,6 @@
 #include "sightcell/scene/strip.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -9,7 +8,6 @@
 #include <optional>
 #include <set>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include "carried_materials.h"
@@ -19,19 +17,17 @@
 #include "gltf_file.h"
 #include "import_scene.h"
 #include "json_object.h"
+#include "leftovers.h"
 #include "rebuilt_buffers.h"
 #include "sightcell/base/json_text.h"
 #include "stripped_meshes.h"
+#include "triangle_users.h"
 #include "used_extensions.h"
 
 namespace sightcell::scene {
 namespace {
 
 using nlohmann::json;
-
-// Extensions of primitives that refer to no triangle and no vertex by number.
-constexpr std::array<std::string_view, 4> separable_extensions = {
-    "EXT_mesh_features", "EXT_structural_metadata", "KHR_draco_mesh_compression", "KHR_materials_variants"};
 
 // Finds which triangles stay.
 class triangle_choice {
@@ -47,16 +43,26 @@ class triangle_choice {
   }
 
   kept_triangles choose(const std::vector<bool>& unwanted, std::vector<std::string>& warnings) {
-    kept_triangles kept;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<bool>> all;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, const std::vector<std::uint32_t>*> clusters_of_primitive;
     for (const draw& d : scene_.draws) {
-      std::vector<bool>& stays = kept[{d.mesh, d.primitive}];
+      clusters_of_primitive[{d.mesh, d.primitive}] = &scene_.geometries[d.geometry].clusters;
+      std::vector<bool>& stays = all[{d.mesh, d.primitive}];
       stays.resize(d.polygon_count, false);
       for (std::uint32_t t = 0; t < d.polygon_count; ++t) stays[t] = stays[t] || !unwanted[d.first_source + t];
     }
-    std::erase_if(kept, [this](const auto& entry) {
-      const auto& [key, stays] = entry;
-      return std::find(stays.begin(), stays.end(), false) == stays.end() || is_whole(key.first, key.second);
-    });
+    kept_triangles kept;
+    for (const auto& [key, stays] : all) {
+      if (std::find(stays.begin(), stays.end(), false) == stays.end() || is_whole(key.first, key.second)) continue;
+      chosen_triangles& chosen = kept[key];
+      chosen.count = static_cast<std::uint32_t>(stays.size());
+      const std::vector<std::uint32_t>& clusters = *clusters_of_primitive.at(key);
+      for (std::uint32_t t = 0; t < chosen.count; ++t) {
+        if (!stays[t]) continue;
+        chosen.order.push_back(t);
+        if (!clusters.empty()) chosen.clusters.push_back(clusters[t]);
+      }
+    }
     for (const std::string& name : kept_for_)
       warnings.push_back("primitives with the extension " + printable(name) + " stay whole");
     return kept;
@@ -90,24 +96,7 @@ class triangle_choice {
   bool is_whole(std::uint32_t mesh, std::uint32_t number) {
     const json_object& primitive = primitives_[mesh][number];
     if (whole_meshes_[mesh] || primitive.has("targets")) return true;
-    bool whole = false;
-    const auto refer = [&](const std::string& name) {
-      kept_for_.insert(name);
-      whole = true;
-    };
-    if (const auto extensions = meshes_[mesh].object("extensions"))
-      for (const std::string& name : extensions->keys()) refer(name);
-    if (const auto extensions = primitive.object("extensions"))
-      for (const std::string& name : extensions->keys())
-        if (std::find(separable_extensions.begin(), separable_extensions.end(), name) == separable_extensions.end())
-          refer(name);
-    // An attribute that a Draco stream lacks has its own order of vertices.
-    const json_object attributes = primitive.required_object("attributes");
-    if (const auto draco = draco_of(primitive, attributes, table_)) {
-      const json_object ids = draco->required_object("attributes");
-      for (const std::string& name : attributes.keys()) whole = whole || !ids.has(name.c_str());
-    }
-    return whole;
+    return refers_to_triangles(meshes_[mesh], primitive, table_, kept_for_);
   }
 
   const scene& scene_;
@@ -117,30 +106,6 @@ class triangle_choice {
   std::vector<bool> whole_meshes_;
   std::set<std::string> kept_for_;  // extensions
 };
-
-// Removes extensions from the lists of a document that only compression, or meshes that are gone, used.
-void drop_extensions(json& document, const std::set<std::string>& before) {
-  const std::set<std::string> after = used_extensions(document);
-  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
-    const auto found = document.find(list);
-    if (found == document.end()) continue;
-    json left = json::array();
-    for (const json& name : *found)
-      if (!before.contains(name.get<std::string>()) || after.contains(name.get<std::string>())) left.push_back(name);
-    if (left.empty())
-      document.erase(found);
-    else
-      *found = std::move(left);
-  }
-}
-
-// A .pvs file of the scene is of its polygons and not of those that are left.
-void drop_embedded_pvs(json& document) {
-  const auto extras = document.find("extras");
-  if (extras == document.end() || !extras->is_object()) return;
-  const auto marks = extras->find("sightcell");
-  if (marks != extras->end() && marks->is_object()) marks->erase("pvs");
-}
 
 }  // namespace
 
@@ -207,9 +172,7 @@ stripped_scene gltf_stripper::strip(const std::vector<bool>& unwanted, std::vect
   stripped_scene out;
   for (const draw& d : s.draws) {
     const auto found = kept.find({d.mesh, d.primitive});
-    out.polygons += found == kept.end()
-                        ? d.polygon_count
-                        : static_cast<std::uint32_t>(std::count(found->second.begin(), found->second.end(), true));
+    out.polygons += found == kept.end() ? d.polygon_count : static_cast<std::uint32_t>(found->second.order.size());
   }
   out.source_bytes = state_->source_bytes(materials);
   std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);

@@ -26,7 +26,7 @@ constexpr int component_float = 5126;
 struct group_member {
   std::uint32_t mesh = 0, primitive = 0;
   std::vector<std::uint32_t> corners;  // of what stays
-  bool loses = false;                  // some of its triangles
+  bool loses = false;                  // some of its triangles, or their order
 };
 
 // Primitives with the same vertices.
@@ -131,11 +131,11 @@ class mesh_stripper {
       return;
     }
     const std::vector<std::uint32_t> triangles = to_triangles(std::move(corners), mode);
-    if (triangles.size() != 3 * found->second.size())
+    if (triangles.size() != 3 * std::size_t{found->second.count})
       source_of_member(m).fail("scene.bad-field", "has changed since it was loaded",
                                "run the command again while no other program writes the file");
-    for (std::size_t t = 0; t < found->second.size(); ++t)
-      if (found->second[t]) m.corners.insert(m.corners.end(), &triangles[3 * t], &triangles[3 * t] + 3);
+    for (const std::size_t t : found->second.order)
+      m.corners.insert(m.corners.end(), &triangles[3 * t], &triangles[3 * t] + 3);
   }
 
   std::vector<std::uint32_t> corners_in_file(const group_member& m, std::size_t vertex_count) {
@@ -297,11 +297,28 @@ class mesh_stripper {
       if (added) known->second = add_indices(m.corners);
       target["indices"] = known->second;
       if (m.loses) target.erase("mode");
+      if (m.loses) write_clusters(target, kept_.at({m.mesh, m.primitive}).clusters);
       const auto extensions = target.find("extensions");
       if (extensions == target.end()) continue;
       extensions->erase("KHR_draco_mesh_compression");
       if (extensions->empty()) target.erase("extensions");
     }
+  }
+
+  void write_clusters(json& target, const std::vector<std::uint32_t>& clusters) {
+    if (clusters.empty()) return;
+    json& extras = target["extras"];
+    if (!extras.is_object()) extras = json::object();
+    json& marks = extras["sightcell"];
+    if (!marks.is_object()) marks = json::object();
+    const std::uint32_t most = *std::max_element(clusters.begin(), clusters.end());
+    const int type = most <= 0xFF ? 5121 : most <= 0xFFFF ? 5123 : 5125;
+    const std::size_t size = component_size(type);
+    std::vector<std::uint8_t> bytes(clusters.size() * size);
+    for (std::size_t i = 0; i < clusters.size(); ++i)
+      for (std::size_t k = 0; k < size; ++k) bytes[i * size + k] = static_cast<std::uint8_t>(clusters[i] >> (8 * k));
+    marks["clusters"] =
+        add_accessor({{"componentType", type}, {"count", clusters.size()}, {"type", "SCALAR"}}, std::move(bytes));
   }
 
   void remove_empty_meshes() {

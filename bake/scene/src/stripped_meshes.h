@@ -1,5 +1,5 @@
 #pragma once
-// Removes triangles from the meshes of a document.
+// Removes triangles from the meshes of a document, or puts them in another order.
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -14,15 +14,22 @@
 
 namespace sightcell::scene {
 
-// Which triangles of a primitive stay, by mesh and primitive. Primitives that are not listed stay as they are.
-using kept_triangles = std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<bool>>;
+// The triangles of a primitive that stay.
+struct chosen_triangles {
+  std::uint32_t count = 0;                // of the primitive in the file
+  std::vector<std::uint32_t> order;       // those that stay, by their new number; each once
+  std::vector<std::uint32_t> clusters{};  // by new number, for extras.sightcell.clusters; empty: without
+};
+
+// By mesh and primitive. Primitives that are not listed stay as they are.
+using kept_triangles = std::map<std::pair<std::uint32_t, std::uint32_t>, chosen_triangles>;
 
 // The elements of accessors that a document has and its file does not, tightly packed; by number in the document.
 using added_accessors = std::map<std::size_t, std::vector<std::uint8_t>>;
 
-// Removes the other triangles, then primitives and meshes without any. Nodes of such meshes stay, without what needs a
-// mesh. Changed primitives are lists of triangles without compression. Vertices go with the last triangle of all
-// primitives that have the same vertices, unless one of these has morph targets.
+// Writes the triangles that stay in their new order, and removes primitives and meshes without any. Nodes of such
+// meshes stay, without what needs a mesh. Changed primitives are lists of triangles without compression. Vertices go
+// with the last triangle of all primitives that have the same vertices, unless one of these has morph targets.
 // document: changed; a copy of what root is the checked access of. Meshes are numbered anew, accessors are not.
 // Returns the new accessors.
 // Throws sightcell::error (bad_input).

@@ -100,6 +100,20 @@ struct gltf_sketch {
     return add_positions(positions);
   }
 
+  // An animation of more than 4 GiB where each accessor has bytes of its own: here, all have the same.
+  void add_more_than_a_glb_holds() {
+    const std::size_t size = std::size_t{1} << 20;
+    const int all = add_accessor(std::vector<std::uint8_t>(size), "SCALAR", 5121, size);
+    nlohmann::json samplers = nlohmann::json::array();
+    for (std::size_t i = 0; i < 4200; ++i) {
+      nlohmann::json accessor = json["accessors"][static_cast<std::size_t>(all)];
+      accessor["count"] = size - i;
+      json["accessors"].push_back(accessor);
+      samplers.push_back({{"input", json["accessors"].size() - 1}});
+    }
+    json["animations"] = {{{"samplers", samplers}}};
+  }
+
   std::string glb() const {
     nlohmann::json whole = json;
     if (!whole.contains("buffers")) whole["buffers"] = {{{"byteLength", binary.size()}}};

@@ -1,0 +1,32 @@
+#pragma once
+// The binary table of meshlets of a packed file: docs/meshlets.md defines its bytes.
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sightcell/scene/scene.h"
+
+namespace sightcell::scene {
+
+inline constexpr std::uint32_t meshlet_table_version = 1;
+
+// A primitive with meshlets.
+struct meshlet_group {
+  std::uint32_t mesh = 0, primitive = 0;       // glTF
+  std::vector<std::uint32_t> triangle_counts;  // by meshlet, 1 or more
+  bool deforms = false;                        // by a skin or by morph targets
+};
+
+// Returns the size of the table.
+std::uint64_t meshlet_table_bytes(std::span<const meshlet_group> groups);
+
+// Writes the table.
+// packed: the scene as it is loaded from the packed file, whose triangles are in the order of the meshlets.
+// into: meshlet_table_bytes() bytes.
+// Throws sightcell::error (bad_input) if a primitive has another number of triangles than its meshlets.
+void write_meshlet_table(std::span<const meshlet_group> groups, const scene& packed, std::span<std::byte> into);
+
+}  // namespace sightcell::scene

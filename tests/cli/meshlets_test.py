@@ -1,0 +1,252 @@
+"""`sightcell pack --meshlets`, read by a reader of its own: triangles, table, bounds, and what a bake makes of it."""
+import collections
+import json
+import math
+import os
+import random
+import struct
+
+from harness import InFolder, read
+
+TYPES = {5120: 'b', 5121: 'B', 5122: 'h', 5123: 'H', 5125: 'I', 5126: 'f'}
+WIDTHS = {'SCALAR': 1, 'VEC2': 2, 'VEC3': 3, 'VEC4': 4, 'MAT4': 16}
+ANYWHERE = struct.unpack('<f', b'\xff\xff\x7f\x7f')[0]
+Meshlet = collections.namedtuple('Meshlet', 'group first count vertex vertices center radius apex axis cutoff')
+
+
+class Glb:
+    def __init__(self, path):
+        data = read(path)
+        magic, version, length, size = struct.unpack_from('<4sIII', data)
+        assert (magic, version, length) == (b'glTF', 2, len(data))
+        self.json = json.loads(data[20:20 + size])
+        self.binary = data[20 + size + 8:]
+        assert len(self.binary) - self.json['buffers'][0]['byteLength'] in range(4)
+
+    def view(self, number):
+        view = self.json['bufferViews'][number]
+        at = view.get('byteOffset', 0)
+        assert at % 4 == 0 and at + view['byteLength'] <= len(self.binary)
+        return self.binary[at:at + view['byteLength']]
+
+    def numbers(self, accessor):
+        """The elements, as tuples. Floats keep their bits as they are packed again."""
+        a = self.json['accessors'][accessor]
+        view = self.json['bufferViews'][a['bufferView']]
+        form = '<' + str(WIDTHS[a['type']]) + TYPES[a['componentType']]
+        stride = view.get('byteStride', struct.calcsize(form))
+        at = view.get('byteOffset', 0) + a.get('byteOffset', 0)
+        return [struct.unpack_from(form, self.binary, at + i * stride) for i in range(a['count'])]
+
+    def primitives(self):
+        for m, mesh in enumerate(self.json['meshes']):
+            for p, primitive in enumerate(mesh['primitives']):
+                yield (m, p), primitive
+
+    def corners(self, primitive):
+        """The vertex numbers of triangles."""
+        if 'indices' in primitive:
+            flat = [i for i, in self.numbers(primitive['indices'])]
+        else:
+            flat = list(range(self.json['accessors'][primitive['attributes']['POSITION']]['count']))
+        mode = primitive.get('mode', 4)
+        if mode == 5:
+            return [(flat[i], flat[i + 1 + i % 2], flat[i + 2 - i % 2]) for i in range(len(flat) - 2)]
+        assert mode == 4
+        return [tuple(flat[i:i + 3]) for i in range(0, len(flat) // 3 * 3, 3)]
+
+    def table(self):
+        """(groups, meshlets)"""
+        where = self.json['extras']['sightcell']['meshlets']
+        data = self.view(where['bufferView'])
+        magic, version, groups, meshlets, group_bytes, bytes_each, *rest = struct.unpack_from('<8I', data)
+        assert (magic, version, where['version'], group_bytes, bytes_each, rest) == (0x4C4D4353, 1, 1, 16, 64, [0, 0])
+        assert len(data) == 32 + 16 * groups + 64 * meshlets
+        records = []
+        for i in range(meshlets):
+            r = struct.unpack_from('<5I11f', data, 32 + 16 * groups + 64 * i)
+            records.append(Meshlet(*r[:5], r[5:8], r[8], r[9:12], r[12:15], r[15]))
+        return [struct.unpack_from('<4I', data, 32 + 16 * i) for i in range(groups)], records
+
+
+def minus(a, b):
+    return tuple(x - y for x, y in zip(a, b))
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def write_glb(path, document, parts):
+    """parts: bytes of the buffer views, in their order."""
+    binary, views = b'', []
+    for part in parts:
+        binary += b'\0' * (-len(binary) % 4)
+        views.append({'buffer': 0, 'byteOffset': len(binary), 'byteLength': len(part)})
+        binary += part
+    binary += b'\0' * (-len(binary) % 4)
+    text = json.dumps({'asset': {'version': '2.0'}, **document, 'bufferViews': views,
+                       'buffers': [{'byteLength': len(binary)}]}).encode()
+    text += b' ' * (-len(text) % 4)
+    with open(path, 'wb') as out:
+        out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(binary)))
+        out.write(struct.pack('<I4s', len(text), b'JSON') + text + struct.pack('<I4s', len(binary), b'BIN\0') + binary)
+
+
+def write_sketch(path):
+    """A hilly grid of 800 triangles in an order without neighbors, twice with other materials, once mirrored; a strip; a
+    mesh that its scene has clusters for; one of another scene."""
+    random.seed(5)
+    points = [(x, math.sin(x) + math.cos(z), z) for z in range(21) for x in range(21)]
+    grid = []
+    for z in range(20):
+        for x in range(20):
+            a = 21 * z + x
+            grid += [(a, a + 21, a + 1), (a + 1, a + 21, a + 22)]
+    random.shuffle(grid)
+    some = grid[:300]
+    parts = [b''.join(struct.pack('<3f', *p) for p in points),
+             b''.join(struct.pack('<3H', *t) for t in grid), b''.join(struct.pack('<3H', *t) for t in some),
+             struct.pack('<6H', 0, 21, 1, 22, 2, 23), struct.pack('<300B', *(i % 3 * 7 for i in range(300)))]
+    accessors = [{'bufferView': 0, 'componentType': 5126, 'count': len(points), 'type': 'VEC3',
+                  'min': [0, -2, 0], 'max': [20, 2, 20]}]
+    accessors += [{'bufferView': i, 'componentType': 5121 if i == 4 else 5123, 'count': count, 'type': 'SCALAR'}
+                  for i, count in ((1, 2400), (2, 900), (3, 6), (4, 300))]
+    position = {'POSITION': 0}
+    write_glb(path, {
+        'scene': 0, 'scenes': [{'nodes': [0, 1, 2]}, {'nodes': [3]}],
+        'nodes': [{'mesh': 0, 'name': 'hills'}, {'mesh': 0, 'scale': [-1, 1, 1], 'translation': [-5, 0, 0]},
+                  {'mesh': 1, 'translation': [0, 30, 0]}, {'mesh': 2}],
+        'materials': [{'name': 'plain'}, {'name': 'both', 'doubleSided': True}],
+        'meshes': [{'primitives': [{'attributes': position, 'indices': 1, 'material': 0},
+                                   {'attributes': position, 'indices': 2, 'material': 1}]},
+                   {'primitives': [{'attributes': position, 'indices': 3, 'mode': 5},
+                                   {'attributes': position, 'indices': 2,
+                                    'extras': {'sightcell': {'clusters': 4}, 'other': 1}}]},
+                   {'primitives': [{'attributes': position, 'indices': 2}]}],
+        'accessors': accessors, 'extras': {'sightcell': {'start': 1}}}, parts)
+
+
+class Meshlets(InFolder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.sketch = cls.path('sketch.glb')
+        write_sketch(cls.sketch)
+        cls.city = cls.make_city('city.glb', polygons=3000)
+
+    def pack(self, scene, name):
+        packed = self.path(name)
+        told = json.loads(self.expect(0, 'pack', '--meshlets', scene, '-o', packed, '--json')[0])
+        self.assertEqual(told['bytes'], os.path.getsize(packed))
+        return Glb(packed), told
+
+    def expect_same_triangles(self, source, packed):
+        """Of each primitive: the same triangles, each as often, with the same corners first."""
+        self.assertEqual(packed.json['nodes'], source.json['nodes'])
+        for (key, before), (same_key, after) in zip(source.primitives(), packed.primitives()):
+            self.assertEqual(key, same_key)
+            self.assertEqual(before.get('material'), after.get('material'))
+            corners = []
+            for glb, primitive in ((source, before), (packed, after)):
+                columns = [glb.numbers(primitive['attributes'][name]) for name in sorted(primitive['attributes'])]
+                vertices = list(zip(*columns))
+                corners.append(sorted(tuple(vertices[i] for i in t) for t in glb.corners(primitive)))
+            self.assertEqual(corners[0], corners[1], key)
+
+    def expect_table(self, packed, told):
+        groups, meshlets = packed.table()
+        self.assertEqual((len(groups), len(meshlets)), (told['primitives'], told['meshlets']))
+        self.assertEqual([g[:2] for g in groups], sorted(g[:2] for g in groups))
+        primitives = dict(packed.primitives())
+        at = 0
+        for number, (mesh, primitive, first, count) in enumerate(groups):
+            self.assertEqual(first, at)
+            self.expect_group(packed, primitives[mesh, primitive], number, meshlets[first:first + count])
+            at += count
+        self.assertEqual(at, len(meshlets))
+        return groups, meshlets
+
+    def expect_group(self, packed, primitive, number, meshlets):
+        triangles = packed.corners(primitive)
+        positions = packed.numbers(primitive['attributes']['POSITION'])
+        clusters = [c for c, in packed.numbers(primitive['extras']['sightcell']['clusters'])]
+        self.assertEqual(clusters, [i for i, m in enumerate(meshlets) for _ in range(m.count)])
+        at = 0
+        for m in meshlets:
+            self.assertEqual((m.group, m.first), (number, 3 * at))
+            own = triangles[at:at + m.count]
+            used = {i for t in own for i in t}
+            self.assertEqual((min(used), max(used) + 1), (m.vertex, m.vertex + m.vertices))
+            for i in used:
+                self.assertLessEqual(math.dist(positions[i], m.center), m.radius)
+            widest = max(math.dist(positions[i], positions[j]) for i in used for j in used)
+            self.assertLessEqual(m.radius, widest + 1e-4)
+            self.expect_cone(m, [[positions[i] for i in t] for t in own])
+            at += m.count
+        self.assertEqual(at, len(triangles))
+
+    def expect_cone(self, m, triangles):
+        """Where the cone faces away, so does each triangle."""
+        if m.cutoff == 1:
+            self.assertEqual(m.axis, (0, 0, 0))
+            return
+        self.cones += 1
+        for _ in range(30):
+            eye = tuple(c + 4 * m.radius * random.uniform(-1, 1) for c in m.center)
+            to_apex = minus(m.apex, eye)
+            if dot(to_apex, m.axis) < m.cutoff * math.hypot(*to_apex):
+                continue
+            self.culled += 1
+            for a, b, c in triangles:
+                normal = cross(minus(b, a), minus(c, a))
+                self.assertGreaterEqual(dot(normal, minus(a, eye)), -1e-4 * math.hypot(*normal) * m.radius)
+
+    def expect_columns(self, packed_path, told, *more):
+        """A bake of the packed scene has a column for each meshlet of each draw, also after a recode."""
+        bake = ['bake', packed_path, *more, '--quality', 'draft', '--cell-limit', '3']
+        plain, baked, recoded = (self.path(name) for name in ('plain.pvs', 'baked.pvs', 'recoded.pvs'))
+        self.expect(0, *bake, '-o', plain)
+        self.expect(0, *bake, '-o', baked, '--granularity', 'cluster')
+        self.expect(0, 'recode', plain, '--granularity', 'cluster', '--scene', packed_path, '-o', recoded)
+        for path in (baked, recoded):
+            info = json.loads(self.expect(0, 'info', path, '--json')[0])
+            self.assertEqual((info['clusters'], info['polygons']), (told['drawn_meshlets'], told['polygons']))
+
+    def test_sketch(self):
+        self.cones = self.culled = 0
+        packed, told = self.pack(self.sketch, 'sketch-packed.glb')
+        self.expect_same_triangles(Glb(self.sketch), packed)
+        groups, meshlets = self.expect_table(packed, told)
+        self.assertEqual([g[:2] for g in groups], [(0, 0), (0, 1), (1, 0), (1, 1)], 'not of the other scene')
+        self.assertEqual(groups[3][3], 3, "the scene's own clusters")
+        self.assertTrue(all(m.cutoff == 1 for m in meshlets if m.group == 1), 'double-sided')
+        self.assertTrue(self.cones > 5 and self.culled > 20, (self.cones, self.culled))
+        self.assertTrue(max(m.count for m in meshlets if m.group == 0) <= 128)
+        self.assertEqual(packed.json['extras']['sightcell']['start'], 1)
+        self.assertEqual(packed.json['meshes'][1]['primitives'][1]['extras']['other'], 1)
+        self.assertEqual(told['drawn_meshlets'], 2 * (groups[0][3] + groups[1][3]) + groups[2][3] + groups[3][3])
+        again, _ = self.pack(self.path('sketch-packed.glb'), 'again.glb')
+        self.assertEqual(again.table(), packed.table(), 'packing again changes nothing')
+
+    def test_city(self):
+        self.cones = self.culled = 0
+        packed, told = self.pack(self.city, 'packed.glb')
+        self.expect_same_triangles(Glb(self.city), packed)
+        self.expect_table(packed, told)
+        before = read(self.path('packed.glb'))
+        out, _ = self.expect(0, 'pack', '--meshlets', self.city, '-o', self.path('packed.glb'))
+        self.assertEqual(read(self.path('packed.glb')), before)
+        self.assertRegex(out, r'packed\.glb: [\d,]+ triangles of \d+ primitives in [\d,]+ meshlets \([\d,]+ with all inst')
+        self.expect_columns(self.path('packed.glb'), told)
+
+    def test_wrong_use(self):
+        for arguments in (['--meshlets', self.city, 'level.pvs', '-o', 'a.glb'], [self.city, '-o', 'a.glb'],
+                          ['--meshlets', '--stream', self.city, '-o', 'a']):
+            self.assert_one_error_line(self.expect(2, 'pack', *arguments)[1], 'cli.wrong-use')
+        self.assert_one_error_line(self.expect(2, 'pack', '--meshlets', self.city, '-o', self.city)[1],
+                                   'cli.output-is-input')
