@@ -149,6 +149,8 @@ ordered_json file_info(const pvs_file& pvs, const std::string& name) {
           {"bits_per_visible_polygon", sums.bits_per_visible_polygon()},
           {"runs_per_cell", sums.runs_per_cell()},
           {"ranges_per_cell", sums.ranges_per_cell()},
+          {"joined_ranges_per_cell", sums.joined_ranges_per_cell()},
+          {"draws_per_cell", sums.draws_per_cell()},
           {"clusters", file.cluster_count()},  // 0: sets are of polygons
           {"clusters_per_cell", sums.clusters_per_cell()},
           {"chunks", sums.chunks},

@@ -13,6 +13,7 @@
 #include "number_text.h"
 #include "pvs_file.h"
 #include "scene_info.h"
+#include "sightcell/format/reader.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
 
@@ -28,6 +29,12 @@ struct info_options {
   int scene = -1;
 };
 
+// Returns whether the settings of a file are those of a bake with --cell-limit.
+bool is_trial(const ordered_json& settings) {
+  const auto limit = settings.is_object() ? settings.find("cell_limit") : settings.end();
+  return settings.is_object() && limit != settings.end() && limit->is_number_unsigned() && *limit > 0;
+}
+
 void print_file(const std::filesystem::path& path, const ordered_json& info) {
   fmt::print("{}: {} cells, {} polygons, {} draws, {} bytes, format version {}\n", path.string(),
              grouped(info["cells"]), grouped(info["polygons"]), grouped(info["draws"]), grouped(info["bytes"]),
@@ -35,6 +42,13 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
   fmt::print("  visible per cell   {:.3f} % of all polygons, {:.1f} runs, {:.1f} ranges\n",
              info["visible_set_percent"].get<double>(), info["runs_per_cell"].get<double>(),
              info["ranges_per_cell"].get<double>());
+  fmt::print(
+      "  calls per cell     {:.1f} of whole objects, {:.1f} of ranges, {:.1f} with gaps below {} polygons drawn too\n",
+      info["draws_per_cell"].get<double>(), info["ranges_per_cell"].get<double>(),
+      info["joined_ranges_per_cell"].get<double>(), format::row_statistics::joined_gap);
+  if (is_trial(info["settings"]))
+    fmt::print(
+        "  trial              not all cells of the scene: the whole bake has more ranges per cell and more bits\n");
   if (info["clusters"].get<std::uint32_t>() > 0)
     fmt::print("  clusters           {} in the scene, {:.1f} per cell\n", grouped(info["clusters"]),
                info["clusters_per_cell"].get<double>());

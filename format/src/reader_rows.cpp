@@ -263,6 +263,20 @@ std::uint64_t reader::count_ranges(std::span<const run> runs) const noexcept {
   return ranges;
 }
 
+void reader::add_draw_calls(std::span<const run> runs, row_statistics& sums) const noexcept {
+  std::uint32_t last_unit = 0xFFFFFFFFu;
+  std::uint32_t end = 0;  // of the range before
+  for_each_draw_range(
+      runs, range_units_, facts_.polygon_count, [&](std::uint32_t unit) { return range_unit_begin(unit); },
+      [&](std::uint32_t unit, std::uint32_t first, std::uint32_t count) {
+        ++sums.ranges;
+        if (unit != last_unit) ++sums.draws;
+        if (unit != last_unit || first - end >= row_statistics::joined_gap) ++sums.joined_ranges;
+        last_unit = unit;
+        end = first + count;
+      });
+}
+
 // Rows follow each other in the order of the first cell that uses them; a shared row is an earlier one.
 status reader::check_chunk_filled(const cell_chunk& cells, const row_codes* codes,
                                   std::span<std::byte> scratch) const noexcept {
@@ -390,7 +404,7 @@ status reader::statistics(const row_codes* codes, std::span<run> out, std::span<
     total.delta_rows += record.delta ? 1 : 0;
     total.shared_rows += record.shared ? 1 : 0;
     total.runs += parts.polygons.size();
-    total.ranges += count_ranges(parts.polygons);
+    add_draw_calls(parts.polygons, total);
     total.polygons += sum_of(parts.polygons);
     if (layout::reads_clusters && has_clusters_)
       codes->clusters.for_each(parts.polygons, [&](const run& r) { total.clusters += r.count; });

@@ -1,6 +1,7 @@
 // The C functions of files: each checks its arguments and calls the implementation. Statuses of format have the same
 // numbers.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -295,7 +296,8 @@ sightcell_status sightcell_db_error_bounds(const sightcell_db* db, float* dst, s
     format::certificate_record proof;
     if (file.certificate(cell, proof) != format::status::ok) return SIGHTCELL_ERR_CORRUPT;
     auto bound = static_cast<float>(proof.upper_bound);
-    if (bound < proof.upper_bound) bound = std::nextafter(bound, 2.0f);  // of version 0: a double; never below it
+    // Of version 0 it is a double. The result is never below it. Hosts in C link no library with nextafter.
+    if (bound < proof.upper_bound) bound = std::bit_cast<float>(std::bit_cast<std::uint32_t>(bound) + 1);
     dst[cell] = proof.rays == 0 ? 1.0f : bound;
   }
   return SIGHTCELL_OK;

@@ -23,6 +23,7 @@ class Bake(InRoom):
 
         info = json.loads(self.expect(0, 'info', file, '--json')[0])
         for key in ('cells', 'polygons', 'bytes', 'bits_per_visible_polygon', 'runs_per_cell', 'ranges_per_cell',
+                    'draws_per_cell', 'joined_ranges_per_cell',
                     'delta_row_percent', 'false_visible_percent', 'layout', 'sections', 'fingerprint', 'settings',
                     'repeatable', 'certificate'):
             self.assertIn(key, info)

@@ -267,12 +267,17 @@ TEST(reader, statistics_are_the_sums) {
       const bool follows = i > 0 && contents.sets[cell][i - 1] + 1 == p;
       expected.runs += follows ? 0 : 1;
       expected.ranges += follows && p != 120 ? 0 : 1;
+      const bool begins = i == 0 || (contents.sets[cell][i - 1] < 120 && p >= 120);  // of a draw: the other has 120 on
+      expected.draws += begins ? 1 : 0;
+      expected.joined_ranges += begins || p - contents.sets[cell][i - 1] > row_statistics::joined_gap ? 1 : 0;
     }
   }
   EXPECT_EQ(sums.cells, 67u);
   EXPECT_EQ(sums.polygons, expected.polygons);
   EXPECT_EQ(sums.runs, expected.runs);
   EXPECT_EQ(sums.ranges, expected.ranges);
+  EXPECT_EQ(sums.draws, expected.draws);
+  EXPECT_EQ(sums.joined_ranges, expected.joined_ranges);
   EXPECT_EQ(sums.delta_rows, expected.delta_rows);
   EXPECT_GT(sums.delta_rows, 30u);
   EXPECT_EQ(sums.shared_rows, 1u);
@@ -284,6 +289,24 @@ TEST(reader, statistics_are_the_sums) {
   EXPECT_DOUBLE_EQ(sums.bits_per_visible_polygon(), 8.0 * static_cast<double>(sums.row_bytes + sums.directory_bytes) /
                                                         static_cast<double>(sums.polygons));
   EXPECT_DOUBLE_EQ(sums.runs_per_cell(), static_cast<double>(sums.runs) / 67.0);
+}
+
+TEST(reader, statistics_join_ranges_with_small_gaps) {
+  sample_contents contents = small_contents();
+  const auto joined_ranges = [&](const std::vector<std::uint32_t>& set) {
+    for (std::vector<std::uint32_t>& of_cell : contents.sets) of_cell = set;
+    const auto bytes = contents.encode();
+    reader file;
+    EXPECT_EQ(reader::open(bytes, file), status::ok);
+    decoding room(file);
+    row_statistics sums;
+    EXPECT_EQ(file.statistics(room.codes, room.runs, room.scratch, sums), status::ok);
+    EXPECT_DOUBLE_EQ(sums.draws_per_cell(), 2.0);  // polygons up to 119, and from 120 on
+    return sums.joined_ranges_per_cell();
+  };
+  EXPECT_DOUBLE_EQ(joined_ranges({0, 64, 129, 130, 140}), 2.0) << "63 polygons between two ranges";
+  EXPECT_DOUBLE_EQ(joined_ranges({0, 65, 129, 130, 140}), 3.0) << "64 polygons";
+  EXPECT_DOUBLE_EQ(joined_ranges({119, 120}), 2.0) << "draws are not joined";
 }
 
 TEST(reader, bounds_are_reached_and_kept) {

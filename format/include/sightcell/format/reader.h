@@ -71,6 +71,8 @@ struct row_statistics {
   std::uint64_t polygons = 0;         // sum of the polygons of all cell sets
   std::uint64_t runs = 0;             // sum of runs of polygons in stored order
   std::uint64_t ranges = 0;           // sum of (draw, first, count) ranges
+  std::uint64_t draws = 0;            // sum of the draws, or draw groups, with a polygon in the set
+  std::uint64_t joined_ranges = 0;    // sum of ranges where those with less than joined_gap polygons between are one
   std::uint64_t clusters = 0;         // sum of the clusters of all cell sets; 0 for a file without clusters
   std::uint64_t volumes = 0;          // sum of the volumes of all cell sets
   std::uint64_t volume_runs = 0;      // sum of runs of volumes
@@ -81,6 +83,10 @@ struct row_statistics {
   std::uint64_t largest_chunk = 0;    // bytes
   std::uint64_t directory_bytes = 0;  // size of the row directory, the chunk borders and the code tables
 
+  static constexpr std::uint32_t joined_gap = 64;
+
+  [[nodiscard]] double draws_per_cell() const { return per_cell(static_cast<double>(draws)); }
+  [[nodiscard]] double joined_ranges_per_cell() const { return per_cell(static_cast<double>(joined_ranges)); }
   [[nodiscard]] double runs_per_cell() const { return per_cell(static_cast<double>(runs)); }
   [[nodiscard]] double ranges_per_cell() const { return per_cell(static_cast<double>(ranges)); }
   [[nodiscard]] double delta_row_percent() const { return per_cell(100.0 * static_cast<double>(delta_rows)); }
@@ -263,6 +269,7 @@ class reader {
 
   // The number of (draw, first, count) ranges of runs from decode_row.
   [[nodiscard]] std::uint64_t count_ranges(std::span<const run> runs) const noexcept;
+  void add_draw_calls(std::span<const run> runs, row_statistics& sums) const noexcept;
 
   // Whether there is an importance section, which orders the polygons of each cell.
   [[nodiscard]] bool has_importance() const noexcept { return has_importance_; }
