@@ -98,6 +98,9 @@ internal static unsafe class Dump
             status = Try(() => { database.CellViewpoints(c, out valid, out outside); return 0; }, out _);
             Floats("shares", status, valid, outside);
         }
+        float[] bounds = new float[0];
+        Status ofBounds = Try(() => { bounds = database.ErrorBounds(); return 0; }, out _);
+        Line("bounds", ofBounds, bounds.Length, bounds, bounds.Length);
         for (uint v = 0; v < database.VolumeCount; ++v) Floats("volume", database.VolumeBox(v));
         PolygonRange[] clusters = database.Clusters();
         Line("clusters", Status.Ok, clusters.Length, clusters, 3 * clusters.Length);

@@ -76,6 +76,9 @@ static void write_scene(void) {
     floats("eye", sightcell_db_cell_eye(db, c, 0, eye), eye, 3);
     floats("shares", sightcell_db_cell_viewpoints(db, c, shares, shares + 1), shares, 2);
   }
+  const sightcell_status of_bounds = sightcell_db_error_bounds(db, (float*)words, 60000, &count);
+  if (of_bounds != SIGHTCELL_OK) count = 0;
+  line("bounds", of_bounds, count, words, count);
   for (uint32_t v = 0; v < sightcell_db_volume_count(db); ++v)
     floats("volume", sightcell_db_volume_box(db, v, box, box + 3), box, 6);
   sightcell_db_clusters(db, ranges, 20000, &count);

@@ -228,7 +228,6 @@ std::string bounds_section(const report_data& data) {
 std::string growth_section(const report_data& data) {
   const ordered_json& found = member_of(data.bake, "found_by");
   std::vector<bar> bars;
-  double so_far = 0.0;
   for (const auto& [name, key] : {std::pair("hemicubes of the sampler", "sampler"),
                                   {"in all sets, or touching the cell", "touching"},
                                   {"rays toward what adjacent cells see", "adjacent_cells"},
@@ -238,9 +237,7 @@ std::string growth_section(const report_data& data) {
                                   {"misses that a host reported", "reported"}}) {
     const double share = number_at(found, key);
     if (!(share > 0.0)) continue;
-    so_far += share;
-    bars.push_back(
-        {name, share, fmt::format("{}, {} so far", percent_text(100.0 * share), percent_text(100.0 * so_far))});
+    bars.push_back({name, share, percent_text(100.0 * share)});
   }
   if (bars.empty()) return "";
   return "<h2>How the sets grew</h2>\n<p>The steps of a cell, and the share of the polygons of all sets that each "

@@ -151,6 +151,19 @@ namespace Sightcell
             return status == Status.Ok;
         }
 
+        /// <summary>The upper bound of the miss probability of each cell, 0 .. 1. Throws Status.Absent if the file has no
+        /// bounds.</summary>
+        public float[] ErrorBounds()
+        {
+            float[] bounds = new float[Info.CellCount];
+            UIntPtr count;
+            fixed (float* dst = bounds)
+            {
+                Check(Native.sightcell_db_error_bounds(Pointer, dst, (UIntPtr)bounds.Length, &count), name);
+            }
+            return bounds;
+        }
+
         /// <summary>Which share of a cell its error bound is about: see sightcell_db_cell_viewpoints.</summary>
         public void CellViewpoints(uint cell, out float validShare, out float outsideShare)
         {
