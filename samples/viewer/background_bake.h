@@ -29,7 +29,7 @@ class background_bake {
   enum class step { idle, running, done, failed, stopped };
 
   explicit background_bake(bake_command command) : command_(std::move(command)) {}
-  // Ends the process. What it has finished stays on the disk, and the same bake goes on from there.
+  // Ends the process. What it has finished stays on the disk, and the same bake resumes.
   ~background_bake();
   background_bake(const background_bake&) = delete;
   background_bake& operator=(const background_bake&) = delete;

@@ -9,10 +9,6 @@ void bake_preview::update(std::span<const finished_cell> finished, const glm::ve
   }
   const std::size_t before = shown_ ? shown_->size() : 0, now = finished.size();
   const bool enough = now >= before + before / 4 + 1 || (complete && now > before);
-  if (now < before) {  // another bake has begun
-    shown_.reset();
-    return;
-  }
   if (!enough || clock::now() - made_ < std::chrono::seconds(1)) return;
   made_ = clock::now();
   coming_ = std::make_unique<cell_map>(finished, world_);

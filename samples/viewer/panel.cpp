@@ -70,7 +70,7 @@ void write_bake(const frame_facts& facts, controls& state) {
   const background_bake& bake = *facts.bake;
   if (bake.now() == step::running) return write_running_bake(bake, state);
   if (bake.now() == step::failed) colored_line(bad, bake.error());
-  if (bake.now() == step::stopped) colored_line(warm, "the bake was stopped; Bake goes on from there");
+  if (bake.now() == step::stopped) colored_line(warm, "the bake was stopped; Bake resumes it");
   const std::string name = std::filesystem::path(bake.output()).filename().string();
   if (facts.file_beside && bake.now() != step::done) {
     if (ImGui::Button(("Open " + name).c_str())) state.open_file = true;

@@ -99,7 +99,7 @@ void write_set(const device& on, VkDescriptorSet set, std::span<const buffer* co
                                    .descriptorCount = static_cast<std::uint32_t>(infos.size()),
                                    .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                                    .pBufferInfo = infos.data()};
-  vkUpdateDescriptorSets(on.get(), 1, &write, 0, nullptr);  // goes on with the next bindings
+  vkUpdateDescriptorSets(on.get(), 1, &write, 0, nullptr);  // the array continues in the next bindings
 }
 
 }  // namespace

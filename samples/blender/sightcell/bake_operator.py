@@ -138,7 +138,7 @@ class BakeSteps:
         raise Problem(errors[-1].text)
 
     def abandon(self):
-        """Blender goes on without this bake."""
+        """Ends a bake whose result is not wanted."""
         if state.job is not None:
             state.job.cancel()
             state.job = None

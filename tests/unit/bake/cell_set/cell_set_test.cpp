@@ -75,6 +75,9 @@ TEST(cell_set, who_joins_brings_its_duplicates) {
   EXPECT_FALSE(set.add(again, {0, 0, 1}));
   EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{wall, again}));
   EXPECT_EQ(set.witness(again), glm::vec3(0, 0, 0));
+  cell_record saved;
+  set.save(saved);
+  EXPECT_EQ(saved.found, (find_counts{2, 0, 0, 0, 0, 0, 0})) << "both are counted";
   set.add_view({1, 0, 0}, {{again + 1, 9}, {apart, 3}});
   EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{wall, wall + 1, apart, again, again + 1}));
   EXPECT_EQ(set.witness(wall + 1), glm::vec3(1, 0, 0));
