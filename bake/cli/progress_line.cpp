@@ -125,9 +125,14 @@ void progress_line::print_json() {
   nlohmann::ordered_json slow = nullptr;
   if (last_.slow) slow = {{"cell", last_.slow->cell}, {"center", last_.slow->center}, {"seconds", last_.slow->seconds}};
   nlohmann::ordered_json bounded = nlohmann::ordered_json::array();
-  for (const bake::bounded_cell& c : last_.bounded)
-    bounded.push_back(
-        {{"cell", c.cell}, {"min", c.min}, {"max", c.max}, {"polygons", c.polygons}, {"upper_bound", c.bound}});
+  for (const bake::bounded_cell& c : last_.bounded) {
+    bounded.push_back({{"cell", c.cell},
+                       {"min", c.min},
+                       {"max", c.max},
+                       {"polygons", c.polygons},
+                       {"upper_bound", c.bound},
+                       {"seconds", c.seconds >= 0.0 ? nlohmann::ordered_json(c.seconds) : nullptr}});
+  }
   const nlohmann::ordered_json line = {{"phase", phase_name(last_.phase)},
                                        {"cells", last_.cells_done},
                                        {"cells_total", last_.cells_total},

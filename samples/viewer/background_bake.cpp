@@ -122,8 +122,9 @@ void background_bake::take_progress(const std::string& line) {
     prepared_ = now.at("prepared").get<double>();
     seconds_left_ = now.at("seconds_left").get<double>();
     for (const nlohmann::json& one : now.at("bounded_cells")) {
+      const nlohmann::json& seconds = one.at("seconds");
       finished_.push_back({point_of(one.at("min")), point_of(one.at("max")), one.at("polygons").get<std::uint32_t>(),
-                           one.at("upper_bound").get<float>()});
+                           one.at("upper_bound").get<float>(), seconds.is_number() ? seconds.get<float>() : -1.0f});
     }
   } catch (const nlohmann::json::exception&) {
     // Of a program of another version: there is less to show, and the bake goes on.

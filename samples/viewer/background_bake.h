@@ -13,6 +13,7 @@ struct finished_cell {
   glm::vec3 min{0.0f}, max{0.0f};  // meters
   std::uint32_t polygons = 0;
   float bound = 1.0f;
+  float seconds = -1.0f;  // that the bake took for it; negative if an earlier bake has begun it
   glm::vec3 middle() const { return 0.5f * (min + max); }
 };
 

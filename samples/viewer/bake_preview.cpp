@@ -4,7 +4,9 @@ namespace viewer {
 
 void bake_preview::update(std::span<const finished_cell> finished, const glm::vec3& eye, bool complete) {
   if (coming_) {
-    if (coming_->prepare(eye)) shown_ = std::move(coming_);
+    if (!coming_->prepare(eye)) return;
+    if (shown_) coming_->color_as(*shown_);
+    shown_ = std::move(coming_);
     return;
   }
   const std::size_t before = shown_ ? shown_->size() : 0, now = finished.size();

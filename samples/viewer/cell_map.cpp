@@ -20,7 +20,10 @@ namespace picture = sightcell::picture;
 
 constexpr float lowest_eye = 0.9f;      // meters: how far automatic cells begin above the floor
 constexpr std::size_t some = 64;        // cells counted per frame
+constexpr float longest_cell = 1e30f;   // seconds
+constexpr float same_box = 0.01f;       // of its shortest side: how far corners may be apart
 constexpr std::uint32_t widest = 2048;  // pixels of a plan on the device
+constexpr std::array<float, 3> no_heat{0.5f, 0.5f, 0.5f};
 const ImU32 map_here_color = IM_COL32(255, 226, 60, 255), map_frozen_color = IM_COL32(30, 240, 255, 255);
 
 picture::plan_rectangle rectangle_of(const cell& c) {
@@ -81,13 +84,39 @@ void draw_eye(ImDrawList& list, const ImVec2& at, const fly_camera& camera, floa
 }
 
 std::string bound_text(float bound) {
-  return bound < 1.0f ? fmt::format("{:.1e}", bound) : std::string("no bound");
+  return fmt::format("{:.1e}", bound);
+}
+
+std::string seconds_text(float seconds) {
+  return fmt::format("{:.2g} s", seconds);
 }
 
 }  // namespace
 
+known_values::known_values(std::vector<float> of_cell, float below) : of_cell_(std::move(of_cell)), below_(below) {
+  for (std::uint32_t c = 0; c < of_cell_.size(); ++c) {
+    const std::optional<float> value = of(c);
+    if (!value) continue;
+    lowest_ = any() ? std::min(lowest_, *value) : *value;
+    highest_ = std::max(highest_, *value);
+    ++count_;
+  }
+}
+
+std::optional<float> known_values::of(std::uint32_t cell) const {
+  if (cell >= of_cell_.size() || !(of_cell_[cell] > 0.0f && of_cell_[cell] < below_)) return std::nullopt;
+  return of_cell_[cell];
+}
+
+std::optional<float> known_values::heat(std::uint32_t cell) const {
+  const std::optional<float> value = of(cell);
+  if (!value) return std::nullopt;
+  const float range = std::log(highest_ / lowest_);
+  return range > 0.0f ? std::log(*value / lowest_) / range : 0.5f;
+}
+
 cell_map::cell_map(const baked_scene& baked, const sightcell::scene::world_geometry& world)
-    : cells_(baked.cells), world_(world), bounds_(baked.bounds) {
+    : cells_(baked.cells), world_(world), bounds_(baked.bounds, 1.0f) {
   make_floors();
   if (cells_.empty()) return;
   if (auto created = sightcell::view::create(*baked.db); created) view_ = std::move(*created);
@@ -95,12 +124,16 @@ cell_map::cell_map(const baked_scene& baked, const sightcell::scene::world_geome
 
 cell_map::cell_map(std::span<const finished_cell> finished, const sightcell::scene::world_geometry& world)
     : world_(world) {
+  std::vector<float> bounds, seconds;
   for (const finished_cell& c : finished) {
-    cells_.push_back({c.min, c.max, {}, 0.5f * (c.min + c.max)});
+    cells_.push_back({c.min, c.max, {}, c.middle()});
     polygons_.push_back(c.polygons);
-    bounds_.push_back(c.bound);
+    bounds.push_back(c.bound);
+    seconds.push_back(c.seconds);
     most_ = std::max(most_, c.polygons);
   }
+  bounds_ = known_values(std::move(bounds), 1.0f);
+  seconds_ = known_values(std::move(seconds), longest_cell);
   make_floors();
   // All of the scene, so that the map stays in place while cells come.
   frame_ = {world.min.x, world.min.z, world.max.x, world.max.z};
@@ -123,11 +156,25 @@ void cell_map::make_floors() {
   plans_.resize(floors_.size());
   frame_ = around(cells_);
   extent_ = picture::plan_extent(frame_);
-  for (const float bound : bounds_) {
-    if (!(bound > 0.0f && bound < 1.0f)) continue;
-    lowest_bound_ = std::min(lowest_bound_, bound);
-    highest_bound_ = std::max(highest_bound_, bound);
+}
+
+void cell_map::take_seconds(std::span<const finished_cell> finished) {
+  std::vector<const finished_cell*> by_x;
+  for (const finished_cell& c : finished) by_x.push_back(&c);
+  const auto left_of = [](const finished_cell* c, float x) { return c->min.x < x; };
+  std::sort(by_x.begin(), by_x.end(),
+            [](const finished_cell* a, const finished_cell* b) { return a->min.x < b->min.x; });
+  std::vector<float> seconds(cells_.size(), -1.0f);
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    const cell& box = cells_[c];
+    const glm::vec3 sides = box.max - box.min;
+    const float apart = same_box * std::min({sides.x, sides.y, sides.z});
+    auto at = std::lower_bound(by_x.begin(), by_x.end(), box.min.x - apart, left_of);
+    for (; at != by_x.end() && (*at)->min.x <= box.min.x + apart; ++at) {
+      if (glm::distance((*at)->min, box.min) + glm::distance((*at)->max, box.max) < apart) seconds[c] = (*at)->seconds;
+    }
   }
+  seconds_ = known_values(std::move(seconds), longest_cell);
 }
 
 // That of the nearest cell.
@@ -181,15 +228,24 @@ void cell_map::take_plan(plan& p, bool wait) {
   glTextureParameteri(p.texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
 }
 
+// The button that shows what colors mean, and changes it.
+void cell_map::draw_choice() {
+  static constexpr std::array names{"polygons", "bound", "seconds"};
+  if (!bounds_.any() && !seconds_.any()) return;
+  ImGui::SameLine();
+  if (ImGui::SmallButton(names[static_cast<std::size_t>(coloring_)])) {
+    do {
+      coloring_ = static_cast<coloring>((static_cast<std::size_t>(coloring_) + 1) % names.size());
+    } while (coloring_ != coloring::polygons && !values().any());
+  }
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("color of a cell: its polygons, the bound of its miss probability, or the seconds of its bake");
+}
+
 void cell_map::draw_title() {
   const map_floor& floor = floors_[*floor_];
   ImGui::Text("Floor %zu of %zu: %zu cells", *floor_ + 1, floors_.size(), floor.cells.size());
-  if (highest_bound_ > 0.0f) {
-    ImGui::SameLine();
-    if (ImGui::SmallButton(by_bound_ ? "bound" : "polygons")) by_bound_ = !by_bound_;
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("color of a cell: its polygons, or the bound of its miss probability");
-  }
+  draw_choice();
   if (floors_.size() <= 1) return;
   ImGui::SameLine(ImGui::GetWindowWidth() - 62.0f);
   if (ImGui::ArrowButton("lower", ImGuiDir_Down) && *floor_ > 0) --*floor_;
@@ -204,6 +260,7 @@ std::optional<std::uint32_t> cell_map::draw(const fly_camera& camera, std::uint3
   if (here != last_here_ && here < floor_of_cell_.size()) floor_ = floor_of_cell_[here];
   last_here_ = here;
   count_polygons(wait);
+  if (coloring_ != coloring::polygons && !values().any()) coloring_ = coloring::polygons;
   if (!plans_[*floor_].begun) begin_plan(*floor_);
   take_plan(plans_[*floor_], wait);
 
@@ -218,15 +275,14 @@ std::optional<std::uint32_t> cell_map::draw(const fly_camera& camera, std::uint3
   return clicked;
 }
 
-// The share of the color ramp: of the most polygons, or between the smallest and the largest bound, by logarithms.
-float cell_map::heat_of(std::uint32_t cell) const {
-  if (!by_bound_) {
+// The share of the color ramp. A cell without a bound is as red as the worst one.
+std::optional<float> cell_map::heat_of(std::uint32_t cell) const {
+  if (coloring_ == coloring::polygons) {
     return cell < polygons_.size() && most_ > 0 ? static_cast<float>(polygons_[cell]) / static_cast<float>(most_)
                                                 : 0.0f;
   }
-  if (!(bounds_[cell] < 1.0f) || !(bounds_[cell] > 0.0f)) return 1.0f;
-  const float range = std::log(highest_bound_ / lowest_bound_);
-  return range > 0.0f ? std::log(bounds_[cell] / lowest_bound_) / range : 0.5f;
+  const std::optional<float> heat = values().heat(cell);
+  return heat || coloring_ == coloring::seconds ? heat : 1.0f;
 }
 
 // Returns the cell under the mouse.
@@ -236,7 +292,8 @@ std::optional<std::uint32_t> cell_map::draw_boxes(const placement& place, bool h
   std::optional<std::uint32_t> under;
   for (const std::uint32_t c : floors_[*floor_].cells) {
     const ImVec2 a = place.low(cells_[c]), b = place.high(cells_[c]);
-    const std::array<float, 3> color = heat_color(heat_of(c));
+    const std::optional<float> heat = heat_of(c);
+    const std::array<float, 3> color = heat ? heat_color(*heat) : no_heat;
     list.AddRectFilled(a, b, ImGui::GetColorU32(ImVec4(color[0], color[1], color[2], 0.62f)));
     if (b.x - a.x > 5.0f) list.AddRect(a, b, IM_COL32(0, 0, 0, 90));
     if (hovered && mouse.x >= a.x && mouse.x < b.x && mouse.y >= a.y && mouse.y < b.y) under = c;
@@ -248,14 +305,19 @@ void cell_map::write_tooltip(std::uint32_t cell) const {
   std::string text = fmt::format("cell {}", cell);
   if (!cells_[cell].name.empty()) text += fmt::format(" \"{}\"", cells_[cell].name);
   text += fmt::format("\n{} polygons", with_commas(cell < polygons_.size() ? polygons_[cell] : 0));
-  if (!bounds_.empty()) text += fmt::format("\nbound {}", bound_text(bounds_[cell]));
+  if (bounds_.any()) text += "\n" + (bounds_.of(cell) ? "bound " + bound_text(*bounds_.of(cell)) : "no bound");
+  if (seconds_.of(cell)) text += "\nbaked in " + seconds_text(*seconds_.of(cell));
   ImGui::SetTooltip("%s\nclick to go there", text.c_str());
 }
 
 // A strip of all colors between the two ends of the ramp.
 void cell_map::draw_legend(const glm::vec2& corner, float length) {
-  const std::string low = by_bound_ ? bound_text(lowest_bound_) : "0",
-                    high = by_bound_ ? bound_text(highest_bound_) : with_commas(most_) + " polygons";
+  std::string low = "0", high = with_commas(most_) + " polygons";
+  if (coloring_ != coloring::polygons) {
+    const auto text = coloring_ == coloring::bound ? bound_text : seconds_text;
+    low = text(values().lowest());
+    high = text(values().highest());
+  }
   const float left = ImGui::CalcTextSize(low.c_str()).x + 8.0f, right = ImGui::CalcTextSize(high.c_str()).x + 8.0f;
   const ImVec2 strip(corner.x + left, corner.y);
   const float wide = length - left - right;

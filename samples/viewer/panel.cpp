@@ -147,8 +147,8 @@ void write_numbers(const baked_scene& baked, const controls& state, const visibl
 
 void plot(const char* name, const std::array<float, frame_history::length>& values, const frame_history& history,
           const std::string& newest) {
-  const float top = 1.15f * std::max(*std::max_element(values.begin(), values.end()), 1e-3f);
-  const ImVec2 corner = ImGui::GetCursorScreenPos(), size(430.0f, 34.0f);
+  const float top = 1.9f * std::max(*std::max_element(values.begin(), values.end()), 1e-3f);
+  const ImVec2 corner = ImGui::GetCursorScreenPos(), size(430.0f, 38.0f);  // the text is above the highest value
   ImGui::PushID(name);
   ImGui::PlotLines("", values.data(), static_cast<int>(values.size()), static_cast<int>(history.next), newest.c_str(),
                    0.0f, top, size);

@@ -307,7 +307,9 @@ void session::follow_bake(const background_bake& bake, bool file_exists) {
 
 void session::replace(std::unique_ptr<loaded_file> file) {
   const bool first = baked().cells.empty() && !file->baked.cells.empty();
+  if (const cell_map* const before = map_to_show(); before != nullptr) file->map.color_as(*before);
   file_ = std::move(file);
+  if (facts_.bake != nullptr) file_->map.take_seconds(facts_.bake->finished());
   last_cell_ = SIGHTCELL_NO_CELL;
   visited_ = 0;
   if (state_.frozen) file_->lists.move(frozen_camera_.eye, false);
@@ -375,6 +377,7 @@ nlohmann::json session::report() const {
           {"message", facts_.message},
           {"bake", facts_.bake != nullptr ? bake_json(*facts_.bake) : nlohmann::json()},
           {"cells", baked().cells.size()},
+          {"cells_timed", file_->map.timed()},
           {"renderer", facts_.renderer},
           {"gpu_milliseconds", facts_.gpu_milliseconds},
           {"frames_per_second", facts_.frames_per_second},

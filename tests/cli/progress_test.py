@@ -84,6 +84,7 @@ class Progress(Stopped):
             self.assertTrue(all(low < high for low, high in zip(cell['min'], cell['max'])), cell)
             self.assertGreater(cell['polygons'], 0)
             self.assertTrue(0 < cell['upper_bound'] <= 1e-3, cell)
+            self.assertGreater(cell['seconds'], 0)
         lines = [line for line in lines if line['phase'] not in ('merging_cells', 'estimating')]
         self.assertEqual({line['cells_total'] for line in lines}, {8})
         self.assertEqual(lines[0]['cells_per_second'], 0)

@@ -464,6 +464,7 @@ class Bake(UnderKeys):
         self.assertEqual((done['bake']['step'], done['bake']['error']), ('done', ''))
         count = done['bake']['cells_total']
         self.assertEqual((done['bake']['cells'], done['bake']['cells_shown'], done['cells']), (count, count, count))
+        self.assertEqual(done['cells_timed'], count)
         self.assertIsNotNone(done['cell'], 'the camera is in a cell of the new file')
         self.assertLess(done['polygons_drawn'], 1500)
         self.assertIn(f'{pvs} was read: {count} cells', self.leave()[1])

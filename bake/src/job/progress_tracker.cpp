@@ -57,7 +57,8 @@ void progress_tracker::count(std::uint32_t cell, cell_stage stage, const cell_su
                           .min = {box.min.x, box.min.y, box.min.z},
                           .max = {box.max.x, box.max.y, box.max.z},
                           .polygons = record.polygons,
-                          .bound = record.rays > 0 ? record.upper_bound : 1.0});
+                          .bound = record.rays > 0 ? record.upper_bound : 1.0,
+                          .seconds = std::max(-1.0f, seconds_of_[cell])});
     }
   }
   const auto size = static_cast<std::uint32_t>(std::max<std::uint64_t>(record.polygons, sizes_[cell]));
@@ -68,8 +69,8 @@ void progress_tracker::count(std::uint32_t cell, cell_stage stage, const cell_su
 
 void progress_tracker::resume(std::uint32_t cell, cell_stage stage, const cell_summary& record) {
   if (cell >= counted_.size()) return;  // a broken file
-  count(cell, stage, record);
   seconds_of_[cell] = -std::numeric_limits<float>::infinity();
+  count(cell, stage, record);
   resumed_ = now_.cells_done;
 }
 
@@ -124,8 +125,8 @@ bool progress_tracker::close(std::span<const stage_record> records, std::span<co
   for (const stage_record& one : records) {
     const std::uint32_t before = now_.cells_done;
     const double work_before = work_done_;
-    count(one.cell, one.stage, summary_of(one.record));
     seconds_of_[one.cell] += static_cast<float>(one.seconds);
+    count(one.cell, one.stage, summary_of(one.record));
     fresh_work_ += work_done_ - work_before;
     if (one.stage != cell_stage::sampled && now_.cells_done > before) not_empty_ += one.record.geometry_inside ? 1 : 0;
   }

@@ -41,6 +41,9 @@ struct bounded_cell {
   std::array<float, 3> min{}, max{};  // corners of its box, meters
   std::uint64_t polygons = 0;         // of its set; the check with the cells around may add some
   double bound = 1.0;                 // of its miss probability, 0 .. 1
+  // That its steps took: CPU time, with the source `gpu` wall-clock time. Negative if an earlier run has begun the
+  // cell.
+  double seconds = -1.0;
 };
 
 // State of a bake. Reported before the first cell, after each step of a cell, and several times per second while cells

@@ -96,19 +96,24 @@ TEST_F(tracked_bake, each_cell_is_reported_once_with_its_bound) {
   tracked.resume(2, cell_stage::finished, {.rays = 10, .misses = 1, .upper_bound = 0.25, .polygons = 7});
   tracked.resume(0, cell_stage::finished, {.stored = false});
   tracked.open();
-  end(tracked, 1);
+  const stage_record sampled{1, cell_stage::sampled, {}, 7.0};
+  tracked.close({&sampled, 1}, {}, *done_);
+  end(tracked, 1, {}, 1.0);
   tracked.close({}, {}, *done_);
-  ASSERT_EQ(bounded_.size(), 3u);
+  ASSERT_EQ(bounded_.size(), 4u);
   ASSERT_EQ(bounded_[0].size(), 1u) << "of the earlier run, without the cell that is not stored";
   EXPECT_EQ(bounded_[0][0].cell, 2u);
   EXPECT_EQ(bounded_[0][0].min, (std::array<float, 3>{20, 0, -2}));
   EXPECT_EQ(bounded_[0][0].max, (std::array<float, 3>{22, 1, 4}));
   EXPECT_EQ(bounded_[0][0].polygons, 7u);
   EXPECT_EQ(bounded_[0][0].bound, 0.25);
-  ASSERT_EQ(bounded_[1].size(), 1u);
-  EXPECT_EQ(bounded_[1][0].cell, 1u);
-  EXPECT_EQ(bounded_[1][0].bound, 1.0) << "no ray was cast";
-  EXPECT_TRUE(bounded_[2].empty());
+  EXPECT_LT(bounded_[0][0].seconds, 0.0) << "an earlier run began the cell";
+  EXPECT_TRUE(bounded_[1].empty()) << "a sampled cell has no bound";
+  ASSERT_EQ(bounded_[2].size(), 1u);
+  EXPECT_EQ(bounded_[2][0].cell, 1u);
+  EXPECT_EQ(bounded_[2][0].bound, 1.0) << "no ray was cast";
+  EXPECT_EQ(bounded_[2][0].seconds, 8.0) << "the steps of a cell add up";
+  EXPECT_TRUE(bounded_[3].empty());
 }
 
 TEST_F(tracked_bake, time_left_is_the_estimate_until_a_step_has_ended) {
