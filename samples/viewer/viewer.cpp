@@ -137,6 +137,12 @@ void take_signals() {
   for (const int one : {SIGINT, SIGTERM, SIGHUP}) std::signal(one, [](int) { asked_to_end = 1; });
 }
 
+// How long a still picture waits for an event, in seconds. A frame of a software rasterizer takes the processor from
+// the bake that its panel shows, so that pictures are drawn for a fifth of the time at most, but one per second.
+double rest_after(double frame_seconds) {
+  return std::clamp(4.0 * frame_seconds, 0.03, 1.0);
+}
+
 void fly(session& s, window& w, const scene_renderer& renderer, file_of_window& file, const options& chosen,
          const std::vector<path_pose>& path) {
   replay recorded(path);
@@ -146,8 +152,9 @@ void fly(session& s, window& w, const scene_renderer& renderer, file_of_window& 
   w.set_taken([&s](const glm::vec2& pixel) { return s.over().covers(pixel); });
   file.follow(s);
   take_signals();
+  double frame_seconds = 0.0;
   while (!w.closing() && asked_to_end == 0) {
-    const input in = w.poll(s.still() && !recorded.running());
+    const input in = w.poll(s.still() && !recorded.running() ? rest_after(frame_seconds) : 0.0);
     const auto begun = std::chrono::steady_clock::now();
     step(s.state(), in);
     s.over().take_input(in);
@@ -165,7 +172,8 @@ void fly(session& s, window& w, const scene_renderer& renderer, file_of_window& 
     renderer.show_in_window();
     w.present();
     check_gl("drawing");
-    s.took(1e3 * seconds_since(begun));
+    frame_seconds = seconds_since(begun);
+    s.took(1e3 * frame_seconds);
   }
   if (!recorder) return;
   recorder->finish();

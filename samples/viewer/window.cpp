@@ -65,12 +65,13 @@ bool window::closing() const {
   return glfwWindowShouldClose(handle_) == GLFW_TRUE;
 }
 
-input window::poll(bool idle) {
+input window::poll(double idle) {
   const bool hidden = width() == 0 || height() == 0 || glfwGetWindowAttrib(handle_, GLFW_ICONIFIED) == GLFW_TRUE;
   if (hidden) {
     glfwWaitEventsTimeout(0.5);
-  } else if (idle) {
-    glfwWaitEventsTimeout(0.03);
+  } else if (idle > 0.0) {
+    glfwWaitEventsTimeout(idle);
+    last_poll_ = glfwGetTime();  // a key that ends the rest does not move the camera for all of it
   } else {
     glfwPollEvents();
   }

@@ -21,8 +21,8 @@ class window {
 
   bool closing() const;
   // Handles what has happened since the last call; waits for something while nothing of the window can be seen.
-  // idle: nothing moves. It then waits a little for something to happen.
-  input poll(bool idle);
+  // idle: nothing moves. It then waits this many seconds for something to happen; 0: it does not wait.
+  input poll(double idle);
   // In pixels; 0 while minimised.
   std::uint32_t width() const, height() const;
   // Turns the camera without a button. Hides the mouse while it does.
