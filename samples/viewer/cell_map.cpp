@@ -18,11 +18,13 @@ namespace {
 
 namespace picture = sightcell::picture;
 
-constexpr float lowest_eye = 0.9f;      // meters: how far automatic cells begin above the floor
-constexpr std::size_t some = 64;        // cells counted per frame
-constexpr float longest_cell = 1e30f;   // seconds
-constexpr float same_box = 0.01f;       // of its shortest side: how far corners may be apart
-constexpr std::uint32_t widest = 2048;  // pixels of a plan on the device
+constexpr float lowest_eye = 0.9f;        // meters: how far automatic cells begin above the floor
+constexpr float far_outside = 10.0f;      // meters
+constexpr float smallest_window = 0.01f;  // of the scene
+constexpr std::size_t some = 64;          // cells counted per frame
+constexpr float longest_cell = 1e30f;     // seconds
+constexpr float same_box = 0.01f;         // of its shortest side: how far corners may be apart
+constexpr std::uint32_t widest = 2048;    // pixels of a plan on the device
 constexpr std::array<float, 3> no_heat{0.5f, 0.5f, 0.5f};
 const ImU32 map_here_color = IM_COL32(255, 226, 60, 255), map_frozen_color = IM_COL32(30, 240, 255, 255);
 
@@ -39,6 +41,20 @@ picture::plan_rectangle around(std::span<const cell> cells) {
   // A few cells in a corner of a town are no map: some of what is around them too.
   const float border = std::max(4.0f, 0.1f * std::max(frame.max_x - frame.min_x, frame.max_z - frame.min_z));
   return {frame.min_x - border, frame.min_z - border, frame.max_x + border, frame.max_z + border};
+}
+
+// The smallest of the windows with a half, a quarter, an eighth ... of a whole that contains a part: while cells come,
+// the map seldom moves. Windows of one size overlap by half.
+picture::plan_rectangle window_around(const picture::plan_rectangle& whole, const picture::plan_rectangle& part) {
+  picture::plan_rectangle window = whole;
+  for (float share = 0.5f; share > smallest_window; share *= 0.5f) {
+    const float wide = share * (whole.max_x - whole.min_x), high = share * (whole.max_z - whole.min_z);
+    const float x = whole.min_x + 0.5f * wide * std::floor((part.min_x - whole.min_x) / (0.5f * wide));
+    const float z = whole.min_z + 0.5f * high * std::floor((part.min_z - whole.min_z) / (0.5f * high));
+    if (!(part.max_x <= x + wide && part.max_z <= z + high)) break;
+    window = {x, z, x + wide, z + high};
+  }
+  return window;
 }
 
 // Every second pixel of every second row until it is small.
@@ -135,8 +151,7 @@ cell_map::cell_map(std::span<const finished_cell> finished, const sightcell::sce
   bounds_ = known_values(std::move(bounds), 1.0f);
   seconds_ = known_values(std::move(seconds), longest_cell);
   make_floors();
-  // All of the scene, so that the map stays in place while cells come.
-  frame_ = {world.min.x, world.min.z, world.max.x, world.max.z};
+  frame_ = window_around({world.min.x, world.min.z, world.max.x, world.max.z}, frame_);
   extent_ = picture::plan_extent(frame_);
 }
 
@@ -177,12 +192,17 @@ void cell_map::take_seconds(std::span<const finished_cell> finished) {
   seconds_ = known_values(std::move(seconds), longest_cell);
 }
 
-// That of the nearest cell.
+// That of the nearest cell; for an eye far outside, the one with the most cells.
 void cell_map::choose_floor(const glm::vec3& eye) {
   const auto distance_to = [&](const cell& c) { return glm::distance(eye, glm::clamp(eye, c.min, c.max)); };
   const auto nearest = std::min_element(cells_.begin(), cells_.end(),
                                         [&](const cell& a, const cell& b) { return distance_to(a) < distance_to(b); });
   floor_ = floor_of_cell_[static_cast<std::size_t>(nearest - cells_.begin())];
+  if (distance_to(*nearest) < far_outside) return;
+  const auto most = std::max_element(floors_.begin(), floors_.end(), [](const map_floor& a, const map_floor& b) {
+    return a.cells.size() < b.cells.size();
+  });
+  floor_ = static_cast<std::size_t>(most - floors_.begin());
 }
 
 bool cell_map::prepare(const glm::vec3& eye) {

@@ -37,6 +37,7 @@ constexpr std::array<std::size_t, cell_blocks::highest_level + 1> cubes_drawn{4,
 constexpr std::uint64_t most_tests = 256;        // of points, for a viewpoint in a box
 constexpr std::uint64_t most_corner_tests = 32;  // for one at a corner
 constexpr std::size_t cubes_at_once = 128;       // between two reports
+constexpr double cubes_part = 0.95;              // of the work of a block
 // Of how many blocks the cells of --cell-limit are: each has some dozen cells.
 constexpr std::uint32_t cells_of_limited_block = 8;
 
@@ -192,14 +193,16 @@ class block_estimates {
 
   // Adds the options of a block: its cells, and the wider cells that they may become.
   // cells: those of the block.
+  // pause: called several times per second with the part of the block that is done, 0 .. 1.
   // floors: receives the position and the floor of each option.
-  void add(std::span<const view_cell* const> cells, const std::function<void()>& pause,
+  void add(std::span<const view_cell* const> cells, const std::function<void(double part)>& pause,
            std::vector<cell_option>& options, std::vector<floor_cell>& floors);
   std::uint64_t cubes() const { return cubes_; }  // that were rendered
 
  private:
   std::optional<cube> look(const cube_place& at);
-  std::vector<std::optional<cube>> look_at_all(std::span<const cube_place> places, const std::function<void()>& pause);
+  std::vector<std::optional<cube>> look_at_all(std::span<const cube_place> places,
+                                               const std::function<void(double part)>& pause);
 
   const lattice on_;
   const settings& how_;
@@ -232,12 +235,12 @@ std::optional<cube> block_estimates::look(const cube_place& at) {
 }
 
 std::vector<std::optional<cube>> block_estimates::look_at_all(std::span<const cube_place> places,
-                                                              const std::function<void()>& pause) {
+                                                              const std::function<void(double part)>& pause) {
   std::vector<std::optional<cube>> cubes(places.size());
   for (std::size_t first = 0; first < places.size(); first += cubes_at_once) {
     const std::size_t end = std::min(places.size(), first + cubes_at_once);
     tbb::parallel_for(first, end, [&](std::size_t i) { cubes[i] = look(places[i]); });
-    pause();
+    pause(cubes_part * static_cast<double>(end) / static_cast<double>(places.size()));
   }
   return cubes;
 }
@@ -248,7 +251,7 @@ void add_floor(floor_cell& whole, const floor_cell& part) {
   if (whole.area > 0.0) whole.floor += (part.floor - whole.floor) * part.area / whole.area;
 }
 
-void block_estimates::add(std::span<const view_cell* const> cells, const std::function<void()>& pause,
+void block_estimates::add(std::span<const view_cell* const> cells, const std::function<void(double part)>& pause,
                           std::vector<cell_option>& options, std::vector<floor_cell>& floors) {
   std::map<lattice_position, const view_cell*> cell_at;
   for (const view_cell* cell : cells) cell_at[cell->position] = cell;
@@ -282,7 +285,7 @@ void block_estimates::add(std::span<const view_cell* const> cells, const std::fu
     const std::size_t drawn = cubes_drawn[static_cast<std::size_t>(tree[i].position.level)];
     options[before + i].drawn = areas[i] * counts_.local().expected_union(seen, drawn);
   });
-  pause();
+  pause(1.0);
 }
 
 // Sorts cells along rows of cells of level 0.
@@ -321,7 +324,9 @@ std::uint64_t merge_cells(cell_list& list, const settings& how, const merge_tool
   for (const std::uint32_t block : chosen) {
     std::vector<const view_cell*> cells;
     for (const std::uint32_t cell : blocks.cells_of(block)) cells.push_back(&list.cells[cell]);
-    const auto pause = [&] { report(static_cast<double>(done) / static_cast<double>(all)); };
+    const auto pause = [&](double part) {
+      report((static_cast<double>(done) + part * static_cast<double>(cells.size())) / static_cast<double>(all));
+    };
     estimates.add(cells, pause, options, floors);
     done += cells.size();
   }

@@ -58,6 +58,7 @@ cell_list merge_of(tiny_scene tiny, cell_list list, const settings& how) {
     EXPECT_LE(share, 1.0);
     last = share;
   });
+  EXPECT_EQ(last, 1.0);
   return list;
 }
 
@@ -150,6 +151,19 @@ TEST(merge_cells, a_limit_considers_some_blocks) {
   const cell_list list = merge_of(quarters(), cells_over(-16, 16), how);
   EXPECT_NE(list.how.find("in 1 of 16 blocks"), std::string::npos) << list.how;
   EXPECT_LE(list.cells.size(), 64u);
+}
+
+TEST(merge_cells, reports_the_parts_of_a_block) {
+  const test::scene_with_rays w(quarters());
+  settings how = small_cubes(0.1);
+  how.cell_limit = 1;  // one block
+  const chosen_source chosen = choose_source(how, w.geometry, w.rays);
+  cell_list list = cells_over(-16, 16);
+  std::vector<double> shares;
+  merge_cells(list, how, {w.rays, *chosen.source, w.s.polygon_count}, [&](double share) { shares.push_back(share); });
+  ASSERT_GE(shares.size(), 3u);
+  EXPECT_GT(shares.front(), 0.0);
+  EXPECT_LT(shares.front(), 0.9);
 }
 
 TEST(merge_cells, a_report_can_end_the_work) {
