@@ -94,6 +94,15 @@ class GpuDriven(harness.InFolder):
                 self.assertLess(drawn['frustum'], said['clusters'])
                 self.assertLessEqual(drawn['two_pass'], drawn['frustum'])
 
+    def test_masks_are_seen_through(self):
+        whole = self.path('whole.glb')
+        write_screens(whole, mask='OPAQUE')
+        seen = []
+        for scene in (whole, self.screens):
+            said = self.measure(0, scene, self.bake(scene, self.hall_cells), '--cuts', 12, '--frames', 0)
+            seen.append(said['sections']['cuts']['seen'])
+        self.assertLess(*seen)
+
     def test_a_device_that_cannot_count_draws(self):
         arguments = (self.screens, self.bake(self.screens, self.hall_cells), '--cuts', 4, '--frames', 20)
         counts, said = self.measure(0, *arguments), self.measure(0, *arguments, '--no-draw-count')

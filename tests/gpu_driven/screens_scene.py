@@ -34,11 +34,12 @@ def primitive(glb, shape, material):
                             'indices': glb.add(triangles, 'SCALAR', 'I'), 'material': material}]}
 
 
-def write_screens(path):
+def write_screens(path, mask='MASK'):
+    """mask: OPAQUE leaves the screens whole."""
     glb = Glb()
     corners, triangles = hall()
     walls = primitive(glb, (corners, triangles, [(0.9, 0.9, 0.9, 1)] * len(corners)), 0)
-    meshes = [walls, primitive(glb, screen(1, (0, 1)), 1), primitive(glb, screen(1, (1, 1)), 2),
+    meshes = [walls, primitive(glb, screen(1, (1, 0)), 1), primitive(glb, screen(1, (1, 1)), 2),
               primitive(glb, bumps(12, 2), 0), primitive(glb, screen(0.8, (0.3, 0.6)), 3)]
     half_turn, quarter = [0, 1, 0, 0], [0, 0.7071068, 0, 0.7071068]
     nodes = [{'mesh': 0},
@@ -52,7 +53,8 @@ def write_screens(path):
     for i in range(8):  # single-sided; each second one is mirrored
         nodes.append({'mesh': 3, 'translation': [3 * i - 11, 0.2, 4 if i % 3 else -4], 'rotation': half_turn if i % 4 > 1
                       else [0, 0, 0, 1], 'scale': [-1 if i % 2 else 1, 1, 1]})
-    materials = [{'name': 'stone'}, {'name': 'grid', 'alphaMode': 'MASK', 'alphaCutoff': CUT_AWAY, 'doubleSided': True},
+    materials = [{'name': 'stone'}, {'name': 'grid', 'alphaMode': mask, 'doubleSided': True,
+                                      **({'alphaCutoff': CUT_AWAY} if mask == 'MASK' else {})},
                  {'name': 'board', 'doubleSided': True}, {'name': 'glass', 'alphaMode': 'BLEND', 'doubleSided': True}]
     document = {
         'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': list(range(len(nodes)))}], 'nodes': nodes,
