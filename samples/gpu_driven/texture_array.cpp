@@ -13,7 +13,7 @@ namespace {
 
 namespace scene = sightcell::scene;
 
-constexpr std::uint64_t most_texels = std::uint64_t{1} << 27;  // of all layers: 512 MB
+constexpr std::uint64_t most_texels = std::uint64_t{1} << 26;  // of all layers: 256 MB
 
 // The power of two that the largest image fits into, or less where there are many images.
 std::uint32_t side_of(const scene::scene& s, const std::vector<std::uint32_t>& images) {
