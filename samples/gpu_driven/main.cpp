@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -91,14 +92,14 @@ bool run(const arguments& args) {
   measurement measured(db, args.pvs_file, s, host,
                        {.width = args.width, .height = args.height, .may_count = !args.no_draw_count}, args.leave_out);
   context->check("setup");
-  const std::vector<tour_frame> cuts = make_cuts(db, args.pvs_file, std::max(args.cuts, 1u), args.seed);
+  const std::vector<tour_frame> cuts = make_cuts(db, args.pvs_file, std::max(args.cuts, args.view + 1), args.seed);
   if (!args.screenshot.empty()) {
-    measured.draw(cuts[3 * std::size_t{args.view} % cuts.size()].view, mode_of(args.mode));
+    measured.draw(cuts[3 * std::size_t{args.view}].view, mode_of(args.mode));
     write_screenshot(args.screenshot, measured.draws(), mode_of(args.mode));
   }
   sections all;
   run_facts facts{s.name, context->renderer(), context->software(), args.seed, 0};
-  if (args.cuts > 0) measured.run(cuts, all);
+  measured.run(std::span(cuts).first(3 * std::size_t{args.cuts}), all);
   if (args.frames > 0) {
     const sightcell::scene::world_geometry world = sightcell::scene::flatten(s);
     measured.run(make_walk(db, args.pvs_file, world, args.frames, args.seed, facts.jumps), all);
@@ -123,7 +124,7 @@ void add_options(CLI::App& app, arguments& args) {
       ->check(CLI::IsMember({"any", "gpu"}))
       ->capture_default_str();
   app.add_option("--screenshot", args.screenshot, "write the view of a cut as PNG");
-  app.add_option("--view", args.view, "which cut")->capture_default_str();
+  app.add_option("--view", args.view, "which cut")->check(CLI::Range(0, 1000000))->capture_default_str();
   app.add_option("--mode", args.mode, "of the screenshot")
       ->check(CLI::IsMember(std::vector<std::string>(mode_names.begin(), mode_names.end())))
       ->capture_default_str();
