@@ -69,9 +69,8 @@ class walker {
   std::vector<tour_frame> walk(std::uint32_t& jumps) {
     jumps = 0;
     std::size_t at = random_.below(eyes_.size());
-    eye_ = eyes_[at];
-    add(frame_kind::unmeasured);
-    while (out_.size() <= frames_) {
+    jump_to(eyes_[at]);
+    while (measured_ < frames_) {
       ++visits_[at];
       const std::optional<std::size_t> next = choose(at);
       if (next) {
@@ -81,17 +80,25 @@ class walker {
       } else {
         turn_around();
         at = random_.below(eyes_.size());
-        eye_ = eyes_[at];
-        add(frame_kind::unmeasured);
+        jump_to(eyes_[at]);
         ++jumps;
       }
     }
-    out_.resize(std::size_t{frames_} + 1);
     return std::move(out_);
   }
 
  private:
-  void add(frame_kind kind) { out_.push_back({{eye_, yaw_, 0.0f}, kind}); }
+  void add(frame_kind kind) {
+    if (measured_ == frames_) return;
+    out_.push_back({{eye_, yaw_, 0.0f}, kind});
+    if (kind != frame_kind::unmeasured) ++measured_;
+  }
+
+  // A cut. After three frames, modes with a history have one.
+  void jump_to(const glm::vec3& eye) {
+    eye_ = eye;
+    for (int i = 0; i < 3; ++i) add(frame_kind::unmeasured);
+  }
 
   // One of the three least visited viewpoints near by that a straight way goes to.
   std::optional<std::size_t> choose(std::size_t from) {
@@ -145,7 +152,7 @@ class walker {
   std::vector<glm::vec3> eyes_;
   std::vector<std::uint32_t> visits_;
   clearance clear_;
-  std::uint32_t frames_;
+  std::uint32_t frames_, measured_ = 0;
   random_numbers random_;
   sightcell::view view_;
   glm::vec3 eye_{0.0f};

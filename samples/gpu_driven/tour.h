@@ -29,8 +29,9 @@ struct tour_frame {
 std::vector<tour_frame> make_cuts(const sightcell::db& db, const std::string& file, std::uint32_t cuts,
                                   std::uint64_t seed);
 
-// A walk of `frames` frames from viewpoint to viewpoint of neighboring cells, where nothing is in the way, in cells
-// only. Now and then the camera turns around on the spot. Where no way goes on, the camera jumps.
+// A walk of `frames` measured frames from viewpoint to viewpoint of neighboring cells, where nothing is in the way, in
+// cells only. Now and then the camera turns around on the spot. Where no way goes on, the camera jumps, and three
+// frames are not measured.
 // jumps: receives their number.
 std::vector<tour_frame> make_walk(const sightcell::db& db, const std::string& file,
                                   const sightcell::scene::world_geometry& world, std::uint32_t frames,
