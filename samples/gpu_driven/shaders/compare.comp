@@ -19,8 +19,8 @@ shared uint wrong_pixels, ties;
 bool is_same_place(float a, float b) {
   if (a == b) return true;
   if (a == 0.0 || b == 0.0) return false;
-  float distance = near / a;
-  return abs(distance - near / b) <= max(2e-4, 2e-5 * distance);
+  float away = near / a;
+  return abs(away - near / b) <= max(2e-4, 2e-5 * away);
 }
 
 void main() {
