@@ -79,6 +79,7 @@ ALLOWED = {
     'bake/cli/watch/input_watch.cpp': BASE + ['poll.h', 'sys/inotify.h', 'unistd.h'],
     'bake/cli/report/data_uri.cpp': ['webp/', 'sightcell/picture/'],
     'samples': RUNTIME + SCENE + PICTURE + ['CLI/', 'fmt/', 'nlohmann/', 'stb_image_write.h'] + GL,
+    'samples/gpu_driven': RUNTIME + SCENE + PICTURE + GL + ['gpu_driven_shaders/', 'CLI/', 'fmt/', 'nlohmann/'],
     'samples/hello_cull': RUNTIME,  # C, and nothing else: it is what a host writes
     'samples/ogre': RUNTIME + ['Ogre.h', 'assimp/', 'CLI/', 'fmt/'],
     'samples/stream_client': ['sightcell/stream.h', 'sightcell/sightcell.h', 'curl/'] + SCENE + PICTURE + GL +
