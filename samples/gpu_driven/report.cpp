@@ -53,7 +53,7 @@ nlohmann::ordered_json json_of(const section& own, const renderer& draws, std::s
 void print_row(const section& own, const renderer& draws, std::size_t m) {
   const mode_sums& sums = own.modes[m];
   const auto frames = static_cast<double>(own.frames);
-  fmt::print("{:<14}{:>10.1f}{:>12.1f}{:>9.2f}{:>9}{:>8}{:>10.1e}{:>10.1e}{:>8.0f}{:>9.3f}{:>9.3f}\n", mode_names[m],
+  fmt::print("{:<14}{:>10.1f}{:>12.1f}{:>9.2f}{:>9}{:>8}{:>10.1e}{:>10.1e}{:>11.0f}{:>9.3f}{:>9.3f}\n", mode_names[m],
              static_cast<double>(sums.clusters) / frames, static_cast<double>(sums.triangles) / frames,
              100.0 * share(sums.clusters_in_set, sums.clusters), sums.missed, sums.missed_with_wrong,
              static_cast<double>(sums.wrong_pixels) / pixels_of(draws, own),
@@ -106,7 +106,7 @@ void print_table(const run_facts& facts, const host_scene& host, const sightcell
                static_cast<double>(own->seen) / static_cast<double>(own->frames),
                100.0 * share(own->seen_in_set, own->seen));
     if (own == &all.walk && facts.jumps > 0) fmt::print(", {} jumps", facts.jumps);
-    fmt::print("\n{:<14}{:>10}{:>12}{:>9}{:>9}{:>8}{:>10}{:>10}{:>8}{:>9}{:>9}\n", "mode", "clusters", "triangles",
+    fmt::print("\n{:<14}{:>10}{:>12}{:>9}{:>9}{:>8}{:>10}{:>10}{:>11}{:>9}{:>9}\n", "mode", "clusters", "triangles",
                "% in PVS", "missed", "wrong", "pixels", "worst", "beyond", "GPU ms", "host ms");
     for (std::size_t m = 0; m < mode_count; ++m) {
       if (m == static_cast<std::size_t>(draw_mode::everything)) {
