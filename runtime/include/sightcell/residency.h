@@ -15,8 +15,9 @@
  * needs the level before.
  *
  * PIXELS PER RADIAN. How dense the pixels of the host's picture are: height / (2 tan(angle / 2)) for a picture of a
- * height in pixels and a vertical angle of view. A picture with twice as many needs levels that are finer by one. A
- * host that shifts levels by a bias multiplies them with 2^-bias.
+ * height in pixels and a vertical angle of view. That is the density at the center; at the angle a from it, pixels are
+ * denser by 1 / cos(a)^2, and a host with a wide picture takes the density at its edges. A picture with twice as many
+ * needs levels that are finer by one. A host that shifts levels by a bias multiplies them with 2^-bias.
  *
  * NOT COVERED. Textures of objects that the host moves (dynamic) and that are in no set; images that the file does not
  * list; textures that the host maps in another way than the glTF file.
