@@ -35,6 +35,10 @@ void add_output_options(CLI::App& verb, bake_options& o) {
                 "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
                 "largest polygons first.")
       ->group(group);
+  verb.add_flag("--residency", o.settings.file.residency,
+                "Stores the finest mip level of each texture that a picture from a cell can need, so that a host "
+                "keeps only such levels in memory.")
+      ->group(group);
   add_plain_option(verb, group, "--report", o.report_file, "FILE.html",
                    "Writes an HTML page about the bake and its file. sightcell report does so later.");
 }
@@ -143,6 +147,9 @@ void add_expert_output_options(CLI::App& verb, bake_options& o) {
                 "Stores a hash of the geometry of each draw and the names of its node and mesh, so that a host whose "
                 "importer drops glTF numbers can find its objects, and notices a file of another scene.")
       ->group(group);
+  add_option(verb, group, "--anisotropy", o.settings.file.anisotropy, "N",
+             "The largest anisotropy of the host's texture filter, for --residency; 1: a filter without. A larger one "
+             "needs finer levels on surfaces that are seen at a slant. Range: 1 to 16.");
   add_plain_option(verb, group, "--report-unseen", o.unseen_file, "FILE.json",
                    "Writes the polygons that are in the set of no cell to this file, by object, the object with the "
                    "most first: they can be deleted. sightcell strip does so later.")

@@ -198,7 +198,9 @@ bake_input load_input(const bake_options& options, bake::settings how, progress_
   line.loading(options.scenes.scene);
   bake_input input{std::move(how), {}, {}};
   input.s = scene::load_gltf(options.scenes.scene, input.how.scene);
-  for (const std::string& warning : input.s.warnings) line.message("warning: " + warning);
+  if (input.how.file.residency) input.s.textures = scene::read_texture_uses(options.scenes.scene, input.s);
+  for (const auto* warnings : {&input.s.warnings, &input.s.textures.warnings})
+    for (const std::string& warning : *warnings) line.message("warning: " + warning);
   line.message(fmt::format("{}: {} polygons in {} draws", input.s.name, grouped(input.s.polygon_count),
                            grouped(input.s.draws.size())));
   input.of_cells = load_scene_of_cells(options.scenes, line);

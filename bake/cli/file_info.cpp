@@ -10,6 +10,7 @@
 #include "sightcell/base/json_text.h"
 #include "sightcell/format/identity_table.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/format/residency_table.h"
 
 namespace sightcell::cli {
 namespace {
@@ -48,6 +49,8 @@ std::string section_name(std::uint32_t id) {
       return "draw identity";
     case format::layout::section_casters:
       return "shadow casters";
+    case format::layout::section_residency:
+      return "texture residency";
     case format::layout::section_borders:
       return "chunk borders";
     case format::layout::section_clusters:
@@ -96,6 +99,38 @@ ordered_json importance_json(const format::reader& file, std::uint64_t visible_p
     return {{"bytes", section.size}, {"bits_per_visible_polygon", bits}};
   }
   return nullptr;
+}
+
+// Texels of a texture from a level on, with all coarser ones.
+double texels_from(const format::texture_record& texture, std::uint8_t number) {
+  if (number == format::no_level) return 0.0;
+  const int finest = std::max(number - format::level_zero, 0) / format::quarters_of_level;
+  double texels = 0.0;
+  for (int level = finest; level <= (format::coarsest_level(texture) - format::level_zero) / 4; ++level)
+    texels += static_cast<double>(std::max(texture.width >> level, 1u)) * std::max(texture.height >> level, 1u);
+  return texels;
+}
+
+// What a host keeps in memory by the levels of cells; null where there are none.
+ordered_json residency_json(const format::reader& file) {
+  format::residency_table table;
+  const format::status opened = format::residency_table::open(file, table);
+  if (opened == format::status::absent) return nullptr;
+  std::vector<std::byte> memory(format::residency_table::codes_size());
+  std::vector<std::uint8_t> levels(table.texture_count());
+  const format::residency_codes* codes = nullptr;
+  format::status s = opened == format::status::ok ? table.make_codes(memory, codes) : opened;
+  double all = 0.0, needed = 0.0;
+  for (std::uint32_t i = 0; i < table.texture_count(); ++i) all += texels_from(table.texture(i), format::level_zero);
+  for (std::uint32_t cell = 0; s == format::status::ok && cell < file.cell_count(); ++cell) {
+    s = table.decode(cell, codes, levels);
+    for (std::uint32_t i = 0; i < table.texture_count(); ++i) needed += texels_from(table.texture(i), levels[i]);
+  }
+  if (s != format::status::ok) return std::string(format::status_text(s));
+  return {{"textures", table.texture_count()},
+          {"pixels_per_radian", table.pixels_per_radian()},
+          {"anisotropy", table.anisotropy()},
+          {"texels_percent", all > 0.0 ? 100.0 * needed / (all * file.cell_count()) : 0.0}};
 }
 
 ordered_json named_groups_json(const format::reader& file) {
@@ -163,6 +198,7 @@ ordered_json file_info(const pvs_file& pvs, const std::string& name) {
                                         ? ordered_json(100.0 * static_cast<double>(facts.slack))
                                         : ordered_json(nullptr)},
           {"importance", importance_json(file, sums.polygons)},
+          {"residency", residency_json(file)},
           {"volumes", file.volumes().count()},
           {"volume_width", file.volumes().count() > 0 ? ordered_json(file.volumes().shape().width) : nullptr},
           {"volumes_per_cell", sums.volumes_per_cell()},

@@ -62,6 +62,10 @@ void print_file(const std::filesystem::path& path, const ordered_json& info) {
   if (info["importance"].is_object())
     fmt::print("  importance         {:.3f} bits per visible polygon\n",
                info["importance"]["bits_per_visible_polygon"].get<double>());
+  if (info["residency"].is_object())
+    fmt::print("  texture residency  {} textures, {:.1f} % of their texels per cell, at {:.0f} pixels per radian\n",
+               grouped(info["residency"]["textures"]), info["residency"]["texels_percent"].get<double>(),
+               info["residency"]["pixels_per_radian"].get<double>());
   if (info["volumes"].get<std::uint32_t>() > 0)
     fmt::print("  volumes            {} of {:g} m, {:.0f} seen per cell, {:.1f} % of the bytes\n",
                grouped(info["volumes"]), info["volume_width"].get<double>(), info["volumes_per_cell"].get<double>(),

@@ -28,7 +28,8 @@ namespace {
 
 struct recode_options {
   std::filesystem::path file, output;
-  std::filesystem::path importance, scene;  // the scene that options name, for one thing or the other
+  std::filesystem::path importance, residency, scene;  // the scene that options name, for one thing or the other
+  float anisotropy = 16.0f;
   std::string profile, order, layout, granularity;
   bool names = false;
   bool json = false;
@@ -50,28 +51,39 @@ void report(const std::filesystem::path& output, const bake::recode_result& resu
              100.0 * result.slack);
 }
 
+// Returns the scene that options name; empty: none.
+const std::filesystem::path& scene_of(const recode_options& options) {
+  if (!options.importance.empty()) return options.importance;
+  return options.residency.empty() ? options.scene : options.residency;
+}
+
 // Measuring importance takes a while.
 int run_with_scene(const recode_options& options, const pvs_file& file, bake::recode_settings how,
                    const std::filesystem::path& output) {
   std::error_code ignored;
-  const std::filesystem::path& path = options.importance.empty() ? options.scene : options.importance;
+  const std::filesystem::path& path = scene_of(options);
   if (std::filesystem::equivalent(path, output, ignored))
     throw error(error_kind::wrong_use, "cli.output-is-input", output.string(), "is the scene itself",
                 "choose another name");
   progress_line line(progress_mode::automatic);
   line.loading(path);
-  const scene::scene s = scene::load_gltf(path, file.scene());
-  for (const std::string& warning : s.warnings) line.message("warning: " + warning);
+  scene::scene s = scene::load_gltf(path, file.scene());
+  if (!options.residency.empty()) s.textures = scene::read_texture_uses(path, s);
+  for (const auto* warnings : {&s.warnings, &s.textures.warnings})
+    for (const std::string& warning : *warnings) line.message("warning: " + warning);
   const stop_signals signals;
   how.layout_from = &s;
   how.clusters_from = &s;
   if (options.names) how.names_from = &s;
   if (!options.importance.empty()) how.importance_in = &s;
+  if (!options.residency.empty()) how.residency_of = &s;
+  how.anisotropy = options.anisotropy;
   how.on_progress = [&](std::uint32_t done, std::uint32_t total) {
-    line.update(bake::progress{.phase = bake::bake_phase::measuring_importance,
-                               .cells_done = total,
-                               .cells_total = total,
-                               .importance = static_cast<double>(done) / static_cast<double>(total)});
+    line.update(bake::progress{
+        .phase = how.importance_in ? bake::bake_phase::measuring_importance : bake::bake_phase::writing_file,
+        .cells_done = total,
+        .cells_total = total,
+        .importance = static_cast<double>(done) / static_cast<double>(total)});
     return !signals.asked();
   };
   const bake::recode_result result = bake::recode(file.bytes(), options.file.string(), how, output);
@@ -95,7 +107,7 @@ int run_recode(const recode_options& options) {
   if (!options.layout.empty()) how.layout = bake::kind_of<bake::host_layout>(bake::host_layout_names, options.layout);
   if (!options.granularity.empty())
     how.granularity = bake::kind_of<bake::set_granularity>(bake::set_granularity_names, options.granularity);
-  if (!options.scene.empty() || !options.importance.empty()) return run_with_scene(options, file, how, output);
+  if (!scene_of(options).empty()) return run_with_scene(options, file, how, output);
   report(output, bake::recode(file.bytes(), options.file.string(), how, output), options.json);
   return exit_done;
 }
@@ -161,11 +173,26 @@ void add_recode_verb(CLI::App& program, action& chosen) {
   CLI::Option* scene = verb.add_option("--scene", options->scene,
                                        "The scene that was baked, for --layout merged, --granularity and --names.")
                            ->type_name("SCENE");
-  verb.add_option("--importance", options->importance,
-                  "The scene that was baked: stores how large a part of the view from its cell each polygon covers. "
-                  "Serves as --scene too. Without it: the importance in the file stays.")
-      ->type_name("SCENE")
-      ->excludes(scene);
+  CLI::Option* importance =
+      verb.add_option(
+              "--importance", options->importance,
+              "The scene that was baked: stores how large a part of the view from its cell each polygon covers. "
+              "Serves as --scene too. Without it: the importance in the file stays.")
+          ->type_name("SCENE")
+          ->excludes(scene);
+  CLI::Option* residency =
+      verb.add_option("--residency", options->residency,
+                      "The scene that was baked: stores the finest mip level of each texture that a picture from a "
+                      "cell can need, as bake --residency does. Serves as --scene too. Without it: the levels in the "
+                      "file stay.")
+          ->type_name("SCENE")
+          ->excludes(scene)
+          ->excludes(importance);
+  verb.add_option("--anisotropy", options->anisotropy,
+                  "The largest anisotropy of the host's texture filter, for --residency. Range: 1 to 16. Default: 16.")
+      ->type_name("N")
+      ->check(CLI::Range(1.0, 16.0))
+      ->needs(residency);
   names->needs(scene);
   verb.callback([options, &chosen] { chosen = [options] { return run_recode(*options); }; });
 }

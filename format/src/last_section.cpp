@@ -1,5 +1,6 @@
 #include "last_section.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "byte_sink.h"
@@ -8,8 +9,10 @@
 
 namespace sightcell::format {
 
-status with_last_section(const reader& file, std::span<const std::byte> bytes, std::uint32_t id,
-                         std::optional<std::span<const std::byte>> last, std::vector<std::byte>& out) {
+namespace {
+
+status with_section(const reader& file, std::span<const std::byte> bytes, std::uint32_t id, bool in_front,
+                    std::optional<std::span<const std::byte>> section, std::vector<std::byte>& out) {
   struct part {
     std::uint32_t id = 0;
     std::uint32_t flags = 0;
@@ -24,7 +27,11 @@ status with_last_section(const reader& file, std::span<const std::byte> bytes, s
     parts.push_back({s.id, s.required ? layout::section_required : 0,
                      bytes.subspan(static_cast<std::size_t>(s.offset), static_cast<std::size_t>(s.size))});
   }
-  if (last) parts.push_back({id, 0, *last});
+  if (section) {
+    auto at = parts.end();
+    if (in_front) at = std::find_if(parts.begin(), parts.end(), [](const part& p) { return layout::is_bulk(p.id); });
+    parts.insert(at, {id, 0, *section});
+  }
   if (parts.size() > layout::max_sections) return status::limit;
   for (const part& p : parts) total += layout::section_record_size + p.bytes.size();
 
@@ -56,6 +63,18 @@ status with_last_section(const reader& file, std::span<const std::byte> bytes, s
   for (const part& p : parts) sink.put_bytes(p.bytes);
   out = std::move(made);
   return status::ok;
+}
+
+}  // namespace
+
+status with_last_section(const reader& file, std::span<const std::byte> bytes, std::uint32_t id,
+                         std::optional<std::span<const std::byte>> last, std::vector<std::byte>& out) {
+  return with_section(file, bytes, id, false, last, out);
+}
+
+status with_front_section(const reader& file, std::span<const std::byte> bytes, std::uint32_t id,
+                          std::optional<std::span<const std::byte>> section, std::vector<std::byte>& out) {
+  return with_section(file, bytes, id, true, section, out);
 }
 
 }  // namespace sightcell::format

@@ -1,5 +1,5 @@
 #pragma once
-// Copies a file with another last section: for sections that are made when the rest of the file is known.
+// Copies a file with another optional section: for sections that are made when the rest of the file is known.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -17,5 +17,9 @@ namespace sightcell::format {
 // out: replaced on ok, else unchanged. limit: too many sections. Allocates.
 status with_last_section(const reader& file, std::span<const std::byte> bytes, std::uint32_t id,
                          std::optional<std::span<const std::byte>> last, std::vector<std::byte>& out);
+
+// As with_last_section, for a section that belongs to the front of a file: it is written before the first bulk section.
+status with_front_section(const reader& file, std::span<const std::byte> bytes, std::uint32_t id,
+                          std::optional<std::span<const std::byte>> section, std::vector<std::byte>& out);
 
 }  // namespace sightcell::format

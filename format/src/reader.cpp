@@ -16,11 +16,6 @@
 namespace sightcell::format {
 namespace {
 
-// Sections that are checked when they are used, most of them chunk by chunk, and may be kept elsewhere until then.
-constexpr bool is_bulk(std::uint32_t section) noexcept {
-  return section == layout::section_rows || section == layout::section_importance || section == layout::section_casters;
-}
-
 }  // namespace
 
 // Empty for parts after the front, if the reader has only the front.
@@ -59,7 +54,7 @@ status reader::front_size(std::span<const std::byte> begin, std::uint64_t total_
   for (std::uint32_t i = 0; i < file.section_count_; ++i) {
     section_record entry;
     if (const status s = file.section(i, entry); s != status::ok) return s;
-    if (is_bulk(entry.id)) continue;
+    if (layout::is_bulk(entry.id)) continue;
     end = std::max(end, entry.offset + entry.size);
   }
   out = end;
@@ -161,7 +156,7 @@ status reader::read_sections() noexcept {
     found[known] = true;
     *places[known] = {entry.offset, entry.size};
     if (entry.id == layout::section_certificate) certificate_count_ = cell_count_;
-    if (!is_bulk(entry.id)) {
+    if (!layout::is_bulk(entry.id)) {
       if (const status s = check_section(i); s != status::ok) return s;
     }
   }

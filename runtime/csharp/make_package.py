@@ -26,6 +26,7 @@ STRUCT_NAMES = {
     'sightcell_info': 'DatabaseInfo',
     'sightcell_range': 'PolygonRange',         # System has a Range
     'sightcell_source': 'PagedSource',
+    'sightcell_texture': 'ResidentTexture',    # UnityEngine has a Texture
 }
 # First constant of an enum -> its name, its type, whether its values combine, what its members begin with.
 ENUMS = {

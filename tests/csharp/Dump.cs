@@ -106,7 +106,8 @@ internal static unsafe class Dump
         Line("clusters", Status.Ok, clusters.Length, clusters, 3 * clusters.Length);
     }
 
-    private static void Outputs(Frame frame, ClusterMap own, ClusterMap ofFile, Casters casters)
+    private static void Outputs(Frame frame, ClusterMap own, ClusterMap ofFile, Casters casters,
+        Residency residency)
     {
         ulong[] objects = new ulong[(info.DrawCount + 63) / 64];
         Status status = Try(() => { view.Objects(objects); return 0; }, out _);
@@ -137,7 +138,19 @@ internal static unsafe class Dump
             List("casters", () => view.CasterRanges(casters, 0, ranges), ranges, 3);
             List("caster indices", () => view.CasterIndices(casters, 0, stored, words), words, 1);
         }
+        if (residency != null)
+        {
+            byte[] levels = new byte[residency.Textures().Length];
+            List("levels", () => Widened(levels, view.TextureLevels(residency, 700, levels)), words, 1);
+            List("cell levels", () => Widened(levels, residency.CellLevels(0, 700, levels)), words, 1);
+        }
         List("lines", () => view.DebugLines((DebugLineKinds)31, lines), lines, 8);
+    }
+
+    private static int Widened(byte[] levels, int count)
+    {
+        for (int i = 0; i < count; ++i) words[i] = levels[i];
+        return count;
     }
 
     private static void Frame(string name, Frame frame)
@@ -145,12 +158,12 @@ internal static unsafe class Dump
         Console.WriteLine("{0} 0 {1} {2} {3} {4}", name, frame.Cell, (uint)frame.Flags, frame.PolygonCount, frame.Revision);
     }
 
-    private static void Move(Float3 eye, ClusterMap own, ClusterMap ofFile, Casters casters)
+    private static void Move(Float3 eye, ClusterMap own, ClusterMap ofFile, Casters casters, Residency residency)
     {
         Float3 max = new Float3(eye.X + 0.5f, eye.Y + 0.5f, eye.Z + 0.5f);
         Frame frame = view.Move(eye);
         Frame("move", frame);
-        Outputs(frame, own, ofFile, casters);
+        Outputs(frame, own, ofFile, casters, residency);
         Console.WriteLine("visible 0 {0}", view.BoxVisible(eye, max) ? 1 : 0);
         Frame("box", view.MoveBox(eye, max));
     }
@@ -161,28 +174,36 @@ internal static unsafe class Dump
         for (uint i = 0; i < clusterOfSource.Length; ++i) clusterOfSource[i] = i / 7;
         ClusterMap ofFile = null;
         Casters casters = null;
+        Residency residency = null;
         using (ClusterMap own = new ClusterMap(database, clusterOfSource, (int)info.PolygonCount / 7 + 1))
         {
             Console.WriteLine("map {0}", (int)Try(() => { ofFile = new ClusterMap(database); return 0; }, out _));
             Console.WriteLine("suns {0}", (int)Try(() => { casters = new Casters(database); return 0; }, out _));
+            Console.WriteLine("residency {0}", (int)Try(() => { residency = new Residency(database); return 0; }, out _));
+            if (residency != null)
+            {
+                ResidentTexture[] textures = residency.Textures();
+                Line("textures", Status.Ok, textures.Length, textures, 3 * textures.Length);
+            }
             for (uint i = 0; i < 3 * info.PolygonCount; ++i) stored[i] = 10 * i;
             for (uint c = 0; c < info.CellCount; ++c)
             {
                 Box box = database.CellBox(c);
                 Move(new Float3(0.5f * (box.Min.X + box.Max.X), 0.5f * (box.Min.Y + box.Max.Y), 0.5f * (box.Min.Z + box.Max.Z)),
-                    own, ofFile, casters);
+                    own, ofFile, casters, residency);
             }
             view.SetOrigin(new Double3(1e6, 0, -1e6));
             view.SetPolicy(ViewPolicy.OutsideNearest | ViewPolicy.PendingLast, 3e6f);
             Console.WriteLine("origin 0\npolicy 0");
             for (uint g = 0; g < database.NamedGroupCount; ++g) view.ShowNamedGroup(g, false);
-            Move(new Float3(-1e6f, 0.5f, 1e6f), own, ofFile, casters);
+            Move(new Float3(-1e6f, 0.5f, 1e6f), own, ofFile, casters, residency);
         }
         ViewStats[] stats = { view.Statistics };
         Line("statistics", Status.Ok, (int)stats[0].Moves, stats, sizeof(ViewStats) / 4);
         Miss[] misses = { new Miss { Eye = new Double3(1.5, 2, 3) },
                           new Miss { Eye = new Double3(-1.5, 0.125, 3e5), Polygon = info.PolygonCount - 1 } };
         Console.WriteLine(database.MissesText(misses));
+        residency?.Dispose();
         casters?.Dispose();
         ofFile?.Dispose();
     }

@@ -523,6 +523,7 @@ CASES = [
     ('scene.version', 4, info(lambda f: write(f, 'old.glb', glb((b'JSON', b'{}  '), version=1)))),
     ('shard.bad-option', 2, lambda f: Call(bake(f, '--shard', 'three'), '--shard')),
     ('shard.importance', 2, lambda f: Call(bake(f, '--shard', '0/2', '--importance'), '--importance')),
+    ('shard.residency', 2, lambda f: Call(bake(f, '--shard', '0/2', '--residency'), '--residency')),
     ('shard.no-array', 2, lambda f: Call(bake(f, '--shard', 'array'), '--shard array')),
     ('shard.none', 4, in_folder('merge', 'none.pvs', named='none.pvs')),
     ('shard.out-of-range', 2, lambda f: Call(bake(f, '--shard', '3/3'), '--shard')),

@@ -17,6 +17,7 @@ from pvs_parts import Refused, crc32c, need  # noqa: E402
 
 MAGIC = bytes([0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A])
 ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY, CASTERS = 3, 4, 6, 9, 11, 12, 13, 15, 17
+RESIDENCY = 18
 VERSIONS = {0: decode_v0, 1: decode_v1}
 
 
@@ -69,7 +70,7 @@ def sections_of(data, header, version):
         need(offset == place and flags < 2 and reserved == 0, "section record")
         place += size
         need(place <= len(data), "section leaves the file")
-        never_required = number in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY, CASTERS)
+        never_required = number in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY, CASTERS, RESIDENCY)
         need(not never_required or flags == 0, f"required section {number}", "version")
         if number in required or number in version.OPTIONAL:
             need(number not in found, "section is there twice")
@@ -107,6 +108,9 @@ class Contents:
         self.suns, self.caster_proofs, self.casters = [], [], []
         if CASTERS in version.OPTIONAL and CASTERS in parts:
             self.suns, self.caster_proofs, self.casters = version.decode_casters(header, parts[CASTERS])
+        self.residency = None
+        if RESIDENCY in version.OPTIONAL and RESIDENCY in parts:
+            self.residency = version.decode_residency(header, parts[RESIDENCY])
 
     def check_records(self):
         for box in self.boxes:
@@ -218,6 +222,16 @@ class Contents:
             ids = sorted(self.source_of_stored[number] for first, end in runs for number in range(first, end))
             yield f"casters {of}:" + "".join(f" {polygon}" for polygon in ids)
             yield f"certificate of casters {of}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}"
+        if self.residency:
+            yield from self.residency_lines()
+
+    def residency_lines(self):
+        pixels, anisotropy, textures, levels = self.residency
+        yield f"residency: {pixels:.9g} pixels per radian, anisotropy {anisotropy:.9g}"
+        for i, (image, width, height) in enumerate(textures):
+            yield f"texture {i}: image {image}, {width} x {height}"
+        for i, own in enumerate(levels):
+            yield f"levels {i}:" + "".join(f" {level}" for level in own)
 
 
 def box_text(box):

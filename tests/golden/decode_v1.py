@@ -6,9 +6,10 @@ from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_co
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
 VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS, CASTERS = 10, 11, 12, 13, 14, 15, 16, 17
+RESIDENCY = 18
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
 OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS,
-            CASTERS)
+            CASTERS, RESIDENCY)
 FLAGGED = REQUIRED + (VOLUMES, BORDERS, CLUSTERS)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
@@ -20,6 +21,8 @@ MOST_REGION = 65536  # bytes
 DEEPEST = 18  # leaf of a region
 LARGEST_CLUSTER = 256  # polygons
 LONGEST_RUN = 64  # of an order in a file with clusters
+MOST_TEXTURES = 65536
+MOST_TEXELS = 65536  # along a side of a texture
 MOST_ITEMS = 4294967294  # polygons and volumes
 
 
@@ -540,6 +543,48 @@ def decode_casters(header, section):
     need(begin == len(rows), "bytes behind the last chunk of casters")
     need(max(map(len, made), default=0) == run_bound, "run bound of casters")
     return suns, proofs, made
+
+
+def decode_residency(header, section):
+    """Pixels per radian; anisotropy; image, width and height of each texture; the levels of each cell, in quarters from
+    -4.25 on, 0 for a texture that is not needed."""
+    count, pixels, anisotropy = unpack("<Iff", section, 0, "residency")
+    need(count <= MOST_TEXTURES, "textures", "limit")
+    need(0 < pixels <= 1048576 and 1 <= anisotropy <= 16, "what the levels are for")
+    columns, at = packed_columns(section, 12, 3, count)
+    textures = list(zip(*columns))
+    need(all(a < b for a, b in zip(columns[0], columns[0][1:])), "images do not ascend")
+    need(all(1 <= side <= MOST_TEXELS for texture in textures for side in texture[1:]), "size of a texture")
+    (ends,), at = packed_columns(section, at, 1, (header.cells + 15) // 16)
+    runs, at = code_table(section, at)
+    changes, at = code_table(section, at)
+    made, begin = [], 0
+    for end in ends:
+        need(begin <= end and at + end + PADDING <= len(section), "chunk of levels")
+        bits = Bits(section, 8 * (at + begin), 8 * (at + end))
+        last, needed = [17] * count, [False] * count
+        for _ in range(min(16, header.cells - len(made))):
+            decode_levels(runs, changes, bits, textures, last, needed)
+            made.append([level if there else 0 for level, there in zip(last, needed)])
+        need((bits.at + 7) // 8 == at + end, "bytes behind the levels of a chunk")
+        begin = end
+    need(at + begin + PADDING == len(section), "bytes behind the last chunk of levels")
+    return pixels, anisotropy, textures, made
+
+
+def decode_levels(runs, changes, bits, textures, last, needed):
+    """Changes the levels of the cell before into those of the next one."""
+    texture = 0
+    while texture < len(textures):
+        texture += runs.number(bits)
+        need(texture <= len(textures), "run of unchanged textures")
+        if texture == len(textures):
+            break
+        change = changes.number(bits)
+        last[texture] += (change + 1) // 2 if change % 2 else -(change // 2)
+        needed[texture] = change > 0 or not needed[texture]
+        need(1 <= last[texture] <= 17 + 4 * (max(textures[texture][1:]).bit_length() - 1), "level of a texture")
+        texture += 1
 
 
 def decode_importance(section, sizes, cells_of_chunks):

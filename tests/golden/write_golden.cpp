@@ -12,6 +12,7 @@
 #include "golden_casters.h"
 #include "golden_contents.h"
 #include "golden_importance.h"
+#include "golden_residency.h"
 #include "sightcell/format/eye_table.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/format/viewpoint_table.h"
@@ -196,7 +197,21 @@ void dump_casters(const sample_contents& contents, std::FILE* out) {
   }
 }
 
-enum class extra { nothing, importance, casters };
+void dump_residency(const sample_contents& contents, std::FILE* out) {
+  const sightcell::test::sample_residency residency(contents);
+  std::fprintf(out, "residency: %.9g pixels per radian, anisotropy %.9g\n",
+               static_cast<double>(residency.pixels_per_radian), static_cast<double>(residency.anisotropy));
+  for (std::size_t i = 0; i < residency.textures.size(); ++i) {
+    const auto& one = residency.textures[i];
+    std::fprintf(out, "texture %zu: image %u, %u x %u\n", i, one.image, one.width, one.height);
+  }
+  for (std::size_t cell = 0; cell < residency.levels.size(); ++cell) {
+    std::fprintf(out, "levels %zu:", cell);
+    dump_numbers({residency.levels[cell].begin(), residency.levels[cell].end()}, out);
+  }
+}
+
+enum class extra { nothing, importance, casters, residency };
 
 bool write(const sample_contents& contents, const std::vector<std::byte>& bytes, extra with, const std::string& name) {
   if (sightcell::format::write_file((name + ".pvs").c_str(), bytes) != sightcell::format::status::ok) return false;
@@ -210,6 +225,7 @@ bool write(const sample_contents& contents, const std::vector<std::byte>& bytes,
   dump_identity(contents, text);
   if (with == extra::importance) dump_importance(contents, text);
   if (with == extra::casters) dump_casters(contents, text);
+  if (with == extra::residency) dump_residency(contents, text);
   return std::fclose(text) == 0;
 }
 
@@ -249,6 +265,8 @@ int main(int argc, char** argv) {
   const sample_contents with_casters = sightcell::test::caster_golden_contents();
   written =
       written && write(with_casters, sightcell::test::caster_golden_bytes(), extra::casters, folder + "/v1_casters");
+  written = written && write(sightcell::test::residency_golden_contents(), sightcell::test::residency_golden_bytes(),
+                             extra::residency, folder + "/v1_residency");
   written = written && write_damaged(folder + "/golden_errors");
   if (!written) std::fprintf(stderr, "write_golden: cannot write to %s\n", folder.c_str());
   return written ? 0 : 1;

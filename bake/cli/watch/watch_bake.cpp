@@ -128,6 +128,7 @@ bool watched_bake::bake_preview(const bake_input& input, progress_line& line) {
   bake::settings how = input.how;
   how.max_pixel_error = draft_error;
   how.file.importance = false;
+  how.file.residency = false;
   how = since(std::move(how), preview_);
   const bake::summary sum = bake_with_progress(
       input, how, preview_, true, nullptr, line, [this] { return stop(); }, nullptr);

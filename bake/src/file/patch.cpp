@@ -9,6 +9,7 @@
 #include "file/caster_sets.h"
 #include "file/importance_section.h"
 #include "file/readable_file.h"
+#include "file/residency_section.h"
 #include "sightcell/bake/patch.h"
 #include "sightcell/base/error.h"
 #include "sightcell/base/json_text.h"
@@ -127,6 +128,9 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
                 "bake again with these polygons in the cells file");
   carry_importance(opened, bytes, output.string());
   carry_casters(opened, bytes, output.string());
+  std::vector<std::uint32_t> grown;
+  for (const added_polygons& a : newly_added) grown.push_back(a.cell);
+  carry_residency(opened, bytes, output.string(), grown);
   if (format::write_file(output.string().c_str(), bytes) != format::status::ok)
     throw error(error_kind::failed, "patch.not-written", output.string(), "cannot be written",
                 "free space or choose another -o; the file is unchanged");

@@ -12,6 +12,7 @@
 #include "file/caster_sets.h"
 #include "file/importance_section.h"
 #include "file/readable_file.h"
+#include "file/residency_section.h"
 #include "file/stored_rules.h"
 #include "input/two_scenes.h"
 #include "order/cluster_order.h"
@@ -163,10 +164,10 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   return bytes;
 }
 
-// Returns false if it was canceled.
-bool measure_importance(const format::reader& opened, const std::string& name, const recode_settings& how,
-                        std::vector<std::byte>& bytes) {
-  const scene::scene& s = *how.importance_in;
+// Makes the sections that need the scene. Returns false if it was canceled.
+bool make_sections(const format::reader& opened, const std::string& name, const recode_settings& how,
+                   std::vector<std::byte>& bytes) {
+  const scene::scene& s = how.importance_in != nullptr ? *how.importance_in : *how.residency_of;
   const stored_rules rules = stored_rules_of(opened.settings());
   bool done = false;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
@@ -174,7 +175,9 @@ bool measure_importance(const format::reader& opened, const std::string& name, c
     scene::world_geometry geometry = scene::flatten(s, rules.animated);
     apply_stored_overrides(opened.settings(), geometry);
     const ray_scene rays(geometry, rules.all_double_sided);
-    done = add_importance(bytes, name, rays, how.on_progress);
+    done = (how.residency_of == nullptr ||
+            add_residency(bytes, name, *how.residency_of, rays, how.anisotropy, how.on_progress)) &&
+           (how.importance_in == nullptr || add_importance(bytes, name, rays, how.on_progress));
   });
   return done;
 }
@@ -187,7 +190,7 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   format::set_reader sets;
   require_readable(format::reader::open(file, opened), name);
   const scene::scene* s = how.importance_in;
-  for (const scene::scene* given : {s, how.layout_from, how.names_from, how.clusters_from})
+  for (const scene::scene* given : {s, how.residency_of, how.layout_from, how.names_from, how.clusters_from})
     if (given != nullptr) require_scene(opened, *given, name);
   if (s != nullptr && stored_cells_from(opened.settings()))
     throw error(error_kind::wrong_use, "recode.two-scenes", name,
@@ -195,17 +198,17 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
                 "bake with --importance, which uses both scenes");
   require_readable(sets.open(opened), name);
   require_readable(sets.check(), name);
-  // With importance alone the other bytes stay the same. Encoding sets with slack again could change them.
-  const bool stays = s != nullptr && !how.profile && !how.order && !how.layout && !how.granularity &&
+  const bool makes_sections = s != nullptr || how.residency_of != nullptr;
+  // With such sections alone the other bytes stay the same. Encoding sets with slack again could change them.
+  const bool stays = makes_sections && !how.profile && !how.order && !how.layout && !how.granularity &&
                      how.names_from == nullptr && opened.format_version() == format::layout::version;
   std::vector<std::byte> bytes =
       stays ? std::vector<std::byte>(file.begin(), file.end()) : encoded(opened, sets, name, how, output);
   format::reader made;
   recode_result result{opened.format_version(), file.size()};
-  if (s != nullptr)
-    result.cancelled = !measure_importance(opened, output.string(), how, bytes);
-  else
-    carry_importance(opened, bytes, output.string());
+  if (!stays && s == nullptr) carry_importance(opened, bytes, output.string());
+  if (!stays && how.residency_of == nullptr) carry_residency(opened, bytes, output.string(), {});
+  if (makes_sections) result.cancelled = !make_sections(opened, output.string(), how, bytes);
   if (!stays) carry_casters(opened, bytes, output.string());
   if (result.cancelled) return result;
   require_readable(format::reader::open(bytes, made), output.string());

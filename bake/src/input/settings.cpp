@@ -285,6 +285,7 @@ void validate(const settings& s) {
   check("--margin", s.margin, 0.0f, 10.0f, " m");
   check("--player-radius", s.player_radius, 0.001f, 1.0f, " m");
   check("--smallest-gap", s.smallest_gap, 0.0f, 0.1f, " m");
+  check("--anisotropy", s.file.anisotropy, 1.0f, 16.0f, "");
   check_sampler(s);
   if (std::find(source_names.begin(), source_names.end(), s.source) == source_names.end())
     refuse_name("--source", s.source, source_names);

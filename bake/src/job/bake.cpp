@@ -14,6 +14,7 @@
 #include "checkpoint/work_file.h"
 #include "file/importance_section.h"
 #include "file/pvs_output.h"
+#include "file/residency_section.h"
 #include "input/host_scene.h"
 #include "job/bake_context.h"
 #include "job/bake_key.h"
@@ -86,10 +87,12 @@ void count_rebaked(const step_keeper& keeper, const settings& how, summary& sum)
 // Returns what is added to the encoded file.
 file_completion completion_of(const bake_context& context, const std::filesystem::path& output, const callbacks& events,
                               std::vector<sun_summary>& suns) {
-  return [importance = importance_of(context.how, context.traced->rays, output, events),
-          casters =
-              casters_of(context.how, context.traced->rays, context.traced->neighbors_or_null(), output, events, suns)](
-             std::vector<std::byte>& file) { return (!importance || importance(file)) && (!casters || casters(file)); };
+  return [residency = residency_of(context.how, context.s, context.traced->rays, output, events),
+          importance = importance_of(context.how, context.traced->rays, output, events),
+          casters = casters_of(context.how, context.traced->rays, context.traced->neighbors_or_null(), output, events,
+                               suns)](std::vector<std::byte>& file) {
+    return (!residency || residency(file)) && (!importance || importance(file)) && (!casters || casters(file));
+  };
 }
 
 // Bakes all cells and writes the file.

@@ -8,6 +8,7 @@
 
 #include "file/importance_section.h"
 #include "file/pvs_output.h"
+#include "file/residency_section.h"
 #include "input/first_target.h"
 #include "job/cell_bake.h"
 #include "job/cell_workers.h"
@@ -157,11 +158,18 @@ void timed_bake::write(const callbacks& events, summary& sum, const file_complet
   next_file_ = work_.clock.spent() + std::max(pause_, work_to_writing * took);
 }
 
-// Only the last file has importance, because measuring it may take as long as a turn. The file of a canceled bake has
-// none, because the caller wants to end.
+// Only the last file has texture residency and importance, because measuring the latter may take as long as a turn. The
+// file of a canceled bake has neither, because the caller wants to end.
 file_completion timed_bake::last_completion() const {
-  if (!how().file.importance) return {};
+  if (!how().file.importance && !how().file.residency) return {};
   return [this](std::vector<std::byte>& file) {
+    const file_completion levels =
+        residency_of(how(), work_.context.s, work_.context.traced->rays, work_.output, work_.events);
+    if (levels && (progress_.stopped() || !levels(file)) && work_.events.on_message)
+      work_.events.on_message(severity::warning,
+                              "the file has no texture residency, which was not waited for; sightcell recode FILE "
+                              "--residency SCENE adds it");
+    if (!how().file.importance) return true;
     const file_completion measure = importance_of(how(), work_.context.traced->rays, work_.output, work_.events);
     if ((progress_.stopped() || !measure(file)) && work_.events.on_message)
       work_.events.on_message(

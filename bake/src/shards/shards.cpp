@@ -44,14 +44,17 @@ void refuse_time_budget(const settings& how) {
                 "leave out --shard, or --time-budget");
 }
 
-// Importance is measured when all sets are known, and merge has no scene.
-void refuse_importance(const settings& how) {
+// Such sections are made when all sets are known, and merge has no scene.
+void refuse_later_sections(const settings& how) {
   if (!how.suns.empty())
     throw error(error_kind::wrong_use, "settings.suns", "--sun", "is for a bake on one machine",
                 "leave it out, or bake without --shard");
   if (how.file.importance)
     throw error(error_kind::wrong_use, "shard.importance", "--importance", "is for a bake on one machine",
                 "leave it out, and add it to the merged file: sightcell recode FILE --importance SCENE");
+  if (how.file.residency)
+    throw error(error_kind::wrong_use, "shard.residency", "--residency", "is for a bake on one machine",
+                "leave it out, and add it to the merged file: sightcell recode FILE --residency SCENE");
 }
 
 std::vector<std::uint32_t> blocks_of(const shard& part, const cell_blocks& all) {
@@ -202,7 +205,7 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
                    bool fresh, const callbacks& events) {
   validate(how);
   refuse_time_budget(how);
-  refuse_importance(how);
+  refuse_later_sections(how);
   validate(part);
   const double began = process_cpu_seconds();
   summary sum;

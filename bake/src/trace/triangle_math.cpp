@@ -70,4 +70,28 @@ bool triangle_touches_box(const triangle& corners, const glm::vec3& min, const g
   return true;
 }
 
+// The nearest points are found by turns: the one of the triangle to that of the box, and the other way round. The plane
+// between them separates triangle and box by a width that is never above the distance.
+double least_distance(const triangle& corners, const glm::vec3& min, const glm::vec3& max) {
+  constexpr int most_turns = 32;
+  double best = 0.0;
+  glm::vec3 of_box = glm::clamp((corners[0] + corners[1] + corners[2]) / 3.0f, min, max);
+  for (int turn = 0; turn < most_turns; ++turn) {
+    const glm::vec3 of_triangle = nearest_on_triangle(of_box, corners);
+    const glm::vec3 next = glm::clamp(of_triangle, min, max);
+    const glm::dvec3 way = glm::dvec3(of_triangle) - glm::dvec3(next);
+    const double length = glm::length(way);
+    if (!(length > 0.0)) return best;
+    const glm::dvec3 normal = way / length;
+    double nearest = glm::dot(normal, glm::dvec3(corners[0]));
+    for (const glm::vec3& corner : corners) nearest = std::min(nearest, glm::dot(normal, glm::dvec3(corner)));
+    for (int k = 0; k < 3; ++k)
+      nearest -= std::max(normal[k] * static_cast<double>(min[k]), normal[k] * static_cast<double>(max[k]));
+    best = std::max(best, nearest);
+    if (best >= 0.9999 * length || next == of_box) break;
+    of_box = next;
+  }
+  return best;
+}
+
 }  // namespace sightcell::bake

@@ -31,4 +31,8 @@ float distance_to_triangle(const glm::vec3& point, const triangle& corners);
 // Returns whether a triangle and a box touch (separating axis test, Akenine-Moeller 2001).
 bool triangle_touches_box(const triangle& corners, const glm::vec3& min, const glm::vec3& max);
 
+// Returns a lower bound of the distance between a triangle and a box, in meters, which is the distance itself up to
+// rounding in nearly all cases.
+double least_distance(const triangle& corners, const glm::vec3& min, const glm::vec3& max);
+
 }  // namespace sightcell::bake

@@ -1,6 +1,7 @@
 #pragma once
-// C++20 wrapper over sightcell.h, casters.h, clusters.h, identity.h and viewpoints.h, header only. The conventions of
-// sightcell.h (coordinates, units, polygon numbers, the draw table, fail-open frames, memory, threads) hold here too.
+// C++20 wrapper over sightcell.h, casters.h, clusters.h, identity.h, residency.h and viewpoints.h, header only. The
+// conventions of sightcell.h (coordinates, units, polygon numbers, the draw table, fail-open frames, memory, threads)
+// hold here too.
 // Most members call the C function of the same name, where its parameters, failures and cost are documented. What the
 // wrapper adds:
 //   - db and view are move-only and release their handles.
@@ -18,6 +19,7 @@
 #include "sightcell/casters.h"
 #include "sightcell/clusters.h"
 #include "sightcell/identity.h"
+#include "sightcell/residency.h"
 #include "sightcell/sightcell.h"
 #include "sightcell/viewpoints.h"
 
@@ -296,6 +298,47 @@ class casters {
   sightcell_casters* handle_ = nullptr;
 };
 
+// The texture residency of a db, which must outlive it. Used by one thread at a time.
+class residency {
+ public:
+  residency() noexcept = default;
+  ~residency() { sightcell_residency_destroy(handle_); }
+  residency(residency&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  residency& operator=(residency&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  residency(const residency&) = delete;
+  residency& operator=(const residency&) = delete;
+
+  static result<residency> create(const db& file) noexcept {
+    residency made;
+    const sightcell_status s = sightcell_residency_create(file.get(), &made.handle_);
+    return s == SIGHTCELL_OK ? result<residency>(std::move(made)) : result<residency>(s);
+  }
+
+  // The textures of the file.
+  list_result textures(std::span<sightcell_texture> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_residency_textures(handle_, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+
+  // The finest level of each texture that a picture from a cell can need.
+  list_result levels(std::uint32_t cell, float pixels_per_radian, std::span<std::uint8_t> by_texture) noexcept {
+    list_result out;
+    out.status = sightcell_residency_cell_levels(handle_, cell, pixels_per_radian, by_texture.data(), by_texture.size(),
+                                                 &out.count);
+    return out;
+  }
+
+  // The C handle, null without one.
+  [[nodiscard]] sightcell_residency* get() noexcept { return handle_; }
+
+ private:
+  sightcell_residency* handle_ = nullptr;
+};
+
 // The host's clusters in the polygon order of a db, which must outlive it. Shared by threads.
 class cluster_map {
  public:
@@ -411,6 +454,15 @@ class view {
     list_result out;
     out.status = sightcell_view_caster_indices(handle_, of.get(), sun, stored_indices.data(), dst.data(), dst.size(),
                                                &out.count);
+    return out;
+  }
+
+  // The finest level of each texture that a picture from here can need.
+  list_result texture_levels(residency& of, float pixels_per_radian,
+                             std::span<std::uint8_t> by_texture) const noexcept {
+    list_result out;
+    out.status = sightcell_view_texture_levels(handle_, of.get(), pixels_per_radian, by_texture.data(),
+                                               by_texture.size(), &out.count);
     return out;
   }
 

@@ -89,6 +89,12 @@ const std::map<std::string, statuses> promised{
     {"sightcell_casters_suns", of_lists},
     {"sightcell_view_casters", of_lists},
     {"sightcell_view_caster_indices", of_lists},
+    {"sightcell_residency_create",
+     with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT,
+                               SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
+    {"sightcell_residency_textures", of_lists},
+    {"sightcell_view_texture_levels", of_lists},
+    {"sightcell_residency_cell_levels", of_lists},
     {"sightcell_cluster_list", of_lists},
     {"sightcell_cluster_changes", of_lists},
 };
@@ -110,6 +116,7 @@ TEST(every_outcome, is_reached) {
   clusters(out);
   clusters_of_files(out);
   shadow_casters(out);
+  residencies(out);
   boxes(out);
   importance(out);
 

@@ -12,6 +12,7 @@
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/identity.h"
+#include "sightcell/residency.h"
 #include "sightcell/viewpoints.h"
 
 namespace sightcell::test {
@@ -180,6 +181,8 @@ void open_without_waiting(outcomes& out) {
   RETURNS(PENDING, sightcell_cluster_map_create(host.db(), nullptr, 0, 0, &map));
   sightcell_casters* casters = nullptr;
   RETURNS(PENDING, sightcell_casters_create(host.db(), &casters));
+  sightcell_residency* residency = nullptr;
+  RETURNS(PENDING, sightcell_residency_create(host.db(), &residency));
   RETURNS(PENDING, sightcell_cluster_map_of_file(host.db(), &map));
   float eye[3];
   RETURNS(PENDING, sightcell_db_cell_eye(host.db(), 0, 0, eye));

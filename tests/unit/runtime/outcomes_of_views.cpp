@@ -11,9 +11,11 @@
 #include "sightcell/casters.h"
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/residency.h"
 #include "table_encoder.h"
 #include "unit/format/caster_samples.h"
 #include "unit/format/importance_samples.h"
+#include "unit/format/residency_samples.h"
 
 namespace sightcell::test {
 namespace {
@@ -237,6 +239,42 @@ void shadow_casters(outcomes& out) {
   RETURNS(ERR_CAPACITY, sightcell_view_caster_indices(view.get(), casters, 0, indices.data(), drawn.data(), 3, &count));
   RETURNS(ERR_ARGUMENT, sightcell_view_caster_indices(view.get(), casters, 0, nullptr, drawn.data(), 18, &count));
   sightcell_casters_destroy(casters);
+}
+
+void residencies(outcomes& out) {
+  few_blocks three(3);
+  const sample_contents contents = tiny_contents();
+  const bytes whole = with_residency(contents.encode(), sample_residency(contents));
+  const loaded_file file(whole, &three.interface);
+  test_view view(file.db());
+  static_cast<void>(view.move(1, 1, 1));
+  sightcell_residency* residency = nullptr;
+  RETURNS(ERR_ARGUMENT, sightcell_residency_create(nullptr, &residency));
+  RETURNS(OK, sightcell_residency_create(file.db(), &residency));
+  sightcell_residency* none = nullptr;
+  RETURNS(ERR_MEMORY, sightcell_residency_create(file.db(), &none));
+  const loaded_file without(contents);
+  RETURNS(ERR_ABSENT, sightcell_residency_create(without.db(), &none));
+  bytes changed = whole;
+  changed[section_offset(whole, layout::section_residency)] ^= std::byte{2};  // another number of textures
+  const loaded_file wrong_sum(changed);
+  RETURNS(ERR_CHECKSUM, sightcell_residency_create(wrong_sum.db(), &none));
+  reseal(changed);
+  const loaded_file corrupt(std::move(changed));
+  RETURNS(ERR_CORRUPT, sightcell_residency_create(corrupt.db(), &none));
+  std::array<sightcell_texture, 3> textures;
+  std::array<std::uint8_t, 3> levels;
+  std::size_t count = 0;
+  RETURNS(OK, sightcell_residency_textures(residency, textures.data(), 3, &count));
+  RETURNS(ERR_CAPACITY, sightcell_residency_textures(residency, textures.data(), 2, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_residency_textures(nullptr, textures.data(), 3, &count));
+  RETURNS(OK, sightcell_view_texture_levels(view.get(), residency, 900.0f, levels.data(), 3, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_texture_levels(view.get(), residency, 900.0f, levels.data(), 2, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_texture_levels(view.get(), residency, 0.0f, levels.data(), 3, &count));
+  RETURNS(OK, sightcell_residency_cell_levels(residency, 1, 900.0f, levels.data(), 3, &count));
+  RETURNS(ERR_CAPACITY, sightcell_residency_cell_levels(residency, 1, 900.0f, nullptr, 0, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_residency_cell_levels(residency, 2, 900.0f, levels.data(), 3, &count));
+  sightcell_residency_destroy(residency);
 }
 
 void boxes(outcomes& out) {

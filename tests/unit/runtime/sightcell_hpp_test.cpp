@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "unit/format/caster_samples.h"
+#include "unit/format/residency_samples.h"
 #include "unit/format/sample_contents.h"
 
 namespace {
@@ -109,6 +110,30 @@ TEST(sightcell_hpp, casters) {
   EXPECT_EQ(camera->shadow_indices(casters, 1, stored, indices).count, 3 * std::size_t{polygons});
   EXPECT_EQ(sightcell::casters().suns(suns).status, SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(camera->shadow_ranges(casters, 2, ranges).status, SIGHTCELL_ERR_ARGUMENT);
+}
+
+TEST(sightcell_hpp, residency) {
+  const auto contents = sightcell::test::small_contents();
+  const auto bytes = sightcell::test::with_residency(contents.encode(), sightcell::test::sample_residency(contents));
+  const auto file = sightcell::db::open(bytes);
+  ASSERT_TRUE(file);
+  auto made = sightcell::residency::create(*file);
+  ASSERT_TRUE(made);
+  sightcell::residency residency = std::move(*made);
+  std::array<sightcell_texture, 3> textures{};
+  EXPECT_EQ(residency.textures(textures).count, 3u);
+  EXPECT_EQ(textures[0].width, 1024u);
+  auto camera = sightcell::view::create(*file);
+  ASSERT_TRUE(camera);
+  sightcell_frame frame;
+  const float eye[3] = {3.5f, 0.5f, 0.5f};
+  EXPECT_EQ(camera->move(eye, frame), SIGHTCELL_OK);
+  std::array<std::uint8_t, 3> here{}, of_cell{};
+  ASSERT_TRUE(camera->texture_levels(residency, 1000.0f, here));
+  ASSERT_TRUE(residency.levels(3, 1000.0f, of_cell));
+  EXPECT_EQ(here, of_cell);
+  EXPECT_EQ(sightcell::residency().textures(textures).status, SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(camera->texture_levels(residency, -1.0f, here).status, SIGHTCELL_ERR_ARGUMENT);
 }
 
 TEST(sightcell_hpp, an_opening_that_does_not_wait) {

@@ -62,6 +62,12 @@ struct file_settings {
   // settings text: the other sections of the file do not depend on it.
   bool importance = false;
 
+  // --residency: stores the finest mip level of each texture that a picture from each cell can need. Needs the textures
+  // of the scene (scene::read_texture_uses); without them the file has none. Not in the settings text, for the same
+  // reason. anisotropy: the largest one of the host's filter, 1 .. 16; 1 for a filter without.
+  bool residency = false;
+  float anisotropy = 16.0f;
+
   // --names: stores a hash of the geometry of each draw and the names of nodes and meshes, by which a host finds its
   // objects. Not in the settings text, for the same reason.
   bool names = false;

@@ -22,10 +22,11 @@ struct patch_result {
 };
 
 // Adds polygons and writes the new file. Bounds and certificate stay valid, because adding only lowers the error. If
-// the file has importance, added polygons have the least. The settings text of the file lists what was added. file: the
-// bytes of the .pvs file. name: of the file, for messages. additions: in any order; may overlap. output: the new file;
-// may be the file that was read. Fails with pvs.broken, patch.no-such-cell, patch.no-such-polygon, patch.not-written;
-// then no file has changed. Cost: decodes and encodes the file once.
+// the file has importance, added polygons have the least. If it has texture residency, all textures of cells with added
+// polygons have the finest level. The settings text of the file lists what was added. file: the bytes of the .pvs file.
+// name: of the file, for messages. additions: in any order; may overlap. output: the new file; may be the file that was
+// read. Fails with pvs.broken, patch.no-such-cell, patch.no-such-polygon, patch.not-written; then no file has changed.
+// Cost: decodes and encodes the file once.
 patch_result patch(std::span<const std::byte> file, const std::string& name, std::span<const added_polygons> additions,
                    const std::filesystem::path& output);
 

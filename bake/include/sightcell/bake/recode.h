@@ -1,6 +1,6 @@
 #pragma once
 // Writes a .pvs file again without a bake: in the current version of the format, with another profile, order or layout,
-// of clusters, or with importance or names. bake.h has the conventions.
+// of clusters, or with importance, texture residency or names. bake.h has the conventions.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -48,9 +48,15 @@ struct recode_settings {
   // the importance that the file has. The caller keeps it during the call.
   const scene::scene* importance_in = nullptr;
 
-  std::uint32_t threads = 0;  // for importance; 0 for all cores
+  // The scene that was baked, with its textures (scene::read_texture_uses): texture residency is computed for it, as a
+  // bake with file_settings::residency does. Null keeps what the file has. The caller keeps it during the call.
+  const scene::scene* residency_of = nullptr;
+  float anisotropy = 16.0f;  // with residency_of: the largest one of the filter, 1 .. 16
 
-  // Called while importance is measured, on the calling thread. false cancels. May be empty.
+  std::uint32_t threads = 0;  // for importance and texture residency; 0 for all cores
+
+  // Called while importance is measured or texture residency computed, on the calling thread. false cancels. May be
+  // empty.
   std::function<bool(std::uint32_t done, std::uint32_t total)> on_progress = {};
 };
 
@@ -63,14 +69,13 @@ struct recode_result {
 };
 
 // Checks a file and writes it again. Sets stay the same except for slack and for polygons that fill clusters. Bounds
-// and certificate stay, rounded up where the old version has them more precisely. Importance stays; added slack has the
-// least. The settings text of the new file has the new profile, order, layout and granularity. A file of the current
-// version for which only importance is measured keeps all else, byte for byte.
-// file: the bytes of the .pvs file, of any version.
-// name: of the file, for messages.
-// output: the new file; may be the file that was read.
-// Fails with pvs.refused, pvs.broken, pvs.other-scene, scene.bad-field, recode.*; then no file has changed.
-// Cost: seconds for a file of thousands of cells; with importance, as much as rays of a bake. Uses all cores.
+// and certificate stay, rounded up where the old version has them more precisely. Texture residency stays: slack is not
+// visible. Importance stays; added slack has the least. The settings text of the new file has the new profile, order,
+// layout and granularity. A file of the current version for which only importance or texture residency is made keeps
+// all else, byte for byte. file: the bytes of the .pvs file, of any version. name: of the file, for messages. output:
+// the new file; may be the file that was read. Fails with pvs.refused, pvs.broken, pvs.other-scene, scene.bad-field,
+// recode.*; then no file has changed. Cost: seconds for a file of thousands of cells; with importance, as much as rays
+// of a bake. Uses all cores.
 recode_result recode(std::span<const std::byte> file, const std::string& name, const recode_settings& how,
                      const std::filesystem::path& output);
 

@@ -34,12 +34,13 @@ std::filesystem::path shard_file(const std::filesystem::path& output, const shar
 std::vector<std::filesystem::path> find_shard_files(const std::filesystem::path& output);
 
 // Bakes one shard into its file.
-// s, how, fresh, events: as for bake(). how.time_budget and how.file.importance must not be set.
+// s, how, fresh, events: as for bake(). how.time_budget, how.file.importance and how.file.residency must
+// not be set.
 // output: the .pvs file of the whole bake. The file of the shard appears beside it when it is complete. If it is there
 //   already and fresh is false, nothing is done.
 // part: which shard.
 // Returns: summary::cells is the number of cells in the shard.
-// Fails with shard.out-of-range, shard.importance, settings.time-budget, shard.missing-blocks (phase 2: the line names
+// Fails with shard.out-of-range, shard.importance, shard.residency, settings.time-budget, shard.missing-blocks (phase 2: the line names
 //   what phase 1 has not baked), shard.other-bake (a file of other settings), and as bake().
 summary bake_shard(const scene::scene& s, const settings& how, const std::filesystem::path& output, const shard& part,
                    bool fresh, const callbacks& events);

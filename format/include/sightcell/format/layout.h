@@ -78,6 +78,14 @@ inline constexpr std::uint32_t section_borders = 14;       // since version 1; a
 inline constexpr std::uint32_t section_identity = 15;      // since version 1; optional, and open skips it
 inline constexpr std::uint32_t section_clusters = 16;      // since version 1; a file with clusters requires it
 inline constexpr std::uint32_t section_casters = 17;       // since version 1; optional, and open skips it
+inline constexpr std::uint32_t section_residency = 18;     // since version 1; optional, and open skips it
+
+// Whether a section comes after all that a reader checks when it opens a file. It is checked when it is used, and may
+// be kept elsewhere until then.
+[[nodiscard]] constexpr bool is_bulk(std::uint32_t section) noexcept {
+  return section == section_rows || section == section_importance || section == section_casters;
+}
+
 // Section flags.
 inline constexpr std::uint32_t section_required = 1;
 
@@ -96,6 +104,9 @@ inline constexpr std::uint64_t identity_head_size = 16;
 // The casters section begins with three u32, then has six f32 for each sun.
 inline constexpr std::uint64_t casters_head_size = 12;
 inline constexpr std::uint64_t sun_record_size = 24;
+
+// The texture residency section begins with a u32 and two f32.
+inline constexpr std::uint64_t residency_head_size = 12;
 
 // The cells section of version 1 begins with one of these.
 inline constexpr std::uint32_t cells_are_boxes = 0;
@@ -130,6 +141,13 @@ inline constexpr std::uint32_t max_order_run = 64;  // polygons of a run of an o
 // Shadow casters.
 inline constexpr std::uint32_t max_suns = 64;
 inline constexpr std::uint32_t max_caster_sets = 1u << 24;  // cells times suns
+
+// Texture residency.
+inline constexpr std::uint32_t cells_per_residency_chunk = 16;
+inline constexpr std::uint32_t max_textures = 1u << 16;
+inline constexpr std::uint32_t max_texture_side = 1u << 16;  // texels
+inline constexpr float max_pixels_per_radian = 1048576.0f;   // 2^20
+inline constexpr float max_anisotropy = 16.0f;
 
 // Eyes.
 inline constexpr std::uint32_t max_eyes = 8;               // of a cell

@@ -21,6 +21,8 @@ namespace Sightcell
         public const uint NoCluster = 0xFFFFFFFF;
         /// <summary>In a map of draws: the file has no draw for this one.</summary>
         public const uint NoDraw = 0xFFFFFFFF;
+        /// <summary>A level that no texture has: no picture needs the texture.</summary>
+        public const uint NoLevel = 255;
     }
 
     /// <summary>Result of a function.</summary>
@@ -381,6 +383,17 @@ namespace Sightcell
 
         /// <summary>A struct whose StructSize is set, as functions need it.</summary>
         public static DrawMatch Sized => new DrawMatch { StructSize = 28 };
+    }
+
+    /// <summary>A texture.</summary>
+    [StructLayout(LayoutKind.Sequential, Size = 12)]
+    public unsafe struct ResidentTexture
+    {
+        /// <summary>number in the glTF file</summary>
+        public uint Image;
+        /// <summary>texels of level 0</summary>
+        public uint Width;
+        public uint Height;
     }
 
     /// <summary>The functions of the headers. The classes of this package call them.</summary>
@@ -984,6 +997,48 @@ namespace Sightcell
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern Status sightcell_db_draw_name(IntPtr db, uint draw, uint kind, byte* dst, UIntPtr capacity, UIntPtr* count);
+
+        /// <summary>
+        /// Opens the texture residency of a file. Files that page have it too.
+        /// db: must outlive the residency.
+        /// out: receives the residency, or NULL on failure.
+        /// Fails with ARGUMENT; with ABSENT if the file has none; with CHECKSUM or CORRUPT if it is damaged; with MEMORY; with
+        ///   PENDING before sightcell_db_opened has returned OK.
+        /// Cost: reads all levels once. One allocation of the allocator of db: 5 KB and 2 bytes per texture.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_residency_create(IntPtr db, IntPtr* @out);
+
+        /// <summary>Destroys a residency and releases its memory. NULL is allowed.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern void sightcell_residency_destroy(IntPtr residency);
+
+        /// <summary>
+        /// Lists the textures of the file, in ascending order of images.
+        /// dst, capacity, count: in textures.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_residency_textures(IntPtr residency, ResidentTexture* dst, UIntPtr capacity, UIntPtr* count);
+
+        /// <summary>
+        /// Lists the finest level of each texture that a picture from the cells of the last move can need, or
+        /// SIGHTCELL_NO_LEVEL. Level 0 of all textures under DRAW_ALL, and where the levels of a cell are damaged.
+        /// residency: of the db of the view.
+        /// pixels_per_radian: of the picture; above 0, at most 1048576.
+        /// dst, capacity, count: in textures.
+        /// Fails with ARGUMENT also if residency is of another db.
+        /// Cost: O(textures + changes from cell to cell). Allocates nothing.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_view_texture_levels(IntPtr view, IntPtr residency, float pixelsPerRadian, byte* dst, UIntPtr capacity, UIntPtr* count);
+
+        /// <summary>
+        /// Lists the levels of one cell.
+        /// cell: its number.
+        /// Other parameters, failures and cost: as for sightcell_view_texture_levels.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_residency_cell_levels(IntPtr residency, uint cell, float pixelsPerRadian, byte* dst, UIntPtr capacity, UIntPtr* count);
 
         /// <summary>
         /// Returns a valid viewpoint of a cell. It is in the box of the cell, without the margin.

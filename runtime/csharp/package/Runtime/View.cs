@@ -184,6 +184,26 @@ namespace Sightcell
             }
         }
 
+        /// <summary>The finest level of each texture that a picture from here can need, or Residency.NoLevel.
+        /// pixelsPerRadian: height / (2 tan(angle / 2)) of the picture.</summary>
+        public int TextureLevels(Residency residency, float pixelsPerRadian, byte* dst, int capacity)
+        {
+            UIntPtr count;
+            Status status = Native.sightcell_view_texture_levels(Pointer, residency.Pointer, pixelsPerRadian, dst,
+                (UIntPtr)capacity, &count);
+            Check(status, "levels");
+            GC.KeepAlive(residency);
+            return (int)count;
+        }
+
+        public int TextureLevels(Residency residency, float pixelsPerRadian, Span<byte> dst)
+        {
+            fixed (byte* first = &MemoryMarshal.GetReference(dst))
+            {
+                return TextureLevels(residency, pixelsPerRadian, first, dst.Length);
+            }
+        }
+
         /// <summary>The visible solid angle of each draw, in steradians. False under DrawAll, where it is not known: all
         /// elements are 0 then.</summary>
         public bool Importance(Span<float> byDraw)

@@ -31,6 +31,7 @@
 #include "sightcell/scene/animated_as.h"
 #include "sightcell/scene/image.h"
 #include "sightcell/scene/opacity_maps.h"
+#include "sightcell/scene/texture_uses.h"
 
 namespace sightcell::scene {
 
@@ -143,6 +144,7 @@ struct scene {
   std::vector<std::string> groups;  // names of named groups
   std::vector<start_point> starts;  // where players begin; not part of the fingerprint
   std::vector<marked_cell> cells;   // view cells, in the order of the nodes; not part of the fingerprint
+  texture_uses textures;            // of read_texture_uses, which load_gltf does not call; not part of the fingerprint
 
   std::uint32_t polygon_count = 0;             // of all draws; set by finish
   std::vector<std::string> node_names;         // by node, for messages and for hosts
