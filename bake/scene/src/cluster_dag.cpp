@@ -21,6 +21,8 @@ namespace {
 constexpr std::size_t most_clusters_of_group = 8;
 // Spheres contain those below them for hosts that compute in single precision too.
 constexpr float sphere_allowance = 1e-5f;
+// Distances below this part of the coordinates are those of rounding.
+constexpr double rounding_of_places = 1e-6;
 
 // By vertex: a number that vertices in the same place share.
 std::vector<std::uint32_t> numbers_of_positions(const std::vector<glm::vec3>& positions) {
@@ -66,7 +68,7 @@ class dag_builder {
     positions_ = numbers_of_positions(mesh_.positions);
     std::vector<std::uint32_t> pending(out_.leaf_count);
     std::iota(pending.begin(), pending.end(), 0u);
-    for (std::uint32_t level = 1; pending.size() > 1; ++level) {
+    for (std::uint32_t level = 1; !pending.empty(); ++level) {
       const std::size_t before = out_.groups.size();
       pending = add_level(pending, level);
       if (out_.groups.size() == before) break;
@@ -183,8 +185,10 @@ class dag_builder {
       cluster.group = number;
     }
     group.bounds = around(spheres);
-    group.error = std::nextafter(below + static_cast<float>(made.error), std::numeric_limits<float>::infinity());
-    if (made.error == 0.0) group.error = below;
+    const double size = glm::length(glm::dvec3(group.bounds.center)) + static_cast<double>(group.bounds.radius);
+    group.error = below;
+    if (made.error > rounding_of_places * size)
+      group.error = std::nextafter(below + static_cast<float>(made.error), std::numeric_limits<float>::infinity());
     for (const std::vector<std::uint32_t>& indices : made.clusters) {
       left.push_back(static_cast<std::uint32_t>(out_.clusters.size()));
       out_.clusters.push_back({.first_triangle = static_cast<std::uint32_t>(out_.indices.size() / 3),
@@ -201,6 +205,12 @@ class dag_builder {
 };
 
 }  // namespace
+
+bool may_have_levels(const scene& s, const draw& d) {
+  const draw_tags& t = d.tags;
+  const bool opaque = d.material == no_index || s.materials[d.material].alpha == alpha_mode::opaque;
+  return opaque && !d.moves && !t.animated && t.occluder && t.group == no_index && d.lod_object == no_index;
+}
 
 cluster_dag build_cluster_dag(const geometry& mesh, bool levels) {
   return dag_builder(mesh).run(levels);

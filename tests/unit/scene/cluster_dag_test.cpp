@@ -230,6 +230,42 @@ TEST(cluster_dag, keeps_the_clusters_of_the_host_and_what_cannot_be_simplified) 
   EXPECT_TRUE(build_cluster_dag(apart).groups.empty());
 }
 
+TEST(cluster_dag, of_a_flat_surface_has_no_error) {
+  geometry mesh;
+  for (std::uint32_t z = 0; z <= 30; ++z)
+    for (std::uint32_t x = 0; x <= 30; ++x) {
+      const float a = 0.7f * static_cast<float>(x), b = 0.9f * static_cast<float>(z);
+      mesh.positions.emplace_back(a, 0.3f * a + 0.11f * b, b);
+    }
+  for (std::uint32_t z = 0; z < 30; ++z)
+    for (std::uint32_t x = 0; x < 30; ++x) {
+      const std::uint32_t a = 31 * z + x;
+      mesh.indices.insert(mesh.indices.end(), {a, a + 31, a + 1, a + 1, a + 31, a + 32});
+    }
+  const cluster_dag dag = build_cluster_dag(mesh);
+  ASSERT_GT(dag.groups.size(), 1u);
+  for (const dag_group& group : dag.groups) EXPECT_EQ(group.error, 0.0f);
+}
+
+TEST(cluster_dag, is_for_opaque_occluders_that_stay) {
+  scene s;
+  s.materials.resize(2);
+  s.materials[1].alpha = alpha_mode::mask;
+  const auto with = [&](const std::function<void(draw&)>& change) {
+    draw d;
+    change(d);
+    return may_have_levels(s, d);
+  };
+  EXPECT_TRUE(with([](draw&) {}));
+  EXPECT_TRUE(with([](draw& d) { d.material = 0; }));
+  EXPECT_FALSE(with([](draw& d) { d.material = 1; }));
+  EXPECT_FALSE(with([](draw& d) { d.tags.occluder = false; }));
+  EXPECT_FALSE(with([](draw& d) { d.tags.animated = true; }));
+  EXPECT_FALSE(with([](draw& d) { d.tags.group = 0; }));
+  EXPECT_FALSE(with([](draw& d) { d.moves = true; }));
+  EXPECT_FALSE(with([](draw& d) { d.lod_object = 0; }));
+}
+
 TEST(cluster_dag, measures_surfaces_both_ways) {
   const std::vector<surface_triangle> flat = {{glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}, glm::vec3{0, 4, 0}}};
   const std::vector<surface_triangle> peak = {{glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}, glm::vec3{1, 1, 3}}};

@@ -30,7 +30,8 @@ struct dag_cluster {
 struct dag_group {
   std::uint32_t first_cluster = 0, cluster_count = 0;  // what replaces it
   // How far what replaces it is from the leaves below it, and they from it: the sum of the distances between levels,
-  // measured at corners, centers of edges and centers of triangles. Not less than that of any group below it.
+  // measured at corners, centers of edges and centers of triangles; 0 where
+  // they are in one place up to rounding. Not less than that of any group below it.
   float error = 0.0f;
   dag_sphere bounds;        // contains the leaves below it, and the spheres of all groups below it
   std::uint32_t level = 1;  // 1: its members were there before the first simplification
@@ -47,6 +48,10 @@ struct cluster_dag {
 
   bool operator==(const cluster_dag&) const = default;
 };
+
+// Returns whether coarser triangles can take the place of those of a draw: its material is opaque, it occludes, it does
+// not move, and it is no level of detail of another kind.
+bool may_have_levels(const scene& s, const draw& d);
 
 // Returns the DAG of a primitive. Simplification moves no vertex: coarser levels use fewer of those of the mesh. It
 // keeps the borders of a primitive and, as meshoptimizer does, the seams of its attributes. The same geometry gives the
