@@ -56,7 +56,7 @@ ALLOWED = {
     'bake/scene/src/draco_decode.cpp': ['draco/'],
     'bake/scene/src/load_gltf.cpp': BASE + ['glm/', 'nlohmann/', 'tiny_gltf.h'],
     'bake/scene/src/clusters.cpp': ['meshoptimizer.h', 'glm/'],
-    'bake/scene/src/meshlet_table.cpp': ['meshoptimizer.h'],
+    'bake/scene/src/meshlet_bytes.cpp': ['meshoptimizer.h', 'glm/'],
     'bake/scene/src/simplified_group.cpp': ['meshoptimizer.h', 'glm/'],
     'bake/scene/src/meshopt_decode.cpp': ['meshoptimizer.h'],
     'bake/scene/src/meshopt_encode.cpp': ['meshoptimizer.h'],
