@@ -31,7 +31,7 @@ namespace {
 struct pack_options {
   std::filesystem::path scene, file, output;
   bool json = false;
-  bool stream = false, no_textures = false, meshlets = false;
+  bool stream = false, no_textures = false, meshlets = false, levels = false;
   bake::stream_settings streamed;
   std::string compress = std::string(bake::stream_copies_names[static_cast<std::size_t>(streamed.copies)]);
 };
@@ -187,7 +187,7 @@ int run_meshlets(const pack_options& options) {
   refuse_overwriting(options);
   slow_progress progress;
   const bake::meshlet_result result = bake::pack_meshlets(
-      options.scene, -1, options.output,
+      options.scene, -1, options.output, options.levels,
       [&](std::uint64_t done, std::uint64_t total) { progress("triangles in meshlets", done, total); });
   for (const std::string& warning : result.warnings) say_line("warning: " + warning);
   if (options.json) {
@@ -196,14 +196,18 @@ int run_meshlets(const pack_options& options) {
                 {"triangles", result.triangles},
                 {"primitives", result.primitives},
                 {"meshlets", result.meshlets},
+                {"coarse_meshlets", result.coarse_meshlets},
                 {"drawn_meshlets", result.drawn_meshlets},
                 {"table_bytes", result.table_bytes},
                 {"bytes", result.bytes}});
     return exit_done;
   }
-  fmt::print("{}: {} triangles of {} primitives in {} meshlets ({} with all instances), table {}, {} bytes\n",
+  const std::string levels =
+      options.levels ? fmt::format(", {} coarser ones", grouped(result.coarse_meshlets)) : std::string();
+  fmt::print("{}: {} triangles of {} primitives in {} meshlets ({} with all instances){}, table {}, {} bytes\n",
              options.output.string(), grouped(result.triangles), grouped(result.primitives), grouped(result.meshlets),
-             grouped(result.drawn_meshlets), size_text(static_cast<double>(result.table_bytes)), grouped(result.bytes));
+             grouped(result.drawn_meshlets), levels, size_text(static_cast<double>(result.table_bytes)),
+             grouped(result.bytes));
   return exit_done;
 }
 
@@ -242,10 +246,14 @@ void add_pack_verb(CLI::App& program, action& chosen) {
       ->required();
   CLI::Option* const stream =
       verb.add_flag("--stream", options->stream, "Writes a streamed scene: docs/streaming.md describes the files.");
-  verb.add_flag("--meshlets", options->meshlets,
-                "Writes the scene in meshlets: docs/meshlets.md describes the file. Bake that one.")
-      ->excludes(stream)
-      ->excludes(file);
+  CLI::Option* const meshlets =
+      verb.add_flag("--meshlets", options->meshlets,
+                    "Writes the scene in meshlets: docs/meshlets.md describes the file. Bake that one.")
+          ->excludes(stream)
+          ->excludes(file);
+  verb.add_flag("--levels", options->levels,
+                "Adds levels of detail to the table of meshlets, in clusters as in Nanite.")
+      ->needs(meshlets);
   verb.add_option("--page-size", options->streamed.page_bytes,
                   "Bytes of a page in the mean. Larger ones take fewer requests and contain more that is "
                   "not visible.")

@@ -20,9 +20,11 @@
 #include "sightcell/bake/misses.h"
 #include "sightcell/bake/verify.h"
 #include "sightcell/bake/verify_casters.h"
+#include "sightcell/bake/verify_cut.h"
 #include "sightcell/base/error.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
+#include "verify_cut_result.h"
 #include "verify_misses.h"
 #include "verify_result.h"
 #include "worst_view.h"
@@ -38,7 +40,7 @@ constexpr std::size_t named_on_terminal = 10;  // missing polygons; --json has a
 struct verify_options {
   scene_options scenes;
   std::filesystem::path file, picture, from;
-  bool with_rays = true;  // --from takes their place, unless they are asked for
+  bool with_rays = true;  // --from and --cut take their place; with --from they can be asked for too
   bake::verify_settings how;
   metric_options metric;
   std::optional<std::uint64_t> rays;
@@ -46,6 +48,8 @@ struct verify_options {
   double bound = 0.0;                     // the one that decides
   bool json = false;
   bool suns = false;  // the shadow casters too
+  bake::cut_settings cut;
+  bool cuts = false;  // levels of detail in place of the polygons of the sets
 };
 
 // Pictures are an aid: a machine that cannot draw still gets its numbers.
@@ -199,6 +203,15 @@ int run_verify(verify_options options) {
     result["passed"] = passed;
     result["from"] = misses_json(found, s);
   }
+  if (options.cuts) {
+    const std::vector<bake::cut_verification> cuts =
+        bake::verify_cut(s, file.bytes(), options.file.string(), options.how, options.cut,
+                         [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
+    report_cuts(cuts, s, options.bound, line);
+    for (const bake::cut_verification& cut : cuts) passed = passed && cut.upper_bound <= options.bound;
+    result["passed"] = passed;
+    result["cuts"] = cuts_json(cuts, s, options.bound);
+  }
   if (of_suns) {
     passed = passed && of_suns->second;
     result["passed"] = passed;
@@ -213,6 +226,20 @@ void refuse_options_of_rays(const CLI::App& verb) {
   for (const char* name : {"--cells", "--seed", "--max-pixel-error", "--metric", "--picture"})
     if (verb.get_option(name)->count() > 0)
       throw CLI::ValidationError(name, "is for rays, and --from takes their place unless --rays is given");
+}
+
+void add_cut_options(CLI::App& verb, bake::cut_settings& cut) {
+  const char* const group = "Levels of detail";
+  CLI::Option* const pixels =
+      add_plain_option(verb, group, "--cut", cut.pixels, "PIXELS",
+                       "Measures what a host draws with levels of detail in clusters, in place of the sets alone: the "
+                       "coarsest clusters with an error of up to this many pixels. Several numbers: separated by "
+                       "commas. docs/meshlets.md has the rule.")
+          ->delimiter(',')
+          ->allow_extra_args(false);
+  for (const char* other : {"--from", "--sun", "--metric", "--cells-from"}) pixels->excludes(verb.get_option(other));
+  add_option(verb, group, "--cut-rows", cut.rows, "N", "Rows of the picture that has these pixels.")->needs(pixels);
+  add_option(verb, group, "--cut-fov", cut.fov, "DEGREES", "Vertical field of view of this picture.")->needs(pixels);
 }
 
 }  // namespace
@@ -255,10 +282,12 @@ void add_verify_verb(CLI::App& program, action& chosen) {
   add_two_scene_options(verb, options->scenes, "Expert: scenes");
   add_metric_options(verb, options->metric, "Expert: metric");
   add_option(verb, "Expert: rays", "--seed", options->how.seed, "N", "Seed of the random numbers.");
+  add_cut_options(verb, options->cut);
   verb.callback([options, &chosen, &verb] {
     settle_scenes(options->scenes, &options->file);
-    options->with_rays = options->from.empty() || verb.get_option("--rays")->count() > 0;
-    if (!options->with_rays) refuse_options_of_rays(verb);
+    options->cuts = verb.get_option("--cut")->count() > 0;
+    options->with_rays = !options->cuts && (options->from.empty() || verb.get_option("--rays")->count() > 0);
+    if (!options->with_rays && !options->cuts) refuse_options_of_rays(verb);
     chosen = [options] { return run_verify(*options); };
   });
 }

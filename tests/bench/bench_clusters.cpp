@@ -1,16 +1,12 @@
-// bench_clusters SCENE FILE.pvs [--triangles N] [--cells N] [--json OUT.json]: the clusters that meshoptimizer makes of
-// the meshes of a scene (meshlets), each instance with clusters of its own, and how many of them a set has; or, for a
-// file of clusters, those of the file. Mean over
-// cells: polygons in the set, clusters with any of them, polygons in these clusters, words of the row that change on
-// the way to the next cell. Microseconds: the median over cells of the medians of repeated calls.
-#include <meshoptimizer.h>
-
+// bench_clusters SCENE FILE.pvs [--cells N] [--json OUT.json]: the clusters that a bake makes of the meshes of a scene,
+// each instance with clusters of its own, and how many of them a set has; or, for a file of clusters, those of the
+// file. Mean over cells: polygons in the set, clusters with any of them, polygons in these clusters, words of the row
+// that change on the way to the next cell. Microseconds: the median over cells of the medians of repeated calls.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <iostream>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <stdexcept>
@@ -18,6 +14,7 @@
 #include <vector>
 
 #include "bench/runtime_frames/frame_timing.h"
+#include "sightcell/scene/clusters.h"
 #include "sightcell/scene/scene.h"
 #include "sightcell/sightcell.hpp"
 #include "unit/runtime/held_memory.h"
@@ -30,8 +27,7 @@ using bench::time_of;
 
 struct options {
   std::string scene, file, json;
-  std::uint32_t triangles = 128;  // of a cluster, at most
-  std::uint32_t cells = 200;      // at most, spread evenly
+  std::uint32_t cells = 200;  // at most, spread evenly
   unsigned repeat = 31;
 };
 
@@ -45,55 +41,18 @@ struct scene_clusters {
   std::vector<std::uint32_t> polygons;  // by cluster
 };
 
-// Returns the cluster of each triangle of a mesh. count: receives the number of clusters.
-std::vector<std::uint32_t> clusters_of(const scene::geometry& mesh, std::uint32_t triangles, std::uint32_t& count) {
-  constexpr std::size_t most_vertices = 128;
-  const std::size_t room = meshopt_buildMeshletsBound(mesh.indices.size(), most_vertices, triangles);
-  std::vector<meshopt_Meshlet> meshlets(room);
-  std::vector<unsigned> vertices(room * most_vertices);
-  std::vector<unsigned char> corners(room * triangles * 3);
-  meshlets.resize(meshopt_buildMeshlets(meshlets.data(), vertices.data(), corners.data(), mesh.indices.data(),
-                                        mesh.indices.size(), &mesh.positions[0].x, mesh.positions.size(),
-                                        sizeof mesh.positions[0], most_vertices, triangles, 0.0f));
-  count = static_cast<std::uint32_t>(meshlets.size());
-  // meshoptimizer returns the triangles of a cluster without their numbers.
-  using triangle = std::array<std::uint32_t, 3>;
-  std::map<triangle, std::vector<std::uint32_t>> numbers;
-  for (std::uint32_t t = 0; t < mesh.indices.size() / 3; ++t) {
-    numbers[{mesh.indices[3 * t], mesh.indices[3 * t + 1], mesh.indices[3 * t + 2]}].push_back(t);
-  }
-  std::vector<std::uint32_t> cluster(mesh.indices.size() / 3, SIGHTCELL_NO_CLUSTER);
-  for (std::uint32_t m = 0; m < meshlets.size(); ++m) {
-    for (unsigned t = 0; t < meshlets[m].triangle_count; ++t) {
-      triangle corner;
-      for (std::size_t k = 0; k < 3; ++k) {
-        corner[k] = vertices[meshlets[m].vertex_offset + corners[meshlets[m].triangle_offset + 3 * t + k]];
-      }
-      std::vector<std::uint32_t>& same = numbers[corner];
-      if (same.empty()) throw std::runtime_error("a triangle of a cluster is not one of the mesh");
-      cluster[same.back()] = m;
-      same.pop_back();
-    }
-  }
-  return cluster;
-}
-
-scene_clusters clusters_of(const scene::scene& from, std::uint32_t triangles) {
+scene_clusters clusters_of(const scene::scene& from) {
   scene_clusters all;
   all.of_source.resize(from.polygon_count, SIGHTCELL_NO_CLUSTER);
-  std::vector<std::vector<std::uint32_t>> of_mesh(from.geometries.size());
-  std::vector<std::uint32_t> count(from.geometries.size());
+  std::vector<scene::mesh_clusters> of_mesh(from.geometries.size());
   for (const scene::draw& d : from.draws) {
-    const scene::geometry& mesh = from.geometries[d.geometry];
-    if (mesh.indices.empty()) continue;
-    if (of_mesh[d.geometry].empty()) of_mesh[d.geometry] = clusters_of(mesh, triangles, count[d.geometry]);
+    scene::mesh_clusters& mesh = of_mesh[d.geometry];
+    if (mesh.count == 0) mesh = scene::clusters_of(from.geometries[d.geometry]);
     const auto base = static_cast<std::uint32_t>(all.polygons.size());
-    all.polygons.resize(all.polygons.size() + count[d.geometry]);
+    all.polygons.resize(all.polygons.size() + mesh.count);
     for (std::uint32_t t = 0; t < d.polygon_count; ++t) {
-      const std::uint32_t cluster = of_mesh[d.geometry][t];
-      if (cluster == SIGHTCELL_NO_CLUSTER) continue;
-      all.of_source[d.first_source + t] = base + cluster;
-      ++all.polygons[base + cluster];
+      all.of_source[d.first_source + t] = base + mesh.of_triangle[t];
+      ++all.polygons[base + mesh.of_triangle[t]];
     }
   }
   return all;
@@ -198,7 +157,7 @@ nlohmann::ordered_json run(const options& how) {
   const scene::scene from = scene::load_gltf(how.scene);
   require(file.same_scene(from.fingerprint), how.file);
   const scene_clusters of_file = clusters_of(file);
-  const scene_clusters clusters = of_file.polygons.empty() ? clusters_of(from, how.triangles) : of_file;
+  const scene_clusters clusters = of_file.polygons.empty() ? clusters_of(from) : of_file;
   const std::size_t before = memory.bytes;
   cluster_map map = make_map(file, clusters);
   const std::size_t map_bytes = memory.bytes - before;
@@ -239,7 +198,6 @@ int main(int argc, char** argv) {
   bool quick = false;
   app.add_option("SCENE", how.scene, "a glTF scene")->required();
   app.add_option("FILE", how.file, "a .pvs file of it")->required();
-  app.add_option("--triangles", how.triangles, "most triangles of a cluster")->check(CLI::Range(4u, 512u));
   app.add_option("--cells", how.cells, "cells, spread evenly")->check(CLI::Range(1u, 1u << 30));
   app.add_option("--repeat", how.repeat, "of each call, of which the median counts")->check(CLI::Range(1u, 10000u));
   app.add_option("--json,--json-file", how.json, "where the result goes; without: standard output");

@@ -11,6 +11,9 @@ from harness import InFolder, read
 TYPES = {5120: 'b', 5121: 'B', 5122: 'h', 5123: 'H', 5125: 'I', 5126: 'f'}
 WIDTHS = {'SCALAR': 1, 'VEC2': 2, 'VEC3': 3, 'VEC4': 4, 'MAT4': 16}
 ANYWHERE = struct.unpack('<f', b'\xff\xff\x7f\x7f')[0]
+LevelGroup = collections.namedtuple('LevelGroup', 'first count level error x y z radius')
+Levels = collections.namedtuple('Levels', 'leaves ranges meshlets groups links indices')
+NONE = 0xFFFFFFFF
 Meshlet = collections.namedtuple('Meshlet', 'group first count vertex vertices center radius apex axis cutoff')
 
 
@@ -55,17 +58,39 @@ class Glb:
         assert mode == 4
         return [tuple(flat[i:i + 3]) for i in range(0, len(flat) // 3 * 3, 3)]
 
+    @staticmethod
+    def records(data, at, count):
+        rows = [struct.unpack_from('<5I11f', data, at + 64 * i) for i in range(count)]
+        return [Meshlet(*r[:5], r[5:8], r[8], r[9:12], r[12:15], r[15]) for r in rows]
+
+    def levels(self):
+        """What follows the meshlets in version 2."""
+        data = self.view(self.json['extras']['sightcell']['meshlets']['bufferView'])
+        groups, leaves = struct.unpack_from('<2I', data, 8)
+        at, = struct.unpack_from('<I', data, 24)
+        coarse, level_groups, indices, *sizes = struct.unpack_from('<8I', data, at)
+        assert sizes == [64, 32, 8, 0, 0]
+        at += 32
+        ranges = [struct.unpack_from('<4I', data, at + 16 * i) for i in range(groups)]
+        at += 16 * groups
+        records = self.records(data, at, coarse)
+        at += 64 * coarse
+        made = [LevelGroup(*struct.unpack_from('<3I5f', data, at + 32 * i)) for i in range(level_groups)]
+        at += 32 * level_groups
+        links = [struct.unpack_from('<2I', data, at + 8 * i) for i in range(leaves + coarse)]
+        at += 8 * len(links)
+        assert len(data) == at + 4 * indices
+        return Levels(leaves, ranges, records, made, links, struct.unpack_from(f'<{indices}I', data, at))
+
     def table(self):
         """(groups, meshlets)"""
         where = self.json['extras']['sightcell']['meshlets']
         data = self.view(where['bufferView'])
         magic, version, groups, meshlets, group_bytes, bytes_each, *rest = struct.unpack_from('<8I', data)
-        assert (magic, version, where['version'], group_bytes, bytes_each, rest) == (0x4C4D4353, 1, 1, 16, 64, [0, 0])
-        assert len(data) == 32 + 16 * groups + 64 * meshlets
-        records = []
-        for i in range(meshlets):
-            r = struct.unpack_from('<5I11f', data, 32 + 16 * groups + 64 * i)
-            records.append(Meshlet(*r[:5], r[5:8], r[8], r[9:12], r[12:15], r[15]))
+        assert (magic, version, group_bytes, bytes_each, rest[1]) == (0x4C4D4353, where['version'], 16, 64, 0)
+        end = 32 + 16 * groups + 64 * meshlets
+        assert (version, rest[0], len(data)) == (1, 0, end) if version == 1 else (version, rest[0]) == (2, end)
+        records = self.records(data, 32 + 16 * groups, meshlets)
         return [struct.unpack_from('<4I', data, 32 + 16 * i) for i in range(groups)], records
 
 
@@ -139,9 +164,9 @@ class Meshlets(InFolder):
         write_sketch(cls.sketch)
         cls.city = cls.make_city('city.glb', polygons=3000)
 
-    def pack(self, scene, name):
+    def pack(self, scene, name, *more):
         packed = self.path(name)
-        told = json.loads(self.expect(0, 'pack', '--meshlets', scene, '-o', packed, '--json')[0])
+        told = json.loads(self.expect(0, 'pack', '--meshlets', *more, scene, '-o', packed, '--json')[0])
         self.assertEqual(told['bytes'], os.path.getsize(packed))
         return Glb(packed), told
 
@@ -233,6 +258,74 @@ class Meshlets(InFolder):
         again, _ = self.pack(self.path('sketch-packed.glb'), 'again.glb')
         self.assertEqual(again.table(), packed.table(), 'packing again changes nothing')
 
+    def expect_levels(self, packed, number):
+        """Of the primitive of a group of the table: each cut has its border, and what is coarser has fewer triangles."""
+        groups, leaves = packed.table()
+        levels = packed.levels()
+        mesh, primitive, first_leaf, leaf_count = groups[number]
+        first, count, _, _ = levels.ranges[number]
+        source = dict(packed.primitives())[mesh, primitive]
+        positions = packed.numbers(source['attributes']['POSITION'])
+        triangles = [list(packed.corners(source)[m.first // 3:m.first // 3 + m.count])
+                     for m in leaves[first_leaf:first_leaf + leaf_count]]
+        numbers = list(range(first_leaf, first_leaf + leaf_count)) + list(range(first, first + count))
+        for m in levels.meshlets[first - levels.leaves:first - levels.leaves + count]:
+            self.assertEqual(m.group, number)
+            corners = levels.indices[m.first:m.first + 3 * m.count]
+            triangles.append([corners[i:i + 3] for i in range(0, len(corners), 3)])
+            self.assertTrue(all(math.dist(positions[i], m.center) <= m.radius for i in corners))
+        for c in numbers:
+            made_by, member_of = levels.links[c]
+            self.assertEqual(made_by == NONE, c < levels.leaves)
+            if made_by != NONE:
+                g = levels.groups[made_by]
+                self.assertTrue(g.first <= c < g.first + g.count)
+            if NONE not in (made_by, member_of):
+                below, above = levels.groups[made_by], levels.groups[member_of]
+                self.assertTrue(above.error >= below.error and above.level > below.level and above.first > c)
+                self.assertLessEqual(math.dist(above[4:7], below[4:7]) + below.radius, above.radius)
+
+        def border(some):
+            edges = collections.Counter()
+            for a, b, c in (t for own in some for t in own):
+                for e in ((a, b), (b, c), (c, a)):
+                    edges[tuple(sorted(e))] += 1 if e[0] < e[1] else -1
+            return {e: n for e, n in edges.items() if n}
+
+        whole = border(triangles[:leaf_count])
+        sizes = []
+        for limit in sorted({-1, *(g.error for g in levels.groups)}):
+            def fine(g):
+                return levels.groups[g].error <= limit
+            cut = [own for c, own in zip(numbers, triangles)
+                   if (levels.links[c][0] == NONE or fine(levels.links[c][0]))
+                   and (levels.links[c][1] == NONE or not fine(levels.links[c][1]))]
+            self.assertEqual(border(cut), whole)
+            sizes.append(sum(map(len, cut)))
+        self.assertEqual(sizes, sorted(sizes, reverse=True))
+        self.assertLess(2 * sizes[-1], sizes[0])
+
+    def test_levels(self):
+        packed, told = self.pack(self.sketch, 'levels.glb', '--levels')
+        plain, plainly = self.pack(self.sketch, 'plain.glb')
+        self.assertEqual(packed.json['extras']['sightcell']['meshlets']['version'], 2)
+        self.assertEqual(packed.table(), plain.table())
+        self.assertEqual(plainly['coarse_meshlets'], 0)
+        levels = packed.levels()
+        self.assertEqual(len(levels.meshlets), told['coarse_meshlets'])
+        self.expect_levels(packed, 0)
+        before = read(self.path('levels.glb'))
+        out, _ = self.expect(0, 'pack', '--meshlets', '--levels', self.sketch, '-o', self.path('levels.glb'))
+        self.assertRegex(out, r'with all instances\), [\d,]+ coarser ones, table')
+        self.assertEqual(read(self.path('levels.glb')), before)
+        self.expect(0, 'bake', self.path('levels.glb'), '-o', self.path('levels.pvs'), '--quality', 'draft',
+                    '--cell-limit', '2', '--granularity', 'cluster')
+        cuts = json.loads(self.expect(0, 'verify', self.path('levels.glb'), self.path('levels.pvs'), '--cut', '0,4,1e4',
+                                      '--rays', '5000', '--json')[0])['cuts']
+        self.assertEqual([c['pixels'] for c in cuts], [0, 4, 1e4])
+        self.assertLess(cuts[2]['cut_triangles'], cuts[0]['cut_triangles'])
+        self.assertEqual(cuts[0]['leaf_clusters'], told['drawn_meshlets'])
+
     def test_city(self):
         self.cones = self.culled = 0
         packed, told = self.pack(self.city, 'packed.glb')
@@ -246,7 +339,7 @@ class Meshlets(InFolder):
 
     def test_wrong_use(self):
         for arguments in (['--meshlets', self.city, 'level.pvs', '-o', 'a.glb'], [self.city, '-o', 'a.glb'],
-                          ['--meshlets', '--stream', self.city, '-o', 'a']):
+                          ['--meshlets', '--stream', self.city, '-o', 'a'], ['--levels', self.city, '-o', 'a']):
             self.assert_one_error_line(self.expect(2, 'pack', *arguments)[1], 'cli.wrong-use')
         self.assert_one_error_line(self.expect(2, 'pack', '--meshlets', self.city, '-o', self.city)[1],
                                    'cli.output-is-input')

@@ -77,6 +77,8 @@ def main():
             file.write('{"misses": [{"eye": [1, 1.7, 2], "polygon": 3}]}')
         found = json.loads(run('sightcell', 'verify', 's.glb', 'a.pvs', '--from', 'm.json', '--json')[0])
         compare('verify --from', keys_of_table(verify, 'key of `from`') | {'list'}, set(found['from']))
+        cuts = json.loads(run('sightcell', 'verify', 's.glb', 'a.pvs', '--cut', '2', '--rays', '5000', '--json')[0])['cuts']
+        compare('verify --cut', keys_of_table(verify, 'key of `cuts`'), set(cuts[0]))
         compare('info, of a file', keys_of_table(section(text, 'info, of a .pvs file'), 'key'), keys('info', 'a.pvs'))
         compare('info, of a scene', keys_of_table(section(text, 'info, of a scene'), 'key'), keys('info', 's.glb'))
         compare('diff', keys_of_table(section(text, 'diff'), 'key'), keys('diff', 'a.pvs', 'b.pvs'))

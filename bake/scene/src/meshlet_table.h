@@ -11,7 +11,11 @@
 
 namespace sightcell::scene {
 
-inline constexpr std::uint32_t meshlet_table_version = 1;
+class meshlet_levels;  // meshlet_levels.h
+
+constexpr std::uint32_t meshlet_table_version(bool with_levels) {
+  return with_levels ? 2 : 1;
+}
 
 // A primitive with meshlets.
 struct meshlet_group {
@@ -20,13 +24,15 @@ struct meshlet_group {
   bool deforms = false;                        // by a skin or by morph targets
 };
 
-// Returns the size of the table.
+// Returns the size of the table without levels.
 std::uint64_t meshlet_table_bytes(std::span<const meshlet_group> groups);
 
 // Writes the table.
 // packed: the scene as it is loaded from the packed file, whose triangles are in the order of the meshlets.
-// into: meshlet_table_bytes() bytes.
+// levels: of the same scene; null: none.
+// into: meshlet_table_bytes() bytes and those of the levels.
 // Throws sightcell::error (bad_input) if a primitive has another number of triangles than its meshlets.
-void write_meshlet_table(std::span<const meshlet_group> groups, const scene& packed, std::span<std::byte> into);
+void write_meshlet_table(std::span<const meshlet_group> groups, const scene& packed, const meshlet_levels* levels,
+                         std::span<std::byte> into);
 
 }  // namespace sightcell::scene

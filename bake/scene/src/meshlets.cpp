@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 #include "carried_materials.h"
 #include "glb_bytes.h"
 #include "leftovers.h"
+#include "meshlet_levels.h"
 #include "meshlet_table.h"
 #include "opened_gltf.h"
 #include "rebuilt_buffers.h"
@@ -89,6 +91,35 @@ class meshlet_choice {
   std::set<std::string> kept_for_;  // extensions
 };
 
+// A .glb with room for a table.
+struct meshlet_file {
+  std::vector<std::byte> glb;
+  std::size_t room_offset = 0;  // in glb
+};
+
+// document: of the packed file, without the numbers of its new buffer.
+meshlet_file lay_out(opened_gltf& file, json document, const added_accessors& added, const carried_images& images,
+                     std::uint64_t room_bytes, std::uint32_t version) {
+  const rebuilt_buffers buffer(document, *file.root, *file.table, added, images, file.source.name, room_bytes);
+  drop_extensions(document, used_extensions(file.document));
+  json& extras = document["extras"];
+  if (!extras.is_object()) extras = json::object();
+  json& marks = extras["sightcell"];
+  if (!marks.is_object()) marks = json::object();
+  marks["meshlets"] = {{"bufferView", buffer.room_view()}, {"version", version}};
+  std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
+  const std::uint64_t size = glb_size(text, buffer.bytes());
+  if (size > longest_glb)
+    refuse(file.source.name, "pack.too-large",
+           "would be a .glb of " + std::to_string(size) + " bytes, and lengths in one have 32 bits",
+           "export it in parts, and pack each");
+  meshlet_file out;
+  out.glb = glb_with_room(std::move(text), buffer.bytes());
+  buffer.write(std::span(out.glb).last(buffer.bytes()));
+  out.room_offset = out.glb.size() - buffer.bytes() + buffer.room_offset();
+  return out;
+}
+
 }  // namespace
 
 struct gltf_meshlet_packer::state {
@@ -107,7 +138,7 @@ const scene& gltf_meshlet_packer::content() const {
 }
 
 meshlet_scene gltf_meshlet_packer::pack(const std::function<void(std::uint64_t, std::uint64_t)>& progress,
-                                        std::vector<std::string>& warnings) {
+                                        std::vector<std::string>& warnings, bool with_levels) {
   opened_gltf& file = state_->file;
   const chosen_meshlets chosen = meshlet_choice(file.content, *file.root, *file.table).choose(progress, warnings);
   json document = file.document;
@@ -115,28 +146,22 @@ meshlet_scene gltf_meshlet_packer::pack(const std::function<void(std::uint64_t, 
   const added_accessors added = strip_meshes(document, *file.root, *file.table, chosen.triangles);
   carried_materials materials = carry_materials(file.document, *file.root, file.source, *file.table, warnings);
   if (materials.sections.contains("images")) document["images"] = std::move(materials.sections["images"]);
-  const std::uint64_t table_bytes = meshlet_table_bytes(chosen.groups);
-  const rebuilt_buffers buffer(document, *file.root, *file.table, added, materials.images, file.source.name,
-                               table_bytes);
-  drop_extensions(document, used_extensions(file.document));
-  json& extras = document["extras"];
-  if (!extras.is_object()) extras = json::object();
-  json& marks = extras["sightcell"];
-  if (!marks.is_object()) marks = json::object();
-  marks["meshlets"] = {{"bufferView", buffer.room_view()}, {"version", meshlet_table_version}};
-
-  std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
-  const std::uint64_t size = glb_size(text, buffer.bytes());
-  if (size > longest_glb)
-    refuse(file.source.name, "pack.too-large",
-           "would be a .glb of " + std::to_string(size) + " bytes, and lengths in one have 32 bits",
-           "export it in parts, and pack each");
+  std::uint64_t table_bytes = meshlet_table_bytes(chosen.groups);
+  const std::uint32_t version = meshlet_table_version(with_levels);
+  meshlet_file made = lay_out(file, document, added, materials.images, table_bytes, version);
+  const scene packed = load_gltf(made.glb, file.source.name, {}, state_->scene_index);
+  // Levels refer to the vertices of the packed file, and take room in it.
+  std::optional<meshlet_levels> levels;
   meshlet_scene out;
-  out.glb = glb_with_room(std::move(text), buffer.bytes());
-  const std::span<std::byte> binary = std::span(out.glb).last(buffer.bytes());
-  buffer.write(binary);
-  const scene packed = load_gltf(out.glb, file.source.name, {}, state_->scene_index);
-  write_meshlet_table(chosen.groups, packed, binary.subspan(buffer.room_offset(), table_bytes));
+  if (with_levels) {
+    levels.emplace(chosen.groups, packed, progress);
+    table_bytes += levels->bytes();
+    made = lay_out(file, document, added, materials.images, table_bytes, version);
+    out.coarse_meshlets = levels->coarse_meshlets();
+  }
+  write_meshlet_table(chosen.groups, packed, levels ? &*levels : nullptr,
+                      std::span(made.glb).subspan(made.room_offset, table_bytes));
+  out.glb = std::move(made.glb);
 
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> counts;
   for (const meshlet_group& group : chosen.groups) {

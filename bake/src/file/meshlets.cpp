@@ -10,14 +10,14 @@
 namespace sightcell::bake {
 
 meshlet_result pack_meshlets(const std::filesystem::path& scene_path, int scene_index,
-                             const std::filesystem::path& output,
+                             const std::filesystem::path& output, bool levels,
                              const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   scene::gltf_meshlet_packer packer(scene_path, scene_index);
   meshlet_result result;
   result.polygons = packer.content().polygon_count;
   result.warnings = packer.content().warnings;
   std::vector<std::string> warnings;
-  const scene::meshlet_scene packed = packer.pack(progress, warnings);
+  const scene::meshlet_scene packed = packer.pack(progress, warnings, levels);
   for (std::string& warning : warnings)  // missing base colors are among those of the scene
     if (std::find(result.warnings.begin(), result.warnings.end(), warning) == result.warnings.end())
       result.warnings.push_back(std::move(warning));
@@ -28,6 +28,7 @@ meshlet_result pack_meshlets(const std::filesystem::path& scene_path, int scene_
   result.triangles = packed.triangles;
   result.primitives = packed.primitives;
   result.meshlets = packed.meshlets;
+  result.coarse_meshlets = packed.coarse_meshlets;
   result.drawn_meshlets = packed.drawn_meshlets;
   result.table_bytes = packed.table_bytes;
   result.bytes = packed.glb.size();

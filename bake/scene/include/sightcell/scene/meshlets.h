@@ -14,11 +14,12 @@
 namespace sightcell::scene {
 
 struct meshlet_scene {
-  std::vector<std::byte> glb;        // needs no other file
-  std::uint32_t primitives = 0;      // that have meshlets
-  std::uint32_t meshlets = 0;        // of all primitives, each once
-  std::uint64_t triangles = 0;       // of all primitives, each once
-  std::uint64_t drawn_meshlets = 0;  // of all draws: the clusters of a file that is baked with --granularity cluster
+  std::vector<std::byte> glb;         // needs no other file
+  std::uint32_t primitives = 0;       // that have meshlets
+  std::uint32_t meshlets = 0;         // of all primitives, each once
+  std::uint32_t coarse_meshlets = 0;  // likewise, of their levels of detail
+  std::uint64_t triangles = 0;        // of all primitives, each once
+  std::uint64_t drawn_meshlets = 0;   // of all draws: the clusters of a file that is baked with --granularity cluster
   std::uint64_t table_bytes = 0;
 };
 
@@ -42,10 +43,11 @@ class gltf_meshlet_packer {
   // nothing uses go. Nothing is compressed but Draco primitives whose triangles keep their order.
   // progress: called with the triangles that are done, and all. May be null.
   // warnings: receives one line for each cause.
+  // levels: adds levels of detail (cluster_dag.h) to the table.
   // Same file: same bytes.
   // Fails with scene.bad-field and others for a file that contradicts itself, pack.too-large above 4 GiB.
   meshlet_scene pack(const std::function<void(std::uint64_t done, std::uint64_t total)>& progress,
-                     std::vector<std::string>& warnings);
+                     std::vector<std::string>& warnings, bool levels = false);
 
  private:
   struct state;
