@@ -11,6 +11,8 @@
 namespace viewer {
 namespace {
 
+constexpr double rest_counts = 0.03;  // seconds: a key that ends a rest does not move the camera for all of it
+
 using sightcell::error;
 using sightcell::error_kind;
 
@@ -71,7 +73,7 @@ input window::poll(double idle) {
     glfwWaitEventsTimeout(0.5);
   } else if (idle > 0.0) {
     glfwWaitEventsTimeout(idle);
-    last_poll_ = glfwGetTime();  // a key that ends the rest does not move the camera for all of it
+    last_poll_ = std::max(last_poll_, glfwGetTime() - rest_counts);
   } else {
     glfwPollEvents();
   }

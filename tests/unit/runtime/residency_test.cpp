@@ -114,10 +114,11 @@ TEST(residency, needs_everything_outside_all_cells_and_where_it_is_damaged) {
     const auto& box = contents.cells[40];
     static_cast<void>(view.move(box.min[0], box.min[1], box.min[2]));
     EXPECT_NE(levels_here(view, residency, 1000.0f), levels(3, 0));
-    // The bytes of the file change after they were checked.
+    // The bytes of the file change after they were checked; chunks then end after the section.
     const std::size_t begin = section_offset(bytes, format::layout::section_residency);
     const std::size_t size = get_u64(bytes, section_place(bytes, format::layout::section_residency) + 16);
-    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(begin + size / 2), size / 2, std::byte{0xFF});
+    const std::size_t head = format::layout::residency_head_size;
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(begin + head), size - head, std::byte{0xFF});
     EXPECT_EQ(levels_here(view, residency, 1000.0f), levels(3, 0));
   }
   sightcell_db_close(db);

@@ -67,7 +67,7 @@ struct textured {
                           {{{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", first}, {"TEXCOORD_1", second}}},
                             {"material", 0}}}}}};
     g.json["nodes"] = {{{"mesh", 0}}};
-    g.json["materials"] = {json::object()};
+    g.json["materials"] = json::array({json::object()});
     g.json["textures"] = {{{"source", 2}}, {{"source", 0}}, {{"source", 1}}};
     for (int i = 0; i < 3; ++i) {
       const std::string name = "image" + std::to_string(i) + ".png";
