@@ -35,10 +35,6 @@ void add_output_options(CLI::App& verb, bake_options& o) {
                 "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
                 "largest polygons first.")
       ->group(group);
-  verb.add_flag("--residency", o.settings.file.residency,
-                "Stores the finest mip level of each texture that a picture from a cell can need, so that a host "
-                "keeps only such levels in memory.")
-      ->group(group);
   add_plain_option(verb, group, "--report", o.report_file, "FILE.html",
                    "Writes an HTML page about the bake and its file. sightcell report does so later.");
 }
@@ -146,6 +142,10 @@ void add_expert_output_options(CLI::App& verb, bake_options& o) {
   verb.add_flag("--names", o.settings.file.names,
                 "Stores a hash of the geometry of each draw and the names of its node and mesh, so that a host whose "
                 "importer drops glTF numbers can find its objects, and notices a file of another scene.")
+      ->group(group);
+  verb.add_flag("--residency", o.settings.file.residency,
+                "Stores the finest mip level of each texture that a picture from a cell can need, so that a host "
+                "keeps only such levels in memory.")
       ->group(group);
   add_option(verb, group, "--anisotropy", o.settings.file.anisotropy, "N",
              "The largest anisotropy of the host's texture filter, for --residency; 1: a filter without. A larger one "
