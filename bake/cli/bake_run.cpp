@@ -54,6 +54,13 @@ nlohmann::ordered_json found_json(const bake::found_shares& found) {
           {"reported", found.reported}};
 }
 
+nlohmann::ordered_json growth_json(const std::vector<bake::growth_point>& growth) {
+  auto list = nlohmann::ordered_json::array();
+  for (const bake::growth_point& point : growth)
+    list.push_back({{"hemicubes", point.hemicubes}, {"share", point.share}, {"cells", point.cells}});
+  return list;
+}
+
 nlohmann::ordered_json summary_json(const bake_options& options, const scene::scene& s, const bake::summary& sum,
                                     const phase_times& phases) {
   const char* const results[] = {"done", "bound_not_met", "cancelled"};
@@ -69,6 +76,7 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"cells_rebaked", rebaked_json(sum)},
           {"visible_set_percent", sum.visible_percent},
           {"found_by", found_json(sum.found)},
+          {"growth", growth_json(sum.growth)},
           {"metric", options.metric.metric},
           {"volumes", sum.volumes},
           {"volumes_per_cell", sum.volumes_per_cell},

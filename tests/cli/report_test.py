@@ -123,7 +123,15 @@ class Report(InRoom):
         self.assertIn('Bake seconds per cell', text)
         self.assertAlmostEqual(sum(summary['found_by'].values()), 1)
         self.assertGreater(summary['found_by']['sampler'], 0.5)
+        growth = summary['growth']
+        self.assertEqual([p['hemicubes'] for p in growth[:-1]], [2 ** i for i in range(len(growth) - 1)])
+        self.assertEqual([p['share'] for p in growth], sorted(p['share'] for p in growth))
+        self.assertGreater(growth[0]['share'], 0)
+        self.assertEqual([p['cells'] for p in growth], sorted((p['cells'] for p in growth), reverse=True))
+        of_hemicubes = summary['found_by']['sampler'] + summary['found_by']['later_hemicubes']
+        self.assertAlmostEqual(growth[-1]['share'], of_hemicubes)
         self.assertIn('How the sets grew', text)
+        self.assertIn('the first hemicube of each cell found ', text)
         self.assertIn('hemicubes of the sampler', text)
         # The same from the JSON of the bake, but for the seconds of each cell.
         with open(self.path('bake.json'), 'w', encoding='utf-8') as file:

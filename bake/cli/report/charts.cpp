@@ -128,6 +128,41 @@ std::string histogram_svg(const histogram& h, const std::string& title, const st
                            below + 16.0, escaped(unit));
 }
 
+std::string curve_svg(std::span<const curve_point> points, const std::string& title, const std::string& unit) {
+  if (points.size() < 2) return "";
+  constexpr double left = 44.0, top = 8.0, width = 286.0, height = 112.0;
+  const double low = std::log2(points.front().x), high = std::max(std::log2(points.back().x), low + 1e-9);
+  const auto at = [&](const curve_point& p) {
+    return std::pair(left + width * (std::log2(p.x) - low) / (high - low), top + height * (1.0 - p.share));
+  };
+  std::string out =
+      fmt::format("<svg class=\"chart\" viewBox=\"0 0 340 160\" role=\"img\" aria-label=\"{}\">\n", escaped(title));
+  for (const int percent : {50, 100})
+    out += fmt::format("<path class=\"grid\" d=\"M{} {}H{}\"/>\n", left, top + height * (100 - percent) / 100.0,
+                       left + width);
+  for (const int percent : {0, 50, 100})
+    out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{} %</text>\n", left - 6.0,
+                       top + height * (100 - percent) / 100.0 + 4.0, percent);
+  out += fmt::format("<path class=\"axis\" d=\"M{} {}H{}\"/>\n<path class=\"curve\" d=\"", left, top + height,
+                     left + width);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto [x, y] = at(points[i]);
+    out += fmt::format("{}{:.2f} {:.2f}", i == 0 ? "M" : "L", x, y);
+  }
+  out += "\"/>\n";
+  for (const curve_point& p : points) {
+    const auto [x, y] = at(p);
+    out += fmt::format("<circle class=\"fill\" cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"3\"><title>{}</title></circle>\n", x, y,
+                       escaped(p.text));
+  }
+  const double below = top + height + 15.0;
+  out += fmt::format("<text x=\"{}\" y=\"{}\">{}</text>\n<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n", left,
+                     below, grouped(static_cast<std::uint64_t>(points.front().x)), left + width, below,
+                     grouped(static_cast<std::uint64_t>(points.back().x)));
+  return out + fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n</svg>\n", left + 0.5 * width,
+                           below + 16.0, escaped(unit));
+}
+
 int color_step(double value, double low, double high, bool logarithmic) {
   if (!counts(value, logarithmic)) return -1;
   const double from = place_of(low, logarithmic), to = place_of(high, logarithmic);

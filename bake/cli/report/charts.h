@@ -28,6 +28,17 @@ using number_text_of = std::function<std::string(double)>;
 std::string histogram_svg(const histogram& h, const std::string& title, const std::string& unit,
                           const number_text_of& text_of);
 
+// A point of a curve. The curve has logarithmic x.
+struct curve_point {
+  double x = 0.0;      // above 0
+  double share = 0.0;  // 0 .. 1
+  std::string text;    // of the point, as a tooltip
+};
+
+// Draws a curve of shares, 0 to 100 %. Empty with less than two points.
+// points: x ascending. title: for screen readers. unit: of x, below the axis.
+std::string curve_svg(std::span<const curve_point> points, const std::string& title, const std::string& unit);
+
 // What colors the cells of plans: a value per cell, not finite for cells without one.
 struct cell_colors {
   std::string title;  // "Polygons"

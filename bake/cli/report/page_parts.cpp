@@ -225,6 +225,47 @@ std::string bounds_section(const report_data& data) {
   return out + largest_bounds(data) + left_out_html(data);
 }
 
+// The curve of the JSON of a bake, which may be from anywhere: points that are out of order or range are left out.
+std::vector<curve_point> growth_curve(const report_data& data) {
+  constexpr std::size_t most_points = 64;
+  constexpr double most_hemicubes = 4294967295.0;
+  std::vector<curve_point> points;
+  const ordered_json& growth = member_of(data.bake, "growth");
+  if (!growth.is_array()) return points;
+  for (const ordered_json& entry : growth) {
+    const double hemicubes = number_at(entry, "hemicubes"), share = number_at(entry, "share"),
+                 cells = number_at(entry, "cells");
+    const double after = points.empty() ? 0.0 : points.back().x;
+    if (!(hemicubes >= 1.0 && hemicubes <= most_hemicubes && hemicubes > after)) continue;
+    if (!(share >= 0.0 && share <= 1.0 && cells >= 0.0 && cells <= most_hemicubes)) continue;
+    if (points.size() == most_points) break;
+    points.push_back(
+        {hemicubes, share,
+         fmt::format("{} hemicubes: {} ({} cells have as many)", grouped(static_cast<std::uint64_t>(hemicubes)),
+                     percent_text(100.0 * share), grouped(static_cast<std::uint64_t>(cells)))});
+  }
+  return points;
+}
+
+std::string growth_figure(const report_data& data) {
+  const std::vector<curve_point> points = growth_curve(data);
+  const std::string chart = curve_svg(points, "share of the sets that hemicubes found, by hemicubes per cell",
+                                      "hemicubes per cell, logarithmic");
+  if (chart.empty()) return "";
+  // In words, because tooltips show on few screens and on no paper.
+  const curve_point& middle = points[points.size() / 2];
+  const auto number = [](const curve_point& p) { return grouped(static_cast<std::uint64_t>(p.x)); };
+  return fmt::format(
+      "<p>How many hemicubes the sets need: the first {} of each cell found {} of the polygons of all sets, the first "
+      "{} "
+      "found {}, and all of them, up to {} in a cell, found {}. Rays found the rest. Where the curve is flat at its "
+      "end, "
+      "further hemicubes would find little.</p>\n<div class=\"charts\"><figure>{}</figure></div>\n",
+      points.front().x == 1.0 ? "hemicube" : number(points.front()), percent_text(100.0 * points.front().share),
+      number(middle), percent_text(100.0 * middle.share), number(points.back()),
+      percent_text(100.0 * points.back().share), chart);
+}
+
 std::string growth_section(const report_data& data) {
   const ordered_json& found = member_of(data.bake, "found_by");
   std::vector<bar> bars;
@@ -244,7 +285,7 @@ std::string growth_section(const report_data& data) {
          "found "
          "first. Verification rays find what the search missed: where their share is large, the search stopped too "
          "early.</p>\n" +
-         bars_of(bars);
+         bars_of(bars) + growth_figure(data);
 }
 
 std::string plans_section(const report_data& data) {

@@ -53,6 +53,7 @@ table.facts th { font-weight: 500; color: var(--soft); width: 42%; }
 .chart text { font-size: 11px; fill: var(--soft); }
 .fill { fill: var(--bar); }
 .axis { stroke: var(--soft); fill: none; }
+.curve { stroke: var(--bar); stroke-width: 2; fill: none; }
 .grid { stroke: var(--line); fill: none; stroke-dasharray: 2 3; }
 .plans { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 300px), 1fr)); gap: 16px 24px; }
 .plan { width: 100%; height: auto; max-height: 560px; display: block; background: #ffffff; border: 1px solid var(--line);

@@ -147,6 +147,7 @@ std::uint64_t take_plain_fields(reader& in, cell_record& record) {
   record.batches = static_cast<std::uint32_t>(in.take(4));
   record.unverified = in.take_varint();
   for (std::uint32_t& count : record.found) count = static_cast<std::uint32_t>(in.take_varint());
+  for (std::uint32_t& count : record.growth) count = static_cast<std::uint32_t>(in.take_varint());
   record.outside_share = in.take_double();
   record.seconds = in.take_double();
   return flags;
@@ -175,6 +176,7 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
   put_bytes(out, record.batches, 4);
   put_varint(out, record.unverified);
   for (const std::uint32_t count : record.found) put_varint(out, count);
+  for (const std::uint32_t count : record.growth) put_varint(out, count);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.outside_share), 8);
   put_bytes(out, std::bit_cast<std::uint64_t>(record.seconds), 8);
   put_set(out, record.set);

@@ -31,12 +31,18 @@ enum class found_by : std::uint8_t {
 inline constexpr std::size_t found_by_count = 7;
 using find_counts = std::array<std::uint32_t, found_by_count>;  // polygons, by found_by
 
+// How a set grows with the hemicubes of its cell: step i counts the polygons that hemicubes found first, from number
+// 2^(i-1) + 1 to number 2^i of the cell (step 0: the first one). The last step has no end.
+inline constexpr std::size_t growth_steps = 14;
+using growth_counts = std::array<std::uint32_t, growth_steps>;
+
 struct cell_record {
   std::vector<std::uint32_t> set;      // ascending source ids
   std::vector<std::uint32_t> volumes;  // ascending; empty if the bake has no volumes
   bool stored = true;                  // false: no valid viewpoint was found, and the file leaves the cell out
   bool geometry_inside = false;
   find_counts found{};     // the polygons of the set but for those that join without a test
+  growth_counts growth{};  // of these, the polygons that hemicubes found
   std::uint64_t rays = 0;  // certificate: trials of the last batch of verification rays
   std::uint64_t misses = 0;
   double upper_bound = 1.0;
@@ -78,7 +84,7 @@ struct cell_summary {
 cell_summary summary_of(const cell_record& record);
 
 // Of the encoding. It is in the keys of checkpoints and of kept records, so that those of another version are rejected.
-inline constexpr std::uint8_t record_version = 8;
+inline constexpr std::uint8_t record_version = 9;
 
 // Returns the bytes of a record: version, the plain fields in little-endian order, the set, its witnesses, the late
 // polygons, the volumes if there are any, as varint runs, and XXH3-64 of all bytes before it. A set takes at most one

@@ -1,9 +1,18 @@
 #include "cell_set/cell_set.h"
 
 #include <algorithm>
+#include <bit>
 #include <tuple>
 
 namespace sightcell::bake {
+namespace {
+
+// number: of a hemicube, from 1 on.
+std::size_t growth_step(std::uint32_t number) {
+  return std::min<std::size_t>(static_cast<std::size_t>(std::bit_width(number - 1)), growth_steps - 1);
+}
+
+}  // namespace
 
 void cell_set::clear() {
   for (const std::uint32_t polygon : members_) entries_[polygon] = {};
@@ -11,15 +20,18 @@ void cell_set::clear() {
   eyes_.clear();
   volumes_.clear();
   found_ = {};
+  growth_ = {};
+  hemicubes_ = 0;
 }
 
 void cell_set::add_view(const glm::vec3& eye, const std::vector<seen_polygon>& seen) {
   const auto eye_index = static_cast<std::uint32_t>(eyes_.size());
   eyes_.push_back(eye);
+  std::uint32_t& joined = growth_[growth_step(++hemicubes_)];
   for (const seen_polygon& s : seen) {
     entry& e = entries_[s.id];
     if (s.pixels <= e.pixels) continue;
-    if (e.pixels == 0) join(s.id, {s.pixels, eye_index});
+    if (e.pixels == 0) joined += join(s.id, {s.pixels, eye_index});
     e = {s.pixels, eye_index};
   }
 }
@@ -32,18 +44,20 @@ bool cell_set::add(std::uint32_t polygon, const glm::vec3& eye) {
   return true;
 }
 
-void cell_set::join(std::uint32_t polygon, const entry& as) {
+std::uint32_t cell_set::join(std::uint32_t polygon, const entry& as) {
   entries_[polygon] = as;
   members_.push_back(polygon);
-  std::uint32_t& count = found_[static_cast<std::size_t>(how_)];
-  ++count;
-  if (!duplicates_) return;
-  for (const std::uint32_t same : duplicates_->class_of(polygon)) {
-    if (contains(same)) continue;
-    entries_[same] = {1, as.eye};
-    members_.push_back(same);
-    ++count;
+  std::uint32_t count = 1;
+  if (duplicates_) {
+    for (const std::uint32_t same : duplicates_->class_of(polygon)) {
+      if (contains(same)) continue;
+      entries_[same] = {1, as.eye};
+      members_.push_back(same);
+      ++count;
+    }
   }
+  found_[static_cast<std::size_t>(how_)] += count;
+  return count;
 }
 
 std::vector<std::uint32_t> cell_set::sorted() const {
@@ -56,6 +70,7 @@ void cell_set::save(cell_record& record) const {
   record.set = sorted();
   record.volumes = volumes_.members();
   record.found = found_;
+  record.growth = growth_;
   // Each witness once, in an order that does not depend on the order of joining.
   const auto below = [](const glm::vec3& a, const glm::vec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
@@ -85,6 +100,8 @@ void cell_set::load(const cell_record& record) {
   eyes_ = record.witnesses;
   members_ = record.set;
   found_ = record.found;
+  growth_ = record.growth;
+  hemicubes_ = record.samples;
   for (std::size_t i = 0; i < members_.size(); ++i) entries_[members_[i]] = {1, record.witness_of[i]};
   for (const std::uint32_t volume : record.volumes) volumes_.add(volume);
 }

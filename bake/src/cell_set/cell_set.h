@@ -37,8 +37,8 @@ class cell_set {
   // Returns the viewpoint from which a member was found visible.
   const glm::vec3& witness(std::uint32_t polygon) const { return eyes_[entries_[polygon].eye]; }
 
-  // Adds all polygons that are visible in a hemicube. The witness of a polygon is the hemicube with the most pixels of
-  // it.
+  // Adds all polygons that are visible in the next hemicube of the cell. The witness of a polygon is the hemicube with
+  // the most pixels of it.
   void add_view(const glm::vec3& eye, const std::vector<seen_polygon>& seen);
   // Adds a polygon that a ray from eye hit. Returns whether it is new. A later hemicube with more than one pixel of it
   // replaces the witness.
@@ -55,8 +55,9 @@ class cell_set {
   volume_set& volumes() { return volumes_; }
   const volume_set& volumes() const { return volumes_; }
 
-  // Writes set and witnesses to a record, and reads them back. After load() the members are in ascending order and
-  // eyes() is record.witnesses. Later hemicubes with more pixels replace witnesses.
+  // Writes set and witnesses to a record, and reads them back. After load() the members are in ascending order,
+  // eyes() is record.witnesses, and the next hemicube has the number record.samples + 1. Later hemicubes with more
+  // pixels replace witnesses.
   void save(cell_record& record) const;
   void load(const cell_record& record);
   // Viewpoints in the cell from which something was found visible.
@@ -67,7 +68,8 @@ class cell_set {
     std::uint32_t pixels = 0;  // of the witness; 0: not a member
     std::uint32_t eye = 0;     // into eyes_
   };
-  void join(std::uint32_t polygon, const entry& as);
+  // Returns how many polygons joined: this one and its duplicates.
+  std::uint32_t join(std::uint32_t polygon, const entry& as);
 
   std::vector<entry> entries_;
   const duplicate_classes* duplicates_;
@@ -75,6 +77,8 @@ class cell_set {
   std::vector<glm::vec3> eyes_;
   volume_set volumes_;
   find_counts found_{};
+  growth_counts growth_{};
+  std::uint32_t hemicubes_ = 0;  // of the cell so far
   found_by how_ = found_by::sampler;
 };
 

@@ -44,6 +44,8 @@ struct stored_cells {
   double unseen = 0.0;                                        // of these, added by the conservative dilation
   double volumes = 0.0;                                       // in all sets together
   std::array<double, found_by_count> found{};                 // polygons in all sets together, by found_by
+  std::array<double, growth_steps> growth{};                  // of these, found by hemicubes, by step
+  std::vector<std::uint32_t> hemicubes;                       // of each cell
   std::vector<std::uint32_t> number_of_volume;                // in the file, by the number in records
   std::vector<std::pair<double, std::uint32_t>> out_of_time;  // bound and place of cells that a limit of time ended
 };
@@ -81,6 +83,8 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
     out.unseen += static_cast<double>(record.unverified);
     out.volumes += static_cast<double>(record.volumes.size());
     for (std::size_t by = 0; by < found_by_count; ++by) out.found[by] += record.found[by];
+    for (std::size_t step = 0; step < growth_steps; ++step) out.growth[step] += record.growth[step];
+    out.hemicubes.push_back(record.samples);
     sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
     if (!record.bound_met) ++sum.cells_over_bound;
     if (record.out_of_time) out.out_of_time.emplace_back(record.upper_bound, i);
@@ -98,6 +102,24 @@ found_shares shares_of(const std::array<double, found_by_count>& found) {
           .nearby_rays = share(found_by::nearby_rays),
           .verification_rays = share(found_by::verification),
           .reported = share(found_by::report)};
+}
+
+std::vector<growth_point> growth_of(const stored_cells& stored) {
+  const double all = std::max(std::accumulate(stored.found.begin(), stored.found.end(), 0.0), 1.0);
+  const std::uint32_t most =
+      stored.hemicubes.empty() ? 0 : *std::max_element(stored.hemicubes.begin(), stored.hemicubes.end());
+  std::vector<growth_point> points;
+  double found = 0.0;
+  for (std::size_t step = 0; step < growth_steps && most > 0; ++step) {
+    found += stored.growth[step];
+    const bool last = step + 1 == growth_steps || most <= 1u << step;
+    const std::uint32_t hemicubes = last ? most : 1u << step;
+    const auto cells = std::count_if(stored.hemicubes.begin(), stored.hemicubes.end(),
+                                     [&](std::uint32_t of_cell) { return of_cell >= hemicubes; });
+    points.push_back({hemicubes, found / all, static_cast<std::uint32_t>(cells)});
+    if (last) break;
+  }
+  return points;
 }
 
 void warn_of_cells_left_out(const pvs_frame& frame, const summary& sum, const callbacks& events) {
@@ -252,6 +274,7 @@ bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std
   sum.visible_percent =
       100.0 * stored.polygons / (static_cast<double>(cells_written) * std::max(frame.facts.polygon_count, 1u));
   sum.found = shares_of(stored.found);
+  sum.growth = growth_of(stored);
   sum.unseen_per_cell = stored.unseen / cells_written;
   sum.unseen_percent = 100.0 * stored.unseen / std::max(stored.polygons - stored.unseen, 1.0);
   sum.volumes = static_cast<std::uint32_t>(frame.volumes.size());

@@ -102,6 +102,28 @@ TEST(report, data_with_gaps_and_odd_numbers_makes_a_page) {
   }
 }
 
+TEST(report, growth_is_a_curve) {
+  report_data data = data_of_cells(2);
+  using json = nlohmann::ordered_json;
+  const auto point = [](const json& hemicubes, const json& share) {
+    return json{{"hemicubes", hemicubes}, {"share", share}, {"cells", 2}};
+  };
+  data.bake = {{"found_by", {{"sampler", 0.9}, {"nearby_rays", 0.1}}},
+               {"growth", json::array({point(1, 0.25), point(2, 0.5), point(2, 0.6), point(4, 1.5), point("8", 0.7),
+                                       point(1e300, 0.7), point(16, 0.9)})}};
+  const std::string page = report_page(data);
+  EXPECT_TRUE(
+      contains(page,
+               "the first hemicube of each cell found 25.0 % of the polygons of all sets, the first 2 found 50.0 %, "
+               "and all of them, up to 16 in a cell, found 90.0 %"));
+  EXPECT_TRUE(contains(page, "class=\"curve\""));
+  std::size_t circles = 0;
+  for (std::size_t at = page.find("<circle"); at != std::string::npos; at = page.find("<circle", at + 1)) ++circles;
+  EXPECT_EQ(circles, 3u) << "points that are out of order or range are left out";
+  data.bake["growth"] = json::array({point(1, 1.0)});
+  EXPECT_FALSE(contains(report_page(data), "class=\"curve\"")) << "one point is no curve";
+}
+
 TEST(report, values_are_beside_their_text) {
   report_data data = data_of_cells(3);
   data.info["visible_set_percent"] = 5.055137201874432;

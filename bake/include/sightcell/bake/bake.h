@@ -98,6 +98,13 @@ struct found_shares {
   double reported = 0.0;           // by a host, with --misses
 };
 
+// A point of the curve of how the sets grow with the hemicubes of a cell.
+struct growth_point {
+  std::uint32_t hemicubes = 0;  // number of the first hemicubes of each cell
+  double share = 0.0;           // of the polygons of all sets, found first by these hemicubes of each cell; 0 .. 1
+  std::uint32_t cells = 0;      // in the file with at least that number
+};
+
 // What was found for one of settings::suns.
 struct sun_summary {
   double casters_per_cell = 0.0;       // mean number of polygons beside the set of a cell
@@ -124,6 +131,10 @@ struct summary {
 
   double visible_percent = 0.0;  // mean size of the cell sets
   found_shares found;            // not counted for a shard
+
+  // At 1, 2, 4, 8 ... hemicubes per cell, up to the largest number of a cell, which is the last point. The last share
+  // is that of all hemicubes: rays found the rest (found_shares). Empty for a shard, and if no hemicube was rendered.
+  std::vector<growth_point> growth;
 
   // Polygons that settings::safety_ring added, without a visibility test. 0 for a shard.
   double unseen_per_cell = 0.0;  // mean over the cells

@@ -24,6 +24,8 @@ cell_record sample() {
   r.bound_met = false;
   r.unverified = 3;
   r.found = {5, 0, 2, 0, 1, 0, 0xFFFFFFFFu};
+  r.growth = {3, 0, 1, 1};
+  r.growth.back() = 0xFFFFFFFFu;
   r.batches = 2;
   r.geometry_inside = true;
   r.late = {7, 500};

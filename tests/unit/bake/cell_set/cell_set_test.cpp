@@ -64,6 +64,39 @@ TEST(cell_set, counts_polygons_by_what_found_them) {
   EXPECT_EQ(saved.found, find_counts{});
 }
 
+TEST(cell_set, counts_polygons_by_the_hemicube_that_found_them) {
+  cell_set set(10000);
+  std::uint32_t next = 0;
+  const auto hemicube = [&](std::uint32_t finds) {
+    std::vector<seen_polygon> seen{{9999, 1, 0}};  // and one that each of them sees
+    for (std::uint32_t i = 0; i < finds; ++i) seen.push_back({next++, 1, 0});
+    set.add_view({static_cast<float>(next), 0, 0}, seen);
+  };
+  hemicube(9);  // 1
+  hemicube(5);  // 2
+  hemicube(3);  // 3
+  set.add(9000, {0, 0, 1});
+  cell_record saved{.samples = 3};
+  set.save(saved);
+  growth_counts expected{10, 5, 3};
+  EXPECT_EQ(saved.growth, expected) << "a ray is no hemicube";
+  cell_set later(10000);
+  later.load(saved);
+  const finding of_search(later, found_by::later_hemicubes);
+  later.add_view({7, 0, 0}, {{500, 1, 0}, {501, 1, 0}});  // 4
+  later.add_view({8, 0, 0}, {{502, 1, 0}});               // 5
+  for (int i = 6; i <= 20000; ++i) later.add_view({9, 0, 0}, {{static_cast<std::uint32_t>(600 + i % 8000), 1, 0}});
+  later.save(saved);
+  expected[2] += 2, expected[3] = 1 + 3;  // 5 .. 8
+  for (std::size_t step = 4; step < growth_steps; ++step) expected[step] = 1u << (step - 1);
+  expected[13] = 8000 - 3 - (4096 - 8);  // from 4,097 on; each of the 8,000 polygons joins once
+  expected[12] = 2048;
+  EXPECT_EQ(saved.growth, expected) << "counts go on in the next stage";
+  later.clear();
+  later.save(saved);
+  EXPECT_EQ(saved.growth, growth_counts{});
+}
+
 TEST(cell_set, who_joins_brings_its_duplicates) {
   test::tiny_scene tiny;
   const auto wall = tiny.wall_x(2, -1, 1), apart = tiny.wall_x(3, -1, 1), again = tiny.wall_x(2, -1, 1);
