@@ -30,7 +30,7 @@ inline camera_record record_of(const camera& c, float width, float height, float
           .clip_w = glm::vec4(forward, 0.0f),
           .planes = {plane(tan_x * forward + right), plane(tan_x * forward - right), plane(tan_y * forward + up),
                      plane(tan_y * forward - up), plane(forward)},
-          .size = glm::vec4(width, height, 0.0f, 0.0f)};
+          .size = glm::vec4(width, height, 2.0f * tan_y / height, 0.0f)};
 }
 
 }  // namespace gpu_driven

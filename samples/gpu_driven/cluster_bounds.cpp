@@ -58,4 +58,14 @@ void set_bounds(cluster_record& out, std::span<const glm::vec3> positions, std::
   out.cone = is_double_sided ? no_cone : cone_of(normals);
 }
 
+// The greatest row sum of M^T M is at least its greatest eigenvalue, the square of the greatest stretch.
+double greatest_scale(const glm::dmat4& to_world) {
+  const glm::dmat3 m(to_world);
+  const glm::dmat3 product = glm::transpose(m) * m;
+  double most = 0.0;
+  for (int i = 0; i < 3; ++i)
+    most = std::max(most, std::abs(product[i].x) + std::abs(product[i].y) + std::abs(product[i].z));
+  return std::sqrt(most);
+}
+
 }  // namespace gpu_driven

@@ -15,4 +15,7 @@ namespace gpu_driven {
 void set_bounds(cluster_record& out, std::span<const glm::vec3> positions, std::span<const std::uint32_t> corners,
                 const glm::dmat4& to_world, bool is_double_sided);
 
+// Returns how much a transform enlarges, at most.
+double greatest_scale(const glm::dmat4& to_world);
+
 }  // namespace gpu_driven

@@ -20,8 +20,10 @@ struct tally {
   std::uint32_t seen_in_set = 0;      // of them in the PVS
   std::uint32_t missed = 0;           // seen and not drawn
   std::uint32_t missed_with_wrong = 0;  // of them with a wrong pixel: others coincide with what was drawn
+  std::uint32_t differing = 0;          // pixels of another color, at any place
+  std::uint32_t difference = 0;         // of colors, in 1/255 of a component: the sum over pixels
 };
-static_assert(sizeof(tally) == 9 * sizeof(std::uint32_t));
+static_assert(sizeof(tally) == 11 * sizeof(std::uint32_t));
 
 class comparison {
  public:

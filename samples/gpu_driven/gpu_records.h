@@ -32,9 +32,18 @@ struct cluster_record {
   std::int32_t base_vertex = 0;
   std::uint32_t bin = 0;
   std::uint32_t is_blended = 0;
-  std::uint32_t unused = 0;
+  std::uint32_t made_by = 0xFFFFFFFFu;    // its level groups (level_table.h), in the buffer of them; none
+  std::uint32_t member_of = 0xFFFFFFFFu;  // likewise
+  std::array<std::uint32_t, 3> unused{};
 };
-static_assert(sizeof(cluster_record) == 80);
+static_assert(sizeof(cluster_record) == 96);
+
+struct level_group_record {
+  glm::vec4 sphere{0.0f};  // world space: center, radius
+  float error = 0.0f;      // meters
+  std::array<std::uint32_t, 3> unused{};
+};
+static_assert(sizeof(level_group_record) == 32);
 
 struct draw_command {  // DrawElementsIndirectCommand
   std::uint32_t index_count = 0, instance_count = 0, first_index = 0;
@@ -60,7 +69,7 @@ struct camera_record {
   glm::vec4 eye;                     // w: distance of the near plane
   glm::vec4 clip_x, clip_y, clip_w;  // clip_x.w: 1 / distance of the haze
   std::array<glm::vec4, 5> planes;   // normals of the frustum to the inside
-  glm::vec4 size;                    // pixels: width, height
+  glm::vec4 size;                    // pixels: width, height; meters of a pixel at a distance of 1 m
 };
 static_assert(sizeof(camera_record) == 160);
 

@@ -9,8 +9,10 @@
 #include <numeric>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "cluster_bounds.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/clusters.h"
 #include "sightcell/sightcell.hpp"
 
@@ -28,6 +30,7 @@ struct placed_geometry {
   std::uint32_t first_index = 0;
   std::vector<std::uint32_t> cluster_of_triangle{};  // by triangle of the file
   std::vector<std::uint32_t> cluster_sizes{};        // triangles
+  const primitive_levels* levels = nullptr;          // their indices follow those of the clusters
 };
 
 void add_vertices(host_scene& out, const scene::geometry& g) {
@@ -39,7 +42,7 @@ void add_vertices(host_scene& out, const scene::geometry& g) {
 }
 
 // The host's own order: triangles by cluster. An engine has this from its own mesh builder.
-placed_geometry place_geometry(host_scene& out, const scene::geometry& g) {
+placed_geometry place_geometry(host_scene& out, const scene::geometry& g, const primitive_levels* levels) {
   placed_geometry place{.is_placed = true,
                         .base_vertex = static_cast<std::int32_t>(out.vertices.size()),
                         .first_index = static_cast<std::uint32_t>(out.indices.size())};
@@ -55,6 +58,15 @@ placed_geometry place_geometry(host_scene& out, const scene::geometry& g) {
     out.indices.insert(out.indices.end(), &g.indices[3 * std::size_t{t}], &g.indices[3 * std::size_t{t}] + 3);
   }
   place.cluster_of_triangle = std::move(clusters.of_triangle);
+  if (levels == nullptr) return place;
+  if (levels->leaves != place.cluster_sizes.size() ||
+      std::any_of(levels->coarse_indices.begin(), levels->coarse_indices.end(),
+                  [&](std::uint32_t vertex) { return vertex >= g.positions.size(); })) {
+    throw sightcell::error(sightcell::error_kind::bad_input, "gpu-driven.levels", "the table of meshlets",
+                           "is of other meshes than those of the scene", "pack the scene again");
+  }
+  place.levels = levels;
+  out.indices.insert(out.indices.end(), levels->coarse_indices.begin(), levels->coarse_indices.end());
   return place;
 }
 
@@ -119,28 +131,60 @@ instance_record instance_of(const scene::draw& d, std::uint32_t cluster, std::ui
   return out;
 }
 
+struct placed_draw {
+  const scene::draw& source;
+  const std::vector<glm::vec3>& positions;
+  std::int32_t base_vertex = 0;
+  std::uint32_t material = 0;
+};
+
+void add_cluster(host_scene& out, const placed_draw& d, std::uint32_t first_index, std::uint32_t triangles,
+                 const level_links& levels) {
+  cluster_record made{.first_index = first_index,
+                      .index_count = 3 * triangles,
+                      .base_vertex = d.base_vertex,
+                      .bin = static_cast<std::uint32_t>(out.bins.size() - 1),
+                      .is_blended = out.bins.back().is_blended() ? 1u : 0u,
+                      .made_by = levels.made_by,
+                      .member_of = levels.member_of};
+  set_bounds(made, d.positions, std::span(out.indices).subspan(first_index, made.index_count), d.source.to_world,
+             out.bins.back().faces == facing::both);
+  out.instances.push_back(instance_of(d.source, static_cast<std::uint32_t>(out.clusters.size()), d.material));
+  out.clusters.push_back(made);
+  ++out.bins.back().cluster_count;
+}
+
 // Each instance has clusters of its own, since one instance may be visible and another not.
-void add_clusters(host_scene& out, const scene::draw& d, const scene::geometry& g, const placed_geometry& place,
-                  std::uint32_t material) {
+void add_clusters(host_scene& out, const placed_draw& d, const placed_geometry& place) {
   const auto first = static_cast<std::uint32_t>(out.clusters.size());
+  const auto first_group = static_cast<std::uint32_t>(out.level_groups.size());
+  const primitive_levels* const levels = place.levels;
+  const auto links = [&](std::size_t c) {
+    if (levels == nullptr) return level_links{};
+    const auto placed = [&](std::uint32_t group) { return group == no_level_group ? group : first_group + group; };
+    return level_links{placed(levels->links[c].made_by), placed(levels->links[c].member_of)};
+  };
   std::uint32_t first_index = place.first_index;
-  for (const std::uint32_t triangles : place.cluster_sizes) {
-    cluster_record made{.first_index = first_index,
-                        .index_count = 3 * triangles,
-                        .base_vertex = place.base_vertex,
-                        .bin = static_cast<std::uint32_t>(out.bins.size() - 1),
-                        .is_blended = out.bins.back().is_blended() ? 1u : 0u};
-    set_bounds(made, g.positions, std::span(out.indices).subspan(first_index, made.index_count), d.to_world,
-               out.bins.back().faces == facing::both);
-    out.instances.push_back(instance_of(d, static_cast<std::uint32_t>(out.clusters.size()), material));
-    out.clusters.push_back(made);
-    first_index += made.index_count;
+  for (std::size_t c = 0; c < place.cluster_sizes.size(); ++c) {
+    add_cluster(out, d, first_index, place.cluster_sizes[c], links(c));
+    first_index += 3 * place.cluster_sizes[c];
   }
-  for (std::uint32_t t = 0; t < d.polygon_count; ++t)
-    out.cluster_of_source[d.first_source + t] = first + place.cluster_of_triangle[t];
-  out.bins.back().cluster_count += static_cast<std::uint32_t>(place.cluster_sizes.size());
-  out.triangles += d.polygon_count;
+  for (std::uint32_t t = 0; t < d.source.polygon_count; ++t)
+    out.cluster_of_source[d.source.first_source + t] = first + place.cluster_of_triangle[t];
+  out.triangles += d.source.polygon_count;
   ++out.draws;
+  if (levels == nullptr) return;
+  for (std::size_t c = 0; c < levels->coarse_triangles.size(); ++c) {
+    add_cluster(out, d, first_index, levels->coarse_triangles[c], links(levels->leaves + c));
+    first_index += 3 * levels->coarse_triangles[c];
+  }
+  out.coarse_clusters += static_cast<std::uint32_t>(levels->coarse_triangles.size());
+  const double scale = greatest_scale(d.source.to_world);
+  for (const level_group& group : levels->groups) {
+    const glm::dvec4 center = d.source.to_world * glm::dvec4(group.x, group.y, group.z, 1.0);
+    out.level_groups.push_back({.sphere = glm::vec4(center.x, center.y, center.z, scale * group.radius),
+                                .error = static_cast<float>(scale * group.error)});
+  }
 }
 
 float size_of(const std::vector<cluster_record>& clusters) {
@@ -154,7 +198,7 @@ float size_of(const std::vector<cluster_record>& clusters) {
 
 }  // namespace
 
-host_scene arrange(const scene::scene& s) {
+host_scene arrange(const scene::scene& s, const level_table& levels) {
   host_scene out;
   out.cluster_of_source.assign(s.polygon_count, SIGHTCELL_NO_CLUSTER);
   const material_table materials(out, s);
@@ -165,15 +209,19 @@ host_scene arrange(const scene::scene& s) {
   const auto key = [&](const scene::draw* d) { return key_of(*d, materials.of(*d)); };
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&](const scene::draw* a, const scene::draw* b) { return key(a) < key(b); });
-  std::vector<placed_geometry> places(s.geometries.size());
+  // By geometry, and with levels by primitive: another one with the same geometry can have none.
+  std::map<std::pair<std::uint32_t, const primitive_levels*>, placed_geometry> places;
   for (const scene::draw* d : sorted) {
     const auto [alpha, faces] = key(d);
     if (out.bins.empty() || out.bins.back().alpha != alpha || out.bins.back().faces != faces)
       out.bins.push_back(
           {.alpha = alpha, .faces = faces, .first_cluster = static_cast<std::uint32_t>(out.clusters.size())});
-    placed_geometry& place = places[d->geometry];
-    if (!place.is_placed) place = place_geometry(out, s.geometries[d->geometry]);
-    add_clusters(out, *d, s.geometries[d->geometry], place, materials.number_of(*d));
+    const auto found = levels.find({d->mesh, d->primitive});
+    const primitive_levels* const own_levels = found == levels.end() ? nullptr : &found->second;
+    const scene::geometry& g = s.geometries[d->geometry];
+    placed_geometry& place = places[{d->geometry, own_levels}];
+    if (!place.is_placed) place = place_geometry(out, g, own_levels);
+    add_clusters(out, {*d, g.positions, place.base_vertex, materials.number_of(*d)}, place);
   }
   out.size = size_of(out.clusters);
   return out;

@@ -7,11 +7,13 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "host_scene.h"
+#include "level_table.h"
 #include "measurement.h"
 #include "report.h"
 #include "sightcell/base/error.h"
@@ -33,6 +35,7 @@ struct arguments {
   std::uint64_t seed = 1;
   int width = 1280, height = 720;
   double most_wrong = 1e-4;
+  std::optional<float> levels;
   bool is_json = false, no_draw_count = false;
 };
 
@@ -87,13 +90,21 @@ bool is_right(const section& own, const renderer& draws, double most_wrong) {
 bool run(const arguments& args) {
   const sightcell::scene::scene s = sightcell::scene::load_gltf(args.scene_file);
   const sightcell::db db = open_file(args.pvs_file, s);
-  const host_scene host = arrange(s);
+  const host_scene host = arrange(s, args.levels ? read_levels(args.scene_file) : level_table{});
   const auto context = make_context(args.device);
   measurement measured(db, args.pvs_file, s, host,
-                       {.width = args.width, .height = args.height, .may_count = !args.no_draw_count}, args.leave_out);
+                       {.width = args.width,
+                        .height = args.height,
+                        .may_count = !args.no_draw_count,
+                        .most_pixels = args.levels.value_or(0.0f)},
+                       args.leave_out);
   context->check("setup");
   const std::vector<tour_frame> cuts = make_cuts(db, args.pvs_file, std::max(args.cuts, args.view + 1), args.seed);
   if (!args.screenshot.empty()) {
+    if (!measured.draws().draws(mode_of(args.mode))) {
+      throw error(error_kind::bad_input, "gpu-driven.no-levels", "--mode", "leaves is a mode of --levels alone",
+                  "add --levels PIXELS");
+    }
     measured.draw(cuts[3 * std::size_t{args.view}].view, mode_of(args.mode));
     write_screenshot(args.screenshot, measured.draws(), mode_of(args.mode));
   }
@@ -120,6 +131,9 @@ void add_options(CLI::App& app, arguments& args) {
   app.add_option("--seed", args.seed, "of both")->capture_default_str();
   app.add_option("--width", args.width, "pixels")->check(CLI::Range(16, 8192))->capture_default_str();
   app.add_option("--height", args.height, "pixels")->check(CLI::Range(16, 8192))->capture_default_str();
+  app.add_option("--levels", args.levels,
+                 "draw the levels of detail of a file of pack --meshlets --levels: the cut with this error in pixels")
+      ->check(CLI::Range(0.0, 1000.0));
   app.add_option("--device", args.device, "any: a GPU if there is one, else OpenGL in software; gpu: no other")
       ->check(CLI::IsMember({"any", "gpu"}))
       ->capture_default_str();

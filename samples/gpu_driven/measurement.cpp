@@ -9,8 +9,8 @@ namespace gpu_driven {
 namespace {
 
 // The PVS comes first, because its bits are needed to count those of the other modes.
-constexpr std::array order = {draw_mode::pvs, draw_mode::frustum, draw_mode::last_frame, draw_mode::two_pass,
-                              draw_mode::pvs_two_pass};
+constexpr std::array order = {draw_mode::pvs,      draw_mode::frustum,      draw_mode::last_frame,
+                              draw_mode::two_pass, draw_mode::pvs_two_pass, draw_mode::leaves};
 
 void add(section& to, const std::array<tally, mode_count>& counted) {
   ++to.frames;
@@ -27,6 +27,8 @@ void add(section& to, const std::array<tally, mode_count>& counted) {
     sums.missed_with_wrong += own.missed_with_wrong;
     sums.wrong_pixels += own.wrong_pixels;
     sums.ties += own.ties;
+    sums.differing += own.differing;
+    sums.difference += own.difference / (3.0 * 255.0);
     sums.most_wrong_pixels = std::max<std::uint64_t>(sums.most_wrong_pixels, own.wrong_pixels);
   }
 }
@@ -49,8 +51,8 @@ measurement::measurement(const sightcell::db& db, const std::string& file, const
                          const host_scene& host, const renderer::settings& wanted, std::uint32_t leave_out)
     : bounds_(bounds_of(db)),
       renderer_(s, host, wanted),
-      for_pvs_(db, file, host.cluster_of_source, static_cast<std::uint32_t>(host.clusters.size()), leave_out),
-      for_both_(db, file, host.cluster_of_source, static_cast<std::uint32_t>(host.clusters.size()), leave_out),
+      for_pvs_(db, file, host, leave_out),
+      for_both_(db, file, host, leave_out),
       comparison_(host, renderer_) {
   for (timer& t : timers_) glCreateQueries(GL_TIMESTAMP, 2, t.queries);
 }
@@ -81,7 +83,9 @@ void measurement::draw_frame(const tour_frame& frame, bool is_same_view) {
   renderer_.begin(frame.view);
   if (is_measured && !is_same_view) draw_mode_timed(draw_mode::everything, frame.view);
   if (is_measured) comparison_.begin_frame();
+  if (is_measured && renderer_.has_levels()) comparison_.add(draw_mode::everything, for_pvs_.bits());  // counts the cut
   for (const draw_mode mode : order) {
+    if (!renderer_.draws(mode)) continue;
     draw_mode_timed(mode, frame.view);
     if (is_measured) comparison_.add(mode, for_pvs_.bits());
   }
@@ -99,6 +103,7 @@ void measurement::collect(const tour_frame& frame, sections& out) {
     add(*to, counted);
     to->allowed_pixels += cell_ < bounds_.size() ? pixels * static_cast<double>(bounds_[cell_]) : 0.0;
     for (std::size_t m = 0; m < mode_count; ++m) {
+      if (!renderer_.draws(static_cast<draw_mode>(m))) continue;
       GLuint64 begin = 0, end = 0;
       glGetQueryObjectui64v(timers_[m].queries[0], GL_QUERY_RESULT, &begin);
       glGetQueryObjectui64v(timers_[m].queries[1], GL_QUERY_RESULT, &end);

@@ -19,7 +19,8 @@ namespace gpu_driven {
 // Sums over frames.
 struct mode_sums {
   std::uint64_t clusters = 0, triangles = 0, clusters_in_set = 0, missed = 0, missed_with_wrong = 0;
-  std::uint64_t wrong_pixels = 0, ties = 0;
+  std::uint64_t wrong_pixels = 0, ties = 0, differing = 0;
+  double difference = 0.0;                                    // of colors: 1 for black and white, of all pixels
   std::uint64_t most_wrong_pixels = 0;                        // of a frame
   double device_milliseconds = 0.0, host_milliseconds = 0.0;  // timer queries; CPU time of the host's thread
 };

@@ -16,7 +16,7 @@ constexpr std::size_t command_bytes = sizeof(draw_command);
 
 // Uniforms.
 namespace of_cull {
-constexpr GLint stage = 0, uses_bits = 1, cluster_count = 2, bin_count = 3;
+constexpr GLint stage = 0, uses_bits = 1, cluster_count = 2, bin_count = 3, most_pixels = 4;
 }
 namespace of_blended {
 constexpr GLint marks = 0;
@@ -74,6 +74,7 @@ renderer::renderer(const sightcell::scene::scene& s, const host_scene& host, con
       instances_(host.instances),
       materials_(host.materials),
       clusters_(host.clusters),
+      levels_(host.level_groups),
       bins_(bin_table(host, counts_)),
       all_commands_(whole_commands(host)),
       all_counts_(fixed_counts(host, true)),
@@ -141,8 +142,7 @@ void renderer::draw(draw_mode mode, const visibility* visible) {
   view_.bind(GL_UNIFORM_BUFFER, 0);
   if (mode == draw_mode::everything) return draw_everything();
   const bool has_two = mode == draw_mode::two_pass || mode == draw_mode::pvs_two_pass;
-  glCopyNamedBufferSubData(first_counts_.id(), command_counts_.id(), 0, 0,
-                           static_cast<GLsizeiptr>(2 * host_.bins.size() * sizeof(std::uint32_t)));
+  begin_commands();
   cull(mode,
        has_two                         ? stage::first_of_two
        : mode == draw_mode::last_frame ? stage::last_depth
@@ -161,6 +161,11 @@ void renderer::draw(draw_mode mode, const visibility* visible) {
   draw_bins(1, true);  // what is blended is never in the first pass
 }
 
+void renderer::begin_commands() const {
+  glCopyNamedBufferSubData(first_counts_.id(), command_counts_.id(), 0, 0,
+                           static_cast<GLsizeiptr>(2 * host_.bins.size() * sizeof(std::uint32_t)));
+}
+
 void renderer::cull(draw_mode mode, stage which, const visibility* visible) {
   const state& own = states_[static_cast<std::size_t>(mode)];
   const bool is_last = which == stage::last_depth;
@@ -172,9 +177,12 @@ void renderer::cull(draw_mode mode, stage which, const visibility* visible) {
   commands_.bind_storage(4);
   command_counts_.bind_storage(5);
   bins_.bind_storage(6);
+  levels_.bind_storage(7);
   glBindTextureUnit(0, (is_last ? last_depth_ : own_depth_).texture().id());
   glProgramUniform1ui(cull_.id(), of_cull::stage, static_cast<GLuint>(which));
   glProgramUniform1ui(cull_.id(), of_cull::uses_bits, visible != nullptr ? 1 : 0);
+  glProgramUniform1f(cull_.id(), of_cull::most_pixels,
+                     has_levels() && mode != draw_mode::leaves ? settings_.most_pixels : -1.0f);
   glUseProgram(cull_.id());
   glDispatchCompute((static_cast<GLuint>(host_.clusters.size()) + group_size - 1) / group_size, 1, 1);
   glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -243,8 +251,12 @@ void renderer::remember_depth() {
 
 void renderer::draw_everything() {
   seen_.clear();
+  if (has_levels()) {
+    begin_commands();
+    cull(draw_mode::everything, stage::whole_cut, nullptr);
+  }
   begin_pass(full_);
-  bind_for_draws(all_commands_, all_counts_);
+  bind_for_draws(has_levels() ? commands_ : all_commands_, has_levels() ? command_counts_ : all_counts_);
   glProgramUniform1ui(blended_.id(), of_blended::marks, 1);
   for (std::size_t b = 0; b < host_.bins.size(); ++b) draw_bin(b, 0);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);  // `seen`

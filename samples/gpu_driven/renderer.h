@@ -17,16 +17,17 @@
 namespace gpu_driven {
 
 enum class draw_mode : std::uint8_t {
-  everything,   // all clusters
-  frustum,      // clusters in the frustum that do not face away; so are those of the modes below
-  pvs,          // clusters with a polygon in the set
-  last_frame,   // clusters that the hierarchical depth of the last frame does not occlude, in one pass
-  two_pass,     // what was visible in the last frame; then the rest, tested against the depth of that
-  pvs_two_pass  // the same, of clusters with a polygon in the set
+  everything,    // all clusters; with levels of detail, all of the cut
+  frustum,       // clusters in the frustum that do not face away; so are those of the modes below
+  pvs,           // clusters with a polygon in the set
+  last_frame,    // clusters that the hierarchical depth of the last frame does not occlude, in one pass
+  two_pass,      // what was visible in the last frame; then the rest, tested against the depth of that
+  pvs_two_pass,  // the same, of clusters with a polygon in the set
+  leaves         // with --levels: as frustum, without levels of detail
 };
-inline constexpr std::size_t mode_count = 6;
-inline constexpr std::array<const char*, mode_count> mode_names = {"everything", "frustum",  "pvs",
-                                                                   "last_frame", "two_pass", "pvs_two_pass"};
+inline constexpr std::size_t mode_count = 7;
+inline constexpr std::array<const char*, mode_count> mode_names = {"everything", "frustum",      "pvs",   "last_frame",
+                                                                   "two_pass",   "pvs_two_pass", "leaves"};
 
 // A picture on the device.
 struct target {
@@ -40,7 +41,8 @@ class renderer {
  public:
   struct settings {
     int width = 0, height = 0;
-    bool may_count = true;  // use ARB_indirect_parameters where the device has it
+    bool may_count = true;     // use ARB_indirect_parameters where the device has it
+    float most_pixels = 0.0f;  // error of the cut, where the scene has levels of detail
   };
 
   // host: its bins are used afterwards, so it must outlive the object. s: used during the constructor only.
@@ -58,6 +60,8 @@ class renderer {
   // visible: for the modes of the PVS, has moved to the eye; else null.
   void draw(draw_mode mode, const visibility* visible);
 
+  bool has_levels() const { return !host_.level_groups.empty(); }
+  bool draws(draw_mode mode) const { return mode != draw_mode::leaves || has_levels(); }
   bool counts() const { return counts_; }
   const settings& size() const { return settings_; }
   std::uint32_t multi_draws(draw_mode mode) const;  // calls that draw, per frame
@@ -72,11 +76,12 @@ class renderer {
   struct state {
     gl_buffer drawn, history;
   };
-  enum class stage : std::uint8_t { without_depth, last_depth, first_of_two, second_of_two };
+  enum class stage : std::uint8_t { without_depth, last_depth, first_of_two, second_of_two, whole_cut };
 
   void make_vertex_array();
   void cull(draw_mode mode, stage which, const visibility* visible);
   void draw_everything();
+  void begin_commands() const;
   void bind_for_draws(const gl_buffer& commands, const gl_buffer& counts);
   void draw_bin(std::size_t b, std::uint32_t region);
   void draw_bins(std::uint32_t region, bool blended);
@@ -88,7 +93,7 @@ class renderer {
   settings settings_;
   bool counts_ = false;
   gl_texture textures_;
-  gl_buffer vertices_, indices_, instances_, materials_, clusters_, bins_, all_commands_;
+  gl_buffer vertices_, indices_, instances_, materials_, clusters_, levels_, bins_, all_commands_;
   gl_buffer all_counts_, first_counts_, commands_, command_counts_, view_, last_view_, seen_;
   std::array<state, mode_count> states_;
   target full_, shared_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gl_objects.h"
+#include "host_scene.h"
 #include "sightcell/sightcell.hpp"
 
 namespace gpu_driven {
@@ -15,11 +16,10 @@ namespace gpu_driven {
 class visibility {
  public:
   // db: must outlive the object. file: its name, for messages.
-  // cluster_of_source, cluster_count: the host's clusters.
+  // host: must outlive the object.
   // leave_out: a fault for tests: the row lacks each n-th visible cluster; 0: none.
   // Throws gpu-driven.runtime.
-  visibility(const sightcell::db& db, const std::string& file, std::span<const std::uint32_t> cluster_of_source,
-             std::uint32_t cluster_count, std::uint32_t leave_out);
+  visibility(const sightcell::db& db, const std::string& file, const host_scene& host, std::uint32_t leave_out);
 
   // Every frame. Uploads the row if the set has changed.
   const sightcell_frame& move(const glm::vec3& eye);
@@ -28,12 +28,16 @@ class visibility {
   const gl_buffer& bits() const { return bits_; }
 
  private:
+  void add_coarse_clusters();
+
+  std::span<const cluster_record> clusters_;
   std::string file_;
   std::uint32_t leave_out_ = 0;
   sightcell::view view_;
   sightcell::cluster_map map_;
   sightcell_frame frame_{};
   std::vector<std::uint32_t> row_;
+  std::vector<std::uint8_t> group_visible_;  // by level group; empty without levels
   gl_buffer bits_;
 };
 

@@ -6,6 +6,7 @@ import os
 import random
 import struct
 
+from decode_pvs import Contents
 from harness import InFolder, read
 
 TYPES = {5120: 'b', 5121: 'B', 5122: 'h', 5123: 'H', 5125: 'I', 5126: 'f'}
@@ -241,6 +242,23 @@ class Meshlets(InFolder):
         for path in (baked, recoded):
             info = json.loads(self.expect(0, 'info', path, '--json')[0])
             self.assertEqual((info['clusters'], info['polygons']), (told['drawn_meshlets'], told['polygons']))
+            self.expect_clusters_are_meshlets(Glb(packed_path), Contents(read(path)))
+
+    def expect_clusters_are_meshlets(self, packed, contents):
+        """Each cluster of the file is a meshlet of a draw, found by its first polygon alone, and each is there once."""
+        groups, meshlets = packed.table()
+        counts = {(mesh, primitive, m.first): m.count for mesh, primitive, first, count in groups
+                  for m in meshlets[first:first + count]}
+        begins = contents.header.begins + [contents.header.polygons]
+        found = set()
+        for begin, end in zip(begins, begins[1:]):
+            source = contents.source_of_stored[begin]
+            node, mesh, primitive, instance, _, _, first, polygons = next(
+                d for d in contents.draws if d[6] <= source < d[6] + d[7])[:8]
+            self.assertEqual(contents.source_of_stored[begin:end], list(range(source, source + end - begin)))
+            self.assertEqual(counts[mesh, primitive, 3 * (source - first)], end - begin)
+            found.add((node, primitive, instance, source))
+        self.assertEqual(len(found), len(begins) - 1)
 
     def test_sketch(self):
         self.cones = self.culled = 0

@@ -5,12 +5,14 @@ import os
 import numpy
 
 import harness
+from cave_scene import write_cave
 from colonnade_scene import write_cells, write_colonnade
 from harness import must, program, run, skip_without_egl
 from png import read_png
 from screens_scene import write_screens
 
 MODES = ['everything', 'frustum', 'pvs', 'last_frame', 'two_pass', 'pvs_two_pass']
+SKY = (181, 208, 239)  # of the sample, in sRGB
 RIGHT = ['frustum', 'pvs', 'two_pass', 'pvs_two_pass']  # last_frame misses what comes into view
 
 
@@ -19,11 +21,16 @@ class GpuDriven(harness.InFolder):
     def setUpClass(cls):
         super().setUpClass()
         cls.city_cells, cls.hall_cells = cls.path('city.json'), cls.path('hall.json')
-        cls.city = cls.make_city('city.glb', '--cells', cls.city_cells, polygons=20000)
+        cls.city = cls.pack(cls.make_city('plain.glb', '--cells', cls.city_cells, polygons=20000), 'city.glb')
         cls.hall, cls.screens = cls.path('hall.glb'), cls.path('screens.glb')
         write_colonnade(cls.hall)
         write_screens(cls.screens)
         write_cells(cls.hall_cells)
+
+    @classmethod
+    def pack(cls, scene, name):
+        must(program('sightcell'), 'pack', '--meshlets', '--levels', scene, '-o', cls.path(name))
+        return cls.path(name)
 
     @classmethod
     def bake(cls, scene, cells, *more):
@@ -46,8 +53,8 @@ class GpuDriven(harness.InFolder):
     def bake_city(self):
         return self.bake(self.city, self.city_cells, '--cell-limit', 6)
 
-    def assert_same_pictures(self, section):
-        self.assertEqual(list(section['modes']), MODES)
+    def assert_same_pictures(self, section, modes=MODES):
+        self.assertEqual(list(section['modes']), modes)
         for name in RIGHT:
             mode = section['modes'][name]
             self.assertLessEqual(mode['wrong_share'], 1e-4, name)
@@ -77,6 +84,50 @@ class GpuDriven(harness.InFolder):
         self.assertGreater(first['two_pass'], 1.5 * settled['two_pass'])
         self.assertEqual(first['pvs'], settled['pvs'])
         self.assertLess(first['pvs'], first['two_pass'])
+
+    def test_cuts_of_a_city(self):
+        drawn = []
+        for pixels in (0, 8):
+            said = self.measure(0, self.city, self.bake_city(), '--levels', pixels, '--cuts', 6, '--frames', 12)
+            self.assertEqual((said['cut_pixels'], said['triangles']), (pixels, 20000))
+            self.assertGreater(said['coarse_clusters'], 100)
+            for section in said['sections'].values():
+                self.assert_same_pictures(section, MODES + ['leaves'])
+                self.assertEqual(section['modes']['pvs']['in_set_share'], 1)
+                triangles = {name: mode['triangles'] for name, mode in section['modes'].items()}
+                self.assertLess(triangles['pvs'], triangles['frustum'])
+                self.assertLessEqual(triangles['everything'], 20000)
+            drawn.append(said['sections']['cuts']['modes'])
+        for finer, coarser in zip(drawn, drawn[1:]):
+            self.assertLess(coarser['everything']['triangles'], finer['everything']['triangles'])
+            self.assertGreaterEqual(coarser['leaves']['mean_difference'], finer['leaves']['mean_difference'])
+        self.assertLess(drawn[0]['leaves']['differing_share'], 1e-3)
+        self.assertEqual(drawn[0]['leaves']['triangles'], drawn[1]['leaves']['triangles'])
+
+    def sky_pixels(self, *arguments):
+        file = self.path('cave.png')
+        self.draw(0, *arguments, '--screenshot', file, '--cuts', 0, '--frames', 0, '--width', 240, '--height', 160)
+        away = numpy.abs(read_png(file).astype(int) - SKY)
+        return int((away.max(axis=2) <= 1).sum())
+
+    def test_cuts_have_no_gaps(self):
+        source, cells = self.path('cave-source.glb'), self.path('cave.json')
+        write_cave(source)
+        with open(cells, 'w') as out:
+            json.dump({'margin': 0.25, 'cells': [{'min': [29, -1, -3], 'max': [31, 1, -1]}]}, out)
+        cave = self.pack(source, 'cave.glb')
+        pvs = self.bake(cave, cells, '--quality', 'draft')
+        triangles = []
+        for pixels in (2, 8):
+            said = self.measure(0, cave, pvs, '--levels', pixels, '--cuts', 6, '--frames', 0)
+            modes = said['sections']['cuts']['modes']
+            triangles += [modes['everything']['triangles'], modes['leaves']['triangles']]
+            for view in range(3):
+                for mode in ('everything', 'pvs'):
+                    self.assertEqual(self.sky_pixels(cave, pvs, '--levels', pixels, '--view', view, '--mode', mode), 0)
+        self.assertLess(triangles[2], triangles[0])
+        self.assertLess(triangles[0], 0.9 * said['triangles'])
+        self.assertGreater(self.sky_pixels(cave, pvs, '--levels', 2, '--mode', 'pvs', '--leave-out', 9), 0)
 
     def test_the_last_frame_misses_what_comes_into_view(self):
         said = self.measure(0, self.city, self.bake_city(), '--cuts', 12, '--frames', 0, '--seed', 3)
@@ -142,5 +193,17 @@ class GpuDriven(harness.InFolder):
             out, err = self.draw(4, *arguments)
             self.assertEqual((out, len(err.splitlines())), ('', 1), err)
             self.assertTrue(err.rstrip().endswith(f'[{identifier}]'), err)
+        out, err = self.draw(4, self.hall, pvs, '--levels', 1)
+        self.assertTrue(err.rstrip().endswith('[gpu-driven.no-levels]'), err)
+        with open(self.city, 'rb') as file:
+            data = bytearray(file.read())
+        at = data.index(b'SCML')
+        for place, value in ((16, 2), (24, 1 << 31), (12, 1 << 30)):
+            damaged = self.path('damaged.glb')
+            with open(damaged, 'wb') as file:
+                file.write(data[:at + place] + value.to_bytes(4, 'little') + data[at + place + 4:])
+            out, err = self.draw(4, damaged, self.bake_city(), '--levels', 1)
+            self.assertEqual((out, len(err.splitlines())), ('', 1), err)
+            self.assertTrue(err.rstrip().endswith('[gpu-driven.levels]'), err)
         self.draw(2, self.hall)
         self.draw(2, self.hall, pvs, '--mode', 'nothing')

@@ -142,6 +142,13 @@ static void add_meshlet(uint32_t draw, uint32_t first, uint32_t count) {
   require(draw < draw_total && count > 0 && first + count <= draws[draw].polygon_count, "meshlet");
 }
 
+/* A host that draws a file of pack --meshlets: its index buffers stay as they are. */
+static uint32_t meshlet_polygons;
+static void add_meshlet_of(const sightcell_draw* d, uint32_t first_index, uint32_t count) {
+  require(first_index / 3 < d->polygon_count && count > 0, "meshlet of the packed file");
+  meshlet_polygons += count / 3;
+}
+
 static void use_clusters_of_the_file(void) {
   sightcell_cluster_map* own_map;
   size_t count;
@@ -152,6 +159,15 @@ static void use_clusters_of_the_file(void) {
   for (size_t c = 0; c < count; ++c) add_meshlet(clusters[c].draw, clusters[c].first, clusters[c].count);
   if (sightcell_cluster_map_of_file(db, &own_map) != SIGHTCELL_OK) exit(1); /* bit c of a row is cluster c */
   /* file clusters] */
+  meshlet_polygons = 0;
+  /* [packed clusters */
+  for (size_t c = 0; c < count; ++c) { /* meshlet c, in the order of the file */
+    const sightcell_draw* d = &draws[clusters[c].draw];
+    const uint32_t triangle = source_id_of_stored[d->first_stored + clusters[c].first] - d->first_source;
+    add_meshlet_of(d, 3 * triangle, 3 * clusters[c].count); /* in the index buffer of its primitive */
+  }
+  /* packed clusters] */
+  require(meshlet_polygons == polygon_total, "all polygons are in meshlets");
   sightcell_cluster_map_destroy(own_map);
   free(clusters);
 }

@@ -21,6 +21,7 @@ namespace {
 constexpr std::size_t most_clusters_of_group = 8;
 // Spheres contain those below them for hosts that compute in single precision too.
 constexpr float sphere_allowance = 1e-5f;
+constexpr int steps_to_smallest_sphere = 32;
 // Distances below this part of the coordinates are those of rounding.
 constexpr double rounding_of_places = 1e-6;
 
@@ -42,12 +43,27 @@ std::vector<std::uint32_t> numbers_of_positions(const std::vector<glm::vec3>& po
   return numbers;
 }
 
-// Returns a sphere that contains others.
+// Returns a sphere that contains others, and is nearly the smallest one: each step moves its center toward the sphere
+// that reaches farthest, by less and less (Badoiu and Clarkson).
 dag_sphere around(std::span<const dag_sphere> spheres) {
-  glm::dvec3 center{0.0};
+  glm::dvec3 center{0.0}, best{0.0};
   for (const dag_sphere& s : spheres) center += glm::dvec3(s.center) / static_cast<double>(spheres.size());
-  dag_sphere out{glm::vec3(center), 0.0f};
-  double radius = 0.0;
+  double radius = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < steps_to_smallest_sphere; ++step) {
+    double reach = 0.0;
+    glm::dvec3 toward{0.0};
+    for (const dag_sphere& s : spheres) {
+      const glm::dvec3 away = glm::dvec3(s.center) - center;
+      const double distance = glm::length(away), own = distance + static_cast<double>(s.radius);
+      if (own <= reach) continue;
+      reach = own;
+      toward = distance > 0.0 ? away * (own / distance) : glm::dvec3(0.0);
+    }
+    if (reach < radius) radius = reach, best = center;
+    center += toward / (step + 2.0);
+  }
+  dag_sphere out{glm::vec3(best), 0.0f};
+  radius = 0.0;  // of the center in single precision
   for (const dag_sphere& s : spheres)
     radius = std::max(radius, glm::distance(glm::dvec3(s.center), glm::dvec3(out.center)) + s.radius);
   const float size = glm::length(out.center) + static_cast<float>(radius);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
@@ -24,7 +25,8 @@ constexpr float farthest_collapse = 0.25f;  // meshoptimizer's error, of the siz
 // hard edges can be simplified.
 struct group_mesh {
   std::vector<std::uint32_t> places;  // by number: that of its position
-  std::vector<glm::vec3> positions;   // of these, then copies that lock them
+  std::vector<glm::vec2> uvs;         // by number
+  std::vector<glm::vec3> positions;   // by number, then copies that lock them
   std::vector<std::uint32_t> indices;
 };
 
@@ -56,6 +58,7 @@ group_mesh compact(const geometry& mesh, std::span<const std::uint32_t> indices,
     out.indices.push_back(found->second);
     if (!is_new) continue;
     out.places.push_back(place);
+    out.uvs.push_back(mesh.uvs.empty() ? glm::vec2(0.0f) : mesh.uvs[vertex]);
     out.positions.push_back(mesh.positions[vertex] + 0.0f);  // -0 becomes 0, because meshoptimizer compares bits
     ++copies[place];
   }
@@ -139,7 +142,8 @@ double distance_between(const group_mesh& group, std::span<const std::uint32_t> 
   const auto surface = [&](const std::vector<local_triangle>& triangles) {
     std::vector<surface_triangle> out;
     for (const local_triangle& t : triangles)
-      out.push_back({group.positions[t[0]], group.positions[t[1]], group.positions[t[2]]});
+      out.push_back({{group.positions[t[0]], group.positions[t[1]], group.positions[t[2]]},
+                     {group.uvs[t[0]], group.uvs[t[1]], group.uvs[t[2]]}});
     return out;
   };
   return surface_distance(surface(before), surface(only_before), surface(after), surface(only_after));
@@ -180,7 +184,9 @@ std::optional<simplified_group> simplify_group(const geometry& mesh, std::span<c
   const double most = most_of_triangles * static_cast<double>(indices.size());
   if (coarse.empty() || static_cast<double>(coarse.size()) > most) return std::nullopt;
   if (border_of(group.indices, group) != border_of(coarse, group)) return std::nullopt;
-  return simplified_group{split(group, corner_choice(group, indices), coarse), distance_between(group, coarse)};
+  const double error = distance_between(group, coarse);
+  if (!std::isfinite(error)) return std::nullopt;
+  return simplified_group{split(group, corner_choice(group, indices), coarse), error};
 }
 
 }  // namespace sightcell::scene

@@ -11,7 +11,7 @@ namespace sightcell::scene {
 
 struct simplified_group {
   std::vector<std::vector<std::uint32_t>> clusters;  // three vertices of the mesh per triangle
-  double error = 0.0;                                // distance to what was simplified
+  double error = 0.0;                                // distance to what was simplified, of its texture too
 };
 
 // Returns about half as many triangles, in clusters. Nothing where little can be saved, or where the border would

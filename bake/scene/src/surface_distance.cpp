@@ -9,77 +9,113 @@
 namespace sightcell::scene {
 namespace {
 
-glm::dvec3 nearest_of_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
-  const glm::dvec3 along = b - a;
-  const double length = glm::dot(along, along);
-  const double t = length > 0.0 ? std::clamp(glm::dot(p - a, along) / length, 0.0, 1.0) : 0.0;
-  return a + t * along;
-}
+// Texture coordinates that differ by less, of their size, differ by rounding.
+constexpr double rounding_of_uvs = 1e-6;
+// The least part of the area of a triangle that is as long and as wide as its texture coordinates, for its scale to be
+// known in all directions.
+constexpr double least_uv_area = 1e-6;
 
 double squared(const glm::dvec3& v) {
   return glm::dot(v, v);
 }
 
-// The squared distance of a point to a triangle, which may have no area.
-double squared_distance(const glm::dvec3& p, const std::array<glm::dvec3, 3>& t) {
-  const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
-  const double area = squared(normal);
-  if (area > 0.0) {
-    bool inside = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const glm::dvec3 edge = t[(k + 1) % 3] - t[k];
-      inside = inside && glm::dot(glm::cross(edge, p - t[k]), normal) >= 0.0;
-    }
-    if (inside) {
-      const double along = glm::dot(p - t[0], normal);
-      return along * along / area;
-    }
-  }
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 3; ++k) least = std::min(least, squared(p - nearest_of_segment(p, t[k], t[(k + 1) % 3])));
-  return least;
-}
+using weights = std::array<double, 3>;  // of the corners
 
-struct bounded_triangle {
+struct measured_triangle {
   std::array<glm::dvec3, 3> corners;
+  std::array<glm::dvec2, 3> uvs;
   glm::dvec3 center{0.0};
   double radius = 0.0;
+
+  explicit measured_triangle(const surface_triangle& t) {
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = glm::dvec3(t.corners[k]), uvs[k] = glm::dvec2(t.uvs[k]);
+    center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    for (const glm::dvec3& corner : corners) radius = std::max(radius, std::sqrt(squared(corner - center)));
+  }
+
+  glm::dvec3 place(const weights& w) const { return w[0] * corners[0] + w[1] * corners[1] + w[2] * corners[2]; }
+  glm::dvec2 uv(const weights& w) const { return w[0] * uvs[0] + w[1] * uvs[1] + w[2] * uvs[2]; }
 };
+
+// The nearest point of a triangle, which may have no area.
+weights nearest_of(const measured_triangle& t, const glm::dvec3& p) {
+  const std::array<glm::dvec3, 3>& c = t.corners;
+  const glm::dvec3 normal = glm::cross(c[1] - c[0], c[2] - c[0]);
+  const double area = squared(normal);
+  weights inside;
+  for (std::size_t k = 0; k < 3; ++k)
+    inside[k] = glm::dot(glm::cross(c[(k + 2) % 3] - c[(k + 1) % 3], p - c[(k + 1) % 3]), normal);
+  if (area > 0.0 && inside[0] >= 0.0 && inside[1] >= 0.0 && inside[2] >= 0.0) {
+    const double sum = inside[0] + inside[1] + inside[2];
+    return {inside[0] / sum, inside[1] / sum, inside[2] / sum};
+  }
+  weights best{};
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 along = c[(k + 1) % 3] - c[k];
+    const double length = squared(along);
+    const double at = length > 0.0 ? std::clamp(glm::dot(p - c[k], along) / length, 0.0, 1.0) : 0.0;
+    const double distance = squared(p - (c[k] + at * along));
+    if (distance >= least) continue;
+    least = distance;
+    best = {};
+    best[k] = 1.0 - at;
+    best[(k + 1) % 3] = at;
+  }
+  return best;
+}
+
+// How far it is on the plane of a triangle to the point whose texture coordinates are greater by `step`.
+double way_along(const measured_triangle& t, const glm::dvec2& step) {
+  if (step == glm::dvec2(0.0)) return 0.0;
+  const glm::dvec2 across = t.uvs[1] - t.uvs[0], down = t.uvs[2] - t.uvs[0];
+  const double area = across.x * down.y - across.y * down.x;
+  const double longest =
+      std::max({glm::dot(across, across), glm::dot(down, down), glm::dot(down - across, down - across)});
+  if (std::abs(area) > least_uv_area * longest) {
+    const double a = (step.x * down.y - step.y * down.x) / area, b = (across.x * step.y - across.y * step.x) / area;
+    return std::sqrt(squared(a * (t.corners[1] - t.corners[0]) + b * (t.corners[2] - t.corners[0])));
+  }
+  const double size = std::max({1.0, std::abs(t.uvs[0].x), std::abs(t.uvs[0].y)});
+  const double length = glm::length(step);
+  if (length <= rounding_of_uvs * size) return 0.0;
+  if (!(longest > 0.0)) return std::numeric_limits<double>::infinity();
+  return length / std::sqrt(longest) * 2.0 * t.radius;  // they run along one line
+}
 
 class measured_surface {
  public:
-  explicit measured_surface(std::span<const surface_triangle> triangles) {
-    for (const surface_triangle& t : triangles) {
-      bounded_triangle& made = all_.emplace_back();
-      made.corners = {glm::dvec3(t[0]), glm::dvec3(t[1]), glm::dvec3(t[2])};
-      made.center = (made.corners[0] + made.corners[1] + made.corners[2]) / 3.0;
-      for (const glm::dvec3& corner : made.corners)
-        made.radius = std::max(made.radius, std::sqrt(squared(corner - made.center)));
-    }
-  }
+  explicit measured_surface(std::span<const surface_triangle> triangles) : all_(triangles.begin(), triangles.end()) {}
 
   // Returns most, or the distance of a point if that is greater.
-  double farther(const glm::dvec3& p, double most) {
-    double least = squared_distance(p, all_[last_].corners);  // neighbors in the list are close to each other
-    for (std::size_t i = 0; i < all_.size() && least > most * most; ++i) {
-      const double reach = all_[i].radius + std::sqrt(least);
+  double farther(const glm::dvec3& p, const glm::dvec2& uv, double most) {
+    double least = distance(all_[last_], p, uv);  // neighbors in the list are close to each other
+    for (std::size_t i = 0; i < all_.size() && least > most; ++i) {
+      const double reach = all_[i].radius + least;
       if (squared(p - all_[i].center) >= reach * reach) continue;
-      const double distance = squared_distance(p, all_[i].corners);
-      if (distance < least) least = distance, last_ = i;
+      const double own = distance(all_[i], p, uv);
+      if (own < least) least = own, last_ = i;
     }
-    return std::max(most, std::sqrt(least));
+    return std::max(most, least);
   }
 
  private:
-  std::vector<bounded_triangle> all_;
+  static double distance(const measured_triangle& t, const glm::dvec3& p, const glm::dvec2& uv) {
+    const weights nearest = nearest_of(t, p);
+    return std::sqrt(squared(p - t.place(nearest))) + way_along(t, uv - t.uv(nearest));
+  }
+
+  std::vector<measured_triangle> all_;
   std::size_t last_ = 0;
 };
 
 double farthest(std::span<const surface_triangle> from, measured_surface& to, double most) {
+  constexpr double third = 1.0 / 3.0;
+  constexpr weights samples[] = {
+      {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}, {third, third, third}};
   for (const surface_triangle& t : from) {
-    const glm::dvec3 a(t[0]), b(t[1]), c(t[2]);
-    for (const glm::dvec3& p : {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (a + b + c) / 3.0})
-      most = to.farther(p, most);
+    const measured_triangle own(t);
+    for (const weights& w : samples) most = to.farther(own.place(w), own.uv(w), most);
   }
   return most;
 }

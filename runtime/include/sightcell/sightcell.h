@@ -25,9 +25,10 @@
  * DRAWS. A draw is one (node, primitive, instance) of the glTF scene. A host of an instanced file (the default layout
  * of the bake) keeps its meshes and issues draws. Draw d has the stored numbers first_stored .. first_stored +
  * polygon_count - 1. The draw table is NOT in source order: its order is part of the bake's result, and draw d is not
- * the d-th draw of the scene. A host finds its own object for a draw in one of three ways:
+ * the d-th draw of the scene. A host finds its own object for a draw in one of four ways:
  *   - by node, primitive and instance, which are the indices of the glTF file;
  *   - by host_tag, if the host baked its own arrays and gave each draw a tag;
+ *   - by geometry and name (identity.h), for importers that keep neither numbers nor the order of triangles;
  *   - by sorting a copy of the draw table by first_source: then the draws are in the order of the scene.
  *
  * INDEX BUFFERS. The host permutes its index buffers once after loading: triangle i of draw d becomes the triangle

@@ -13,7 +13,9 @@ layout(std430, binding = 5) buffer tally_block { uint tally[]; };
 layout(location = 0) uniform float near;
 layout(location = 1) uniform uint first;  // of this mode, in `tally`
 
-shared uint wrong_pixels, ties;
+const float another_color = 0.03;  // of a component, linear
+
+shared uint wrong_pixels, ties, differing, difference;
 
 // The bake calls surfaces coincident that are no farther apart than this.
 bool is_same_place(float a, float b) {
@@ -27,6 +29,8 @@ void main() {
   if (gl_LocalInvocationIndex == 0u) {
     wrong_pixels = 0u;
     ties = 0u;
+    differing = 0u;
+    difference = 0u;
   }
   barrier();
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -38,12 +42,19 @@ void main() {
       uint id = texelFetch(ids, at, 0).x;
       if (id != 0u && drawn[id - 1u] == 0u) wrong_in[id - 1u] = 1u;
       atomicAdd(wrong_pixels, 1u);
-    } else if (any(greaterThan(abs(full.rgb - own.rgb), vec3(0.03)))) {
-      atomicAdd(ties, 1u);
     }
+    vec3 away = abs(full.rgb - own.rgb);
+    if (any(greaterThan(away, vec3(another_color)))) {
+      if (!wrong) atomicAdd(ties, 1u);
+      atomicAdd(differing, 1u);
+    }
+    uint levels = uint(255.0 * (away.r + away.g + away.b) + 0.5);
+    if (levels != 0u) atomicAdd(difference, levels);
   }
   barrier();
   if (gl_LocalInvocationIndex != 0u) return;
   if (wrong_pixels != 0u) atomicAdd(tally[first], wrong_pixels);
   if (ties != 0u) atomicAdd(tally[first + 1u], ties);
+  if (differing != 0u) atomicAdd(tally[first + 9u], differing);
+  if (difference != 0u) atomicAdd(tally[first + 10u], difference);
 }

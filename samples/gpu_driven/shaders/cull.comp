@@ -1,5 +1,5 @@
 #version 450 core
-// One thread per cluster: its bit of the PVS, frustum, normal cone, hierarchical depth. Writes an indirect command for
+// One thread per cluster: its bit of the PVS, its level of detail, frustum, normal cone, hierarchical depth. Writes an indirect command for
 // each cluster to draw.
 #include "records.glsl"
 #include "view.glsl"
@@ -15,13 +15,32 @@ layout(std430, binding = 4) writeonly buffer command_block { draw_command comman
 layout(std430, binding = 5) buffer count_block { uint counts[]; };  // commands of each bin
 layout(std430, binding = 6) readonly buffer bin_block { uvec2 bins[]; };  // first slot; 1: slots are compacted
 
+layout(std430, binding = 7) readonly buffer level_block { level_group_record level_groups[]; };
+
 layout(binding = 0) uniform sampler2D depths;
 
-const uint without_depth = 0u, last_depth = 1u, first_of_two = 2u, second_of_two = 3u;
+const uint without_depth = 0u, last_depth = 1u, first_of_two = 2u, second_of_two = 3u, whole_cut = 4u;
 layout(location = 0) uniform uint stage;
 layout(location = 1) uniform uint uses_bits;
 layout(location = 2) uniform uint cluster_count;
 layout(location = 3) uniform uint bin_count;
+layout(location = 4) uniform float most_pixels;  // error of the cut; below 0: leaves only
+
+const uint none = 0xFFFFFFFFu;
+
+// Whether what takes the place of the members of a level group is fine enough for the eye.
+bool is_fine(uint group) {
+  level_group_record own = level_groups[group];
+  float nearest = max(0.0, distance(view.eye.xyz, own.sphere.xyz) - own.sphere.w);
+  return own.error <= most_pixels * view.size.z * nearest;
+}
+
+// The cut: no cluster needs to know of any other. Errors and spheres grow from level to level, so of those that have
+// the same piece of a surface one is in the cut.
+bool in_cut(cluster_record own) {
+  if (most_pixels < 0.0) return own.made_by == none;
+  return (own.made_by == none || is_fine(own.made_by)) && (own.member_of == none || !is_fine(own.member_of));
+}
 
 bool in_frustum(vec4 sphere) {
   vec3 from_eye = sphere.xyz - view.eye.xyz;
@@ -91,11 +110,11 @@ void main() {
   if (c >= cluster_count) return;
   cluster_record own = clusters[c];
   bool wanted = uses_bits == 0u || (bits[c >> 5] >> (c & 31u) & 1u) != 0u;
-  wanted = wanted && in_frustum(own.sphere) && !faces_away(own);
+  wanted = wanted && in_cut(own) && (stage == whole_cut || (in_frustum(own.sphere) && !faces_away(own)));
   bool is_drawn = wanted;
   if (stage == last_depth) {
     is_drawn = wanted && !occluded(own);
-  } else if (stage != without_depth) {
+  } else if (stage == first_of_two || stage == second_of_two) {
     bool is_early = wanted && own.is_blended == 0u && visible_before[c] != 0u;
     is_drawn = is_early;
     if (stage == second_of_two) {

@@ -9,7 +9,14 @@ struct cluster_record {
   int base_vertex;
   uint bin;
   uint is_blended;
-  uint unused;
+  uint made_by, member_of;  // level groups; none: 0xFFFFFFFF
+  uint unused_a, unused_b, unused_c;
+};
+
+struct level_group_record {
+  vec4 sphere;  // world space: center, radius
+  float error;  // meters
+  uint unused_a, unused_b, unused_c;
 };
 
 struct draw_command {  // DrawElementsIndirectCommand

@@ -118,7 +118,7 @@ double error_of(const cluster_dag& dag, const std::vector<std::uint32_t>& cut) {
 std::vector<surface_triangle> surface_of(const geometry& mesh, const std::vector<std::uint32_t>& indices) {
   std::vector<surface_triangle> out;
   for (std::size_t i = 0; i < indices.size(); i += 3)
-    out.push_back({mesh.positions[indices[i]], mesh.positions[indices[i + 1]], mesh.positions[indices[i + 2]]});
+    out.push_back({{mesh.positions[indices[i]], mesh.positions[indices[i + 1]], mesh.positions[indices[i + 2]]}, {}});
   return out;
 }
 
@@ -149,7 +149,7 @@ TEST(cluster_dag, cuts_of_a_closed_mesh_are_closed) {
     std::size_t fewest = mesh.indices.size(), mixed = 0;
     for (int i = 0; i < 30; ++i) {
       const auto number = [&](float scale) { return scale * (static_cast<float>(random() % 2001) / 1000.0f - 1.0f); };
-      const glm::vec3 eye{number(16.0f), number(8.0f), number(16.0f)};
+      const glm::vec3 eye{number(9.0f), number(5.0f), number(9.0f)};
       const float error = std::pow(10.0f, number(1.5f) - 2.0f);
       const std::vector<std::uint32_t> cut = cut_of(dag, seen_from(dag, eye, error));
       const std::vector<std::uint32_t> indices = triangles_of(dag, cut);
@@ -188,6 +188,7 @@ TEST(cluster_dag, errors_and_spheres_grow_from_level_to_level) {
     EXPECT_GE(above.error, below.error);
     EXPECT_LE(glm::distance(below.bounds.center, above.bounds.center) + below.bounds.radius, above.bounds.radius);
   }
+  for (const dag_group& group : dag.groups) EXPECT_LE(group.bounds.radius, 7.0f) << "the mesh has 4.05";
   // The error of the coarsest levels is a bound of the distance to the mesh.
   const std::vector<std::uint32_t> coarsest = cut_of(dag, [](std::uint32_t) { return true; });
   const std::vector<surface_triangle> all = surface_of(mesh, mesh.indices);
@@ -230,7 +231,8 @@ TEST(cluster_dag, keeps_the_clusters_of_the_host_and_what_cannot_be_simplified) 
   EXPECT_TRUE(build_cluster_dag(apart).groups.empty());
 }
 
-TEST(cluster_dag, of_a_flat_surface_has_no_error) {
+// A flat grid of 30 x 30 squares.
+geometry flat_grid() {
   geometry mesh;
   for (std::uint32_t z = 0; z <= 30; ++z)
     for (std::uint32_t x = 0; x <= 30; ++x) {
@@ -242,9 +244,64 @@ TEST(cluster_dag, of_a_flat_surface_has_no_error) {
       const std::uint32_t a = 31 * z + x;
       mesh.indices.insert(mesh.indices.end(), {a, a + 31, a + 1, a + 1, a + 31, a + 32});
     }
+  return mesh;
+}
+
+TEST(cluster_dag, of_a_flat_surface_has_no_error) {
+  geometry mesh = flat_grid();
+  for (const bool textured : {false, true}) {
+    if (textured)
+      for (const glm::vec3& p : mesh.positions) mesh.uvs.emplace_back(0.25f * p.x + 0.1f * p.z, 0.5f * p.z - 3.0f);
+    const cluster_dag dag = build_cluster_dag(mesh);
+    ASSERT_GT(dag.groups.size(), 1u);
+    for (const dag_group& group : dag.groups) EXPECT_EQ(group.error, 0.0f);
+  }
+}
+
+TEST(cluster_dag, of_a_texture_that_is_not_even_has_an_error) {
+  geometry mesh = flat_grid();
+  const auto u_at = [](double x) { return x + 0.4 * std::sin(1.3 * x); };  // grows by 0.48 to 1.52 per meter
+  for (const glm::vec3& p : mesh.positions)
+    mesh.uvs.emplace_back(static_cast<float>(u_at(static_cast<double>(p.x))), p.z);
   const cluster_dag dag = build_cluster_dag(mesh);
   ASSERT_GT(dag.groups.size(), 1u);
-  for (const dag_group& group : dag.groups) EXPECT_EQ(group.error, 0.0f);
+  double greatest = 0.0;
+  for (const dag_cluster& cluster : dag.clusters) {
+    if (cluster.made_by == no_index) continue;
+    const double error = static_cast<double>(dag.groups[cluster.made_by].error);
+    for (std::uint32_t t = 0; t < cluster.triangle_count; ++t) {
+      const std::uint32_t* corner = &dag.indices[std::size_t{3} * (cluster.first_triangle + t)];
+      double x = 0.0, u = 0.0;  // of its center
+      for (int k = 0; k < 3; ++k) {
+        x += static_cast<double>(mesh.positions[corner[k]].x) / 3.0;
+        u += static_cast<double>(mesh.uvs[corner[k]].x) / 3.0;
+      }
+      // The texture is piecewise even in the mesh: each piece has bends of up to 0.4 * 1.69 * 0.7 * 0.7 / 8.
+      const double moved = (std::abs(u - u_at(x)) - 0.042) / 1.52;
+      EXPECT_LE(moved, error);
+      greatest = std::max(greatest, moved);
+    }
+  }
+  EXPECT_GT(greatest, 0.05);
+}
+
+TEST(cluster_dag, measures_how_far_textures_move) {
+  using uv = std::array<glm::vec2, 3>;
+  const std::array<glm::vec3, 3> corners{glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}, glm::vec3{0, 4, 0}};
+  const auto between = [&](const uv& a, const uv& b) {
+    const std::vector<surface_triangle> from{{corners, a}}, to{{corners, b}};
+    return surface_distance(from, {}, to, to);
+  };
+  const uv even{glm::vec2{0, 0}, glm::vec2{1, 0}, glm::vec2{0, 2}};  // 4 and 2 m for a texture
+  EXPECT_DOUBLE_EQ(between(even, even), 0.0);
+  EXPECT_NEAR(between(even, {glm::vec2{0.25, 0}, glm::vec2{1.25, 0}, glm::vec2{0.25, 2}}), 1.0, 1e-6);
+  EXPECT_NEAR(between(even, {glm::vec2{0, 0.25}, glm::vec2{1, 0.25}, glm::vec2{0, 2.25}}), 0.5, 1e-6);
+  const uv line{glm::vec2{0, 0}, glm::vec2{1, 1}, glm::vec2{0, 0}};  // along one line
+  EXPECT_DOUBLE_EQ(between(line, line), 0.0);
+  EXPECT_GT(between(line, even), 0.5);
+  const uv one{glm::vec2{0.3, 0.3}, glm::vec2{0.3, 0.3}, glm::vec2{0.3, 0.3}};
+  EXPECT_DOUBLE_EQ(between(one, one), 0.0);
+  EXPECT_TRUE(std::isinf(between(one, even)));
 }
 
 TEST(cluster_dag, is_for_opaque_occluders_that_stay) {
@@ -267,11 +324,11 @@ TEST(cluster_dag, is_for_opaque_occluders_that_stay) {
 }
 
 TEST(cluster_dag, measures_surfaces_both_ways) {
-  const std::vector<surface_triangle> flat = {{glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}, glm::vec3{0, 4, 0}}};
-  const std::vector<surface_triangle> peak = {{glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}, glm::vec3{1, 1, 3}}};
+  const std::vector<surface_triangle> flat = {{{glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}, glm::vec3{0, 4, 0}}, {}}};
+  const std::vector<surface_triangle> peak = {{{glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}, glm::vec3{1, 1, 3}}, {}}};
   EXPECT_DOUBLE_EQ(surface_distance(flat, flat, flat, flat), 0.0);
   EXPECT_DOUBLE_EQ(surface_distance(flat, {}, peak, peak), 3.0);
-  const std::vector<surface_triangle> line = {{glm::vec3{0, 0, 0}, glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}}};
+  const std::vector<surface_triangle> line = {{{glm::vec3{0, 0, 0}, glm::vec3{0, 0, 0}, glm::vec3{4, 0, 0}}, {}}};
   EXPECT_DOUBLE_EQ(surface_distance(line, {}, flat, flat), 4.0);
 }
 

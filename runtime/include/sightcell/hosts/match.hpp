@@ -12,6 +12,13 @@
 //   const auto matched = sightcell::hosts::match_triangles(of_gltf, parts);
 //   if (matched.missing > 0) ...                          // triangles of the file that the host does not have
 //   const auto indices = sightcell::hosts::permuted_indices(draw, order, matched, parts[0].indices);
+//
+// A host that keeps its index buffers, also where the importer has split a primitive, numbers the triangles of all its
+// instances, and takes a mapping between these numbers and source ids instead:
+//
+//   const auto order = sightcell::hosts::order_of_host(matched_draws, polygon_count, host_polygon_count);
+//   if (!order->missing.empty() || !order->extra.empty()) ...   // what could not be mapped
+//   const auto table = sightcell::hosts::clusters_by_source(*order, cluster_of_host_polygon);  // sightcell/clusters.h
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -188,6 +195,97 @@ inline void match_equal(std::vector<keyed_triangle>& source, std::vector<keyed_t
     if (from.part != 0 || from.triangle >= indices.size() / 3) return {};
     std::copy_n(indices.begin() + 3 * static_cast<std::ptrdiff_t>(from.triangle), 3,
                 out.begin() + 3 * static_cast<std::ptrdiff_t>(i));
+  }
+  return out;
+}
+
+// ---- Hosts that keep their order ------------------------------------------------------------------------------------
+
+// A draw of the file, with the triangles that the host has for it.
+struct matched_draw {
+  sightcell_draw draw{};                      // of the draw table
+  const triangle_match* triangles = nullptr;  // instances may share it
+  std::span<const std::uint32_t>
+      first_of_part;  // the host's number of the first triangle of each part of this instance
+};
+
+// Which polygon of the host is which of the file. Polygons of the host are its triangles, those of each instance of its
+// own, in any numbering in which those of a part follow each other in the order of its index buffer.
+struct host_order {
+  static constexpr std::uint32_t none = host_triangle::none;
+  std::vector<std::uint32_t> host_of_source;  // by source id: the polygon of the host; none: missing
+  std::vector<std::uint32_t> source_of_host;  // by polygon of the host: the source id; none: extra
+  // Source ids of the draws that the host does not have, ascending. Sets may have them; there is nothing to draw.
+  std::vector<std::uint32_t> missing;
+  // Polygons of the host that no draw has, ascending. No set has them: draw them always.
+  std::vector<std::uint32_t> extra;
+};
+
+// Returns the mapping of a scene.
+// draws: in any order. Polygons of draws that are not among them are missing.
+// polygon_count: sightcell_db_polygon_count. host_polygon_count: of the host.
+// Returns nothing if a match is of another primitive than its draw, if a number is beyond a count, or if two draws or
+// two triangles are the same polygon.
+// Cost: O(polygons); 8 bytes per polygon.
+[[nodiscard]] inline std::optional<host_order> order_of_host(std::span<const matched_draw> draws,
+                                                             std::uint32_t polygon_count,
+                                                             std::uint32_t host_polygon_count) {
+  host_order out;
+  out.host_of_source.assign(polygon_count, host_order::none);
+  out.source_of_host.assign(host_polygon_count, host_order::none);
+  for (const matched_draw& d : draws) {
+    if (d.triangles == nullptr || d.triangles->of_source.size() != d.draw.polygon_count ||
+        d.draw.polygon_count > polygon_count || d.draw.first_source > polygon_count - d.draw.polygon_count) {
+      return std::nullopt;
+    }
+    for (std::uint32_t t = 0; t < d.draw.polygon_count; ++t) {
+      const host_triangle& from = d.triangles->of_source[t];
+      if (!from.exists()) continue;
+      if (from.part >= d.first_of_part.size()) return std::nullopt;
+      const std::uint64_t host = std::uint64_t{d.first_of_part[from.part]} + from.triangle;
+      const std::uint32_t source = d.draw.first_source + t;
+      if (host >= host_polygon_count || out.source_of_host[host] != host_order::none ||
+          out.host_of_source[source] != host_order::none) {
+        return std::nullopt;
+      }
+      out.host_of_source[source] = static_cast<std::uint32_t>(host);
+      out.source_of_host[host] = source;
+    }
+  }
+  for (std::uint32_t i = 0; i < polygon_count; ++i) {
+    if (out.host_of_source[i] == host_order::none) out.missing.push_back(i);
+  }
+  for (std::uint32_t i = 0; i < host_polygon_count; ++i) {
+    if (out.source_of_host[i] == host_order::none) out.extra.push_back(i);
+  }
+  return out;
+}
+
+// Returns the table of sightcell_cluster_map_create. Missing polygons are in no cluster. A cluster with an extra
+// polygon has to be drawn always, whatever its bit is. cluster_of_host: by polygon of the host. Returns nothing if it
+// has fewer elements.
+[[nodiscard]] inline std::vector<std::uint32_t> clusters_by_source(const host_order& order,
+                                                                   std::span<const std::uint32_t> cluster_of_host) {
+  if (cluster_of_host.size() < order.source_of_host.size()) return {};
+  std::vector<std::uint32_t> out(order.host_of_source.size(), host_triangle::none);  // SIGHTCELL_NO_CLUSTER
+  for (std::size_t source = 0; source < out.size(); ++source) {
+    const std::uint32_t host = order.host_of_source[source];
+    if (host != host_order::none) out[source] = cluster_of_host[host];
+  }
+  return out;
+}
+
+// Returns the polygons of the host in stored order, for the ranges of sightcell_view_ranges: those of a range are the
+// elements first_stored + first, and the `count - 1` after it, with first_stored of its draw. none: missing.
+// stored: of sightcell_db_order. Returns nothing if it is of another file.
+[[nodiscard]] inline std::vector<std::uint32_t> host_polygons_by_stored(const host_order& order,
+                                                                        std::span<const std::uint32_t> stored) {
+  if (stored.size() != order.host_of_source.size()) return {};
+  std::vector<std::uint32_t> out;
+  out.reserve(stored.size());
+  for (const std::uint32_t source : stored) {
+    if (source >= order.host_of_source.size()) return {};
+    out.push_back(order.host_of_source[source]);
   }
   return out;
 }

@@ -30,8 +30,8 @@ struct dag_cluster {
 struct dag_group {
   std::uint32_t first_cluster = 0, cluster_count = 0;  // what replaces it
   // How far what replaces it is from the leaves below it, and they from it: the sum of the distances between levels,
-  // measured at corners, centers of edges and centers of triangles; 0 where
-  // they are in one place up to rounding. Not less than that of any group below it.
+  // measured at corners, centers of edges and centers of triangles, with the way along the surface to the same texture
+  // coordinates; 0 where they are in one place up to rounding. Not less than that of any group below it.
   float error = 0.0f;
   dag_sphere bounds;        // contains the leaves below it, and the spheres of all groups below it
   std::uint32_t level = 1;  // 1: its members were there before the first simplification
