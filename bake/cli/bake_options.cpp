@@ -156,8 +156,8 @@ void add_expert_output_options(CLI::App& verb, bake_options& o) {
       ->excludes("--shard");
   add_plain_option(verb, group, "--embed", o.embed_file, "SCENE",
                    "Also writes the scene with the result: a .glb contains the .pvs file, a .gltf names it. May be the "
-                   "scene itself.")
-      ->excludes("--shard", "--watch");
+                   "scene itself, but not with --watch.")
+      ->excludes("--shard");
   add_option(verb, group, "--granularity", o.granularity, "NAME",
              "What sets consist of: polygon, or cluster (up to 128 triangles each, for hosts that draw meshlets). A "
              "cluster is in a set if any of its polygons is.")
@@ -204,6 +204,9 @@ void add_expert_cell_options(CLI::App& verb, bake_options& o) {
              "Merges cells side by side that see nearly the same polygons into wider ones, while the polygons that a "
              "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "
              "all cells have the width of --cell-size. Range: 0 to 10.");
+  add_plain_option(verb, group, "--near", o.near, "x,y,z",
+                   "With --cell-limit: the cells nearest to this point, in meters, instead of such that are spread "
+                   "evenly. With --watch: the preview is of the nearest cells, 64 without --cell-limit.");
   add_option(verb, group, "--margin", s.margin, "M",
              "Meters by which the bake grows each cell on all sides. The runtime keeps a cell while the camera is in "
              "the grown cell. Range: 0 to 10.");
@@ -362,6 +365,10 @@ bake::settings settings_of(const bake_options& options) {
   how.reach = value_of<bake::reach_kind>(bake::reach_names, options.reach);
   for (const std::string& start : options.starts) how.starts.push_back(numbers_of<3>("--start", start, "x,y,z"));
   for (const std::string& box : options.fly) how.fly.push_back(numbers_of<6>("--fly", box, "x0,y0,z0,x1,y1,z1"));
+  if (!options.near.empty()) how.near = numbers_of<3>("--near", options.near, "x,y,z");
+  if (!options.near.empty() && !options.watch && how.cell_limit == 0)
+    throw error(error_kind::wrong_use, "settings.out-of-range", "--near", "is given without --cell-limit and --watch",
+                "give one of them too, or leave --near out");
   for (const std::string& sun : options.suns) how.suns.push_back(sun_of(sun));
   if (!options.path_file.empty()) how.path_file = options.path_file;
   for (const std::string& name : options.path_cameras)

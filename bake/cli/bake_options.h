@@ -22,7 +22,8 @@ struct bake_options {
   std::vector<float> cells_grid, eye_heights;
   std::vector<std::string> starts;  // "x,y,z"
   std::vector<std::string> fly;     // "x0,y0,z0,x1,y1,z1"
-  std::vector<std::string> suns;  // of --sun
+  std::vector<std::string> suns;    // of --sun
+  std::string near;                 // "x,y,z"; empty: none
   std::vector<std::string> path_cameras;
   std::string reach = std::string(bake::reach_names.front());
   std::string quality = std::string(bake::quality_names[static_cast<std::size_t>(bake::quality::normal)]);

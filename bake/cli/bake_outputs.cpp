@@ -47,6 +47,9 @@ void refuse_overwriting(const bake_options& options) {
   const auto is_same = [&](const std::filesystem::path& a, const std::filesystem::path& b) {
     return !a.empty() && std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
   };
+  // A save in the same moment would be lost.
+  if (options.watch && is_same(options.embed_file, options.scenes.scene))
+    refuse(options.embed_file, "is --embed and the scene that --watch waits for");
   for (const std::filesystem::path& other :
        {options.output, options.json_file, options.unseen_file, options.report_file})
     if (is_same(options.embed_file, other)) refuse(options.embed_file, "is both --embed and another output");

@@ -16,6 +16,7 @@
 #include "report/write_report.h"
 #include "safety_ring_text.h"
 #include "sightcell/bake/unseen.h"
+#include "sightcell/base/error.h"
 #include "sightcell/scene/embed.h"
 #include "unseen_report.h"
 #include "whole_file.h"
@@ -180,14 +181,6 @@ void report_unseen(const bake_options& options, const scene::scene& s, progress_
   line.message(fmt::format("{}: {}", unseen_text(found), options.unseen_file.string()));
 }
 
-void embed(const bake_options& options, progress_line& line) {
-  const pvs_file file = pvs_file::open(options.output);
-  const std::vector<std::byte> bytes =
-      scene::with_embedded(options.scenes.scene, file.bytes(), options.output, options.embed_file);
-  write_whole_file(options.embed_file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  line.message(fmt::format("{}: {} bytes, with the .pvs file", options.embed_file.string(), grouped(bytes.size())));
-}
-
 void report_on_page(const bake_options& options, const scene::scene& s, const scene::scene* of_cells,
                     const bake::summary& sum, const nlohmann::ordered_json& result, progress_line& line) {
   report_request request;
@@ -200,6 +193,19 @@ void report_on_page(const bake_options& options, const scene::scene& s, const sc
 }
 
 }  // namespace
+
+void embed(const bake_options& options, const bake_input& input, progress_line& line) {
+  if (scene::load_gltf(options.scenes.scene, input.how.scene).fingerprint != input.s.fingerprint)
+    throw error(error_kind::failed, "embed.scene-changed", options.scenes.scene.string(),
+                fmt::format("was saved during the bake, so {} is not written; {} is of the version before",
+                            options.embed_file.string(), options.output.string()),
+                "run the same command again");
+  const pvs_file file = pvs_file::open(options.output);
+  const std::vector<std::byte> bytes =
+      scene::with_embedded(options.scenes.scene, file.bytes(), options.output, options.embed_file);
+  write_whole_file(options.embed_file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  line.message(fmt::format("{}: {} bytes, with the .pvs file", options.embed_file.string(), grouped(bytes.size())));
+}
 
 bake_input load_input(const bake_options& options, bake::settings how, progress_line& line) {
   const auto began = std::chrono::steady_clock::now();
@@ -252,7 +258,7 @@ int bake_and_report(const bake_options& options, const bake_input& input, bake::
   const int code = part != nullptr ? report_shard(bake::shard_file(options.output, *part), sum, line)
                                    : report(options, how, sum, line);
   if (!options.unseen_file.empty() && ended) report_unseen(options, input.s, line);
-  if (!options.embed_file.empty() && ended) embed(options, line);
+  if (!options.embed_file.empty() && ended) embed(options, input, line);
   const nlohmann::ordered_json result = summary_json(options, input.s, sum, phases);
   if (!options.report_file.empty() && ended)
     report_on_page(options, input.s, input.of_cells ? &*input.of_cells : nullptr, sum, result, line);

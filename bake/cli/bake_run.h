@@ -41,6 +41,10 @@ bake::summary bake_with_progress(const bake_input& input, bake::settings how, co
 int bake_and_report(const bake_options& options, const bake_input& input, bake::settings how, bool fresh,
                     const bake::shard* part, progress_line& line, const std::function<bool()>& stop);
 
+// Writes the file of --embed: the scene as it is on the disk, with the .pvs file of -o.
+// Fails with embed.*, scene.* and cli.not-writable; with embed.scene-changed if the scene was saved since it was loaded.
+void embed(const bake_options& options, const bake_input& input, progress_line& line);
+
 // Returns the value of --progress.
 progress_mode progress_mode_of(const std::string& name);
 

@@ -2,8 +2,10 @@
 import json
 import os
 import shutil
+import signal
+import subprocess
 
-from harness import QUICK_BAKE, InRoom, program_or_skip, read, run, write_room, write_triangles
+from harness import QUICK_BAKE, TIMEOUT, InRoom, program, program_or_skip, read, run, write_room, write_triangles
 
 
 def json_of(path):
@@ -71,6 +73,27 @@ class Embed(InRoom):
             found = self.info(scene)
             self.assertIsNone(found['embedded'])
             self.assertIn('[scene.', found['warnings'][-1], named)
+
+    def test_a_scene_that_is_saved_during_the_bake_is_left_as_it_is(self):
+        scene, pvs = self.path('saved.glb'), self.path('saved.pvs')
+        write_room(self.path('higher.glb'), 5)
+        command = [program('sightcell'), 'bake', scene, '-o', pvs, '--cells-file', self.cells, '--samples', '8',
+                   '--resolution', '64', '--threads', '1', '--quality', 'final', '--embed', scene, '--fresh']
+        for _ in range(10):  # on a busy machine the bake may end before the signal
+            shutil.copyfile(self.room, scene)
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as running:
+                while '12 polygons' not in running.stderr.readline():
+                    self.assertIsNone(running.poll())
+                running.send_signal(signal.SIGSTOP)
+                shutil.copyfile(self.path('higher.glb'), scene)
+                running.send_signal(signal.SIGCONT)
+                err = running.communicate(timeout=TIMEOUT)[1]
+            if running.returncode != 0:
+                break
+        self.assertEqual(running.returncode, 1, err)
+        self.assertTrue(err.endswith('[embed.scene-changed]\n'), err)
+        self.assertEqual(read(scene), read(self.path('higher.glb')))
+        self.assertEqual(self.info(pvs)['fingerprint'], self.info(self.room)['fingerprint'])
 
     def test_beside_a_gltf(self):
         os.makedirs(self.path('text/sets'))

@@ -50,7 +50,7 @@ class Usage(InRoom):
                        '--misses', '--metric', '--view-resolution', '--view-fov', '--view-pitch', '--view-least',
                        '--sampler', '--samples', '--sampling-rays', '--source', '--resolution', '--seed', '--phase',
                        '--scratch', '--player-height', '--player-step', '--player-jump', '--player-gap', '--player-slope',
-                       '--eye-heights', '--path-camera', '--path-radius'):
+                       '--eye-heights', '--path-camera', '--path-radius', '--near'):
             self.assertIn(f'\n  {option}', out)
             self.assertNotIn(f'\n  {option} ', everyday)
 

@@ -17,10 +17,10 @@ DRAFT, SLOW = [*FEW, '--quality', 'draft'], [*FEW, '--quality', 'final']
 class Watcher:
     """A running watch. Its lines are read as they come."""
 
-    def __init__(self, test, scene, output, *options):
+    def __init__(self, test, scene, output, *options, cells=None):
         self.test, self.lines, self.all = test, queue.Queue(), []
         self.process = subprocess.Popen(
-            [program('sightcell'), 'bake', scene, '-o', output, '--watch', '--cells-file', test.cells, '--progress',
+            [program('sightcell'), 'bake', scene, '-o', output, '--watch', '--cells-file', cells or test.cells, '--progress',
              'json', *options], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.reader = threading.Thread(target=self.read)
         self.reader.start()
@@ -85,9 +85,11 @@ class Watch(InRoom):
     def test_fifty_saves_in_quick_succession(self):
         files, output = self.baked(QUICK_BAKE), self.path('saves.pvs')
         self.save(0)
-        running = Watcher(self, self.room, output, *QUICK_BAKE)
+        embedded = self.path('embedded.glb')
+        running = Watcher(self, self.room, output, *QUICK_BAKE, '--embed', embedded)
         running.until('waiting for')
         self.assertEqual(read(output), files[0])
+        self.assertIn(files[0], read(embedded))
         for i in range(50):
             self.save(1 - i % 2 if i < 49 else 1, by_rename=i % 3 == 0)
             self.assertIn(read(output), files)
@@ -101,6 +103,7 @@ class Watch(InRoom):
         running.until('waiting for')
         self.assertEqual(running.end(signal.SIGINT), 0)
         self.assertEqual(read(output), files[1])
+        self.assertIn(files[1], read(embedded))
         self.assert_nothing_left(output)
 
     def test_a_save_during_a_bake_stops_it_and_a_broken_file_keeps_the_old_one(self):
@@ -197,10 +200,33 @@ class Watch(InRoom):
         left = [n for n in os.listdir(self.folder) if n.startswith('kept.pvs.')]
         self.assertEqual(left, ['kept.pvs.records'])
 
+    def test_a_preview_of_the_nearest_cells(self):
+        """Of 68 cells along the room."""
+        cells, output, plain = self.path('many.json'), self.path('near.pvs'), self.path('all.pvs')
+        boxes = [{'name': str(i), 'min': [1 + 0.09 * i, 1, 3], 'max': [1.05 + 0.09 * i, 1.2, 3.2]} for i in range(68)]
+        with open(cells, 'w', encoding='utf-8') as out:
+            json.dump({'cells': boxes}, out)
+        self.save(0)
+        found, _ = self.expect(0, 'cells', self.room, '--cells-file', cells, '--cell-limit', '2', '--near', '7,1,3', '--json')
+        self.assertEqual([cell['name'] for cell in json.loads(found)['cells']], ['66', '67'])
+        draft = [*FEW, '--max-pixel-error', '1e-2']
+        self.expect(0, 'bake', self.room, '-o', plain, '--cells-file', cells, *draft)
+        running = Watcher(self, self.room, output, *draft, '--near', '1,1,3', cells=cells)
+        lines = running.until('waiting for')
+        self.assertTrue(any('64 nearest of 68 cells' in line for line in lines), lines)
+        self.assertTrue(any('preview of 64 cells' in line for line in lines), lines)
+        self.assertEqual(read(output), read(plain))
+        self.assertEqual(running.end(signal.SIGINT), 0)
+        for wrong in (['1,2', '--cell-limit', '2'], ['1,2,3']):
+            _, err = self.expect(2, 'bake', self.room, '-o', output, '--near', *wrong)
+            self.assertIn('--near', self.assert_one_error_line(err, 'settings.out-of-range'))
+
     def test_what_ends_it_at_the_beginning(self):
         output = self.path('no.pvs')
         _, err = self.expect(4, 'bake', self.path('missing.glb'), '-o', output, '--watch')
         self.assert_one_error_line(err, 'scene.not-found')
+        _, err = self.expect(2, 'bake', self.room, '-o', output, '--watch', '--embed', self.room)
+        self.assert_one_error_line(err, 'cli.output-is-input')
         for more in (['--shard', '0/2'], ['--since', output], ['--time-budget', '5']):
             _, err = self.expect(2, 'bake', self.room, '-o', output, '--watch', *more)
             self.assert_one_error_line(err, 'cli.wrong-use')

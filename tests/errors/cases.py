@@ -21,6 +21,7 @@ UNIT_TESTS = {
     'checkpoint.other-version': 'tests/unit/bake/checkpoint/checkpoint_test.cpp',
     'cli.memory': 'tests/unit/cli/run_action_test.cpp',
     'cli.unexpected': 'tests/unit/cli/run_action_test.cpp',
+    'embed.scene-changed': 'tests/cli/embed_test.py',
     'embed.too-large': 'tests/unit/scene/embed_test.cpp',
     'gl.bind': 'tests/unit/picture/gl_context_test.cpp',
     'gl.error': 'tests/unit/picture/gl_context_test.cpp',

@@ -12,7 +12,7 @@ from harness import ROOT, new_folder
 class Planted(unittest.TestCase):
     def setUp(self):
         self.folder = new_folder(self.addCleanup)
-        for room in ('bake', 'tests/unit'):
+        for room in ('bake', 'tests/unit', 'tests/cli'):
             shutil.copytree(os.path.join(ROOT, room), os.path.join(self.folder, room))
         self.cases, self.unit_tests = list(cases.CASES), dict(cases.UNIT_TESTS)
 

@@ -31,6 +31,8 @@ namespace fs = std::filesystem;
 
 constexpr double draft_error = bake::max_pixel_error_of_quality[static_cast<std::size_t>(bake::quality::draft)];
 
+constexpr std::uint32_t cells_of_near_preview = 64;
+
 fs::path with_ending(fs::path path, const char* ending) {
   path += ending;
   return path;
@@ -124,11 +126,14 @@ bake::settings watched_bake::since(bake::settings how, const fs::path& output) c
 
 // Returns false if it was stopped.
 bool watched_bake::bake_preview(const bake_input& input, progress_line& line) {
-  if (input.how.max_pixel_error == 0.0 || input.how.max_pixel_error >= draft_error) return true;
+  const bool is_draft = input.how.max_pixel_error == 0.0 || input.how.max_pixel_error >= draft_error;
+  const bool has_fewer_cells = input.how.near && input.how.cell_limit == 0;
+  if (is_draft && !has_fewer_cells) return true;
   bake::settings how = input.how;
-  how.max_pixel_error = draft_error;
+  if (!is_draft) how.max_pixel_error = draft_error;
   how.file.importance = false;
   how.file.residency = false;
+  if (has_fewer_cells) how.cell_limit = cells_of_near_preview;
   how = since(std::move(how), preview_);
   const bake::summary sum = bake_with_progress(
       input, how, preview_, true, nullptr, line, [this] { return stop(); }, nullptr);
@@ -171,6 +176,7 @@ bool watched_bake::bake_version(progress_line& line) {
   const scene_facts facts(input.s, options_);
   if (has_nothing_new(facts)) {
     line.message(fmt::format("{}: nothing that decides visibility has changed", input.s.name));
+    if (!options_.embed_file.empty()) embed(options_, input, line);  // colors may have
     return true;
   }
   // What is left of a bake of another version helps no further bake.

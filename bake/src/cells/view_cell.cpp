@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <map>
 #include <utility>
 
@@ -144,16 +147,30 @@ cell_list cells_of_scene(const scene::world_geometry& geometry) {
 
 }  // namespace
 
-// Keeps the middle cell of each of `limit` equal parts of the list.
-void limit_cells(cell_list& list, std::uint32_t limit) {
+float distance_of(const view_cell& cell, const std::array<float, 3>& point) {
+  const glm::vec3 at{point[0], point[1], point[2]};
+  return glm::distance(at, glm::clamp(at, cell.min, cell.max));
+}
+
+void limit_cells(cell_list& list, std::uint32_t limit, const std::optional<std::array<float, 3>>& near) {
   const std::size_t all = list.cells.size();
   if (limit == 0 || limit >= all) return;
+  std::vector<std::size_t> kept(limit);
+  if (near) {
+    std::vector<std::pair<float, std::size_t>> by_distance;
+    for (std::size_t i = 0; i < all; ++i) by_distance.emplace_back(distance_of(list.cells[i], *near), i);
+    std::sort(by_distance.begin(), by_distance.end());
+    for (std::size_t i = 0; i < limit; ++i) kept[i] = by_distance[i].second;
+    std::sort(kept.begin(), kept.end());
+  } else {
+    // The middle cell of each of `limit` equal parts of the list.
+    for (std::size_t i = 0; i < limit; ++i) kept[i] = (2 * i + 1) * all / (2 * std::size_t{limit});
+  }
   std::vector<view_cell> chosen;
   chosen.reserve(limit);
-  for (std::size_t i = 0; i < limit; ++i)
-    chosen.push_back(std::move(list.cells[(2 * i + 1) * all / (2 * std::size_t{limit})]));
+  for (const std::size_t i : kept) chosen.push_back(std::move(list.cells[i]));
   list.cells = std::move(chosen);
-  list.how = fmt::format("{} of ", limit) + list.how;
+  list.how = fmt::format("{} {}of ", limit, near ? "nearest " : "") + list.how;
 }
 
 cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how) {
@@ -180,7 +197,7 @@ cell_list make_all_cells(const scene::world_geometry& geometry, const settings& 
 
 cell_list make_cells(const scene::world_geometry& geometry, const settings& how) {
   cell_list list = make_all_cells(geometry, how);
-  limit_cells(list, how.cell_limit);
+  limit_cells(list, how.cell_limit, how.near);
   return list;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 // View cells: the boxes in which a camera can be.
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,9 +56,11 @@ struct cell_list {
 // --cell-limit is applied. Whether a cell has a valid viewpoint is not tested here. Deterministic.
 // Throws sightcell::error (bad_input) on a broken cells file.
 cell_list make_cells(const scene::world_geometry& geometry, const settings& how);
-// The same in two steps: make_all_cells() ignores --cell-limit, and limit_cells() keeps `limit` cells, spread evenly
-// over the list. A limit of 0 keeps all.
+// The same in two steps: make_all_cells() ignores --cell-limit, and limit_cells() keeps `limit` cells: those nearest to
+// a point in the order of the list, or without one such that are spread evenly over the list. A limit of 0 keeps all.
 cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how);
-void limit_cells(cell_list& list, std::uint32_t limit);
+void limit_cells(cell_list& list, std::uint32_t limit, const std::optional<std::array<float, 3>>& near = {});
+// Returns the distance of a point from the box of a cell, meters.
+float distance_of(const view_cell& cell, const std::array<float, 3>& point);
 
 }  // namespace sightcell::bake

@@ -104,6 +104,8 @@ bool names_cells(const settings& s) {
 
 void check_flight(const settings& s) {
   for (const std::array<float, 6>& box : s.fly) check_box("--fly", box);
+  if (s.near && !std::all_of(s.near->begin(), s.near->end(), [](float x) { return std::abs(x) <= 1e9f; }))
+    refuse("--near", fmt::format("{}", fmt::join(*s.near, ",")), "meters, at most 1e9 from the origin");
   check("--path-radius", s.path_radius, 0.0f, 100.0f, " m");
   for (const camera_path& path : s.paths) {
     if (path.empty()) refuse("--path", "a path without points", "one point or more");
@@ -326,6 +328,7 @@ std::string describe(const settings& s) {
   }
   text += fmt::format(R"(,"cell_size":{},"cell_limit":{},"margin":{},"player_radius":{})", number(s.cell_size),
                       s.cell_limit, number(s.margin), number(s.player_radius));
+  if (s.near && s.cell_limit > 0) text += fmt::format(R"(,"near":[{}])", fmt::join(*s.near, ","));
   text += player_text(s);
   text += fmt::format(R"(,"sampler":{},"samples":{},"resolution":{},"max_pixel_error":{},"seed":{})",
                       nlohmann::json(s.sampler).dump(), s.samples, s.resolution, number(s.max_pixel_error), s.seed);

@@ -6,7 +6,7 @@ namespace sightcell::bake {
 namespace {
 
 cell_list limited(cell_list list, const settings& how) {
-  limit_cells(list, how.cell_limit);
+  limit_cells(list, how.cell_limit, how.near);
   return list;
 }
 

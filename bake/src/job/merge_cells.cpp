@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -296,6 +297,28 @@ bool comes_before(const view_cell& a, const view_cell& b) {
   return key(a.position) < key(b.position);
 }
 
+// Returns the blocks nearest to a point that hold at least `limit` cells of the list, and at least four: those at a
+// corner.
+std::vector<std::uint32_t> nearest_blocks(const cell_blocks& blocks, std::span<const view_cell> cells,
+                                          std::uint32_t limit, const std::array<float, 3>& point) {
+  std::vector<std::pair<float, std::uint32_t>> by_distance;
+  for (std::uint32_t block = 0; block < blocks.count(); ++block) {
+    float least = std::numeric_limits<float>::infinity();
+    for (const std::uint32_t cell : blocks.cells_of(block)) least = std::min(least, distance_of(cells[cell], point));
+    by_distance.emplace_back(least, block);
+  }
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<std::uint32_t> chosen;
+  std::size_t held = 0;
+  for (const auto& [distance, block] : by_distance) {
+    if (chosen.size() >= 4 && held >= limit) break;
+    chosen.push_back(block);
+    held += blocks.cells_of(block).size();
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
 // Returns the blocks to consider: all, or with a limit those around cells that are spread evenly over the list.
 std::vector<std::uint32_t> chosen_blocks(const cell_blocks& blocks, std::uint32_t limit) {
   std::vector<std::uint32_t> chosen;
@@ -315,7 +338,9 @@ std::uint64_t merge_cells(cell_list& list, const settings& how, const merge_tool
                           const std::function<void(double share)>& report) {
   const lattice on = lattice::over_floors(list.cell_width);
   const cell_blocks blocks(list.cells, how.margin);
-  const std::vector<std::uint32_t> chosen = chosen_blocks(blocks, how.cell_limit);
+  const std::vector<std::uint32_t> chosen = how.near && how.cell_limit > 0
+                                                ? nearest_blocks(blocks, list.cells, how.cell_limit, *how.near)
+                                                : chosen_blocks(blocks, how.cell_limit);
   std::size_t all = 0, done = 0;
   for (const std::uint32_t block : chosen) all += blocks.cells_of(block).size();
   block_estimates estimates(on, how, tools);

@@ -18,7 +18,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '1'};
+constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '2'};
 constexpr std::size_t checksum_size = 8;
 constexpr std::size_t polygons_of_part = 16384;
 constexpr std::size_t bytes_of_polygon = 2 * sizeof(std::uint64_t) + sizeof(triangle);

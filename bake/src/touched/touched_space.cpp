@@ -36,20 +36,17 @@ float touched_space::half_of(int level) const {
 }
 
 void touched_space::mark_line(const glm::vec3& from, const glm::vec3& direction, float length) {
-  const glm::dvec3 eye(from), along(direction);
+  const glm::dvec3 eye = glm::dvec3(from) - glm::dvec3(middle_), along(direction);
   const double end = static_cast<double>(length);
-  double begin = 0.0;
-  for (int level = 0; level < levels_; ++level) {
+  double half = static_cast<double>(half_), per_meter = side / (2.0 * half), begin = 0.0;
+  const glm::dvec3 inverse = 1.0 / along;  // infinite along an axis that the line does not move on
+  for (int level = 0; level < levels_; ++level, half *= 2.0, per_meter *= 0.5) {
     double leaves = end;
-    const double half = static_cast<double>(half_of(level));
-    for (int axis = 0; axis < 3; ++axis) {
-      if (along[axis] == 0.0) continue;
-      const double wall = static_cast<double>(middle_[axis]) + (along[axis] > 0.0 ? half : -half);
-      leaves = std::min(leaves, (wall - eye[axis]) / along[axis]);
-    }
+    for (int axis = 0; axis < 3; ++axis)
+      leaves = std::min(leaves, (std::copysign(half, along[axis]) - eye[axis]) * inverse[axis]);
     if (!(leaves < std::numeric_limits<double>::infinity())) leaves = begin;  // no direction
     if (leaves >= begin) {
-      walk(level, eye, along, begin, leaves);
+      walk(level, (eye + along * begin) * per_meter, (eye + along * leaves) * per_meter);
       begin = leaves;
     }
     if (leaves >= end) return;
@@ -57,23 +54,24 @@ void touched_space::mark_line(const glm::vec3& from, const glm::vec3& direction,
   escapes_ = true;
 }
 
-// Marks voxels at equal steps of at most one voxel along each axis, without a branch. So each point of the segment is
-// within half a voxel of a marked one on each axis, which meets() adds.
-void touched_space::walk(int level, const glm::dvec3& from, const glm::dvec3& direction, double begin, double end) {
+// Marks voxels at equal steps of at most one voxel along each axis. So each point of the segment is within half a voxel
+// of a marked one on each axis, which meets() adds. first, last: in voxels from the middle. Most voxels are marked
+// already by earlier lines; then nothing is written.
+void touched_space::walk(int level, const glm::dvec3& first, const glm::dvec3& last) {
   constexpr double fixed = 1 << 20;  // parts of a voxel
-  const double half = static_cast<double>(half_of(level)), width = 2.0 * half / side;
-  const auto voxel_at = [&](double t) {
-    const glm::dvec3 place = (from + direction * t - (glm::dvec3(middle_) - half)) / width;
-    return glm::clamp(place, 0.0, side - 1e-3);
-  };
-  const glm::dvec3 first = voxel_at(begin), way = voxel_at(end) - first;
-  const int steps = static_cast<int>(std::ceil(std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)})));
+  const auto inside = [](const glm::dvec3& place) { return glm::clamp(place + side / 2.0, 0.0, side - 1e-3); };
+  const glm::dvec3 from = inside(first), way = inside(last) - from;
+  const double longest = std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)});
+  const int whole = static_cast<int>(longest), steps = whole + (longest > whole ? 1 : 0);
   const glm::dvec3 stride = way * (fixed / std::max(steps, 1));
-  glm::ivec3 at(first * fixed);
+  glm::ivec3 at(from * fixed);
   const glm::ivec3 by(stride);
   std::uint64_t* rows = rows_.data() + rows_of_level * static_cast<std::size_t>(level);
-  for (int i = 0; i <= steps; ++i, at += by)
-    rows[((at.z >> 20) * side + (at.y >> 20)) & (side * side - 1)] |= std::uint64_t{1} << ((at.x >> 20) & (side - 1));
+  for (int i = 0; i <= steps; ++i, at += by) {
+    std::uint64_t& row = rows[((at.z >> 20) * side + (at.y >> 20)) & (side * side - 1)];
+    const std::uint64_t bit = std::uint64_t{1} << ((at.x >> 20) & (side - 1));
+    if ((row & bit) == 0) row |= bit;
+  }
 }
 
 void touched_space::mark_box(const glm::vec3& min, const glm::vec3& max) {
@@ -95,6 +93,7 @@ void touched_space::mark_box(const glm::vec3& min, const glm::vec3& max) {
 }
 
 bool touched_space::meets(const std::array<glm::vec3, 3>& corners, float near) const {
+  if (faces_.meets(corners)) return true;
   const box where{glm::min(corners[0], glm::min(corners[1], corners[2])),
                   glm::max(corners[0], glm::max(corners[1], corners[2]))};
   plane cut;
@@ -106,7 +105,7 @@ bool touched_space::meets(const std::array<glm::vec3, 3>& corners, float near) c
 }
 
 bool touched_space::meets(const box& where, float near) const {
-  return meets(where, near, {});
+  return faces_.meets(where) || meets(where, near, {});
 }
 
 bool touched_space::meets(const box& where, float near, const plane& cut) const {
@@ -114,11 +113,7 @@ bool touched_space::meets(const box& where, float near, const plane& cut) const 
   const float far = std::max({far_corner.x, far_corner.y, far_corner.z});
   if (!(far <= half_of(levels_ - 1)) && escapes_) return true;
   for (int level = 0; level < levels_; ++level) {
-    // How far the marked middle of a block may be from its pixels, at the depth of the polygon or of this cube. Eyes
-    // are within half_ / 2 of the middle of the cell on each axis.
-    const float half = half_of(level);
-    const float depth = std::min(glm::length(far_corner), 1.74f * 1.1f * half) + 0.87f * half_;
-    const float by = near + block_error * depth + (0.5f + rounding) * 2.0f * half / side;
+    const float by = near + (0.5f + rounding) * 2.0f * half_of(level) / side;
     if (meets(level, where, by, cut)) return true;
   }
   return false;

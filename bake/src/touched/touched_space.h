@@ -1,5 +1,6 @@
 #pragma once
-// The space that the rays and hemicubes of one step of a cell passed through, as nested grids of bits around the cell.
+// The space that the rays and hemicubes of one step of a cell passed through: rays as nested grids of bits around the
+// cell, hemicubes as depths of blocks of pixels.
 // A polygon that meets none of it can change nothing in the step (docs/method/incremental.md).
 #include <array>
 #include <cstddef>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "sightcell/base/box.h"
+#include "touched/touched_faces.h"
 
 namespace sightcell::bake {
 
@@ -19,8 +21,6 @@ namespace sightcell::bake {
 class touched_space {
  public:
   static constexpr int side = 64;  // voxels
-  // The largest distance of a pixel from the middle of its block of pixels (block_of), per meter of depth.
-  static constexpr float block_error = 0.0194f;
   // Returns the side of the blocks in which hemicubes of this resolution are marked, in pixels: 1, 2, 4 or 8.
   static std::uint32_t block_of(std::uint32_t resolution);
 
@@ -31,14 +31,16 @@ class touched_space {
   // Marks from + t * direction for t in 0 .. length, which may be infinite. direction: of any length.
   void mark_line(const glm::vec3& from, const glm::vec3& direction, float length);
   void mark_box(const glm::vec3& min, const glm::vec3& max);
+  // Adds a face of a hemicube, as touched_faces::add().
+  std::span<std::uint8_t> mark_face(const touched_face& face) { return faces_.add(face); }
 
-  // Returns false if no line passed within `near` meters of the triangle. May return true where none did, up to about
-  // one voxel away.
+  // Returns false if no line passed within `near` meters of the triangle and no pixel sees it. May return true where
+  // none did, up to about one voxel away from lines, and as touched_faces::meets() does.
   bool meets(const std::array<glm::vec3, 3>& corners, float near) const;
   // The same for a box.
   bool meets(const box& where, float near) const;
 
-  // Returns the bytes: the place of the cubes, then their bits, deflated.
+  // Returns the bytes: the place of the cubes, then their bits and the faces, deflated.
   std::vector<std::uint8_t> encode() const;
   // The reverse. The bytes may be arbitrary. Returns nothing if they are not those of encode().
   static std::optional<touched_space> decode(std::span<const std::uint8_t> bytes);
@@ -53,7 +55,7 @@ class touched_space {
   };
   touched_space() = default;
   float half_of(int level) const;
-  void walk(int level, const glm::dvec3& from, const glm::dvec3& direction, double begin, double end);
+  void walk(int level, const glm::dvec3& first, const glm::dvec3& last);
   bool meets(const box& where, float near, const plane& cut) const;
   bool meets(int level, const box& polygon, float by, const plane& cut) const;
 
@@ -62,6 +64,7 @@ class touched_space {
   int levels_ = 1;
   bool escapes_ = false;             // a line left the largest cube
   std::vector<std::uint64_t> rows_;  // 64 x 64 per level, by z, then y; a bit per x
+  touched_faces faces_;
 };
 
 // The space that is recorded on this thread; null: none. Rays and hemicubes mark it.

@@ -132,7 +132,9 @@ struct settings {
   // --merge-cells: automatic cells are merged with neighbors while the polygons that a player draws grow by at most
   // this part, in the mean over all floor; an estimate. 0 .. 10; 0: none is. Samplers of rays alone merge none.
   double merge_cells = 0.1;
-  std::uint32_t cell_limit = 0;              // --cell-limit: bake this many cells, spread evenly; 0 for all
+  std::uint32_t cell_limit = 0;  // --cell-limit: bake this many cells, spread evenly; 0 for all
+  // --near: with cell_limit, the cells nearest to this point instead, meters; without, it has no effect.
+  std::optional<std::array<float, 3>> near;
   reach_kind reach = reach_kind::walk;       // --reach, of automatic cells
   std::vector<std::array<float, 3>> starts;  // --start x,y,z: on or above a floor, meters; none: those of the scene
   player_settings player;                    // of automatic cells

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <new>
@@ -133,30 +134,51 @@ cpu::face_frame frame_of(const glm::vec3& eye, const face_view& face, std::uint3
   return f;
 }
 
-// Returns the depth of the farthest pixel of a block of a tile, in meters; infinity if it shows the background.
+// Returns the smallest inverse depth of the pixels of a block of a tile.
 float farthest_of(const float* inverse_depths, std::uint32_t x, std::uint32_t y, std::uint32_t block) {
   float least = std::numeric_limits<float>::infinity();
   for (std::uint32_t j = y; j < y + block; ++j)
     for (std::uint32_t i = x; i < x + block; ++i) least = std::min(least, inverse_depths[j * cpu::tile_size + i]);
-  return least > 0.0f ? 1.0f / least : std::numeric_limits<float>::infinity();
+  return least;
 }
 
-// Marks what the pixels of a face look through, block by block of pixels.
+// The same for a whole tile, in a form that compilers turn into vector instructions.
+float farthest_of_tile(const float* inverse_depths) {
+  std::array<float, cpu::tile_size> least;
+  std::copy_n(inverse_depths, cpu::tile_size, least.begin());
+  for (std::uint32_t j = 1; j < cpu::tile_size; ++j)
+    for (std::uint32_t i = 0; i < cpu::tile_size; ++i) {
+      const float depth = inverse_depths[j * cpu::tile_size + i];
+      least[i] = depth < least[i] ? depth : least[i];
+    }
+  return *std::min_element(least.begin(), least.end());
+}
+
+constexpr float pixel_rounding = 1.0f / 16.0f;  // pixels; more than the kernels round
+
+// Records how far the pixels of a face see, block by block of pixels.
 void record_face(const cpu::face_frame& f, const cpu::tile_image& tiles, std::uint32_t block, touched_space& space) {
-  const glm::vec3 eye{f.eye[0], f.eye[1], f.eye[2]}, right{f.right[0], f.right[1], f.right[2]};
-  const glm::vec3 up{f.up[0], f.up[1], f.up[2]}, forward{f.forward[0], f.forward[1], f.forward[2]};
+  touched_face face;
+  face.eye = {f.eye[0], f.eye[1], f.eye[2]};
+  face.right = {f.right[0], f.right[1], f.right[2]};
+  face.up = {f.up[0], f.up[1], f.up[2]};
+  face.forward = {f.forward[0], f.forward[1], f.forward[2]};
+  face.min_x = static_cast<float>(-f.center_x) / f.half;
+  face.min_y = static_cast<float>(-f.center_y) / f.half;
+  face.step = static_cast<float>(block) / f.half;
+  face.reach = (0.5f * static_cast<float>(block - 1) + pixel_rounding) / f.half;
+  face.columns = (f.width + block - 1) / block;
+  face.rows = (f.height + block - 1) / block;
+  std::uint8_t* code = space.mark_face(face).data();
   for (std::uint32_t y = 0; y < f.height; y += block)
-    for (std::uint32_t x = 0; x < f.width; x += block) {
+    for (std::uint32_t x = 0; x < f.width; x += block, ++code) {
       const std::size_t tile = std::size_t{y / cpu::tile_size} * tiles.stride + x / cpu::tile_size;
+      if (tiles.states[tile] == cpu::tile_state::empty) continue;
       const float* depths = tiles.inverse_depths + tile * cpu::tile_pixels;
-      const float depth = tiles.states[tile] == cpu::tile_state::empty
-                              ? std::numeric_limits<float>::infinity()
-                              : farthest_of(depths, x % cpu::tile_size, y % cpu::tile_size, block);
-      const float half_block = 0.5f * static_cast<float>(block);
-      const float a = (static_cast<float>(x) + half_block - static_cast<float>(f.center_x)) / f.half;
-      const float b = (static_cast<float>(y) + half_block - static_cast<float>(f.center_y)) / f.half;
-      // Longer by more than the reach of rule 2, up to which non-occluders count.
-      space.mark_line(eye, forward + a * right + b * up, depth * 1.0001f + 1e-3f);
+      *code = touched_faces::code_of(block < cpu::tile_size
+                                         ? farthest_of(depths, x % cpu::tile_size, y % cpu::tile_size, block)
+                                     : tiles.states[tile] == cpu::tile_state::exact ? tiles.farthest[tile]
+                                                                                    : farthest_of_tile(depths));
     }
 }
 

@@ -53,6 +53,22 @@ TEST(cell_limit, spreads_over_the_list) {
   EXPECT_EQ(make_cells({}, how).cells.size(), 10u);
 }
 
+TEST(cell_limit, keeps_the_nearest_in_the_order_of_the_list) {
+  settings how;
+  how.cells_grid = {{0.0f, 0.0f, 0.0f, 40.0f, 2.0f, 4.0f}};
+  how.near = {{33.0f, 1.0f, 9.0f}};
+  EXPECT_EQ(make_cells({}, how).cells.size(), 10u) << "without a limit it has no effect";
+  EXPECT_EQ(describe(how).find("near"), std::string::npos);
+  how.cell_limit = 2;
+  const cell_list list = make_cells({}, how);
+  ASSERT_EQ(list.cells.size(), 2u);
+  EXPECT_EQ(list.cells[0].min.x, 28.0f);
+  EXPECT_EQ(list.cells[1].min.x, 32.0f);
+  EXPECT_NE(list.how.find("2 nearest of 10 cells"), std::string::npos);
+  EXPECT_NE(describe(how).find(R"("cell_limit":2)"), std::string::npos);
+  EXPECT_NE(describe(how).find(R"("near":[33,1,9])"), std::string::npos);
+}
+
 TEST(lattice, cells_over_floors_are_wider_by_levels_and_higher_by_layers) {
   const lattice on = lattice::over_floors(4.0);
   const view_cell cell = on.cell({.z = -1, .y = -3, .x = 1, .level = 2, .layers = 5});
