@@ -12,15 +12,23 @@
 #include "casters/shadow_batch.h"
 #include "search/batch_plan.h"
 #include "trace/triangle_math.h"
+#include "trace/viewpoints.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr double eye_risk_share = 0.01;       // of an interim test's risk: too many viewpoints are counted as valid
-constexpr std::uint64_t first_search = 8192;  // trials
+constexpr double eye_risk_share = 0.01;         // of an interim test's risk: too many viewpoints are counted as valid
+constexpr std::uint64_t first_search = 16'384;  // trials
 constexpr std::uint64_t largest_search = 262'144;
-constexpr std::uint64_t most_proofs = 40;      // batches: the risk of a later one would vanish beside 1
-constexpr std::uint64_t hopeless_misses = 16;  // a batch with more misses is no cheaper than a search and another batch
+constexpr std::uint64_t rays_of_eye = 256;  // of a search, in the mean, for each viewpoint drawn for it
+constexpr std::uint64_t most_tests_of_eye = 1024;
+constexpr std::uint64_t stream_of_eyes = 1ull << 32;  // beyond the parts of a batch
+constexpr std::uint64_t most_proofs = 40;             // batches: the risk of a later one would vanish beside 1
+// Where at most this share of the target misses, a proof is likely after what is missed has joined.
+constexpr double calm_share = 0.5;
+// Share of the miss probability after a failed batch and another search. Where many small polygons cast shadows, each
+// found alone, it falls slowly.
+constexpr double left_after_search = 0.8;
 
 // Returns the number of trials to cast for each one wanted, as the lower limit of trials falls short of them.
 double trials_per_wanted(double wanted, double valid_share) {
@@ -66,20 +74,38 @@ class caster_finder {
     const double enough = std::min(1.0 / how_.max_error, static_cast<double>(largest_search));
     while (result_.rays_spent < how_.max_rays) {
       shadow_batch trial = batch(purpose::caster_search, ++searches_);
-      trial.cast(size);
+      draw_eyes(size);
+      if (eyes_.empty())
+        trial.cast(size);
+      else
+        trial.cast_from(eyes_, size);
       result_.rays_spent += trial.spent();
-      const bool calm = static_cast<double>(trial.misses()) <= 0.4 * how_.max_error * static_cast<double>(size) &&
-                        static_cast<double>(size) >= enough;
+      const bool calm =
+          static_cast<double>(trial.misses()) <= calm_share * how_.max_error * static_cast<double>(size) &&
+          static_cast<double>(size) >= enough;
       join(trial.missed());
       if (calm) return;
       size = std::min(2 * size, largest_search);
     }
   }
 
-  // Casts one batch of independent trials; see plan_interim_tests.
+  // Draws further viewpoints for a search. A ray of a search counts for itself alone, so one valid viewpoint serves
+  // many, and no ray begins at an invalid one. None are drawn where hardly any is valid: shadow_batch tests them all.
+  void draw_eyes(std::uint64_t rays) {
+    if (cell_.valid_share < fewest_valid) return;
+    random_stream random(how_.seed, cell_.place, purpose::caster_search, searches_, stream_of_eyes);
+    const std::uint64_t wanted = rays / rays_of_eye;
+    const std::vector<glm::vec3> drawn = draw_viewpoints(rays_, cell_.region, how_.player_radius, wanted,
+                                                         wanted * most_tests_of_eye, random, result_.rays_spent);
+    eyes_.insert(eyes_.end(), drawn.begin(), drawn.end());
+  }
+
+  // Casts one batch of independent trials; see plan_interim_tests. It ends where another search and batch are
+  // expected to cost less.
   void prove(std::uint64_t number) {
     shadow_batch trial = batch(purpose::caster_bound, number);
-    for (const interim_test& next : plan_interim_tests(how_.max_error, risk_of_batch(number), eye_risk_share)) {
+    const std::vector<interim_test> plan = plan_interim_tests(how_.max_error, risk_of_batch(number), eye_risk_share);
+    for (const interim_test& next : plan) {
       if (next.misses < trial.misses()) continue;
       std::uint64_t trials = trial.trials(eye_risk_share * next.risk);
       while (trials < next.trials && trial.spent() < how_.max_rays) {
@@ -88,7 +114,11 @@ class caster_finder {
         trials = trial.trials(eye_risk_share * next.risk);
       }
       take(std::max(std::min(trials, next.trials), trial.misses()), trial.misses(), next.risk);
-      if (trial.misses() <= next.misses || trials < next.trials || trial.misses() > hopeless_misses) break;
+      if (trial.misses() <= next.misses || trials < next.trials) break;
+      const double done = static_cast<double>(trials), rate = static_cast<double>(trial.misses()) / done;
+      const double left = expected_trials(plan, rate, trial.misses(), trials) - done;
+      const double again = static_cast<double>(largest_search) + expected_trials(plan, left_after_search * rate);
+      if (!std::isfinite(left) || left > again) break;
     }
     result_.rays_spent += trial.spent();
     join(trial.missed());
@@ -174,6 +204,7 @@ class caster_finder {
   std::vector<state> state_;  // by polygon
   caster_sets sets_;
   std::vector<found> joined_;
+  std::vector<glm::vec3> eyes_;  // valid viewpoints that the rays of a search begin at
   std::uint64_t searches_ = 0;
   caster_result result_;
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "bound/verification_rays.h"
@@ -62,6 +63,9 @@ class shadow_batch {
   // Casts approximately this number of further trials. Runs in the TBB arena of the calling thread; the result does not
   // depend on the number of threads.
   void cast(std::uint64_t trials);
+  // Casts this number of rays from given valid viewpoints. They find what is missing with fewer rays than cast(), but
+  // they are not independent: a batch with such rays proves nothing.
+  void cast_from(std::span<const glm::vec3> eyes, std::uint64_t count);
   // Returns a lower limit for the number of trials so far. It is wrong with a probability of at most `risk`.
   std::uint64_t trials(double risk) const;
   std::uint64_t misses() const { return misses_; }
@@ -73,7 +77,9 @@ class shadow_batch {
  private:
   struct part;
   part cast_part(std::uint64_t count, std::uint64_t tests, random_stream random) const;
+  part cast_part_from(std::span<const glm::vec3> eyes, std::uint64_t count, random_stream random) const;
   part cast_tested_part(std::uint64_t count, random_stream random) const;
+  void cast_parts(std::uint64_t count, const std::function<part(std::uint64_t size, random_stream random)>& cast_one);
 
   const ray_scene& rays_;
   const viewpoint_region& where_;

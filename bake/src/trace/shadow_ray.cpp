@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -10,6 +11,17 @@
 
 namespace sightcell::bake {
 namespace {
+
+constexpr std::size_t shadow_packet = 8;  // rays per Embree packet, the width of AVX2
+
+// Returns whether a drawn side of the polygon that ray i hits faces the light.
+bool turns_drawn_side(const embree_scene& scene, scene::polygon_kind kind, const RTCFilterFunctionNArguments& a,
+                      unsigned i) {
+  const float along = RTCHitN_Ng_x(a.hit, a.N, i) * RTCRayN_dir_x(a.ray, a.N, i) +
+                      RTCHitN_Ng_y(a.hit, a.N, i) * RTCRayN_dir_y(a.ray, a.N, i) +
+                      RTCHitN_Ng_z(a.hit, a.N, i) * RTCRayN_dir_z(a.ray, a.N, i);
+  return kind.double_sided || scene.all_double_sided || along > 0.0f;
+}
 
 // What a shadow ray passed so far. Embree's context is the first member, because the filter casts its pointer.
 struct shadow_context {
@@ -34,10 +46,7 @@ void note_blockers(const RTCFilterFunctionNArguments* arguments) {
     const scene::polygon_kind kind = context->scene->geometry.kinds[polygon];
     if (polygon == context->receiver || kind.alpha == scene::alpha_mode::blend) continue;
     if (!context->scene->is_there(a, i, true)) continue;
-    const float along = RTCHitN_Ng_x(a.hit, a.N, i) * RTCRayN_dir_x(a.ray, a.N, i) +
-                        RTCHitN_Ng_y(a.hit, a.N, i) * RTCRayN_dir_y(a.ray, a.N, i) +
-                        RTCHitN_Ng_z(a.hit, a.N, i) * RTCRayN_dir_z(a.ray, a.N, i);
-    const bool is_drawn = kind.double_sided || context->scene->all_double_sided || along > 0.0f;
+    const bool is_drawn = turns_drawn_side(*context->scene, kind, a, i);
     const bool in_set = (*context->contains)(polygon);
     if (kind.non_occluder) {
       if (!in_set) context->movable->push_back(polygon);
@@ -48,6 +57,41 @@ void note_blockers(const RTCFilterFunctionNArguments* arguments) {
     } else {
       context->undrawn_in_set = true;
     }
+  }
+}
+
+// What the rays of a packet passed so far. Embree's context is the first member, because the filter casts its pointer.
+struct shadow_packet_context {
+  RTCIntersectContext base{};
+  const embree_scene* scene = nullptr;
+  const std::function<bool(std::uint32_t)>* contains = nullptr;
+  std::array<std::uint32_t, shadow_packet> receivers{};  // by the id of the ray, less first_shadow_id
+  std::array<bool, shadow_packet> meets_lacking{};
+};
+
+// Ids that the filter of the MASK geometry ignores.
+constexpr unsigned first_shadow_id = ray_tests_masks + 1;
+
+// Ends a ray where note_blockers() ends it, and notes whether it met a blocker that the set lacks. Alpha is tested last
+// and only where it decides.
+void note_lacking(const RTCFilterFunctionNArguments* arguments) {
+  const RTCFilterFunctionNArguments& a = *arguments;
+  auto* context = reinterpret_cast<shadow_packet_context*>(a.context);
+  for (unsigned i = 0; i < a.N; ++i) {
+    if (a.valid[i] != -1) continue;
+    a.valid[i] = 0;
+    const unsigned ray = RTCRayN_id(a.ray, a.N, i) - first_shadow_id;
+    const std::uint32_t polygon = context->scene->polygon_of(a, i);
+    const scene::polygon_kind kind = context->scene->geometry.kinds[polygon];
+    if (polygon == context->receivers[ray] || kind.alpha == scene::alpha_mode::blend) continue;
+    const bool in_set = (*context->contains)(polygon);
+    const bool ends = in_set && !kind.non_occluder && turns_drawn_side(*context->scene, kind, a, i);
+    if (!ends && (in_set || context->meets_lacking[ray])) continue;
+    if (!context->scene->is_there(a, i, true)) continue;
+    if (ends)
+      a.valid[i] = -1;
+    else
+      context->meets_lacking[ray] = true;
   }
 }
 
@@ -86,6 +130,34 @@ bool find_lacking(const ray_scene& rays, const shadow_line& line, const std::fun
   std::sort(out.each.begin(), out.each.end());
   out.each.erase(std::unique(out.each.begin(), out.each.end()), out.each.end());
   return !out.empty();
+}
+
+void find_suspects(const ray_scene& rays, std::span<const shadow_line> lines,
+                   const std::function<bool(std::uint32_t)>& contains, std::span<std::uint8_t> suspect) {
+  shadow_packet_context context;
+  rtcInitIntersectContext(&context.base);
+  context.base.filter = note_lacking;
+  context.scene = &rays.embree();
+  context.contains = &contains;
+  for (std::size_t first = 0; first < lines.size(); first += shadow_packet) {
+    const std::size_t count = std::min(shadow_packet, lines.size() - first);
+    alignas(32) int valid[shadow_packet];
+    RTCRay8 r{};
+    for (std::size_t i = 0; i < shadow_packet; ++i) {
+      const shadow_line& line = lines[first + std::min(i, count - 1)];
+      valid[i] = i < count ? -1 : 0;
+      r.org_x[i] = line.point.x, r.org_y[i] = line.point.y, r.org_z[i] = line.point.z;
+      r.dir_x[i] = line.to_light.x, r.dir_y[i] = line.to_light.y, r.dir_z[i] = line.to_light.z;
+      r.tnear[i] = line.bias, r.tfar[i] = std::numeric_limits<float>::infinity();
+      r.mask[i] = ~0u;
+      r.id[i] = first_shadow_id + static_cast<unsigned>(i);
+      context.receivers[i] = line.receiver;
+      context.meets_lacking[i] = false;
+    }
+    rtcOccluded8(valid, rays.embree().all, &context.base, &r);
+    // Embree sets tfar to -infinity on a hit.
+    for (std::size_t i = 0; i < count; ++i) suspect[first + i] = context.meets_lacking[i] && r.tfar[i] >= 0.0f ? 1 : 0;
+  }
 }
 
 }  // namespace sightcell::bake

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "trace/ray_scene.h"
@@ -40,5 +41,15 @@ struct lacking_casters {
 // Returns whether anything is lacking. Any thread.
 bool find_lacking(const ray_scene& rays, const shadow_line& line, const std::function<bool(std::uint32_t)>& contains,
                   lacking_casters& out);
+
+// Finds for which lines something may be lacking, in packets of eight rays. This is several times faster than
+// find_lacking(), most of all if neighbors in the list begin near each other across the light.
+// lines, suspect: of the same size. suspect[i] becomes 1 if lines[i] meets a blocker that the set lacks, and no
+// occluder
+//   of the set whose drawn side faces the light; else 0. Where it is 0, find_lacking() finds nothing, but for rounding
+//   at edges.
+// Any thread.
+void find_suspects(const ray_scene& rays, std::span<const shadow_line> lines,
+                   const std::function<bool(std::uint32_t)>& contains, std::span<std::uint8_t> suspect);
 
 }  // namespace sightcell::bake

@@ -117,5 +117,24 @@ TEST(shadow_batch, counts_each_ray_whose_visible_point_lacks_its_shadow) {
   EXPECT_GT(batch.trials(0.01), 97'000u);
 }
 
+TEST(shadow_batch, from_given_viewpoints_finds_the_same_and_counts_no_trials) {
+  const court c;
+  const scene_with_rays w(c.tiny);
+  const caster_sets sets{[&](std::uint32_t p) { return p < 4; },
+                         [&](std::uint32_t p) { return p < 4 || p >= c.far_roof; }};
+  shadow_batch batch(w.rays, eyes_of_court, 0.05f, 1.0, noon, {1, 1, purpose::caster_search, 1}, sets);
+  const std::vector<glm::vec3> eyes{{0.0f, 1.5f, 2.0f}, {0.25f, 1.7f, 1.75f}};
+  batch.cast_from(eyes, 40'000);
+  EXPECT_GT(batch.misses(), 150u);
+  EXPECT_EQ(batch.spent(), 40'000u);
+  EXPECT_EQ(batch.trials(0.01), batch.misses()) << "no viewpoint was tested, so nothing is known to be a trial";
+  for (const missed_shadow& one : batch.missed()) {
+    EXPECT_TRUE(one.eye == eyes[0] || one.eye == eyes[1]);
+    EXPECT_TRUE(
+        std::find(one.lacking.one_of.begin(), one.lacking.one_of.end(), c.near_roof) != one.lacking.one_of.end() ||
+        std::find(one.lacking.one_of.begin(), one.lacking.one_of.end(), c.near_roof + 1) != one.lacking.one_of.end());
+  }
+}
+
 }  // namespace
 }  // namespace sightcell::bake
