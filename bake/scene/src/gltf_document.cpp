@@ -396,6 +396,7 @@ json document_reader::reduced_node(std::size_t number) {
   json reduced = {{"name", node.text("name").value_or("")}};  // unchanged, because cells files refer to nodes by name
   const auto mesh = node.index("mesh", "meshes", meshes_.size());
   if (mesh) reduced["mesh"] = *mesh;
+  if (node.has("camera")) reduced["camera"] = 0;  // that it has one is all that counts
   const auto children = node.indices("children", "nodes", nodes_.size());
   if (!children.empty()) reduced["children"] = children;
   const auto matrix = node.reals("matrix", 16);

@@ -246,5 +246,19 @@ TEST(movement, what_a_channel_aims_at_must_be_there) {
   EXPECT_EQ(id_with({{{"channels", {{{"target", {{"node", 1}, {"path", "scale"}}}}}}, {"samplers", 5}}}), "none");
 }
 
+TEST(gltf_nodes, starts_are_marked_nodes_and_cameras) {
+  gltf_sketch g = chain();
+  g.json["cameras"] = json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}}});
+  const int camera = g.add_node({{"camera", 0}, {"translation", {1, 2, 3}}});
+  g.add_node({{"translation", {10, 0, 0}}, {"children", {camera}}});
+  g.add_node({{"camera", 0}, {"translation", {4, 5, 6}}, {"extras", marked({{"start", true}})}});
+  const scene s = load(g);
+  ASSERT_EQ(s.starts.size(), 2u);
+  std::vector<std::array<float, 3>> cameras, starts;
+  for (const start_point& start : s.starts) (start.is_camera ? cameras : starts).push_back(start.position);
+  EXPECT_EQ(cameras, (std::vector<std::array<float, 3>>{{11, 2, 3}}));
+  EXPECT_EQ(starts, (std::vector<std::array<float, 3>>{{4, 5, 6}})) << "a marked camera is a start as others are";
+}
+
 }  // namespace
 }  // namespace sightcell::scene
