@@ -205,8 +205,8 @@ void add_expert_cell_options(CLI::App& verb, bake_options& o) {
              "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "
              "all cells have the width of --cell-size. Range: 0 to 10.");
   add_plain_option(verb, group, "--near", o.near, "x,y,z",
-                   "With --cell-limit: the cells nearest to this point, in meters, instead of such that are spread "
-                   "evenly. With --watch: the preview is of the nearest cells, 64 without --cell-limit.");
+                   "With --cell-limit: bakes the cells nearest to this point, in meters, instead of cells all over the "
+                   "scene. With --watch: the preview has the nearest cells, 64 if --cell-limit is not given.");
   add_option(verb, group, "--margin", s.margin, "M",
              "Meters by which the bake grows each cell on all sides. The runtime keeps a cell while the camera is in "
              "the grown cell. Range: 0 to 10.");
