@@ -35,8 +35,9 @@ void add_output_options(CLI::App& verb, bake_options& o) {
                 "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
                 "largest polygons first.")
       ->group(group);
-  add_plain_option(verb, group, "--report", o.report_file, "FILE.html",
-                   "Writes an HTML page about the bake and its file. sightcell report does so later.");
+  add_plain_option(
+      verb, group, "--report", o.report_file, "FILE.html",
+      "Writes an HTML page about the bake and its file. sightcell report writes one about an existing file.");
 }
 
 void add_cell_options(CLI::App& verb, bake_options& o) {
@@ -59,9 +60,10 @@ void add_cell_options(CLI::App& verb, bake_options& o) {
                    "A point on or above a floor where a player begins, in meters; may be repeated. Default: the nodes "
                    "with extras.sightcell.start, else the cameras of the scene, else the largest floor.")
       ->take_all();
-  add_plain_option(verb, group, "--fly", o.fly, "x0,y0,z0,x1,y1,z1",
-                   "A box that a camera flies in gets cells too, all of it that is not solid. Meters, the lower corner "
-                   "first; may be repeated.")
+  add_plain_option(
+      verb, group, "--fly", o.fly, "x0,y0,z0,x1,y1,z1",
+      "Also places cells in this box, for a camera that flies: everywhere in it that is not solid. Meters, the "
+      "lower corner first; may be repeated.")
       ->take_all();
   add_option(verb, group, "--cell-size", s.cell_size, "M",
              "Width of the smallest lattice cells in meters. Cells of a grid are half as high. Range: 0.25 to 1000.");
@@ -96,13 +98,14 @@ void add_rule_options(CLI::App& verb, bake_options& o) {
 void add_machine_options(CLI::App& verb, bake_options& o) {
   const char* const group = "Time and machines";
   bake::settings& s = o.settings;
-  add_option(verb, group, "--time-budget", s.time_budget, "S",
-             "Wall-clock seconds for the whole bake, spent on the cells with the largest bounds. It ends earlier when "
-             "all cells have the bound of --quality. The result depends on the machine. 0: no limit. Range: 0 to 1e7.");
+  add_option(
+      verb, group, "--time-budget", s.time_budget, "S",
+      "Wall-clock seconds for the whole bake, spent on the cells with the largest bounds. The bake ends earlier when "
+      "all cells have the bound of --quality. The result depends on the machine. 0: no limit. Range: 0 to 1e7.");
   add_option(verb, group, "--threads", s.threads, "N", "Threads to use. 0: one per core. Changes no byte of the file.");
   add_plain_option(verb, group, "--shard", o.shard, "I/N",
                    "Bakes part I of N on this machine, with I from 0 to N - 1; sightcell merge joins the parts. array "
-                   "and array/N take I from the array of a Slurm, Kubernetes or AWS Batch job.")
+                   "and array/N take I from the job array of Slurm, Kubernetes or AWS Batch.")
       ->excludes("--report");
   verb.add_flag("--fresh", o.fresh, "Discards an unfinished bake of the same output instead of resuming it.")
       ->group(group);
@@ -122,7 +125,8 @@ void add_edit_options(CLI::App& verb, bake_options& o) {
   verb.add_flag(
           "--watch", o.watch,
           "Keeps running and bakes again each time that the scene is saved: first a preview of the quality draft, "
-          "then the quality that is asked for. A save during a bake stops it. Ctrl-C ends.")
+          "then the quality that is asked for. A save during a bake ends it and begins the next one. Ctrl-C ends the "
+          "command.")
       ->group(group)
       ->excludes("--shard", "--since", "--time-budget");
 }
@@ -152,7 +156,7 @@ void add_expert_output_options(CLI::App& verb, bake_options& o) {
              "needs finer levels on surfaces that are seen at a slant. Range: 1 to 16.");
   add_plain_option(verb, group, "--report-unseen", o.unseen_file, "FILE.json",
                    "Writes the polygons that are in the set of no cell to this file, by object, the object with the "
-                   "most first: they can be deleted. sightcell strip does so later.")
+                   "most first: they can be deleted, which sightcell strip does.")
       ->excludes("--shard");
   add_plain_option(verb, group, "--embed", o.embed_file, "SCENE",
                    "Also writes the scene with the result: a .glb contains the .pvs file, a .gltf names it. May be the "
