@@ -53,6 +53,15 @@ class Glb:
         return {'primitives': [{'attributes': {'POSITION': self.add(corners, 'VEC3')}, 'material': material,
                                 'indices': self.add(triangles, 'SCALAR', 'I')}]}
 
+    def write(self, path, document):
+        """document: its JSON, with this buffer, these views and accessors in it."""
+        text = json.dumps(document).encode()
+        text += b' ' * (-len(text) % 4)
+        with open(path, 'wb') as out:
+            out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(self.binary)))
+            out.write(struct.pack('<I4s', len(text), b'JSON') + text)
+            out.write(struct.pack('<I4s', len(self.binary), b'BIN\0') + self.binary)
+
 
 def write_colonnade(path):
     """Walls first, then 17 pillars of one mesh and two blended panes of another."""
@@ -80,12 +89,7 @@ def write_colonnade(path):
                       {'name': 'glass', 'alphaMode': 'BLEND', 'doubleSided': True,
                        'pbrMetallicRoughness': {'baseColorFactor': [0.5, 0.8, 1, 0.3]}}],
         'buffers': [{'byteLength': len(glb.binary)}], 'bufferViews': glb.views, 'accessors': glb.accessors}
-    text = json.dumps(document).encode()
-    text += b' ' * (-len(text) % 4)
-    with open(path, 'wb') as out:
-        out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(glb.binary)))
-        out.write(struct.pack('<I4s', len(text), b'JSON') + text)
-        out.write(struct.pack('<I4s', len(glb.binary), b'BIN\0') + glb.binary)
+    glb.write(path, document)
 
 
 def write_cells(path):

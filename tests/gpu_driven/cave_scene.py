@@ -1,8 +1,6 @@
 """A closed cave with wavy walls, seen from the inside: a picture with a pixel of the sky has a gap."""
-import json
 import math
 import random
-import struct
 
 from colonnade_scene import Glb
 
@@ -34,9 +32,4 @@ def write_cave(path):
         'nodes': [{'mesh': 0, 'scale': [-1.2, 1, 1], 'translation': [30, 0, -2]}],
         'materials': [{'pbrMetallicRoughness': {'baseColorFactor': [0.5, 0.3, 0.2, 1]}}],
         'buffers': [{'byteLength': len(glb.binary)}], 'bufferViews': glb.views, 'accessors': glb.accessors}
-    text = json.dumps(document).encode()
-    text += b' ' * (-len(text) % 4)
-    with open(path, 'wb') as out:
-        out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(glb.binary)))
-        out.write(struct.pack('<I4s', len(text), b'JSON') + text)
-        out.write(struct.pack('<I4s', len(glb.binary), b'BIN\0') + glb.binary)
+    glb.write(path, document)

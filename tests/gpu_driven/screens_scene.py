@@ -1,7 +1,5 @@
 """A hall with screens: masks that cut away half of them, double-sided and single-sided ones, mirrored ones, glass, and
 blocks of many small triangles behind them."""
-import json
-import struct
 
 from colonnade_scene import Glb, hall
 
@@ -60,9 +58,4 @@ def write_screens(path, mask='MASK'):
         'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': list(range(len(nodes)))}], 'nodes': nodes,
         'meshes': meshes, 'materials': materials, 'buffers': [{'byteLength': len(glb.binary)}],
         'bufferViews': glb.views, 'accessors': glb.accessors}
-    text = json.dumps(document).encode()
-    text += b' ' * (-len(text) % 4)
-    with open(path, 'wb') as out:
-        out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(glb.binary)))
-        out.write(struct.pack('<I4s', len(text), b'JSON') + text)
-        out.write(struct.pack('<I4s', len(glb.binary), b'BIN\0') + glb.binary)
+    glb.write(path, document)
