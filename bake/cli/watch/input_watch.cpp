@@ -91,7 +91,7 @@ bool input_watch::take_events() {
 #if defined(SIGHTCELL_HAS_INOTIFY)
   if (events_ < 0) return false;
   alignas(inotify_event) std::array<char, 16384> buffer;
-  for (ssize_t size = 0; (size = read(events_, buffer.data(), buffer.size())) > 0;) {
+  for (ssize_t size = 0; (size = ::read(events_, buffer.data(), buffer.size())) > 0;) {
     for (ssize_t at = 0; at < size;) {
       const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
       at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
