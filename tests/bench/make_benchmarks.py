@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Generates BENCHMARKS.md from the rows in tests/bench/results and the text in results/benchmarks.template.md.
+"""Generates BENCHMARKS.md and results/TABLES.md from the rows in tests/bench/results and the text in two templates there.
 
 usage: make_benchmarks.py [--check]
 
-A line "@table NAME" of the template becomes the table that the function NAME below makes, and "@source FILE" the command,
-commit and machine of results/FILE.csv. --check: writes nothing; exit code 1 where BENCHMARKS.md is not what it should be.
+A line "@table NAME" of a template becomes the table that the function NAME below makes, and "@source FILE" the command,
+commit and machine of results/FILE.csv. --check: writes nothing; exit code 1 where a page is not what it should be.
 """
 import argparse
 import difflib
@@ -15,9 +15,8 @@ import sys
 sys.dont_write_bytecode = True  # nothing is written into the sources
 import result_files  # noqa: E402
 
-TEMPLATE = os.path.join(result_files.FOLDER, "benchmarks.template.md")
-USUAL_MACHINE = "AMD EPYC, 2 cores shared with other work"  # the template names it once
-PAGE = os.path.join(result_files.ROOT, "BENCHMARKS.md")
+USUAL_MACHINE = "AMD EPYC, 2 cores shared with other work"  # each template names it once
+PAGES = {"benchmarks.template.md": "BENCHMARKS.md", "tables.template.md": "tests/bench/results/TABLES.md"}
 
 
 def rows_of(name, **wanted):
@@ -54,6 +53,12 @@ def scenes():
                    ("visible %", "visible_percent", fixed(2)), ("pixel error", "pixel_error", scientific),
                    ("95 % upper bound", "upper_bound", scientific), ("CPU s per cell", "bake_cpu_seconds_per_cell", fixed(2)),
                    ("bits per visible polygon", "bits_per_visible_polygon", fixed(2)))
+
+
+def whole_bakes():
+    return columns(rows_of("whole_bakes"), ("scene", "scene", plain), ("polygons", "polygons", grouped), ("cells", "cells", grouped),
+                   ("visible %", "visible_percent", fixed(2)), ("CPU s", "cpu_seconds", grouped), ("of a cell: median", "median", fixed(2)),
+                   ("longest", "longest", fixed(2)), ("largest bound", "largest_bound", scientific), ("file, KB", "bytes", kilobytes))
 
 
 def frames():
@@ -191,6 +196,13 @@ def fixed_kilobytes(text):
 
 
 def streaming():
+    """What our order of pages takes, a row per scene."""
+    return columns(rows_of("streaming", order="ours"), ("scene", "scene", plain), ("KB until 99 %", "bytes_99", kilobytes),
+                   ("99.9 %", "bytes_99_9", kilobytes), ("s until 99 %", "seconds_99", fixed(2)), ("99.9 %", "seconds_99_9", fixed(2)),
+                   ("pages over oracle", "over_oracle_99", fixed(2)), ("pages over projected area", "over_area_99", fixed(2)))
+
+
+def streaming_orders():
     return columns(rows_of("streaming"), ("scene", "scene", plain), ("order", "order", plain), ("KB until 95 %", "bytes_95", kilobytes),
                    ("99 %", "bytes_99", kilobytes), ("99.9 %", "bytes_99_9", kilobytes), ("100 %", "bytes_100", kilobytes),
                    ("before pages", "startup_bytes", kilobytes), ("pages over oracle, 99 %", "over_oracle_99", fixed(2)),
@@ -256,6 +268,15 @@ def whole_files_streamed():
     return table
 
 
+def whole_files_sooner():
+    """Seconds of the smallest right file over ours until 99 % of a view."""
+    best, table = best_whole_files(), [["scene", "smallest right file, KB", "streamed, KB", "times sooner at 10", "25", "50", "100 Mbit/s"]]
+    for row in rows_of("whole_files_streamed", pages="as they are", requests="6"):
+        table.append([row["scene"], kilobytes(best[row["scene"]]["smallest_bytes"]), kilobytes(row["bytes_99"]),
+                      *(fixed(1)(float(best[row["scene"]][f"seconds_{rate}"]) / float(row[f"seconds_99_{rate}"])) for rate in (10, 25, 50, 100))])
+    return table
+
+
 def whole_files_container():
     return columns(rows_of("whole_files_container"), ("scene", "scene", plain), ("pages, KB", "pages_bytes", kilobytes),
                    ("cell chunks", "cells_bytes", kilobytes), ("front", "front_bytes", kilobytes), ("gltfpack, 16 bits", "bytes_16", kilobytes),
@@ -302,9 +323,9 @@ def source(name):
     return f"`{facts['command']}`, commit {facts['commit']}{machine}."
 
 
-def page():
+def page(template):
     out = []
-    with open(TEMPLATE, encoding="utf-8") as stream:
+    with open(os.path.join(result_files.FOLDER, template), encoding="utf-8") as stream:
         for line in stream.read().splitlines():
             kind, _, name = line.partition(" ")
             if kind == "@table":
@@ -320,17 +341,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
-    wanted = page()
-    if not options.check:
-        with open(PAGE, "w", encoding="utf-8") as stream:
-            stream.write(wanted)
-        return 0
-    with open(PAGE, encoding="utf-8") as stream:
-        found = stream.read()
-    sys.stdout.writelines(difflib.unified_diff(found.splitlines(True), wanted.splitlines(True), "BENCHMARKS.md", "generated"))
-    if found != wanted:
-        print("BENCHMARKS.md differs; write it again: tests/bench/make_benchmarks.py")
-    return int(found != wanted)
+    different = 0
+    for template, name in PAGES.items():
+        wanted, path = page(template), os.path.join(result_files.ROOT, name)
+        if not options.check:
+            with open(path, "w", encoding="utf-8") as stream:
+                stream.write(wanted)
+            continue
+        with open(path, encoding="utf-8") as stream:
+            found = stream.read()
+        sys.stdout.writelines(difflib.unified_diff(found.splitlines(True), wanted.splitlines(True), name, "generated"))
+        if found != wanted:
+            print(f"{name} differs; write it again: tests/bench/make_benchmarks.py")
+            different = 1
+    return different
 
 
 if __name__ == "__main__":

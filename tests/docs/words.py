@@ -26,6 +26,7 @@ PLACES = [
     ('docs/**/*.md', 'markdown'),
     ('bake/ERRORS.md', 'markdown'),
     ('BENCHMARKS.md', 'markdown'),
+    ('tests/bench/results/TABLES.md', 'markdown'),
     ('bake/README.md', 'markdown'),
     ('bake/*/README.md', 'markdown'),
     ('format/*.md', 'markdown'),
