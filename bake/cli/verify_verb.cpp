@@ -21,10 +21,13 @@
 #include "sightcell/bake/verify.h"
 #include "sightcell/bake/verify_casters.h"
 #include "sightcell/bake/verify_cut.h"
+#include "sightcell/bake/verify_levels.h"
 #include "sightcell/base/error.h"
+#include "sightcell/scene/object_levels.h"
 #include "sightcell/scene/scene.h"
 #include "verbs.h"
 #include "verify_cut_result.h"
+#include "verify_levels_result.h"
 #include "verify_misses.h"
 #include "verify_result.h"
 #include "worst_view.h"
@@ -40,7 +43,7 @@ constexpr std::size_t named_on_terminal = 10;  // missing polygons; --json has a
 struct verify_options {
   scene_options scenes;
   std::filesystem::path file, picture, from;
-  bool with_rays = true;  // --from and --cut take their place; with --from they can be asked for too
+  bool with_rays = true;  // --from, --cut and --levels take their place; with --from they can be asked for too
   bake::verify_settings how;
   metric_options metric;
   std::optional<std::uint64_t> rays;
@@ -49,7 +52,9 @@ struct verify_options {
   bool json = false;
   bool suns = false;  // the shadow casters too
   bake::cut_settings cut;
-  bool cuts = false;  // levels of detail in place of the polygons of the sets
+  bool cuts = false;    // levels of detail in place of the polygons of the sets
+  bool levels = false;  // levels of detail of objects in their place
+  double levels_fov = 60.0;
 };
 
 // Pictures are an aid: a machine that cannot draw still gets its numbers.
@@ -172,6 +177,17 @@ std::pair<ordered_json, bool> verify_suns(const scene::scene& s, const pvs_file&
   return {std::move(result), passed};
 }
 
+// Returns the result for --json, and whether the bound was met.
+std::pair<ordered_json, bool> verify_levels_of(const scene::scene& s, const pvs_file& file,
+                                               const verify_options& options, progress_line& line) {
+  const scene::object_levels levels = scene::load_object_levels(options.scenes.scene, s, file.scene());
+  const bake::level_verification v =
+      bake::verify_levels(s, levels, file.bytes(), options.file.string(), options.how, options.levels_fov,
+                          [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
+  report_levels(v, s, options.bound, line);
+  return {levels_json(v, s, options.bound), v.upper_bound <= options.bound};
+}
+
 int run_verify(verify_options options) {
   options.how.metric = metric_of(options.metric);
   if (options.max_pixel_error && !(*options.max_pixel_error > 0.0 && *options.max_pixel_error <= 1.0))
@@ -212,6 +228,10 @@ int run_verify(verify_options options) {
     result["passed"] = passed;
     result["cuts"] = cuts_json(cuts, s, options.bound);
   }
+  if (options.levels) {
+    std::tie(result["levels"], passed) = verify_levels_of(s, file, options, line);
+    result["passed"] = passed;
+  }
   if (of_suns) {
     passed = passed && of_suns->second;
     result["passed"] = passed;
@@ -228,8 +248,9 @@ void refuse_options_of_rays(const CLI::App& verb) {
       throw CLI::ValidationError(name, "is for rays, and --from takes their place unless --rays is given");
 }
 
-void add_cut_options(CLI::App& verb, bake::cut_settings& cut) {
+void add_level_options(CLI::App& verb, verify_options& options) {
   const char* const group = "Levels of detail";
+  bake::cut_settings& cut = options.cut;
   CLI::Option* const pixels =
       add_plain_option(verb, group, "--cut", cut.pixels, "PIXELS",
                        "Measures what a host draws with levels of detail in clusters, in place of the sets alone: the "
@@ -240,6 +261,18 @@ void add_cut_options(CLI::App& verb, bake::cut_settings& cut) {
   for (const char* other : {"--from", "--sun", "--metric", "--cells-from"}) pixels->excludes(verb.get_option(other));
   add_option(verb, group, "--cut-rows", cut.rows, "N", "Rows of the picture that has these pixels.")->needs(pixels);
   add_option(verb, group, "--cut-fov", cut.fov, "DEGREES", "Vertical field of view of this picture.")->needs(pixels);
+  CLI::Option* const levels =
+      verb.add_flag(
+              "--levels", options.levels,
+              "Measures what a host draws with levels of detail of objects (MSFT_lod, extras.sightcell.level_of), "
+              "in place of the sets alone: of each object the level that its distance chooses. docs/levels.md has "
+              "the rule.")
+          ->group(group);
+  for (const char* other : {"--from", "--sun", "--metric", "--cells-from", "--cut"})
+    levels->excludes(verb.get_option(other));
+  add_option(verb, group, "--levels-fov", options.levels_fov, "DEGREES",
+             "Vertical field of view of the picture that MSFT_screencoverage is about.")
+      ->needs(levels);
 }
 
 }  // namespace
@@ -282,12 +315,13 @@ void add_verify_verb(CLI::App& program, action& chosen) {
   add_two_scene_options(verb, options->scenes, "Expert: scenes");
   add_metric_options(verb, options->metric, "Expert: metric");
   add_option(verb, "Expert: rays", "--seed", options->how.seed, "N", "Seed of the random numbers.");
-  add_cut_options(verb, options->cut);
+  add_level_options(verb, *options);
   verb.callback([options, &chosen, &verb] {
     settle_scenes(options->scenes, &options->file);
     options->cuts = verb.get_option("--cut")->count() > 0;
-    options->with_rays = !options->cuts && (options->from.empty() || verb.get_option("--rays")->count() > 0);
-    if (!options->with_rays && !options->cuts) refuse_options_of_rays(verb);
+    const bool in_place = options->cuts || options->levels;
+    options->with_rays = !in_place && (options->from.empty() || verb.get_option("--rays")->count() > 0);
+    if (!options->with_rays && !in_place) refuse_options_of_rays(verb);
     chosen = [options] { return run_verify(*options); };
   });
 }

@@ -8,12 +8,12 @@ CORNERS = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 OUTSIDES = [(0, 4, 5, 1), (2, 3, 7, 6), (0, 1, 3, 2), (4, 6, 7, 5), (0, 2, 6, 4), (1, 5, 7, 3)]
 
 
-def write_solids(path, solids, hollows=()):
-    """Solid boxes and hollows in them, each the cube of a mesh as a node moves and scales it."""
+def write_solids(path, solids, hollows=(), change=None):
+    """Solid boxes and hollows in them, each the cube of a mesh as a node moves and scales it. change: of the document."""
     indices = [i for a, b, c, d in OUTSIDES for i in (a, b, c, a, c, d)]
     indices += indices[::-1]
     binary = b''.join(struct.pack('<3f', *c) for c in CORNERS) + struct.pack(f'<{len(indices)}H', *indices)
-    text = json.dumps({
+    document = {
         'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': list(range(len(solids) + len(hollows)))}],
         'nodes': [{'mesh': mesh, 'translation': low, 'scale': [b - a for a, b in zip(low, high)]}
                   for mesh, boxes in enumerate((solids, hollows)) for low, high in boxes],
@@ -22,7 +22,10 @@ def write_solids(path, solids, hollows=()):
         'bufferViews': [{'buffer': 0, 'byteLength': 96}, {'buffer': 0, 'byteOffset': 96, 'byteLength': 144}],
         'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 8, 'type': 'VEC3', 'min': [0] * 3, 'max': [1] * 3},
                       *({'bufferView': 1, 'byteOffset': 72 * mesh, 'componentType': 5123, 'count': 36, 'type': 'SCALAR'}
-                        for mesh in (0, 1))]}).encode()
+                        for mesh in (0, 1))]}
+    if change is not None:
+        change(document)
+    text = json.dumps(document).encode()
     text += b' ' * (-len(text) % 4)
     with open(path, 'wb') as out:
         out.write(struct.pack('<4sII', b'glTF', 2, 28 + len(text) + len(binary)))

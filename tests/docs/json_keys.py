@@ -6,6 +6,7 @@ usage: json_keys.py ROOT BIN    BIN: the folder with the built programs
 import json
 import os
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -45,6 +46,22 @@ def keys_of_verbs(text):
     return verbs
 
 
+def write_with_level(scene, path):
+    """Writes a .glb whose second node with a mesh is a level of the first."""
+    with open(scene, 'rb') as file:
+        content = file.read()
+    size = struct.unpack_from('<I', content, 12)[0]
+    document = json.loads(content[20:20 + size])
+    finest, coarser = [node for node in document['nodes'] if 'mesh' in node][:2]
+    finest['name'] = 'finest'
+    coarser['extras'] = {'sightcell': {'level_of': 'finest', 'from_distance': 5}}
+    text = json.dumps(document).encode()
+    text += b' ' * (-len(text) % 4)
+    rest = content[20 + size:]
+    with open(path, 'wb') as file:
+        file.write(struct.pack('<4sIII4s', b'glTF', 2, 20 + len(text) + len(rest), len(text), b'JSON') + text + rest)
+
+
 def main():
     root, programs = sys.argv[1], os.path.abspath(sys.argv[2])
     with open(os.path.join(root, PAGE), encoding='utf-8') as file:
@@ -79,6 +96,11 @@ def main():
         compare('verify --from', keys_of_table(verify, 'key of `from`') | {'list'}, set(found['from']))
         cuts = json.loads(run('sightcell', 'verify', 's.glb', 'a.pvs', '--cut', '2', '--rays', '5000', '--json')[0])['cuts']
         compare('verify --cut', keys_of_table(verify, 'key of `cuts`'), set(cuts[0]))
+        write_with_level(os.path.join(folder, 's.glb'), os.path.join(folder, 'l.glb'))
+        run('sightcell', 'bake', 'l.glb', '--cell-limit', '1', '--max-pixel-error', '1e-2', '-o', 'l.pvs')
+        levels = json.loads(run('sightcell', 'verify', 'l.glb', 'l.pvs', '--levels', '--rays', '5000', '--max-pixel-error', '1',
+                                '--json')[0])['levels']
+        compare('verify --levels', keys_of_table(verify, 'key of `levels`'), set(levels))
         compare('info, of a file', keys_of_table(section(text, 'info, of a .pvs file'), 'key'), keys('info', 'a.pvs'))
         compare('info, of a scene', keys_of_table(section(text, 'info, of a scene'), 'key'), keys('info', 's.glb'))
         compare('diff', keys_of_table(section(text, 'diff'), 'key'), keys('diff', 'a.pvs', 'b.pvs'))

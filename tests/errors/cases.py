@@ -278,6 +278,10 @@ def verify_without_casters(folder, program):
     return Call(['verify', os.path.join(folder, 'room.gltf'), baked(folder, program), '--sun'], 'out.pvs')
 
 
+def verify_without_levels(folder, program):
+    return Call(['verify', os.path.join(folder, 'room.gltf'), baked(folder, program), '--levels'], 'room.gltf')
+
+
 def kept(folder, program):
     """out.pvs with its records. Ends in an error if the program fails."""
     done = subprocess.run([program, *bake(folder, '--source', 'cpu', '--keep-records')], capture_output=True, text=True)
@@ -511,6 +515,7 @@ CASES = [
     ('report.other-file', 4, reported('{}')),
     ('scene.camera-at-rest', 2, lambda f: Call(['cells', scene(f, nodes=[{'mesh': 0, 'name': 'cart'}]), '--path-camera',
                                                 'cart'], 'cart')),
+    ('scene.no-levels', 4, verify_without_levels),
     ('scene.no-such-camera', 2, lambda f: Call(['cells', room(f), '--path-camera', 'nobody'], 'nobody')),
     ('scene.no-such-scene', 2, lambda f: Call(['info', room(f), '--scene', '3'], 'room.gltf')),
     ('scene.node-cycle', 4, info_of(set_in('nodes', 0, 'children', value=[0]))),

@@ -1,10 +1,11 @@
-/* The snippets of docs/hosting.md and docs/streaming.md, with a host around them that records what it is asked to draw:
- * every way must draw the same polygons.
+/* The snippets of docs/hosting.md, docs/levels.md and docs/streaming.md, with a host around them that records what it is
+ * asked to draw: every way must draw the same polygons.
  * usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE_WITH_NAMES.pvs FILE.pvs ... */
 #include <sightcell/clusters.h>
 #include <sightcell/identity.h>
 #include <sightcell/sightcell.h>
 #include <sightcell/viewpoints.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -247,6 +248,46 @@ static void objects(uint64_t* bits, size_t words) {
     if (bits[draw / 64] >> (draw % 64) & 1) draw_object(draw);
   }
   /* objects] */
+}
+
+/* Objects with levels of detail: each draw is one, and has a coarser level that takes its whole place. */
+typedef struct {
+  uint32_t draws[1], draw_count; /* of level 0, in the draw table */
+  float center[3], begins[1];    /* where each coarser level begins: meters from the center */
+  uint32_t level_count;          /* coarser ones */
+} leveled_object;
+static leveled_object* leveled;
+static size_t leveled_count;
+static int drawn_at_level[2];
+static float distance_to(const float center[3]) {
+  float squares = 0.0f;
+  for (int k = 0; k < 3; ++k) squares += (center[k] - camera[k]) * (center[k] - camera[k]);
+  return sqrtf(squares);
+}
+static void draw_level(const leveled_object* object, uint32_t level) {
+  require(level == (distance_to(object->center) >= object->begins[0]), "level");
+  ++drawn_at_level[level];
+  draw_object(object->draws[0]);
+}
+
+static void objects_with_levels(uint64_t* bits, size_t words) {
+  /* [levels */
+  sightcell_view_objects(view, bits, words);
+  for (const leveled_object* o = leveled; o != leveled + leveled_count; ++o) {
+    uint32_t visible = 0, level = 0;
+    for (uint32_t i = 0; i < o->draw_count; ++i) visible |= bits[o->draws[i] / 64] >> (o->draws[i] % 64) & 1;
+    while (level < o->level_count && distance_to(o->center) >= o->begins[level]) ++level;
+    if (visible) draw_level(o, level); /* 0: the draws themselves */
+  }
+  /* levels] */
+}
+
+/* Every other object is far enough away for its coarser level. */
+static void make_levels(void) {
+  leveled_count = draw_total;
+  leveled = calloc(draw_total + 1, sizeof *leveled);
+  for (uint32_t i = 0; i < draw_total; ++i)
+    leveled[i] = (leveled_object){{i}, 1, {camera[0] + 10.0f, camera[1], camera[2]}, {i % 2 ? 5.0f : 15.0f}, 1};
 }
 
 static unsigned char* requested; /* of each draw: was its mesh requested? */
@@ -599,6 +640,10 @@ static void draw_in_every_way(void) {
   expect_drawn(expected, "indirect");
   objects(bits, words);
   expect_drawn(of_objects, "objects");
+  make_levels();
+  objects_with_levels(bits, words);
+  expect_drawn(of_objects, "objects with levels");
+  free(leveled);
   free(counts);
   free((void*)offsets);
   free(commands);
@@ -636,5 +681,6 @@ int main(int argc, char** argv) {
   }
   require(requests > 0, "no file has importance");
   require(cameras_put > 0, "no file has eyes");
+  require(drawn_at_level[0] > 0 && drawn_at_level[1] > 0, "both levels are drawn");
   return 0;
 }

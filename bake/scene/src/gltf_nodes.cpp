@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
+#include <map>
 #include <set>
 #include <string_view>
 #include <unordered_map>
 
 namespace sightcell::scene {
 namespace {
+
+constexpr double farthest_level = 1e7;  // meters
 
 class node_reader {
  public:
@@ -22,8 +26,9 @@ class node_reader {
       const auto lod = extensions ? extensions->object("MSFT_lod") : std::nullopt;
       const auto visibility = extensions ? extensions->object("KHR_node_visibility") : std::nullopt;
       if (visibility) out_.nodes[i].marks.invisible = !visibility->boolean("visible").value_or(true);
-      if (lod) out_.nodes[i].coarser = lod->indices("ids", "nodes", nodes_.size());
+      if (lod) read_levels(nodes_[i], lod->indices("ids", "nodes", nodes_.size()), out_.nodes[i]);
     }
+    add_named_levels();
     for (const json_object& animation : root_.objects("animations")) {
       for (const json_object& channel : animation.objects("channels")) read_channel(channel);
     }
@@ -65,6 +70,21 @@ class node_reader {
         ignore(node, key, "has a \"group\" that is not a name");
       return;
     }
+    if (key == "level_of") {
+      if (value.is_string())
+        marks.level_of = value.get<std::string>();
+      else
+        ignore(node, key, "has a \"level_of\" that is not the name of a node");
+      return;
+    }
+    if (key == "from_distance") {
+      const double meters = value.is_number() ? value.get<double>() : 0.0;
+      if (meters > 0.0 && meters <= farthest_level)
+        marks.from_distance = static_cast<float>(meters);
+      else
+        ignore(node, key, "has a \"from_distance\" that is not a number of meters above 0");
+      return;
+    }
     if (key == "start" || key == "cell") {
       if (value.is_boolean())
         (key == "start" ? marks.start : marks.cell) = value.get<bool>();
@@ -84,6 +104,75 @@ class node_reader {
       ignore(node, key, "has a \"" + key + "\" that is not true or false");
     else
       *mark = value.get<bool>();
+  }
+
+  // MSFT_lod. Coverages are hints, so a level without a valid one is a level all the same.
+  void read_levels(const json_object& node, const std::vector<std::uint32_t>& ids, node_notes& notes) {
+    for (const std::uint32_t id : ids) notes.coarser.push_back({id, {}});
+    const nlohmann::json* extras = node.raw("extras");
+    if (ids.empty() || extras == nullptr || !extras->is_object()) return;
+    const auto found = extras->find("MSFT_screencoverage");
+    if (found == extras->end()) return;
+    std::vector<float> coverages;
+    if (found->is_array())
+      for (const nlohmann::json& value : *found) {
+        const double coverage = value.is_number() ? value.get<double>() : -1.0;
+        if (!(coverage >= 0.0 && coverage <= std::numeric_limits<float>::max())) break;
+        coverages.push_back(static_cast<float>(coverage));
+      }
+    if (coverages.size() != found->size() || coverages.size() < ids.size()) {
+      warn_once("coverage", "MSFT_screencoverage of " + node.where() + " is not a list of " +
+                                std::to_string(ids.size() + 1) +
+                                " numbers of 0 or more: it is ignored there and in all other nodes like it");
+      return;
+    }
+    for (std::size_t i = 0; i < ids.size(); ++i) notes.coarser[i].begins.below_coverage = coverages[i];
+    if (coverages.size() > ids.size()) notes.least_coverage = coverages[ids.size()];
+  }
+
+  // Nodes by name; no_index for a name that several have.
+  std::unordered_map<std::string, std::uint32_t> nodes_by_name() const {
+    std::unordered_map<std::string, std::uint32_t> out;
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+      const nlohmann::json* name = nodes_[i].raw("name");
+      if (name == nullptr || !name->is_string()) continue;
+      const auto [entry, added] = out.emplace(name->get<std::string>(), i);
+      if (!added) entry->second = no_index;
+    }
+    return out;
+  }
+
+  // Levels of extras.sightcell.level_of follow those of MSFT_lod, nearer ones first. A level of an unknown node
+  // occludes nothing: the host may never draw it.
+  void add_named_levels() {
+    std::optional<std::unordered_map<std::string, std::uint32_t>> by_name;
+    std::map<std::uint32_t, std::vector<coarser_node>> levels;
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+      node_marks& marks = out_.nodes[i].marks;
+      if (marks.level_of.empty()) {
+        if (marks.from_distance) ignore(nodes_[i], "from_distance", "has a \"from_distance\" without a \"level_of\"");
+        continue;
+      }
+      if (!by_name) by_name = nodes_by_name();
+      const auto found = by_name->find(marks.level_of);
+      if (found != by_name->end() && found->second != no_index) {
+        levels[found->second].push_back({i, {marks.from_distance, std::nullopt}});
+        continue;
+      }
+      marks.occluder = false;
+      warn_once("level_of", "extras.sightcell of " + nodes_[i].where() + " has a \"level_of\" that is the name of " +
+                                (found == by_name->end() ? "no node" : "several nodes") + ", \"" +
+                                printable(marks.level_of) + "\": such nodes are visible and occlude nothing");
+    }
+    const auto begin_of = [](const coarser_node& level) {
+      return level.begins.from_distance.value_or(std::numeric_limits<float>::infinity());
+    };
+    for (auto& [object, named] : levels) {
+      std::stable_sort(named.begin(), named.end(),
+                       [&](const coarser_node& a, const coarser_node& b) { return begin_of(a) < begin_of(b); });
+      std::vector<coarser_node>& all = out_.nodes[object].coarser;
+      all.insert(all.end(), named.begin(), named.end());
+    }
   }
 
   std::uint32_t group_of(const std::string& name) {

@@ -1,12 +1,13 @@
 #pragma once
 // Reads from the checked JSON what a file states about its nodes apart from transforms: marks for the bake
-// (extras.sightcell), animated nodes, and levels of detail (MSFT_lod).
+// (extras.sightcell), animated nodes, and levels of detail (MSFT_lod, extras.sightcell.level_of).
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "json_object.h"
+#include "sightcell/scene/object_levels.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::scene {
@@ -17,18 +18,27 @@ inline constexpr std::uint32_t no_group = 0xFFFFFFFEu;
 // The keys of extras.sightcell; empty: the node inherits the value of its parent.
 struct node_marks {
   std::optional<bool> is_static, occluder, dynamic, always, never;
-  std::uint32_t group = no_index;  // in node_list::groups
-  bool start = false;              // a player begins here; not inherited
-  bool cell = false;               // the box of the node is a view cell; not inherited
+  std::uint32_t group = no_index;        // in node_list::groups
+  bool start = false;                    // a player begins here; not inherited
+  bool cell = false;                     // the box of the node is a view cell; not inherited
+  std::string level_of{};                // name of the node that this one is a level of detail of; not inherited
+  std::optional<float> from_distance{};  // where this level begins, meters; not inherited
   bool invisible = false;  // KHR_node_visibility: not shown at first, with all its descendants; the host may show it
+};
+
+// A node that is a coarser level of detail of another one.
+struct coarser_node {
+  std::uint32_t node = 0;
+  level_switch begins;
 };
 
 // What a file states about one node.
 struct node_notes {
   node_marks marks;
-  bool moves = false;                  // by an animation, with all its descendants
-  bool morphs = false;                 // the weights of its mesh are animated
-  std::vector<std::uint32_t> coarser;  // nodes with its levels of detail, finer ones first
+  bool moves = false;                 // by an animation, with all its descendants
+  bool morphs = false;                // the weights of its mesh are animated
+  std::vector<coarser_node> coarser;  // its levels of detail, finer ones first
+  float least_coverage = 0.0f;        // MSFT_screencoverage: below it nothing is drawn
 };
 
 // What a file states about all nodes.

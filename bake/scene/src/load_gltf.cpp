@@ -15,6 +15,7 @@
 #include "accessor.h"
 #include "gltf_document.h"
 #include "import_scene.h"
+#include "joined_tree.h"
 #include "json_object.h"
 #include "lod_levels.h"
 #include "marked_cells.h"
@@ -77,16 +78,17 @@ glm::dmat4 local_transform(const tinygltf::Node& node) {
 
 class importer {
  public:
-  // poses: may be null.
+  // poses, switches: may be null.
   importer(const tinygltf::Model& model, const gltf_document& document, const std::string& file, scene& out,
-           pose_list* poses)
+           pose_list* poses, std::vector<object_switches>* switches)
       : model_(model),
         accessors_(document.accessors),
         coordinates_(document.coordinates),
         nodes_(document.nodes),
         file_(file),
         out_(out),
-        poses_(poses) {
+        poses_(poses),
+        switches_(switches) {
     group_numbers_.resize(nodes_.groups.size(), no_index);
   }
 
@@ -145,6 +147,7 @@ class importer {
   const std::string& file_;                   // for messages
   scene& out_;
   pose_list* poses_;
+  std::vector<object_switches>* switches_;
   // Keys of shared geometries. Primitives that differ in material only share one: (positions, texture coordinates,
   // their transform, colors, indices, mode, clusters). Posed ones: mesh, primitive, pose.
   std::map<std::tuple<int, int, int, int, int, int, int>, std::uint32_t> geometries_;
@@ -492,9 +495,13 @@ void importer::walk(const std::vector<int>& roots) {
   const auto push = [&stack](const std::vector<int>& nodes, const from_above& parent) {
     for (auto it = nodes.rbegin(); it != nodes.rend(); ++it) stack.push_back({*it, parent});
   };
-  const auto children = [this](std::size_t node) -> const std::vector<int>& { return model_.nodes[node].children; };
-  lod_levels levels(nodes_, roots, children, out_.warnings);
-  push(roots, {});
+  const std::function<const std::vector<int>&(std::size_t)> of_file =
+      [this](std::size_t node) -> const std::vector<int>& { return model_.nodes[node].children; };
+  joined_tree tree(roots, of_file);
+  if (switches_ != nullptr) tree.join(nodes_);
+  const auto children = [&tree](std::size_t node) -> const std::vector<int>& { return tree.children(node); };
+  lod_levels levels(nodes_, tree.roots(), children, out_.warnings);
+  push(tree.roots(), {});
   while (!stack.empty()) {
     const pending next = stack.back();
     stack.pop_back();
@@ -516,9 +523,9 @@ void importer::walk(const std::vector<int>& roots) {
       const bool has_mesh = model_.nodes[node].mesh >= 0;
       add_marked_cells(out_, static_cast<std::uint32_t>(node), here.to_world, has_mesh ? &first_draw : nullptr);
     }
-    push(model_.nodes[node].children, here);
+    push(children(node), here);
   }
-  levels.settle(out_.draws);
+  levels.settle(out_.draws, switches_);
   warn_of_movement();
 }
 
@@ -551,7 +558,8 @@ std::vector<int> roots_of(const tinygltf::Model& model, int scene_index, const s
 
 }  // namespace
 
-scene import_gltf(gltf_file file, const gltf_source& source, std::string name, int scene_index, pose_list* poses) {
+scene import_gltf(gltf_file file, const gltf_source& source, std::string name, int scene_index, pose_list* poses,
+                  std::vector<object_switches>* switches) {
   gltf_document document = read_gltf_document(std::move(file), source);
   scene out;
   out.name = std::move(name);
@@ -562,7 +570,7 @@ scene import_gltf(gltf_file file, const gltf_source& source, std::string name, i
   out.warnings = std::move(document.warnings);
   for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
   for (const tinygltf::Mesh& mesh : model.meshes) out.mesh_names.push_back(mesh.name);
-  importer(model, document, source.name, out, poses).walk(roots_of(model, scene_index, source.name));
+  importer(model, document, source.name, out, poses, switches).walk(roots_of(model, scene_index, source.name));
   if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
   finish(out);
   return out;

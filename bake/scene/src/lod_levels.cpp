@@ -22,7 +22,7 @@ lod_levels::lod_levels(const node_list& nodes, const std::vector<int>& roots,
   for (std::uint32_t object = 0; object < count; ++object) {
     if (!reached(object)) continue;
     std::uint32_t level = 0;
-    for (const std::uint32_t node : nodes.nodes[object].coarser) claim(object, ++level, node);
+    for (const coarser_node& coarser : nodes.nodes[object].coarser) claim(object, ++level, coarser.node);
   }
   if (missing_ > 0) {
     warnings_.push_back(
@@ -91,7 +91,7 @@ lod_place lod_levels::below(const lod_place& parent, std::uint32_t node) {
   return {parent.object, std::max(parent.level, here.level)};
 }
 
-void lod_levels::settle(std::vector<draw>& draws) {
+void lod_levels::settle(std::vector<draw>& draws, std::vector<object_switches>* switches) {
   if (places_.empty()) return;
   struct levels {
     std::uint32_t finest = no_index, coarsest = 0, number = no_index;
@@ -117,6 +117,18 @@ void lod_levels::settle(std::vector<draw>& draws) {
     d.lod_level -= object.finest;
     if (object.number == no_index) object.number = count++;
     d.lod_object = object.number;
+  }
+  if (switches == nullptr) return;
+  switches->assign(count, {});
+  for (std::uint32_t node = 0; node < places_.size(); ++node) {
+    const std::vector<coarser_node>& coarser = nodes_.nodes[node].coarser;
+    const auto object = reached(node) ? objects.find(united(node)) : objects.end();
+    if (coarser.empty() || object == objects.end() || object->second.number == no_index) continue;
+    object_switches& out = (*switches)[object->second.number];
+    out.least_coverage = std::max(out.least_coverage, nodes_.nodes[node].least_coverage);
+    // Of objects that are one, the first with a level decides where it begins.
+    for (std::size_t i = object->second.finest + out.begins.size(); i < coarser.size(); ++i)
+      out.begins.push_back(coarser[i].begins);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// MSFT_lod: finds the object that each node of a scene belongs to, and its level of detail.
+// MSFT_lod and extras.sightcell.level_of: finds the object that each node of a scene belongs to, and its level of
+// detail.
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -12,8 +13,14 @@ namespace sightcell::scene {
 
 // The object and level of a node.
 struct lod_place {
-  std::uint32_t object = no_index;  // number of its node with the extension
+  std::uint32_t object = no_index;  // number of its node with levels
   std::uint32_t level = 0;
+};
+
+// Where the levels of an object begin.
+struct object_switches {
+  std::vector<level_switch> begins;  // of the levels from 1 on
+  float least_coverage = 0.0f;       // below it nothing is drawn
 };
 
 // Objects whose levels contain each other are united, because a draw has one object and one level, and drawing too
@@ -28,8 +35,8 @@ class lod_levels {
   lod_place below(const lod_place& parent, std::uint32_t node);
 
   // Numbers objects from 0 in the order of their first draws. draws: with objects and levels from below(). Objects
-  // with a single level are removed.
-  void settle(std::vector<draw>& draws);
+  // with a single level are removed. switches: by object; may be null.
+  void settle(std::vector<draw>& draws, std::vector<object_switches>* switches);
 
  private:
   void claim(std::uint32_t object, std::uint32_t level, std::uint32_t node);

@@ -216,7 +216,9 @@ void apply(const overrides& given, scene::world_geometry& geometry) {
     kind.absent = true;
     kind.always = kind.alpha_tested = false;
   });
-  std::erase_if(geometry.masked, [&](const scene::masked_polygon& m) { return contains(given.never, m.id); });
+  const auto left_out = [&](const scene::masked_polygon& m) { return contains(given.never, m.id); };
+  if (std::erase_if(geometry.masked, left_out) > 0)
+    geometry.opacity = scene::make_opacity_maps(geometry.masked, geometry.masks);
   for (scene::lod_object& object : geometry.lods) object.coarser = difference(object.coarser, given.never);
   find_bounds(geometry);
 }

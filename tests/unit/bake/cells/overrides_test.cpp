@@ -111,6 +111,25 @@ TEST(overrides, masks_and_levels_of_never_are_gone) {
   EXPECT_EQ(pairs_of(geometry.lods[0].coarser), (pairs{{1, 1}, {3, 3}}));
 }
 
+TEST(overrides, masks_after_those_of_never_keep_their_opacity_maps) {
+  test::tiny_scene tiny;
+  tiny.masked_quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {8, 1, {0, 0, 0, 0, 255, 255, 255, 255}});
+  tiny.masked_quad({0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {8, 1, {255, 255, 255, 255, 0, 0, 0, 0}});
+  scene::world_geometry geometry = scene::flatten(tiny.finished());
+  const auto known = [&](std::size_t masked) {
+    std::vector<scene::opacity> out;
+    for (const float u : {0.1f, 0.5f, 0.8f}) out.push_back(geometry.opacity.at(masked, u, 0.1f));
+    return out;
+  };
+  const std::vector<scene::opacity> before = known(2);
+  ASSERT_NE(before, known(0));
+  overrides given;
+  given.never = {{0, 2}};
+  apply(given, geometry);
+  EXPECT_EQ(geometry.opacity.map_of.size(), geometry.masked.size());
+  EXPECT_EQ(known(0), before);
+}
+
 TEST(overrides, never_wins_over_what_a_cell_adds) {
   ids set{5};
   add_polygons(parsed(R"({"never":{"polygons":[2,4]},"cells":[{"add":{"polygons":[[1,5],8]}}]})"), 0, set);

@@ -130,6 +130,24 @@ TEST_F(two_scenes, give_the_sets_that_they_have_as_one) {
   }
 }
 
+TEST(joined_scenes, have_the_opacity_maps_of_both) {
+  tiny_scene one, other;
+  one.masked_quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {8, 1, {0, 0, 0, 0, 255, 255, 255, 255}});
+  other.masked_quad({0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {8, 1, {255, 255, 255, 255, 0, 0, 0, 0}});
+  scene::world_geometry world = scene::flatten(one.finished()), added = scene::flatten(other.finished());
+  const auto known = [](const scene::world_geometry& of, std::size_t masked) {
+    std::vector<scene::opacity> out;
+    for (const float u : {0.1f, 0.5f, 0.8f}) out.push_back(of.opacity.at(masked, u, 0.1f));
+    return out;
+  };
+  const std::vector<scene::opacity> first = known(world, 0), second = known(added, 0);
+  ASSERT_NE(first, second);
+  append(world, std::move(added), false, "other");
+  ASSERT_EQ(world.opacity.map_of.size(), 4u);
+  EXPECT_EQ(known(world, 0), first);
+  EXPECT_EQ(known(world, 2), second);
+}
+
 TEST_F(two_scenes, have_the_cells_of_one) {
   // The other one has a floor, where nobody walks.
   tiny_scene other;
