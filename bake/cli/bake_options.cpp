@@ -31,6 +31,10 @@ void add_output_options(CLI::App& verb, bake_options& o) {
       "azimuth in degrees, clockwise from north (-z), and its elevation above the horizon. With a second "
       "pair: a sun that moves from one place to the other. May be repeated.")
       ->take_all();
+  verb.add_flag("--lights", o.settings.lights,
+                "Also finds the polygons that each point and spot light of the scene reaches, for its shadow map, and "
+                "which lights touch what is visible from a cell, for culling lights.")
+      ->group(group);
   verb.add_flag("--importance", o.settings.file.importance,
                 "Stores how large a part of the view from its cell each polygon covers, so that a host can load the "
                 "largest polygons first.")

@@ -45,6 +45,17 @@ nlohmann::ordered_json suns_json(const bake_options& options, const bake::summar
   return list;
 }
 
+nlohmann::ordered_json lights_json(const bake::summary& sum) {
+  if (!sum.lights) return nullptr;
+  return {{"lights", sum.lights->lights},
+          {"inside_solids", sum.lights->inside_solids},
+          {"polygons_per_light", sum.lights->polygons_per_light},
+          {"lights_per_cell", sum.lights->lights_per_cell},
+          {"max_upper_bound", sum.lights->max_upper_bound},
+          {"over_bound", sum.lights->over_bound},
+          {"rays", sum.lights->rays}};
+}
+
 nlohmann::ordered_json found_json(const bake::found_shares& found) {
   return {{"sampler", found.sampler},
           {"touching", found.touching},
@@ -82,6 +93,7 @@ nlohmann::ordered_json summary_json(const bake_options& options, const scene::sc
           {"volumes", sum.volumes},
           {"volumes_per_cell", sum.volumes_per_cell},
           {"suns", suns_json(options, sum)},
+          {"lights", lights_json(sum)},
           {"unseen_per_cell", sum.unseen_per_cell},
           {"unseen_percent", sum.unseen_percent},
           {"max_upper_bound", sum.max_upper_bound},
@@ -108,6 +120,14 @@ std::string suns_text(const bake::settings& how, const bake::summary& sum, std::
       "{:.2e} (asked for {:g}), {} cells above it",
       sun.from[0], sun.from[1], way, found.casters_per_cell, found.max_upper_bound, how.max_pixel_error,
       grouped(found.cells_over_bound));
+}
+
+std::string lights_text(const bake::settings& how, const bake::light_summary& found) {
+  return fmt::format(
+      "{} lights: {:.0f} polygons per light, {:.2f} lights per cell, largest bound of a light's error: {:.2e} (asked "
+      "for {:g}), {} lights above it",
+      grouped(found.lights), found.polygons_per_light, found.lights_per_cell, found.max_upper_bound,
+      how.max_pixel_error, grouped(found.over_bound));
 }
 
 std::string rebaked_text(const bake::rebaked_cells& cells, double cpu_seconds) {
@@ -161,6 +181,7 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
                              sum.volumes_per_cell));
   if (how.safety_ring != bake::safety_ring::none) line.message(safety_ring_text(sum));
   for (std::size_t sun = 0; sun < sum.suns.size(); ++sun) line.message(suns_text(how, sum, sun));
+  if (sum.lights && sum.lights->lights > 0) line.message(lights_text(how, *sum.lights));
   if (how.max_pixel_error > 0.0)
     line.message(fmt::format("largest bound of a cell's {}: {:.2e} (asked for {:g})", error_name(how.metric),
                              sum.max_upper_bound, how.max_pixel_error));

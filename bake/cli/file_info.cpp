@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "number_text.h"
@@ -10,6 +11,7 @@
 #include "sightcell/base/json_text.h"
 #include "sightcell/format/identity_table.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/format/light_table.h"
 #include "sightcell/format/residency_table.h"
 
 namespace sightcell::cli {
@@ -49,6 +51,8 @@ std::string section_name(std::uint32_t id) {
       return "draw identity";
     case format::layout::section_casters:
       return "shadow casters";
+    case format::layout::section_lights:
+      return "lights";
     case format::layout::section_residency:
       return "texture residency";
     case format::layout::section_borders:
@@ -133,6 +137,30 @@ ordered_json residency_json(const format::reader& file) {
           {"texels_percent", all > 0.0 ? 100.0 * needed / (all * file.cell_count()) : 0.0}};
 }
 
+// Of each light what it is and its bound; null where there are none.
+ordered_json lights_json(const format::reader& file) {
+  format::light_table table;
+  const format::status opened = format::light_table::open(file, table);
+  if (opened == format::status::absent) return nullptr;
+  if (opened != format::status::ok) return std::string(format::status_text(opened));
+  ordered_json list = ordered_json::array();
+  for (std::uint32_t i = 0; i < table.light_count(); ++i) {
+    format::light_record light;
+    format::certificate_record proof;
+    if (table.light(i, light) != format::status::ok) continue;
+    if (table.sets().certificate(i, i, proof) != format::status::ok) continue;
+    std::uint32_t cells = 0;
+    for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell) cells += table.touches(cell, i) ? 1 : 0;
+    list.push_back({{"node", light.node},
+                    {"position", light.position},
+                    {"range", std::isfinite(light.range) ? ordered_json(light.range) : ordered_json(nullptr)},
+                    {"cone", light.cone},
+                    {"upper_bound", proof.upper_bound},
+                    {"cells", cells}});
+  }
+  return list;
+}
+
 ordered_json named_groups_json(const format::reader& file) {
   ordered_json names = ordered_json::array();
   std::string_view name;
@@ -199,6 +227,7 @@ ordered_json file_info(const pvs_file& pvs, const std::string& name) {
                                         : ordered_json(nullptr)},
           {"importance", importance_json(file, sums.polygons)},
           {"residency", residency_json(file)},
+          {"lights", lights_json(file)},
           {"volumes", file.volumes().count()},
           {"volume_width", file.volumes().count() > 0 ? ordered_json(file.volumes().shape().width) : nullptr},
           {"volumes_per_cell", sums.volumes_per_cell()},

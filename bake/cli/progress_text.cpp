@@ -27,7 +27,8 @@ constexpr phase_words words_of_phases[] = {{"loading", "loading"},
                                            {"checking_neighbors", "neighbor check"},
                                            {"writing_file", "writing the file"},
                                            {"measuring_importance", "importance of polygons"},
-                                           {"finding_casters", "shadow casters"}};
+                                           {"finding_casters", "shadow casters"},
+                                           {"finding_lights", "lights"}};
 
 // What the line has, the most important first.
 enum class rank { head, time_left, slow_cell, place_of_cell, target, worst_bound, rate, error, visible };
@@ -148,12 +149,13 @@ std::string_view phase_text(bake::bake_phase phase) {
 bool is_counted(bake::bake_phase phase) {
   using enum bake::bake_phase;
   return phase == merging_cells || phase == preparing_sampler || phase == baking_cells || phase == checking_neighbors ||
-         phase == measuring_importance || phase == finding_casters;
+         phase == measuring_importance || phase == finding_casters || phase == finding_lights;
 }
 
 bool is_last(const bake::progress& now) {
   if (now.phase == bake::bake_phase::measuring_importance) return now.importance == 1.0;
   if (now.phase == bake::bake_phase::finding_casters) return now.casters == 1.0;
+  if (now.phase == bake::bake_phase::finding_lights) return now.lights == 1.0;
   const bool cells = now.phase == bake::bake_phase::baking_cells || now.phase == bake::bake_phase::checking_neighbors;
   return cells && now.target == 0.0 && now.cells_done == now.cells_total && now.cells_per_second > 0.0 &&
          now.seconds_left == 0.0 && now.cells_in_work == 0;
@@ -172,6 +174,8 @@ std::string progress_text(const bake::progress& now, std::size_t width) {
     fields.back().text += fmt::format(": {:.0f} %", 100.0 * now.importance);
   if (now.phase == finding_casters && now.casters > 0.0)
     fields.back().text += fmt::format(": {:.0f} %", 100.0 * now.casters);
+  if (now.phase == finding_lights && now.lights > 0.0)
+    fields.back().text += fmt::format(": {:.0f} %", 100.0 * now.lights);
   return fitted(fields, width);
 }
 

@@ -22,6 +22,7 @@
 #include "sightcell/bake/verify_casters.h"
 #include "sightcell/bake/verify_cut.h"
 #include "sightcell/bake/verify_levels.h"
+#include "sightcell/bake/verify_lights.h"
 #include "sightcell/base/error.h"
 #include "sightcell/scene/object_levels.h"
 #include "sightcell/scene/scene.h"
@@ -50,7 +51,8 @@ struct verify_options {
   std::optional<double> max_pixel_error;  // without it: the bound that the bake was asked for
   double bound = 0.0;                     // the one that decides
   bool json = false;
-  bool suns = false;  // the shadow casters too
+  bool suns = false;    // the shadow casters too
+  bool lights = false;  // likewise
   bake::cut_settings cut;
   bool cuts = false;    // levels of detail in place of the polygons of the sets
   bool levels = false;  // levels of detail of objects in their place
@@ -129,13 +131,37 @@ std::pair<ordered_json, bool> verify_with_rays(const scene::scene& s, const pvs_
           v.upper_bound <= options.bound};
 }
 
+// Lists polygons beside those that cells lack. what: such a polygon; place: what it is missing for.
+ordered_json list_missing(const scene::scene& s, const std::vector<bake::missing_polygon>& missing, const char* what,
+                          const char* place, progress_line& line) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    const bake::missing_polygon& miss = missing[i];
+    const std::uint32_t draw = scene::draw_of(s, miss.polygon);
+    const std::uint32_t node = s.draws[draw].node;
+    const std::string node_name = node < s.node_names.size() ? s.node_names[node] : std::string();
+    list.push_back({{place, miss.cell},
+                    {"polygon", miss.polygon},
+                    {"draw", draw},
+                    {"node", node},
+                    {"node_name", node_name},
+                    {"rays", miss.rays},
+                    {"eye", miss.eye},
+                    {"target", miss.target}});
+    if (i < named_on_terminal)
+      line.message(fmt::format("missing {}: polygon {} (draw {}, node {} \"{}\") in {} {}: {} rays", what, miss.polygon,
+                               draw, node, node_name, place, miss.cell, miss.rays));
+  }
+  return list;
+}
+
 // Returns the result for --json, and whether the bound was met for each sun.
 std::pair<ordered_json, bool> verify_suns(const scene::scene& s, const pvs_file& file, const verify_options& options,
                                           progress_line& line) {
   const bake::caster_verification v =
       bake::verify_casters(s, file.bytes(), options.file.string(), options.how,
                            [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
-  ordered_json result = {{"suns", ordered_json::array()}, {"missing", ordered_json::array()}};
+  ordered_json result = {{"suns", ordered_json::array()}};
   bool passed = true;
   for (std::size_t sun = 0; sun < v.suns.size(); ++sun) {
     const bake::sun_verification& one = v.suns[sun];
@@ -157,23 +183,7 @@ std::pair<ordered_json, bool> verify_suns(const scene::scene& s, const pvs_file&
                               {"set_percent", one.set_percent}});
     passed = passed && met;
   }
-  for (std::size_t i = 0; i < v.missing.size(); ++i) {
-    const bake::missing_polygon& miss = v.missing[i];
-    const std::uint32_t draw = scene::draw_of(s, miss.polygon);
-    const std::uint32_t node = s.draws[draw].node;
-    const std::string node_name = node < s.node_names.size() ? s.node_names[node] : std::string();
-    result["missing"].push_back({{"cell", miss.cell},
-                                 {"polygon", miss.polygon},
-                                 {"draw", draw},
-                                 {"node", node},
-                                 {"node_name", node_name},
-                                 {"rays", miss.rays},
-                                 {"eye", miss.eye},
-                                 {"target", miss.target}});
-    if (i < named_on_terminal)
-      line.message(fmt::format("missing caster: polygon {} (draw {}, node {} \"{}\") in cell {}: {} rays", miss.polygon,
-                               draw, node, node_name, miss.cell, miss.rays));
-  }
+  result["missing"] = list_missing(s, v.missing, "caster", "cell", line);
   return {std::move(result), passed};
 }
 
@@ -186,6 +196,29 @@ std::pair<ordered_json, bool> verify_levels_of(const scene::scene& s, const pvs_
                           [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
   report_levels(v, s, options.bound, line);
   return {levels_json(v, s, options.bound), v.upper_bound <= options.bound};
+}
+
+// Likewise.
+std::pair<ordered_json, bool> verify_lights(const scene::scene& s, const pvs_file& file, const verify_options& options,
+                                            progress_line& line) {
+  const bake::light_verification v =
+      bake::verify_lights(s, file.bytes(), options.file.string(), options.how,
+                          [&line](std::uint32_t done, std::uint32_t total) { line.update(done, total); });
+  const bool met = v.lights == 0 || v.upper_bound <= options.bound;
+  line.message(
+      fmt::format("{}: {} lights: {} of {} rays meet a polygon that the set of the light lacks; at most {:.2e} ({:g} % "
+                  "sure); asked for {:g}",
+                  met ? "passed" : "FAILED", grouped(v.lights), grouped(v.misses), grouped(v.rays), v.upper_bound,
+                  100.0 * v.confidence, options.bound));
+  if (v.inside_solids > 0)
+    line.message(fmt::format("{} further lights are inside solids and were not measured", grouped(v.inside_solids)));
+  return {{{"lights", v.lights},
+           {"inside_solids", v.inside_solids},
+           {"rays", v.rays},
+           {"misses", v.misses},
+           {"upper_bound", v.upper_bound},
+           {"missing", list_missing(s, v.missing, "polygon of a light", "light", line)}},
+          met};
 }
 
 int run_verify(verify_options options) {
@@ -204,9 +237,10 @@ int run_verify(verify_options options) {
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
   const std::optional<scene::scene> of_cells = load_scene_of_cells(options.scenes, line);
   if (of_cells) options.how.cells_from = &*of_cells;
-  // First, because a file without casters is refused.
-  std::optional<std::pair<ordered_json, bool>> of_suns;
+  // First, because a file without casters or lights is refused.
+  std::optional<std::pair<ordered_json, bool>> of_suns, of_lights;
   if (options.suns) of_suns = verify_suns(s, file, options, line);
+  if (options.lights) of_lights = verify_lights(s, file, options, line);
   ordered_json result;
   bool passed = true;
   if (options.with_rays) std::tie(result, passed) = verify_with_rays(s, file, options, line);
@@ -237,6 +271,11 @@ int run_verify(verify_options options) {
     result["passed"] = passed;
     result["casters"] = std::move(of_suns->first);
   }
+  if (of_lights) {
+    passed = passed && of_lights->second;
+    result["passed"] = passed;
+    result["lights"] = std::move(of_lights->first);
+  }
   if (options.json) fmt::print("{}\n", result.dump(2, ' ', false, ordered_json::error_handler_t::replace));
   return passed ? exit_done : exit_bound_not_met;
 }
@@ -258,7 +297,8 @@ void add_level_options(CLI::App& verb, verify_options& options) {
                        "commas. docs/meshlets.md has the rule.")
           ->delimiter(',')
           ->allow_extra_args(false);
-  for (const char* other : {"--from", "--sun", "--metric", "--cells-from"}) pixels->excludes(verb.get_option(other));
+  for (const char* other : {"--from", "--sun", "--lights", "--metric", "--cells-from"})
+    pixels->excludes(verb.get_option(other));
   add_option(verb, group, "--cut-rows", cut.rows, "N", "Rows of the picture that has these pixels.")->needs(pixels);
   add_option(verb, group, "--cut-fov", cut.fov, "DEGREES", "Vertical field of view of this picture.")->needs(pixels);
   CLI::Option* const levels =
@@ -268,7 +308,7 @@ void add_level_options(CLI::App& verb, verify_options& options) {
               "in place of the sets alone: of each object the level that its distance chooses. docs/levels.md has "
               "the rule.")
           ->group(group);
-  for (const char* other : {"--from", "--sun", "--metric", "--cells-from", "--cut"})
+  for (const char* other : {"--from", "--sun", "--lights", "--metric", "--cells-from", "--cut"})
     levels->excludes(verb.get_option(other));
   add_option(verb, group, "--levels-fov", options.levels_fov, "DEGREES",
              "Vertical field of view of the picture that MSFT_screencoverage is about.")
@@ -308,6 +348,10 @@ void add_verify_verb(CLI::App& program, action& chosen) {
   verb.add_flag("--sun", options->suns,
                 "Verifies the shadow casters too, for each sun that the file was baked with: counts rays that show a "
                 "point without its shadow, and lists the casters that are missing.")
+      ->group(group);
+  verb.add_flag("--lights", options->lights,
+                "Verifies the lights too: counts rays from the lights that meet a polygon inside range and cone which "
+                "the set of the light lacks, and lists the polygons that are missing.")
       ->group(group);
   add_plain_option(verb, group, "--picture", options->picture, "FOLDER",
                    "Folder for the pictures of the worst view. Default: the folder of FILE.");

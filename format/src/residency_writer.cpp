@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <new>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "bit_reader.h"
@@ -14,6 +12,7 @@
 #include "code_lengths.h"
 #include "code_table_writer.h"
 #include "last_section.h"
+#include "memory_status.h"
 #include "packed_columns_writer.h"
 #include "prefix_code.h"
 #include "residency_numbers.h"
@@ -145,28 +144,14 @@ status put_checked(std::span<const std::byte> bytes, const residency_source* sou
   return status::ok;
 }
 
-status put_or_fail(std::span<const std::byte> bytes, const residency_source* source, std::vector<std::byte>& out) {
-#if defined(__cpp_exceptions)
-  try {
-    return put_checked(bytes, source, out);
-  } catch (const std::bad_alloc&) {
-    return status::memory;
-  } catch (const std::length_error&) {  // thrown by a vector above its largest size
-    return status::memory;
-  }
-#else
-  return put_checked(bytes, source, out);
-#endif
-}
-
 }  // namespace
 
 status put_residency(std::span<const std::byte> file, const residency_source& source, std::vector<std::byte>& out) {
-  return put_or_fail(file, &source, out);
+  return or_memory([&] { return put_checked(file, &source, out); });
 }
 
 status remove_residency(std::span<const std::byte> file, std::vector<std::byte>& out) {
-  return put_or_fail(file, nullptr, out);
+  return or_memory([&] { return put_checked(file, nullptr, out); });
 }
 
 }  // namespace sightcell::format

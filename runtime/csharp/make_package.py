@@ -24,6 +24,7 @@ STRUCT_NAMES = {
     'sightcell_command': 'IndirectCommand',
     'sightcell_db_stats': 'DatabaseStats',
     'sightcell_info': 'DatabaseInfo',
+    'sightcell_light': 'BakedLight',           # UnityEngine has a Light
     'sightcell_range': 'PolygonRange',         # System has a Range
     'sightcell_source': 'PagedSource',
     'sightcell_texture': 'ResidentTexture',    # UnityEngine has a Texture

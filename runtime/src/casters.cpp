@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <new>
 
 #include "index_list.h"
@@ -176,13 +175,5 @@ sightcell_status sightcell_view_caster_indices(const sightcell_view* view, sight
                                                const uint32_t* stored_indices, uint32_t* dst, size_t capacity,
                                                size_t* count) {
   if (!can_show(view, casters, sun, dst, capacity, count)) return SIGHTCELL_ERR_ARGUMENT;
-  const std::span<const format::run> set = casters->shadow_set(*view, sun);
-  std::uint64_t polygons = 0;
-  for (const format::run& r : set) polygons += r.count;
-  if (3 * polygons > std::numeric_limits<std::size_t>::max()) return SIGHTCELL_ERR_LIMIT;
-  *count = static_cast<std::size_t>(3 * polygons);
-  if (*count > capacity) return SIGHTCELL_ERR_CAPACITY;
-  if (*count > 0 && stored_indices == nullptr) return SIGHTCELL_ERR_ARGUMENT;
-  copy_indices(set, stored_indices, dst);
-  return SIGHTCELL_OK;
+  return write_indices(casters->shadow_set(*view, sun), stored_indices, dst, capacity, count);
 }

@@ -30,7 +30,7 @@ class Usage(InRoom):
     def test_help_of_bake_has_what_most_users_need_and_two_examples(self):
         out, _ = self.expect(0, 'bake', '--help')
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
-            '-o', '--volumes', '--sun', '--importance', '--report', '--cells-file', '--cells-grid', '--reach', '--start',
+            '-o', '--volumes', '--sun', '--lights', '--importance', '--report', '--cells-file', '--cells-grid', '--reach', '--start',
             '--fly', '--cell-size', '--cell-limit', '--quality', '--max-pixel-error', '--player-radius', '--animated',
             '--time-budget', '--threads', '--shard', '--fresh', '--keep-records', '--since', '--watch', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),

@@ -106,7 +106,7 @@ internal static unsafe class Dump
         Line("clusters", Status.Ok, clusters.Length, clusters, 3 * clusters.Length);
     }
 
-    private static void Outputs(Frame frame, ClusterMap own, ClusterMap ofFile, Casters casters,
+    private static void Outputs(Frame frame, ClusterMap own, ClusterMap ofFile, Casters casters, Lights lights,
         Residency residency)
     {
         ulong[] objects = new ulong[(info.DrawCount + 63) / 64];
@@ -138,6 +138,12 @@ internal static unsafe class Dump
             List("casters", () => view.CasterRanges(casters, 0, ranges), ranges, 3);
             List("caster indices", () => view.CasterIndices(casters, 0, stored, words), words, 1);
         }
+        if (lights != null)
+        {
+            List("lights", () => view.LightsHere(lights, words), words, 1);
+            List("light", () => view.LightRanges(lights, 3, ranges), ranges, 3);
+            List("light indices", () => view.LightIndices(lights, 3, stored, words), words, 1);
+        }
         if (residency != null)
         {
             byte[] levels = new byte[residency.Textures().Length];
@@ -158,12 +164,13 @@ internal static unsafe class Dump
         Console.WriteLine("{0} 0 {1} {2} {3} {4}", name, frame.Cell, (uint)frame.Flags, frame.PolygonCount, frame.Revision);
     }
 
-    private static void Move(Float3 eye, ClusterMap own, ClusterMap ofFile, Casters casters, Residency residency)
+    private static void Move(Float3 eye, ClusterMap own, ClusterMap ofFile, Casters casters, Lights lights,
+        Residency residency)
     {
         Float3 max = new Float3(eye.X + 0.5f, eye.Y + 0.5f, eye.Z + 0.5f);
         Frame frame = view.Move(eye);
         Frame("move", frame);
-        Outputs(frame, own, ofFile, casters, residency);
+        Outputs(frame, own, ofFile, casters, lights, residency);
         Console.WriteLine("visible 0 {0}", view.BoxVisible(eye, max) ? 1 : 0);
         Frame("box", view.MoveBox(eye, max));
     }
@@ -174,11 +181,18 @@ internal static unsafe class Dump
         for (uint i = 0; i < clusterOfSource.Length; ++i) clusterOfSource[i] = i / 7;
         ClusterMap ofFile = null;
         Casters casters = null;
+        Lights lights = null;
         Residency residency = null;
         using (ClusterMap own = new ClusterMap(database, clusterOfSource, (int)info.PolygonCount / 7 + 1))
         {
             Console.WriteLine("map {0}", (int)Try(() => { ofFile = new ClusterMap(database); return 0; }, out _));
             Console.WriteLine("suns {0}", (int)Try(() => { casters = new Casters(database); return 0; }, out _));
+            Console.WriteLine("lights {0}", (int)Try(() => { lights = new Lights(database); return 0; }, out _));
+            if (lights != null)
+            {
+                BakedLight[] all = lights.List();
+                Line("list of lights", Status.Ok, all.Length, all, sizeof(BakedLight) / 4 * all.Length);
+            }
             Console.WriteLine("residency {0}", (int)Try(() => { residency = new Residency(database); return 0; }, out _));
             if (residency != null)
             {
@@ -190,13 +204,13 @@ internal static unsafe class Dump
             {
                 Box box = database.CellBox(c);
                 Move(new Float3(0.5f * (box.Min.X + box.Max.X), 0.5f * (box.Min.Y + box.Max.Y), 0.5f * (box.Min.Z + box.Max.Z)),
-                    own, ofFile, casters, residency);
+                    own, ofFile, casters, lights, residency);
             }
             view.SetOrigin(new Double3(1e6, 0, -1e6));
             view.SetPolicy(ViewPolicy.OutsideNearest | ViewPolicy.PendingLast, 3e6f);
             Console.WriteLine("origin 0\npolicy 0");
             for (uint g = 0; g < database.NamedGroupCount; ++g) view.ShowNamedGroup(g, false);
-            Move(new Float3(-1e6f, 0.5f, 1e6f), own, ofFile, casters, residency);
+            Move(new Float3(-1e6f, 0.5f, 1e6f), own, ofFile, casters, lights, residency);
         }
         ViewStats[] stats = { view.Statistics };
         Line("statistics", Status.Ok, (int)stats[0].Moves, stats, sizeof(ViewStats) / 4);
@@ -204,6 +218,7 @@ internal static unsafe class Dump
                           new Miss { Eye = new Double3(-1.5, 0.125, 3e5), Polygon = info.PolygonCount - 1 } };
         Console.WriteLine(database.MissesText(misses));
         residency?.Dispose();
+        lights?.Dispose();
         casters?.Dispose();
         ofFile?.Dispose();
     }

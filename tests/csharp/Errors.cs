@@ -43,6 +43,7 @@ internal static class Errors
         Expect("no importance", () => view.Importance(new float[database.Info.DrawCount]));
         Expect("no names", () => database.DrawName(0, NameKind.Node));
         Expect("no casters", () => new Casters(database));
+        Expect("no lights", () => new Lights(database));
         Expect("no residency", () => new Residency(database));
         Expect("clusters of polygons", () => new ClusterMap(database));
         Expect("table of one", () => new ClusterMap(database, new uint[1], 1));

@@ -170,7 +170,8 @@ class Csharp(harness.InFolder):
             'bytes of text.pvs: NotOurs not_ours', 'null path: ArgumentNullException',
             'null database: ArgumentNullException', 'no such cell: Argument argument', 'NaN: Argument argument',
             'after NaN: some ranges', 'small span: Capacity capacity', 'no importance: Absent absent',
-            'no names: Absent absent', 'no casters: Absent absent', 'no residency: Absent absent',
+            'no names: Absent absent', 'no casters: Absent absent', 'no lights: Absent absent',
+            'no residency: Absent absent',
             'clusters of polygons: Absent absent',
             'table of one: Argument argument', 'rows: Argument argument', 'disposed view: ObjectDisposedException',
             'disposed database: ObjectDisposedException'])

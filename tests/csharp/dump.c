@@ -2,6 +2,7 @@
 #include <sightcell/casters.h>
 #include <sightcell/clusters.h>
 #include <sightcell/identity.h>
+#include <sightcell/lights.h>
 #include <sightcell/residency.h>
 #include <sightcell/sightcell.h>
 #include <sightcell/viewpoints.h>
@@ -88,7 +89,7 @@ static void write_scene(void) {
 }
 
 static void write_outputs(sightcell_frame frame, sightcell_cluster_map* own, sightcell_cluster_map* of_file,
-                          sightcell_casters* casters, sightcell_residency* residency) {
+                          sightcell_casters* casters, sightcell_lights* lights, sightcell_residency* residency) {
   size_t count = 0, removed = 0;
   uint64_t objects[4] = {0};
   const size_t object_words = (info.draw_count + 63) / 64;
@@ -115,6 +116,11 @@ static void write_outputs(sightcell_frame frame, sightcell_cluster_map* own, sig
     LIST("casters", sightcell_view_casters(view, casters, 0, ranges, 20000, &count), ranges, 3);
     LIST("caster indices", sightcell_view_caster_indices(view, casters, 0, stored, words, 60000, &count), words, 1);
   }
+  if (lights != NULL) {
+    LIST("lights", sightcell_view_lights(view, lights, words, 60000, &count), words, 1);
+    LIST("light", sightcell_view_light_ranges(view, lights, 3, ranges, 20000, &count), ranges, 3);
+    LIST("light indices", sightcell_view_light_indices(view, lights, 3, stored, words, 60000, &count), words, 1);
+  }
   if (residency != NULL) {
     uint8_t levels[16];
     s = sightcell_view_texture_levels(view, residency, 700, levels, 16, &count);
@@ -131,14 +137,14 @@ static void write_outputs(sightcell_frame frame, sightcell_cluster_map* own, sig
 }
 
 static void move(const float eye[3], sightcell_cluster_map* own, sightcell_cluster_map* of_file,
-                 sightcell_casters* casters, sightcell_residency* residency) {
+                 sightcell_casters* casters, sightcell_lights* lights, sightcell_residency* residency) {
   sightcell_frame frame;
   const float max[3] = {eye[0] + 0.5f, eye[1] + 0.5f, eye[2] + 0.5f};
   uint32_t visible = 0;
   sightcell_status s = sightcell_view_move(view, eye, &frame);
   printf("move %d %u %u %u %u\n", (int)s, (unsigned)frame.cell, (unsigned)frame.flags, (unsigned)frame.polygon_count,
          (unsigned)frame.revision);
-  write_outputs(frame, own, of_file, casters, residency);
+  write_outputs(frame, own, of_file, casters, lights, residency);
   s = sightcell_view_box_visible(view, eye, max, &visible);
   printf("visible %d %u\n", (int)s, (unsigned)visible);
   s = sightcell_view_move_box(view, eye, max, &frame);
@@ -149,11 +155,19 @@ static void move(const float eye[3], sightcell_cluster_map* own, sightcell_clust
 static void walk(void) {
   sightcell_cluster_map *own = NULL, *of_file = NULL;
   sightcell_casters* casters = NULL;
+  sightcell_lights* lights = NULL;
   sightcell_residency* residency = NULL;
   for (uint32_t i = 0; i < info.polygon_count; ++i) words[i] = i / 7;
   sightcell_cluster_map_create(db, words, info.polygon_count, info.polygon_count / 7 + 1, &own);
   printf("map %d\n", (int)sightcell_cluster_map_of_file(db, &of_file));
   printf("suns %d\n", (int)sightcell_casters_create(db, &casters));
+  printf("lights %d\n", (int)sightcell_lights_create(db, &lights));
+  if (lights != NULL) {
+    sightcell_light all[16];
+    size_t all_count = 0;
+    const sightcell_status s = sightcell_lights_list(lights, all, 16, &all_count);
+    line("list of lights", s, all_count, all, sizeof *all / 4 * all_count);
+  }
   printf("residency %d\n", (int)sightcell_residency_create(db, &residency));
   if (residency != NULL) {
     sightcell_texture textures[16];
@@ -166,13 +180,13 @@ static void walk(void) {
     float min[3], max[3], eye[3];
     sightcell_db_cell_box(db, c, min, max);
     for (int i = 0; i < 3; ++i) eye[i] = 0.5f * (min[i] + max[i]);
-    move(eye, own, of_file, casters, residency);
+    move(eye, own, of_file, casters, lights, residency);
   }
   const double origin[3] = {1e6, 0, -1e6};
   printf("origin %d\n", (int)sightcell_view_origin(view, origin));
   printf("policy %d\n", (int)sightcell_view_policy(view, SIGHTCELL_OUTSIDE_NEAREST | SIGHTCELL_PENDING_LAST, 3e6f));
   for (uint32_t g = 0; g < sightcell_db_named_group_count(db); ++g) sightcell_view_show_named_group(view, g, 0);
-  move((const float[3]){-1e6f, 0.5f, 1e6f}, own, of_file, casters, residency);
+  move((const float[3]){-1e6f, 0.5f, 1e6f}, own, of_file, casters, lights, residency);
   sightcell_view_stats stats = {.struct_size = sizeof stats};
   sightcell_view_statistics(view, &stats);
   line("statistics", SIGHTCELL_OK, (size_t)stats.moves, &stats, sizeof stats / 4);
@@ -182,6 +196,7 @@ static void walk(void) {
   sightcell_db_misses_text(db, misses, 2, text, sizeof text, &count);
   printf("%s\n", text);
   sightcell_residency_destroy(residency);
+  sightcell_lights_destroy(lights);
   sightcell_casters_destroy(casters);
   sightcell_cluster_map_destroy(of_file);
   sightcell_cluster_map_destroy(own);

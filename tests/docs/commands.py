@@ -13,6 +13,7 @@ import os
 import re
 import shlex
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -192,6 +193,22 @@ exec '{program}' "$@"
 '''
 
 
+def add_lamp(path):
+    """Puts a point light into a .glb, for docs/lights.md."""
+    with open(path, 'rb') as file:
+        data = file.read()
+    end = 20 + struct.unpack_from('<I', data, 12)[0]
+    document = json.loads(data[20:end])
+    document.setdefault('extensions', {})['KHR_lights_punctual'] = {'lights': [{'type': 'point', 'range': 20}]}
+    document['scenes'][0]['nodes'].append(len(document['nodes']))
+    document['nodes'].append({'name': 'lamp', 'translation': [0, 4, 0], 'extensions': {'KHR_lights_punctual': {'light': 0}}})
+    text = json.dumps(document).encode()
+    text += b' ' * (-len(text) % 4)
+    with open(path, 'wb') as file:
+        file.write(struct.pack('<4s2I', b'glTF', 2, 20 + len(text) + len(data) - end))
+        file.write(struct.pack('<2I', len(text), 0x4E4F534A) + text + data[end:])
+
+
 def prepare(root, folder, work):
     """A folder for pages: programs, and a bake that all pages share."""
     programs = os.path.join(work, 'bin')
@@ -210,6 +227,8 @@ def prepare(root, folder, work):
                  'sightcell bake level.glb -o level.pvs'):
         subprocess.run(line.split(), cwd=shared, env=environment(work), stdin=subprocess.DEVNULL, check=True,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=SECONDS)
+        if '--out level.glb' in line:
+            add_lamp(os.path.join(shared, 'level.glb'))
     with open(os.path.join(shared, 'misses.json'), 'w', encoding='utf-8') as file:
         json.dump({'misses': [{'eye': [1.0, 1.7, 2.0], 'polygon': 17}]}, file)
     with open(os.path.join(shared, 'path.json'), 'w', encoding='utf-8') as file:

@@ -274,8 +274,11 @@ def verify_from(content):
     return prepare
 
 
-def verify_without_casters(folder, program):
-    return Call(['verify', os.path.join(folder, 'room.gltf'), baked(folder, program), '--sun'], 'out.pvs')
+def verify_without(option):
+    """verify with an option for what the file does not have."""
+    def prepare(folder, program):
+        return Call(['verify', os.path.join(folder, 'room.gltf'), baked(folder, program), option], 'out.pvs')
+    return prepare
 
 
 def verify_without_levels(folder, program):
@@ -483,7 +486,8 @@ CASES = [
     ('pvs.broken', 4, chunk_damaged),
     ('pvs.other-scene', 4, other_scene),
     ('pvs.other-scene', 4, packed('p.glb', named='out.pvs', scene_of=lambda f: scene(f, 'other.gltf', scale=3.0))),
-    ('pvs.no-casters', 2, verify_without_casters),
+    ('pvs.no-casters', 2, verify_without('--sun')),
+    ('pvs.no-lights', 2, verify_without('--lights')),
     ('pvs.two-scenes', 2, of_two_scenes(lambda f, file: ['verify', os.path.join(f, 'room.gltf'), file])),
     ('records.damaged', 4, since_damaged),
     ('records.missing', 4, options('out.pvs.records', '--since', 'out.pvs')),
@@ -545,6 +549,9 @@ CASES = [
     ('settings.time-budget', 2, options('--time-budget', '--time-budget', '60', '--shard', '0/2')),
     ('settings.suns', 2, options('--sun', '--sun', '180,45', '--max-pixel-error', '0')),
     ('settings.suns', 2, options('--sun', '--sun', '180,45', '--shard', '0/2')),
+    ('settings.lights', 2, options('--lights', '--lights', '--max-pixel-error', '0')),
+    ('settings.lights', 2, options('--lights', '--lights', '--sampler', 'halton')),
+    ('settings.lights', 2, options('--lights', '--lights', '--shard', '0/2')),
     ('settings.volumes', 2, options('--volumes', '--volumes', '2', '--max-pixel-error', '0')),
     ('strip.not-written', 1, packed('no/s.glb', named='no/s.glb', verb='strip')),
     ('view.not-installed', 1, view_without_viewer),

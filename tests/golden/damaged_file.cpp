@@ -26,7 +26,7 @@ bool is_found_later(std::string_view name) {
                                                    "run_bound_below_runs",
                                                    "range_bound_above_ranges",
                                                    "section_3_checksum",
-                                                   "section_19_checksum",
+                                                   "section_20_checksum",
                                                    "chunk_checksum",
                                                    "sources_twice",
                                                    "step_is_no_code",

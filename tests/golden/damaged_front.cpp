@@ -14,7 +14,7 @@ namespace {
 using bytes = std::vector<std::byte>;
 using format::status;
 
-constexpr std::uint32_t unknown_section = 19;
+constexpr std::uint32_t unknown_section = 20;
 
 std::uint32_t bits_of(float value) {
   return std::bit_cast<std::uint32_t>(value);
@@ -121,7 +121,7 @@ void damage_checksums(const bytes& whole, damaged_list& list) {
     add("section_" + std::to_string(id) + "_checksum", whole, section_place(whole, id) + 24);
   }
   const bytes skipped = with_record(whole, layout::section_settings, unknown_section, 0);
-  add("section_19_checksum", skipped, section_place(skipped, unknown_section) + 24);
+  add("section_20_checksum", skipped, section_place(skipped, unknown_section) + 24);
 
   bytes table = whole;
   set_u32(table, layout::header_table_checksum, get_u32(table, layout::header_table_checksum) ^ 1u);
@@ -162,8 +162,9 @@ damaged_list damaged_section_tables() {
   list.push_back({"section_9_required", status::version, with_record(whole, settings, layout::section_importance, 1)});
   list.push_back({"section_17_required", status::version, with_record(whole, settings, layout::section_casters, 1)});
   list.push_back({"section_18_required", status::version, with_record(whole, settings, layout::section_residency, 1)});
-  list.push_back({"section_19_skipped", status::ok, with_record(whole, settings, unknown_section, 0)});
-  list.push_back({"section_19_required", status::version, with_record(whole, settings, unknown_section, 1)});
+  list.push_back({"section_19_required", status::version, with_record(whole, settings, layout::section_lights, 1)});
+  list.push_back({"section_20_skipped", status::ok, with_record(whole, settings, unknown_section, 0)});
+  list.push_back({"section_20_required", status::version, with_record(whole, settings, unknown_section, 1)});
   // Any bytes are settings.
   list.push_back({"settings_twice", status::corrupt, with_record(whole, layout::section_certificate, settings, 0)});
   list.push_back({"draw_table_twice", status::corrupt, with_record(whole, settings, layout::section_draws, 1)});

@@ -17,7 +17,7 @@ from pvs_parts import Refused, crc32c, need  # noqa: E402
 
 MAGIC = bytes([0x89, 0x50, 0x56, 0x53, 0x0D, 0x0A, 0x1A, 0x0A])
 ROWS, DIRECTORY, SETTINGS, IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY, CASTERS = 3, 4, 6, 9, 11, 12, 13, 15, 17
-RESIDENCY = 18
+RESIDENCY, LIGHTS = 18, 19
 VERSIONS = {0: decode_v0, 1: decode_v1}
 
 
@@ -70,7 +70,8 @@ def sections_of(data, header, version):
         need(offset == place and flags < 2 and reserved == 0, "section record")
         place += size
         need(place <= len(data), "section leaves the file")
-        never_required = number in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY, CASTERS, RESIDENCY)
+        never_required = number in (IMPORTANCE, NAMED_GROUPS, VIEWPOINTS, EYES, IDENTITY, CASTERS, RESIDENCY,
+                                    LIGHTS)
         need(not never_required or flags == 0, f"required section {number}", "version")
         if number in required or number in version.OPTIONAL:
             need(number not in found, "section is there twice")
@@ -111,6 +112,9 @@ class Contents:
         self.residency = None
         if RESIDENCY in version.OPTIONAL and RESIDENCY in parts:
             self.residency = version.decode_residency(header, parts[RESIDENCY])
+        self.lights, self.lights_of_cells = [], []
+        if LIGHTS in version.OPTIONAL and LIGHTS in parts:
+            self.lights, self.lights_of_cells = version.decode_lights(header, parts[LIGHTS])
 
     def check_records(self):
         for box in self.boxes:
@@ -224,6 +228,16 @@ class Contents:
             yield f"certificate of casters {of}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}"
         if self.residency:
             yield from self.residency_lines()
+        for i, (record, proof, runs) in enumerate(self.lights):
+            node, *numbers = record
+            at, along, (reach, cone) = ([f"{v:.9g}" for v in part] for part in (numbers[:3], numbers[3:6], numbers[6:]))
+            yield f"light {i}: node {node} at {' '.join(at)} along {' '.join(along)}, range {reach}, cone {cone}"
+            ids = sorted(self.source_of_stored[number] for first, end in runs for number in range(first, end))
+            yield f"polygons of light {i}:" + "".join(f" {polygon}" for polygon in ids)
+            rays, misses, bound, sure, seed = proof
+            yield f"certificate of light {i}: {rays} {misses} {bound:.17g} {sure:.17g} {seed}"
+        for i, lights in enumerate(self.lights_of_cells):
+            yield f"lights of cell {i}:" + "".join(f" {light}" for light in lights)
 
     def residency_lines(self):
         pixels, anisotropy, textures, levels = self.residency

@@ -6,10 +6,10 @@ from pvs_parts import MASK32, PADDING, Bits, code_table, crc32c, need, packed_co
 
 DRAWS, CELLS, ROWS, DIRECTORY, CERTIFICATE, SETTINGS, ORDERS, CODES, IMPORTANCE = 1, 2, 3, 4, 5, 6, 7, 8, 9
 VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS, CASTERS = 10, 11, 12, 13, 14, 15, 16, 17
-RESIDENCY = 18
+RESIDENCY, LIGHTS = 18, 19
 REQUIRED = (DRAWS, CELLS, ROWS, DIRECTORY, ORDERS, CODES)
 OPTIONAL = (CERTIFICATE, SETTINGS, IMPORTANCE, VOLUMES, NAMED_GROUPS, VIEWPOINTS, EYES, BORDERS, IDENTITY, CLUSTERS,
-            CASTERS, RESIDENCY)
+            CASTERS, RESIDENCY, LIGHTS)
 FLAGGED = REQUIRED + (VOLUMES, BORDERS, CLUSTERS)
 CLASSES = 16
 FURTHEST = 1 << 27  # chunk of a lattice, in x and z
@@ -22,6 +22,7 @@ DEEPEST = 18  # leaf of a region
 LARGEST_CLUSTER = 256  # polygons
 LONGEST_RUN = 64  # of an order in a file with clusters
 MOST_TEXTURES = 65536
+MOST_LIGHTS = 65536
 MOST_TEXELS = 65536  # along a side of a texture
 MOST_ITEMS = 4294967294  # polygons and volumes
 
@@ -503,10 +504,10 @@ def row_decoder(header, parts, chunks):
     return lambda number, chunk, cells: rows.decode_chunk(chunk, cells)
 
 
-class CasterBounds:
+class SectionBounds:
     """What RowDecoder needs of a header."""
 
-    begins = None  # also in a file of clusters, caster sets are of polygons
+    begins = None  # also in a file of clusters, the sets of casters and lights are of polygons
 
     def __init__(self, header, run_bound, list_bound):
         self.polygons, self.run_bound, self.list_bound = header.polygons, run_bound, list_bound
@@ -525,24 +526,51 @@ def decode_casters(header, section):
         need(all(0.99 < sum(v * v for v in part) < 1.01 for part in (sun[:3], sun[3:])), "direction to a sun")
         need(sum(a * b for a, b in zip(sun, sun[3:])) > -0.01, "way of a sun")
     sets = header.cells * count
-    columns, at = packed_columns(section, 12 + 24 * count, 8, sets)
+    proofs, made = decode_section_sets(header, section, 12 + 24 * count, sets, run_bound, list_bound)
+    return suns, proofs, made
+
+
+def decode_section_sets(header, section, at, sets, run_bound, list_bound):
+    """The certificates and the runs of the sets at the end of a section of casters or lights."""
+    columns, at = packed_columns(section, at, 8, sets)
     proofs = proofs_of(columns)
-    need(all(p[1] <= p[0] and 0 <= p[2] <= 1 and 0 <= p[3] <= 1 for p in proofs), "certificate of casters")
+    need(all(p[1] <= p[0] and 0 <= p[2] <= 1 and 0 <= p[3] <= 1 for p in proofs), "certificate of a section")
     (ends,), at = packed_columns(section, at, 1, (sets + 63) // 64)
     codes = at
     for _ in range(6):
         _, at = code_table(section, at)
     rows = section[at:]
-    need(run_bound <= min(4 * len(rows), header.polygons) and list_bound <= 4 * len(rows), "bounds of casters")
-    decoder = RowDecoder(CasterBounds(header, run_bound, list_bound), section[codes:at])
+    need(run_bound <= min(4 * len(rows), header.polygons) and list_bound <= 4 * len(rows), "bounds of a section")
+    decoder = RowDecoder(SectionBounds(header, run_bound, list_bound), section[codes:at])
     made, begin = [], 0
     for end in ends:
-        need(begin <= end <= len(rows), "chunk of casters")
+        need(begin <= end <= len(rows), "chunk of a section")
         made += decoder.decode_chunk(rows[begin:end], min(64, sets - len(made)))
         begin = end
-    need(begin == len(rows), "bytes behind the last chunk of casters")
-    need(max(map(len, made), default=0) == run_bound, "run bound of casters")
-    return suns, proofs, made
+    need(begin == len(rows), "bytes behind the last chunk of a section")
+    need(max(map(len, made), default=0) == run_bound, "run bound of a section")
+    return proofs, made
+
+
+def decode_lights(header, section):
+    """Of each light its record, its certificate and the runs of its set; of each cell the lights that touch it."""
+    count, run_bound, list_bound = unpack("<III", section, 0, "lights")
+    need(count > 0, "no light")
+    need(count <= MOST_LIGHTS, "lights", "limit")
+    records = [unpack("<I8f", section, 12 + 36 * i, "a light") for i in range(count)]
+    for _, *numbers in records:
+        need(all(map(math.isfinite, numbers[:3])), "place of a light")
+        need(0.99 < sum(v * v for v in numbers[3:6]) < 1.01, "direction of a light")
+        need(numbers[6] > 0 and 0 <= numbers[7] <= 1.5708001, "range or cone of a light")
+    at, size = 12 + 36 * count, (count + 7) // 8
+    touching = []
+    for _ in range(header.cells):
+        bits = int.from_bytes(section[at:at + size], "little")
+        need(bits < 1 << count, "bits behind the last light")
+        touching.append([light for light in range(count) if bits >> light & 1])
+        at += size
+    proofs, made = decode_section_sets(header, section, at, count, run_bound, list_bound)
+    return list(zip(records, proofs, made)), touching
 
 
 def decode_residency(header, section):

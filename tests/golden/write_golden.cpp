@@ -12,6 +12,7 @@
 #include "golden_casters.h"
 #include "golden_contents.h"
 #include "golden_importance.h"
+#include "golden_lights.h"
 #include "golden_residency.h"
 #include "sightcell/format/eye_table.h"
 #include "sightcell/format/layout.h"
@@ -211,7 +212,33 @@ void dump_residency(const sample_contents& contents, std::FILE* out) {
   }
 }
 
-enum class extra { nothing, importance, casters, residency };
+void dump_lights(const sample_contents& contents, std::FILE* out) {
+  const sightcell::test::sample_lights lights(contents);
+  for (std::size_t i = 0; i < lights.lights.size(); ++i) {
+    const auto& light = lights.lights[i];
+    std::fprintf(out, "light %zu: node %u at", i, light.node);
+    for (const float value : light.position) std::fprintf(out, " %.9g", static_cast<double>(value));
+    std::fputs(" along", out);
+    for (const float value : light.direction) std::fprintf(out, " %.9g", static_cast<double>(value));
+    std::fprintf(out, ", range %.9g, cone %.9g\n", static_cast<double>(light.range), static_cast<double>(light.cone));
+    std::fprintf(out, "polygons of light %zu:", i);
+    dump_numbers(lights.sets[i], out);
+    const auto& c = lights.certificate[i];
+    std::fprintf(out, "certificate of light %zu: %llu %llu %.17g %.17g %llu\n", i,
+                 static_cast<unsigned long long>(c.rays), static_cast<unsigned long long>(c.misses), c.upper_bound,
+                 c.confidence, static_cast<unsigned long long>(c.seed));
+  }
+  for (std::size_t cell = 0; cell < lights.touching.size(); ++cell) {
+    std::vector<std::uint32_t> touching;
+    for (std::uint32_t i = 0; i < lights.lights.size(); ++i) {
+      if (lights.touching[cell][i]) touching.push_back(i);
+    }
+    std::fprintf(out, "lights of cell %zu:", cell);
+    dump_numbers(touching, out);
+  }
+}
+
+enum class extra { nothing, importance, casters, residency, lights };
 
 bool write(const sample_contents& contents, const std::vector<std::byte>& bytes, extra with, const std::string& name) {
   if (sightcell::format::write_file((name + ".pvs").c_str(), bytes) != sightcell::format::status::ok) return false;
@@ -226,6 +253,7 @@ bool write(const sample_contents& contents, const std::vector<std::byte>& bytes,
   if (with == extra::importance) dump_importance(contents, text);
   if (with == extra::casters) dump_casters(contents, text);
   if (with == extra::residency) dump_residency(contents, text);
+  if (with == extra::lights) dump_lights(contents, text);
   return std::fclose(text) == 0;
 }
 
@@ -267,6 +295,8 @@ int main(int argc, char** argv) {
       written && write(with_casters, sightcell::test::caster_golden_bytes(), extra::casters, folder + "/v1_casters");
   written = written && write(sightcell::test::residency_golden_contents(), sightcell::test::residency_golden_bytes(),
                              extra::residency, folder + "/v1_residency");
+  written = written && write(sightcell::test::light_golden_contents(), sightcell::test::light_golden_bytes(),
+                             extra::lights, folder + "/v1_lights");
   written = written && write_damaged(folder + "/golden_errors");
   if (!written) std::fprintf(stderr, "write_golden: cannot write to %s\n", folder.c_str());
   return written ? 0 : 1;

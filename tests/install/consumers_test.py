@@ -106,7 +106,7 @@ class RuntimeAlone(Prefix):
         self.answers(os.path.join(folder, 'runtime_shared_consumer'), shared=True)
         self.assertFalse(os.path.exists(os.path.join(self.prefix, 'bin')))
         self.assertEqual(sorted(os.listdir(os.path.join(self.prefix, 'include/sightcell'))),
-                         ['casters.h', 'clusters.h', 'format', 'hosts', 'identity.h', 'residency.h', 'sightcell.h', 'sightcell.hpp', 'viewpoints.h'])
+                         ['casters.h', 'clusters.h', 'format', 'hosts', 'identity.h', 'lights.h', 'residency.h', 'sightcell.h', 'sightcell.hpp', 'viewpoints.h'])
 
     def test_asking_for_the_bake_half_says_what_is_missing(self):
         folder = os.path.join(installed.ARGS.work, 'wants_bake')

@@ -25,7 +25,7 @@ PLATFORM = SYSTEM + ['io.h']  # of tests
 FORMAT_READ = ['sightcell/format/layout.h', 'sightcell/format/status.h', 'sightcell/format/records.h',
                'sightcell/format/reader.h', 'sightcell/format/packed_columns.h', 'sightcell/format/cell_lattice.h',
                'sightcell/format/caster_table.h', 'sightcell/format/chunk_borders.h', 'sightcell/format/cluster_table.h',
-               'sightcell/format/draw_ranges.h',
+               'sightcell/format/draw_ranges.h', 'sightcell/format/extra_sets.h', 'sightcell/format/light_table.h',
                'sightcell/format/eye_table.h', 'sightcell/format/geometry_hash.h', 'sightcell/format/residency_table.h',
                'sightcell/format/identity_table.h', 'sightcell/format/importance_classes.h',
                'sightcell/format/viewpoint_table.h', 'sightcell/format/volume_table.h']
@@ -34,7 +34,7 @@ BASE = ['sightcell/base/']
 SCENE = BASE + ['sightcell/scene/', 'glm/']
 PICTURE = ['sightcell/picture/']
 BAKE = ['sightcell/bake/']
-RUNTIME = ['sightcell/sightcell.h', 'sightcell/sightcell.hpp', 'sightcell/casters.h', 'sightcell/clusters.h', 'sightcell/identity.h', 'sightcell/residency.h',
+RUNTIME = ['sightcell/sightcell.h', 'sightcell/sightcell.hpp', 'sightcell/casters.h', 'sightcell/clusters.h', 'sightcell/identity.h', 'sightcell/lights.h', 'sightcell/residency.h',
            'sightcell/viewpoints.h', 'sightcell/hosts/', 'sightcell/stream.h']
 GL = ['epoxy/', 'EGL/', 'GL/']
 SHADERS = ['shared/', 'shaders/']

@@ -6,7 +6,7 @@ import subprocess
 from harness import ROOT, SETTINGS, read
 
 HEADERS = [os.path.join(ROOT, 'runtime', 'include', 'sightcell', name)
-           for name in ('sightcell.h', 'casters.h', 'clusters.h', 'viewpoints.h', 'identity.h', 'residency.h')]
+           for name in ('sightcell.h', 'casters.h', 'clusters.h', 'viewpoints.h', 'identity.h', 'residency.h', 'lights.h')]
 
 
 def test_exports_and_needs():

@@ -3,6 +3,7 @@
  * usage: readme_host_snippets FILE_WITH_A_DOOR.pvs FILE_WITH_NAMES.pvs FILE.pvs ... */
 #include <sightcell/clusters.h>
 #include <sightcell/identity.h>
+#include <sightcell/lights.h>
 #include <sightcell/sightcell.h>
 #include <sightcell/viewpoints.h>
 #include <math.h>
@@ -316,6 +317,41 @@ static int load_by_importance(const unsigned char* to_draw) {
   free(requested);
   free(steradians);
   return requests;
+}
+
+static unsigned char shaded[64]; /* by light */
+static size_t in_shadow_maps;    /* polygons */
+static void shade_with(uint32_t light) { shaded[light] = 1; }
+static void draw_shadow_map(uint32_t light, const sightcell_range* of_light, size_t count) {
+  require(light < 64, "light");
+  for (size_t i = 0; i < count; ++i) in_shadow_maps += of_light[i].count;
+}
+
+/* In the last cell of a file with lights. */
+static void light_scene(void) {
+  sightcell_lights* lights;
+  uint32_t here[64];
+  size_t light_total;
+  /* [open lights */
+  if (sightcell_lights_create(db, &lights) != SIGHTCELL_OK) return; /* SIGHTCELL_ERR_ABSENT: baked without --lights */
+  sightcell_lights_list(lights, NULL, 0, &light_total);
+  for (uint32_t light = 0; light < light_total; ++light) {
+    size_t count;
+    sightcell_view_light_ranges(view, lights, light, NULL, 0, &count);
+    sightcell_range* lit = malloc((count + 1) * sizeof *lit);
+    sightcell_view_light_ranges(view, lights, light, lit, count, &count);
+    draw_shadow_map(light, lit, count); /* once: the lights do not move */
+    free(lit);
+  }
+  /* open lights] */
+  size_t count;
+  /* [lights here */
+  sightcell_view_lights(view, lights, here, light_total, &count); /* where the frame has CHANGED */
+  for (size_t i = 0; i < count; ++i) shade_with(here[i]);
+  /* lights here] */
+  require(light_total == 10 && count > 0 && count < 10 && shaded[here[0]], "lights");
+  require(in_shadow_maps > polygon_total, "light 9 reaches everything, others a part");
+  sightcell_lights_destroy(lights);
 }
 
 typedef struct {
@@ -676,9 +712,11 @@ int main(int argc, char** argv) {
       const float velocity[3] = {1, 0, 0};
       if (cell == 0) stream(argv[file], eye, velocity);
     }
+    light_scene();
     play();
     close_file();
   }
+  require(in_shadow_maps > 0, "no file has lights");
   require(requests > 0, "no file has importance");
   require(cameras_put > 0, "no file has eyes");
   require(drawn_at_level[0] > 0 && drawn_at_level[1] > 0, "both levels are drawn");

@@ -24,10 +24,11 @@ using nlohmann::json;
 constexpr std::uint64_t zero_filled_instance_limit = std::uint64_t{1} << 16;
 
 // Extensions that the import reads.
-constexpr std::array<std::string_view, 10> read_extensions = {"EXT_mesh_gpu_instancing",
+constexpr std::array<std::string_view, 11> read_extensions = {"EXT_mesh_gpu_instancing",
                                                               "EXT_meshopt_compression",
                                                               "KHR_animation_pointer",
                                                               "KHR_draco_mesh_compression",
+                                                              "KHR_lights_punctual",
                                                               "KHR_mesh_quantization",
                                                               "KHR_texture_transform",
                                                               "KHR_materials_pbrSpecularGlossiness",
@@ -429,6 +430,7 @@ gltf_document document_reader::read() {
   out_.coordinates = std::move(materials.coordinates);
   out_.images = std::move(materials.images);
   out_.nodes = read_nodes(root_, out_.warnings);
+  out_.lights = read_lights(root_);
 
   json reduced = {{"asset", {{"version", "2.0"}}}};
   reduced["meshes"] = json::array();

@@ -9,6 +9,7 @@
 
 #include "accessor.h"
 #include "gltf_file.h"
+#include "gltf_lights.h"
 #include "gltf_materials.h"
 #include "gltf_nodes.h"
 #include "sightcell/scene/scene.h"
@@ -27,6 +28,7 @@ struct gltf_document {
   std::vector<texture_coordinates> coordinates;  // by material; TEXCOORD_0 of json is already the set that they name
   std::vector<image> images;
   node_list nodes;
+  light_list lights;
   std::vector<extension_use> extensions;
   std::vector<std::string> warnings;
 };

@@ -85,6 +85,7 @@ class importer {
         accessors_(document.accessors),
         coordinates_(document.coordinates),
         nodes_(document.nodes),
+        lights_(document.lights),
         file_(file),
         out_(out),
         poses_(poses),
@@ -143,6 +144,7 @@ class importer {
   const std::vector<accessor_view>& accessors_;
   const std::vector<texture_coordinates>& coordinates_;  // by material
   const node_list& nodes_;
+  const light_list& lights_;
   std::vector<std::uint32_t> group_numbers_;  // in the scene, by number in nodes_; no_index: not used yet
   const std::string& file_;                   // for messages
   scene& out_;
@@ -519,6 +521,9 @@ void importer::walk(const std::vector<int>& roots) {
     const std::size_t first_draw = out_.draws.size();
     add_node(node, here);
     add_start(node, here.to_world, notes.marks.start);
+    const bool moving = here.moves && !here.marks.is_static.value_or(false);
+    if (const auto& light = lights_.of_node[node])
+      add_light(out_, static_cast<std::uint32_t>(node), *light, here.to_world, moving || here.marks.dynamic == true);
     if (notes.marks.cell) {
       const bool has_mesh = model_.nodes[node].mesh >= 0;
       add_marked_cells(out_, static_cast<std::uint32_t>(node), here.to_world, has_mesh ? &first_draw : nullptr);
@@ -568,6 +573,7 @@ scene import_gltf(gltf_file file, const gltf_source& source, std::string name, i
   out.images = std::move(document.images);
   out.extensions = std::move(document.extensions);
   out.warnings = std::move(document.warnings);
+  out.light_warnings = std::move(document.lights.warnings);
   for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
   for (const tinygltf::Mesh& mesh : model.meshes) out.mesh_names.push_back(mesh.name);
   importer(model, document, source.name, out, poses, switches).walk(roots_of(model, scene_index, source.name));

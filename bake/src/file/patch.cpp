@@ -8,6 +8,7 @@
 
 #include "file/caster_sets.h"
 #include "file/importance_section.h"
+#include "file/light_sets.h"
 #include "file/readable_file.h"
 #include "file/residency_section.h"
 #include "sightcell/bake/patch.h"
@@ -128,6 +129,7 @@ patch_result patch(std::span<const std::byte> file, const std::string& name, std
                 "bake again with these polygons in the cells file");
   carry_importance(opened, bytes, output.string());
   carry_casters(opened, bytes, output.string());
+  carry_lights(opened, bytes, output.string());
   std::vector<std::uint32_t> grown;
   for (const added_polygons& a : newly_added) grown.push_back(a.cell);
   carry_residency(opened, bytes, output.string(), grown);

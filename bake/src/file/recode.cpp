@@ -11,6 +11,7 @@
 
 #include "file/caster_sets.h"
 #include "file/importance_section.h"
+#include "file/light_sets.h"
 #include "file/readable_file.h"
 #include "file/residency_section.h"
 #include "file/stored_rules.h"
@@ -209,7 +210,10 @@ recode_result recode(std::span<const std::byte> file, const std::string& name, c
   if (!stays && s == nullptr) carry_importance(opened, bytes, output.string());
   if (!stays && how.residency_of == nullptr) carry_residency(opened, bytes, output.string(), {});
   if (makes_sections) result.cancelled = !make_sections(opened, output.string(), how, bytes);
-  if (!stays) carry_casters(opened, bytes, output.string());
+  if (!stays) {
+    carry_casters(opened, bytes, output.string());
+    carry_lights(opened, bytes, output.string());
+  }
   if (result.cancelled) return result;
   require_readable(format::reader::open(bytes, made), output.string());
   if (format::write_file(output.string().c_str(), bytes) != format::status::ok)

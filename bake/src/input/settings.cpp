@@ -239,6 +239,18 @@ void check_suns(const settings& s) {
   if (s.time_budget > 0.0) refuse_with("is given together with --time-budget", "give one of them");
 }
 
+void check_lights(const settings& s) {
+  if (!s.lights) return;
+  const auto refuse_with = [](const char* cause, const char* remedy) {
+    throw error(error_kind::wrong_use, "settings.lights", "--lights", cause, remedy);
+  };
+  if (s.max_pixel_error == 0.0)
+    refuse_with("needs a bound, and --max-pixel-error 0 has none",
+                "give a --max-pixel-error above 0, or leave out --lights");
+  if (s.sampler != "guided") refuse_with("works with the sampler guided only", "leave out --sampler, or --lights");
+  if (s.time_budget > 0.0) refuse_with("is given together with --time-budget", "give one of them");
+}
+
 std::string suns_text(const settings& s) {
   std::string text;
   for (const sun_setting& sun : s.suns)
@@ -300,6 +312,7 @@ void validate(const settings& s) {
   check_time_budget(s);
   check_volumes(s);
   check_suns(s);
+  check_lights(s);
   check_kept_records(s);
   if (static_cast<std::size_t>(s.animated) >= scene::animated_as_names.size())
     refuse("--animated", number(static_cast<int>(s.animated)), "always, rest or dynamic");
@@ -343,6 +356,7 @@ std::string describe(const settings& s) {
     text += fmt::format(R"(,"safety_ring":"{}")", safety_ring_names[static_cast<std::size_t>(s.safety_ring)]);
   if (s.volumes != 0.0) text += fmt::format(R"(,"volumes":{})", number(s.volumes));
   text += suns_text(s);
+  if (s.lights) text += R"(,"lights":true)";
   text += fmt::format(R"(,"profile":"{}")", slack_profile_names[static_cast<std::size_t>(s.file.profile)]);
   if (s.file.order != polygon_order_kind::per_mesh)
     text += fmt::format(R"(,"order":"{}")", polygon_order_names[static_cast<std::size_t>(s.file.order)]);

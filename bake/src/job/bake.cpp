@@ -21,6 +21,7 @@
 #include "job/decide_cells.h"
 #include "job/disk_space.h"
 #include "job/estimate.h"
+#include "job/light_section.h"
 #include "job/phases.h"
 #include "job/progress_tracker.h"
 #include "job/timed_bake.h"
@@ -86,12 +87,14 @@ void count_rebaked(const step_keeper& keeper, const settings& how, summary& sum)
 
 // Returns what is added to the encoded file.
 file_completion completion_of(const bake_context& context, const std::filesystem::path& output, const callbacks& events,
-                              std::vector<sun_summary>& suns) {
+                              summary& sum) {
   return [residency = residency_of(context.how, context.s, context.traced->rays, output, events),
           importance = importance_of(context.how, context.traced->rays, output, events),
           casters = casters_of(context.how, context.traced->rays, context.traced->neighbors_or_null(), output, events,
-                               suns)](std::vector<std::byte>& file) {
-    return (!residency || residency(file)) && (!importance || importance(file)) && (!casters || casters(file));
+                               sum.suns),
+          lights = lights_of(context, output, events, sum.lights)](std::vector<std::byte>& file) {
+    return (!residency || residency(file)) && (!importance || importance(file)) && (!casters || casters(file)) &&
+           (!lights || lights(file));
   };
 }
 
@@ -136,12 +139,13 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
     arena.execute([&] {
       written = write_pvs(
           frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, events, sum,
-          completion_of(context, output, events, sum.suns));
+          completion_of(context, output, events, sum));
     });
   });
   if (written) {
     const auto over = [](const sun_summary& sun) { return sun.cells_over_bound > 0; };
     if (std::any_of(sum.suns.begin(), sum.suns.end(), over)) sum.result = outcome::bound_not_met;
+    if (sum.lights && sum.lights->over_bound > 0) sum.result = outcome::bound_not_met;
     if (keeper) {
       count_rebaked(*keeper, context.how, sum);
       keeper->write(output);

@@ -49,6 +49,9 @@ void refuse_later_sections(const settings& how) {
   if (!how.suns.empty())
     throw error(error_kind::wrong_use, "settings.suns", "--sun", "is for a bake on one machine",
                 "leave it out, or bake without --shard");
+  if (how.lights)
+    throw error(error_kind::wrong_use, "settings.lights", "--lights", "is for a bake on one machine",
+                "leave it out, or bake without --shard");
   if (how.file.importance)
     throw error(error_kind::wrong_use, "shard.importance", "--importance", "is for a bake on one machine",
                 "leave it out, and add it to the merged file: sightcell recode FILE --importance SCENE");

@@ -1,9 +1,8 @@
 #pragma once
-// C++20 wrapper over sightcell.h, casters.h, clusters.h, identity.h, residency.h and viewpoints.h, header only. The
-// conventions of sightcell.h (coordinates, units, polygon numbers, the draw table, fail-open frames, memory, threads)
-// hold here too.
-// Most members call the C function of the same name, where its parameters, failures and cost are documented. What the
-// wrapper adds:
+// C++20 wrapper over sightcell.h, casters.h, clusters.h, identity.h, lights.h, residency.h and viewpoints.h, header
+// only. The conventions of sightcell.h (coordinates, units, polygon numbers, the draw table, fail-open frames, memory,
+// threads) hold here too. Most members call the C function of the same name, where its parameters, failures and cost
+// are documented. What the wrapper adds:
 //   - db and view are move-only and release their handles.
 //   - A function that makes something returns result<T>: the value, or the status of the failure.
 //   - A function that fills a list takes a span and returns a list_result.
@@ -19,6 +18,7 @@
 #include "sightcell/casters.h"
 #include "sightcell/clusters.h"
 #include "sightcell/identity.h"
+#include "sightcell/lights.h"
 #include "sightcell/residency.h"
 #include "sightcell/sightcell.h"
 #include "sightcell/viewpoints.h"
@@ -298,6 +298,40 @@ class casters {
   sightcell_casters* handle_ = nullptr;
 };
 
+// The lights of a db, which must outlive them. Used by one thread at a time.
+class lights {
+ public:
+  lights() noexcept = default;
+  ~lights() { sightcell_lights_destroy(handle_); }
+  lights(lights&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  lights& operator=(lights&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  lights(const lights&) = delete;
+  lights& operator=(const lights&) = delete;
+
+  static result<lights> create(const db& file) noexcept {
+    lights made;
+    const sightcell_status s = sightcell_lights_create(file.get(), &made.handle_);
+    return s == SIGHTCELL_OK ? result<lights>(std::move(made)) : result<lights>(s);
+  }
+
+  // The lights of the file.
+  list_result list(std::span<sightcell_light> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_lights_list(handle_, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+
+  // The C handle, null without one.
+  [[nodiscard]] sightcell_lights* get() noexcept { return handle_; }
+  [[nodiscard]] const sightcell_lights* get() const noexcept { return handle_; }
+
+ private:
+  sightcell_lights* handle_ = nullptr;
+};
+
 // The texture residency of a db, which must outlive it. Used by one thread at a time.
 class residency {
  public:
@@ -454,6 +488,26 @@ class view {
     list_result out;
     out.status = sightcell_view_caster_indices(handle_, of.get(), sun, stored_indices.data(), dst.data(), dst.size(),
                                                &out.count);
+    return out;
+  }
+
+  // The numbers of the lights that touch what is visible from here.
+  list_result lights_here(const lights& of, std::span<std::uint32_t> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_view_lights(handle_, of.get(), dst.data(), dst.size(), &out.count);
+    return out;
+  }
+  // The polygons that a light reaches, as ranges, and as indices in stored order.
+  list_result lit_ranges(lights& of, std::uint32_t light, std::span<sightcell_range> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_view_light_ranges(handle_, of.get(), light, dst.data(), dst.size(), &out.count);
+    return out;
+  }
+  list_result lit_indices(lights& of, std::uint32_t light, std::span<const std::uint32_t> stored_indices,
+                          std::span<std::uint32_t> dst) const noexcept {
+    list_result out;
+    out.status = sightcell_view_light_indices(handle_, of.get(), light, stored_indices.data(), dst.data(), dst.size(),
+                                              &out.count);
     return out;
   }
 

@@ -104,7 +104,7 @@ def share_of(progress):
     if not total:
         return 0.0
     phase = progress.get('phase', '')
-    if phase in ('writing_file', 'measuring_importance', 'finding_casters'):
+    if phase in ('writing_file', 'measuring_importance', 'finding_casters', 'finding_lights'):
         return 1.0
     return 0.9 * progress.get('cells', 0) / total + 0.1 * progress.get('cells_checked', 0) / total
 

@@ -89,6 +89,13 @@ const std::map<std::string, statuses> promised{
     {"sightcell_casters_suns", of_lists},
     {"sightcell_view_casters", of_lists},
     {"sightcell_view_caster_indices", of_lists},
+    {"sightcell_lights_create",
+     with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT,
+                               SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
+    {"sightcell_lights_list", of_lists},
+    {"sightcell_view_lights", of_lists},
+    {"sightcell_view_light_ranges", of_lists},
+    {"sightcell_view_light_indices", of_lists},
     {"sightcell_residency_create",
      with_arguments + statuses{SIGHTCELL_ERR_ABSENT, SIGHTCELL_ERR_CHECKSUM, SIGHTCELL_ERR_CORRUPT,
                                SIGHTCELL_ERR_MEMORY, SIGHTCELL_PENDING}},
@@ -116,6 +123,7 @@ TEST(every_outcome, is_reached) {
   clusters(out);
   clusters_of_files(out);
   shadow_casters(out);
+  lamps(out);
   residencies(out);
   boxes(out);
   importance(out);

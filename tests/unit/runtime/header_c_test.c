@@ -2,6 +2,7 @@
 #include <sightcell/casters.h>
 #include <sightcell/clusters.h>
 #include <sightcell/identity.h>
+#include <sightcell/lights.h>
 #include <sightcell/residency.h>
 #include <sightcell/sightcell.h>
 #include <sightcell/viewpoints.h>
@@ -21,10 +22,11 @@ _Static_assert(SIGHTCELL_ERR_OTHER_SCENE == 26 && SIGHTCELL_ERR_CHECKSUM == 23, 
 _Static_assert(SIGHTCELL_FRAME_DAMAGED == 16 && SIGHTCELL_FRAME_DRAW_ALL == 2, "flags");
 _Static_assert(sizeof(sightcell_cluster_word) == 8, "word of a row");
 _Static_assert(sizeof(sightcell_sun) == 24, "sun");
+_Static_assert(sizeof(sightcell_light) == 40, "light");
 _Static_assert(sizeof(sightcell_texture) == 12, "texture");
 
-int main(int argc, char **argv) {
-  sightcell_db *db = NULL;
+int main(int argc, char** argv) {
+  sightcell_db* db = NULL;
   if (argc != 2 || sightcell_version() != SIGHTCELL_API_VERSION) return 2;
   sightcell_status status = sightcell_db_open_file(argv[1], NULL, &db);
   if (status != SIGHTCELL_OK) {

@@ -24,6 +24,7 @@ void lists(outcomes& out);
 void clusters(outcomes& out);
 void clusters_of_files(outcomes& out);
 void shadow_casters(outcomes& out);
+void lamps(outcomes& out);
 void residencies(outcomes& out);
 void boxes(outcomes& out);
 void importance(outcomes& out);

@@ -56,7 +56,8 @@ struct header {
 inline header read_headers() {
   header found;
   std::string all;
-  for (const char* name : {"sightcell.h", "casters.h", "clusters.h", "viewpoints.h", "identity.h", "residency.h"}) {
+  for (const char* name :
+       {"sightcell.h", "casters.h", "clusters.h", "viewpoints.h", "identity.h", "residency.h", "lights.h"}) {
     std::ifstream file(std::string(SIGHTCELL_TEST_HEADERS) + name);
     all.append(std::istreambuf_iterator<char>(file), {});
   }

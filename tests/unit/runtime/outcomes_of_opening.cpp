@@ -12,6 +12,7 @@
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
 #include "sightcell/identity.h"
+#include "sightcell/lights.h"
 #include "sightcell/residency.h"
 #include "sightcell/viewpoints.h"
 
@@ -181,6 +182,8 @@ void open_without_waiting(outcomes& out) {
   RETURNS(PENDING, sightcell_cluster_map_create(host.db(), nullptr, 0, 0, &map));
   sightcell_casters* casters = nullptr;
   RETURNS(PENDING, sightcell_casters_create(host.db(), &casters));
+  sightcell_lights* lights = nullptr;
+  RETURNS(PENDING, sightcell_lights_create(host.db(), &lights));
   sightcell_residency* residency = nullptr;
   RETURNS(PENDING, sightcell_residency_create(host.db(), &residency));
   RETURNS(PENDING, sightcell_cluster_map_of_file(host.db(), &map));

@@ -11,10 +11,12 @@
 #include "sightcell/casters.h"
 #include "sightcell/clusters.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/lights.h"
 #include "sightcell/residency.h"
 #include "table_encoder.h"
 #include "unit/format/caster_samples.h"
 #include "unit/format/importance_samples.h"
+#include "unit/format/light_samples.h"
 #include "unit/format/residency_samples.h"
 
 namespace sightcell::test {
@@ -239,6 +241,47 @@ void shadow_casters(outcomes& out) {
   RETURNS(ERR_CAPACITY, sightcell_view_caster_indices(view.get(), casters, 0, indices.data(), drawn.data(), 3, &count));
   RETURNS(ERR_ARGUMENT, sightcell_view_caster_indices(view.get(), casters, 0, nullptr, drawn.data(), 18, &count));
   sightcell_casters_destroy(casters);
+}
+
+void lamps(outcomes& out) {
+  few_blocks three(3);
+  const sample_contents contents = tiny_contents();
+  const bytes whole = with_lights(contents.encode(), sample_lights(contents));
+  const loaded_file file(whole, &three.interface);
+  test_view view(file.db());
+  static_cast<void>(view.move(1, 1, 1));
+  sightcell_lights* lights = nullptr;
+  RETURNS(ERR_ARGUMENT, sightcell_lights_create(nullptr, &lights));
+  RETURNS(OK, sightcell_lights_create(file.db(), &lights));
+  sightcell_lights* none = nullptr;
+  RETURNS(ERR_MEMORY, sightcell_lights_create(file.db(), &none));
+  const loaded_file without(contents);
+  RETURNS(ERR_ABSENT, sightcell_lights_create(without.db(), &none));
+  bytes changed = whole;
+  changed[section_offset(whole, layout::section_lights) + 4] ^= std::byte{64};  // more runs than polygons
+  const loaded_file wrong_sum(changed);
+  RETURNS(ERR_CHECKSUM, sightcell_lights_create(wrong_sum.db(), &none));
+  reseal(changed);
+  const loaded_file corrupt(std::move(changed));
+  RETURNS(ERR_CORRUPT, sightcell_lights_create(corrupt.db(), &none));
+  std::array<sightcell_light, 10> list;
+  std::array<sightcell_range, 6> ranges;
+  std::array<std::uint32_t, 18> indices{};
+  std::array<std::uint32_t, 18> drawn;
+  std::size_t count = 0;
+  RETURNS(OK, sightcell_lights_list(lights, list.data(), 10, &count));
+  RETURNS(ERR_CAPACITY, sightcell_lights_list(lights, list.data(), 9, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_lights_list(nullptr, list.data(), 10, &count));
+  RETURNS(OK, sightcell_view_lights(view.get(), lights, drawn.data(), 10, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_lights(view.get(), lights, nullptr, 0, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_lights(view.get(), nullptr, drawn.data(), 10, &count));
+  RETURNS(OK, sightcell_view_light_ranges(view.get(), lights, 9, ranges.data(), 6, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_light_ranges(view.get(), lights, 9, ranges.data(), 0, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_light_ranges(view.get(), lights, 10, ranges.data(), 6, &count));
+  RETURNS(OK, sightcell_view_light_indices(view.get(), lights, 9, indices.data(), drawn.data(), 18, &count));
+  RETURNS(ERR_CAPACITY, sightcell_view_light_indices(view.get(), lights, 9, indices.data(), drawn.data(), 3, &count));
+  RETURNS(ERR_ARGUMENT, sightcell_view_light_indices(view.get(), lights, 9, nullptr, drawn.data(), 18, &count));
+  sightcell_lights_destroy(lights);
 }
 
 void residencies(outcomes& out) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "unit/format/caster_samples.h"
+#include "unit/format/light_samples.h"
 #include "unit/format/residency_samples.h"
 #include "unit/format/sample_contents.h"
 
@@ -110,6 +111,38 @@ TEST(sightcell_hpp, casters) {
   EXPECT_EQ(camera->shadow_indices(casters, 1, stored, indices).count, 3 * std::size_t{polygons});
   EXPECT_EQ(sightcell::casters().suns(suns).status, SIGHTCELL_ERR_ARGUMENT);
   EXPECT_EQ(camera->shadow_ranges(casters, 2, ranges).status, SIGHTCELL_ERR_ARGUMENT);
+}
+
+TEST(sightcell_hpp, lights) {
+  const auto contents = sightcell::test::small_contents();
+  const sightcell::test::sample_lights samples(contents);
+  const auto bytes = sightcell::test::with_lights(contents.encode(), samples);
+  const auto file = sightcell::db::open(bytes);
+  ASSERT_TRUE(file);
+  auto made = sightcell::lights::create(*file);
+  ASSERT_TRUE(made);
+  sightcell::lights lights = std::move(*made);
+  std::array<sightcell_light, 10> list{};
+  EXPECT_EQ(lights.list(list).count, 10u);
+  EXPECT_EQ(list[9].node, samples.lights[9].node);
+  auto camera = sightcell::view::create(*file);
+  ASSERT_TRUE(camera);
+  sightcell_frame frame;
+  const float eye[3] = {3.5f, 0.5f, 0.5f};
+  EXPECT_EQ(camera->move(eye, frame), SIGHTCELL_OK);
+  std::array<std::uint32_t, 10> here{};
+  EXPECT_GT(camera->lights_here(lights, here).count, 0u);
+  std::vector<sightcell_range> ranges(300);
+  const auto listed = camera->lit_ranges(lights, 3, ranges);
+  ASSERT_TRUE(listed);
+  std::uint32_t polygons = 0;
+  for (std::size_t i = 0; i < listed.count; ++i) polygons += ranges[i].count;
+  EXPECT_EQ(polygons, samples.sets[3].size());
+  const std::vector<std::uint32_t> stored(900, 7);
+  std::vector<std::uint32_t> indices(900);
+  EXPECT_EQ(camera->lit_indices(lights, 3, stored, indices).count, 3 * std::size_t{polygons});
+  EXPECT_EQ(sightcell::lights().list(list).status, SIGHTCELL_ERR_ARGUMENT);
+  EXPECT_EQ(camera->lit_ranges(lights, 10, ranges).status, SIGHTCELL_ERR_ARGUMENT);
 }
 
 TEST(sightcell_hpp, residency) {

@@ -113,6 +113,17 @@ struct sun_summary {
   std::uint64_t rays = 0;              // that were spent
 };
 
+// What was found with settings::lights.
+struct light_summary {
+  std::uint32_t lights = 0;         // in the file; 0: the scene has none
+  std::uint32_t inside_solids = 0;  // of these: they reach nothing, and have no bound
+  double polygons_per_light = 0.0;  // mean number of polygons that a light reaches
+  double lights_per_cell = 0.0;     // mean number of lights that touch a cell
+  double max_upper_bound = 0.0;     // largest bound of a light outside solids
+  std::uint32_t over_bound = 0;     // of these: the bound is above settings::max_pixel_error
+  std::uint64_t rays = 0;           // that were spent
+};
+
 // Result of a bake, a shard or a merge. Percentages are of all polygons of the scene unless stated otherwise.
 struct summary {
   outcome result = outcome::done;
@@ -144,7 +155,8 @@ struct summary {
   double volumes_per_cell = 0.0;  // mean number of visible volumes
   double slack = 0.0;             // polygons that file_settings::profile added, as a share of the others; 0 .. 0.1
 
-  std::vector<sun_summary> suns;  // one for each of settings::suns
+  std::vector<sun_summary> suns;        // one for each of settings::suns
+  std::optional<light_summary> lights;  // with settings::lights
 
   double max_upper_bound = 1.0;  // largest bound of a cell, 0 .. 1
   double cpu_seconds = 0.0;      // of the process during this call, all threads

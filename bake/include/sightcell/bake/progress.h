@@ -24,6 +24,7 @@ enum class bake_phase {
   writing_file,          // orders and encodes the sets
   measuring_importance,  // settings::file.importance
   finding_casters,       // settings::suns
+  finding_lights,        // settings::lights
 };
 
 // ---- Progress -------------------------------------------------------------------------------------------------------
@@ -56,6 +57,7 @@ struct progress {
   std::uint32_t cells_checked = 0;  // of cells_done: finished. Time budget: whose bound is at most max_pixel_error
   std::uint32_t cells_in_work = 0;  // now
 
+  double lights = 0.0;      // part of the lights whose polygons are found, 0 .. 1; 0 before that begins
   double casters = 0.0;     // part of the cells whose shadow casters are found, 0 .. 1; 0 before that begins
   double importance = 0.0;  // part of the importance that is measured, 0 .. 1; 0 before that begins
   double target = 0.0;      // time budget: the bound that all cells are brought to now; else 0

@@ -196,6 +196,10 @@ struct settings {
   // Needs a max_pixel_error above 0.
   std::vector<sun_setting> suns;
 
+  // --lights: for each point and spot light of the scene, the polygons that it reaches, and the cells that see one of
+  // them (docs/lights.md). Needs a max_pixel_error above 0 and the sampler guided.
+  bool lights = false;
+
   // ---- File
   file_settings file;  // --profile, --order, --layout, --importance, --names
 
@@ -221,7 +225,7 @@ bool flies(const settings& s);
 
 // Checks ranges and combinations.
 // Fails with settings.out-of-range, settings.two-kinds-of-cells, settings.time-budget, settings.volumes,
-//   settings.two-scenes, settings.records, settings.suns; the line names the option.
+//   settings.two-scenes, settings.records, settings.suns, settings.lights; the line names the option.
 void validate(const settings& s);
 
 // Returns the settings text: one line of JSON with all settings that can change a byte of the file, in fixed order. It

@@ -14,8 +14,7 @@
 #include <cstdint>
 #include <span>
 
-#include "sightcell/format/layout.h"
-#include "sightcell/format/packed_columns.h"
+#include "sightcell/format/extra_sets.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/records.h"
 #include "sightcell/format/status.h"
@@ -44,11 +43,13 @@ class caster_table {
   status certificate(std::uint32_t cell, std::uint32_t sun, certificate_record& out) const noexcept;
 
   // The most runs of any caster set: the room that decode needs.
-  [[nodiscard]] std::uint32_t run_bound() const noexcept { return run_bound_; }
+  [[nodiscard]] std::uint32_t run_bound() const noexcept { return sets_.run_bound(); }
   // Bytes of scratch that decode needs, at a multiple of 4.
-  [[nodiscard]] std::size_t scratch_size() const noexcept;
+  [[nodiscard]] std::size_t scratch_size() const noexcept { return sets_.scratch_size(); }
   // As reader::make_codes, with memory of reader::codes_size().
-  status make_codes(std::span<std::byte> memory, const row_codes*& out) const noexcept;
+  status make_codes(std::span<std::byte> memory, const row_codes*& out) const noexcept {
+    return sets_.make_codes(memory, out);
+  }
 
   // Decodes the casters of a cell as runs in stored order: ascending, disjoint, not touching, inside polygon_count. A
   // host draws them and the set of the cell. As reader::decode_row.
@@ -56,18 +57,14 @@ class caster_table {
                 std::span<std::byte> scratch, std::size_t& count) const noexcept;
 
   // Decodes every row. Returns ok or the first fault. out, scratch: as for decode.
-  status check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept;
-
- private:
-  [[nodiscard]] std::uint32_t sets() const noexcept { return cells_ * suns_; }
-  [[nodiscard]] std::uint32_t chunks() const noexcept {
-    return (sets() + layout::cells_per_block - 1) / layout::cells_per_block;
+  status check(const row_codes* codes, std::span<run> out, std::span<std::byte> scratch) const noexcept {
+    return sets_.check(codes, out, scratch);
   }
 
-  std::span<const std::byte> bytes_, codes_, rows_;
-  std::uint32_t cells_ = 0, suns_ = 0, polygons_ = 0, run_bound_ = 0, list_bound_ = 0;
-  std::array<packed_column, layout::certificate_columns> certificate_;
-  packed_column ends_;  // of chunks, in rows_
+ private:
+  std::span<const std::byte> bytes_;
+  std::uint32_t cells_ = 0, suns_ = 0;
+  extra_sets sets_;  // the suns of a cell one after the other
 };
 
 }  // namespace sightcell::format

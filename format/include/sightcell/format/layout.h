@@ -79,11 +79,13 @@ inline constexpr std::uint32_t section_identity = 15;      // since version 1; o
 inline constexpr std::uint32_t section_clusters = 16;      // since version 1; a file with clusters requires it
 inline constexpr std::uint32_t section_casters = 17;       // since version 1; optional, and open skips it
 inline constexpr std::uint32_t section_residency = 18;     // since version 1; optional, and open skips it
+inline constexpr std::uint32_t section_lights = 19;        // since version 1; optional, and open skips it
 
 // Whether a section comes after all that a reader checks when it opens a file. It is checked when it is used, and may
 // be kept elsewhere until then.
 [[nodiscard]] constexpr bool is_bulk(std::uint32_t section) noexcept {
-  return section == section_rows || section == section_importance || section == section_casters;
+  return section == section_rows || section == section_importance || section == section_casters ||
+         section == section_lights;
 }
 
 // Section flags.
@@ -104,6 +106,10 @@ inline constexpr std::uint64_t identity_head_size = 16;
 // The casters section begins with three u32, then has six f32 for each sun.
 inline constexpr std::uint64_t casters_head_size = 12;
 inline constexpr std::uint64_t sun_record_size = 24;
+
+// The lights section begins with three u32, then has a u32 and eight f32 for each light.
+inline constexpr std::uint64_t lights_head_size = 12;
+inline constexpr std::uint64_t light_record_size = 36;
 
 // The texture residency section begins with a u32 and two f32.
 inline constexpr std::uint64_t residency_head_size = 12;
@@ -141,6 +147,10 @@ inline constexpr std::uint32_t max_order_run = 64;  // polygons of a run of an o
 // Shadow casters.
 inline constexpr std::uint32_t max_suns = 64;
 inline constexpr std::uint32_t max_caster_sets = 1u << 24;  // cells times suns
+
+// Lights.
+inline constexpr std::uint32_t max_lights = 1u << 16;
+inline constexpr float widest_cone = 1.5708f;  // radians: a little above pi / 2
 
 // Texture residency.
 inline constexpr std::uint32_t cells_per_residency_chunk = 16;

@@ -385,6 +385,24 @@ namespace Sightcell
         public static DrawMatch Sized => new DrawMatch { StructSize = 28 };
     }
 
+    /// <summary>A point or spot light.</summary>
+    [StructLayout(LayoutKind.Sequential, Size = 40)]
+    public unsafe struct BakedLight
+    {
+        /// <summary>number in the glTF file</summary>
+        public uint Node;
+        /// <summary>world space, meters</summary>
+        public Float3 Position;
+        /// <summary>unit vector in which a spot light shines</summary>
+        public Float3 Direction;
+        /// <summary>meters; infinity: no limit</summary>
+        public float Range;
+        /// <summary>of a spot light: angle between axis and edge, radians; 0: a point light</summary>
+        public float Cone;
+        /// <summary>of the probability that a ray from the light meets a polygon that its set lacks, 0 .. 1</summary>
+        public float ErrorBound;
+    }
+
     /// <summary>A texture.</summary>
     [StructLayout(LayoutKind.Sequential, Size = 12)]
     public unsafe struct ResidentTexture
@@ -997,6 +1015,59 @@ namespace Sightcell
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern Status sightcell_db_draw_name(IntPtr db, uint draw, uint kind, byte* dst, UIntPtr capacity, UIntPtr* count);
+
+        /// <summary>
+        /// Opens the lights of a file.
+        /// db: must outlive the lights.
+        /// out: receives the lights, or NULL on failure.
+        /// Fails with ARGUMENT; with ABSENT if the file has no lights, or pages; with CHECKSUM or CORRUPT if they are damaged;
+        ///   with MEMORY; with PENDING before sightcell_db_opened has returned OK.
+        /// Cost: reads all lights once. One allocation of the allocator of db: 62 KB and at most 16 bytes per run of the largest
+        ///   set of a light.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_lights_create(IntPtr db, IntPtr* @out);
+
+        /// <summary>Destroys lights and releases their memory. NULL is allowed.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern void sightcell_lights_destroy(IntPtr lights);
+
+        /// <summary>
+        /// Lists the lights of the file, in the order of the scene's nodes. Their numbers are used below.
+        /// dst, capacity, count: in lights, 1 or more.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_lights_list(IntPtr lights, BakedLight* dst, UIntPtr capacity, UIntPtr* count);
+
+        /// <summary>
+        /// Lists the numbers of the lights that touch what the cells of the last move see, ascending. A light touches a cell if
+        /// it reaches a polygon of the set of the cell. All lights under DRAW_ALL.
+        /// lights: of the db of the view.
+        /// dst, capacity, count: in lights.
+        /// Fails with ARGUMENT also if lights are of another db.
+        /// Cost: O(lights). Allocates nothing.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_view_lights(IntPtr view, IntPtr lights, uint* dst, UIntPtr capacity, UIntPtr* count);
+
+        /// <summary>
+        /// Lists the polygons that a light reaches as ranges, in ascending order of draws, then of first. They do not depend on
+        /// where the view is. Everything where the set of the light is damaged. Hidden named groups of the view are left out.
+        /// lights: of the db of the view.
+        /// light: its number.
+        /// dst, capacity, count: in ranges.
+        /// Fails with ARGUMENT also if lights are of another db and if there is no such light.
+        /// Cost: O(runs of the set + draws, where there are named groups). Allocates nothing.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_view_light_ranges(IntPtr view, IntPtr lights, uint light, PolygonRange* dst, UIntPtr capacity, UIntPtr* count);
+
+        /// <summary>
+        /// Copies the indices of the same polygons into one index list, as sightcell_view_indices does.
+        /// stored_indices, dst, capacity, count: as for sightcell_view_indices.
+        /// </summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern Status sightcell_view_light_indices(IntPtr view, IntPtr lights, uint light, uint* storedIndices, uint* dst, UIntPtr capacity, UIntPtr* count);
 
         /// <summary>
         /// Opens the texture residency of a file. Files that page have it too.

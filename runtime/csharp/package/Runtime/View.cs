@@ -184,6 +184,62 @@ namespace Sightcell
             }
         }
 
+        /// <summary>The numbers of the lights that touch what is visible from here.</summary>
+        public int LightsHere(Lights lights, uint* dst, int capacity)
+        {
+            UIntPtr count;
+            Status status = Native.sightcell_view_lights(Pointer, lights.Pointer, dst, (UIntPtr)capacity, &count);
+            Check(status, "lights");
+            GC.KeepAlive(lights);
+            return (int)count;
+        }
+
+        public int LightsHere(Lights lights, Span<uint> dst)
+        {
+            fixed (uint* first = &MemoryMarshal.GetReference(dst))
+            {
+                return LightsHere(lights, first, dst.Length);
+            }
+        }
+
+        /// <summary>The polygons that a light reaches, as ranges.</summary>
+        public int LightRanges(Lights lights, uint light, PolygonRange* dst, int capacity)
+        {
+            UIntPtr count;
+            Status status = Native.sightcell_view_light_ranges(Pointer, lights.Pointer, light, dst, (UIntPtr)capacity, &count);
+            Check(status, "light");
+            GC.KeepAlive(lights);
+            return (int)count;
+        }
+
+        public int LightRanges(Lights lights, uint light, Span<PolygonRange> dst)
+        {
+            fixed (PolygonRange* first = &MemoryMarshal.GetReference(dst))
+            {
+                return LightRanges(lights, light, first, dst.Length);
+            }
+        }
+
+        /// <summary>The same polygons as an index list.</summary>
+        public int LightIndices(Lights lights, uint light, uint* storedIndices, uint* dst, int capacity)
+        {
+            UIntPtr count;
+            Status status = Native.sightcell_view_light_indices(Pointer, lights.Pointer, light, storedIndices, dst,
+                (UIntPtr)capacity, &count);
+            Check(status, "light");
+            GC.KeepAlive(lights);
+            return (int)count;
+        }
+
+        public int LightIndices(Lights lights, uint light, ReadOnlySpan<uint> storedIndices, Span<uint> dst)
+        {
+            fixed (uint* stored = &MemoryMarshal.GetReference(storedIndices))
+            fixed (uint* first = &MemoryMarshal.GetReference(dst))
+            {
+                return LightIndices(lights, light, stored, first, dst.Length);
+            }
+        }
+
         /// <summary>The finest level of each texture that a picture from here can need, or Residency.NoLevel.
         /// pixelsPerRadian: height / (2 tan(angle / 2)) of the picture.</summary>
         public int TextureLevels(Residency residency, float pixelsPerRadian, byte* dst, int capacity)

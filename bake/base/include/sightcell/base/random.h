@@ -35,7 +35,8 @@ enum class purpose : std::uint64_t {
   merging = 18,  // of cells
   caster_search = 19,
   caster_bound = 20,
-  caster_verify = 21
+  caster_verify = 21,
+  light_verify = 22
 };
 
 class random_stream {

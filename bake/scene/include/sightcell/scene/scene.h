@@ -134,6 +134,16 @@ struct marked_cell {
   std::array<float, 3> min{}, max{};  // world space, meters
 };
 
+// A point or spot light (KHR_lights_punctual) of a node. Lights decide no visibility.
+struct light {
+  std::uint32_t node = 0;            // glTF index
+  std::array<float, 3> position{};   // world space, meters
+  std::array<float, 3> direction{};  // unit vector: -z of the node, where a spot light shines
+  float range = 0.0f;                // meters, above 0; infinity: no limit
+  float cone = 0.0f;                 // of a spot light: angle between axis and edge, radians, up to pi / 2; 0: point
+  bool moves = false;                // marked dynamic, or animated and not marked static
+};
+
 struct scene {
   std::string name;  // file name, for messages
   std::vector<material> materials;
@@ -144,6 +154,7 @@ struct scene {
   std::vector<std::string> groups;  // names of named groups
   std::vector<start_point> starts;  // where players begin; not part of the fingerprint
   std::vector<marked_cell> cells;   // view cells, in the order of the nodes; not part of the fingerprint
+  std::vector<light> lights;        // in the order of the nodes; not part of the fingerprint
   texture_uses textures;            // of read_texture_uses, which load_gltf does not call; not part of the fingerprint
 
   std::uint32_t polygon_count = 0;             // of all draws; set by finish
@@ -151,6 +162,7 @@ struct scene {
   std::vector<std::string> mesh_names;         // by mesh, likewise
   std::vector<extension_use> extensions;       // of the file, by name
   std::vector<std::string> warnings;           // of the import, one line each
+  std::vector<std::string> light_warnings;     // likewise, about lights: those that are left out, and wrong values
   std::array<std::uint8_t, 16> fingerprint{};  // of all that decides visibility; set by finish
 };
 
