@@ -44,7 +44,8 @@ object_levels split_levels(scene all, const scene& s, const std::vector<object_s
     out.objects[object].least_coverage = known.least_coverage;
     object_level& added = out.objects[object].coarser.emplace_back();
     if (level <= known.begins.size()) added.begins = known.begins[level - 1];
-    added.polygons.first = static_cast<std::uint32_t>(out.coarser.draws.size());  // number of its first draw, for now
+    // A range of draws, until `finish` has numbered their polygons.
+    added.polygons.first = static_cast<std::uint32_t>(out.coarser.draws.size());
     added.polygons.count = static_cast<std::uint32_t>(of_level.size());
     out.coarser.draws.insert(out.coarser.draws.end(), of_level.begin(), of_level.end());
   }
