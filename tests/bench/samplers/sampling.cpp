@@ -207,13 +207,9 @@ void sampling_bench::measure(const job& what, const std::vector<std::size_t>& ce
       }
     });
   };
-  if (source.shared()) {
-    std::vector<std::thread> others;
-    for (unsigned i = 0; i < std::min<std::size_t>(threads_, cells.size()); ++i) others.emplace_back(work);
-    for (std::thread& other : others) other.join();
-  } else {
-    work();  // a device belongs to the thread that made it
-  }
+  std::vector<std::thread> others;
+  for (unsigned i = 0; i < std::min<std::size_t>(threads_, cells.size()); ++i) others.emplace_back(work);
+  for (std::thread& other : others) other.join();
   sampler_->inner.reset();
   if (failure) std::rethrow_exception(failure);
 }
