@@ -284,6 +284,23 @@ def whole_files_container():
                    ("both with gzip", "over_equal_gzip", fixed(2)))
 
 
+def shadows():
+    return columns(rows_of("shadows"), ("scene", "scene", plain), ("cells", "cells", plain), ("views", "views", plain),
+                   ("shadowed %", "shadowed_percent", fixed(1)), ("wrong with sets", "wrong_of_sets", scientific),
+                   ("with casters", "wrong", scientific), ("worst view", "worst_view", scientific),
+                   ("polygons in the boxes", "culled_polygons", grouped), ("drawn with sets, %", "drawn_of_sets_percent", fixed(1)),
+                   ("with casters, %", "drawn_percent", fixed(1)))
+
+
+def level_flight():
+    return columns(rows_of("level_flight"), ("scene", "scene", plain), ("coverages", "coverages", plain), ("objects", "objects", grouped),
+                   ("that switch", "objects_that_switch", plain), ("switches", "switches", plain), ("frames", "frames", plain),
+                   ("pixels at coarser levels, %", "at_levels_percent", fixed(1)), ("missed", "missed", scientific),
+                   ("worst frame", "worst_frame", scientific), ("missed pixels", "missed_pixels", plain),
+                   ("without levels too", "of_set", plain), ("in gaps", "in_gaps", plain), ("inside polygons", "inside_polygons", plain),
+                   ("side by side", "beside_misses", plain))
+
+
 def kills():
     """All kills together."""
     table, kinds = [["event", "times", "cells reported", "cells lost", "wrong files"]], {}

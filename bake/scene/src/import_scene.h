@@ -23,11 +23,11 @@ using pose_list = std::map<std::uint32_t, rest_pose>;  // by geometry; without t
 // Converts a glTF file to a scene and calls finish.
 // name: of the scene.
 // poses: receives the rest poses; may be null.
-// switches: receives where levels of detail begin, by object; levels outside the tree are then in the scene too. May be
-//   null.
+// switches: receives where levels of detail begin, by object; may be null.
+// outside: whether levels outside the tree are in the scene too.
 // Throws sightcell::error.
 scene import_gltf(gltf_file file, const gltf_source& source, std::string name, int scene_index,
-                  pose_list* poses = nullptr, std::vector<object_switches>* switches = nullptr);
+                  pose_list* poses = nullptr, std::vector<object_switches>* switches = nullptr, bool outside = false);
 
 // Throws the error for a std::bad_alloc during an import.
 [[noreturn]] void refuse_for_memory(const std::string& file);

@@ -80,7 +80,7 @@ class importer {
  public:
   // poses, switches: may be null.
   importer(const tinygltf::Model& model, const gltf_document& document, const std::string& file, scene& out,
-           pose_list* poses, std::vector<object_switches>* switches)
+           pose_list* poses, std::vector<object_switches>* switches, bool outside)
       : model_(model),
         accessors_(document.accessors),
         coordinates_(document.coordinates),
@@ -89,7 +89,8 @@ class importer {
         file_(file),
         out_(out),
         poses_(poses),
-        switches_(switches) {
+        switches_(switches),
+        outside_(outside) {
     group_numbers_.resize(nodes_.groups.size(), no_index);
   }
 
@@ -150,6 +151,7 @@ class importer {
   scene& out_;
   pose_list* poses_;
   std::vector<object_switches>* switches_;
+  bool outside_;  // levels outside the tree are read too
   // Keys of shared geometries. Primitives that differ in material only share one: (positions, texture coordinates,
   // their transform, colors, indices, mode, clusters). Posed ones: mesh, primitive, pose.
   std::map<std::tuple<int, int, int, int, int, int, int>, std::uint32_t> geometries_;
@@ -500,7 +502,7 @@ void importer::walk(const std::vector<int>& roots) {
   const std::function<const std::vector<int>&(std::size_t)> of_file =
       [this](std::size_t node) -> const std::vector<int>& { return model_.nodes[node].children; };
   joined_tree tree(roots, of_file);
-  if (switches_ != nullptr) tree.join(nodes_);
+  if (outside_) tree.join(nodes_);
   const auto children = [&tree](std::size_t node) -> const std::vector<int>& { return tree.children(node); };
   lod_levels levels(nodes_, tree.roots(), children, out_.warnings);
   push(tree.roots(), {});
@@ -564,7 +566,7 @@ std::vector<int> roots_of(const tinygltf::Model& model, int scene_index, const s
 }  // namespace
 
 scene import_gltf(gltf_file file, const gltf_source& source, std::string name, int scene_index, pose_list* poses,
-                  std::vector<object_switches>* switches) {
+                  std::vector<object_switches>* switches, bool outside) {
   gltf_document document = read_gltf_document(std::move(file), source);
   scene out;
   out.name = std::move(name);
@@ -576,7 +578,7 @@ scene import_gltf(gltf_file file, const gltf_source& source, std::string name, i
   out.light_warnings = std::move(document.lights.warnings);
   for (const tinygltf::Node& node : model.nodes) out.node_names.push_back(node.name);
   for (const tinygltf::Mesh& mesh : model.meshes) out.mesh_names.push_back(mesh.name);
-  importer(model, document, source.name, out, poses, switches).walk(roots_of(model, scene_index, source.name));
+  importer(model, document, source.name, out, poses, switches, outside).walk(roots_of(model, scene_index, source.name));
   if (out.draws.empty()) out.warnings.push_back("the scene has no triangles");
   finish(out);
   return out;

@@ -67,8 +67,8 @@ object_levels load_object_levels(const std::filesystem::path& path, const scene&
   const gltf_source source = source_of(path);
   try {
     std::vector<object_switches> switches;
-    scene all =
-        import_gltf(split_gltf(read_scene_bytes(path), source.name), source, s.name, scene_index, nullptr, &switches);
+    scene all = import_gltf(split_gltf(read_scene_bytes(path), source.name), source, s.name, scene_index, nullptr,
+                            &switches, true);
     return split_levels(std::move(all), s, switches);
   } catch (const std::bad_alloc&) {
     refuse_for_memory(source.name);

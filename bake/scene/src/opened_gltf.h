@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
 #include "gltf_accessors.h"
 #include "gltf_attributes.h"
@@ -21,6 +22,7 @@ struct opened_gltf {
   std::optional<gltf_attributes> attributes;
   scene content;
   pose_list poses;
+  std::vector<object_switches> switches;  // of levels of detail, by object
 
   // path, scene_index: as for load_gltf. Throws sightcell::error.
   opened_gltf(const std::filesystem::path& path, int scene_index);

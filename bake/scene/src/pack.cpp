@@ -79,7 +79,7 @@ std::vector<std::byte> gltf_packer::pack(const packed_order& order, std::vector<
   const packed_places places = places_of(s, vertices, materials);
   state_->check_size(places.bytes);
   vertices.find_bounds();
-  std::string json = packed_document(s, order, vertices, materials, places)
+  std::string json = packed_document(s, order, vertices, materials, places, state_->switches)
                          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   state_->check_size(glb_size(json, places.bytes));
   std::vector<std::byte> out = glb_with_room(std::move(json), places.bytes);

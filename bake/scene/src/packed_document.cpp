@@ -33,8 +33,9 @@ json vec3_json(const glm::vec3& v) {
 class document_writer {
  public:
   document_writer(const scene& s, const packed_order& order, const packed_vertices& vertices,
-                  const carried_materials& materials, const packed_places& places)
-      : scene_(s), order_(order), vertices_(vertices), materials_(materials), places_(places) {}
+                  const carried_materials& materials, const packed_places& places,
+                  const std::vector<object_switches>& switches)
+      : scene_(s), order_(order), vertices_(vertices), materials_(materials), places_(places), switches_(switches) {}
 
   json write() {
     out_ = materials_.sections;
@@ -159,13 +160,42 @@ class document_writer {
         out_["nodes"].push_back(
             {{"name", "object " + std::to_string(object) + " level " + std::to_string(level)}, {"children", groups}});
       }
-      json ids = json::array();
-      for (std::size_t i = 1; i < levels.size(); ++i) ids.push_back(finest + i);
-      if (!ids.empty()) out_["nodes"][finest]["extensions"]["MSFT_lod"]["ids"] = std::move(ids);
+      std::vector<level_switch> begins;
+      const object_switches known = object < switches_.size() ? switches_[object] : object_switches{};
+      for (const auto& [level, groups] : levels)
+        if (level > 0) begins.push_back(level <= known.begins.size() ? known.begins[level - 1] : level_switch{});
+      write_switches(finest, begins, known.least_coverage);
     }
-    if (objects.empty()) return;
+    const auto is_extended = [](const json& node) { return node.contains("extensions"); };
+    if (std::none_of(out_["nodes"].begin(), out_["nodes"].end(), is_extended)) return;
     json& used = out_["extensionsUsed"];
     if (std::find(used.begin(), used.end(), "MSFT_lod") == used.end()) used.push_back("MSFT_lod");
+  }
+
+  // Names the coarser levels of an object, whose nodes follow the finest one, and where they begin. MSFT_lod has
+  // coverages for all of its levels or for none, so the others have level_of, which readers put behind them.
+  void write_switches(std::size_t finest, const std::vector<level_switch>& begins, float least_coverage) {
+    const bool covered = !begins.empty() && begins.front().below_coverage.has_value();
+    const auto named = std::find_if(begins.begin(), begins.end(), [&](const level_switch& one) {
+      return one.from_distance.has_value() || one.below_coverage.has_value() != covered;
+    });
+    json ids = json::array(), coverages = json::array();
+    for (auto one = begins.begin(); one != begins.end(); ++one) {
+      const std::size_t node = finest + 1 + static_cast<std::size_t>(one - begins.begin());
+      if (one < named) {
+        ids.push_back(node);
+        if (covered) coverages.push_back(*one->below_coverage);
+        continue;
+      }
+      json& marks = out_["nodes"][node]["extras"]["sightcell"];
+      marks["level_of"] = out_["nodes"][finest]["name"];
+      if (one->from_distance) marks["from_distance"] = *one->from_distance;
+    }
+    if (ids.empty()) return;
+    out_["nodes"][finest]["extensions"]["MSFT_lod"]["ids"] = std::move(ids);
+    if (!covered) return;
+    coverages.push_back(least_coverage);
+    out_["nodes"][finest]["extras"]["MSFT_screencoverage"] = std::move(coverages);
   }
 
   const scene& scene_;
@@ -173,6 +203,7 @@ class document_writer {
   const packed_vertices& vertices_;
   const carried_materials& materials_;
   const packed_places& places_;
+  const std::vector<object_switches>& switches_;
   json out_;
   std::map<std::string, std::size_t> column_accessors_;
   std::size_t index_view_ = 0;
@@ -193,8 +224,9 @@ packed_places places_of(const scene& s, const packed_vertices& vertices, const c
 }
 
 json packed_document(const scene& s, const packed_order& order, const packed_vertices& vertices,
-                     const carried_materials& materials, const packed_places& places) {
-  return document_writer(s, order, vertices, materials, places).write();
+                     const carried_materials& materials, const packed_places& places,
+                     const std::vector<object_switches>& switches) {
+  return document_writer(s, order, vertices, materials, places, switches).write();
 }
 
 }  // namespace sightcell::scene

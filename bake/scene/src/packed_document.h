@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "carried_materials.h"
+#include "lod_levels.h"
 #include "packed_vertices.h"
 #include "sightcell/scene/pack.h"
 #include "sightcell/scene/scene.h"
@@ -22,7 +24,9 @@ struct packed_places {
 packed_places places_of(const scene& s, const packed_vertices& vertices, const carried_materials& materials);
 
 // Returns the JSON of a packed file.
+// switches: where levels of detail begin, by object.
 nlohmann::json packed_document(const scene& s, const packed_order& order, const packed_vertices& vertices,
-                               const carried_materials& materials, const packed_places& places);
+                               const carried_materials& materials, const packed_places& places,
+                               const std::vector<object_switches>& switches);
 
 }  // namespace sightcell::scene

@@ -12,6 +12,7 @@
 #include "errors/error_id.h"
 #include "gltf_sketch.h"
 #include "packed_file.h"
+#include "sightcell/scene/object_levels.h"
 
 namespace sightcell::scene {
 namespace {
@@ -304,6 +305,49 @@ TEST(pack, levels_of_detail_stay_levels) {
   EXPECT_EQ(world.lods.size(), 1u);
   EXPECT_EQ(world.absent.coarser_level, 1u);
   EXPECT_TRUE(again.warnings.empty());
+}
+
+// What a reader finds of the switches of a packed file, and what of those of its source.
+TEST(pack, levels_begin_where_they_did) {
+  gltf_sketch g = slope();
+  g.json["extensionsUsed"] = {"MSFT_lod"};
+  g.add_node({{"mesh", 0},
+              {"name", "near"},
+              {"extensions", {{"MSFT_lod", {{"ids", json::array({1})}}}}},
+              {"extras", {{"MSFT_screencoverage", {0.5, 0.01}}}}});
+  g.add_node({{"mesh", 0}, {"translation", {1, 0, 0}}});
+  const auto add_level = [&g](const char* of, double x, json from) {
+    json marks = {{"level_of", of}};
+    if (!from.is_null()) marks["from_distance"] = from;
+    g.add_node({{"mesh", 0}, {"translation", {x, 0, 0}}, {"extras", {{"sightcell", marks}}}});
+  };
+  add_level("near", 3, 80.25);  // both kinds, of which the farther one is first in the file
+  add_level("near", 2, 40.5);
+  g.add_node({{"mesh", 0}, {"name", "other"}, {"translation", {9, 0, 0}}});
+  add_level("other", 10, 25);
+  add_level("other", 11, nullptr);
+  const packed p(g);
+  const auto path =
+      p.folder.write("packed.glb", {reinterpret_cast<const char*>(p.file.bytes().data()), p.file.bytes().size()});
+  const scene again = p.file.loaded();
+  EXPECT_TRUE(again.warnings.empty());
+  const object_levels levels = load_object_levels(path, again);
+  ASSERT_EQ(levels.objects.size(), 2u);
+  // Objects are numbered by their first draws, whose order is that of the bake.
+  const leveled_object& near = levels.objects[levels.objects[0].coarser.size() == 3 ? 0 : 1];
+  const leveled_object& other = levels.objects[levels.objects[0].coarser.size() == 3 ? 1 : 0];
+  ASSERT_EQ(near.coarser.size(), 3u);
+  EXPECT_EQ(near.coarser[0].begins.below_coverage, 0.5f);
+  EXPECT_EQ(near.coarser[1].begins.from_distance, 40.5f);
+  EXPECT_EQ(near.coarser[2].begins.from_distance, 80.25f);
+  EXPECT_EQ(near.least_coverage, 0.01f);
+  const world_geometry coarser = flatten(levels.coarser);
+  const float x = coarser.positions[coarser.indices[3 * std::size_t{near.coarser[1].polygons.first}]].x;
+  const float x_of_farther = coarser.positions[coarser.indices[3 * std::size_t{near.coarser[2].polygons.first}]].x;
+  EXPECT_LT(x, x_of_farther) << "the level at x = 2 begins nearer";
+  ASSERT_EQ(other.coarser.size(), 2u);
+  EXPECT_EQ(other.coarser[0].begins.from_distance, 25.0f);
+  EXPECT_FALSE(other.coarser[1].begins.from_distance.has_value());
 }
 
 TEST(pack, a_corner_that_is_nowhere_draws_nothing) {
