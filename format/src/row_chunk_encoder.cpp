@@ -53,6 +53,13 @@ void put_count(std::size_t count, bit_sink& out) {
 
 }  // namespace
 
+void row_counts::add(const row_counts& others) {
+  own.add(others.own);
+  removed.add(others.removed);
+  added.add(others.added);
+  list_runs = std::max(list_runs, others.list_runs);
+}
+
 chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit,
                       least_saving least) {
   const std::vector<std::uint32_t> first = first_equal(sets);

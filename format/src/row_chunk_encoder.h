@@ -16,6 +16,8 @@ namespace sightcell::format {
 struct row_counts {
   run_counts own, removed, added;
   std::uint32_t list_runs = 0;
+
+  void add(const row_counts& others);
 };
 
 struct row_encoders {

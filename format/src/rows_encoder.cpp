@@ -59,15 +59,27 @@ status rows_encoder::read_set(std::uint32_t cell, std::vector<run>& runs) {
   return status::ok;
 }
 
-template <class Visit>
-status rows_encoder::for_each_block(std::size_t step, const Visit& visit) {
-  for (std::size_t block = 0; block < block_count(); block += step) {
-    const std::size_t begin = block * layout::cells_per_block;
-    sets_.resize(std::min<std::size_t>(contents_.cell_sets.count - begin, layout::cells_per_block));
-    for (std::size_t i = 0; i < sets_.size(); ++i) {
-      if (const status s = read_set(static_cast<std::uint32_t>(begin + i), sets_[i]); s != status::ok) return s;
+template <class Work, class Use>
+status rows_encoder::for_each_block(std::size_t step, const Work& work, const Use& use) {
+  const std::size_t at_once = contents_.run_at_once ? std::max<std::size_t>(contents_.groups_at_once, 1) : 1;
+  for (std::size_t first = 0; first < block_count(); first += step * at_once) {
+    std::vector<block_work> group(std::min(at_once, (block_count() - first + step - 1) / step));
+    for (std::size_t g = 0; g < group.size(); ++g) {
+      const std::size_t begin = (first + g * step) * layout::cells_per_block;
+      group[g].sets.resize(std::min<std::size_t>(contents_.cell_sets.count - begin, layout::cells_per_block));
+      for (std::size_t i = 0; i < group[g].sets.size(); ++i) {
+        const status s = read_set(static_cast<std::uint32_t>(begin + i), group[g].sets[i]);
+        if (s != status::ok) return s;
+      }
     }
-    if (const status s = visit(block); s != status::ok) return s;
+    const auto work_on = [&](std::size_t g) { work(first + g * step, group[g]); };
+    if (group.size() == 1)
+      work_on(0);
+    else
+      contents_.run_at_once(group.size(), work_on);
+    for (std::size_t g = 0; g < group.size(); ++g) {
+      if (const status s = use(first + g * step, group[g]); s != status::ok) return s;
+    }
   }
   return status::ok;
 }
@@ -82,49 +94,49 @@ std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
 }
 
 // Slack makes differences cheaper than they are now, so those that save little yet are used too.
-void rows_encoder::widen_sets(std::size_t block, slack_sums& sums) {
+void rows_encoder::widen_sets(std::size_t block, block_work& w) {
   if (!exact_encoders_) return;
   std::vector<planned_chunk>& chunks = exact_blocks_[block];
   if (chunks.empty()) {
     const std::uint64_t most = std::uint64_t{contents_.chunk_bytes} * exact_bytes / widened_bytes;
-    chunks = split_block(sets_, *exact_encoders_, items_, most, least_saving::anything);
+    chunks = split_block(w.sets, *exact_encoders_, items_, most, least_saving::anything);
   }
-  take_volumes();
-  for (const planned_chunk& c : chunks) add_slack(c.part(sets_), c.plan, borders_, prices_, slack_share_, sums);
-  put_volumes_back();
+  take_volumes(w);
+  for (const planned_chunk& c : chunks) add_slack(c.part(w.sets), c.plan, borders_, prices_, slack_share_, w.sums);
+  put_volumes_back(w);
 }
 
 // The sets with slack have the chunks by which it was added, because it depends on the references, or parts of these.
-std::vector<planned_chunk> rows_encoder::planned(std::size_t block, const row_encoders& encoders) {
-  if (!exact_encoders_) return split_block(sets_, encoders, items_, contents_.chunk_bytes);
+std::vector<planned_chunk> rows_encoder::planned(std::size_t block, block_work& w, const row_encoders& encoders) const {
+  if (!exact_encoders_) return split_block(w.sets, encoders, items_, contents_.chunk_bytes);
   std::vector<planned_chunk> chunks;
   for (const planned_chunk& exact : exact_blocks_[block]) {
-    for (planned_chunk& c : split_block(exact.part(sets_), encoders, items_, contents_.chunk_bytes)) {
+    for (planned_chunk& c : split_block(exact.part(w.sets), encoders, items_, contents_.chunk_bytes)) {
       chunks.push_back({exact.first + c.first, c.cells, std::move(c.plan)});
     }
   }
   return chunks;
 }
 
-void rows_encoder::take_volumes() {
-  volumes_.resize(sets_.size());
-  for (std::size_t i = 0; i < sets_.size(); ++i) {
-    std::vector<run>& set = sets_[i];
+void rows_encoder::take_volumes(block_work& w) const {
+  w.volumes.resize(w.sets.size());
+  for (std::size_t i = 0; i < w.sets.size(); ++i) {
+    std::vector<run>& set = w.sets[i];
     const auto has_volumes = [&](const run& r) { return r.first + r.count > columns_; };
     const auto from = std::find_if(set.begin(), set.end(), has_volumes);
-    volumes_[i].assign(from, set.end());
+    w.volumes[i].assign(from, set.end());
     set.erase(from, set.end());
-    if (volumes_[i].empty() || volumes_[i].front().first >= columns_) continue;
-    run& cut = volumes_[i].front();
+    if (w.volumes[i].empty() || w.volumes[i].front().first >= columns_) continue;
+    run& cut = w.volumes[i].front();
     set.push_back({cut.first, columns_ - cut.first});
     cut = {columns_, cut.count - set.back().count};
   }
 }
 
-void rows_encoder::put_volumes_back() {
-  for (std::size_t i = 0; i < sets_.size(); ++i) {
-    std::vector<run>& set = sets_[i];
-    std::span<const run> volumes = volumes_[i];
+void rows_encoder::put_volumes_back(block_work& w) {
+  for (std::size_t i = 0; i < w.sets.size(); ++i) {
+    std::vector<run>& set = w.sets[i];
+    std::span<const run> volumes = w.volumes[i];
     if (!set.empty() && !volumes.empty() && set.back().first + set.back().count == volumes.front().first) {
       set.back().count += volumes.front().count;
       volumes = volumes.subspan(1);
@@ -135,10 +147,15 @@ void rows_encoder::put_volumes_back() {
 
 // Counts every set as an own row.
 status rows_encoder::count_own(row_counts& counts) {
-  return for_each_block(1, [&](std::size_t) {
-    for (const std::vector<run>& set : sets_) counts.own.add(set);
-    return status::ok;
-  });
+  return for_each_block(
+      1,
+      [](std::size_t, block_work& w) {
+        for (const std::vector<run>& set : w.sets) w.counts.own.add(set);
+      },
+      [&](std::size_t, const block_work& w) {
+        counts.add(w.counts);
+        return status::ok;
+      });
 }
 
 // Differences are assumed to cost as much per run as own rows, until some of them are known.
@@ -147,45 +164,65 @@ status rows_encoder::sample(row_counts& counts) {
   guess.removed = guess.added = guess.own;
   const row_encoders encoders(guess);
   row_counts sampled;
-  const status s = for_each_block(sample_step(sampled_blocks), [&](std::size_t block) {
-    for (const planned_chunk& c : planned(block, encoders)) count_chunk(c.part(sets_), c.plan, sampled);
-    return status::ok;
-  });
+  const status s = for_each_block(
+      sample_step(sampled_blocks),
+      [&](std::size_t block, block_work& w) {
+        for (const planned_chunk& c : planned(block, w, encoders)) count_chunk(c.part(w.sets), c.plan, w.counts);
+      },
+      [&](std::size_t, const block_work& w) {
+        sampled.add(w.counts);
+        return status::ok;
+      });
   counts.removed = sampled.removed;
   counts.added = sampled.added;
   return s;
 }
 
-// counts: of the sets without slack; becomes those of sampled sets with slack.
+// counts: of the sets without slack; becomes those of sampled sets with slack, of which all count as own rows too.
 status rows_encoder::sample_slack(row_counts& counts) {
   exact_encoders_ = std::make_unique<row_encoders>(counts);
   prices_ = slack_prices_of(counts, *exact_encoders_);
   exact_blocks_.resize(block_count());
-  row_counts own;
   row_counts sampled;
-  const status s = for_each_block(sample_step(sampled_slack_blocks), [&](std::size_t block) {
-    slack_sums unused;
-    widen_sets(block, unused);
-    for (const std::vector<run>& set : sets_) own.own.add(set);
-    for (const planned_chunk& c : planned(block, *exact_encoders_)) count_chunk(c.part(sets_), c.plan, sampled);
-    return status::ok;
-  });
+  const status s = for_each_block(
+      sample_step(sampled_slack_blocks),
+      [&](std::size_t block, block_work& w) {
+        widen_sets(block, w);
+        for (const planned_chunk& c : planned(block, w, *exact_encoders_)) {
+          count_chunk(c.part(w.sets), c.plan, w.counts);
+        }
+        w.counts.own = {};
+        for (const std::vector<run>& set : w.sets) w.counts.own.add(set);
+      },
+      [&](std::size_t, const block_work& w) {
+        sampled.add(w.counts);
+        return status::ok;
+      });
   counts = sampled;
-  counts.own = own.own;
   return s;
 }
 
 status rows_encoder::choose(const row_encoders& encoders, row_counts& counts) {
-  return for_each_block(1, [&](std::size_t block) {
-    widen_sets(block, sums_);
-    for (const std::vector<run>& set : sets_) {
-      run_bound_ = std::max(run_bound_, static_cast<std::uint32_t>(set.size()));
-      range_bound_ = std::max(range_bound_, count_ranges(set));
-    }
-    blocks_.push_back(planned(block, encoders));
-    for (const planned_chunk& c : blocks_.back()) count_chunk(c.part(sets_), c.plan, counts);
-    return status::ok;
-  });
+  return for_each_block(
+      1,
+      [&](std::size_t block, block_work& w) {
+        widen_sets(block, w);
+        for (const std::vector<run>& set : w.sets) {
+          w.run_bound = std::max(w.run_bound, static_cast<std::uint32_t>(set.size()));
+          w.range_bound = std::max(w.range_bound, count_ranges(set));
+        }
+        w.chunks = planned(block, w, encoders);
+        for (const planned_chunk& c : w.chunks) count_chunk(c.part(w.sets), c.plan, w.counts);
+      },
+      [&](std::size_t, block_work& w) {
+        sums_.seen += w.sums.seen;
+        sums_.added += w.sums.added;
+        run_bound_ = std::max(run_bound_, w.run_bound);
+        range_bound_ = std::max(range_bound_, w.range_bound);
+        blocks_.push_back(std::move(w.chunks));
+        counts.add(w.counts);
+        return status::ok;
+      });
 }
 
 status rows_encoder::plan() {
@@ -214,19 +251,29 @@ std::vector<std::byte> rows_encoder::codes() const {
 status rows_encoder::write(std::vector<std::byte>& file, std::vector<std::byte>& directory) {
   const std::size_t rows_begin = file.size();
   byte_sink records(directory);
-  return for_each_block(1, [&](std::size_t block) {
-    slack_sums unused;
-    widen_sets(block, unused);
-    for (const planned_chunk& c : blocks_[block]) {
-      const std::size_t begin = file.size();
-      encode_chunk(c.part(sets_), c.plan, *encoders_, file);
-      if (file.size() - begin > layout::max_chunk_size) return status::limit;
-      records.put_u64(begin - rows_begin);
-      records.put_u32(static_cast<std::uint32_t>(file.size() - begin));
-      records.put_u32(crc32c(std::span(file).subspan(begin)));
-    }
-    return status::ok;
-  });
+  return for_each_block(
+      1,
+      [&](std::size_t block, block_work& w) {
+        widen_sets(block, w);
+        for (const planned_chunk& c : blocks_[block]) {
+          const std::size_t begin = w.rows.size();
+          encode_chunk(c.part(w.sets), c.plan, *encoders_, w.rows);
+          w.chunk_sizes.push_back(w.rows.size() - begin);
+          w.checksums.push_back(crc32c(std::span(w.rows).subspan(begin)));
+        }
+      },
+      [&](std::size_t, const block_work& w) {
+        std::size_t begin = file.size() - rows_begin;
+        for (std::size_t c = 0; c < w.chunk_sizes.size(); ++c) {
+          if (w.chunk_sizes[c] > layout::max_chunk_size) return status::limit;
+          records.put_u64(begin);
+          records.put_u32(static_cast<std::uint32_t>(w.chunk_sizes[c]));
+          records.put_u32(w.checksums[c]);
+          begin += w.chunk_sizes[c];
+        }
+        file.insert(file.end(), w.rows.begin(), w.rows.end());
+        return status::ok;
+      });
 }
 
 }  // namespace sightcell::format

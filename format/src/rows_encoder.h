@@ -1,6 +1,7 @@
 #pragma once
 // Encodes the rows of a whole file. It reads all sets several times: the cost of a difference depends on the codes, and
-// these depend on the chosen differences. Slack is added again each time, by prices that stay the same.
+// these depend on the chosen differences. Slack is added again each time, by prices that stay the same. Work on
+// different blocks of 64 cells may run at the same time: its results are added in the order of the blocks.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -38,21 +39,38 @@ class rows_encoder {
   status write(std::vector<std::byte>& file, std::vector<std::byte>& directory);
 
  private:
+  // A block while it is in work, and what the work found.
+  struct block_work {
+    std::vector<std::vector<run>> sets;
+    std::vector<std::vector<run>> volumes;  // of the sets, while they are removed from them
+    row_counts counts;
+    slack_sums sums;
+    std::uint32_t run_bound = 0;
+    std::uint32_t range_bound = 0;
+    std::vector<planned_chunk> chunks;
+    std::vector<std::byte> rows;           // of its chunks, one after the other
+    std::vector<std::size_t> chunk_sizes;  // in rows
+    std::vector<std::uint32_t> checksums;  // of the chunks
+  };
+
   [[nodiscard]] std::size_t block_count() const;
   [[nodiscard]] std::size_t sample_step(std::size_t samples) const;
-  // Calls visit(block), which returns a status, for every step-th block, with its sets in sets_.
-  template <class Visit>
-  status for_each_block(std::size_t step, const Visit& visit);
+  // Calls work(block, w) for every step-th block, with its sets in w, and then use(block, w), which returns a status.
+  // work: changes nothing but w and what belongs to its block. It may run for several blocks at the same time.
+  // use: in the order of the blocks, on the calling thread.
+  template <class Work, class Use>
+  status for_each_block(std::size_t step, const Work& work, const Use& use);
   status read_set(std::uint32_t cell, std::vector<run>& runs);
   status count_own(row_counts& counts);
   status sample(row_counts& counts);
   status sample_slack(row_counts& counts);
   status choose(const row_encoders& encoders, row_counts& counts);
-  void widen_sets(std::size_t block, slack_sums& sums);
-  [[nodiscard]] std::vector<planned_chunk> planned(std::size_t block, const row_encoders& encoders);
-  // Removes the volumes from the sets in sets_, or puts them back.
-  void take_volumes();
-  void put_volumes_back();
+  void widen_sets(std::size_t block, block_work& w);
+  [[nodiscard]] std::vector<planned_chunk> planned(std::size_t block, block_work& w,
+                                                   const row_encoders& encoders) const;
+  // Removes the volumes from the sets, or puts them back.
+  void take_volumes(block_work& w) const;
+  static void put_volumes_back(block_work& w);
   [[nodiscard]] std::uint32_t count_ranges(std::span<const run> runs) const;
 
   const file_contents& contents_;
@@ -71,8 +89,6 @@ class rows_encoder {
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
   std::vector<std::uint32_t> ids_;
-  std::vector<std::vector<run>> sets_;
-  std::vector<std::vector<run>> volumes_;  // of the sets in sets_, while they are removed
 };
 
 }  // namespace sightcell::format

@@ -27,6 +27,13 @@ void run_counts::add(std::span<const run> runs) {
   });
 }
 
+void run_counts::add(const run_counts& others) {
+  for (std::size_t symbol = 0; symbol < gap.size(); ++symbol) {
+    gap[symbol] += others.gap[symbol];
+    more[symbol] += others.more[symbol];
+  }
+}
+
 run_encoder::run_encoder(const run_counts& counts)
     : gap_lengths_(best_lengths(counts.gap)),
       more_lengths_(best_lengths(counts.more)),

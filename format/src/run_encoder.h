@@ -18,6 +18,7 @@ struct run_counts {
   symbol_counts more{};
 
   void add(std::span<const run> runs);
+  void add(const run_counts& others);
 };
 
 class run_encoder {

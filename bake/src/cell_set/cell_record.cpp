@@ -3,42 +3,13 @@
 #include <xxhash.h>
 
 #include <bit>
-#include <limits>
+
+#include "cell_set/set_bytes.h"
 
 namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t checksum_size = 8;
-
-void put_bytes(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-}
-
-void put_varint(std::vector<std::uint8_t>& out, std::uint64_t value) {
-  for (; value >= 0x80; value >>= 7) out.push_back(static_cast<std::uint8_t>(value | 0x80));
-  out.push_back(static_cast<std::uint8_t>(value));
-}
-
-// Returns the end of the run that begins at first: values where each follows the one before it.
-template <typename Follows>
-std::size_t end_of_run(const std::vector<std::uint32_t>& values, std::size_t first, Follows follows) {
-  std::size_t end = first + 1;
-  while (end < values.size() && follows(values[end - 1], values[end])) ++end;
-  return end;
-}
-
-// A set as runs of consecutive ids. A run is the gap before it and its length - 1.
-void put_set(std::vector<std::uint8_t>& out, const std::vector<std::uint32_t>& set) {
-  put_varint(out, set.size());
-  std::uint64_t next = 0;
-  for (std::size_t i = 0; i < set.size();) {
-    const std::size_t end = end_of_run(set, i, [](std::uint32_t a, std::uint32_t b) { return b - a == 1; });
-    put_varint(out, set[i] - next);
-    put_varint(out, end - i - 1);
-    next = std::uint64_t{set[end - 1]} + 1;
-    i = end;
-  }
-}
 
 void put_witnesses(std::vector<std::uint8_t>& out, const cell_record& record) {
   put_varint(out, record.witnesses.size());
@@ -54,54 +25,7 @@ void put_witnesses(std::vector<std::uint8_t>& out, const cell_record& record) {
   }
 }
 
-// Reads values from bytes and checks every read. After the first read past the end, all reads return 0 and good is
-// false.
-struct reader {
-  std::span<const std::uint8_t> bytes;
-  bool good = true;
-
-  std::uint64_t take(int count) {
-    std::uint64_t value = 0;
-    if (bytes.size() < static_cast<std::size_t>(count)) return fail();
-    for (int i = 0; i < count; ++i) value |= std::uint64_t{bytes[static_cast<std::size_t>(i)]} << (8 * i);
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    return value;
-  }
-  std::uint64_t take_varint() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 63; shift += 7) {
-      const std::uint64_t part = take(1);
-      value |= (part & 0x7F) << shift;
-      if (part < 0x80) return value;
-    }
-    return fail();
-  }
-  double take_double() { return std::bit_cast<double>(take(8)); }
-
-  std::uint64_t fail() {
-    good = false;
-    bytes = {};
-    return 0;
-  }
-};
-
-// Limit of the values that a decoded run may have, so that damaged bytes cannot request more memory. Ids have 32 bits.
-constexpr std::uint64_t most_values = std::uint64_t{1} << 32;
-
-void take_set(reader& in, std::vector<std::uint32_t>& set) {
-  const std::uint64_t count = in.take_varint();
-  if (count > most_values) in.fail();
-  std::uint64_t next = 0;
-  while (in.good && set.size() < count) {
-    next += in.take_varint();
-    const std::uint64_t length = in.take_varint() + 1;
-    if (next > std::numeric_limits<std::uint32_t>::max() || length > most_values - next || length > count - set.size())
-      in.fail();
-    for (std::uint64_t i = 0; in.good && i < length; ++i) set.push_back(static_cast<std::uint32_t>(next++));
-  }
-}
-
-void take_witnesses(reader& in, cell_record& record) {
+void take_witnesses(byte_reader& in, cell_record& record) {
   const std::uint64_t eyes = in.take_varint();
   for (std::uint64_t i = 0; in.good && i < eyes; ++i) {
     glm::vec3 eye{0.0f};
@@ -118,12 +42,12 @@ void take_witnesses(reader& in, cell_record& record) {
 }
 
 // Returns a reader of the bytes between version and checksum; nothing if one of the two is wrong.
-std::optional<reader> body_of(std::span<const std::uint8_t> bytes) {
+std::optional<byte_reader> body_of(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < checksum_size) return std::nullopt;
   const std::span<const std::uint8_t> body = bytes.first(bytes.size() - checksum_size);
-  reader tail{bytes.last(checksum_size)};
+  byte_reader tail{bytes.last(checksum_size)};
   if (tail.take(checksum_size) != XXH3_64bits(body.data(), body.size())) return std::nullopt;
-  reader in{body};
+  byte_reader in{body};
   if (in.take(1) != record_version) return std::nullopt;
   return in;
 }
@@ -131,7 +55,7 @@ std::optional<reader> body_of(std::span<const std::uint8_t> bytes) {
 constexpr std::uint64_t has_volumes = 8, is_out_of_time = 16;  // bits of the flags
 
 // Reads the plain fields. Returns the flags.
-std::uint64_t take_plain_fields(reader& in, cell_record& record) {
+std::uint64_t take_plain_fields(byte_reader& in, cell_record& record) {
   const std::uint64_t flags = in.take(1);
   record.stored = (flags & 1) != 0;
   record.bound_met = (flags & 2) != 0;
@@ -193,7 +117,7 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
 }
 
 std::optional<cell_record> decode(std::span<const std::uint8_t> bytes) {
-  std::optional<reader> in = body_of(bytes);
+  std::optional<byte_reader> in = body_of(bytes);
   if (!in) return std::nullopt;
   cell_record record;
   const std::uint64_t flags = take_plain_fields(*in, record);
@@ -215,7 +139,7 @@ std::optional<cell_record> decode(std::span<const std::uint8_t> bytes) {
 }
 
 std::optional<cell_summary> decode_summary(std::span<const std::uint8_t> bytes) {
-  std::optional<reader> in = body_of(bytes);
+  std::optional<byte_reader> in = body_of(bytes);
   if (!in) return std::nullopt;
   cell_record record;
   take_plain_fields(*in, record);

@@ -458,13 +458,19 @@ std::uint32_t checkpoint::survey(
 }
 
 std::optional<cell_record> checkpoint::load(std::uint32_t cell, cell_stage stage) const {
-  const std::scoped_lock lock(state_->mutex);
-  const statement query = state_->prepare("SELECT bytes FROM record WHERE number=?");
-  sqlite3_bind_int64(query.get(), 1, number_of(cell, stage));
-  const int code = sqlite3_step(query.get());
-  if (code == SQLITE_DONE) return std::nullopt;
-  if (code != SQLITE_ROW) state_->fail(code, "reading");
-  const auto body = unsealed(blob(query.get(), 0), number_of(cell, stage));
+  std::vector<std::uint8_t> bytes;
+  {
+    const std::scoped_lock lock(state_->mutex);
+    const statement query = state_->prepare("SELECT bytes FROM record WHERE number=?");
+    sqlite3_bind_int64(query.get(), 1, number_of(cell, stage));
+    const int code = sqlite3_step(query.get());
+    if (code == SQLITE_DONE) return std::nullopt;
+    if (code != SQLITE_ROW) state_->fail(code, "reading");
+    const auto stored = blob(query.get(), 0);
+    bytes.assign(stored.begin(), stored.end());
+  }
+  // Outside the lock, because decoding takes longer than reading and other cells are loaded at the same time.
+  const auto body = unsealed(bytes, number_of(cell, stage));
   std::optional<cell_record> record = body ? decode(*body) : std::nullopt;
   if (!record)
     throw error(error_kind::bad_input, "checkpoint.damaged", state_->path.string(),

@@ -10,7 +10,9 @@
 #include <span>
 #include <utility>
 
+#include "file/kept_sets.h"
 #include "file/stored_rules.h"
+#include "file/use_all_threads.h"
 #include "order/draw_table.h"
 #include "order/file_order.h"
 #include "order/stored_draws.h"
@@ -38,6 +40,9 @@ void require_ok(format::status outcome, const std::filesystem::path& output, con
 }
 
 struct stored_cells {
+  explicit stored_cells(const record_source& record_of) : sets(record_of) {}
+
+  kept_sets sets;                                             // by the index in the list of all cells
   format::file_parts parts;                                   // the content of the file about its cells, without sets
   std::vector<std::uint32_t> places;                          // indices into the list of all cells
   double polygons = 0.0;                                      // in all sets together
@@ -56,7 +61,7 @@ float share_in_file(double share) {
 }
 
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
-  stored_cells out;
+  stored_cells out(record_of);
   out.parts.player_radius = stored_rules_of(frame.settings).player_radius;
   sum.max_upper_bound = 0.0;
   for (std::uint32_t i = 0; i < frame.cells.size(); ++i) {
@@ -79,6 +84,7 @@ stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, 
                                     .eyes = record.eyes});
     out.parts.cells.push_back(frame.cells[i]);
     out.places.push_back(i);
+    out.sets.keep(i, record.set);
     out.polygons += static_cast<double>(record.set.size());
     out.unseen += static_cast<double>(record.unverified);
     out.volumes += static_cast<double>(record.volumes.size());
@@ -157,7 +163,7 @@ double slack_of(std::span<const std::byte> bytes) {
 }
 
 // Puts cells and polygons in the order of the file.
-void put_in_order(const pvs_frame& frame, const record_source& record_of, stored_cells& stored) {
+void put_in_order(const pvs_frame& frame, stored_cells& stored) {
   format::file_parts& parts = stored.parts;
   if (const std::vector<std::uint32_t> before = order_cells(parts); !before.empty()) {
     std::vector<std::uint32_t> places;
@@ -169,7 +175,7 @@ void put_in_order(const pvs_frame& frame, const record_source& record_of, stored
   put_identity(frame.identity, parts);
   const polygon_order_kind kind = file_settings_of(frame.settings).order;
   const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-    set = record_of(stored.places[cell]).set;
+    set = stored.sets.of(stored.places[cell]);
   };
   if (frame.clusters.empty())
     order_polygons_of(parts, kind, set_of);
@@ -193,10 +199,11 @@ void put_volumes_in_order(const pvs_frame& frame, const record_source& record_of
 }
 
 // Returns the set as the writer needs it, with volumes after the polygons.
-std::vector<std::uint32_t> items_of(cell_record record, const stored_cells& stored) {
-  std::vector<std::uint32_t> items = std::move(record.set);
+std::vector<std::uint32_t> items_of(std::uint32_t place, const record_source& record_of, const stored_cells& stored) {
+  std::vector<std::uint32_t> items = stored.sets.of(place);
+  if (stored.number_of_volume.empty()) return items;
   const auto volumes = static_cast<std::ptrdiff_t>(items.size());
-  for (const std::uint32_t volume : record.volumes)
+  for (const std::uint32_t volume : record_of(place).volumes)
     items.push_back(stored.parts.facts.polygon_count + stored.number_of_volume[volume]);
   std::sort(items.begin() + volumes, items.end());
   return items;
@@ -209,14 +216,15 @@ std::vector<std::byte> encoded(const pvs_frame& frame, const record_source& reco
   stored.parts.facts = frame.facts;
   stored.parts.facts.max_pixel_error = rounded_up(max_upper_bound);
   stored.parts.settings = frame.settings;
-  put_in_order(frame, record_of, stored);
+  put_in_order(frame, stored);
   put_volumes_in_order(frame, record_of, stored);
   format::file_contents contents =
       stored.parts.contents({stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-                               set = items_of(record_of(stored.places[cell]), stored);
+                               set = items_of(stored.places[cell], record_of, stored);
                                return format::status::ok;
                              }});
   contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
+  use_all_threads(contents);
   std::vector<std::byte> bytes;
   require_ok(format::encode(contents, bytes), name, "encoding");
   return bytes;

@@ -15,6 +15,7 @@
 #include "file/readable_file.h"
 #include "file/residency_section.h"
 #include "file/stored_rules.h"
+#include "file/use_all_threads.h"
 #include "input/two_scenes.h"
 #include "order/cluster_order.h"
 #include "order/draw_identity.h"
@@ -158,6 +159,7 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
                         return sets.item_ids(number_before(cell), set);
                       }});
   contents.slack = slack;
+  use_all_threads(contents);
   std::vector<std::byte> bytes;
   if (format::encode(contents, bytes) != format::status::ok)
     throw error(error_kind::failed, "output.encode", output.string(), "its content exceeds the limits of the format",

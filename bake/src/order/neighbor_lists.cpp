@@ -19,31 +19,60 @@ constexpr std::uint32_t few_rows = 64;     // up to here comparing all pairs cos
 constexpr std::uint32_t bits_of_key = 16;
 constexpr std::uint32_t last_rank = 65535;  // of a column: ranks take 16 bits of a key
 
-std::vector<std::uint16_t> permuted_ranks(std::uint32_t columns, std::uint64_t seed) {
-  std::vector<std::uint16_t> ranks(columns);
-  for (std::uint32_t i = 0; i < columns; ++i) ranks[i] = static_cast<std::uint16_t>(i);
+struct permutation {
+  std::vector<std::uint16_t> rank_of;    // of a column
+  std::vector<std::uint16_t> column_at;  // a rank
+};
+
+permutation permuted_columns(std::uint32_t columns, std::uint64_t seed) {
+  permutation made;
+  made.rank_of.resize(columns);
+  for (std::uint32_t i = 0; i < columns; ++i) made.rank_of[i] = static_cast<std::uint16_t>(i);
   std::uint64_t state = seed;
   for (std::uint32_t i = columns; i > 1; --i)
-    std::swap(ranks[i - 1], ranks[mix_bits(state += 0x9E3779B97F4A7C15ull) % i]);
-  return ranks;
+    std::swap(made.rank_of[i - 1], made.rank_of[mix_bits(state += 0x9E3779B97F4A7C15ull) % i]);
+  made.column_at.resize(columns);
+  for (std::uint32_t i = 0; i < columns; ++i) made.column_at[made.rank_of[i]] = static_cast<std::uint16_t>(i);
+  return made;
 }
 
 using sort_key = std::array<std::uint64_t, bits_of_key / 4>;
+using first_ranks = std::array<std::uint32_t, bits_of_key + 1>;  // ascending; the last is scratch
 
-// Returns the ranks of the first set bits, every second one in descending order. As in a Gray code, rows that are
-// adjacent where one bit changes are then near in the bits that follow.
-sort_key key_of(std::span<const std::uint64_t> row, std::span<const std::uint16_t> ranks) {
-  std::array<std::uint32_t, bits_of_key + 1> first{};  // ascending
+// Both return how many of the row's lowest ranks they found: bits_of_key, or all.
+std::uint32_t ranks_by_bits(std::span<const std::uint64_t> row, const permutation& columns, first_ranks& first) {
   std::uint32_t found = 0;
   for (std::size_t word = 0; word < row.size(); ++word)
     for (std::uint64_t bits = row[word]; bits != 0; bits &= bits - 1) {
-      const std::uint32_t rank = ranks[word * 64 + static_cast<std::uint32_t>(std::countr_zero(bits))];
+      const std::uint32_t rank = columns.rank_of[word * 64 + static_cast<std::uint32_t>(std::countr_zero(bits))];
       if (found == bits_of_key && rank > first[found - 1]) continue;
       std::uint32_t at = found;
       for (; at > 0 && first[at - 1] > rank; --at) first[at] = first[at - 1];
       first[at] = rank;
       found = std::min(found + 1, bits_of_key);
     }
+  return found;
+}
+
+std::uint32_t ranks_in_order(std::span<const std::uint64_t> row, const permutation& columns, first_ranks& first) {
+  std::uint32_t found = 0;
+  for (std::uint32_t rank = 0; rank < columns.column_at.size() && found < bits_of_key; ++rank) {
+    const std::uint32_t column = columns.column_at[rank];
+    first[found] = rank;
+    found += static_cast<std::uint32_t>(row[column / 64] >> (column % 64) & 1);
+  }
+  return found;
+}
+
+// Returns the ranks of the first set bits, every second one in descending order. As in a Gray code, rows that are
+// adjacent where one bit changes are then near in the bits that follow.
+sort_key key_of(std::span<const std::uint64_t> row, const permutation& columns) {
+  std::uint64_t set_bits = 0;
+  for (const std::uint64_t word : row) set_bits += static_cast<std::uint64_t>(std::popcount(word));
+  first_ranks first{};
+  // In the order of ranks it takes about bits_of_key * columns / set_bits steps to find as many.
+  const bool dense = set_bits * set_bits > bits_of_key * columns.rank_of.size();
+  const std::uint32_t found = dense ? ranks_in_order(row, columns, first) : ranks_by_bits(row, columns, first);
   sort_key key{};
   for (std::uint32_t i = 0; i < found; ++i)
     key[i / 4] |= std::uint64_t{i % 2 == 1 ? first[i] : last_rank - first[i]} << (48 - 16 * (i % 4));
@@ -87,11 +116,11 @@ std::vector<std::uint32_t> sorted_by_permuted_bits(const bit_matrix& matrix, std
     sort_key key;
     std::uint32_t place;
   };
-  const std::vector<std::uint16_t> ranks = permuted_ranks(matrix.columns(), seed);
+  const permutation columns = permuted_columns(matrix.columns(), seed);
   std::vector<item> items(rows.size());
   in_blocks(rows.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      items[i] = {key_of(matrix.row(rows[i]), ranks), static_cast<std::uint32_t>(i)};
+      items[i] = {key_of(matrix.row(rows[i]), columns), static_cast<std::uint32_t>(i)};
   });
   sort_without_ties(items,
                     [](const item& a, const item& b) { return std::tie(a.key, a.place) < std::tie(b.key, b.place); });

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <mutex>
+#include <thread>
 
 #include "sample_contents.h"
 #include "sightcell/format/layout.h"
@@ -77,6 +80,63 @@ struct asked_sets {
   std::uint32_t asked = 0;
   std::uint32_t failing = 0xFFFFFFFFu;
 };
+
+// The last piece of work begins first, and two run at the same time.
+void run_backward(std::size_t count, const std::function<void(std::size_t)>& work) {
+  std::mutex taking;
+  const auto take = [&] {
+    while (true) {
+      std::size_t item = 0;
+      {
+        const std::scoped_lock lock(taking);
+        if (count == 0) return;
+        item = --count;
+      }
+      work(item);
+    }
+  };
+  std::thread other(take);
+  take();
+  other.join();
+}
+
+TEST(writer, threads_do_not_change_the_bytes) {
+  sample_contents contents = random_contents(5, {.polygons = 3000, .cells = 1500, .changed = 0.1});
+  add_volumes(contents, 40, 5);
+  for (const double slack : {0.0, 0.05}) {
+    file_contents view = contents.view();
+    view.slack = slack;
+    view.chunk_bytes = 2000;  // several chunks in a group of cells
+    std::vector<std::byte> alone;
+    ASSERT_EQ(encode(view, alone), status::ok);
+    for (const std::size_t groups : {2u, 5u, 100u}) {
+      std::size_t most = 0;
+      view.run_at_once = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
+        most = std::max(most, count);
+        run_backward(count, work);
+      };
+      view.groups_at_once = groups;
+      std::vector<std::byte> together;
+      ASSERT_EQ(encode(view, together), status::ok);
+      EXPECT_EQ(together, alone) << groups;
+      EXPECT_EQ(most, std::min<std::size_t>(groups, 24)) << "1,500 cells are 24 groups";
+    }
+  }
+}
+
+TEST(writer, a_status_ends_work_on_several_groups) {
+  sample_contents contents = random_contents(6, {.polygons = 300, .cells = 300});
+  file_contents view = contents.view();
+  view.run_at_once = run_backward;
+  view.groups_at_once = 3;
+  view.cell_sets.get = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+    set = contents.sets[cell];
+    return cell == 250 ? status::io : status::ok;
+  };
+  std::vector<std::byte> bytes;
+  EXPECT_EQ(encode(view, bytes), status::io);
+  EXPECT_TRUE(bytes.empty());
+}
 
 TEST(writer, reads_every_set_in_order_each_time) {
   const auto contents = random_contents(9, {.polygons = 300, .cells = 150});

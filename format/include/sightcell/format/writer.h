@@ -74,6 +74,9 @@ struct viewpoint_record {
   std::vector<eye_steps> eyes{};  // valid viewpoints in the box of the cell (eye_table.h); at most max_eyes, or none
 };
 
+// Calls work(0) .. work(count - 1), in any order and at the same time if it likes, and returns when all have returned.
+using work_runner = std::function<void(std::size_t count, const std::function<void(std::size_t item)>& work)>;
+
 // What a host that pages loads for one cell. Smaller chunks make a file larger, because the rows of a chunk refer to no
 // other chunk.
 inline constexpr std::uint32_t usual_chunk_bytes = 16384;
@@ -107,6 +110,10 @@ struct file_contents {
   // About the most bytes of a chunk of rows that has more than one cell; above 0. Rows of 64 cells that are smaller
   // together are one chunk. A chunk may be a little larger, since its bytes are estimated before they are written.
   std::uint32_t chunk_bytes = usual_chunk_bytes;
+  // Runs the work on different cells at the same time, for `groups_at_once` groups of 64 cells. Empty: everything runs
+  // on the calling thread. The bytes do not depend on either.
+  work_runner run_at_once;
+  std::size_t groups_at_once = 1;
 };
 
 // Encodes contents. The same contents give the same bytes.
@@ -114,8 +121,10 @@ struct file_contents {
 // Fails with argument (contents that contradict themselves: unsorted ids, counts that differ, boxes that are not
 //   finite, two volumes at one position, a region that is no valid tree, no chunk_bytes), limit (a number above the
 //   limits of layout.h), memory, and the status of a source.
-// Cost: memory for the file, for the sets of 64 cells at a time, 8 bytes per run of each, and 4 bytes per polygon; with
-//   slack about 60 bytes per different border of these 64 sets. No shared state, any thread.
+// Cost: memory for the file, for the sets of groups_at_once groups of 64 cells, 8 bytes per run of each, and 4 bytes
+// per
+//   polygon; with slack, for each group in work, about 60 bytes per different border of its 64 sets. No shared state,
+//   any thread. Calls cell_sets.get on the calling thread only.
 status encode(const file_contents& contents, std::vector<std::byte>& out);
 
 // Replaces a file on disk: writes a temporary file in the folder of path, flushes it to the disk, renames it to path
