@@ -22,6 +22,39 @@ std::string node_name_of(const scene::scene& s, std::uint32_t draw) {
   return node < s.node_names.size() ? s.node_names[node] : std::string();
 }
 
+const char* kind_name(bake::cut_miss kind) {
+  return kind == bake::cut_miss::of_set ? "set" : kind == bake::cut_miss::at_coarse ? "coarse" : "revealed";
+}
+
+const char* kind_text(bake::cut_miss kind) {
+  switch (kind) {
+    case bake::cut_miss::of_set:
+      return ", which the set lacks without levels too";
+    case bake::cut_miss::at_coarse:
+      return ", of which the set has no cluster below";
+    case bake::cut_miss::revealed:
+      break;
+  }
+  return ", which level 0 occludes";
+}
+
+void report_outcomes(const bake::cut_verification& cut, progress_line& line) {
+  if (cut.misses > 0)
+    line.message(
+        fmt::format("{:g} pixels: of the misses, {} are of the sets without levels too, {} hit coarse "
+                    "clusters that the sets lack, {} show what level 0 occludes; {} are at polygons of the "
+                    "scene",
+                    cut.pixels, grouped(cut.misses_of_set), grouped(cut.misses_at_coarse), grouped(cut.misses_revealed),
+                    grouped(cut.misses_of_leaves)));
+  if (cut.rays_in_gaps > 0)
+    line.message(fmt::format("{:g} pixels: {} more rays pass gaps of the scene that are too narrow to count",
+                             cut.pixels, grouped(cut.rays_in_gaps)));
+  line.message(
+      fmt::format("{:g} pixels: {} rays pass openings of the whole cut where level 0 blocks them; {} of them farther "
+                  "from the cut than its error",
+                  cut.pixels, grouped(cut.rays_opened), grouped(cut.rays_opened_beyond_error)));
+}
+
 std::string rounded(double mean) {
   return grouped(static_cast<std::uint64_t>(mean + 0.5));
 }
@@ -33,16 +66,16 @@ void report_cuts(const std::vector<bake::cut_verification>& cuts, const scene::s
   for (const bake::cut_verification& cut : cuts) {
     for (std::size_t i = 0; i < std::min(cut.missing.size(), clusters_on_terminal); ++i) {
       const bake::missing_cluster& m = cut.missing[i];
-      line.message(fmt::format("missing at {:g} pixels: {} {} (draw {}, node \"{}\") in cell {}: {} rays", cut.pixels,
+      line.message(fmt::format("missing at {:g} pixels: {} {} (draw {}, node \"{}\") in cell {}{}: {} rays", cut.pixels,
                                m.leaf ? "cluster" : "coarse cluster", m.cluster, m.draw, node_name_of(s, m.draw),
-                               m.cell, m.rays));
+                               m.cell, kind_text(m.kind), m.rays));
     }
     line.message(
-        fmt::format("{}: {:g} pixels: {} misses of {} rays in {} cells ({} at polygons of the scene); miss "
+        fmt::format("{}: {:g} pixels: {} misses of {} rays in {} cells; miss "
                     "probability {:.2e}, at most {:.2e} ({:g} % sure); asked for {:g}",
                     cut.upper_bound <= bound ? "passed" : "FAILED", cut.pixels, grouped(cut.misses), grouped(cut.rays),
-                    grouped(cut.cells.size()), grouped(cut.misses_of_leaves), cut.pixel_error, cut.upper_bound,
-                    100.0 * cut.confidence, bound));
+                    grouped(cut.cells.size()), cut.pixel_error, cut.upper_bound, 100.0 * cut.confidence, bound));
+    report_outcomes(cut, line);
     line.message(
         fmt::format("{:g} pixels: a cut has {} clusters and {} triangles, of which {} and {} are visible; "
                     "without levels {} clusters and {} polygons are",
@@ -58,6 +91,12 @@ ordered_json cuts_json(const std::vector<bake::cut_verification>& cuts, const sc
                         {"rays", cut.rays},
                         {"misses", cut.misses},
                         {"leaf_misses", cut.misses_of_leaves},
+                        {"misses_of_set", cut.misses_of_set},
+                        {"misses_at_coarse", cut.misses_at_coarse},
+                        {"misses_revealed", cut.misses_revealed},
+                        {"gap_rays", cut.rays_in_gaps},
+                        {"opened_rays", cut.rays_opened},
+                        {"opened_rays_beyond_error", cut.rays_opened_beyond_error},
                         {"pixel_error", cut.pixel_error},
                         {"upper_bound", cut.upper_bound},
                         {"confidence", cut.confidence},
@@ -75,7 +114,8 @@ ordered_json cuts_json(const std::vector<bake::cut_verification>& cuts, const sc
                         {"set_polygons", cut.set_polygons},
                         {"missing", ordered_json::array()}};
     for (const bake::missing_cluster& m : cut.missing)
-      one["missing"].push_back({{"cell", m.cell},
+      one["missing"].push_back({{"kind", kind_name(m.kind)},
+                                {"cell", m.cell},
                                 {"draw", m.draw},
                                 {"node", s.draws[m.draw].node},
                                 {"node_name", node_name_of(s, m.draw)},

@@ -294,7 +294,8 @@ void add_level_options(CLI::App& verb, verify_options& options) {
       add_plain_option(verb, group, "--cut", cut.pixels, "PIXELS",
                        "Measures what a host draws with levels of detail in clusters, in place of the sets alone: the "
                        "coarsest clusters with an error of up to this many pixels. Several numbers: separated by "
-                       "commas. docs/meshlets.md has the rule.")
+                       "commas. Counts misses by kind, and openings of the cut where level 0 is solid. "
+                       "docs/meshlets.md has the rule.")
           ->delimiter(',')
           ->allow_extra_args(false);
   for (const char* other : {"--from", "--sun", "--lights", "--metric", "--cells-from"})

@@ -15,6 +15,7 @@
 #include "input/host_scene.h"
 #include "input/two_scenes.h"
 #include "sightcell/bake/verify.h"
+#include "verify/each_cell.h"
 #include "verify/verified_file.h"
 #include "volumes/stored_volumes.h"
 
@@ -78,19 +79,15 @@ verification verify_cells(const scene::scene& s, verified_file& opened, const ve
                                .smallest_gap = opened.rules().smallest_gap,
                                .metric = &metric,
                                .volumes = file.volumes().count() > 0 ? &trial : nullptr};
-  const std::uint32_t stored = file.cell_count();
-  const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
-  const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
 
   verification result;
   std::vector<std::uint32_t> seen;
   double visible = 0.0;
-  for (std::uint32_t i = 0; i < chosen; ++i) {
-    const auto cell = static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen);
+  each_cell(opened, how, on_progress, [&](std::uint32_t cell, std::uint64_t rays_of_cell) {
     opened.cell_items(cell, seen);
     set.assign(seen);
     const verification_batch batch =
-        cast_verification_rays(rays, opened.region(cell), fresh, rays_each, {how.seed, cell, purpose::verify, 0},
+        cast_verification_rays(rays, opened.region(cell), fresh, rays_of_cell, {how.seed, cell, purpose::verify, 0},
                                [&](std::uint32_t polygon) { return set.contains(polygon); });
     cell_verification one{.cell = cell, .rays = batch.rays, .misses = batch.misses};
     one.error = batch.rays > 0 ? static_cast<double>(batch.misses) / static_cast<double>(batch.rays) : 0.0;
@@ -101,11 +98,10 @@ verification verify_cells(const scene::scene& s, verified_file& opened, const ve
     result.misses_of_volumes += batch.misses_of_volumes;
     visible += 100.0 * static_cast<double>(set.size()) / std::max(file.polygon_count(), 1u);
     note_missing(cell, batch, result.missing);
-    if (on_progress) on_progress(i + 1, chosen);
-  }
+  });
   result.pixel_error = result.rays > 0 ? static_cast<double>(result.misses) / static_cast<double>(result.rays) : 0.0;
   result.upper_bound = clopper_pearson_upper(result.misses, result.rays, result.confidence);
-  result.visible_set_percent = chosen > 0 ? visible / chosen : 0.0;
+  if (!result.cells.empty()) result.visible_set_percent = visible / static_cast<double>(result.cells.size());
   std::stable_sort(result.missing.begin(), result.missing.end(),
                    [](const missing_polygon& a, const missing_polygon& b) { return a.rays > b.rays; });
   if (result.missing.size() > reported_polygons) result.missing.resize(reported_polygons);

@@ -11,6 +11,7 @@
 #include "casters/shadow_batch.h"
 #include "file/caster_sets.h"
 #include "sightcell/base/error.h"
+#include "verify/each_cell.h"
 #include "verify/verified_file.h"
 
 namespace sightcell::bake {
@@ -121,15 +122,10 @@ caster_verification verify_casters(const scene::scene& s, std::span<const std::b
     opened.build_rays();
     caster_check check(opened, name, how);
     result.suns.resize(check.suns());
-    const std::uint32_t stored = opened.file().cell_count();
-    const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
-    const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
-    for (std::uint32_t i = 0; i < chosen; ++i) {
-      const auto cell = static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen);
+    each_cell(opened, how, on_progress, [&](std::uint32_t cell, std::uint64_t rays) {
       for (std::size_t sun = 0; sun < check.suns(); ++sun)
-        check.check(cell, sun, rays_each, result.suns[sun], result.missing);
-      if (on_progress) on_progress(i + 1, chosen);
-    }
+        check.check(cell, sun, rays, result.suns[sun], result.missing);
+    });
   });
   for (sun_verification& sun : result.suns) {
     const double cells = std::max<double>(1.0, static_cast<double>(sun.cells.size()));

@@ -1,8 +1,7 @@
 // Rays at the cut that a host draws. Viewpoints, directions and random numbers are those of verify(), so a cut without
-// error has its misses.
+// error has its misses. Each ray compares what the host draws with the cut drawn whole, and this with level 0.
 #include "sightcell/bake/verify_cut.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -10,18 +9,18 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "bound/clopper_pearson.h"
-#include "bound/metric.h"
 #include "sightcell/base/error.h"
-#include "trace/viewpoints.h"
+#include "trace/triangle_math.h"
 #include "verify/cut_scene.h"
+#include "verify/each_cell.h"
 #include "verify/verified_file.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint64_t rays_of_part = 512, most_tries_per_ray = 256;
 constexpr std::size_t counted_views = 4;  // per cell
 constexpr std::size_t reported_clusters = 100;
 
@@ -38,11 +37,12 @@ void validate_cut(const cut_settings& cut) {
 // A ray whose first cluster is not visible.
 struct missed_cluster {
   std::uint32_t cluster = 0;
+  cut_miss kind = cut_miss::of_set;
   glm::vec3 eye{0.0f}, target{0.0f};
 };
 
 struct part_result {
-  std::uint64_t rays = 0;
+  std::uint64_t rays = 0, in_gaps = 0, opened = 0, opened_beyond_error = 0;
   std::vector<missed_cluster> missed;
   std::vector<glm::vec3> eyes;  // some
 };
@@ -64,14 +64,17 @@ class cut_meter {
            const std::vector<std::uint8_t>& visible) {
     cell_verification one{.cell = cell};
     std::vector<glm::vec3> eyes;
-    std::map<std::uint32_t, missing_cluster> missing;
+    std::map<std::pair<cut_miss, std::uint32_t>, missing_cluster> missing;
     for (const part_result& part : parts) {
       one.rays += part.rays;
       one.misses += part.missed.size();
-      for (const missed_cluster& missed : part.missed) note(cell, missed, missing[missed.cluster]);
+      for (const missed_cluster& missed : part.missed) note(cell, missed, missing[{missed.kind, missed.cluster}]);
+      result_.rays_in_gaps += part.in_gaps;
+      result_.rays_opened += part.opened;
+      result_.rays_opened_beyond_error += part.opened_beyond_error;
       if (eyes.size() < counted_views) eyes.insert(eyes.end(), part.eyes.begin(), part.eyes.end());
     }
-    for (const auto& [cluster, entry] : missing) result_.missing.push_back(entry);
+    for (const auto& [key, entry] : missing) result_.missing.push_back(entry);
     one.error = one.rays > 0 ? static_cast<double>(one.misses) / static_cast<double>(one.rays) : 0.0;
     one.upper_bound = clopper_pearson_upper(one.misses, one.rays, result_.confidence);
     result_.rays += one.rays;
@@ -100,7 +103,11 @@ class cut_meter {
   void note(std::uint32_t cell, const missed_cluster& missed, missing_cluster& entry) {
     const bool leaf = levels_.is_leaf(missed.cluster);
     result_.misses_of_leaves += leaf ? 1 : 0;
+    ++(missed.kind == cut_miss::of_set      ? result_.misses_of_set
+       : missed.kind == cut_miss::at_coarse ? result_.misses_at_coarse
+                                            : result_.misses_revealed);
     if (entry.rays++ > 0) return;
+    entry.kind = missed.kind;
     entry.cell = cell;
     entry.draw = levels_.draw_of(missed.cluster);
     entry.cluster = levels_.number_in_draw(missed.cluster);
@@ -133,22 +140,20 @@ class cut_check {
       : opened_(opened),
         how_(how),
         levels_(s, opened.rays().geometry()),
-        all_(levels_.geometry(), opened.rules().all_double_sided) {
+        all_(levels_.geometry(), opened.rules().all_double_sided),
+        in_set_(s.polygon_count) {
     for (const double pixels : cut.pixels) meters_.emplace_back(levels_, cut, pixels);
   }
 
   void check(std::uint32_t cell, std::uint64_t rays) {
     std::vector<std::uint32_t> set;
     opened_.cell_set(cell, set);
-    levels_.find_visible([&](std::uint32_t polygon) { return std::binary_search(set.begin(), set.end(), polygon); },
-                         visible_);
-    const viewpoint_region region = opened_.region(cell);
-    std::vector<part_result> parts((rays + rays_of_part - 1) / rays_of_part);
+    std::fill(in_set_.begin(), in_set_.end(), std::uint8_t{0});
+    for (const std::uint32_t polygon : set) in_set_[polygon] = 1;
+    levels_.find_visible([&](std::uint32_t polygon) { return in_set_[polygon] != 0; }, visible_);
     for (cut_meter& meter : meters_) {
-      tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-        parts[i] = cast(cell, region, i, std::min(rays_of_part, rays - i * rays_of_part), meter.error_at_1());
-      });
-      meter.add(cell, parts, set.size(), visible_);
+      const auto cast_one = [&](const sight_line& line, part_result& part) { cast(line, meter.error_at_1(), part); };
+      meter.add(cell, cast_lines<part_result>(opened_, how_.seed, cell, rays, cast_one), set.size(), visible_);
     }
   }
 
@@ -159,48 +164,67 @@ class cut_check {
   }
 
  private:
-  part_result cast(std::uint32_t cell, const viewpoint_region& region, std::uint64_t part, std::uint64_t rays,
-                   float error_at_1) const {
-    part_result out;
-    random_stream random(how_.seed, cell, purpose::verify, 0, part);
-    std::uint64_t tries = 0;
-    const std::vector<glm::vec3> eyes = draw_viewpoints(opened_.rays(), region, opened_.rules().player_radius, rays,
-                                                        rays * most_tries_per_ray, random, tries);
-    out.rays = eyes.size();
-    out.eyes.assign(eyes.begin(), eyes.begin() + static_cast<std::ptrdiff_t>(std::min(eyes.size(), counted_views)));
-    sight seen;
-    for (const glm::vec3& eye : eyes) {
-      const sight_line line{eye, pixel_metric.direction(random)};
-      const std::function<bool(std::uint32_t)> in_cut = [&](std::uint32_t polygon) {
-        return levels_.in_cut(levels_.cluster_of(polygon), eye, error_at_1);
-      };
-      all_.trace_against_set(line.eye, line.direction, in_cut, seen);
-      const std::optional<passed_polygon> wrong = first_wrong(line, seen, in_cut);
-      if (wrong)
-        out.missed.push_back({levels_.cluster_of(wrong->polygon), eye, eye + wrong->distance * line.direction});
+  using filter = std::function<bool(std::uint32_t)>;
+
+  void cast(const sight_line& line, float error_at_1, part_result& part) const {
+    if (part.eyes.size() < counted_views) part.eyes.push_back(line.eye);
+    const filter in_cut = [&](std::uint32_t polygon) {
+      return levels_.in_cut(levels_.cluster_of(polygon), line.eye, error_at_1);
+    };
+    sight whole, finest;  // along the line, of the whole cut and of level 0
+    all_.trace_against_set(line.eye, line.direction, in_cut, whole);
+    opened_.rays().trace(line.eye, line.direction, finest);
+    if (finest.front != no_polygon && is_behind(whole.distance, finest.distance, error_at_1)) {
+      ++part.opened;
+      part.opened_beyond_error += is_near_cut(line, finest.distance, error_at_1, in_cut) ? 0 : 1;
     }
-    return out;
+    bool gap = false;
+    const std::optional<passed_polygon> wrong = first_wrong(whole, [&](std::uint32_t polygon, float distance) {
+      if (is_drawn(line, polygon, distance, in_cut)) return true;
+      const bool excused = is_in_gap(line, std::min(distance, finest.distance));
+      gap = gap || excused;
+      return excused;
+    });
+    if (!wrong) {
+      part.in_gaps += gap ? 1 : 0;
+      return;
+    }
+    const std::uint32_t cluster = levels_.cluster_of(wrong->polygon);
+    const bool revealed = levels_.is_leaf(cluster) || is_behind(wrong->distance, finest.distance, error_at_1);
+    const cut_miss kind = lacks_polygons(opened_, line, finest, in_set_) ? cut_miss::of_set
+                          : revealed                                     ? cut_miss::revealed
+                                                                         : cut_miss::at_coarse;
+    part.missed.push_back({cluster, kind, line.eye, line.eye + wrong->distance * line.direction});
   }
 
-  // Returns what a ray met and the host does not draw.
-  std::optional<passed_polygon> first_wrong(const sight_line& line, const sight& seen,
-                                            const std::function<bool(std::uint32_t)>& in_cut) const {
-    if (seen.front != no_polygon && !is_right(line, seen.front, seen.distance, in_cut))
-      return passed_polygon{seen.front, seen.distance};
-    for (const passed_polygon& passed : seen.before)
-      if (!is_right(line, passed.polygon, passed.distance, in_cut)) return passed;
-    return std::nullopt;
-  }
-
-  // Rules 2 and 3 excuse as in verify(). Gaps are those of the scene.
-  bool is_right(const sight_line& line, std::uint32_t polygon, float distance,
-                const std::function<bool(std::uint32_t)>& in_cut) const {
+  // Returns whether a host draws a polygon of the cut, or one in the same place (rule 2).
+  bool is_drawn(const sight_line& line, std::uint32_t polygon, float distance, const filter& in_cut) const {
     const auto visible = [&](std::uint32_t one) { return visible_[levels_.cluster_of(one)] != 0; };
     if (visible(polygon)) return true;
-    if (opened_.rays().through_gap(line.eye, line.direction, distance, opened_.rules().smallest_gap)) return true;
     std::vector<std::uint32_t> same;
     all_.coincident(line.eye, line.direction, distance, same);
     return std::any_of(same.begin(), same.end(), [&](std::uint32_t one) { return visible(one) && in_cut(one); });
+  }
+
+  // Rule 3, for gaps of level 0. distance: no farther than where level 0 blocks the line. Behind that, the parallel
+  // lines of the rule are blocked too, and an opening of the cut of any width would pass for a narrow gap.
+  bool is_in_gap(const sight_line& line, float distance) const {
+    return opened_.rays().through_gap(line.eye, line.direction, distance, opened_.rules().smallest_gap);
+  }
+
+  // Returns whether a distance is behind that of level 0 by more than rule 3 and the error of the cut allow.
+  static bool is_behind(float distance, float of_level_0, float error_at_1) {
+    return distance > of_level_0 + std::max({0.02f, 0.01f * of_level_0, error_at_1 * of_level_0});
+  }
+
+  // Returns whether a polygon of the cut is within its error of where level 0 blocks a line.
+  bool is_near_cut(const sight_line& line, float distance, float error_at_1, const filter& in_cut) const {
+    const glm::vec3 point = line.eye + distance * line.direction;
+    const float reach = error_at_1 * distance + coincidence_reach(distance);
+    const std::vector<std::uint32_t> around = all_.touching(point - reach, point + reach);
+    return std::any_of(around.begin(), around.end(), [&](std::uint32_t polygon) {
+      return in_cut(polygon) && distance_to_triangle(point, bake::corners_of(levels_.geometry(), polygon)) <= reach;
+    });
   }
 
   verified_file& opened_;
@@ -208,6 +232,7 @@ class cut_check {
   cut_scene levels_;
   ray_scene all_;  // all levels; rays ignore what is not in the cut
   std::vector<cut_meter> meters_;
+  std::vector<std::uint8_t> in_set_;   // by polygon of the scene, for the cell
   std::vector<std::uint8_t> visible_;  // by cluster, for the cell
 };
 
@@ -223,13 +248,7 @@ std::vector<cut_verification> verify_cut(const scene::scene& s, std::span<const 
   arena.execute([&] {
     opened.build_rays();
     cut_check check(s, opened, how, cut);
-    const std::uint32_t stored = opened.file().cell_count();
-    const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
-    const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
-    for (std::uint32_t i = 0; i < chosen; ++i) {
-      check.check(static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen), rays_each);
-      if (on_progress) on_progress(i + 1, chosen);
-    }
+    each_cell(opened, how, on_progress, [&](std::uint32_t cell, std::uint64_t rays) { check.check(cell, rays); });
     result = check.finished();
   });
   return result;

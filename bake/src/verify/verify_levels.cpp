@@ -1,7 +1,6 @@
 // Rays at the levels of objects that a host draws. Viewpoints, directions and random numbers are those of verify().
 #include "sightcell/bake/verify_levels.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -10,17 +9,15 @@
 #include <tuple>
 
 #include "bound/clopper_pearson.h"
-#include "bound/metric.h"
 #include "sightcell/base/error.h"
 #include "sightcell/scene/object_levels.h"
-#include "trace/viewpoints.h"
+#include "verify/each_cell.h"
 #include "verify/level_scene.h"
 #include "verify/verified_file.h"
 
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint64_t rays_of_level_part = 512, most_level_tries = 256;  // tries per ray
 constexpr std::size_t reported_levels = 100;
 
 // A ray that met what is not drawn.
@@ -59,12 +56,8 @@ class level_check {
     std::fill(in_set_.begin(), in_set_.end(), std::uint8_t{0});
     for (const std::uint32_t polygon : set) in_set_[polygon] = 1;
     levels_.find_visible(in_set_, visible_);
-    const viewpoint_region region = opened_.region(cell);
-    std::vector<level_part> parts((rays + rays_of_level_part - 1) / rays_of_level_part);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-      parts[i] = cast(cell, region, i, std::min(rays_of_level_part, rays - i * rays_of_level_part));
-    });
-    add(cell, parts);
+    const auto cast_one = [this](const sight_line& line, level_part& part) { cast(line, part); };
+    add(cell, cast_lines<level_part>(opened_, how_.seed, cell, rays, cast_one));
   }
 
   level_verification finished() {
@@ -77,34 +70,13 @@ class level_check {
   }
 
  private:
-  level_part cast(std::uint32_t cell, const viewpoint_region& region, std::uint64_t part, std::uint64_t rays) const {
-    level_part out;
-    random_stream random(how_.seed, cell, purpose::verify, 0, part);
-    std::uint64_t tries = 0;
-    const std::vector<glm::vec3> eyes = draw_viewpoints(opened_.rays(), region, opened_.rules().player_radius, rays,
-                                                        rays * most_level_tries, random, tries);
-    out.rays = eyes.size();
+  void cast(const sight_line& line, level_part& part) const {
     sight seen;
-    for (const glm::vec3& eye : eyes) {
-      const sight_line line{eye, pixel_metric.direction(random)};
-      const std::function<bool(std::uint32_t)> drawn = [&](std::uint32_t p) { return levels_.is_drawn(p, eye); };
-      all_.trace_against_set(line.eye, line.direction, drawn, seen);
-      if (seen.front != no_polygon && levels_.level_of(seen.front) > 0) ++out.at_levels;
-      const auto right = [&](std::uint32_t polygon, float distance) {
-        return is_right(line, polygon, distance, drawn);
-      };
-      if (const std::optional<passed_polygon> wrong = first_wrong(seen, right)) out.missed.push_back({line, *wrong});
-    }
-    return out;
-  }
-
-  // Returns what a ray met and the host does not draw.
-  static std::optional<passed_polygon> first_wrong(const sight& seen,
-                                                   const std::function<bool(std::uint32_t, float)>& right) {
-    if (seen.front != no_polygon && !right(seen.front, seen.distance)) return passed_polygon{seen.front, seen.distance};
-    for (const passed_polygon& passed : seen.before)
-      if (!right(passed.polygon, passed.distance)) return passed;
-    return std::nullopt;
+    const std::function<bool(std::uint32_t)> drawn = [&](std::uint32_t p) { return levels_.is_drawn(p, line.eye); };
+    all_.trace_against_set(line.eye, line.direction, drawn, seen);
+    if (seen.front != no_polygon && levels_.level_of(seen.front) > 0) ++part.at_levels;
+    const auto right = [&](std::uint32_t polygon, float distance) { return is_right(line, polygon, distance, drawn); };
+    if (const std::optional<passed_polygon> wrong = first_wrong(seen, right)) part.missed.push_back({line, *wrong});
   }
 
   // Returns whether the host draws a polygon that the distance of its object chooses.
@@ -125,15 +97,6 @@ class level_check {
     std::vector<std::uint32_t> same;
     all_.coincident(line.eye, line.direction, distance, same);
     return std::any_of(same.begin(), same.end(), [&](std::uint32_t one) { return drawn(one) && is_visible(one); });
-  }
-
-  // The same without coarser levels.
-  bool is_right_without(const sight_line& line, std::uint32_t polygon, float distance) const {
-    if (in_set_[polygon] != 0) return true;
-    if (opened_.rays().through_gap(line.eye, line.direction, distance, opened_.rules().smallest_gap)) return true;
-    std::vector<std::uint32_t> same;
-    opened_.rays().coincident(line.eye, line.direction, distance, same);
-    return std::any_of(same.begin(), same.end(), [&](std::uint32_t one) { return in_set_[one] != 0; });
   }
 
   void add(std::uint32_t cell, const std::vector<level_part>& parts) {
@@ -169,9 +132,7 @@ class level_check {
     sight without;
     opened_.rays().trace(line.eye, line.direction, without);
     out.before = without.front == no_polygon ? scene::no_index : scene::draw_of(scene_, without.front);
-    const bool misses_too = first_wrong(without, [&](std::uint32_t polygon, float distance) {
-                              return is_right_without(line, polygon, distance);
-                            }).has_value();
+    const bool misses_too = lacks_polygons(opened_, line, without, in_set_);
     out.kind = misses_too ? level_miss::of_set : of_scene ? level_miss::revealed : level_miss::at_level;
     const glm::vec3 target = line.eye + missed.hit.distance * line.direction;
     out.eye = {line.eye.x, line.eye.y, line.eye.z};
@@ -203,13 +164,7 @@ level_verification verify_levels(const scene::scene& s, const scene::object_leve
   arena.execute([&] {
     opened.build_rays();
     level_check check(s, opened, how, levels, fov);
-    const std::uint32_t stored = opened.file().cell_count();
-    const std::uint32_t chosen = how.cells == 0 ? stored : std::min(how.cells, stored);
-    const std::uint64_t rays_each = std::max<std::uint64_t>((how.rays + chosen - 1) / std::max(chosen, 1u), 1);
-    for (std::uint32_t i = 0; i < chosen; ++i) {
-      check.check(static_cast<std::uint32_t>(std::uint64_t{i} * stored / chosen), rays_each);
-      if (on_progress) on_progress(i + 1, chosen);
-    }
+    each_cell(opened, how, on_progress, [&](std::uint32_t cell, std::uint64_t rays) { check.check(cell, rays); });
     result = check.finished();
   });
   return result;

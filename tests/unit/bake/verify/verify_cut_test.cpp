@@ -52,8 +52,47 @@ class verified_cuts : public testing::Test {
     write(all);
   }
 
-  void write(std::vector<std::uint32_t> set) {
+  // Adds a wall that closes the room around the first ball, but for a round hole of this radius, and a sheet far behind
+  // it, each as a draw of its own. Returns the set of what is visible from the cell at level 0: no sheet, no second
+  // ball.
+  std::vector<std::uint32_t> close_room_around_ball(double hole) {
+    scene::geometry wall;
+    constexpr std::uint32_t around = 64;
+    for (std::uint32_t i = 0; i < around; ++i) {
+      const double u = 2.0 * std::numbers::pi * i / around;
+      for (const double radius : {hole, 6.0})
+        wall.positions.emplace_back(10.0, radius * std::sin(u), radius * std::cos(u));
+    }
+    for (std::uint32_t i = 0; i < around; ++i) {
+      const std::uint32_t a = 2 * i, b = a + 1, c = 2 * ((i + 1) % around), d = c + 1;
+      for (const std::uint32_t corner : {a, b, c, b, d, c}) wall.indices.push_back(corner);
+    }
+    scene::geometry sheet;
+    sheet.positions = {{18, -3, -3}, {18, 3, -3}, {18, 3, 3}, {18, -3, 3}};
+    sheet.indices = {0, 1, 2, 0, 2, 3};
+    add_double_sided(std::move(wall), false);
+    add_double_sided(std::move(sheet), false);
+    scene::finish(scene_);
+    std::vector<std::uint32_t> set;
+    for (std::uint32_t polygon = 0; polygon < scene_.draws[4].first_source; ++polygon)
+      if (polygon < end_of_ball() || polygon >= scene_.draws[3].first_source) set.push_back(polygon);
+    return set;
+  }
+
+  void add_double_sided(scene::geometry mesh, bool with_levels) {
+    scene::draw d;
+    d.node = d.mesh = d.geometry = static_cast<std::uint32_t>(scene_.geometries.size());
+    d.material = static_cast<std::uint32_t>(scene_.materials.size());
+    d.moves = !with_levels;
+    scene_.materials.push_back(scene_.materials.front());
+    scene_.materials.back().double_sided = true;
+    scene_.geometries.push_back(std::move(mesh));
+    scene_.draws.push_back(d);
+  }
+
+  void write(std::vector<std::uint32_t> set, float smallest_gap = 0.0f) {
     settings how;
+    how.smallest_gap = smallest_gap;
     how.margin = 0.0f;
     std::vector<cell_record> records(1);
     records[0].set = std::move(set);
@@ -63,8 +102,9 @@ class verified_cuts : public testing::Test {
         [&](std::uint32_t cell) { return records[cell]; }, path(), {}, sum);
   }
 
-  std::vector<cut_verification> check(const cut_settings& cut, std::uint32_t threads = 0) const {
-    return verify_cut(scene_, test::file_bytes(path()), "cut.pvs", {.rays = 20'000, .threads = threads}, cut, {});
+  std::vector<cut_verification> check(const cut_settings& cut, std::uint32_t threads = 0,
+                                      std::uint64_t rays = 20'000) const {
+    return verify_cut(scene_, test::file_bytes(path()), "cut.pvs", {.rays = rays, .threads = threads}, cut, {});
   }
 
   std::filesystem::path path() const { return folder_.path() / "cut.pvs"; }
@@ -117,17 +157,84 @@ TEST_F(verified_cuts, show_clusters_that_the_set_lacks) {
   EXPECT_EQ(cuts[0].missing[0].cluster, leaf);
   EXPECT_TRUE(cuts[0].missing[0].leaf);
   EXPECT_EQ(cuts[0].missing[0].rays, plain.misses);
+  EXPECT_EQ(cuts[0].misses_of_set, plain.misses);
   EXPECT_EQ(cuts[1].misses, 0u) << "a coarse cluster is visible by any leaf below it";
 
   write(without_ball);
   cuts = check({.pixels = {8.0}});
   EXPECT_GT(cuts[0].misses, 10u);
+  EXPECT_EQ(cuts[0].misses_of_set, cuts[0].misses);
   EXPECT_GT(cuts[0].upper_bound, cuts[0].pixel_error);
   ASSERT_FALSE(cuts[0].missing.empty());
   EXPECT_FALSE(cuts[0].missing[0].leaf);
   EXPECT_GE(cuts[0].missing[0].cluster, dag.leaf_count);
   EXPECT_NEAR(cuts[0].missing[0].target[0], 9.5f, 0.8f) << "on the ball";
   EXPECT_EQ(cuts[0].drawn_triangles, 3852.0);
+}
+
+// A ball closes a round hole in a wall. Its coarse clusters are smaller, so the cut has a slit around it.
+TEST_F(verified_cuts, count_what_shows_through_a_slit_in_the_cut) {
+  write(close_room_around_ball(0.98), 0.1f);
+  const std::vector<cut_verification> cuts = check({.pixels = {0.0, 64.0}}, 0, 100'000);
+  EXPECT_EQ(cuts[0].misses, 0u) << "the set has all that is visible without levels";
+  EXPECT_EQ(cuts[0].rays_opened, 0u);
+  const cut_verification& coarse = cuts[1];
+  EXPECT_GT(coarse.misses, 10u) << "however solid level 0 is there";
+  EXPECT_EQ(coarse.misses_revealed, coarse.misses);
+  EXPECT_EQ(coarse.misses_of_leaves, coarse.misses);
+  EXPECT_EQ(coarse.rays_in_gaps, 0u);
+  ASSERT_FALSE(coarse.missing.empty());
+  EXPECT_EQ(coarse.missing[0].draw, 4u);
+  EXPECT_EQ(coarse.missing[0].kind, cut_miss::revealed);
+  EXPECT_NEAR(coarse.missing[0].target[0], 18.0f, 1e-3f) << "the sheet";
+}
+
+TEST_F(verified_cuts, count_openings_apart_from_misses) {
+  (void)close_room_around_ball(0.98);
+  std::vector<std::uint32_t> all(scene_.polygon_count);
+  std::iota(all.begin(), all.end(), 0u);
+  write(all);
+  const cut_verification coarse = check({.pixels = {64.0}}, 0, 100'000)[0];
+  EXPECT_EQ(coarse.misses, 0u);
+  EXPECT_GT(coarse.rays_opened, 10u);
+  EXPECT_EQ(coarse.rays_opened_beyond_error, 0u);
+}
+
+// Two shells around the cell, of which the outer one has levels: its coarse clusters come through the inner one.
+TEST_F(verified_cuts, count_coarse_clusters_of_which_the_set_has_no_leaf) {
+  for (const float radius : {3.0f, 3.0005f}) {
+    scene::geometry shell = ball(0.0f, 120, 64);
+    for (glm::vec3& position : shell.positions) position *= radius;
+    add_double_sided(std::move(shell), radius > 3.0f);
+  }
+  scene::finish(scene_);
+  std::vector<std::uint32_t> inner(scene_.draws[3].polygon_count);
+  std::iota(inner.begin(), inner.end(), scene_.draws[3].first_source);
+  write(inner);
+  const std::vector<cut_verification> cuts = check({.pixels = {0.0, 256.0}});
+  EXPECT_EQ(cuts[0].misses, 0u);
+  EXPECT_GT(cuts[1].misses, 100u);
+  EXPECT_EQ(cuts[1].misses_at_coarse, cuts[1].misses);
+  EXPECT_EQ(cuts[1].misses_of_leaves, 0u);
+  ASSERT_FALSE(cuts[1].missing.empty());
+  EXPECT_EQ(cuts[1].missing[0].draw, 4u);
+  EXPECT_EQ(cuts[1].missing[0].kind, cut_miss::at_coarse);
+}
+
+TEST_F(verified_cuts, excuse_gaps_of_level_0_alone) {
+  const std::vector<std::uint32_t> set = close_room_around_ball(1.05);
+  const cut_settings cut{.pixels = {8.0}};
+  write(set);
+  for (const cut_verification& open : check(cut, 0, 100'000)) {
+    EXPECT_GT(open.misses, 10u);
+    EXPECT_GE(open.misses, open.misses_of_set);
+    EXPECT_EQ(open.rays_in_gaps, 0u);
+  }
+  write(set, 0.1f);
+  for (const cut_verification& narrow : check(cut, 0, 100'000)) {
+    EXPECT_EQ(narrow.misses, narrow.misses_revealed);
+    EXPECT_GT(narrow.rays_in_gaps, 10u);
+  }
 }
 
 TEST_F(verified_cuts, are_the_same_with_any_number_of_threads) {
