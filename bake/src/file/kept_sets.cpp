@@ -1,5 +1,7 @@
 #include "file/kept_sets.h"
 
+#include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "cell_set/set_bytes.h"
@@ -7,11 +9,14 @@
 namespace sightcell::bake {
 
 void kept_sets::keep(std::uint32_t cell, const std::vector<std::uint32_t>& set) {
+  // A set that is not ascending has no bytes. The encoder refuses it when it is read.
+  if (std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) != set.end()) return;
   std::vector<std::uint8_t> bytes;
   put_set(bytes, set);
   if (bytes.size() > room_) return;
   bytes.shrink_to_fit();
   room_ -= bytes.size();
+  taken_ += bytes.size();
   bytes_.insert_or_assign(cell, std::move(bytes));
 }
 
@@ -22,6 +27,10 @@ std::vector<std::uint32_t> kept_sets::of(std::uint32_t cell) const {
   std::vector<std::uint32_t> set;
   take_set(in, set);
   return set;
+}
+
+std::uint64_t kept_sets::mean_bytes() const {
+  return bytes_.empty() ? 1 : taken_ / bytes_.size();
 }
 
 }  // namespace sightcell::bake

@@ -16,19 +16,21 @@ class kept_sets {
  public:
   // record_of: returns the record of a cell, for sets that are not kept; must outlive this.
   // most_bytes: the sets that are kept take at most this.
-  explicit kept_sets(const std::function<cell_record(std::uint32_t)>& record_of,
-                     std::size_t most_bytes = std::size_t{1} << 30)
+  kept_sets(const std::function<cell_record(std::uint32_t)>& record_of, std::uint64_t most_bytes)
       : record_of_(record_of), room_(most_bytes) {}
 
-  // Keeps the set of a cell if there is room.
+  // Keeps the set of a cell if there is room and it is strictly ascending.
   void keep(std::uint32_t cell, const std::vector<std::uint32_t>& set);
 
   // Returns the set of a cell by its index in the list of cells.
   std::vector<std::uint32_t> of(std::uint32_t cell) const;
 
+  // Returns the mean of the bytes of the sets that are kept, at least 1.
+  std::uint64_t mean_bytes() const;
+
  private:
   const std::function<cell_record(std::uint32_t)>& record_of_;
-  std::size_t room_;
+  std::uint64_t room_, taken_ = 0;
   std::unordered_map<std::uint32_t, std::vector<std::uint8_t>> bytes_;
 };
 

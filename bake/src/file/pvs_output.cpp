@@ -17,6 +17,7 @@
 #include "order/file_order.h"
 #include "order/stored_draws.h"
 #include "sightcell/base/error.h"
+#include "sightcell/format/layout.h"
 #include "sightcell/format/reader.h"
 #include "sightcell/format/writer.h"
 #include "volumes/volume_order.h"
@@ -39,8 +40,21 @@ void require_ok(format::status outcome, const std::filesystem::path& output, con
       disk ? "free space or choose another folder, then run the same command: it resumes" : "report this scene");
 }
 
+// A part of the limit of the memory is what the cells took that were baked at the same time.
+std::uint64_t room_for_sets(const pvs_frame& frame) {
+  constexpr std::uint64_t most = std::uint64_t{1} << 30;
+  return frame.memory == 0 ? most : std::min(most, frame.memory / 8);
+}
+
+// Returns how many groups of 64 cells may be encoded at the same time. A group takes about six times the bytes of its
+// sets as they are kept: runs of 8 bytes in place of 2 to 3, and what is computed for slack.
+std::size_t groups_that_fit(const pvs_frame& frame, const kept_sets& sets) {
+  if (frame.memory == 0) return SIZE_MAX;
+  return frame.memory / 16 / (std::uint64_t{6} * format::layout::cells_per_block * sets.mean_bytes());
+}
+
 struct stored_cells {
-  explicit stored_cells(const record_source& record_of) : sets(record_of) {}
+  stored_cells(const record_source& record_of, std::uint64_t room_for_sets) : sets(record_of, room_for_sets) {}
 
   kept_sets sets;                                             // by the index in the list of all cells
   format::file_parts parts;                                   // the content of the file about its cells, without sets
@@ -61,7 +75,7 @@ float share_in_file(double share) {
 }
 
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
-  stored_cells out(record_of);
+  stored_cells out(record_of, room_for_sets(frame));
   out.parts.player_radius = stored_rules_of(frame.settings).player_radius;
   sum.max_upper_bound = 0.0;
   for (std::uint32_t i = 0; i < frame.cells.size(); ++i) {
@@ -224,7 +238,7 @@ std::vector<std::byte> encoded(const pvs_frame& frame, const record_source& reco
                                return format::status::ok;
                              }});
   contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
-  use_all_threads(contents);
+  use_all_threads(contents, groups_that_fit(frame, stored.sets));
   std::vector<std::byte> bytes;
   require_ok(format::encode(contents, bytes), name, "encoding");
   return bytes;
@@ -258,6 +272,7 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
     for (const volume_place& p : volumes->places()) frame.volumes.push_back({p.x, p.y, p.z, 0});
   }
   frame.settings = std::move(settings_text);
+  frame.memory = how.memory;
   return frame;
 }
 

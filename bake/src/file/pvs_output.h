@@ -36,6 +36,7 @@ struct pvs_frame {
   std::vector<format::lattice_place> volumes;  // in the order of the numbers in records
   draw_identity identity;                      // empty: not stored
   std::string settings;                        // settings text of the file
+  std::uint64_t memory = 0;                    // limit of the process in bytes; 0: none
 };
 
 // Returns the content of a file apart from the sets.

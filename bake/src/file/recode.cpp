@@ -159,7 +159,7 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
                         return sets.item_ids(number_before(cell), set);
                       }});
   contents.slack = slack;
-  use_all_threads(contents);
+  use_all_threads(contents, SIZE_MAX);
   std::vector<std::byte> bytes;
   if (format::encode(contents, bytes) != format::status::ok)
     throw error(error_kind::failed, "output.encode", output.string(), "its content exceeds the limits of the format",

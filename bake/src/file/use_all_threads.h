@@ -5,6 +5,7 @@
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 
@@ -12,7 +13,8 @@
 
 namespace sightcell::bake {
 
-inline void use_all_threads(format::file_contents& contents) {
+// most_groups: that are in work at the same time; each takes memory.
+inline void use_all_threads(format::file_contents& contents, std::size_t most_groups) {
   contents.run_at_once = [](std::size_t count, const std::function<void(std::size_t)>& work) {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, count, 1),
@@ -22,7 +24,8 @@ inline void use_all_threads(format::file_contents& contents) {
         tbb::simple_partitioner());
   };
   // Two groups for each thread: what some take longer, others take less.
-  contents.groups_at_once = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  contents.groups_at_once = std::clamp<std::size_t>(most_groups, 1, 2 * threads);
 }
 
 }  // namespace sightcell::bake

@@ -22,6 +22,7 @@ TEST(kept_sets, a_set_that_has_no_room_is_read_again) {
   for (int round = 0; round < 2; ++round)
     for (std::uint32_t cell = 0; cell < sets.size(); ++cell) EXPECT_EQ(kept.of(cell), sets[cell]) << cell;
   EXPECT_EQ(read, (std::vector<std::uint32_t>{1, 1})) << "the second set takes 11 bytes";
+  EXPECT_EQ(kept.mean_bytes(), 3u);
 }
 
 }  // namespace
