@@ -9,11 +9,9 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -23,6 +21,7 @@
 #include <vector>
 
 #include "sightcell/scene/object_levels.h"
+#include "unit/bake/file_bytes.h"
 #include "verify/level_scene.h"
 #include "verify/verified_file.h"
 
@@ -53,21 +52,13 @@ struct pixel_counts {
   }
 };
 
-std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
-  std::vector<std::byte> out(text.size());
-  std::transform(text.begin(), text.end(), out.begin(), [](char c) { return static_cast<std::byte>(c); });
-  return out;
-}
-
 class flight {
  public:
   explicit flight(const flight_options& how)
       : how_(how),
         s_(scene::load_gltf(how.scene)),
         name_(how.file.string()),
-        bytes_(bytes_of(how.file)),
+        bytes_(test::file_bytes(how.file)),
         opened_(s_, nullptr, bytes_, name_) {
     opened_.build_rays();
     given_ = scene::load_object_levels(how.scene, s_);

@@ -292,6 +292,32 @@ def shadows():
                    ("with casters, %", "drawn_percent", fixed(1)))
 
 
+def lamps():
+    """Sums over the lamps of a kind."""
+    table = [["lamps", "number", "polygons in a set: median", "most", "found by rays", "of these not in the set", "missed",
+              "lamps with a miss", "rays that miss"]]
+    for kind in ("point", "spot"):
+        rows = rows_of("lamps", kind=kind)
+
+        def total(key):
+            return sum(int(row[key]) for row in rows)
+
+        sizes = [int(row["in_set"]) for row in rows]
+        table.append([kind, str(len(rows)), grouped(statistics.median(sizes)), grouped(max(sizes)), grouped(total("found")),
+                      grouped(total("not_in_set")), grouped(total("missed")), str(sum(row["missed"] != "0" for row in rows)),
+                      f"{total('misses'):,} of {total('rays'):,}"])
+    return table
+
+
+def lamps_cost():
+    return columns(rows_of("lamps_cost"), ("scene", "scene", plain), ("quality", "quality", plain), ("lamps", "lamps", plain),
+                   ("cells", "cells", plain), ("CPU s without", "cpu_seconds_without", fixed(1)), ("with", "cpu_seconds_with", fixed(1)),
+                   ("per lamp", "cpu_seconds_per_lamp", fixed(2)), ("M rays per lamp", "million_rays_per_lamp", fixed(2)),
+                   ("bytes per lamp", "bytes_per_lamp", grouped), ("polygons per lamp", "polygons_per_lamp", grouped),
+                   ("lamps that touch a cell", "lamps_per_cell", fixed(1)), ("largest bound", "max_upper_bound", scientific),
+                   ("verify: rays", "verify_rays", grouped), ("misses", "verify_misses", plain))
+
+
 def level_flight():
     return columns(rows_of("level_flight"), ("scene", "scene", plain), ("coverages", "coverages", plain), ("objects", "objects", grouped),
                    ("that switch", "objects_that_switch", plain), ("switches", "switches", plain), ("frames", "frames", plain),

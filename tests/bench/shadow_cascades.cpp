@@ -13,10 +13,8 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -29,6 +27,7 @@
 #include "sightcell/base/random.h"
 #include "trace/triangle_math.h"
 #include "trace/viewpoints.h"
+#include "unit/bake/file_bytes.h"
 #include "verify/verified_file.h"
 
 namespace {
@@ -71,21 +70,13 @@ struct camera {
   glm::dvec3 ray(double x, double y) const { return forward + x * tangent_x * right + y * tangent_y * up; }
 };
 
-std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
-  std::vector<std::byte> out(text.size());
-  std::transform(text.begin(), text.end(), out.begin(), [](char c) { return static_cast<std::byte>(c); });
-  return out;
-}
-
 class comparison {
  public:
   explicit comparison(const view_options& how)
       : how_(how),
         s_(scene::load_gltf(how.scene)),
         name_(how.file.string()),
-        bytes_(bytes_of(how.file)),
+        bytes_(test::file_bytes(how.file)),
         opened_(s_, nullptr, bytes_, name_) {
     opened_.build_rays();
     require(casters_.open(opened_.file()));

@@ -386,6 +386,24 @@ class Colonnade(Streamed):
         self.assertEqual(sorted(self.site.front.geometry_polygons.tolist()), [2, 12, 64])
 
 
+class Lit(InFolder):
+    """Sections that a streamed scene does not have are named."""
+
+    def test_what_is_left_out_is_named(self):
+        scene, cells, pvs = self.path('lit.glb'), self.path('cells.json'), self.path('lit.pvs')
+        write_middle_cell(cells)
+        write_room(scene, scenes=[[0, 1]], nodes=[
+            {'mesh': 0}, {'translation': [4, 3, 4], 'extensions': {'KHR_lights_punctual': {'light': 0}}}],
+            extensionsUsed=['KHR_lights_punctual'], extensions={'KHR_lights_punctual': {'lights': [{'type': 'point'}]}})
+        for options, left_out in ([], []), (['--lights'], ['lights']), (['--sun', '150,40', '--lights'], ['shadow casters', 'lights']):
+            Streamed.must('bake', scene, '-o', pvs, '--cells-file', cells, '--importance', '--progress', 'none',
+                          '--max-pixel-error', '1e-2', *options)
+            code, _, err = harness.sightcell('pack', '--stream', scene, pvs, '-o', self.path('site'))
+            self.assertEqual(code, 0, err)
+            self.assertEqual([line for line in err.splitlines() if line.startswith('warning:')], [
+                f'warning: the streamed scene has no {what}: those of {pvs} are left out' for what in left_out])
+
+
 class FarAway(InFolder):
     """A draw so far away that no float has its place is in no cell, and its numbers are finite."""
 

@@ -4,9 +4,8 @@
 #include <iterator>
 #include <utility>
 
-#include "sightcell/base/error.h"
+#include "file/carried_section.h"
 #include "sightcell/format/light_writer.h"
-#include "sightcell/format/set_reader.h"
 
 namespace sightcell::bake {
 
@@ -51,46 +50,34 @@ scene::light light_of(const format::light_record& record) {
 }
 
 void carry_lights(const format::reader& from, std::vector<std::byte>& file, const std::string& name) {
-  const auto require = [&](format::status outcome) {
-    if (outcome != format::status::ok)
-      throw error(error_kind::failed, "output.encode", name, "its lights could not be carried over",
-                  "bake again with --lights");
-  };
-  light_set_reader lights;
-  const format::status opened = lights.open(from);
-  if (opened == format::status::absent) return;
-  require(opened);
-  format::reader to;
-  format::set_reader sets, sets_before;
-  require(format::reader::open(file, to));
-  require(sets.open(to));
-  require(sets_before.open(from));
-  format::light_source source;
-  std::vector<format::certificate_record> proofs;
-  std::vector<std::vector<std::uint32_t>> reached;
-  for (std::uint32_t light = 0; light < lights.table().light_count(); ++light) {
-    require(lights.table().light(light, source.lights.emplace_back()));
-    require(lights.table().sets().certificate(light, light, proofs.emplace_back()));
-    require(lights.source_ids(light, reached.emplace_back()));
-  }
-  source.certificate = proofs;
-  source.sets = format::sets_of(reached);
-  marked_set further(from.polygon_count());
-  std::uint32_t marked = to.cell_count();  // the cell that `further` is of
-  source.touches = [&](std::uint32_t cell, std::uint32_t light) {
-    if (cell != marked) {
-      std::vector<std::uint32_t> before, now, more;
-      require(sets_before.source_ids(cell, before));
-      require(sets.source_ids(cell, now));
-      std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(more));
-      further.mark(std::move(more));
-      marked = cell;
+  const carried_step require{name, "lights", "--lights"};
+  const auto put = [&](light_set_reader& lights, sets_of_both& sets, std::vector<std::byte>& made) {
+    format::light_source source;
+    std::vector<format::certificate_record> proofs;
+    std::vector<std::vector<std::uint32_t>> reached;
+    for (std::uint32_t light = 0; light < lights.table().light_count(); ++light) {
+      require(lights.table().light(light, source.lights.emplace_back()));
+      require(lights.table().sets().certificate(light, light, proofs.emplace_back()));
+      require(lights.source_ids(light, reached.emplace_back()));
     }
-    return lights.table().touches(cell, light) || further.meets(reached[light]);
+    source.certificate = proofs;
+    source.sets = format::sets_of(reached);
+    marked_set further(from.polygon_count());
+    std::uint32_t marked = sets.file.cell_count();  // the cell that `further` is of
+    source.touches = [&](std::uint32_t cell, std::uint32_t light) {
+      if (cell != marked) {
+        std::vector<std::uint32_t> before, now, more;
+        require(sets.before.source_ids(cell, before));
+        require(sets.now.source_ids(cell, now));
+        std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(more));
+        further.mark(std::move(more));
+        marked = cell;
+      }
+      return lights.table().touches(cell, light) || further.meets(reached[light]);
+    };
+    return format::put_lights(file, source, made);
   };
-  std::vector<std::byte> made;
-  require(format::put_lights(file, source, made));
-  file = std::move(made);
+  carry_section<light_set_reader>(from, file, require, put);
 }
 
 }  // namespace sightcell::bake

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "file/readable_file.h"
 #include "sightcell/bake/stream.h"
+#include "sightcell/format/layout.h"
 #include "sightcell/scene/stream_pages.h"
 #include "stream/cell_lists.h"
 #include "stream/front_payload.h"
@@ -33,10 +36,11 @@ class stream_packer {
                 const std::string& name, const stream_settings& how, const stream_progress& on_progress)
       : how_(how), report_(on_progress), polygons_(file, name), pager_(scene_path, scene_index) {
     require_scene(polygons_.file(), pager_.content(), name);
+    result_.warnings = pager_.content().warnings;
+    warn_of_sections_left_out(name);
   }
 
   stream_result write(const std::filesystem::path& output) {
-    result_.warnings = pager_.content().warnings;
     std::vector<std::string> warnings;
     pager_.prepare({how_.grid, how_.textures, how_.all_attributes}, warnings);
     for (std::string& warning : warnings)  // missing base colors were reported before
@@ -60,6 +64,17 @@ class stream_packer {
   }
 
  private:
+  // Clients draw what cells show, and have no sets for shadow maps.
+  void warn_of_sections_left_out(const std::string& name) {
+    for (const auto& [section, what] : {std::pair(format::layout::section_casters, "shadow casters"),
+                                        std::pair(format::layout::section_lights, "lights")}) {
+      std::span<const std::byte> bytes;
+      if (polygons_.file().skipped_section(section, bytes) != format::status::absent)
+        result_.warnings.push_back("the streamed scene has no " + std::string(what) + ": those of " + name +
+                                   " are left out");
+    }
+  }
+
   void report(stream_phase phase, std::uint64_t done, std::uint64_t total) const {
     if (report_) report_(phase, done, total);
   }

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
+#include <map>
 #include <string>
 
 #include "errors/error_id.h"
@@ -13,6 +15,7 @@
 #include "sightcell/bake/patch.h"
 #include "sightcell/bake/recode.h"
 #include "sightcell/base/error.h"
+#include "sightcell/base/random.h"
 #include "sightcell/format/light_writer.h"
 #include "unit/bake/file_bytes.h"
 #include "unit/bake/fresh_folder.h"
@@ -261,6 +264,103 @@ TEST_F(lamps, stay_with_a_file_that_is_recoded_or_patched) {
     EXPECT_FALSE(touches(made, 1 - cell, 0)) << name;
   }
   EXPECT_TRUE(touches(test::file_bytes(path("patched.pvs")), cell, 1));
+}
+
+// A millionth to a hundred thousandth of all directions each: chance decides which crumbs a search finds. So its random
+// numbers show in the sets.
+class lamps_among_crumbs : public testing::Test {
+ protected:
+  // What a bake finds of a light.
+  struct found {
+    polygon_list set;
+    std::uint64_t rays = 0, misses = 0;
+    double upper_bound = 1.0;
+    bool operator==(const found&) const = default;
+  };
+  using found_lights = std::map<std::uint32_t, found>;  // by node
+
+  lamps_among_crumbs() {
+    test::tiny_scene tiny;
+    tiny.closed_box({-10, -1, -10}, {10, 5, 10}, true);
+    random_stream random(1, 2, purpose::viewpoints);
+    for (int i = 0; i < 3000; ++i) {
+      const glm::vec3 at = random.in_box({-9, 0, -9}, {9, 4, 9});
+      tiny.triangle(at, at + glm::vec3(0.03f, 0, 0), at + glm::vec3(0, 0.03f, 0), {.double_sided = true});
+    }
+    scene_ = tiny.finished();
+    const glm::vec3 places[] = {{-6, 2.5f, 3}, {-2, 1.5f, -5}, {1, 3, 1}, {4, 2, -3}, {6, 1, 6}, {7, 3.5f, -7}};
+    for (const glm::vec3& at : places)
+      lights_.push_back({.node = static_cast<std::uint32_t>(lights_.size()),
+                         .position = {at.x, at.y, at.z},
+                         .direction = {0, -1, 0},
+                         .range = no_range});
+  }
+
+  // order: numbers of lights, in the order of the scene.
+  found_lights baked(const std::vector<std::uint32_t>& order, std::uint32_t threads, std::uint64_t seed = 1) {
+    scene_.lights.clear();
+    for (const std::uint32_t number : order) scene_.lights.push_back(lights_[number]);
+    settings s;
+    s.cells = {{"only", {-1, 1, -1}, {0, 1.8f, 0}}};
+    s.max_pixel_error = 0.05;
+    s.source = "cpu";
+    s.resolution = 64;
+    s.lights = true;
+    s.threads = threads;
+    s.seed = seed;
+    const auto path = folder_.path() / "crumbs.pvs";
+    EXPECT_NE(bake(scene_, s, path, true, {}).result, outcome::cancelled);
+    const baked_bytes file = test::file_bytes(path);
+    format::reader opened;
+    light_set_reader reader;
+    EXPECT_EQ(format::reader::open(file, opened), format::status::ok);
+    EXPECT_EQ(reader.open(opened), format::status::ok);
+    found_lights all;
+    for (std::uint32_t i = 0; i < reader.table().light_count(); ++i) {
+      format::light_record record;
+      format::certificate_record proof;
+      EXPECT_EQ(reader.table().light(i, record), format::status::ok);
+      EXPECT_EQ(reader.table().sets().certificate(i, i, proof), format::status::ok);
+      found& one = all[record.node];
+      EXPECT_EQ(reader.source_ids(i, one.set), format::status::ok);
+      one.rays = proof.rays, one.misses = proof.misses, one.upper_bound = proof.upper_bound;
+    }
+    return all;
+  }
+
+  test::fresh_folder folder_;
+  scene::scene scene_;
+  std::vector<scene::light> lights_;
+};
+
+TEST_F(lamps_among_crumbs, have_random_numbers_of_their_own_in_any_order_and_number_of_threads) {
+  const found_lights all = baked({0, 1, 2, 3, 4, 5}, 1);
+  ASSERT_EQ(all.size(), 6u);
+  for (const auto& [node, other] : baked({0, 1, 2, 3, 4, 5}, 1, 2))
+    EXPECT_NE(other.set, all.at(node).set) << "chance does not show: the test would prove nothing";
+  EXPECT_TRUE(baked({0, 1, 2, 3, 4, 5}, 4) == all) << "depends on threads";
+  EXPECT_TRUE(baked({4, 2, 5, 0, 3, 1}, 3) == all) << "depends on the order";
+  for (const auto& [node, alone] : baked({3, 1}, 2))
+    EXPECT_TRUE(alone == all.at(node)) << node << " depends on the others";
+}
+
+TEST_F(lamps, are_found_again_by_a_bake_that_was_interrupted_there) {
+  add({-6, 2.5f, 0});
+  add({6, 2.5f, 0}, 4.0f, 0.7f);
+  settings s = how();
+  s.suns = {{{150.0, 40.0}, {150.0, 40.0}}};
+  const baked_bytes whole = baked(s);
+  for (const bake_phase phase : {bake_phase::finding_casters, bake_phase::finding_lights}) {
+    const auto broken = path("broken.pvs");
+    callbacks events;
+    events.on_progress = [phase](const progress& now) { return now.phase != phase; };
+    EXPECT_EQ(bake(scene_, s, broken, false, events).result, outcome::cancelled);
+    EXPECT_FALSE(std::filesystem::exists(broken));
+    const summary resumed = bake(scene_, s, broken, false, {});
+    EXPECT_EQ(resumed.cells_resumed, 2u);
+    EXPECT_TRUE(test::file_bytes(broken) == whole);
+    std::filesystem::remove(broken);
+  }
 }
 
 TEST_F(lamps, settings_are_checked) {
