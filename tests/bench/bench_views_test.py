@@ -52,3 +52,7 @@ class Views(InRoom):
         self.assertGreater(right['wrong_of_sets'], 0)
         fault = self.measured('shadow_cascades', scene, file, '--views', '12', '--width', '64', '--height', '36', '--no-casters')
         self.assertEqual(fault['wrong'], right['wrong_of_sets'])
+        self.assertGreater(fault['standard_error'], 0)
+        # Pixels at the edge of a shadow are wrong beside their points.
+        self.assertLess(0.9 * fault['wrong'], fault['wrong_at_point'])
+        self.assertLess(fault['wrong_at_point'], fault['wrong'])

@@ -287,7 +287,8 @@ def whole_files_container():
 def shadows():
     return columns(rows_of("shadows"), ("scene", "scene", plain), ("cells", "cells", plain), ("views", "views", plain),
                    ("shadowed %", "shadowed_percent", fixed(1)), ("wrong with sets", "wrong_of_sets", scientific),
-                   ("with casters", "wrong", scientific), ("worst view", "worst_view", scientific),
+                   ("with casters", "wrong", scientific), ("standard error", "standard_error", scientific),
+                   ("at the point", "wrong_at_point", scientific), ("worst view", "worst_view", scientific),
                    ("polygons in the boxes", "culled_polygons", grouped), ("drawn with sets, %", "drawn_of_sets_percent", fixed(1)),
                    ("with casters, %", "drawn_percent", fixed(1)))
 

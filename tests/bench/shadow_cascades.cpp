@@ -2,6 +2,10 @@
 // for random views from the cells of a file that was baked with --sun: which pixels have another shadow than with
 // everything, and how many polygons are drawn of those that the boxes of the cascades let through.
 //
+// A pixel is wrong at its point if the casters lack the shadow of the point itself, which the bound of the casters is
+// about, and beside it if only the texel that the pixel reads lacks its depth: the center of the texel is beside the
+// point.
+//
 // A texel of a map has the depth of what a ray through its center meets first, with the sides of the materials. Only
 // texels that a pixel reads are computed, which changes no pixel.
 #include <tbb/parallel_for.h>
@@ -46,10 +50,28 @@ struct view_options {
 };
 
 struct totals {
-  std::uint64_t views = 0, shaded = 0, shadowed = 0, wrong_of_sets = 0, wrong = 0, worst = 0;
+  std::uint64_t views = 0, shaded = 0, shadowed = 0, wrong_of_sets = 0, wrong = 0, wrong_at_point = 0, worst = 0;
   std::uint64_t culled = 0, drawn_of_sets = 0, drawn = 0;  // polygons in the boxes of cascades
   double share = 0.0, share_of_sets = 0.0;                 // sums over views
 };
+
+struct view_count {
+  std::uint64_t shaded = 0, wrong = 0;
+};
+
+// Returns the standard error of the share of wrong pixels, from how it differs between views.
+double standard_error(const std::vector<view_count>& views) {
+  double shaded = 0.0, wrong = 0.0, squares = 0.0;
+  for (const view_count& one : views)
+    shaded += static_cast<double>(one.shaded), wrong += static_cast<double>(one.wrong);
+  if (views.size() < 2 || shaded == 0.0) return 0.0;
+  for (const view_count& one : views) {
+    const double off = static_cast<double>(one.wrong) - wrong / shaded * static_cast<double>(one.shaded);
+    squares += off * off;
+  }
+  const auto count = static_cast<double>(views.size());
+  return std::sqrt(squares * count / (count - 1.0)) / shaded;
+}
 
 // The box of a cascade across the light, which is open toward the light.
 struct cascade_box {
@@ -111,6 +133,8 @@ class comparison {
             {"shadowed_percent", 100.0 * share(all_.shadowed, all_.shaded)},
             {"wrong_of_sets", share(all_.wrong_of_sets, all_.shaded)},
             {"wrong", share(all_.wrong, all_.shaded)},
+            {"standard_error", standard_error(counts_)},
+            {"wrong_at_point", share(all_.wrong_at_point, all_.shaded)},
             {"worst_view", share(all_.worst, std::uint64_t{how_.width} * how_.height)},
             {"culled_polygons", share(all_.culled, all_.views)},
             {"drawn_of_sets_percent", 100.0 * share(all_.share_of_sets, static_cast<double>(all_.views))},
@@ -158,13 +182,14 @@ class comparison {
     count_polygons();
     std::vector<totals> rows(how_.height);
     tbb::parallel_for(std::uint32_t{0}, how_.height, [&](std::uint32_t y) { shade_row(view, y, rows[y]); });
-    std::uint64_t wrong = 0;
+    view_count count;
     for (const totals& row : rows) {
       all_.shaded += row.shaded, all_.shadowed += row.shadowed;
-      all_.wrong += row.wrong, all_.wrong_of_sets += row.wrong_of_sets;
-      wrong += row.wrong;
+      all_.wrong += row.wrong, all_.wrong_of_sets += row.wrong_of_sets, all_.wrong_at_point += row.wrong_at_point;
+      count.shaded += row.shaded, count.wrong += row.wrong;
     }
-    all_.worst = std::max(all_.worst, wrong);
+    counts_.push_back(count);
+    all_.worst = std::max(all_.worst, count.wrong);
     ++all_.views;
   }
 
@@ -208,8 +233,18 @@ class comparison {
       if (!bake::faces_light(opened_.rays().geometry(), what.front, direction, glm::vec3(to_light_))) continue;
       const auto cascade = static_cast<std::size_t>(
           std::find_if(ends_.begin(), ends_.end(), [depth](double end) { return depth < end; }) - ends_.begin());
+      const std::uint64_t before = out.wrong;
       shade(view.eye + static_cast<double>(what.distance) * glm::dvec3(direction), maps_[cascade], out);
+      if (out.wrong > before) out.wrong_at_point += is_wrong_at_point({glm::vec3(view.eye), direction}, what);
     }
+  }
+
+  bool is_wrong_at_point(const bake::sight_line& line, const bake::sight& what) const {
+    bake::lacking_casters lacking;
+    const glm::vec3 point = line.eye + line.direction * what.distance, to_light(to_light_);
+    return bake::find_lacking(
+        opened_.rays(), bake::shadow_line_of(point, what.distance, to_light, what.front),
+        [this](std::uint32_t id) { return id >= s_.polygon_count || state_[id] != absent; }, lacking);
   }
 
   void shade(const glm::dvec3& point, const cascade_box& map, totals& out) const {
@@ -248,6 +283,7 @@ class comparison {
   std::array<cascade_box, cascades> maps_;
   std::array<double, cascades> ends_{};  // meters along the view
   totals all_;
+  std::vector<view_count> counts_;  // of each view
 };
 
 }  // namespace
