@@ -56,8 +56,11 @@ ordered_json bound_json(const bake::unseen_bound& b) {
 }  // namespace
 
 std::string unseen_text(const bake::unseen_polygons& found) {
-  return fmt::format("{} of {} polygons ({:.1f} %) are visible from no cell", grouped(found.unseen),
-                     grouped(found.polygons), 100.0 * share_of(found.unseen, found.polygons));
+  std::string text = fmt::format("{} of {} polygons ({:.1f} %) are visible from no cell", grouped(found.unseen),
+                                 grouped(found.polygons), 100.0 * share_of(found.unseen, found.polygons));
+  if (found.only_in_shadows > 0)
+    text += fmt::format(", apart from {} that shadows need", grouped(found.only_in_shadows));
+  return text;
 }
 
 std::string unseen_bound_text(const bake::unseen_bound& b) {
@@ -66,8 +69,7 @@ std::string unseen_bound_text(const bake::unseen_bound& b) {
   if (b.cells == 0) return "No cell has a bound on the part of the view that unseen polygons can cover" + colors + ".";
   std::string text = fmt::format(
       "Averaged over the valid viewpoints of a cell, unseen polygons cover at most {:.2g} % of {} in the worst cell, "
-      "and "
-      "{:.2g} % in the mean of {} cells. Each of these bounds holds with {:g} % confidence by itself; with {:g} % "
+      "and {:.2g} % in the mean of {} cells. Each of these bounds holds with {:g} % confidence by itself; with {:g} % "
       "confidence, at most {} of them are too low.",
       100.0 * b.largest_upper_bound,
       b.metric == "view"
@@ -86,6 +88,7 @@ ordered_json unseen_json(const bake::unseen_polygons& found) {
           {"unseen", found.unseen},
           {"share", share_of(found.unseen, found.polygons)},
           {"exempt", found.exempt},
+          {"only_in_shadows", found.only_in_shadows},
           {"cells", found.cells},
           {"bound", bound_json(found.bound)},
           {"warnings", found.warnings},

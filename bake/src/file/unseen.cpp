@@ -8,6 +8,8 @@
 
 #include "bound/clopper_pearson.h"
 #include "cells/overrides.h"
+#include "file/caster_sets.h"
+#include "file/light_sets.h"
 #include "file/readable_file.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/base/error.h"
@@ -36,6 +38,28 @@ std::vector<bool> in_some_set(const format::reader& file, const std::string& nam
   for (std::uint32_t stored = 0; stored < file.polygon_count(); ++stored) {
     open += border[stored];
     out[sets.source_of_stored()[stored]] = open > 0;
+  }
+  return out;
+}
+
+// Returns which polygons cast a shadow on what a cell sees, or are reached by a light, by source id.
+std::vector<bool> in_shadow_maps(const format::reader& file, const std::string& name) {
+  std::vector<bool> out(file.polygon_count(), false);
+  std::vector<std::uint32_t> set;
+  const auto add = [&](format::status outcome) {
+    require_readable(outcome, name);
+    for (const std::uint32_t polygon : set) out[polygon] = true;
+  };
+  caster_set_reader casters;
+  if (const format::status s = casters.open(file); s != format::status::absent) {
+    require_readable(s, name);
+    for (std::uint32_t cell = 0; cell < file.cell_count(); ++cell)
+      for (std::uint32_t sun = 0; sun < casters.table().sun_count(); ++sun) add(casters.source_ids(cell, sun, set));
+  }
+  light_set_reader lights;
+  if (const format::status s = lights.open(file); s != format::status::absent) {
+    require_readable(s, name);
+    for (std::uint32_t light = 0; light < lights.table().light_count(); ++light) add(lights.source_ids(light, set));
   }
   return out;
 }
@@ -129,8 +153,7 @@ std::vector<std::string> warnings_of(const nlohmann::json& settings) {
   if (above_0("time_budget"))
     out.emplace_back(
         "the file is of a bake with --time-budget: polygons that are visible only from cells that it did not reach "
-        "count "
-        "as unseen");
+        "count as unseen");
   return out;
 }
 
@@ -146,10 +169,13 @@ unseen_polygons find_unseen(const scene::scene& s, std::span<const std::byte> fi
   out.cells = opened.cell_count();
   out.polygons = s.polygon_count;
   out.is_unseen = in_some_set(opened, name);
+  const std::vector<bool> shadows = in_shadow_maps(opened, name);
   for (std::uint32_t id = 0; id < s.polygon_count; ++id) {
-    out.is_unseen[id] = !out.is_unseen[id] && !exempt[id];
+    const bool hidden = !out.is_unseen[id] && !exempt[id];
+    out.is_unseen[id] = hidden && !shadows[id];
     out.unseen += out.is_unseen[id];
     out.exempt += exempt[id];
+    out.only_in_shadows += hidden && shadows[id];
   }
   out.objects = objects_of(s, out.is_unseen);
   out.bound = bound_of(opened, settings, name);

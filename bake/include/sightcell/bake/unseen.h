@@ -1,5 +1,6 @@
 #pragma once
-// Polygons that are in the set of no cell of a .pvs file ("unseen polygons"). bake.h has the conventions.
+// Polygons that are in no set of a .pvs file ("unseen polygons"): of no cell, no sun and no light. bake.h has the
+// conventions.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -47,6 +48,9 @@ struct unseen_polygons {
   // Polygons about which the sets state nothing, and which count as seen: of objects that move or that are marked
   // dynamic, always or never, and those that a cells file lists as always or never.
   std::uint32_t exempt = 0;
+  // Polygons that are visible from no cell, but that cast a shadow on what is visible from a cell (files of bake --sun)
+  // or that a light reaches (bake --lights). They count as seen: without them, shadows change.
+  std::uint32_t only_in_shadows = 0;
 
   std::vector<bool> is_unseen;         // by source id
   std::vector<unseen_object> objects;  // all, those with the most unseen polygons first
@@ -59,7 +63,7 @@ struct unseen_polygons {
 // file: the bytes of the .pvs file.
 // name: of the file, for messages.
 // Fails with pvs.other-scene, pvs.broken.
-// Cost: decodes each set once.
+// Cost: decodes each set of a cell, of a sun and of a light once.
 unseen_polygons find_unseen(const scene::scene& s, std::span<const std::byte> file, const std::string& name);
 
 }  // namespace sightcell::bake

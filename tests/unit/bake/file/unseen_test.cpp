@@ -9,6 +9,8 @@
 #include "errors/error_id.h"
 #include "file/pvs_output.h"
 #include "sightcell/bake/bake.h"
+#include "sightcell/format/caster_writer.h"
+#include "sightcell/format/light_writer.h"
 #include "sightcell/scene/scene.h"
 #include "unit/bake/file_bytes.h"
 #include "unit/bake/fresh_folder.h"
@@ -115,6 +117,51 @@ TEST_F(unseen_test, draws_that_move_count_as_seen) {
   EXPECT_EQ(found.exempt, 2u);
   EXPECT_FALSE(found.is_unseen[4]);
   EXPECT_TRUE(found.is_unseen[3]);
+}
+
+// A file with shadow casters of two cells and suns, by 2 * cell + sun.
+std::vector<std::byte> with_casters(const std::vector<std::byte>& file, const std::vector<ids>& casters) {
+  format::caster_source source;
+  source.suns = {{{0, 1, 0}, {0, 1, 0}}, {{1, 0, 0}, {1, 0, 0}}};
+  source.get = [&](std::uint32_t cell, std::uint32_t sun, ids& out) {
+    out = casters[2 * cell + sun];
+    return format::status::ok;
+  };
+  const std::vector<format::certificate_record> certificate(4);
+  source.certificate = certificate;
+  std::vector<std::byte> out;
+  EXPECT_EQ(format::put_casters(file, source, out), format::status::ok);
+  return out;
+}
+
+// A file with lights that reach these polygons.
+std::vector<std::byte> with_lights(const std::vector<std::byte>& file, const std::vector<ids>& reached) {
+  format::light_source source;
+  for (const ids& set : reached) source.lights.push_back({.direction = {0, -1, 0}, .range = static_cast<float>(set.size())});
+  source.sets = format::sets_of(reached);
+  source.touches = [](std::uint32_t, std::uint32_t) { return true; };
+  const std::vector<format::certificate_record> certificate(reached.size());
+  source.certificate = certificate;
+  std::vector<std::byte> out;
+  EXPECT_EQ(format::put_lights(file, source, out), format::status::ok);
+  return out;
+}
+
+TEST_F(unseen_test, what_shadows_need_counts_as_seen) {
+  const scene::scene s = six_quads([](test::tiny_scene& t) { t.tag(10, {.dynamic = true}); });
+  const auto seen = file_of(s, {{0, 1, 6}, {0, 3, 6, 7}}, {1e-3, 1e-4});
+  EXPECT_EQ(find_unseen(s, seen, "scene.pvs").only_in_shadows, 0u);
+  const auto with_suns = with_casters(seen, {{}, {2, 8, 10}, {9}, {}});
+  unseen_polygons found = find_unseen(s, with_suns, "scene.pvs");
+  EXPECT_EQ(list_of(found.is_unseen), (ids{4, 5}));
+  EXPECT_EQ(found.unseen, 2u);
+  EXPECT_EQ(found.only_in_shadows, 3u) << "2, 8 and 9; 10 is exempt";
+  EXPECT_EQ(found.exempt, 2u);
+  found = find_unseen(s, with_lights(with_suns, {{0, 1}, {3, 5, 8}}), "scene.pvs");
+  EXPECT_EQ(list_of(found.is_unseen), (ids{4}));
+  EXPECT_EQ(found.only_in_shadows, 4u);
+  found = find_unseen(s, with_lights(seen, {{4}}), "scene.pvs");
+  EXPECT_EQ(list_of(found.is_unseen), (ids{2, 5, 8, 9}));
 }
 
 TEST_F(unseen_test, bounds_are_those_of_cells_that_have_one) {
