@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "bound/clopper_pearson.h"
 #include "bound/metric.h"
 #include "sightcell/bake/verify.h"
 #include "sightcell/base/random.h"
@@ -57,5 +58,16 @@ std::optional<passed_polygon> first_wrong(const sight& seen,
 // in_set: by polygon of the scene, 0 or 1.
 bool lacks_polygons(const verified_file& opened, const sight_line& line, const sight& seen,
                     std::span<const std::uint8_t> in_set);
+
+// Fills the share of misses and its bound in the result of a check, and keeps of result.missing the 100 entries with
+// the most rays; entries with equally many stay in the order in which they were found.
+void finish(auto& result) {
+  constexpr std::size_t reported = 100;
+  if (result.rays > 0) result.pixel_error = static_cast<double>(result.misses) / static_cast<double>(result.rays);
+  result.upper_bound = clopper_pearson_upper(result.misses, result.rays, result.confidence);
+  std::stable_sort(result.missing.begin(), result.missing.end(),
+                   [](const auto& a, const auto& b) { return a.rays > b.rays; });
+  if (result.missing.size() > reported) result.missing.resize(reported);
+}
 
 }  // namespace sightcell::bake

@@ -22,7 +22,6 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t counted_views = 4;  // per cell
-constexpr std::size_t reported_clusters = 100;
 
 void validate_cut(const cut_settings& cut) {
   const auto refuse = [](const char* option, double value, const char* how) {
@@ -91,11 +90,7 @@ class cut_meter {
          {&result_.cut_clusters, &result_.cut_triangles, &result_.drawn_clusters, &result_.drawn_triangles,
           &result_.set_clusters, &result_.set_cluster_polygons, &result_.set_polygons})
       *mean /= cells;
-    if (result_.rays > 0) result_.pixel_error = static_cast<double>(result_.misses) / static_cast<double>(result_.rays);
-    result_.upper_bound = clopper_pearson_upper(result_.misses, result_.rays, result_.confidence);
-    std::stable_sort(result_.missing.begin(), result_.missing.end(),
-                     [](const missing_cluster& a, const missing_cluster& b) { return a.rays > b.rays; });
-    if (result_.missing.size() > reported_clusters) result_.missing.resize(reported_clusters);
+    finish(result_);
     return std::move(result_);
   }
 

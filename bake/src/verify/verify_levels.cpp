@@ -18,8 +18,6 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::size_t reported_levels = 100;
-
 // A ray that met what is not drawn.
 struct missed_level {
   sight_line line;
@@ -61,11 +59,7 @@ class level_check {
   }
 
   level_verification finished() {
-    if (result_.rays > 0) result_.pixel_error = static_cast<double>(result_.misses) / static_cast<double>(result_.rays);
-    result_.upper_bound = clopper_pearson_upper(result_.misses, result_.rays, result_.confidence);
-    std::stable_sort(result_.missing.begin(), result_.missing.end(),
-                     [](const missing_at_levels& a, const missing_at_levels& b) { return a.rays > b.rays; });
-    if (result_.missing.size() > reported_levels) result_.missing.resize(reported_levels);
+    finish(result_);
     return std::move(result_);
   }
 
