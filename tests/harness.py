@@ -131,7 +131,11 @@ def write_room(path, height=4, scenes=((0,),), **more):
         'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 8, 'type': 'VEC3', 'min': [0, 0, 0],
                        'max': [8, height, 8]},
                       {'bufferView': 1, 'componentType': 5123, 'count': len(indices), 'type': 'SCALAR'}]}
-    text = json.dumps({**document, **more}).encode()
+    write_glb(path, {**document, **more}, binary)
+
+
+def write_glb(path, document, binary):
+    text = json.dumps(document).encode()
     text += b' ' * (-len(text) % 4)
     binary += b'\0' * (-len(binary) % 4)
     with open(path, 'wb') as out:
@@ -155,6 +159,29 @@ def write_triangles(path, triangles, materials, **more):
                      base64.b64encode(binary).decode()}], **more}
     with open(path, 'w', encoding='utf-8') as out:
         json.dump(document, out)
+
+
+def write_boxes(path, nodes):
+    """A .glb of solid boxes: a node for each of ([(low, high), ...], marks), with the marks as extras.sightcell."""
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    binary, document = b'', {'asset': {'version': '2.0'}, 'scenes': [{'nodes': list(range(len(nodes)))}], 'nodes': [],
+                             'meshes': [], 'accessors': [], 'bufferViews': []}
+    for boxes, marks in nodes:
+        corners = [(ends[i >> 2 & 1][0], ends[i >> 1 & 1][1], ends[i & 1][2]) for ends in boxes for i in range(8)]
+        indices = [8 * box + i for box in range(len(boxes)) for a, b, c, d in quads for i in (a, c, b, a, d, c)]
+        for kind, count, form, rows in ((5126, 3, 'VEC3', corners), (5125, 1, 'SCALAR', [(i,) for i in indices])):
+            part = b''.join(struct.pack(f'<{count}{"f" if kind == 5126 else "I"}', *row) for row in rows)
+            document['bufferViews'].append({'buffer': 0, 'byteOffset': len(binary), 'byteLength': len(part)})
+            accessor = {'bufferView': len(document['accessors']), 'componentType': kind, 'count': len(rows), 'type': form}
+            if form == 'VEC3':
+                accessor.update(min=[min(row[i] for row in rows) for i in range(3)], max=[max(row[i] for row in rows) for i in range(3)])
+            document['accessors'].append(accessor)
+            binary += part
+        last = len(document['accessors']) - 1
+        document['nodes'].append({'mesh': len(document['meshes']), 'extras': {'sightcell': marks}})
+        document['meshes'].append({'primitives': [{'attributes': {'POSITION': last - 1}, 'indices': last}]})
+    document['buffers'] = [{'byteLength': len(binary)}]
+    write_glb(path, document, binary)
 
 
 def write_middle_cell(path):

@@ -191,6 +191,11 @@ void add_expert_scene_options(CLI::App& verb, bake_options& o) {
   verb.add_flag("--all-double-sided", o.settings.all_double_sided,
                 "All polygons are visible and occlude from both sides.")
       ->group(group);
+  add_plain_option(
+      verb, group, "--closed", o.settings.closed, "NAME",
+      "A named group of the scene, such as a door, that occludes. The file is for hosts while that door is "
+      "closed, beside a file without this option. May be repeated.")
+      ->take_all();
   add_two_scene_options(verb, o.scenes, group);
   add_plain_option(verb, group, "--scene", o.settings.scene, "N",
                    "Number of the glTF scene in the file, from 0. Without it: the default scene of the file.")

@@ -56,7 +56,7 @@ nlohmann::ordered_json json_of(const bake::cell_preview& preview) {
 // Writes the pictures of --plan.
 void write_plan(const bake::cell_preview& preview, const scene::scene& of_cells, const bake::settings& how,
                 const std::string& prefix) {
-  const scene::world_geometry geometry = scene::flatten(of_cells, how.animated);
+  const scene::world_geometry geometry = scene::flatten(of_cells, how.animated, how.closed);
   std::vector<std::array<float, 3>> starts = how.starts;
   if (starts.empty())
     for (const scene::start_point& start : geometry.starts)

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -23,11 +24,14 @@ using sightcell::error_kind;
 
 constexpr float seconds_per_frame = 1.0f / 30.0f;
 
+constexpr std::size_t most_doors = 32;
+
 struct arguments {
   std::string pvs_file, record_file;
+  std::vector<std::string> closed;  // DOOR[,DOOR]=FILE
   std::uint32_t players = 64, frames = 600;
   std::uint64_t seed = 1;
-  float speed = 4.0f, lag = 0.0f;
+  float speed = 4.0f, lag = 0.0f, door_period = 2.0f;
 };
 
 struct close_db {
@@ -48,9 +52,10 @@ void require(sightcell_status status, const std::string& subject) {
 
 // ---- what a server does ----
 
-class server {
+// A file, and a view of it for each player.
+class visibility {
  public:
-  explicit server(const std::string& pvs_file, std::uint32_t players) {
+  visibility(const std::string& pvs_file, std::uint32_t players) {
     sightcell_db* opened = nullptr;
     require(sightcell_db_open_file(pvs_file.c_str(), nullptr, &opened), pvs_file);
     db_.reset(opened);
@@ -63,42 +68,116 @@ class server {
       require(sightcell_view_create(opened, &made), pvs_file);
       views_.emplace_back(made);
     }
-    visible_.resize(std::size_t{players} * players);
   }
 
   const sightcell_db* db() const { return db_.get(); }
+
+  // Moves the view of a player to its eye or, with a box, to where the eye may be.
+  sightcell_frame move(std::size_t player, const place& eye, const box* around) {
+    sightcell_frame frame{};
+    (void)(around != nullptr
+               ? sightcell_view_move_box(views_[player].get(), around->min.data(), around->max.data(), &frame)
+               : sightcell_view_move(views_[player].get(), eye.data(), &frame));
+    return frame;
+  }
+
+  bool may_see(std::size_t viewer, const box& body) const {
+    std::uint32_t visible = 1;
+    (void)sightcell_view_box_visible(views_[viewer].get(), body.min.data(), body.max.data(), &visible);
+    return visible != 0;
+  }
+
+ private:
+  db_handle db_;
+  std::vector<view_handle> views_;  // closed before the db
+};
+
+class server {
+ public:
+  // closed: DOOR[,DOOR]=FILE: a file that was baked with --closed for these doors.
+  server(const std::string& pvs_file, const std::vector<std::string>& closed, std::uint32_t players)
+      : open_(pvs_file, players), players_(players), visible_(std::size_t{players} * players) {
+    for (const std::string& given : closed) add_closed(given);
+  }
+
+  const sightcell_db* db() const { return open_.db(); }
+  const std::vector<std::string>& doors() const { return doors_; }
 
   // Where each player's eye is, or may be by now: within reach meters to the sides of where it was heard of last.
   // Outside all cells the view shows all, so nobody is kept from the player.
   void move(std::span<const place> eyes, float reach) {
     for (std::size_t p = 0; p < eyes.size(); ++p) {
-      sightcell_frame frame{};
       const box around = grown({eyes[p], eyes[p]}, reach);
-      (void)(reach > 0.0f ? sightcell_view_move_box(views_[p].get(), around.min.data(), around.max.data(), &frame)
-                          : sightcell_view_move(views_[p].get(), eyes[p].data(), &frame));
+      const box* const given = reach > 0.0f ? &around : nullptr;
+      const sightcell_frame frame = open_.move(p, eyes[p], given);
       outside_ += (frame.flags & SIGHTCELL_FRAME_DRAW_ALL) != 0 ? 1 : 0;
       changes_ += (frame.flags & SIGHTCELL_FRAME_CHANGED) != 0 ? 1 : 0;
+      for (closed_file& one : closed_) one.seen.move(p, eyes[p], given);
     }
   }
 
-  // Who may see whom: for each player, whom to send.
-  void find_relevant(std::span<const place> eyes, float reach) {
+  // Who may see whom: for each player, whom to send. A file of closed doors applies while all of these are closed, and
+  // then whoever it hides is hidden: more closed doors never make anything visible.
+  // closed: a bit for each of doors(). A door that opens must be open here before the first player can look through.
+  void find_relevant(std::span<const place> eyes, float reach, std::uint32_t closed) {
     for (std::size_t viewer = 0; viewer < eyes.size(); ++viewer) {
       for (std::size_t other = 0; other < eyes.size(); ++other) {
         if (viewer == other) continue;
         const box body = grown(body_of(eyes[other]), reach);
-        std::uint32_t visible = 1;
-        (void)sightcell_view_box_visible(views_[viewer].get(), body.min.data(), body.max.data(), &visible);
-        visible_[viewer * eyes.size() + other] = static_cast<std::uint8_t>(visible);
+        bool visible = open_.may_see(viewer, body);
+        for (const closed_file& one : closed_)
+          if (visible && (one.doors & ~closed) == 0) visible = one.seen.may_see(viewer, body);
+        visible_[viewer * eyes.size() + other] = visible ? 1 : 0;
       }
     }
   }
 
-  bool visible(std::size_t viewer, std::size_t other) const { return visible_[viewer * views_.size() + other] != 0; }
+  bool visible(std::size_t viewer, std::size_t other) const { return visible_[viewer * std::size_t{players_} + other] != 0; }
   std::uint64_t moves_outside() const { return outside_; }
   std::uint64_t changes() const { return changes_; }
 
  private:
+  struct closed_file {
+    visibility seen;
+    std::uint32_t doors = 0;  // a bit for each
+  };
+
+  void add_closed(const std::string& given) {
+    const std::size_t sign = given.find('=');
+    if (sign == 0 || sign == std::string::npos)
+      throw error(error_kind::wrong_use, "relevance.closed", "--closed", "is \"" + given + "\"",
+                  "give DOOR=FILE.pvs, or DOOR,DOOR=FILE.pvs");
+    const std::string file = given.substr(sign + 1);
+    closed_file made{visibility(file, players_)};
+    sightcell_info info{};
+    info.struct_size = sizeof info;
+    require(sightcell_db_info(made.seen.db(), &info), file);
+    require(sightcell_db_same_scene(db(), info.scene_fingerprint), file);
+    for (std::size_t begin = 0; begin < sign;) {
+      const std::size_t end = std::min(given.find(',', begin), sign);
+      made.doors |= 1u << door(given.substr(begin, end - begin), made.seen.db(), file);
+      begin = end + 1;
+    }
+    closed_.push_back(std::move(made));
+  }
+
+  // Returns the number of a door. The open file has a named group for it, and one that was baked with --closed has
+  // none.
+  std::size_t door(const std::string& name, const sightcell_db* closed, const std::string& file) {
+    std::uint32_t here = SIGHTCELL_NO_NAMED_GROUP, there = SIGHTCELL_NO_NAMED_GROUP;
+    require(sightcell_db_find_named_group(db(), name.c_str(), &here), file);
+    require(sightcell_db_find_named_group(closed, name.c_str(), &there), file);
+    if (here == SIGHTCELL_NO_NAMED_GROUP || there != SIGHTCELL_NO_NAMED_GROUP)
+      throw error(error_kind::bad_input, "relevance.not-closed", file, "was not baked with --closed \"" + name + "\"",
+                  "bake it with this option, and the other file without");
+    const auto found = std::find(doors_.begin(), doors_.end(), name);
+    if (found != doors_.end()) return static_cast<std::size_t>(found - doors_.begin());
+    if (doors_.size() == most_doors)
+      throw error(error_kind::wrong_use, "relevance.closed", "--closed", "names more than 32 doors", "name fewer");
+    doors_.push_back(name);
+    return doors_.size() - 1;
+  }
+
   static box grown(box b, float reach) {
     for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
       b.min[axis] -= reach;
@@ -107,8 +186,10 @@ class server {
     return b;
   }
 
-  db_handle db_;
-  std::vector<view_handle> views_;  // closed before the db
+  visibility open_;
+  std::vector<closed_file> closed_;
+  std::vector<std::string> doors_;
+  std::uint32_t players_;
   std::vector<std::uint8_t> visible_;
   std::uint64_t outside_ = 0, changes_ = 0;
 };
@@ -123,24 +204,37 @@ std::vector<box> cells_of(const sightcell_db* db, const std::string& pvs_file) {
   return cells;
 }
 
-// A line for each pair: frame, viewer, other; the viewer's eye; the other's box; was it visible? For whoever checks.
+// Doors that open and close by themselves: each as often as the others, and at another time.
+std::uint32_t closed_doors(std::size_t count, float seconds, float period) {
+  std::uint32_t closed = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double at = static_cast<double>(seconds / period) + static_cast<double>(i) / static_cast<double>(count);
+    if (static_cast<std::uint64_t>(at) % 2 == 0) closed |= 1u << i;
+  }
+  return closed;
+}
+
+// A line for each pair: frame, viewer, other; the viewer's eye; the other's box; which doors are closed, a bit for
+// each; was it visible? For whoever checks.
 class recorder {
  public:
   explicit recorder(const std::string& path) : path_(path) {
     if (path.empty()) return;
     file_.reset(std::fopen(path.c_str(), "w"));
     require_written(file_ != nullptr);
-    fmt::print(file_.get(), "frame,viewer,other,eye_x,eye_y,eye_z,min_x,min_y,min_z,max_x,max_y,max_z,visible\n");
+    fmt::print(file_.get(),
+               "frame,viewer,other,eye_x,eye_y,eye_z,min_x,min_y,min_z,max_x,max_y,max_z,closed,visible\n");
   }
-  void add(std::uint32_t frame, std::span<const place> eyes, const server& s) {
+  void add(std::uint32_t frame, std::span<const place> eyes, std::uint32_t closed, const server& s) {
     if (!file_) return;
     for (std::size_t viewer = 0; viewer < eyes.size(); ++viewer) {
       for (std::size_t other = 0; other < eyes.size(); ++other) {
         if (viewer == other) continue;
         const box b = body_of(eyes[other]);
         const place& e = eyes[viewer];
-        fmt::print(file_.get(), "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", frame, viewer, other, e[0], e[1], e[2],
-                   b.min[0], b.min[1], b.min[2], b.max[0], b.max[1], b.max[2], s.visible(viewer, other) ? 1 : 0);
+        fmt::print(file_.get(), "{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", frame, viewer, other, e[0], e[1], e[2],
+                   b.min[0], b.min[1], b.min[2], b.max[0], b.max[1], b.max[2], closed,
+                   s.visible(viewer, other) ? 1 : 0);
       }
     }
   }
@@ -165,7 +259,7 @@ double cpu_seconds() {
 }
 
 void run(const arguments& args) {
-  server relevance(args.pvs_file, args.players);
+  server relevance(args.pvs_file, args.closed, args.players);
   crowd players(cells_of(relevance.db(), args.pvs_file), args.players, args.speed, args.seed);
   recorder record(args.record_file);
   const float reach = args.speed * args.lag;
@@ -176,7 +270,9 @@ void run(const arguments& args) {
     const double start = cpu_seconds();
     relevance.move(players.eyes(), reach);
     const double moved = cpu_seconds();
-    relevance.find_relevant(players.eyes(), reach);
+    const std::uint32_t closed =
+        closed_doors(relevance.doors().size(), static_cast<float>(f) * seconds_per_frame, args.door_period);
+    relevance.find_relevant(players.eyes(), reach, closed);
     asking += cpu_seconds() - moved;
     moving += moved - start;
     for (std::size_t viewer = 0; viewer < args.players; ++viewer) {
@@ -184,7 +280,7 @@ void run(const arguments& args) {
         if (viewer != other && !relevance.visible(viewer, other)) ++hidden;
       }
     }
-    record.add(f, players.eyes(), relevance);
+    record.add(f, players.eyes(), closed, relevance);
     players.walk(seconds_per_frame);
   }
   record.close();
@@ -216,6 +312,11 @@ int main(int argc, char** argv) {
   app.add_option("--speed", args.speed, "meters per second")->check(CLI::Range(0.0, 100.0))->capture_default_str();
   app.add_option("--lag", args.lag, "seconds by which the server knows less than the players")
       ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  app.add_option("--closed", args.closed,
+                 "DOOR[,DOOR]=FILE: a file that was baked with --closed for these doors; may be repeated");
+  app.add_option("--door-period", args.door_period, "seconds that each of these doors is closed, then open")
+      ->check(CLI::Range(0.05, 1000.0))
       ->capture_default_str();
   app.add_option("--record", args.record_file, "a file for all pairs, as comma-separated values");
   try {

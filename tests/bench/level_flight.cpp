@@ -62,7 +62,7 @@ class flight {
         opened_(s_, nullptr, bytes_, name_) {
     opened_.build_rays();
     given_ = scene::load_object_levels(how.scene, s_);
-    levels_.emplace(s_, opened_.rays().geometry(), given_, opened_.rules().animated, how.fov);
+    levels_.emplace(s_, opened_.rays().geometry(), given_, opened_.rules(), how.fov);
     all_.emplace(levels_->geometry(), opened_.rules().all_double_sided);
     in_set_.resize(s_.polygon_count);
     for (std::uint32_t p = 0; p < levels_->geometry().kinds.size(); ++p)

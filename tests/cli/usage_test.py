@@ -45,7 +45,7 @@ class Usage(InRoom):
         for option in re.findall(r'(?m)^  (-o|--[a-z-]+)', everyday):
             self.assertIn(f'\n  {option}', out)
         for option in ('--profile', '--layout', '--names', '--report-unseen', '--embed', '--most-cells', '--merge-cells',
-                       '--path', '--margin', '--safety-ring', '--smallest-gap', '--all-double-sided', '--memory',
+                       '--path', '--margin', '--safety-ring', '--smallest-gap', '--all-double-sided', '--closed', '--memory',
                        '--order', '--progress', '--json', '--json-file', '--polygons-from', '--cells-from', '--scene',
                        '--misses', '--metric', '--view-resolution', '--view-fov', '--view-pitch', '--view-least',
                        '--sampler', '--samples', '--sampling-rays', '--source', '--resolution', '--seed', '--phase',

@@ -193,13 +193,15 @@ exec '{program}' "$@"
 '''
 
 
-def add_lamp(path):
-    """Puts a point light into a .glb, for docs/lights.md."""
+def add_lamp_and_door(path):
+    """Puts a point light into a .glb, for docs/lights.md, and makes a door of its last object, for docs/baking.md."""
     with open(path, 'rb') as file:
         data = file.read()
     end = 20 + struct.unpack_from('<I', data, 12)[0]
     document = json.loads(data[20:end])
     document.setdefault('extensions', {})['KHR_lights_punctual'] = {'lights': [{'type': 'point', 'range': 20}]}
+    door = [node for node in document['nodes'] if 'mesh' in node][-1]
+    door.setdefault('extras', {})['sightcell'] = {'group': 'door'}
     document['scenes'][0]['nodes'].append(len(document['nodes']))
     document['nodes'].append({'name': 'lamp', 'translation': [0, 4, 0], 'extensions': {'KHR_lights_punctual': {'light': 0}}})
     text = json.dumps(document).encode()
@@ -228,7 +230,7 @@ def prepare(root, folder, work):
         subprocess.run(line.split(), cwd=shared, env=environment(work), stdin=subprocess.DEVNULL, check=True,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=SECONDS)
         if '--out level.glb' in line:
-            add_lamp(os.path.join(shared, 'level.glb'))
+            add_lamp_and_door(os.path.join(shared, 'level.glb'))
     with open(os.path.join(shared, 'misses.json'), 'w', encoding='utf-8') as file:
         json.dump({'misses': [{'eye': [1.0, 1.7, 2.0], 'polygon': 17}]}, file)
     with open(os.path.join(shared, 'path.json'), 'w', encoding='utf-8') as file:

@@ -552,6 +552,7 @@ CASES = [
     ('settings.lights', 2, options('--lights', '--lights', '--max-pixel-error', '0')),
     ('settings.lights', 2, options('--lights', '--lights', '--sampler', 'halton')),
     ('settings.lights', 2, options('--lights', '--lights', '--shard', '0/2')),
+    ('settings.no-such-group', 2, option('--closed', 'door')),
     ('settings.volumes', 2, options('--volumes', '--volumes', '2', '--max-pixel-error', '0')),
     ('strip.not-written', 1, packed('no/s.glb', named='no/s.glb', verb='strip')),
     ('view.not-installed', 1, view_without_viewer),

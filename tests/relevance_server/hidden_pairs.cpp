@@ -1,6 +1,7 @@
-// sightcell-test-hidden-pairs SCENE RECORD: looks at what sightcell-relevance-server --record wrote, with exact rays. A
-// pair is wrong when it was called hidden and a ray from the eye comes to a point of the other's box. Viewers whose eye
-// is at no free place are left out: a cell promises nothing there. Prints one JSON object.
+// sightcell-test-hidden-pairs SCENE RECORD [DOOR...]: looks at what sightcell-relevance-server --record wrote, with
+// exact rays. A pair is wrong when it was called hidden and a ray from the eye comes to a point of the other's box.
+// Viewers whose eye is at no free place are left out: a cell promises nothing there. Doors are those of the server, in
+// the order of its options; a door that is closed in a line of the record occludes. Prints one JSON object.
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -10,6 +11,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <map>
+#include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -29,7 +32,7 @@ constexpr float player_radius = 0.05f, smallest_gap = 0.002f;  // meters, the ba
 constexpr int across = 4, upward = 9;                          // points of a box along its width and height
 
 struct pair_record {
-  std::uint32_t frame = 0, viewer = 0;
+  std::uint32_t frame = 0, viewer = 0, closed = 0;
   glm::vec3 eye{0.0f}, min{0.0f}, max{0.0f};
   bool visible = false;
 };
@@ -42,10 +45,10 @@ std::vector<pair_record> read_record(const char* path) {
   while (std::getline(in, line)) {
     pair_record r;
     unsigned other = 0, visible = 0;
-    const int got =
-        std::sscanf(line.c_str(), "%u,%u,%u,%f,%f,%f,%f,%f,%f,%f,%f,%f,%u", &r.frame, &r.viewer, &other, &r.eye.x,
-                    &r.eye.y, &r.eye.z, &r.min.x, &r.min.y, &r.min.z, &r.max.x, &r.max.y, &r.max.z, &visible);
-    if (got != 13) throw std::runtime_error(std::string(path) + ": not a record: " + line);
+    const int got = std::sscanf(line.c_str(), "%u,%u,%u,%f,%f,%f,%f,%f,%f,%f,%f,%f,%u,%u", &r.frame, &r.viewer, &other,
+                                &r.eye.x, &r.eye.y, &r.eye.z, &r.min.x, &r.min.y, &r.min.z, &r.max.x, &r.max.y,
+                                &r.max.z, &r.closed, &visible);
+    if (got != 14) throw std::runtime_error(std::string(path) + ": not a record: " + line);
     r.visible = visible != 0;
     out.push_back(r);
   }
@@ -105,16 +108,34 @@ class checker {
   std::vector<sight> sights_;
 };
 
-int run(const char* scene_file, const char* record_file) {
-  const sightcell::scene::world_geometry world = sightcell::scene::flatten(sightcell::scene::load_gltf(scene_file));
-  const ray_scene rays(world, false);
-  checker check(rays);
+// The scene with some doors closed.
+struct closed_world {
+  closed_world(const sightcell::scene::scene& s, std::span<const std::string> doors, std::uint32_t closed)
+      : world(sightcell::scene::flatten(s, {}, names_of(doors, closed))), rays(world, false), check(rays) {}
+
+  static std::vector<std::string> names_of(std::span<const std::string> doors, std::uint32_t closed) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < doors.size(); ++i)
+      if ((closed >> i & 1u) != 0) names.push_back(doors[i]);
+    return names;
+  }
+
+  sightcell::scene::world_geometry world;
+  ray_scene rays;
+  checker check;
+};
+
+int run(const char* scene_file, const char* record_file, std::span<const std::string> doors) {
+  const sightcell::scene::scene s = sightcell::scene::load_gltf(scene_file);
+  std::map<std::uint32_t, std::unique_ptr<closed_world>> worlds;  // by the doors that are closed
   std::uint64_t pairs = 0, checked = 0, hidden = 0, wrong = 0, unseen = 0;
   for (const pair_record& r : read_record(record_file)) {
     ++pairs;
-    if (!check.is_valid(r)) continue;
+    std::unique_ptr<closed_world>& world = worlds[r.closed];
+    if (!world) world = std::make_unique<closed_world>(s, doors, r.closed);
+    if (!world->check.is_valid(r)) continue;
     ++checked;
-    const bool clear = check.is_clear(r);
+    const bool clear = world->check.is_clear(r);
     hidden += r.visible ? 0 : 1;
     wrong += !r.visible && clear ? 1 : 0;
     unseen += !clear ? 1 : 0;
@@ -129,12 +150,13 @@ int run(const char* scene_file, const char* record_file) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: sightcell-test-hidden-pairs SCENE RECORD\n");
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: sightcell-test-hidden-pairs SCENE RECORD [DOOR...]\n");
     return 2;
   }
   try {
-    return run(argv[1], argv[2]);
+    const std::vector<std::string> doors(argv + 3, argv + argc);
+    return run(argv[1], argv[2], doors);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;

@@ -3,7 +3,7 @@ import json
 import os
 import re
 
-from harness import InFolder, must, program, run
+from harness import InFolder, must, program, run, write_boxes
 
 PLAYERS, FRAMES = 16, 60
 PAIRS = PLAYERS * (PLAYERS - 1)  # of a frame
@@ -100,3 +100,62 @@ class Town(InFolder):
         code, _, err = run(program('sightcell-relevance-server'), plain)
         self.assertEqual(code, 4)
         self.assertTrue(err.rstrip().endswith('[relevance.no-volumes]'), err)
+
+
+# Three rooms in a row, 6 x 3 x 6 m each, with a doorway of 2 x 2.2 m between two of them and a door in each.
+def write_rooms(path):
+    walls = [((-0.2, -0.2, -0.2), (18.2, 0, 6.2)), ((-0.2, 3, -0.2), (18.2, 3.2, 6.2)), ((-0.2, 0, -0.2), (18.2, 3, 0)),
+             ((-0.2, 0, 6), (18.2, 3, 6.2)), ((-0.2, 0, 0), (0, 3, 6)), ((18, 0, 0), (18.2, 3, 6))]
+    for x in (6, 12):
+        walls += [((x - 0.1, 0, 0), (x + 0.1, 3, 2)), ((x - 0.1, 0, 4), (x + 0.1, 3, 6)), ((x - 0.1, 2.2, 2), (x + 0.1, 3, 4))]
+    doors = [[((x - 0.05, 0, 2), (x + 0.05, 2.2, 4))] for x in (6, 12)]
+    write_boxes(path, [(walls, {}), (doors[0], {'group': 'west'}), (doors[1], {'group': 'east'})])
+
+
+class Doors(InFolder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene = cls.path('rooms.glb')
+        write_rooms(cls.scene)
+        for name, closed in (('open', ()), ('west', ('west',)), ('east', ('east',)), ('both', ('west', 'east'))):
+            must(program('sightcell'), 'bake', cls.scene, '-o', cls.path(name + '.pvs'), '--cells-grid', 0, 0, 0, 18, 3, 6,
+                 '--cell-size', 3, '--volumes', 1, '--quality', 'draft', '--progress', 'none',
+                 *(word for door in closed for word in ('--closed', door)))
+
+    def closed(self, *files):
+        return [word for doors, file in files for word in ('--closed', f'{doors}={self.path(file + ".pvs")}')]
+
+    def serve(self, record, *more):
+        """Share of the pairs that are hidden, percent, and what rays find."""
+        code, out, err = run(program('sightcell-relevance-server'), self.path('open.pvs'), '--players', PLAYERS, '--frames',
+                             FRAMES, '--door-period', 0.5, '--record', self.path(record), *more)
+        self.assertEqual(code, 0, err)
+        code, found, err = run(program('sightcell-test-hidden-pairs'), self.scene, self.path(record), 'west', 'east')
+        self.assertEqual(code, 0, err)
+        return float(re.search(r'([\d.]+) % hidden', out)[1]), json.loads(found)
+
+    def test_closed_doors_hide_and_open_doors_do_not(self):
+        every = (('west', 'west'), ('east', 'east'), ('west,east', 'both'))
+        none, _ = self.serve('none.csv')
+        one, one_found = self.serve('one.csv', *self.closed(every[0]))
+        all_three, found = self.serve('all.csv', *self.closed(*every))
+        self.assertLess(none, one)
+        self.assertLess(one, all_three)
+        for rays in (one_found, found):
+            self.assertGreater(rays['checked'], PAIRS * FRAMES / 2)
+            self.assertLessEqual(rays['wrong'], WRONG * rays['checked'])
+
+    def test_rays_notice_a_door_that_is_open(self):
+        self.serve('all.csv', *self.closed(('west', 'west'), ('east', 'east'), ('west,east', 'both')))
+        with open(self.path('all.csv'), encoding='utf-8') as file, open(self.path('wrong.csv'), 'w', encoding='utf-8') as out:
+            out.writelines(re.sub(r',3,([01])$', r',0,\1', line) for line in file)  # said to be open where both are closed
+        _, found, _ = run(program('sightcell-test-hidden-pairs'), self.scene, self.path('wrong.csv'), 'west', 'east')
+        self.assertGreater(json.loads(found)['wrong'], 20)
+
+    def test_files_that_do_not_fit_are_refused(self):
+        for given, code, identifier in (('west', 2, 'relevance.closed'), (f'west={self.path("east.pvs")}', 4, 'relevance.not-closed'),
+                                        (f'north={self.path("west.pvs")}', 4, 'relevance.not-closed')):
+            answer, _, err = run(program('sightcell-relevance-server'), self.path('open.pvs'), '--closed', given)
+            self.assertEqual(answer, code, err)
+            self.assertTrue(err.rstrip().endswith(f'[{identifier}]'), err)

@@ -36,7 +36,11 @@ bool has_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
 
 class flattener {
  public:
-  flattener(const scene& s, animated_as animated) : scene_(s), animated_(animated) {}
+  flattener(const scene& s, animated_as animated, std::span<const std::string> closed)
+      : scene_(s), animated_(animated) {
+    for (const std::string& name : s.groups)
+      is_closed_.push_back(std::find(closed.begin(), closed.end(), name) != closed.end());
+  }
 
   world_geometry run() {
     make_masks();
@@ -174,7 +178,8 @@ class flattener {
     kind.absent = d.tags.dynamic || d.tags.never || (!left_alone && animated_ == animated_as::dynamic) ||
                   (d.lod_object != no_index && d.lod_level > 0);
     kind.always = !kind.absent && (d.tags.always || !left_alone);
-    kind.non_occluder = !d.tags.occluder || d.tags.group != no_index || !left_alone;
+    const bool may_hide = d.tags.group != no_index && !is_closed_[d.tags.group];
+    kind.non_occluder = !d.tags.occluder || may_hide || !left_alone;
     return kind;
   }
 
@@ -270,6 +275,7 @@ class flattener {
 
   const scene& scene_;
   animated_as animated_;
+  std::vector<bool> is_closed_;  // by named group
   world_geometry out_;
   std::map<std::uint32_t, std::uint32_t> full_masks_;  // by material
   std::map<std::uint32_t, alpha_mask> decoded_;        // by image: many materials use one atlas
@@ -280,8 +286,8 @@ class flattener {
 
 }  // namespace
 
-world_geometry flatten(const scene& s, animated_as animated) {
-  return flattener(s, animated).run();
+world_geometry flatten(const scene& s, animated_as animated, std::span<const std::string> closed) {
+  return flattener(s, animated, closed).run();
 }
 
 }  // namespace sightcell::scene

@@ -264,6 +264,7 @@ pvs_frame frame_of(const scene::scene& s, const settings& how, std::string setti
   frame.seed = how.seed;
   frame.draws = draw_table(s, frame.facts.layout);
   frame.named_groups = s.groups;
+  remove_closed_groups(how.closed, frame.named_groups, frame.draws);
   if (how.file.granularity == set_granularity::cluster) frame.clusters = clusters_of_scene(s);
   if (how.file.names) frame.identity = identity_of(s);
   for (const view_cell& c : cells) frame.cells.push_back({{c.min.x, c.min.y, c.min.z}, {c.max.x, c.max.y, c.max.z}});

@@ -92,7 +92,10 @@ void change_layout(format::file_parts& parts, const std::string& name, format::h
       d.named_group = same->second.named_group;
     }
   }
-  if (s != nullptr) parts.named_groups = s->groups;
+  if (s != nullptr) {
+    parts.named_groups = s->groups;
+    remove_closed_groups(stored_rules_of(parts.settings).closed, parts.named_groups, parts.draws);
+  }
   parts.facts.layout = layout;
 }
 
@@ -175,7 +178,7 @@ bool make_sections(const format::reader& opened, const std::string& name, const 
   bool done = false;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
   arena.execute([&] {
-    scene::world_geometry geometry = scene::flatten(s, rules.animated);
+    scene::world_geometry geometry = scene::flatten(s, rules.animated, rules.closed);
     apply_stored_overrides(opened.settings(), geometry);
     const ray_scene rays(geometry, rules.all_double_sided);
     done = (how.residency_of == nullptr ||

@@ -22,6 +22,9 @@ stored_rules stored_rules_of(std::string_view settings_text) {
     rules.all_double_sided = both->get<bool>();
   if (const auto animated = text.find("animated"); animated != text.end() && animated->is_string())
     rules.animated = scene::animated_as_of(animated->get<std::string>()).value_or(rules.animated);
+  if (const auto closed = text.find("closed"); closed != text.end() && closed->is_array())
+    for (const auto& name : *closed)
+      if (name.is_string()) rules.closed.push_back(name.get<std::string>());
   if (const auto seed = text.find("seed"); seed != text.end() && seed->is_number_unsigned())
     rules.seed = seed->get<std::uint64_t>();
   return rules;

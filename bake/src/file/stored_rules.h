@@ -2,7 +2,9 @@
 // The settings of a bake that define visibility, read from the settings text of its file, for tools that trace the
 // scene again.
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "sightcell/scene/animated_as.h"
 
@@ -14,6 +16,7 @@ struct stored_rules {
   float smallest_gap = 0.0f;    // meters; 0 for files from before visibility rule 3
   bool all_double_sided = false;
   scene::animated_as animated = scene::animated_as::always;
+  std::vector<std::string> closed;  // named groups that occlude
   std::uint64_t seed = 1;
 };
 

@@ -259,6 +259,15 @@ std::string suns_text(const settings& s) {
   return text.empty() ? text : fmt::format(R"(,"suns":[{}])", text);
 }
 
+std::string closed_text(const settings& s) {
+  std::vector<std::string> names = s.closed;  // the same text in any order
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names.empty()
+             ? std::string()
+             : R"(,"closed":)" + nlohmann::json(names).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 const char* kind_of_cells(const settings& s) {
   if (!s.cells.empty()) return "given";
   if (s.cells_file) return "file";
@@ -352,6 +361,7 @@ std::string describe(const settings& s) {
   text += metric_text(s.metric);
   if (s.animated != scene::animated_as::always)
     text += fmt::format(R"(,"animated":"{}")", scene::animated_as_names[static_cast<std::size_t>(s.animated)]);
+  text += closed_text(s);
   if (s.safety_ring != safety_ring::none)
     text += fmt::format(R"(,"safety_ring":"{}")", safety_ring_names[static_cast<std::size_t>(s.safety_ring)]);
   if (s.volumes != 0.0) text += fmt::format(R"(,"volumes":{})", number(s.volumes));

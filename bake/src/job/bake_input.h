@@ -19,7 +19,8 @@ struct bake_input {
 };
 
 // Reads and flattens what the settings name. Checks how.memory before and after flattening.
-// Throws sightcell::error: "bake.memory", "bake.nothing-to-see", and what the readers of the files throw.
+// Throws sightcell::error: "settings.no-such-group", "bake.memory", "bake.nothing-to-see", and what the readers of the
+// files throw.
 bake_input load_input(const scene::scene& s, const settings& how);
 
 }  // namespace sightcell::bake

@@ -1,8 +1,10 @@
 #include "order/draw_table.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "order/stored_draws.h"
 
@@ -51,6 +53,20 @@ std::vector<format::draw_record> draw_table(const scene::scene& s, format::host_
                      .flags = d.moves ? format::draw_moves : 0,
                      .named_group = d.tags.group});
   return merged ? in_groups(table) : table;
+}
+
+void remove_closed_groups(std::span<const std::string> closed, std::vector<std::string>& names,
+                          std::span<format::draw_record> draws) {
+  std::vector<std::uint32_t> number_of(names.size(), format::no_named_group);
+  std::vector<std::string> left;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::find(closed.begin(), closed.end(), names[i]) != closed.end()) continue;
+    number_of[i] = static_cast<std::uint32_t>(left.size());
+    left.push_back(names[i]);
+  }
+  for (format::draw_record& d : draws)
+    if (d.named_group != format::no_named_group) d.named_group = number_of[d.named_group];
+  names = std::move(left);
 }
 
 }  // namespace sightcell::bake

@@ -22,9 +22,9 @@ float distance_at(double coverage, float radius, double tangent) {
 }  // namespace
 
 level_scene::level_scene(const scene::scene& s, const scene::world_geometry& world, const scene::object_levels& levels,
-                         scene::animated_as animated, double fov)
+                         const stored_rules& rules, double fov)
     : geometry_(world), polygons_(s.polygon_count) {
-  join(geometry_, scene::flatten(levels.coarser, animated), s.name);
+  join(geometry_, scene::flatten(levels.coarser, rules.animated, rules.closed), s.name);
   places_.resize(geometry_.kinds.size());
   const double tangent = std::tan(fov * std::numbers::pi / 360.0);
   for (const scene::leveled_object& object : levels.objects)

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "file/stored_rules.h"
 #include "sightcell/scene/object_levels.h"
 #include "sightcell/scene/scene.h"
 
@@ -17,10 +18,10 @@ class level_scene {
   // Adds the coarser levels to a flattened scene. Objects without a draw of level 0 are left out.
   // s: the scene that was flattened; must outlive the object, as levels must.
   // world: with the overrides of the file.
-  // animated: as for world.
+  // rules: those of world.
   // fov: vertical field of view of the picture in degrees, which turns coverages into distances.
   level_scene(const scene::scene& s, const scene::world_geometry& world, const scene::object_levels& levels,
-              scene::animated_as animated, double fov);
+              const stored_rules& rules, double fov);
 
   // The polygons of the scene, which those of coarser levels follow.
   const scene::world_geometry& geometry() const { return geometry_; }

@@ -39,10 +39,11 @@ verified_file::verified_file(const scene::scene& s, const scene::scene* cells_fr
 }
 
 void verified_file::build_rays() {
-  geometry_ = scene::flatten(scene_, rules_.animated);
+  geometry_ = scene::flatten(scene_, rules_.animated, rules_.closed);
   apply_stored_overrides(file_.settings(), geometry_);
   if (cells_from_ != nullptr)
-    append(geometry_, scene::flatten(*cells_from_, rules_.animated), rules_.all_double_sided, cells_from_->name);
+    append(geometry_, scene::flatten(*cells_from_, rules_.animated, rules_.closed), rules_.all_double_sided,
+           cells_from_->name);
   rays_.emplace(geometry_, rules_.all_double_sided);
 }
 

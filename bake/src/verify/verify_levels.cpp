@@ -36,7 +36,7 @@ class level_check {
       : scene_(s),
         opened_(opened),
         how_(how),
-        levels_(s, opened.rays().geometry(), levels, opened.rules().animated, fov),
+        levels_(s, opened.rays().geometry(), levels, opened.rules(), fov),
         all_(levels_.geometry(), opened.rules().all_double_sided),
         in_set_(s.polygon_count) {
     result_.objects = levels_.object_count();

@@ -1,6 +1,8 @@
 #pragma once
 // Scenes of a few polygons, built by hand.
 #include <glm/vec3.hpp>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "sightcell/scene/scene.h"
@@ -73,6 +75,11 @@ class tiny_scene {
 
   // Tags the draw that begins with this polygon.
   void tag(std::uint32_t first, scene::draw_tags tags) { draw_at(first).tags = tags; }
+  // Makes the draw that begins with this polygon a named group, such as a door.
+  void group(std::uint32_t first, std::string name) {
+    draw_at(first).tags.group = static_cast<std::uint32_t>(scene_.groups.size());
+    scene_.groups.push_back(std::move(name));
+  }
   // Makes the draw that begins with this polygon a level of detail of an object.
   void level(std::uint32_t first, std::uint32_t object, std::uint32_t level) {
     draw_at(first).lod_object = object;

@@ -146,14 +146,15 @@ TEST(scene, kinds_come_from_materials) {
 }
 
 TEST(scene, tags_decide_what_hides_and_what_is_left_out) {
-  const auto kind_with = [](const std::function<void(draw&)>& mark, animated_as animated = animated_as::always) {
+  const auto kind_with = [](const std::function<void(draw&)>& mark, animated_as animated = animated_as::always,
+                            const std::vector<std::string>& closed = {}) {
     scene s;
     s.geometries = {triangles(1)};
     s.groups = {"door"};
     s.draws = {draw_with(0)};
     mark(s.draws[0]);
     finish(s);
-    return flatten(s, animated).kinds[0];
+    return flatten(s, animated, closed).kinds[0];
   };
   const polygon_kind plain = kind_with([](draw&) {});
   EXPECT_TRUE(plain.occludes() && !plain.always);
@@ -161,6 +162,10 @@ TEST(scene, tags_decide_what_hides_and_what_is_left_out) {
   EXPECT_TRUE(!open.occludes() && !open.absent && !open.always);
   const polygon_kind door = kind_with([](draw& d) { d.tags.group = 0; });
   EXPECT_TRUE(!door.occludes() && !door.absent && !door.always);
+  const std::vector<std::string> closed{"gate", "door"};
+  EXPECT_TRUE(kind_with([](draw& d) { d.tags.group = 0; }, animated_as::always, closed).occludes());
+  EXPECT_FALSE(
+      kind_with([](draw& d) { d.tags.group = 0, d.tags.occluder = false; }, animated_as::always, closed).occludes());
   const polygon_kind sky = kind_with([](draw& d) { d.tags.always = true; });
   EXPECT_TRUE(sky.occludes() && sky.always);
   const auto left_out = [](const polygon_kind& k) { return k.absent && !k.occludes() && !k.always; };

@@ -175,7 +175,7 @@ struct summary {
 // events: progress and log (progress.h); {} for none.
 // Returns: see summary.
 // Fails with settings.* and cells.* for settings, records.* for settings::since, bake.no-free-cell,
-// bake.nothing-to-see, bake.memory, bake.disk-space,
+//   bake.nothing-to-see, bake.memory, bake.disk-space,
 //   checkpoint.other-bake if the checkpoint has other settings, checkpoint.* and output.* for the disk.
 // Files: finished cells are committed to output + ".bake", which is removed at the end. A killed bake resumes there.
 //   With settings::keep_records also output + ".records".

@@ -183,6 +183,9 @@ struct settings {
   bool all_double_sided = false;  // --all-double-sided: back faces are visible and occlude too
   float smallest_gap = 0.002f;    // --smallest-gap: narrower gaps let no line of sight through, meters, 0 .. 0.1
   scene::animated_as animated = scene::animated_as::always;  // --animated: draws that an animation or a skin moves
+  // --closed: named groups of the scene that occlude, as if they had no such mark. The file is for hosts while these
+  // doors are closed; it has no named group of these names. Names of the scene, or of cells_from.
+  std::vector<std::string> closed;
   bake::safety_ring safety_ring = bake::safety_ring::none;   // --safety-ring: conservative dilation of finished sets
 
   // --misses: misses that a host reported, JSON: {"misses": [{"eye": [x, y, z], "polygon": 1234}]}. A polygon joins the

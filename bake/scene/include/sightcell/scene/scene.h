@@ -251,9 +251,12 @@ struct world_geometry {
 // Flattens a scene. Transforms in double precision and rounds once to float. Two single-sided masked polygons in the
 // same place that face both ways (a leaf and its back) become double-sided. s: completed by load_gltf or finish.
 // animated: what becomes of animated draws without a mark.
+// closed: named groups that the host does not hide: their draws occlude, unless another mark makes them non-occluders.
+//   Names that the scene does not have are ignored.
 // Cost: memory for all vertices of all instances. Decodes the images of masks, and halves the largest ones until all
 //   have 2^26 texels or less together; `warnings` lists these.
-world_geometry flatten(const scene& s, animated_as animated = animated_as::always);
+world_geometry flatten(const scene& s, animated_as animated = animated_as::always,
+                       std::span<const std::string> closed = {});
 
 // Returns the number of the draw that has a polygon.
 // source_id: less than s.polygon_count.
