@@ -2,12 +2,13 @@
 """Lamps (docs/lights.md) that are added to a scene, against brute force: what their sets have, what rays find, what is missing,
 and the time of each.
 
-usage: bench_lamps.py --bin FOLDER --within x0,y0,z0,x1,y1,z1 [--lamps N] [--seed N] [--cells N] [--rays N]
+usage: bench_lamps.py --bin FOLDER --within x0,y0,z0,x1,y1,z1 [--lamps N] [--seed N] [--cells N] [--rays N] [--cell-rays N]
                       [--verify-rays N] [--quality NAME] [--results DIR] SCENE.glb
 
 --bin: the folder with sightcell and lamp_rays. --within: the town. --lamps: places in its streets that lamp_rays finds, 3 to 5 m
 above what is below; the ranges are 15 to 40 m, and every third lamp is a spot light that shines down, with 30 to 60 degrees
-between axis and edge. --cells: boxes of 4 m below the first lamps. --rays: of brute force, per lamp. --verify-rays: of sightcell
+between axis and edge. --cells: boxes of 4 m below the first lamps. --rays: of brute force, per lamp. --cell-rays: likewise per cell; from what
+they meet, a ray goes to each lamp. --verify-rays: of sightcell
 verify, of all lamps. The time per lamp is the CPU time of a bake with --lights less that of one without, divided by the lamps.
 """
 import argparse
@@ -69,6 +70,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cells", type=int, default=6)
     parser.add_argument("--rays", type=int, default=1_000_000)
+    parser.add_argument("--cell-rays", type=int, default=1_000_000)
     parser.add_argument("--verify-rays", type=int, default=2_000_000)
     parser.add_argument("--quality", default="normal")
     parser.add_argument("scene")
@@ -89,8 +91,9 @@ def main():
         verified = run(sightcell, "verify", scene, lit, "--lights", "--rays", str(options.verify_rays), "--json")
         proof = json.loads(verified)["lights"]
         print(json.dumps({key: value for key, value in proof.items() if key != "missing"}), flush=True)
-        rows = [{"scene": name, **row} for row in json.loads(run(lamp_rays, "check", scene, lit, "--rays", str(options.rays)))]
-        for row in rows:
+        checked = json.loads(run(lamp_rays, "check", scene, lit, "--rays", str(options.rays), "--cell-rays", str(options.cell_rays)))
+        rows, of_cells = ([{"scene": name, **row} for row in checked[key]] for key in ("lamps", "cells"))
+        for row in rows + of_cells:
             print(json.dumps(row))
     found = after["lights"]
     total = {"scene": name, "quality": options.quality, "lamps": len(rows), "inside_solids": found["inside_solids"],
@@ -109,6 +112,8 @@ def main():
     print(json.dumps(total), flush=True)
     result_files.write(options.results, "lamps", "lamps in streets: polygons of the set of each, polygons that rays from it meet in its "
                        "range and cone, and those of them that the set lacks", rows)
+    result_files.write(options.results, "lamps_cells", "which lamps touch a cell, and which of them rays find: from random valid "
+                       "viewpoints in random directions, then from what they meet to each lamp", of_cells)
     result_files.write(options.results, "lamps_cost", "a bake with lamps beside one without, verify --lights, and rays of brute force "
                        "over all lamps", [total])
     return 0

@@ -1,6 +1,7 @@
 // Lamps (docs/lights.md) by brute force. `place` finds places for lamps in the streets of a scene. `check` casts rays
 // from the lamps of a file and counts, for each, the polygons of its set, those that rays meet, and those that the set
-// lacks: all of them, and without those that the visibility rules excuse.
+// lacks: all of them, and without those that the visibility rules excuse. It also casts rays from the cells, and from
+// what they meet to each lamp: which lamps light what is visible, beside those that the file says touch the cell.
 #include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
@@ -10,24 +11,27 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "bench/baked_scene.h"
 #include "bound/ray_trial.h"
 #include "file/light_sets.h"
 #include "sightcell/base/random.h"
 #include "sightcell/scene/scene.h"
 #include "trace/light_reach.h"
-#include "unit/bake/file_bytes.h"
-#include "verify/verified_file.h"
+#include "verify/each_cell.h"
 
 namespace {
 
 using namespace sightcell;
+using bench::require;
 
 constexpr float least_height = 3.0f, most_height = 5.0f;  // meters above what is below
 constexpr float clearance = 0.25f;                        // meters
@@ -39,12 +43,8 @@ struct lamp_options {
   std::filesystem::path scene, file;
   std::vector<float> within;  // corners of a box, meters
   std::uint32_t count = 50;
-  std::uint64_t seed = 1, rays = 1'000'000;
+  std::uint64_t seed = 1, rays = 1'000'000, cell_rays = 1'000'000;
 };
-
-void require(format::status outcome) {
-  if (outcome != format::status::ok) throw std::runtime_error(format::status_text(outcome));
-}
 
 bool is_in_street(const bake::ray_scene& rays, const glm::vec3& at) {
   bake::sight seen;
@@ -77,20 +77,15 @@ nlohmann::ordered_json place(const lamp_options& how) {
 
 class lamp_check {
  public:
-  explicit lamp_check(const lamp_options& how)
-      : how_(how),
-        s_(scene::load_gltf(how.scene)),
-        name_(how.file.string()),
-        bytes_(test::file_bytes(how.file)),
-        opened_(s_, nullptr, bytes_, name_) {
-    opened_.build_rays();
+  explicit lamp_check(const lamp_options& how) : how_(how), baked_(how.scene, how.file) {
     require(lights_.open(opened_.file()));
   }
 
   nlohmann::ordered_json run() {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (std::uint32_t number = 0; number < lights_.table().light_count(); ++number) list.push_back(row_of(number));
-    return list;
+    nlohmann::ordered_json lamps = nlohmann::ordered_json::array(), cells = nlohmann::ordered_json::array();
+    for (std::uint32_t number = 0; number < lights_.table().light_count(); ++number) lamps.push_back(row_of(number));
+    for (std::uint32_t cell = 0; cell < opened_.file().cell_count(); ++cell) cells.push_back(row_of_cell(cell));
+    return {{"lamps", std::move(lamps)}, {"cells", std::move(cells)}};
   }
 
  private:
@@ -142,6 +137,53 @@ class lamp_check {
             {"cells_touched", cells}};
   }
 
+  // By lamp: points that are visible from a cell and that the lamp lights.
+  struct cell_part {
+    std::uint64_t rays = 0;
+    std::vector<std::uint64_t> lit;
+  };
+
+  nlohmann::ordered_json row_of_cell(std::uint32_t cell) {
+    std::vector<scene::light> lamps;
+    format::light_record record;
+    for (std::uint32_t number = 0; number < lights_.table().light_count(); ++number) {
+      require(lights_.table().light(number, record));
+      lamps.push_back(bake::light_of(record));
+    }
+    const std::vector<cell_part> parts = bake::cast_lines<cell_part>(
+        opened_, how_.seed, cell, how_.cell_rays,
+        [&](const bake::sight_line& line, cell_part& part) { light_up(lamps, line, part); });
+    std::vector<std::uint64_t> lit(lamps.size());
+    std::uint64_t rays = 0, points = 0, points_missed = 0, found = 0, missed = 0, touched = 0;
+    for (const cell_part& part : parts) {
+      rays += part.rays;
+      for (std::size_t lamp = 0; lamp < part.lit.size(); ++lamp) lit[lamp] += part.lit[lamp];
+    }
+    for (std::uint32_t lamp = 0; lamp < lamps.size(); ++lamp) {
+      const bool listed = lights_.table().touches(cell, lamp);
+      touched += listed ? 1 : 0, found += lit[lamp] > 0 ? 1 : 0, points += lit[lamp];
+      if (!listed && lit[lamp] > 0) ++missed, points_missed += lit[lamp];
+    }
+    return {{"cell", cell},     {"rays", rays},         {"lamps_touching", touched},         {"lamps_found", found},
+            {"missed", missed}, {"lit_points", points}, {"lit_points_missed", points_missed}};
+  }
+
+  void light_up(const std::vector<scene::light>& lamps, const bake::sight_line& line, cell_part& part) const {
+    part.lit.resize(lamps.size());
+    bake::sight seen, from_lamp;
+    opened_.rays().trace(line.eye, line.direction, seen);
+    if (seen.front == bake::no_polygon) return;
+    const glm::vec3 point = line.eye + line.direction * seen.distance;
+    for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {
+      if (!bake::is_in_reach(lamps[lamp], point)) continue;
+      const glm::vec3 from = bake::position_of(lamps[lamp]), way = point - from;
+      const float distance = glm::length(way);
+      if (!(distance > 0.0f)) continue;
+      opened_.rays().trace(from, way / distance, from_lamp);
+      if (from_lamp.front == seen.front) ++part.lit[lamp];
+    }
+  }
+
   void cast(const scene::light& light, const std::vector<std::uint8_t>& in, std::uint64_t rays,
             bake::random_stream random, chunk_result& out) const {
     const bake::visibility_rules rules{.smallest_gap = opened_.rules().smallest_gap};
@@ -175,10 +217,8 @@ class lamp_check {
   }
 
   lamp_options how_;
-  scene::scene s_;
-  std::string name_;
-  std::vector<std::byte> bytes_;
-  bake::verified_file opened_;
+  bench::baked_scene baked_;
+  bake::verified_file& opened_ = baked_.opened;
   bake::light_set_reader lights_;
 };
 
@@ -197,6 +237,7 @@ int main(int argc, char** argv) {
   checking->add_option("SCENE", how.scene)->required();
   checking->add_option("FILE", how.file)->required();
   checking->add_option("--rays", how.rays, "Per lamp.")->check(CLI::Range(1u, 1u << 30));
+  checking->add_option("--cell-rays", how.cell_rays, "Per cell.")->check(CLI::Range(1u, 1u << 30));
   checking->add_option("--seed", how.seed);
   CLI11_PARSE(program, argc, argv);
   try {

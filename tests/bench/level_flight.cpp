@@ -20,10 +20,9 @@
 #include <utility>
 #include <vector>
 
+#include "bench/baked_scene.h"
 #include "sightcell/scene/object_levels.h"
-#include "unit/bake/file_bytes.h"
 #include "verify/level_scene.h"
-#include "verify/verified_file.h"
 
 namespace {
 
@@ -54,13 +53,7 @@ struct pixel_counts {
 
 class flight {
  public:
-  explicit flight(const flight_options& how)
-      : how_(how),
-        s_(scene::load_gltf(how.scene)),
-        name_(how.file.string()),
-        bytes_(test::file_bytes(how.file)),
-        opened_(s_, nullptr, bytes_, name_) {
-    opened_.build_rays();
+  explicit flight(const flight_options& how) : how_(how), baked_(how.scene, how.file) {
     given_ = scene::load_object_levels(how.scene, s_);
     levels_.emplace(s_, opened_.rays().geometry(), given_, opened_.rules(), how.fov);
     all_.emplace(levels_->geometry(), opened_.rules().all_double_sided);
@@ -216,10 +209,9 @@ class flight {
   }
 
   flight_options how_;
-  scene::scene s_;
-  std::string name_;
-  std::vector<std::byte> bytes_;
-  bake::verified_file opened_;
+  bench::baked_scene baked_;
+  const scene::scene& s_ = baked_.s;
+  bake::verified_file& opened_ = baked_.opened;
   scene::object_levels given_;
   std::optional<bake::level_scene> levels_;
   std::optional<bake::ray_scene> all_;

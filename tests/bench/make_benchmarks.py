@@ -310,6 +310,12 @@ def lamps():
     return table
 
 
+def lamps_cells():
+    return columns(rows_of("lamps_cells"), ("scene", "scene", plain), ("cell", "cell", plain), ("rays", "rays", grouped),
+                   ("lamps that touch it", "lamps_touching", plain), ("that rays find", "lamps_found", plain), ("missed", "missed", plain),
+                   ("lit points", "lit_points", grouped), ("of a missed lamp", "lit_points_missed", plain))
+
+
 def lamps_cost():
     return columns(rows_of("lamps_cost"), ("scene", "scene", plain), ("quality", "quality", plain), ("lamps", "lamps", plain),
                    ("cells", "cells", plain), ("CPU s without", "cpu_seconds_without", fixed(1)), ("with", "cpu_seconds_with", fixed(1)),

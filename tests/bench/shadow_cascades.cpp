@@ -26,17 +26,17 @@
 #include <string>
 #include <vector>
 
+#include "bench/baked_scene.h"
 #include "casters/shadow_batch.h"
 #include "file/caster_sets.h"
 #include "sightcell/base/random.h"
 #include "trace/triangle_math.h"
 #include "trace/viewpoints.h"
-#include "unit/bake/file_bytes.h"
-#include "verify/verified_file.h"
 
 namespace {
 
 using namespace sightcell;
+using bench::require;
 
 constexpr std::size_t cascades = 4;
 constexpr double near_plane = 0.1, split_weight = 0.75;  // of logarithmic over even splits
@@ -94,13 +94,7 @@ struct camera {
 
 class comparison {
  public:
-  explicit comparison(const view_options& how)
-      : how_(how),
-        s_(scene::load_gltf(how.scene)),
-        name_(how.file.string()),
-        bytes_(test::file_bytes(how.file)),
-        opened_(s_, nullptr, bytes_, name_) {
-    opened_.build_rays();
+  explicit comparison(const view_options& how) : how_(how), baked_(how.scene, how.file) {
     require(casters_.open(opened_.file()));
     format::sun_record sun;
     require(casters_.table().sun(0, sun));
@@ -145,9 +139,6 @@ class comparison {
  private:
   enum state : std::uint8_t { absent, seen, caster };
 
-  static void require(format::status outcome) {
-    if (outcome != format::status::ok) throw std::runtime_error(format::status_text(outcome));
-  }
   glm::dvec3 in_light(const glm::dvec3& p) const {
     return {glm::dot(p, across_), glm::dot(p, along_), glm::dot(p, to_light_)};
   }
@@ -271,10 +262,9 @@ class comparison {
   }
 
   view_options how_;
-  scene::scene s_;
-  std::string name_;
-  std::vector<std::byte> bytes_;
-  bake::verified_file opened_;
+  bench::baked_scene baked_;
+  const scene::scene& s_ = baked_.s;
+  bake::verified_file& opened_ = baked_.opened;
   bake::caster_set_reader casters_;
   glm::dvec3 to_light_{0.0}, across_{0.0}, along_{0.0};
   std::vector<std::uint8_t> state_;  // by polygon
