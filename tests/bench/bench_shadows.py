@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Shadow maps with four cascades: sets and casters against everything (docs/shadows.md, shadow_cascades.cpp).
 
-usage: bench_shadows.py --bin FOLDER [--sun A,E] [--quality NAME] [--views N] [--size WxH] [--results DIR] SCENE.glb:CELLS ...
+usage: bench_shadows.py --bin FOLDER [--sun A,E] [--quality NAME] [--views N] [--size WxH] [--results DIR] SCENE.glb:CELLS[@X,Y,Z] ...
 
---bin: the folder with sightcell and shadow_cascades. CELLS: of the scene, spread evenly. Views: per cell, 60 degrees high.
+--bin: the folder with sightcell and shadow_cascades. CELLS: of the scene, spread evenly, or those nearest to a point: cells take
+casters from adjacent ones, as in a whole bake. Views: per cell, 60 degrees high.
 """
 import argparse
 import json
@@ -39,8 +40,9 @@ def main():
         file = os.path.join(folder, "scene.pvs")
         for given in options.scenes:
             scene, cells = given.rsplit(":", 1)
+            cells, _, near = cells.partition("@")
             run(os.path.join(options.bin, "sightcell"), "bake", scene, "-o", file, "--sun", options.sun, "--cell-limit", cells,
-                "--quality", options.quality, "--fresh", "--progress", "none")
+                "--quality", options.quality, "--fresh", "--progress", "none", *(["--near=" + near] if near else []))
             rows.append(json.loads(run(os.path.join(options.bin, "shadow_cascades"), scene, file, "--views", options.views,
                                        "--width", width, "--height", height)))
             print(json.dumps(rows[-1]), flush=True)

@@ -23,7 +23,9 @@ constexpr std::uint64_t largest_search = 262'144;
 constexpr std::uint64_t rays_of_eye = 256;  // of a search, in the mean, for each viewpoint drawn for it
 constexpr std::uint64_t most_tests_of_eye = 1024;
 constexpr std::uint64_t stream_of_eyes = 1ull << 32;  // beyond the parts of a batch
-constexpr std::uint64_t most_proofs = 40;             // batches: the risk of a later one would vanish beside 1
+constexpr std::uint64_t stream_of_candidates = 1ull << 33;
+constexpr std::size_t eyes_of_candidates = 32;
+constexpr std::uint64_t most_proofs = 40;  // batches: the risk of a later one would vanish beside 1
 // Where at most this share of the target misses, a proof is likely after what is missed has joined.
 constexpr double calm_share = 0.5;
 // Share of the miss probability after a failed batch and another search. Where many small polygons cast shadows, each
@@ -49,6 +51,22 @@ class caster_finder {
     };
   }
 
+  // See try_casters().
+  std::uint64_t try_all(std::span<const std::uint32_t> candidates, std::vector<std::uint32_t>& casters) {
+    for (const std::uint32_t polygon : casters) state_[polygon] = caster;
+    random_stream random(how_.seed, cell_.place, purpose::caster_search, 0, stream_of_candidates);
+    eyes_ = draw_viewpoints(rays_, cell_.region, how_.player_radius, eyes_of_candidates,
+                            eyes_of_candidates * most_tests_of_eye, random, result_.rays_spent);
+    for (const std::uint32_t polygon : candidates) {
+      if (sets_.drawn(polygon) || rays_.geometry().kinds[polygon].absent) continue;
+      joined_.clear();
+      try_caster(polygon, eyes_, sun_.draw(random));
+      if (neighbors_) look_beside();
+    }
+    list_casters(casters);
+    return result_.rays_spent;
+  }
+
   caster_result run() {
     std::uint64_t size = first_search;
     for (std::uint64_t number = 1; number <= most_proofs; ++number) {
@@ -56,13 +74,18 @@ class caster_finder {
       prove(number);
       if (result_.bound_met || result_.rays_spent >= how_.max_rays) break;
     }
-    for (std::uint32_t polygon = 0; polygon < state_.size(); ++polygon)
-      if (state_[polygon] == caster) result_.casters.push_back(polygon);
+    list_casters(result_.casters);
     return std::move(result_);
   }
 
  private:
   enum state : std::uint8_t { absent, in_camera, caster };
+
+  void list_casters(std::vector<std::uint32_t>& casters) const {
+    casters.clear();
+    for (std::uint32_t polygon = 0; polygon < state_.size(); ++polygon)
+      if (state_[polygon] == caster) casters.push_back(polygon);
+  }
 
   shadow_batch batch(purpose use, std::uint64_t round) const {
     return {rays_, cell_.region, how_.player_radius, cell_.valid_share, sun_, {how_.seed, cell_.place, use, round},
@@ -160,7 +183,7 @@ class caster_finder {
     for (std::size_t i = 0; i < joined_.size(); ++i) {
       const found one = joined_[i];
       neighbors_->for_each(one.polygon, [&](std::uint32_t polygon) {
-        if (!sets_.drawn(polygon)) try_caster(polygon, one);
+        if (!sets_.drawn(polygon)) try_caster(polygon, {&one.eye, 1}, one.to_light);
       });
     }
   }
@@ -170,30 +193,37 @@ class caster_finder {
     glm::vec3 eye{0.0f}, to_light{0.0f};  // of a shadow of it that is seen
   };
 
-  // Joins the polygon if the shadow of one of some points of it falls on something that the viewpoint sees.
-  void try_caster(std::uint32_t polygon, const found& beside) {
+  // Joins the polygon if the shadow of one of some points of it falls on something that one of the viewpoints sees.
+  void try_caster(std::uint32_t polygon, std::span<const glm::vec3> eyes, const glm::vec3& to_light) {
     // Barycentric coordinates: the middle, and points near the corners.
     constexpr std::array<std::array<float, 3>, 4> tries{
         {{1.0f / 3, 1.0f / 3, 1.0f / 3}, {0.8f, 0.1f, 0.1f}, {0.1f, 0.8f, 0.1f}, {0.1f, 0.1f, 0.8f}}};
     const triangle t = corners_of(rays_.geometry(), polygon);
-    sight below, seen;
-    std::vector<missed_shadow> missed;
+    sight below;
     for (const auto& weights : tries) {
       const glm::vec3 on = t[0] * weights[0] + t[1] * weights[1] + t[2] * weights[2];
       ++result_.rays_spent;
-      rays_.trace(on - 2e-3f * beside.to_light, -beside.to_light, below);
+      rays_.trace(on - 2e-3f * to_light, -to_light, below);
       if (below.front == no_polygon || !sets_.camera(below.front)) continue;
-      const glm::vec3 to_point = on - beside.to_light * (2e-3f + below.distance) - beside.eye;
-      const float distance = glm::length(to_point);
-      if (!(distance > 0.0f)) continue;
-      const sight_line line{beside.eye, to_point / distance};
-      rays_.trace(line.eye, line.direction, seen);
-      if (seen.front != below.front) continue;
-      missed.clear();
-      if (lacks_shadow(rays_, line, seen, beside.to_light, sets_, missed))
-        for (const missed_shadow& one : missed) join(one);
+      const glm::vec3 point = on - to_light * (2e-3f + below.distance);
+      for (const glm::vec3& eye : eyes)
+        if (sees(eye, point, below.front, to_light)) break;
       if (sets_.drawn(polygon)) return;
     }
+  }
+
+  // Returns whether a viewpoint sees a point of a polygon. If so, what its shadow lacks joins.
+  bool sees(const glm::vec3& eye, const glm::vec3& point, std::uint32_t receiver, const glm::vec3& to_light) {
+    const float distance = glm::length(point - eye);
+    if (!(distance > 0.0f)) return false;
+    const sight_line line{eye, (point - eye) / distance};
+    sight seen;
+    rays_.trace(line.eye, line.direction, seen);
+    if (seen.front != receiver) return false;
+    std::vector<missed_shadow> missed;
+    if (lacks_shadow(rays_, line, seen, to_light, sets_, missed))
+      for (const missed_shadow& one : missed) join(one);
+    return true;
   }
 
   const ray_scene& rays_;
@@ -214,6 +244,12 @@ class caster_finder {
 caster_result find_casters(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell,
                            const sun_arc& sun, const caster_search_settings& how) {
   return caster_finder(rays, neighbors, cell, sun, how).run();
+}
+
+std::uint64_t try_casters(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell,
+                          const sun_arc& sun, const caster_search_settings& how,
+                          std::span<const std::uint32_t> candidates, std::vector<std::uint32_t>& casters) {
+  return caster_finder(rays, neighbors, cell, sun, how).try_all(candidates, casters);
 }
 
 }  // namespace sightcell::bake

@@ -45,4 +45,13 @@ struct caster_result {
 caster_result find_casters(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell,
                            const sun_arc& sun, const caster_search_settings& how);
 
+// Tries polygons that cast shadows in other cells. Those whose shadow is visible from one of a few viewpoints join,
+// with what else their shadows show to be lacking. The bound of the cell still holds, because its set only grows.
+// casters: of the cell, ascending; receives those that join.
+// candidates: any polygons.
+// Returns the number of rays. Runs on the calling thread alone.
+std::uint64_t try_casters(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell,
+                          const sun_arc& sun, const caster_search_settings& how,
+                          std::span<const std::uint32_t> candidates, std::vector<std::uint32_t>& casters);
+
 }  // namespace sightcell::bake

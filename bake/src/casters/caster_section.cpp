@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 
 #include "casters/caster_search.h"
+#include "cells/cell_blocks.h"
 #include "file/stored_rules.h"
 #include "search/coarser_levels.h"
 #include "sightcell/base/error.h"
@@ -45,6 +48,7 @@ class caster_section {
             .player_radius = rules.player_radius,
             .seed = rules.seed,
             .own_polygons = file_.polygon_count()};
+    find_adjacent();
   }
 
   std::uint32_t cells() const { return file_.cell_count(); }
@@ -67,19 +71,33 @@ class caster_section {
 
   void find(const ray_scene& rays, const near_polygons* neighbors, lit_cell& cell, std::size_t sun) const {
     caster_result& result = cell.by_sun[sun];
-    result = find_casters(rays, neighbors,
-                          {.region = cell.region,
-                           .valid_share = cell.valid_share,
-                           .place = std::uint64_t{cell.number} * most_suns + sun,
-                           .camera = cell.camera},
-                          suns_[sun], how_);
-    // A host draws coarser levels of detail in place of the finest.
-    std::vector<std::uint32_t>& casters = result.casters;
-    casters.erase(std::lower_bound(casters.begin(), casters.end(), file_.polygon_count()), casters.end());
-    add_coarser_levels(rays.geometry().lods, casters);
-    std::erase_if(casters, [&](std::uint32_t polygon) {
-      return std::binary_search(cell.camera.begin(), cell.camera.end(), polygon);
-    });
+    result = find_casters(rays, neighbors, with_sun(cell, sun), suns_[sun], how_);
+    complete(rays, cell, result.casters);
+  }
+
+  // Tries the casters of adjacent cells. To be called when all cells are kept.
+  // casters: receives those of the cell, to be kept by replace().
+  // Returns the number of rays.
+  std::uint64_t try_adjacent(const ray_scene& rays, const near_polygons* neighbors, const lit_cell& cell,
+                             std::size_t sun, std::vector<std::uint32_t>& casters) const {
+    std::vector<std::uint32_t> candidates;
+    for (const std::uint32_t other : adjacent_->neighbors_of(cell.number)) {
+      const std::vector<std::uint32_t>& of_other = casters_[other * suns_.size() + sun];
+      candidates.insert(candidates.end(), of_other.begin(), of_other.end());
+    }
+    std::sort(candidates.begin(), candidates.end());
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    casters = casters_[cell.number * suns_.size() + sun];
+    const std::uint64_t spent =
+        try_casters(rays, neighbors, with_sun(cell, sun), suns_[sun], how_, candidates, casters);
+    complete(rays, cell, casters);
+    return spent;
+  }
+
+  void replace(std::vector<std::vector<std::uint32_t>> casters, std::vector<sun_summary>& found) {
+    casters_ = std::move(casters);
+    for (std::size_t i = 0; i < casters_.size(); ++i)
+      found[i % suns_.size()].casters_per_cell += static_cast<double>(casters_[i].size()) / cells();
   }
 
   void keep(lit_cell& cell, std::vector<sun_summary>& found) {
@@ -91,7 +109,6 @@ class caster_section {
                          .upper_bound = one.upper_bound,
                          .confidence = one.confidence,
                          .seed = how_.seed});
-      found[sun].casters_per_cell += static_cast<double>(one.casters.size()) / cells();
       found[sun].max_upper_bound = std::max(found[sun].max_upper_bound, one.upper_bound);
       found[sun].cells_over_bound += one.bound_met ? 0 : 1;
       found[sun].rays += one.rays_spent;
@@ -114,14 +131,65 @@ class caster_section {
   }
 
  private:
+  static caster_cell with_sun(const lit_cell& cell, std::size_t sun) {
+    return {.region = cell.region,
+            .valid_share = cell.valid_share,
+            .place = std::uint64_t{cell.number} * most_suns + sun,
+            .camera = cell.camera};
+  }
+
+  // A host draws coarser levels of detail in place of the finest.
+  void complete(const ray_scene& rays, const lit_cell& cell, std::vector<std::uint32_t>& casters) const {
+    casters.erase(std::lower_bound(casters.begin(), casters.end(), file_.polygon_count()), casters.end());
+    add_coarser_levels(rays.geometry().lods, casters);
+    std::erase_if(casters, [&](std::uint32_t polygon) {
+      return std::binary_search(cell.camera.begin(), cell.camera.end(), polygon);
+    });
+  }
+
+  void find_adjacent() {
+    std::vector<view_cell> boxes(cells());
+    for (std::uint32_t number = 0; number < cells(); ++number) {
+      format::box corners;
+      require_written(file_.cell_box(number, corners), name_);
+      boxes[number].min = {corners.min[0], corners.min[1], corners.min[2]};
+      boxes[number].max = {corners.max[0], corners.max[1], corners.max[2]};
+      boxes[number].place = boxes[number].number = number;
+    }
+    adjacent_.emplace(boxes, file_.facts().margin);
+  }
+
   const std::string& name_;
   format::reader file_;
   format::set_reader sets_;
+  std::optional<cell_blocks> adjacent_;
   std::vector<sun_arc> suns_;
   caster_search_settings how_;
   std::vector<std::vector<std::uint32_t>> casters_;  // the suns of a cell one after the other
   std::vector<format::certificate_record> proofs_;
 };
+
+// Calls work for each cell and sun on the calling thread's TBB arena.
+void in_parallel(std::size_t cells, std::size_t suns, const std::function<void(std::size_t, std::size_t)>& work) {
+  tbb::parallel_for(std::size_t{0}, cells * suns, [&](std::size_t i) {
+    // A thread that waits for a batch begins no other cell meanwhile.
+    tbb::this_task_arena::isolate([&] { work(i / suns, i % suns); });
+  });
+}
+
+// Reads all cells, a few at a time, so that a cancellation takes effect soon. Returns false if on_done does.
+bool for_groups(caster_section& section, const std::function<void(std::vector<lit_cell>&)>& work,
+                const std::function<bool(std::uint32_t done)>& on_done) {
+  const auto group = static_cast<std::uint32_t>(std::max(2, 2 * tbb::this_task_arena::max_concurrency()));
+  for (std::uint32_t done = 0; done < section.cells();) {
+    std::vector<lit_cell> cells(std::min(group, section.cells() - done));
+    for (std::uint32_t i = 0; i < cells.size(); ++i) section.read(done + i, cells[i]);
+    work(cells);
+    done += static_cast<std::uint32_t>(cells.size());
+    if (!on_done(done)) return false;
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -129,21 +197,27 @@ bool add_casters(std::vector<std::byte>& file, const std::string& name, const ra
                  const near_polygons* neighbors, const settings& how, const caster_progress& on_progress,
                  std::vector<sun_summary>& found) {
   caster_section section(file, name, how);
-  found.assign(how.suns.size(), {.max_upper_bound = 0.0});
-  // Few at a time, so that a cancellation takes effect soon.
-  const auto group = static_cast<std::uint32_t>(std::max(2, 2 * tbb::this_task_arena::max_concurrency()));
-  for (std::uint32_t done = 0; done < section.cells();) {
-    std::vector<lit_cell> cells(std::min(group, section.cells() - done));
-    for (std::uint32_t i = 0; i < cells.size(); ++i) section.read(done + i, cells[i]);
-    tbb::parallel_for(std::size_t{0}, cells.size() * how.suns.size(), [&](std::size_t i) {
-      // A thread that waits for a batch begins no other cell meanwhile.
-      tbb::this_task_arena::isolate(
-          [&] { section.find(rays, neighbors, cells[i / how.suns.size()], i % how.suns.size()); });
-    });
+  const std::size_t suns = how.suns.size();
+  found.assign(suns, {.max_upper_bound = 0.0});
+  const auto find = [&](std::vector<lit_cell>& cells) {
+    in_parallel(cells.size(), suns,
+                [&](std::size_t i, std::size_t sun) { section.find(rays, neighbors, cells[i], sun); });
     for (lit_cell& cell : cells) section.keep(cell, found);
-    done += static_cast<std::uint32_t>(cells.size());
-    if (on_progress && !on_progress(done, section.cells())) return false;
-  }
+  };
+  // All cells try what their neighbors had before this step, so that the order of cells does not matter.
+  std::vector<std::vector<std::uint32_t>> casters(section.cells() * suns);
+  const auto try_adjacent = [&](std::vector<lit_cell>& cells) {
+    std::vector<std::uint64_t> spent(cells.size() * suns);
+    in_parallel(cells.size(), suns, [&](std::size_t i, std::size_t sun) {
+      std::vector<std::uint32_t>& of_cell = casters[cells[i].number * suns + sun];
+      spent[i * suns + sun] = section.try_adjacent(rays, neighbors, cells[i], sun, of_cell);
+    });
+    for (std::size_t i = 0; i < spent.size(); ++i) found[i % suns].rays += spent[i];
+  };
+  const auto on_found = [&](std::uint32_t done) { return !on_progress || on_progress(done, section.cells()); };
+  const auto on_tried = [&](std::uint32_t) { return on_found(section.cells()); };
+  if (!for_groups(section, find, on_found) || !for_groups(section, try_adjacent, on_tried)) return false;
+  section.replace(std::move(casters), found);
   file = section.with_section(file);
   return true;
 }

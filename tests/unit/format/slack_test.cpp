@@ -479,7 +479,10 @@ class slack_file : public testing::Test {
     return sets;
   }
 
-  const set_list& exact_ = exact_sets();
+  // Leaves out most cells: for what does not depend on a sample being planned first.
+  void keep_cells(std::size_t count) { exact_.resize(count), cells_.resize(count), ids_.resize(count); }
+
+  set_list exact_ = exact_sets();
   std::vector<draw_record> draws_ = some_draws();
   std::vector<std::uint32_t> order_of_draw_;
   std::vector<std::vector<std::uint32_t>> orders_;
@@ -488,6 +491,7 @@ class slack_file : public testing::Test {
 };
 
 TEST_F(slack_file, without_slack_sets_are_exact) {
+  keep_cells(120);
   float slack = 1.0f;
   const set_list sets = sets_in(encoded(contents(0.0)), slack);
   EXPECT_EQ(slack, 0.0f);
@@ -513,6 +517,7 @@ TEST_F(slack_file, every_cell_keeps_its_polygons_and_its_budget) {
 }
 
 TEST_F(slack_file, header_has_the_added_share) {
+  keep_cells(120);
   float slack = 0.0f;
   const set_list sets = sets_in(encoded(contents(0.05)), slack);
   std::uint64_t before = 0, after = 0;
@@ -537,6 +542,7 @@ TEST_F(slack_file, header_has_the_added_share) {
 
 // A single draw group has no borders between draws: the same polygons are added for fewer ranges.
 TEST_F(slack_file, of_a_draw_group_knows_no_draws) {
+  keep_cells(120);
   const auto ranges_at = [&](const std::vector<std::byte>& bytes) {
     reader file;
     EXPECT_EQ(reader::open(bytes, file), status::ok);
@@ -567,6 +573,7 @@ TEST_F(slack_file, same_contents_same_bytes) {
 }
 
 TEST_F(slack_file, shares_that_are_none) {
+  keep_cells(20);
   std::vector<std::byte> bytes;
   for (const double share : {-0.01, 1.01, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_EQ(encode(contents(share), bytes), status::argument) << share;

@@ -71,6 +71,22 @@ TEST(caster_search, serves_all_directions_of_an_arc) {
   EXPECT_TRUE(std::binary_search(moving.casters.begin(), moving.casters.end(), c.near_roof));
 }
 
+TEST(caster_search, takes_casters_of_other_cells_whose_shadow_is_visible) {
+  const court c;
+  const scene_with_rays w(c.tiny);
+  const caster_cell cell{.region = eyes_of_court, .valid_share = 1.0, .place = 3, .camera = c.camera};
+  const auto tried = [&](ids casters, const ids& candidates, const sun_arc& sun = noon) {
+    EXPECT_GT(try_casters(w.rays, nullptr, cell, sun, {.max_error = 1e-3}, candidates, casters), 0u);
+    return casters;
+  };
+  const ids all{c.floor, c.near_roof, c.near_roof + 1, c.far_roof, c.far_roof + 1, c.unseen_roof, c.unseen_roof + 1};
+  EXPECT_EQ(tried({}, all), (ids{c.near_roof, c.near_roof + 1, c.far_roof, c.far_roof + 1}));
+  EXPECT_EQ(tried({c.unseen_roof}, {c.far_roof}), (ids{c.far_roof, c.unseen_roof})) << "what is there stays";
+  EXPECT_EQ(tried({}, {c.unseen_roof, c.unseen_roof + 1}), ids{});
+  const glm::vec3 low = glm::normalize(glm::vec3(0.0f, 9.0f, -50.0f));
+  EXPECT_EQ(tried({}, {c.near_roof, c.unseen_roof}, {low, low}), ids{c.unseen_roof});
+}
+
 TEST(caster_search, does_not_depend_on_the_number_of_threads) {
   const court c;
   const scene_with_rays w(c.tiny);
