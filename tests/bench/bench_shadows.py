@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Shadow maps with four cascades: sets and casters against everything (docs/shadows.md, shadow_cascades.cpp).
 
-usage: bench_shadows.py --bin FOLDER [--sun A,E] [--quality NAME] [--views N] [--size WxH] [--results DIR] SCENE.glb:CELLS[@X,Y,Z] ...
+usage: bench_shadows.py --bin FOLDER [--sun A,E] [--quality NAME] [--views N] [--size WxH] [--results DIR]
+                        SCENE.glb:CELLS[@X,Y,Z] ...
 
 --bin: the folder with sightcell and shadow_cascades. CELLS: of the scene, spread evenly, or those nearest to a point: cells take
 casters from adjacent ones, as in a whole bake. Views: per cell, 60 degrees high.
