@@ -54,11 +54,12 @@ struct reader {
   }
 };
 
-// Facts, draw table, volumes and settings are encoded as a .pvs file without cells.
+// Facts, draw table, named groups, volumes and settings are encoded as a .pvs file without cells.
 std::string file_without_cells(const pvs_frame& frame) {
   format::file_contents contents;
   contents.facts = frame.facts;
   contents.draws = frame.draws;
+  contents.named_groups = frame.named_groups;
   contents.cell_sets = format::sets_of({});
   contents.settings = frame.settings;
   contents.volumes = {{frame.volume_width, frame.volume_width}, frame.volumes};
@@ -77,11 +78,42 @@ bool read_frame(std::string_view bytes, pvs_frame& frame) {
   frame.draws.resize(file.draw_count());
   for (std::uint32_t i = 0; i < file.draw_count(); ++i)
     if (file.draw(i, frame.draws[i]) != format::status::ok) return false;
+  for (std::uint32_t group = 0; group < file.named_groups().count(); ++group) {
+    std::string_view name;
+    if (!file.named_groups().name(group, name)) return false;
+    frame.named_groups.emplace_back(name);
+  }
   frame.volume_width = file.volumes().shape().width;
   frame.volumes.resize(file.volumes().count());
   for (std::uint32_t volume = 0; volume < frame.volumes.size(); ++volume)
     if (!file.volumes().place(volume, frame.volumes[volume])) return false;
   return true;
+}
+
+void put_later_parts(std::string& out, const pvs_frame& frame) {
+  const draw_identity& identity = frame.identity;
+  if (frame.clusters.empty() && identity.hashes.empty()) return;
+  put(out, frame.clusters.size(), 4);
+  for (const std::uint32_t number : frame.clusters) put(out, number, 4);
+  put(out, identity.hashes.size(), 4);
+  for (const std::uint64_t hash : identity.hashes) put(out, hash, 8);
+  for (const auto* names : {&identity.node_names, &identity.mesh_names}) {
+    put(out, names->size(), 4);
+    for (const std::string& name : *names) put(out, name);
+  }
+}
+
+// Plans of bakes without clusters and names end before these parts.
+void read_later_parts(reader& in, pvs_frame& frame) {
+  if (in.bytes.empty()) return;
+  frame.clusters.resize(in.count_of(4));
+  for (std::uint32_t& number : frame.clusters) number = in.number32();
+  frame.identity.hashes.resize(in.count_of(8));
+  for (std::uint64_t& hash : frame.identity.hashes) hash = in.number(8);
+  for (auto* names : {&frame.identity.node_names, &frame.identity.mesh_names}) {
+    names->resize(in.count_of(8));
+    for (std::string& name : *names) name = in.text();
+  }
 }
 
 }  // namespace
@@ -106,6 +138,7 @@ std::string encode(const bake_plan& plan) {
   for (const std::uint32_t block : plan.block_of) put(out, block, 4);
   put(out, plan.block_names.size(), 4);
   for (const std::string& name : plan.block_names) put(out, name);
+  put_later_parts(out, plan.frame);
   put(out, XXH3_64bits(out.data(), out.size()), 8);
   return out;
 }
@@ -125,6 +158,9 @@ bake_plan decode_plan(std::string_view bytes, const std::string& file) {
   for (std::size_t i = 0; i < plan.frame.cells.size(); ++i) plan.block_of.push_back(in.number32());
   plan.block_names.resize(in.count_of(8));
   for (std::string& name : plan.block_names) name = in.text();
+  read_later_parts(in, plan.frame);
+  const std::size_t clustered = plan.frame.clusters.size();
+  good = good && (clustered == 0 || clustered == plan.frame.facts.polygon_count);
   for (const std::uint32_t block : plan.block_of) good = good && block < plan.block_names.size();
   if (!good || !in.good || !in.bytes.empty())
     throw error(error_kind::bad_input, "shard.damaged", file, "is damaged", "bake that shard again");

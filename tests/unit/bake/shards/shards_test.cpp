@@ -83,6 +83,30 @@ TEST_F(shards, any_number_of_them_gives_the_bytes_of_one_bake) {
   EXPECT_TRUE(fs::is_empty(folder_ / "scratch"));
 }
 
+TEST_F(shards, of_a_scene_with_doors_give_the_bytes_of_one_bake) {
+  scene_.groups = {"gate", "door", "hatch"};
+  for (const std::uint32_t i : {0u, 1u, 2u}) scene_.draws[5 * i + 2].tags.group = i;
+  how_.closed = {"door"};
+  const std::vector<std::byte> one = whole();
+  for (const std::uint32_t phase : {1u, 2u})
+    for (const std::uint32_t i : {0u, 1u}) (void)part("m.pvs", i, 2, phase);
+  EXPECT_EQ(merged("m.pvs"), one);
+  EXPECT_EQ(test::stored_file(one).reader().named_groups().count(), 2u);
+}
+
+TEST_F(shards, of_clusters_and_with_names_give_the_bytes_of_one_bake) {
+  for (const bool clusters : {true, false}) {
+    how_.file.granularity = clusters ? set_granularity::cluster : set_granularity::polygon;
+    how_.file.names = !clusters;
+    const std::vector<std::byte> one = whole();
+    for (const std::uint32_t phase : {1u, 2u})
+      for (const std::uint32_t i : {0u, 1u}) (void)part("m.pvs", i, 2, phase);
+    EXPECT_EQ(merged("m.pvs"), one) << clusters;
+    fs::remove(out("m.pvs"));
+    for (const auto& shard : find_shard_files(out("m.pvs"))) fs::remove(shard);
+  }
+}
+
 TEST_F(shards, of_the_merged_layout_give_the_bytes_of_one_bake) {
   for (scene::draw& d : scene_.draws) d.material = scene_.draws[1].material;
   how_.file.profile = slack_profile::exact;  // what slack adds depends on the layout
