@@ -43,7 +43,8 @@ float half_around(const scene::light& light) {
 view_cell cell_around(const scene::light& light) {
   const glm::vec3 at = position_of(light);
   const float half = half_around(light);
-  view_cell cell{.min = at - half, .max = at + half};
+  view_cell cell;
+  cell.min = at - half, cell.max = at + half;
   for (const float value : light.position)
     cell.place = mix_bits(cell.place + 0x9E3779B97F4A7C15ull + std::bit_cast<std::uint32_t>(value + 0.0f));
   return cell;
