@@ -116,8 +116,8 @@ class server {
     }
   }
 
-  // Who may see whom: for each player, whom to send. A file of closed doors applies while all of these are closed, and
-  // then whoever it hides is hidden: more closed doors never make anything visible.
+  // Finds which players may be visible to which. A file of closed doors applies while all of these are closed, and a
+  // player that is invisible in it is invisible then: closing more doors makes nothing visible.
   // closed: a bit for each of doors(). A door that opens must be open here before the first player can look through.
   void find_relevant(std::span<const place> eyes, float reach, std::uint32_t closed) {
     for (std::size_t viewer = 0; viewer < eyes.size(); ++viewer) {
@@ -132,7 +132,9 @@ class server {
     }
   }
 
-  bool visible(std::size_t viewer, std::size_t other) const { return visible_[viewer * std::size_t{players_} + other] != 0; }
+  bool visible(std::size_t viewer, std::size_t other) const {
+    return visible_[viewer * std::size_t{players_} + other] != 0;
+  }
   std::uint64_t moves_outside() const { return outside_; }
   std::uint64_t changes() const { return changes_; }
 
@@ -214,8 +216,8 @@ std::uint32_t closed_doors(std::size_t count, float seconds, float period) {
   return closed;
 }
 
-// A line for each pair: frame, viewer, other; the viewer's eye; the other's box; which doors are closed, a bit for
-// each; was it visible? For whoever checks.
+// Writes a line for each pair, for tests: frame, viewer, other; the eye of the viewer; the box of the other; which
+// doors are closed, a bit for each; 1 if the other is sent.
 class recorder {
  public:
   explicit recorder(const std::string& path) : path_(path) {

@@ -1,6 +1,6 @@
 // sightcell-test-hidden-pairs SCENE RECORD [DOOR...]: looks at what sightcell-relevance-server --record wrote, with
 // exact rays. A pair is wrong when it was called hidden and a ray from the eye comes to a point of the other's box.
-// Viewers whose eye is at no free place are left out: a cell promises nothing there. Doors are those of the server, in
+// Viewers whose eye is no valid viewpoint are left out: the set does not cover them. Doors are those of the server, in
 // the order of its options; a door that is closed in a line of the record occludes. Prints one JSON object.
 #include <array>
 #include <cstdint>
