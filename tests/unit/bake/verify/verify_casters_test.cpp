@@ -97,6 +97,26 @@ TEST_F(shadow_casters, of_a_bake_pass_their_verification) {
   }
 }
 
+// The rays of the long cell hardly ever meet the shadow of a card beside the short one.
+TEST_F(shadow_casters, of_adjacent_cells_are_tried) {
+  const std::uint32_t card =
+      court_.tiny.quad({-2.0f, 3.0f, 2.1f}, {-1.85f, 3.0f, 2.1f}, {-1.85f, 3.0f, 1.95f}, {-2.0f, 3.0f, 1.95f});
+  scene_ = court_.tiny.finished();
+  settings s = how();
+  s.max_pixel_error = 1e-2;
+  s.suns = {sun_at_noon};
+  const cell_box along = {"along", {0.5f, 1.0f, 1.5f}, {19.0f, 1.8f, 2.5f}};
+  const auto casters_of = [&](std::uint32_t cell) {
+    EXPECT_EQ(bake(scene_, s, path(), true, {}).result, outcome::done);
+    return drawn(test::file_bytes(path()), cell, 0);
+  };
+  s.cells = {along};
+  EXPECT_FALSE(has(casters_of(0), card)) << "alone, it does not find the card";
+  s.cells = {along, {"short", {-0.5f, 1.0f, 1.5f}, {0.5f, 1.8f, 2.5f}}};
+  EXPECT_TRUE(has(casters_of(0), card));
+  EXPECT_TRUE(has(casters_of(1), card));
+}
+
 TEST_F(shadow_casters, change_nothing_else_in_the_file) {
   const pvs_bytes with = baked({sun_at_noon});
   pvs_bytes without;
