@@ -10,6 +10,7 @@
 #include "bound/clopper_pearson.h"
 #include "bound/sequential_test.h"
 #include "casters/shadow_batch.h"
+#include "casters/visible_shadows.h"
 #include "search/batch_plan.h"
 #include "trace/triangle_math.h"
 #include "trace/viewpoints.h"
@@ -28,6 +29,9 @@ constexpr std::size_t eyes_of_candidates = 32;
 constexpr std::uint64_t most_proofs = 40;  // batches: the risk of a later one would vanish beside 1
 // Where at most this share of the target misses, a proof is likely after what is missed has joined.
 constexpr double calm_share = 0.5;
+// A polygon is tried alone if the shadow around one of its points fills this share of the target or more. Larger shares
+// leave more to random rays; without a limit, casters that hardly a ray shows double the set.
+constexpr double least_shadow_share = 3e-5;
 // Share of the miss probability after a failed batch and another search. Where many small polygons cast shadows, each
 // found alone, it falls slowly.
 constexpr double left_after_search = 0.8;
@@ -67,7 +71,9 @@ class caster_finder {
     return result_.rays_spent;
   }
 
-  caster_result run() {
+  // See find_casters().
+  caster_result run(const polygon_shadows* shadows) {
+    shadows_ = shadows;
     std::uint64_t size = first_search;
     for (std::uint64_t number = 1; number <= most_proofs; ++number) {
       search(size);
@@ -108,8 +114,20 @@ class caster_finder {
           static_cast<double>(size) >= enough;
       join(trial.missed());
       if (calm) return;
+      try_polygons();
       size = std::min(2 * size, largest_search);
     }
+  }
+
+  // Tries all polygons, once.
+  void try_polygons() {
+    if (shadows_ == nullptr || eyes_.empty()) return;
+    joined_.clear();
+    for (const missed_shadow& one : missed_shadows_of_polygons(
+             rays_, *shadows_, sets_, eyes_, {how_.seed, cell_.place, purpose::caster_search, searches_},
+             least_shadow_share * how_.max_error, result_.rays_spent))
+      join(one);
+    shadows_ = nullptr;
   }
 
   // Draws further viewpoints for a search. A ray of a search counts for itself alone, so one valid viewpoint serves
@@ -234,16 +252,17 @@ class caster_finder {
   std::vector<state> state_;  // by polygon
   caster_sets sets_;
   std::vector<found> joined_;
-  std::vector<glm::vec3> eyes_;  // valid viewpoints that the rays of a search begin at
+  std::vector<glm::vec3> eyes_;               // valid viewpoints that the rays of a search begin at
+  const polygon_shadows* shadows_ = nullptr;  // until they are tried
   std::uint64_t searches_ = 0;
   caster_result result_;
 };
 
 }  // namespace
 
-caster_result find_casters(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell,
-                           const sun_arc& sun, const caster_search_settings& how) {
-  return caster_finder(rays, neighbors, cell, sun, how).run();
+caster_result find_casters(const ray_scene& rays, const near_polygons* neighbors, const polygon_shadows* shadows,
+                           const caster_cell& cell, const sun_arc& sun, const caster_search_settings& how) {
+  return caster_finder(rays, neighbors, cell, sun, how).run(shadows);
 }
 
 std::uint64_t try_casters(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell,

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "casters/polygon_shadows.h"
 #include "casters/sun_arc.h"
 #include "search/near_polygons.h"
 #include "trace/ray_scene.h"
@@ -41,9 +42,11 @@ struct caster_result {
 // Of the blockers of a missed shadow two join: the one nearest to the point, and the first from the light, whose depth
 // the shadow map of everything has there.
 // neighbors: polygons beside those that were found are tried by rays of their own; null: none.
+// shadows: toward a direction of the sun; the polygons whose shadow falls on the camera set are tried by rays of their
+// own where one search does not suffice (visible_shadows.h); null: none.
 // Runs on the calling thread's TBB arena; the result does not depend on the number of threads.
-caster_result find_casters(const ray_scene& rays, const near_polygons* neighbors, const caster_cell& cell,
-                           const sun_arc& sun, const caster_search_settings& how);
+caster_result find_casters(const ray_scene& rays, const near_polygons* neighbors, const polygon_shadows* shadows,
+                           const caster_cell& cell, const sun_arc& sun, const caster_search_settings& how);
 
 // Tries polygons that cast shadows in other cells. Those whose shadow is visible from one of a few viewpoints join,
 // with what else their shadows show to be lacking. The bound of the cell still holds, because its set only grows.

@@ -53,6 +53,15 @@ class caster_section {
 
   std::uint32_t cells() const { return file_.cell_count(); }
 
+  // Finds what all cells ask of each sun. Returns false if keep_going does.
+  bool find_shadows(const ray_scene& rays, const std::function<bool()>& keep_going) {
+    for (const sun_arc& sun : suns_) {
+      shadows_.push_back(shadows_of_polygons(rays, sun.middle(), keep_going));
+      if (!keep_going()) return false;
+    }
+    return true;
+  }
+
   void read(std::uint32_t number, lit_cell& cell) {
     format::box corners;
     cell.number = number;
@@ -71,7 +80,7 @@ class caster_section {
 
   void find(const ray_scene& rays, const near_polygons* neighbors, lit_cell& cell, std::size_t sun) const {
     caster_result& result = cell.by_sun[sun];
-    result = find_casters(rays, neighbors, with_sun(cell, sun), suns_[sun], how_);
+    result = find_casters(rays, neighbors, &shadows_[sun], with_sun(cell, sun), suns_[sun], how_);
     complete(rays, cell, result.casters);
   }
 
@@ -164,6 +173,7 @@ class caster_section {
   format::set_reader sets_;
   std::optional<cell_blocks> adjacent_;
   std::vector<sun_arc> suns_;
+  std::vector<polygon_shadows> shadows_;  // of each sun
   caster_search_settings how_;
   std::vector<std::vector<std::uint32_t>> casters_;  // the suns of a cell one after the other
   std::vector<format::certificate_record> proofs_;
@@ -216,6 +226,7 @@ bool add_casters(std::vector<std::byte>& file, const std::string& name, const ra
   };
   const auto on_found = [&](std::uint32_t done) { return !on_progress || on_progress(done, section.cells()); };
   const auto on_tried = [&](std::uint32_t) { return on_found(section.cells()); };
+  if (!section.find_shadows(rays, [&] { return on_found(0); })) return false;
   if (!for_groups(section, find, on_found) || !for_groups(section, try_adjacent, on_tried)) return false;
   section.replace(std::move(casters), found);
   file = section.with_section(file);

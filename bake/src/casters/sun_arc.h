@@ -14,6 +14,8 @@ struct sun_arc {
   glm::vec3 from{0.0f, 1.0f, 0.0f}, to{0.0f, 1.0f, 0.0f};
 
   bool stands_still() const { return from == to; }
+  // Returns the direction between both.
+  glm::vec3 middle() const { return glm::normalize(from + to); }
   // Returns a direction of the arc. Takes no random number where the sun stands still.
   glm::vec3 draw(random_stream& random) const {
     return stands_still() ? from : glm::normalize(from + (to - from) * random.uniform());

@@ -24,7 +24,8 @@ const sun_arc noon{{0.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
 
 caster_result casters_of(const scene_with_rays& w, const ids& camera, const sun_arc& sun = noon,
                          std::uint64_t most = 16'000'000, const near_polygons* beside = nullptr) {
-  return find_casters(w.rays, beside, {.region = eyes_of_court, .valid_share = 1.0, .place = 3, .camera = camera}, sun,
+  return find_casters(w.rays, beside, nullptr,
+                      {.region = eyes_of_court, .valid_share = 1.0, .place = 3, .camera = camera}, sun,
                       {.max_error = 1e-3, .max_rays = most});
 }
 
