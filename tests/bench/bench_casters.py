@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Shadow casters (docs/shadows.md) against sets alone: what they cost in the bake and in the file, and what they repair.
 
-usage: bench_casters.py --bin FOLDER [--sun A,E] [--cells N] [--rays N] [--quality NAME] [--json FILE] SCENE.glb ...
+usage: bench_casters.py --bin FOLDER [--sun A,E] [--cells N] [--rays N] [--quality NAME] [--results DIR] SCENE.glb ...
 
 --bin: the folder with sightcell. --cells: of each scene, spread evenly; 0: all. Bakes each scene with and without --sun, and
 verifies the casters. Prints a row per scene: CPU seconds and bytes without and with casters, casters per cell beside the set,
@@ -14,6 +14,9 @@ import os
 import subprocess
 import sys
 import tempfile
+
+sys.dont_write_bytecode = True
+import result_files  # noqa: E402
 
 
 def run(program, *arguments):
@@ -33,8 +36,11 @@ def measure(program, scene, options, folder):
     return {
         "scene": os.path.splitext(os.path.basename(scene))[0],
         "cells": after["cells"],
-        "cpu_seconds": [before["cpu_seconds"], after["cpu_seconds"]],
-        "bytes": [before["bytes"], after["bytes"]],
+        "quality": options.quality,
+        "cpu_seconds_of_sets": before["cpu_seconds"],
+        "cpu_seconds": after["cpu_seconds"],
+        "bytes_of_sets": before["bytes"],
+        "bytes": after["bytes"],
         "casters_per_cell": sun["casters_per_cell"],
         "cells_over_bound": sun["cells_over_bound"],
         "max_upper_bound": sun["max_upper_bound"],
@@ -48,10 +54,11 @@ def measure(program, scene, options, folder):
 
 
 def text(row):
-    cpu, size = row["cpu_seconds"], row["bytes"]
-    return (f"{row['scene']}: {row['cells']} cells, CPU {cpu[0]:.1f} -> {cpu[1]:.1f} s ({cpu[1] / cpu[0]:.2f} times), "
-            f"{size[0]} -> {size[1]} bytes ({size[1] / size[0]:.2f} times), {row['casters_per_cell']:.0f} casters per cell, "
-            f"drawn {row['set_percent']:.2f} -> {row['drawn_percent']:.2f} % of everything, wrong "
+    times = row["cpu_seconds"] / row["cpu_seconds_of_sets"]
+    larger = row["bytes"] / row["bytes_of_sets"]
+    return (f"{row['scene']}: {row['cells']} cells, CPU {row['cpu_seconds_of_sets']:.1f} -> {row['cpu_seconds']:.1f} s ({times:.2f} "
+            f"times), {row['bytes_of_sets']} -> {row['bytes']} bytes ({larger:.2f} times), {row['casters_per_cell']:.0f} casters per "
+            f"cell, drawn {row['set_percent']:.2f} -> {row['drawn_percent']:.2f} % of everything, wrong "
             f"{row['misses_of_sets'] / row['rays']:.2e} -> {row['misses'] / row['rays']:.2e} (at most "
             f"{row['upper_bound']:.2e}), {row['cells_over_bound']} cells above the bound")
 
@@ -63,7 +70,7 @@ def main():
     parser.add_argument("--cells", type=int, default=24)
     parser.add_argument("--rays", type=int, default=200_000)
     parser.add_argument("--quality", default="normal")
-    parser.add_argument("--json")
+    result_files.add_option(parser)
     parser.add_argument("scenes", nargs="+")
     options = parser.parse_args()
     program = os.path.join(options.bin, "sightcell")
@@ -72,10 +79,7 @@ def main():
         for scene in options.scenes:
             rows.append(measure(program, scene, options, folder))
             print(text(rows[-1]), flush=True)
-    if options.json:
-        with open(options.json, "w", encoding="utf-8") as file:
-            json.dump(rows, file, indent=1)
-            file.write("\n")
+    result_files.write(options.results, "casters", "a bake with a sun beside one without, and verify --sun", rows)
     return 0
 
 

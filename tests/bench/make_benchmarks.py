@@ -293,6 +293,18 @@ def shadows():
                    ("with casters, %", "drawn_percent", fixed(1)))
 
 
+def casters():
+    table = [["scene", "cells", "CPU s without", "with", "times", "bytes without", "with", "times", "casters per cell", "drawn with sets, %",
+              "with casters, %", "rays", "wrong with sets", "with casters", "upper bound"]]
+    for row in rows_of("casters"):
+        cpu, size = (float(row[name]) / float(row[name + "_of_sets"]) for name in ("cpu_seconds", "bytes"))
+        table.append([row["scene"], row["cells"], fixed(1)(row["cpu_seconds_of_sets"]), fixed(1)(row["cpu_seconds"]), fixed(2)(cpu),
+                      grouped(row["bytes_of_sets"]), grouped(row["bytes"]), fixed(2)(size), grouped(row["casters_per_cell"]),
+                      fixed(2)(row["set_percent"]), fixed(2)(row["drawn_percent"]), grouped(row["rays"]), grouped(row["misses_of_sets"]),
+                      row["misses"], scientific(row["upper_bound"])])
+    return table
+
+
 def lamps():
     """Sums over the lamps of a kind."""
     table = [["lamps", "number", "polygons in a set: median", "most", "found by rays", "of these not in the set", "missed",
