@@ -10,8 +10,9 @@ namespace format = sightcell::format;
 
 namespace {
 
-constexpr std::uint32_t small_block = 16;   // polygons; the polygons at the ends of a run are taken one by one
-constexpr std::uint32_t large_block = 128;  // polygons: for long runs
+constexpr std::uint32_t small_block = 16;        // polygons; the polygons at the ends of a run are taken one by one
+constexpr std::uint32_t fewest_for_blocks = 32;  // polygons of a run: shorter ones are taken one by one
+constexpr std::uint32_t large_block = 128;       // polygons: for long runs
 constexpr std::uint32_t bits_per_word = 32;
 
 // The words that the clusters of one block are in.
@@ -104,6 +105,7 @@ std::uint64_t sightcell_cluster_map::carve(void* block) noexcept {
   };
   of_file_.carve(space);
   give(host_of_file_);
+  give(windows_);
   give(cluster_of_stored_);
   for (cluster_blocks* blocks : {&small_, &large_}) {
     give(blocks->begins);
@@ -131,16 +133,20 @@ sightcell_status sightcell_cluster_map::create(const sightcell_db& db, std::span
   }
   block_builder small(small_block, {});
   block_builder large(large_block, {});
+  window_builder windows({});
   const bool counted = for_each_stored(db, cluster_of_source, [&](std::uint32_t stored, std::uint32_t cluster) {
     small.add(stored, cluster);
     large.add(stored, cluster);
+    windows.add(cluster);
     return true;
   });
+  windows.finish();
   if (!counted) return SIGHTCELL_ERR_CORRUPT;
 
   sightcell_cluster_map plan;
   plan.db_ = &db;
   plan.words_ = whole_parts(cluster_count, bits_per_word);
+  plan_room(plan.windows_, windows.count());
   plan_room(plan.cluster_of_stored_, db.polygon_count());
   plan_room(plan.small_.begins, std::uint64_t{db.polygon_count() / small_block} + 1);
   plan_room(plan.small_.bits, small.count());
@@ -148,16 +154,28 @@ sightcell_status sightcell_cluster_map::create(const sightcell_db& db, std::span
   plan_room(plan.large_.bits, large.count());
   sightcell_cluster_map* map = nullptr;
   if (const sightcell_status s = make(plan, &map); s != SIGHTCELL_OK) return s;
-  block_builder fill_small(small_block, map->small_);
-  block_builder fill_large(large_block, map->large_);
-  static_cast<void>(for_each_stored(db, cluster_of_source, [&](std::uint32_t stored, std::uint32_t cluster) {
-    map->cluster_of_stored_[stored] = cluster;
-    fill_small.add(stored, cluster);
-    fill_large.add(stored, cluster);
-    return true;
-  }));
+  map->fill(cluster_of_source);
   *out = map;
   return SIGHTCELL_OK;
+}
+
+void sightcell_cluster_map::fill(std::span<const std::uint32_t> cluster_of_source) noexcept {
+  window_builder windows(windows_);
+  block_builder small(small_block, small_);
+  block_builder large(large_block, large_);
+  static_cast<void>(for_each_stored(*db_, cluster_of_source, [&](std::uint32_t stored, std::uint32_t cluster) {
+    small.add(stored, cluster);
+    large.add(stored, cluster);
+    windows.add(cluster);
+    return true;
+  }));
+  windows.finish();
+  std::size_t window = 0;
+  static_cast<void>(for_each_stored(*db_, cluster_of_source, [&](std::uint32_t stored, std::uint32_t cluster) {
+    if (stored == windows_[window].end) ++window;
+    cluster_of_stored_[stored] = cluster_in_window(windows_[window], cluster);
+    return true;
+  }));
 }
 
 // plan: with the sizes of its tables.
@@ -212,37 +230,22 @@ void sightcell_cluster_map::destroy(sightcell_cluster_map* map) noexcept {
   if (map != nullptr) release(map->db_->allocator(), map, map->block_size_);
 }
 
-// Consecutive polygons mostly have clusters in the same word, which is kept in a register.
-void sightcell_cluster_map::mark_each(std::uint32_t first, std::uint32_t end, std::uint32_t* row) const noexcept {
-  std::uint32_t word = 0;
-  std::uint32_t bits = 0;
-  for (const std::uint32_t cluster : cluster_of_stored_.subspan(first, end - first)) {
-    if (cluster == SIGHTCELL_NO_CLUSTER) continue;
-    if (cluster / bits_per_word != word) {
-      if (bits != 0) row[word] |= bits;
-      word = cluster / bits_per_word;
-      bits = 0;
-    }
-    bits |= 1u << cluster % bits_per_word;
-  }
-  if (bits != 0) row[word] |= bits;
-}
-
 void sightcell_cluster_map::mark(std::span<const format::run> set, std::span<std::uint32_t> row) const noexcept {
   if (of_file_.exist()) return mark_file_clusters(set, row);
   constexpr std::uint32_t small_in_large = large_block / small_block;
   std::uint32_t* const words = row.data();
+  cluster_collector ends(windows_, cluster_of_stored_, row);
   for (const format::run& r : set) {
     const std::uint32_t end = r.first + r.count;
-    const std::uint32_t from = whole_parts(r.first, small_block);  // in small blocks
-    const std::uint32_t to = end / small_block;
-    if (from >= to) {
-      mark_each(r.first, end, words);
+    if (r.count < fewest_for_blocks) {
+      ends.add(r.first, end);
       continue;
     }
+    const std::uint32_t from = whole_parts(r.first, small_block);  // in small blocks
+    const std::uint32_t to = end / small_block;
     const std::uint32_t from_large = whole_parts(from, small_in_large);
     const std::uint32_t to_large = to / small_in_large;
-    mark_each(r.first, from * small_block, words);
+    ends.add(r.first, from * small_block);
     if (from_large < to_large) {
       mark_blocks(small_, from, from_large * small_in_large, words);
       mark_blocks(large_, from_large, to_large, words);
@@ -250,8 +253,9 @@ void sightcell_cluster_map::mark(std::span<const format::run> set, std::span<std
     } else {
       mark_blocks(small_, from, to, words);
     }
-    mark_each(to * small_block, end, words);
+    ends.add(to * small_block, end);
   }
+  ends.finish();
 }
 
 namespace sightcell::runtime {

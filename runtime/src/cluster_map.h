@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "cluster_windows.h"
 #include "db.h"
 #include "file_clusters.h"
 #include "memory.h"
@@ -55,7 +56,7 @@ struct sightcell_cluster_map {
   static sightcell_status make(const sightcell_cluster_map& plan, sightcell_cluster_map** out) noexcept;
   [[nodiscard]] bool take_file_clusters(std::span<const std::uint32_t> cluster_of_source) noexcept;
   void mark_file_clusters(std::span<const sightcell::format::run> set, std::span<std::uint32_t> row) const noexcept;
-  void mark_each(std::uint32_t first, std::uint32_t end, std::uint32_t* row) const noexcept;
+  void fill(std::span<const std::uint32_t> cluster_of_source) noexcept;
 
   const sightcell_db* db_ = nullptr;
   std::uint64_t block_size_ = 0;
@@ -64,7 +65,8 @@ struct sightcell_cluster_map {
   // of each in the row, or nothing if they are the clusters of the row. Then the tables below are empty.
   sightcell::runtime::file_clusters of_file_;
   std::span<std::uint32_t> host_of_file_;
-  std::span<std::uint32_t> cluster_of_stored_;
+  std::span<sightcell::runtime::cluster_window> windows_;
+  std::span<std::uint16_t> cluster_of_stored_;  // in its window
   // Of 16 and of 128 polygons; polygons after the last whole block are in none.
   sightcell::runtime::cluster_blocks small_, large_;
 };

@@ -57,8 +57,8 @@ typedef struct sightcell_cluster_word {
  * out: receives the map, or NULL on failure.
  * Fails with ARGUMENT also if polygon_count differs and if a cluster is not below cluster_count; with MEMORY; with
  *   PENDING before sightcell_db_opened has returned OK.
- * Cost: O(polygons). One allocation of the allocator of db: 4 bytes per polygon, and 8 bytes for each word of the row
- *   that 16 consecutive polygons of the file have clusters in: about 5 to 6 bytes per polygon in all for clusters of
+ * Cost: O(polygons). One allocation of the allocator of db: 2 bytes per polygon, and 8 bytes for each word of the row
+ *   that 16 consecutive polygons of the file have clusters in: about 3 to 4 bytes per polygon in all for clusters of
  *   neighboring triangles. */
 SIGHTCELL_API sightcell_status sightcell_cluster_map_create(const sightcell_db* db, const uint32_t* cluster_of_source,
                                                             size_t polygon_count, uint32_t cluster_count,

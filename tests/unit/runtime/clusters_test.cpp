@@ -55,11 +55,11 @@ std::vector<words> tables_of(std::uint32_t polygons, std::uint32_t clusters, std
   return tables;
 }
 
-void expect_clusters(const sample_contents& contents, std::uint32_t clusters, std::uint32_t seed) {
+void expect_clusters(const sample_contents& contents, std::uint32_t clusters, const std::vector<words>& tables) {
   const loaded_file file(contents);
   test_view view(file.db());
   const std::size_t size = (clusters + 31) / 32 + 1;  // one word more than needed
-  for (const words& table : tables_of(contents.facts.polygon_count, clusters, seed)) {
+  for (const words& table : tables) {
     const map_handle map = make_map(file.db(), table, clusters);
     ASSERT_NE(map, nullptr);
     std::size_t bits = 0;
@@ -94,6 +94,10 @@ void expect_clusters(const sample_contents& contents, std::uint32_t clusters, st
   }
 }
 
+void expect_clusters(const sample_contents& contents, std::uint32_t clusters, std::uint32_t seed) {
+  expect_clusters(contents, clusters, tables_of(contents.facts.polygon_count, clusters, seed));
+}
+
 TEST(clusters, instanced) {
   expect_clusters(random_contents(41, {.polygons = 800, .draws = 20, .cells = 40}), 100, 1);
   sample_contents shared = random_contents(42, {.polygons = 800, .draws = 63, .cells = 40});
@@ -107,7 +111,22 @@ TEST(clusters, merged) {
   expect_clusters(contents, 33, 3);
 }
 
-// Runs that begin and end anywhere in blocks of 8 and 128 polygons.
+// A map keeps the clusters of polygons in windows of 16,384.
+TEST(clusters, far_from_each_other) {
+  const sample_contents contents = random_contents(46, {.polygons = 3000, .draws = 10, .cells = 20});
+  std::vector<words> tables(5, words(3000));
+  random_source random(47);
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    tables[0][i] = (i < 1500 ? 16'000 : 70'000) + i % 80;         // two windows
+    tables[1][i] = i / 100 % 2 * 65'536 + i % 32;                 // many
+    tables[2][i] = random() % 100'000;                            // each polygon far from the next
+    tables[3][i] = i < 1500 ? SIGHTCELL_NO_CLUSTER : i * 33 - 1;  // the last cluster is 98,966
+    tables[4][i] = 99'998 + i % 2;
+  }
+  expect_clusters(contents, 100'000, tables);
+}
+
+// Runs that begin and end anywhere in blocks of 16 and 128 polygons.
 TEST(clusters, every_begin_and_end_of_a_run) {
   sample_contents contents = random_contents(44, {.polygons = 300, .draws = 1, .cells = 40});
   random_source random(45);

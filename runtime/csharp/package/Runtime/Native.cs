@@ -889,8 +889,8 @@ namespace Sightcell
         /// out: receives the map, or NULL on failure.
         /// Fails with ARGUMENT also if polygon_count differs and if a cluster is not below cluster_count; with MEMORY; with
         ///   PENDING before sightcell_db_opened has returned OK.
-        /// Cost: O(polygons). One allocation of the allocator of db: 4 bytes per polygon, and 8 bytes for each word of the row
-        ///   that 16 consecutive polygons of the file have clusters in: about 5 to 6 bytes per polygon in all for clusters of
+        /// Cost: O(polygons). One allocation of the allocator of db: 2 bytes per polygon, and 8 bytes for each word of the row
+        ///   that 16 consecutive polygons of the file have clusters in: about 3 to 4 bytes per polygon in all for clusters of
         ///   neighboring triangles.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
