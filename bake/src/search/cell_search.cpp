@@ -80,6 +80,11 @@ bool cell_search::may_view() const {
   return views_ && views_->poses.taken() < views_->most;
 }
 
+bool cell_search::has_time() const {
+  const bool over = how_.limit && how_.limit->reached();
+  return !over || (views_ && views_->poses.taken() == 0);
+}
+
 // Each round doubles the number of hemicubes, so that the share of new pixels in it is an estimate of what was
 // missing.
 std::uint32_t cell_search::next_views() const {
@@ -135,7 +140,7 @@ void cell_search::view() {
   double new_pixels = 0.0;
   std::uint32_t taken = 0;
   cost_of_round_ = 0.0;
-  while (taken < count && !over()) {
+  while (taken < count && has_time()) {
     const std::vector<pose> poses = views_->poses.next(std::min(turn, count - taken));
     if (poses.empty()) {
       views_->most = 0;  // no viewpoint is valid
@@ -154,12 +159,13 @@ void cell_search::hear(double missing) {
 }
 
 void cell_search::look_around() {
-  while (!over() && may_view()) view();
+  while (has_time() && may_view()) view();
 }
 
 void cell_search::look_for(const search_goal& goal) {
   bool any = false;
-  while (spent_ < goal.max_cost && !over() && may_view() && !(goal.enough && goal.enough(missing_, cost_of_views()))) {
+  while (spent_ < goal.max_cost && has_time() && may_view() &&
+         !(goal.enough && goal.enough(missing_, cost_of_views()))) {
     view();
     look_beside(goal.max_cost);
     any = true;

@@ -93,7 +93,9 @@ class cell_search {
  private:
   bool may_view() const;
   std::uint32_t next_views() const;
-  bool over() const { return how_.limit && how_.limit->reached(); }
+  // Returns whether the time allows another turn of hemicubes. It allows the first one always: a set of nothing would
+  // hide everything.
+  bool has_time() const;
   // Renders one round of hemicubes and updates the estimates.
   void view();
   double take(const std::vector<pose>& poses);

@@ -190,6 +190,20 @@ TEST(cell_search, spends_its_hemicubes_and_no_more) {
   EXPECT_GT(search.rays(), 0u);
 }
 
+TEST(cell_search, takes_one_turn_of_hemicubes_without_time) {
+  const world w;
+  for (const bool around : {false, true}) {
+    search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 37};
+    cell_set set(w.s.polygon_count);
+    const time_limit none_left(1e-9, true);
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .limit = &none_left, .priority = 1e-6},
+                       set);
+    for (int i = 0; i < 2; ++i) around ? search.look_around() : search.look_for({});
+    EXPECT_EQ(views.poses.taken(), 6u);
+    EXPECT_GT(set.size(), 6u);
+  }
+}
+
 TEST(cell_search, finds_the_same_on_any_number_of_threads) {
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4);
   const world w;
