@@ -28,13 +28,13 @@ void require_written(format::status outcome, const std::string& name) {
                 "report this file");
 }
 
-// A cell of the file, and what was found for each sun.
+// A cell of the file, and what was found for a sun.
 struct lit_cell {
   std::uint32_t number = 0;
   viewpoint_region region{box{}};
   double valid_share = 1.0;
   std::vector<std::uint32_t> camera;
-  std::vector<caster_result> by_sun;
+  caster_result found;
 };
 
 class caster_section {
@@ -49,18 +49,12 @@ class caster_section {
             .seed = rules.seed,
             .own_polygons = file_.polygon_count()};
     find_adjacent();
+    casters_.resize(std::size_t{cells()} * suns_.size());
+    proofs_.resize(casters_.size());
   }
 
   std::uint32_t cells() const { return file_.cell_count(); }
-
-  // Finds what all cells ask of each sun. Returns false if keep_going does.
-  bool find_shadows(const ray_scene& rays, const std::function<bool()>& keep_going) {
-    for (const sun_arc& sun : suns_) {
-      shadows_.push_back(shadows_of_polygons(rays, sun.middle(), keep_going));
-      if (!keep_going()) return false;
-    }
-    return true;
-  }
+  const std::vector<sun_arc>& suns() const { return suns_; }
 
   void read(std::uint32_t number, lit_cell& cell) {
     format::box corners;
@@ -75,13 +69,13 @@ class caster_section {
     cell.region = std::move(*region);
     cell.valid_share = static_cast<double>(file_.viewpoints().valid_share(number));
     require_written(sets_.source_ids(number, cell.camera), name_);
-    cell.by_sun.resize(suns_.size());
   }
 
-  void find(const ray_scene& rays, const near_polygons* neighbors, lit_cell& cell, std::size_t sun) const {
-    caster_result& result = cell.by_sun[sun];
-    result = find_casters(rays, neighbors, &shadows_[sun], with_sun(cell, sun), suns_[sun], how_);
-    complete(rays, cell, result.casters);
+  // shadows: of the sun.
+  void find(const ray_scene& rays, const near_polygons* neighbors, const polygon_shadows& shadows, lit_cell& cell,
+            std::size_t sun) const {
+    cell.found = find_casters(rays, neighbors, &shadows, with_sun(cell, sun), suns_[sun], how_);
+    complete(rays, cell, cell.found.casters);
   }
 
   // Tries the casters of adjacent cells. To be called when all cells are kept.
@@ -109,20 +103,19 @@ class caster_section {
       found[i % suns_.size()].casters_per_cell += static_cast<double>(casters_[i].size()) / cells();
   }
 
-  void keep(lit_cell& cell, std::vector<sun_summary>& found) {
-    for (std::size_t sun = 0; sun < suns_.size(); ++sun) {
-      caster_result& one = cell.by_sun[sun];
-      proofs_.push_back({.cell = cell.number,
-                         .rays = one.rays,
-                         .misses = one.misses,
-                         .upper_bound = one.upper_bound,
-                         .confidence = one.confidence,
-                         .seed = how_.seed});
-      found[sun].max_upper_bound = std::max(found[sun].max_upper_bound, one.upper_bound);
-      found[sun].cells_over_bound += one.bound_met ? 0 : 1;
-      found[sun].rays += one.rays_spent;
-      casters_.push_back(std::move(one.casters));
-    }
+  void keep(lit_cell& cell, std::size_t sun, sun_summary& found) {
+    caster_result& one = cell.found;
+    const std::size_t at = cell.number * suns_.size() + sun;
+    proofs_[at] = {.cell = cell.number,
+                   .rays = one.rays,
+                   .misses = one.misses,
+                   .upper_bound = one.upper_bound,
+                   .confidence = one.confidence,
+                   .seed = how_.seed};
+    found.max_upper_bound = std::max(found.max_upper_bound, one.upper_bound);
+    found.cells_over_bound += one.bound_met ? 0 : 1;
+    found.rays += one.rays_spent;
+    casters_[at] = std::move(one.casters);
   }
 
   std::vector<std::byte> with_section(std::span<const std::byte> file) const {
@@ -173,28 +166,23 @@ class caster_section {
   format::set_reader sets_;
   std::optional<cell_blocks> adjacent_;
   std::vector<sun_arc> suns_;
-  std::vector<polygon_shadows> shadows_;  // of each sun
   caster_search_settings how_;
   std::vector<std::vector<std::uint32_t>> casters_;  // the suns of a cell one after the other
   std::vector<format::certificate_record> proofs_;
 };
 
-// Calls work for each cell and sun on the calling thread's TBB arena.
-void in_parallel(std::size_t cells, std::size_t suns, const std::function<void(std::size_t, std::size_t)>& work) {
-  tbb::parallel_for(std::size_t{0}, cells * suns, [&](std::size_t i) {
-    // A thread that waits for a batch begins no other cell meanwhile.
-    tbb::this_task_arena::isolate([&] { work(i / suns, i % suns); });
-  });
-}
-
-// Reads all cells, a few at a time, so that a cancellation takes effect soon. Returns false if on_done does.
-bool for_groups(caster_section& section, const std::function<void(std::vector<lit_cell>&)>& work,
-                const std::function<bool(std::uint32_t done)>& on_done) {
+// Reads all cells, a few at a time, so that a cancellation takes effect soon, and calls work for each on the calling
+// thread's TBB arena, then keep for each in their order. Returns false if on_done does.
+bool for_each_cell(caster_section& section, const std::function<void(lit_cell&)>& work,
+                   const std::function<void(lit_cell&)>& keep, const std::function<bool(std::uint32_t done)>& on_done) {
   const auto group = static_cast<std::uint32_t>(std::max(2, 2 * tbb::this_task_arena::max_concurrency()));
   for (std::uint32_t done = 0; done < section.cells();) {
     std::vector<lit_cell> cells(std::min(group, section.cells() - done));
     for (std::uint32_t i = 0; i < cells.size(); ++i) section.read(done + i, cells[i]);
-    work(cells);
+    // A thread that waits for a batch begins no other cell meanwhile.
+    tbb::parallel_for(std::size_t{0}, cells.size(),
+                      [&](std::size_t i) { tbb::this_task_arena::isolate([&] { work(cells[i]); }); });
+    for (lit_cell& cell : cells) keep(cell);
     done += static_cast<std::uint32_t>(cells.size());
     if (!on_done(done)) return false;
   }
@@ -209,25 +197,33 @@ bool add_casters(std::vector<std::byte>& file, const std::string& name, const ra
   caster_section section(file, name, how);
   const std::size_t suns = how.suns.size();
   found.assign(suns, {.max_upper_bound = 0.0});
-  const auto find = [&](std::vector<lit_cell>& cells) {
-    in_parallel(cells.size(), suns,
-                [&](std::size_t i, std::size_t sun) { section.find(rays, neighbors, cells[i], sun); });
-    for (lit_cell& cell : cells) section.keep(cell, found);
+  const auto total = static_cast<std::uint32_t>(section.cells() * suns);
+  const auto tell = [&](std::size_t done) {
+    return !on_progress || on_progress(static_cast<std::uint32_t>(done), total);
   };
+  // One sun after the other, so that the shadows of one are in memory.
+  for (std::size_t sun = 0; sun < suns; ++sun) {
+    const std::size_t before = sun * section.cells();
+    const polygon_shadows shadows =
+        shadows_of_polygons(rays, section.suns()[sun].middle(), [&] { return tell(before); });
+    const bool all = for_each_cell(
+        section, [&](lit_cell& cell) { section.find(rays, neighbors, shadows, cell, sun); },
+        [&](lit_cell& cell) { section.keep(cell, sun, found[sun]); },
+        [&](std::uint32_t done) { return tell(before + done); });
+    if (!all) return false;
+  }
   // All cells try what their neighbors had before this step, so that the order of cells does not matter.
   std::vector<std::vector<std::uint32_t>> casters(section.cells() * suns);
-  const auto try_adjacent = [&](std::vector<lit_cell>& cells) {
-    std::vector<std::uint64_t> spent(cells.size() * suns);
-    in_parallel(cells.size(), suns, [&](std::size_t i, std::size_t sun) {
-      std::vector<std::uint32_t>& of_cell = casters[cells[i].number * suns + sun];
-      spent[i * suns + sun] = section.try_adjacent(rays, neighbors, cells[i], sun, of_cell);
-    });
-    for (std::size_t i = 0; i < spent.size(); ++i) found[i % suns].rays += spent[i];
-  };
-  const auto on_found = [&](std::uint32_t done) { return !on_progress || on_progress(done, section.cells()); };
-  const auto on_tried = [&](std::uint32_t) { return on_found(section.cells()); };
-  if (!section.find_shadows(rays, [&] { return on_found(0); })) return false;
-  if (!for_groups(section, find, on_found) || !for_groups(section, try_adjacent, on_tried)) return false;
+  for (std::size_t sun = 0; sun < suns; ++sun) {
+    const bool all = for_each_cell(
+        section,
+        [&](lit_cell& cell) {
+          std::vector<std::uint32_t>& of_cell = casters[cell.number * suns + sun];
+          cell.found.rays_spent = section.try_adjacent(rays, neighbors, cell, sun, of_cell);
+        },
+        [&](lit_cell& cell) { found[sun].rays += cell.found.rays_spent; }, [&](std::uint32_t) { return tell(total); });
+    if (!all) return false;
+  }
   section.replace(std::move(casters), found);
   file = section.with_section(file);
   return true;

@@ -16,7 +16,7 @@
 
 namespace sightcell::bake {
 
-// Receives the number of finished cells and of all cells. Returning false cancels.
+// Receives the number of finished cells and of all cells, each counted once per sun. Returning false cancels.
 using caster_progress = std::function<bool(std::uint32_t done, std::uint32_t total)>;
 
 // Finds the casters of every cell of a file for each sun of the settings, and writes the section into its bytes,

@@ -21,6 +21,7 @@ constexpr std::uint64_t of_rays = 220;       // two trees of Embree's while they
 constexpr std::uint64_t of_neighbors = 48;   // lists of polygons with common vertices and of coincident polygons
 constexpr std::uint64_t of_source = 112;     // clusters of the rasterizer while they are built; OpenGL takes the same
 constexpr std::uint64_t of_duplicates = 16;  // while duplicates are searched for
+constexpr std::uint64_t of_shadows = 16;     // where the shadow of each falls, for one sun at a time
 constexpr std::uint64_t of_workplace = 9;    // pixels of each polygon in a hemicube
 
 constexpr std::uint64_t vertex_bytes = 12;
@@ -68,6 +69,7 @@ std::uint64_t memory_of_scene(const scene::scene& s, const settings& how) {
   std::uint64_t per_polygon = of_rays + of_duplicates;
   if (needs_neighbors(how)) per_polygon += of_neighbors;
   if (takes_hemicubes(how.sampler) && how.source != "rays") per_polygon += of_source;
+  if (!how.suns.empty()) per_polygon += of_shadows;
   const std::uint64_t copies = how.all_double_sided ? 2 : 1;
   std::uint64_t bytes = of_process;
   for (const scene::scene* one : {&s, how.cells_from})

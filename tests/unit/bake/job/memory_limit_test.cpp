@@ -54,6 +54,9 @@ TEST(memory_limit, what_is_not_built_is_not_counted) {
   settings how;
   how.source = "cpu";
   const std::uint64_t all = memory_of_scene(s, how);
+  how.suns.resize(2);
+  EXPECT_EQ(memory_of_scene(s, how), all + 16'000'000) << "shadows of one sun at a time";
+  how.suns.clear();
   how.max_pixel_error = 0.0;
   EXPECT_EQ(memory_of_scene(s, how), all) << "guided looks beside what it knows without an error to reach, too";
   how.sampler = "halton";
