@@ -18,6 +18,7 @@
 #include "unit/format/importance_samples.h"
 #include "unit/format/light_samples.h"
 #include "unit/format/residency_samples.h"
+#include "unit/format/viewpoint_samples.h"
 
 namespace sightcell::test {
 namespace {
