@@ -57,7 +57,7 @@ class cluster_collector {
     if (!windows.empty()) open(0);
   }
 
-  // Polygons first .. end - 1, none before those of the last call. Here, because a set has thousands of short runs.
+  // Polygons first .. end - 1, none before those of the last call. Inline: a set has thousands of short runs.
   void add(std::uint32_t first, std::uint32_t end) noexcept {
     if (end > end_of_bytes_) return add_across(first, end);
     // Four at a time: a loop that compilers leave as it is takes longer.

@@ -1,7 +1,6 @@
 #include "casters/caster_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
@@ -12,7 +11,6 @@
 #include "casters/shadow_batch.h"
 #include "casters/visible_shadows.h"
 #include "search/batch_plan.h"
-#include "trace/triangle_math.h"
 #include "trace/viewpoints.h"
 
 namespace sightcell::bake {
@@ -213,17 +211,13 @@ class caster_finder {
 
   // Joins the polygon if the shadow of one of some points of it falls on something that one of the viewpoints sees.
   void try_caster(std::uint32_t polygon, std::span<const glm::vec3> eyes, const glm::vec3& to_light) {
-    // Barycentric coordinates: the middle, and points near the corners.
-    constexpr std::array<std::array<float, 3>, 4> tries{
-        {{1.0f / 3, 1.0f / 3, 1.0f / 3}, {0.8f, 0.1f, 0.1f}, {0.1f, 0.8f, 0.1f}, {0.1f, 0.1f, 0.8f}}};
-    const triangle t = corners_of(rays_.geometry(), polygon);
     sight below;
-    for (const auto& weights : tries) {
-      const glm::vec3 on = t[0] * weights[0] + t[1] * weights[1] + t[2] * weights[2];
+    for (std::size_t i = 0; i < shadow_points; ++i) {
+      const glm::vec3 on = shadow_point(rays_.geometry(), polygon, i);
       ++result_.rays_spent;
-      rays_.trace(on - 2e-3f * to_light, -to_light, below);
+      rays_.trace(on - beside_polygon * to_light, -to_light, below);
       if (below.front == no_polygon || !sets_.camera(below.front)) continue;
-      const glm::vec3 point = on - to_light * (2e-3f + below.distance);
+      const glm::vec3 point = on - to_light * (beside_polygon + below.distance);
       for (const glm::vec3& eye : eyes)
         if (sees(eye, point, below.front, to_light)) break;
       if (sets_.drawn(polygon)) return;

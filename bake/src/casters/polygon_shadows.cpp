@@ -12,7 +12,6 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t polygons_per_part = 4096, polygons_per_question = 64 * polygons_per_part;
-constexpr float from_polygon = 2e-3f;  // meters: the polygon itself is no receiver
 
 // Fills the elements from `first` to before `end`.
 void find_receivers(const ray_scene& rays, std::size_t first, std::size_t end, polygon_shadows& shadows) {
@@ -26,7 +25,7 @@ void find_receivers(const ray_scene& rays, std::size_t first, std::size_t end, p
     const auto polygon = static_cast<std::uint32_t>(i);
     for (std::size_t point = 0; point < shadow_points; ++point)
       lines.push_back(
-          {shadow_point(rays.geometry(), polygon, point) - from_polygon * shadows.to_light, -shadows.to_light});
+          {shadow_point(rays.geometry(), polygon, point) - beside_polygon * shadows.to_light, -shadows.to_light});
     polygons.push_back(polygon);
   }
   seen.resize(lines.size());

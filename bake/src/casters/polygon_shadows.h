@@ -12,6 +12,8 @@ namespace sightcell::bake {
 
 // Points of a polygon whose shadows are looked at: its center, and one near each corner.
 inline constexpr std::size_t shadow_points = 4;
+// Meters from such a point along the light to where a ray begins: the polygon itself is no receiver.
+inline constexpr float beside_polygon = 2e-3f;
 
 struct polygon_shadows {
   glm::vec3 to_light{0.0f};
