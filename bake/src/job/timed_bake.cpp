@@ -21,7 +21,7 @@ namespace {
 
 constexpr double next_target = 0.25;  // times the target before
 // Limits of a turn. A cell that needs many times the rays of others to reach a target continues in its next turn.
-constexpr double rays_times_target = 4e3, fewest_rays = 2e6, most_rays = 1e8;
+constexpr double rays_times_target = 4e3, fewest_rays_of_turn = 2e6, most_rays_of_turn = 1e8;
 constexpr double share_between_files = 0.1, seconds_between_files = 60.0;
 constexpr double work_to_writing = 10.0;  // least ratio of working time to writing time
 constexpr double writing_grows = 1.5;     // most, from one file to the next
@@ -115,7 +115,8 @@ void timed_bake::run() {
   const std::vector<view_cell>& cells = work_.context.cells->list.cells;
   for (const double target : targets_of(how())) {
     if (!progress_.open(target) || work_.clock.over()) return;
-    const auto max_rays = static_cast<std::uint64_t>(std::clamp(rays_times_target / target, fewest_rays, most_rays));
+    const auto max_rays =
+        static_cast<std::uint64_t>(std::clamp(rays_times_target / target, fewest_rays_of_turn, most_rays_of_turn));
     const take_step take = [&](const cell_step& step, cell_set& set) {
       const time_limit limit = work_.clock.limit(&stop_);
       const std::optional<cell_record> before = load(step.cell);
