@@ -5,7 +5,7 @@ set(CMAKE_C_COMPILER x86_64-w64-mingw32-gcc-posix)
 set(CMAKE_CXX_COMPILER x86_64-w64-mingw32-g++-posix)
 set(CMAKE_RC_COMPILER x86_64-w64-mingw32-windres)
 # The libraries of the compiler are linked statically, so that programs and DLLs need no other files.
-set(CMAKE_EXE_LINKER_FLAGS_INIT -static)
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -fno-use-linker-plugin -B${CMAKE_CURRENT_LIST_DIR}/windows_linker")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT -static)
 # The prefix of wine is inside the build tree.
 set(CMAKE_CROSSCOMPILING_EMULATOR ${CMAKE_CURRENT_LIST_DIR}/../run_wine ${CMAKE_BINARY_DIR}/wine)
