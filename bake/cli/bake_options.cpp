@@ -127,6 +127,12 @@ void add_edit_options(CLI::App& verb, bake_options& o) {
       ->excludes("--shard");
   verb.get_option("--keep-records")->excludes("--shard");
   verb.add_flag(
+          "--keep-found", o.settings.keep_found,
+          "With --since or --watch --keep-records: cells that the edit can have changed start from the polygons that "
+          "they had, and rays prove their bounds again. Faster than baking them anew. The sets are not those of a full "
+          "bake: they may have polygons that the edit occludes.")
+      ->group(group);
+  verb.add_flag(
           "--watch", o.watch,
           "Keeps running and bakes again each time that the scene is saved: first a preview of the quality draft, "
           "then the quality that is asked for. A save during a bake ends it and begins the next one. Ctrl-C ends the "
@@ -382,6 +388,9 @@ bake::settings settings_of(const bake_options& options) {
   if (!options.near.empty() && !options.watch && how.cell_limit == 0)
     throw error(error_kind::wrong_use, "settings.out-of-range", "--near", "is given without --cell-limit and --watch",
                 "give one of them too, or leave --near out");
+  if (how.keep_found && how.since.empty() && !(options.watch && how.keep_records))
+    throw error(error_kind::wrong_use, "settings.records", "--keep-found",
+                "is given without --since and without --watch --keep-records", "give one of them too, or leave it out");
   for (const std::string& sun : options.suns) how.suns.push_back(sun_of(sun));
   if (!options.path_file.empty()) how.path_file = options.path_file;
   for (const std::string& name : options.path_cameras)

@@ -31,6 +31,7 @@ nlohmann::ordered_json rebaked_json(const bake::summary& sum) {
           {"changed_polygon", sum.rebaked->changed_polygon},
           {"something_new", sum.rebaked->something_new},
           {"neighbors", sum.rebaked->neighbors},
+          {"started", sum.rebaked->started},
           {"new", sum.rebaked->is_new}};
 }
 
@@ -130,13 +131,14 @@ std::string lights_text(const bake::settings& how, const bake::light_summary& fo
       how.max_pixel_error, grouped(found.over_bound));
 }
 
-std::string rebaked_text(const bake::rebaked_cells& cells, double cpu_seconds) {
+std::string rebaked_text(const bake::rebaked_cells& cells, bool keep_found, double cpu_seconds) {
   return fmt::format(
-      "baked again: {} of {} cells ({} saw what changed, {} could see something new, {} beside such cells, {} new), {} "
-      "of "
-      "CPU time",
-      grouped(cells.count()), grouped(cells.count() + cells.kept), grouped(cells.changed_polygon),
-      grouped(cells.something_new), grouped(cells.neighbors), grouped(cells.is_new), duration_text(cpu_seconds));
+      "{} again: {} of {} cells ({} saw what changed, {} could see something new, {} beside such cells, {} of an "
+      "earlier "
+      "--keep-found, {} new), {} of CPU time",
+      keep_found ? "tested" : "baked", grouped(cells.count()), grouped(cells.count() + cells.kept),
+      grouped(cells.changed_polygon), grouped(cells.something_new), grouped(cells.neighbors), grouped(cells.started),
+      grouped(cells.is_new), duration_text(cpu_seconds));
 }
 
 int report_shard(const std::filesystem::path& target, const bake::summary& sum, progress_line& line) {
@@ -169,7 +171,7 @@ int report(const bake_options& options, const bake::settings& how, const bake::s
   line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
                            options.output.string(), grouped(sum.cells), grouped(sum.bytes), sum.visible_percent,
                            duration_text(sum.cpu_seconds), how.seed));
-  if (sum.rebaked) line.message(rebaked_text(*sum.rebaked, sum.cpu_seconds));
+  if (sum.rebaked) line.message(rebaked_text(*sum.rebaked, options.settings.keep_found, sum.cpu_seconds));
   if (sum.times.cells > 0)
     line.message(
         fmt::format("time per cell: median {:.2g} s, 99 % of cells at most {:.2g} s, slowest {:.2g} s (center {:.1f}, "

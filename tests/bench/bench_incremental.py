@@ -2,7 +2,9 @@
 """Incremental bakes of a scene after edits of single nodes: cells baked again, CPU seconds, and whether the file has the
 bytes of a full bake.
 
-usage: bench_incremental.py SCENE.glb [--bin FOLDER] [--cells N] [--cell-size M] [--quality NAME] [--quick]
+usage: bench_incremental.py SCENE.glb [--bin FOLDER] [--cells N] [--cell-size M] [--quality NAME] [--rays N] [--quick]
+
+Then the same with --keep-found: CPU seconds, polygons of the sets over those of the full bake, and misses of `verify`.
 
 Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m): removed, moved by a meter, twice as large, its material
 to MASK, a copy of it added 3 m away. Edits of the file alone: other names, the
@@ -141,6 +143,7 @@ def main():
     arguments.add_argument('--cell-size', default='4')
     arguments.add_argument('--quality', default='normal')
     arguments.add_argument('--seed', type=int, default=1, help='chooses the prop of each edit')
+    arguments.add_argument('--rays', type=int, default=1000000, help='rays of verify')
     arguments.add_argument('--quick', action='store_true')
     given = arguments.parse_args()
     program = os.path.join(given.bin, 'sightcell')
@@ -171,7 +174,8 @@ def main():
         before = bake(given.scene, 'before.pvs', '--keep-records')
         print(f'{len(cells)} cells, {before["polygons"]} polygons, {len(props)} props near them; with records '
               f'{before["cpu_seconds"]:.1f} CPU s, {os.path.getsize(path("before.pvs.records")) / 1e6:.1f} MB of records')
-        print('edit,cells_again,changed_polygon,something_new,neighbors,cpu_full,cpu_since,share,equal')
+        print('edit,cells_again,changed_polygon,something_new,neighbors,cpu_full,cpu_since,share,equal,cpu_found,'
+              'share_found,polygons_found,misses_found')
         good = True
         for edit in EDITS[:3] if given.quick else EDITS:
             changed = copy.deepcopy(document)
@@ -182,10 +186,15 @@ def main():
             with open(path('full.pvs'), 'rb') as a, open(path('some.pvs'), 'rb') as b:
                 equal = a.read() == b.read()
             good = good and equal
+            quick = bake(path('edited.glb'), 'quick.pvs', '--since', path('before.pvs'), '--keep-found')
+            checked = run('verify', path('edited.glb'), path('quick.pvs'), '--rays', str(given.rays), '--json')
             again = some['cells_rebaked']
             print(f'{edit.__name__},{again["cells"]},{again["changed_polygon"]},{again["something_new"]},{again["neighbors"]},'
                   f'{full["cpu_seconds"]:.1f},{some["cpu_seconds"]:.1f},'
-                  f'{some["cpu_seconds"] / full["cpu_seconds"]:.2f},{"yes" if equal else "NO"}', flush=True)
+                  f'{some["cpu_seconds"] / full["cpu_seconds"]:.2f},{"yes" if equal else "NO"},'
+                  f'{quick["cpu_seconds"]:.1f},{quick["cpu_seconds"] / full["cpu_seconds"]:.2f},'
+                  f'{quick["visible_set_percent"] / full["visible_set_percent"]:.3f},{checked["misses"]} of {given.rays}',
+                  flush=True)
     sys.exit(0 if good else 1)
 
 

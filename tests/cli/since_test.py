@@ -205,9 +205,48 @@ class Since(InFolder):
                 self.assertEqual(read(self.path('some.pvs')), read(self.path('full.pvs')))
                 again = some['cells_rebaked']
                 self.assertEqual(again['cells'],
-                                 sum(again[why] for why in ('changed_polygon', 'something_new', 'neighbors', 'new')))
+                                 sum(again[why] for why in ('changed_polygon', 'something_new', 'neighbors', 'started',
+                                                            'new')))
                 self.assertLessEqual(again['cells'], most, again)
                 self.assertGreaterEqual(again['cells'], min(most, 1), again)
+
+    def test_keep_found_proves_the_bound_again(self):
+        self.bake('before.glb', 'kept.pvs', '--keep-records')
+        for edit, most in EDITS:
+            with self.subTest(edit.__name__):
+                self.edited(edit)
+                found = self.bake('edited.glb', 'found.pvs', '--since', self.path('kept.pvs'), '--keep-found')
+                again = found['cells_rebaked']
+                self.assertLessEqual(again['cells'], most, again)
+                self.assertLessEqual(found['max_upper_bound'], 1e-2)
+                out, _ = self.expect(0, 'verify', self.path('edited.glb'), self.path('found.pvs'), '--rays', '40000', '--json')
+                self.assertLess(json.loads(out)['misses'], 0.01 * 40000)
+                info, _ = self.expect(0, 'info', self.path('found.pvs'), '--json')
+                self.assertIs(json.loads(info)['settings']['keep_found'], True)
+
+    def test_a_full_bake_after_keep_found_has_its_bytes(self):
+        self.bake('before.glb', 'kept.pvs', '--keep-records')
+        self.edited(open_wall)
+        found = self.bake('edited.glb', 'found.pvs', '--since', self.path('kept.pvs'), '--keep-found')
+        some = self.bake('edited.glb', 'some.pvs', '--since', self.path('found.pvs'))
+        self.bake('edited.glb', 'full.pvs')
+        self.assertEqual(read(self.path('some.pvs')), read(self.path('full.pvs')))
+        self.assertGreater(some['cells_rebaked']['started'], 0)
+        self.assertLessEqual(some['cells_rebaked']['started'], found['cells_rebaked']['cells'])
+
+    def test_many_edits_in_a_row_keep_the_bound(self):
+        self.bake('before.glb', 'row.pvs', '--keep-records')
+        scene = copy.deepcopy(self.before)
+        for edit in (close_door, add, move, resize, open_wall, change_instances):
+            edit(scene)
+            scene.write(self.path('edited.glb'))
+            self.bake('edited.glb', 'row.pvs', '--since', self.path('row.pvs'), '--keep-found')
+        out, _ = self.expect(0, 'verify', self.path('edited.glb'), self.path('row.pvs'), '--rays', '40000', '--json')
+        self.assertLess(json.loads(out)['misses'], 0.01 * 40000)
+
+    def test_keep_found_needs_an_earlier_bake(self):
+        _, err = self.expect(2, 'bake', self.path('before.glb'), '-o', self.path('none.pvs'), '--keep-found')
+        self.assertIn('--since', self.assert_one_error_line(err, 'settings.records'))
 
     def test_one_edit_after_the_other_in_one_file(self):
         self.bake('before.glb', 'level.pvs', '--keep-records')
@@ -230,7 +269,7 @@ class Since(InFolder):
         self.bake('before.glb', 'full.pvs', cells=fewer)
         self.assertEqual(read(self.path('some.pvs')), read(self.path('full.pvs')))
         self.assertEqual(again['cells_rebaked'], {'cells': 1, 'changed_polygon': 0, 'something_new': 0, 'neighbors': 0,
-                                                  'new': 1})
+                                                  'started': 0, 'new': 1})
 
     def test_damaged_records_are_refused(self):
         self.bake('before.glb', 'damaged.pvs', '--keep-records')

@@ -32,7 +32,8 @@ class Usage(InRoom):
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
             '-o', '--volumes', '--sun', '--lights', '--importance', '--report', '--cells-file', '--cells-grid', '--reach', '--start',
             '--fly', '--cell-size', '--cell-limit', '--quality', '--max-pixel-error', '--player-radius', '--animated',
-            '--time-budget', '--threads', '--shard', '--fresh', '--keep-records', '--since', '--watch', '--help-all'])
+            '--time-budget', '--threads', '--shard', '--fresh', '--keep-records', '--since', '--keep-found',
+            '--watch', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),
                          ['Output', 'Cells', 'Quality', 'Scene rules', 'Time and machines', 'Edits', 'Help',
                           'Examples'])

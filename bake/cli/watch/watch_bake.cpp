@@ -121,6 +121,7 @@ bool watched_bake::has_nothing_new(const scene_facts& facts) const {
 bake::settings watched_bake::since(bake::settings how, const fs::path& output) const {
   std::error_code ignored;
   if (how.keep_records && done_ && fs::exists(with_ending(output, ".records"), ignored)) how.since = output;
+  how.keep_found = how.keep_found && !how.since.empty();
   return how;
 }
 

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "bound/ray_trial.h"
 #include "bound/valid_count.h"
 #include "trace/direction_code.h"
+#include "trace/line_box.h"
 
 namespace sightcell::bake {
 namespace {
@@ -20,7 +22,7 @@ constexpr std::uint64_t chunk_rays = 65536;
 constexpr std::uint64_t fewest_tests = 256, rays_per_test = 256;
 
 struct chunk_result {
-  std::uint64_t cast = 0, tested = 0, valid = 0, misses = 0, viewpoints_tested = 0, misses_of_volumes = 0;
+  std::uint64_t cast = 0, traced = 0, tested = 0, valid = 0, misses = 0, viewpoints_tested = 0, misses_of_volumes = 0;
   std::vector<missed_polygon> missed;
   std::vector<found_volume> missed_volumes;
 };
@@ -36,19 +38,32 @@ std::vector<sight_line> draw(const viewpoint_region& where, std::uint64_t count,
   return lines;
 }
 
+bool passes_any(const sight_line& line, std::span<const box> boxes) {
+  return std::any_of(boxes.begin(), boxes.end(), [&](const box& one) {
+    float enter = 0.0f, leave = std::numeric_limits<float>::max();
+    return clip_line(one.min, one.max, line.eye, line.direction, enter, leave);
+  });
+}
+
 // Returns the indices of the lines that met something which the set lacks, ascending. Lines are sorted so that those
 // with similar directions share packets.
+// through: lines that pass none of these boxes are left out; none: all are traced.
+// traced: the number of the others is added.
 std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial, const viewpoint_region& where,
-                                    const std::vector<sight_line>& lines) {
+                                    const std::vector<sight_line>& lines,
+                                    const std::optional<std::span<const box>>& through, std::uint64_t& traced) {
   const box& around = where.whole();
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> order(lines.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i)
-    order[i] = {
-        direction_code(lines[i].direction) << 15 | place_code(lines[i].eye, around.min, around.max - around.min), i};
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
+  order.reserve(lines.size());
+  for (std::uint32_t i = 0; i < lines.size(); ++i)
+    if (!through || passes_any(lines[i], *through))
+      order.emplace_back(
+          direction_code(lines[i].direction) << 15 | place_code(lines[i].eye, around.min, around.max - around.min), i);
   std::sort(order.begin(), order.end());
-  std::vector<sight_line> sorted(lines.size());
+  std::vector<sight_line> sorted(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = lines[order[i].second];
-  std::vector<sight> seen(lines.size());
+  traced += order.size();
+  std::vector<sight> seen(order.size());
   rays.trace(sorted, seen);
   std::vector<std::uint32_t> found;
   for (std::size_t i = 0; i < order.size(); ++i)
@@ -59,12 +74,13 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
 
 chunk_result cast_chunk(const ray_scene& rays, const viewpoint_region& where, const visibility_rules& rules,
                         std::uint64_t count, std::uint64_t tests, random_stream random,
-                        const std::function<bool(std::uint32_t)>& contains) {
+                        const std::function<bool(std::uint32_t)>& contains,
+                        const std::optional<std::span<const box>>& through) {
   chunk_result result;
   const std::vector<sight_line> lines = draw(where, count, *rules.metric, random);
   result.cast = count;
   ray_trial trial(rays, rules, contains);
-  const std::vector<std::uint32_t> suspect_lines = suspects(rays, trial, where, lines);
+  const std::vector<std::uint32_t> suspect_lines = suspects(rays, trial, where, lines, through, result.traced);
 
   std::vector<glm::vec3> viewpoints;
   for (std::size_t i = 0; i < std::min<std::size_t>(tests, lines.size()); ++i) viewpoints.push_back(lines[i].eye);
@@ -97,7 +113,7 @@ void bound_batch::cast_tested(std::uint64_t trials) {
   source.round = source_.round * most_parts + parts_++;
   const verification_batch part = cast_verification_rays(rays_, where_, rules_, trials, source, contains_, give_up_);
   given_up_ = given_up_ || part.given_up;
-  cast_ += part.rays, tested_ += part.rays, valid_ += part.rays;
+  cast_ += part.rays, traced_ += part.rays, tested_ += part.rays, valid_ += part.rays;
   misses_ += part.misses;
   viewpoints_tested_ += part.viewpoints_tested;
   missed_.insert(missed_.end(), part.missed.begin(), part.missed.end());
@@ -107,7 +123,11 @@ void bound_batch::cast_tested(std::uint64_t trials) {
 
 void bound_batch::cast(std::uint64_t trials) {
   if (valid_share_ < fewest_valid) return cast_tested(trials);
-  const auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(trials) / valid_share_));
+  cast_rays(static_cast<std::uint64_t>(std::ceil(static_cast<double>(trials) / valid_share_)));
+}
+
+void bound_batch::cast_rays(std::uint64_t count) {
+  rays_of_parts_.push_back(count);
   std::vector<chunk_result> chunks((count + chunk_rays - 1) / chunk_rays);
   const std::uint64_t tests = std::max(fewest_tests, count / rays_per_test);
   const std::uint64_t tests_of_chunk = (tests + chunks.size() - 1) / std::max<std::size_t>(chunks.size(), 1);
@@ -118,14 +138,15 @@ void bound_batch::cast(std::uint64_t trials) {
       return;
     }
     const std::uint64_t size = std::min(chunk_rays, count - i * chunk_rays);
-    chunks[i] =
-        cast_chunk(rays_, where_, rules_, size, tests_of_chunk,
-                   random_stream(source_.seed, source_.place, source_.use, source_.round, parts_ + i), contains_);
+    chunks[i] = cast_chunk(rays_, where_, rules_, size, tests_of_chunk,
+                           random_stream(source_.seed, source_.place, source_.use, source_.round, parts_ + i),
+                           contains_, only_through_);
   });
   given_up_ = given_up_ || given_up;
   parts_ += chunks.size();
   for (const chunk_result& chunk : chunks) {
     cast_ += chunk.cast;
+    traced_ += chunk.traced;
     tested_ += chunk.tested;
     valid_ += chunk.valid;
     misses_ += chunk.misses;

@@ -3,6 +3,8 @@
 // testing viewpoints late).
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -57,16 +59,24 @@ class bound_batch {
         contains_(contains),
         give_up_(std::move(give_up)) {}
 
+  // From now on, rays that pass none of these boxes are not cast, and count as hits: the caller knows their results.
+  // The boxes must outlive the batch.
+  void cast_only_through(std::span<const box> boxes) { only_through_ = boxes; }
   // Casts approximately this number of further trials.
   void cast(std::uint64_t trials);
+  // Casts this number of further rays.
+  void cast_rays(std::uint64_t count);
+  // Returns the number of rays of each part so far. Another batch of the same source that casts these parts has the
+  // same rays. Empty if every viewpoint is tested.
+  const std::vector<std::uint64_t>& parts() const { return rays_of_parts_; }
   // Returns whether the batch was given up. Then some rays of the last part are missing, and which ones depends on
   // time. Such a batch bounds nothing; only the polygons that it found are of use.
   bool given_up() const { return given_up_; }
   // Returns a lower limit for the number of trials so far. It is wrong with a probability of at most `risk`.
   std::uint64_t trials(double risk) const;
   std::uint64_t misses() const { return misses_; }
-  // Returns the cost so far: verification rays plus tested viewpoints.
-  std::uint64_t spent() const { return cast_ + viewpoints_tested_; }
+  // Returns the cost so far: rays that were cast plus tested viewpoints.
+  std::uint64_t spent() const { return traced_ + viewpoints_tested_; }
   // Returns the polygons that the rays met and the set lacks, in a fixed order.
   const std::vector<missed_polygon>& missed() const { return missed_; }
   // Returns the number of misses where only volumes count as missing; and the missing volumes.
@@ -84,9 +94,13 @@ class bound_batch {
   const std::function<bool(std::uint32_t)>& contains_;
   const std::function<bool()> give_up_;
   bool given_up_ = false;
-  std::uint64_t cast_ = 0, tested_ = 0, valid_ = 0;   // rays; viewpoints tested for their share; valid ones among those
+  // Rays, with those that count as hits; those that were cast; viewpoints tested for their share; valid ones among
+  // those.
+  std::uint64_t cast_ = 0, traced_ = 0, tested_ = 0, valid_ = 0;
   std::uint64_t misses_ = 0, viewpoints_tested_ = 0;  // viewpoints tested for any reason
   std::uint64_t parts_ = 0;
+  std::vector<std::uint64_t> rays_of_parts_;
+  std::optional<std::span<const box>> only_through_;  // none: all rays are cast
   std::vector<missed_polygon> missed_;
   std::uint64_t misses_of_volumes_ = 0;
   std::vector<found_volume> missed_volumes_;

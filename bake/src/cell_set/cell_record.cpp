@@ -41,6 +41,21 @@ void take_witnesses(byte_reader& in, cell_record& record) {
   }
 }
 
+void put_bound_rays(std::vector<std::uint8_t>& out, const bound_rays& of) {
+  put_varint(out, of.number);
+  put_varint(out, of.name);
+  put_varint(out, of.parts.size());
+  for (const std::uint64_t rays : of.parts) put_varint(out, rays);
+}
+
+void take_bound_rays(byte_reader& in, bound_rays& of) {
+  of.number = static_cast<std::uint32_t>(in.take_varint());
+  of.name = static_cast<std::uint32_t>(in.take_varint());
+  const std::uint64_t parts = in.take_varint();
+  if (parts > in.bytes.size()) in.fail();
+  for (std::uint64_t i = 0; in.good && i < parts; ++i) of.parts.push_back(in.take_varint());
+}
+
 // Returns a reader of the bytes between version and checksum; nothing if one of the two is wrong.
 std::optional<byte_reader> body_of(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < checksum_size) return std::nullopt;
@@ -112,6 +127,7 @@ std::vector<std::uint8_t> encode(const cell_record& record) {
     for (const std::uint16_t steps : eye) put_bytes(out, steps, 2);
   put_set(out, record.late);
   if (!record.volumes.empty()) put_set(out, record.volumes);
+  put_bound_rays(out, record.of_bound);
   put_bytes(out, XXH3_64bits(out.data(), out.size()), checksum_size);
   return out;
 }
@@ -134,6 +150,7 @@ std::optional<cell_record> decode(std::span<const std::uint8_t> bytes) {
     for (std::uint16_t& steps : eye) steps = static_cast<std::uint16_t>(in->take(2));
   take_set(*in, record.late);
   if ((flags & has_volumes) != 0) take_set(*in, record.volumes);
+  take_bound_rays(*in, record.of_bound);
   if (!in->good || !in->bytes.empty()) return std::nullopt;
   return record;
 }

@@ -36,6 +36,14 @@ using find_counts = std::array<std::uint32_t, found_by_count>;  // polygons, by 
 inline constexpr std::size_t growth_steps = 14;
 using growth_counts = std::array<std::uint32_t, growth_steps>;
 
+// Names the verification rays of a bound, so that they can be cast again after an edit of the scene.
+struct bound_rays {
+  std::uint32_t number = 0;          // of their batch, which decides its share of the confidence; 0: not known
+  std::uint32_t name = 0;            // of their random numbers
+  std::vector<std::uint64_t> parts;  // rays of each part of the batch
+  bool operator==(const bound_rays&) const = default;
+};
+
 struct cell_record {
   std::vector<std::uint32_t> set;      // ascending source ids
   std::vector<std::uint32_t> volumes;  // ascending; empty if the bake has no volumes
@@ -47,6 +55,7 @@ struct cell_record {
   std::uint64_t misses = 0;
   double upper_bound = 1.0;
   double confidence = 0.0;
+  bound_rays of_bound;
   std::uint32_t batches = 0;  // batches of verification rays so far: the next one has a smaller share of the confidence
   std::uint64_t rays_spent = 0;  // cost of all ray work, in rays
   std::uint32_t samples = 0;     // number of hemicubes rendered
@@ -84,11 +93,12 @@ struct cell_summary {
 cell_summary summary_of(const cell_record& record);
 
 // Of the encoding. It is in the keys of checkpoints and of kept records, so that those of another version are rejected.
-inline constexpr std::uint8_t record_version = 9;
+inline constexpr std::uint8_t record_version = 10;
 
 // Returns the bytes of a record: version, the plain fields in little-endian order, the set, its witnesses, the late
-// polygons, the volumes if there are any, as varint runs, and XXH3-64 of all bytes before it. A set takes at most one
-// to two bytes per polygon, its witnesses a few bits per polygon. Two records are equal if their bytes are.
+// polygons, the volumes if there are any, as varint runs, the rays of the bound, and XXH3-64 of all bytes before it. A
+// set takes at most one to two bytes per polygon, its witnesses a few bits per polygon. Two records are equal if their
+// bytes are.
 std::vector<std::uint8_t> encode(const cell_record& record);
 // Decodes a record. Returns nothing if the checksum or anything else is wrong. The bytes may be arbitrary.
 std::optional<cell_record> decode(std::span<const std::uint8_t> bytes);

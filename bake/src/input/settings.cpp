@@ -191,6 +191,12 @@ void check_two_scenes(const settings& s) {
 
 // Steps of a cell must depend on the scene and the cell alone, and all that they see must be recorded.
 void check_kept_records(const settings& s) {
+  if (s.keep_found && s.since.empty())
+    throw error(error_kind::wrong_use, "settings.records", "--keep-found", "is given without --since",
+                "name the earlier file with --since, or leave out --keep-found");
+  if (s.keep_found && s.volumes > 0.0)
+    throw error(error_kind::wrong_use, "settings.records", "--keep-found", "does not work with --volumes",
+                "leave out one of the two");
   if (!s.keep_records && s.since.empty()) return;
   const char* const option = s.since.empty() ? "--keep-records" : "--since";
   const auto refuse_with = [&](const char* other) {

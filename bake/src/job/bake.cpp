@@ -82,6 +82,7 @@ void count_rebaked(const step_keeper& keeper, const settings& how, summary& sum)
                               .changed_polygon = of(rebake_reason::changed_polygon),
                               .something_new = of(rebake_reason::something_new),
                               .neighbors = of(rebake_reason::neighbors),
+                              .started = of(rebake_reason::started),
                               .kept = of(rebake_reason::none)};
 }
 

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
+#include <nlohmann/json.hpp>
 
 #include <utility>
 #include <vector>
 
 #include "job/bake_key.h"
+#include "sightcell/base/json_text.h"
 #include "sightcell/base/stop_request.h"
 
 namespace sightcell::bake {
@@ -77,7 +79,13 @@ bool build(std::optional<bake_context>& context, const scene::scene& s, const se
 }
 
 pvs_frame bake_context::frame() const {
-  return frame_of(s, how, with_overrides(settings_text, input.given), cells->list.cells, volumes_or_null());
+  std::string text = with_overrides(settings_text, input.given);
+  if (how.keep_found) {
+    auto with_start = scene::parse_ordered_json(text);
+    with_start["keep_found"] = true;
+    text = with_start.dump();
+  }
+  return frame_of(s, how, std::move(text), cells->list.cells, volumes_or_null());
 }
 
 }  // namespace sightcell::bake

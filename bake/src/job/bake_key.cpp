@@ -110,9 +110,9 @@ std::string key_of(const scene::scene& s, const settings& how, const bake_input&
   const std::string of_blocks = input.misses.key_of(cells.blocks, cells.list.cells, how.margin);
   const std::string settings_text =
       with_misses(text_of(of_records, cells, device.chosen), input.misses, fmt::format("\"{}\"", of_blocks));
-  return fmt::format("records {} scene {:02x} cells {} {:016x} settings {}", record_version,
+  return fmt::format("records {} scene {:02x} cells {} {:016x}{} settings {}", record_version,
                      fmt::join(s.fingerprint, ""), cells.list.cells.size(), hash_of_cells(cells, input.given),
-                     settings_text);
+                     how.keep_found ? " keep-found" : "", settings_text);
 }
 
 std::string steps_key_of(const bake_cells& cells, const std::string& settings_text) {

@@ -29,6 +29,7 @@ void take_bound(const finish_result& proof, cell_record& record) {
   record.upper_bound = proof.upper_bound;
   record.confidence = proof.confidence;
   record.bound_met = proof.bound_met;
+  record.of_bound = proof.of_bound;
 }
 
 }  // namespace
@@ -78,11 +79,13 @@ void cell_baker::note_time(const time_limit& limit, cell_record& record) const {
   if (limit.has_time()) record.seconds += limit.spent();
 }
 
-cell_record cell_baker::sample(const view_cell& cell, cell_set& set, stop_request* stop) const {
-  return sample(cell, set, limit_until(how_.max_pixel_error > 0.0 ? sampling_time : 1.0, {}, stop));
+cell_record cell_baker::sample(const view_cell& cell, cell_set& set, stop_request* stop,
+                               const found_before* before) const {
+  return sample(cell, set, limit_until(how_.max_pixel_error > 0.0 ? sampling_time : 1.0, {}, stop), before);
 }
 
-cell_record cell_baker::sample(const view_cell& cell, cell_set& set, const time_limit& limit) const {
+cell_record cell_baker::sample(const view_cell& cell, cell_set& set, const time_limit& limit,
+                               const found_before* before) const {
   cell_record record;
   set.clear();
   const auto wanted =
@@ -109,11 +112,16 @@ cell_record cell_baker::sample(const view_cell& cell, cell_set& set, const time_
   }
   const auto inside = rays_.touching(grown(cell).min, grown(cell).max);
   record.geometry_inside = !inside.empty();
-  const sampling_effort effort =
-
-      sampler_.sample({grown(cell), cell.place, record.geometry_inside, viewpoints, &found->region, &limit}, set);
-  record.samples = effort.samples;
-  record.rays_spent = effort.rays;
+  if (before) {
+    record.samples = before->record.samples;
+    record.batches = before->record.batches;
+    record.rays_spent = join_found_before(rays_, *before, rules(), set);
+  } else {
+    const sampling_effort effort =
+        sampler_.sample({grown(cell), cell.place, record.geometry_inside, viewpoints, &found->region, &limit}, set);
+    record.samples = effort.samples;
+    record.rays_spent = effort.rays;
+  }
 
   add_inside(cell, inside, viewpoints, set);
   set.save(record);
@@ -169,6 +177,21 @@ std::optional<search_views> cell_baker::views_of(const view_cell& cell, const ce
   return sampler_.later_views({grown(cell), cell.place, record.geometry_inside, {}, &region}, record.samples);
 }
 
+// Adds what an earlier bake found in later steps than sampling, and what rays at the edit find.
+search_start cell_baker::start_from(const view_cell& cell, const found_before& before, const time_limit& limit,
+                                    cell_set& set, cell_record& record) const {
+  const neighbor_check_settings how = check_of(cell, purpose::found_before, limit);
+  record.batches = std::max(record.batches, before.record.batches);
+  record.samples = std::max(record.samples, before.record.samples);
+  record.rays_spent += join_found_before(rays_, before, rules(), set);
+  record.rays_spent += look_again(rays_, grown(cell), before, how, set);
+  search_start start{set.members().size(), before.missing(), {}};
+  record.rays_spent += look_at_edit(rays_, before, how, set);
+  // Rays start in the same places only where the region is the same.
+  if (record.region == before.record.region) start.again = bound_before(rays_, before, how.rules.smallest_gap, set);
+  return start;
+}
+
 // Searches and verifies. Stores the set and the effort in the record, but not the bound.
 // set: the cell's set so far.
 finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std::optional<search_views>& views,
@@ -181,7 +204,7 @@ finish_result cell_baker::finish(const view_cell& cell, finish_settings how, std
   const finish_result proof =
       finish_with_rays(rays_, *neighbors_, region_of(cell, record), how, set, views ? &*views : nullptr);
   if (views) record.samples = views->poses.taken();
-  record.batches = static_cast<std::uint32_t>(proof.batches);
+  record.batches = static_cast<std::uint32_t>(how.batches_elsewhere + proof.batches);
   record.rays_spent += proof.rays_spent;
   set.save(record);
   return proof;
@@ -191,43 +214,73 @@ neighbor_check_settings cell_baker::check_of(const view_cell& cell, purpose use,
   return {.seed = how_.seed,
           .place = cell.place,
           .use = use,
-          .rules = {how_.player_radius, how_.smallest_gap},
+          .rules = rules(),
           .least_solid_angle = least_solid_angle(how_.max_pixel_error),
           .limit = &limit};
 }
 
 // Searches and verifies up to the target of the settings.
 // set: the cell's set so far.
-void cell_baker::bound(const view_cell& cell, const time_limit& limit, cell_set& set, cell_record& record) const {
+void cell_baker::bound(const view_cell& cell, const time_limit& limit, const search_start& start, cell_set& set,
+                       cell_record& record) const {
   auto views = views_of(cell, record);
-  const finish_settings how{.max_pixel_error = how_.max_pixel_error, .limit = &limit};
+  const std::uint32_t tried = start.again ? start.again->of.number : 0;
+  const finish_settings how{.max_pixel_error = how_.max_pixel_error,
+                            .limit = &limit,
+                            .batches_before = tried,
+                            .batches_elsewhere = record.batches - tried,
+                            .missing = start.missing,
+                            .known = start.known,
+                            .known_to = how_.max_pixel_error,
+                            .again = start.again ? &*start.again : nullptr};
   take_bound(finish(cell, how, views, set, record), record);
   record.out_of_time = limit.reached() && !record.bound_met;
 }
 
 cell_record cell_baker::finish_rays(const view_cell& cell, const cell_record& own,
-                                    std::span<const cell_record> neighbors, cell_set& set, stop_request* stop) const {
+                                    std::span<const cell_record> neighbors, cell_set& set, stop_request* stop,
+                                    const found_before* before) const {
   cell_record record = own;
   if (!record.stored) return record;
   const time_limit limit = limit_until(bounding_time, record, stop);
   set.load(record);
-  const time_limit of_check = limit.part(neighbor_time);
-  record.rays_spent +=
-      neighbor_check(rays_, grown(cell), check_of(cell, purpose::neighbor_check, of_check), neighbors, set);
+  search_start start;
+  if (before) {
+    start = start_from(cell, *before, limit, set, record);
+  } else {
+    const time_limit of_check = limit.part(neighbor_time);
+    record.rays_spent +=
+        neighbor_check(rays_, grown(cell), check_of(cell, purpose::neighbor_check, of_check), neighbors, set);
+  }
   add_misses(cell, set, record);
-  bound(cell, limit, set, record);
+  bound(cell, limit, start, set, record);
   std::set_difference(record.set.begin(), record.set.end(), own.set.begin(), own.set.end(),
                       std::back_inserter(record.late));
   note_time(limit, record);
   return record;
 }
 
-cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set, stop_request* stop) const {
-  cell_record record = sample(cell, set, stop);
+cell_record cell_baker::sample_and_finish(const view_cell& cell, cell_set& set, stop_request* stop,
+                                          const found_before* before) const {
+  cell_record record = sample(cell, set, stop, before);
   if (!record.stored) return record;
   const time_limit limit = limit_until(bounding_time, record, stop);
+  search_start start;
+  if (before) start = start_from(cell, *before, limit, set, record);
   add_misses(cell, set, record);
-  if (shares()) bound(cell, limit, set, record);
+  if (shares()) bound(cell, limit, start, set, record);
+  note_time(limit, record);
+  return record;
+}
+
+cell_record cell_baker::keep_checked(const cell_record& own, const found_before& before, cell_set& set,
+                                     stop_request* stop) const {
+  cell_record record = own;
+  if (!record.stored) return record;
+  const time_limit limit = limit_until(1.0, record, stop);
+  set.load(record);
+  record.rays_spent += join_found_before(rays_, before, rules(), set);
+  set.save(record);
   note_time(limit, record);
   return record;
 }

@@ -57,8 +57,8 @@ bool prepare(const phase_work& work) {
 }
 
 cell_record take_or_bake(const phase_work& work, const view_cell& cell, step_kind kind, const cell_record* own,
-                         std::span<const cell_record> neighbors, const std::function<cell_record()>& bake) {
-  return work.keeper ? work.keeper->take(cell, kind, own, neighbors, bake) : bake();
+                         std::span<const cell_record> neighbors, const bake_step& bake) {
+  return work.keeper ? work.keeper->take(cell, kind, own, neighbors, bake) : bake(nullptr);
 }
 
 }  // namespace
@@ -134,16 +134,19 @@ void run_phase_1(const phase_work& work) {
   const take_step take = [&](const cell_step& step, cell_set& set) {
     const view_cell& cell = work.context.cells->list.cells[step.cell];
     if (step.to == cell_stage::sampled)
-      return take_or_bake(work, cell, step_kind::sample, nullptr, {}, [&] { return baker.sample(cell, set, &stop); });
+      return take_or_bake(work, cell, step_kind::sample, nullptr, {},
+                          [&](const found_before* before) { return baker.sample(cell, set, &stop, before); });
     if (work.plan.shares_in_block(step.cell)) {
       const cell_record own = sampled(step.cell);
       const auto around = work.plan.blocks().neighbors_in_block(step.cell);
       const std::vector<cell_record> neighbors = neighbors_of(own, around, sampled);
-      return take_or_bake(work, cell, step_kind::finish_rays, &own, neighbors,
-                          [&] { return baker.finish_rays(cell, own, neighbors, set, &stop); });
+      return take_or_bake(work, cell, step_kind::finish_rays, &own, neighbors, [&](const found_before* before) {
+        return baker.finish_rays(cell, own, neighbors, set, &stop, before);
+      });
     }
-    cell_record record = take_or_bake(work, cell, step_kind::sample_and_finish, nullptr, {},
-                                      [&] { return baker.sample_and_finish(cell, set, &stop); });
+    cell_record record =
+        take_or_bake(work, cell, step_kind::sample_and_finish, nullptr, {},
+                     [&](const found_before* before) { return baker.sample_and_finish(cell, set, &stop, before); });
     return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
   };
   run(work, baker, bake_phase::baking_cells, step_queue::phase_1(work.plan, work.tracker.have(), work.blocks), stop,
@@ -165,8 +168,10 @@ void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
       return record;
     };
     const std::vector<cell_record> neighbors = neighbors_of(own, blocks.neighbors_of(step.cell), untested);
-    return baker.finished(cell, take_or_bake(work, cell, step_kind::check, &own, neighbors,
-                                             [&] { return baker.check(cell, own, neighbors, set, &stop); }));
+    const bake_step check = [&](const found_before* before) {
+      return before ? baker.keep_checked(own, *before, set, &stop) : baker.check(cell, own, neighbors, set, &stop);
+    };
+    return baker.finished(cell, take_or_bake(work, cell, step_kind::check, &own, neighbors, check));
   };
   run(work, baker, bake_phase::checking_neighbors, step_queue::phase_2(work.plan, work.tracker.have(), work.blocks),
       stop, take);

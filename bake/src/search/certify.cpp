@@ -45,13 +45,14 @@ class search_of_volumes {
     if (!how.volumes) return;
     trial_.emplace(*how.volumes, set.volumes());
     rules_.volumes = &*trial_;
-    search_ = std::make_unique<volume_search>(rays, *how.volumes, where,
-                                              volume_search_settings{.seed = seed_after(how.batches_before, how.seed),
-                                                                     .place = how.place,
-                                                                     .player_radius = how.rules.player_radius,
-                                                                     .smallest_gap = how.rules.smallest_gap,
-                                                                     .limit = how.limit},
-                                              set);
+    search_ = std::make_unique<volume_search>(
+        rays, *how.volumes, where,
+        volume_search_settings{.seed = seed_after(how.batches_elsewhere + how.batches_before, how.seed),
+                               .place = how.place,
+                               .player_radius = how.rules.player_radius,
+                               .smallest_gap = how.rules.smallest_gap,
+                               .limit = how.limit},
+        set);
   }
 
   // Searches with a lower priority each time.
@@ -123,7 +124,7 @@ class ray_budget {
 
 // Takes the bound of a batch. Sets only grow, and the bounds of all batches hold together with the stated confidence,
 // so the smallest one holds.
-void take_bound(const proof& found, double target, finish_result& result) {
+void take_bound(const proof& found, const bound_rays& of, double target, finish_result& result) {
   const double bound =
       clopper_pearson_upper(found.misses, found.at.trials, 1.0 - (1.0 - viewpoint_risk_share) * found.at.risk);
   if (result.rays > 0 && bound >= result.upper_bound) return;
@@ -132,6 +133,44 @@ void take_bound(const proof& found, double target, finish_result& result) {
   result.confidence = 1.0 - found.at.risk;
   result.upper_bound = bound;
   result.bound_met = bound <= target;
+  result.of_bound = of;
+}
+
+void add_missed(const bound_batch& batch, cell_set& set) {
+  const finding misses(set, found_by::verification);
+  for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
+}
+
+// Casts the rays of an earlier bound where the edit of the scene can have changed their result. Returns the proof with
+// the misses of then and now.
+proof prove_again(bound_batch& batch, const cast_again& again) {
+  batch.cast_only_through(again.changed);
+  for (const std::uint64_t rays : again.of.parts) batch.cast_rays(rays);
+  const double risk = 1.0 - again.confidence;
+  const std::uint64_t misses = again.misses + batch.misses();
+  const std::uint64_t trials = std::min(again.trials, batch.trials(viewpoint_risk_share * risk));
+  return {{misses, std::max(trials, misses), risk}, misses};
+}
+
+// Looks beside what an earlier bake did not know, and tries its bound. Returns the cost of the rays of the bound.
+// batch: with the random numbers of the bound.
+std::uint64_t try_again(bound_batch& batch, const finish_settings& how, const ray_budget& budget, cell_search& search,
+                        cell_set& set, finish_result& result) {
+  search.look_beside(budget.left(0));
+  const proof found = prove_again(batch, *how.again);
+  if (how.limit) (void)how.limit->reached();  // throws where a stop was requested: the batch is not complete then
+  if (!batch.given_up() && found.at.trials > 0) take_bound(found, how.again->of, how.max_pixel_error, result);
+  add_missed(batch, set);
+  search.look_beside(budget.left(batch.spent()));
+  search.hear(static_cast<double>(batch.misses()) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
+  result.rays_spent = batch.spent() + search.spent();
+  return batch.spent();
+}
+
+// Names the rays of a batch. Where every viewpoint is tested they are not known.
+bound_rays bound_rays_of(const bound_batch& batch, std::uint64_t number, std::uint64_t name) {
+  if (batch.parts().empty()) return {};
+  return {static_cast<std::uint32_t>(number), static_cast<std::uint32_t>(name), batch.parts()};
 }
 
 // Casts rays until an interim test meets the target, until finishing the batch is expected to cost more than another
@@ -173,12 +212,12 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const viewpoint_region& where,
                                const finish_settings& how, cell_set& set, search_views* views) {
   const finding later(set, found_by::later_hemicubes);  // but for what rays find
-  finish_result result;
+  finish_result result{.batches = how.batches_before};
   const double target = how.max_pixel_error;
   const time_limit& limit = how.limit ? *how.limit : no_limit;
   time_limit of_search = limit.part(search_share);
   cell_search search(rays, neighbors, views,
-                     {.seed = seed_after(how.batches_before, how.seed),
+                     {.seed = seed_after(how.batches_elsewhere + how.batches_before, how.seed),
                       .place = how.place,
                       .smallest_gap = how.rules.smallest_gap,
                       .limit = &of_search,
@@ -187,6 +226,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                       .known = views ? how.known : 0,
                       .tried = views ? priority_after(priority_beside(how.known_to), views->poses.taken()) : 0.0},
                      set);
+  if (how.missing < 1.0) search.hear(how.missing);
   search_of_volumes volumes(rays, where, how, set);
   const double rays_per_trial = 1.0 / std::max(how.valid_share, 1e-3),
                cost_of_trial = verification_ray_cost * rays_per_trial;
@@ -205,7 +245,16 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     return limit.stopped() || (how.limit_ends_batches && limit.has_time() && limit.left() <= 0.0);
   };
 
-  for (bool more = true; more;) {
+  const auto batch_of = [&](purpose use, std::uint64_t name) {
+    return bound_batch(rays, where, volumes.rules(), how.valid_share, {how.seed, how.place, use, name}, contains,
+                       give_up);
+  };
+
+  if (how.again) {
+    bound_batch batch = batch_of(purpose::bound, how.again->of.name);
+    of_batches = try_again(batch, how, budget, search, set, result);
+  }
+  for (bool more = !result.bound_met; more;) {
     const std::uint64_t number = how.batches_before + ++turns;
     interim_tests = plan_interim_tests(target, risk_of_batch(number), viewpoint_risk_share);
     goal.max_cost = budget.left(of_batches);
@@ -216,12 +265,10 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     volumes.look_for();
     result.rays_spent = of_batches + search.spent() + volumes.spent();
 
-    bound_batch batch(rays, where, volumes.rules(), how.valid_share, {how.seed, how.place, purpose::bound, number},
-                      contains, give_up);
+    bound_batch batch = batch_of(purpose::bound, how.batches_elsewhere + number);
     std::uint64_t most_trials = std::numeric_limits<std::uint64_t>::max();
     if (limit.has_time() && !how.limit_ends_batches) {
-      bound_batch pilot(rays, where, volumes.rules(), how.valid_share, {how.seed, how.place, purpose::estimate, number},
-                        contains, give_up);
+      bound_batch pilot = batch_of(purpose::estimate, how.batches_elsewhere + number);
       most_trials = trials_in(limit, pilot);
     }
     const proof found = prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial,
@@ -229,12 +276,10 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
     result.batches = number;
     of_batches += std::max<std::uint64_t>(batch.spent(), 1);
     (void)limit.reached();  // throws where a stop was requested: the batch is not complete then
-    if (!batch.given_up()) take_bound(found, target, result);
+    if (!batch.given_up())
+      take_bound(found, bound_rays_of(batch, number, how.batches_elsewhere + number), target, result);
 
-    {
-      const finding misses(set, found_by::verification);
-      for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
-    }
+    add_missed(batch, set);
     volumes.add(batch.missed_volumes());
     of_search = limit.part(1.0);
     search.look_beside(budget.left(of_batches));

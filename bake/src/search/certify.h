@@ -3,14 +3,26 @@
 #include <cstdint>
 
 #include "bound/verification_rays.h"
+#include "cell_set/cell_record.h"
 #include "cell_set/cell_set.h"
 #include "search/cell_search.h"
 #include "search/near_polygons.h"
+#include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
 #include "trace/viewpoint_region.h"
 #include "volumes/volume_grid.h"
 
 namespace sightcell::bake {
+
+// A bound that verification rays proved before an edit of the scene. Its rays are cast again where the edit can have
+// changed their result. Those that missed count as misses whatever they meet now. So the set may depend on them, and
+// the bound is valid (docs/method/incremental.md).
+struct cast_again {
+  bound_rays of;
+  std::uint64_t trials = 0, misses = 0;
+  double confidence = 0.0;
+  std::vector<box> changed;  // rays that pass none of these have the result that they had
+};
 
 // The parameters of a run on one cell.
 struct finish_settings {
@@ -30,11 +42,18 @@ struct finish_settings {
   // begun is completed.
   bool limit_ends_batches = false;
   std::uint64_t batches_before = 0;  // batches of this cell so far, whose shares of the confidence are spent
+  // Batches before these, in earlier versions of the scene. What they missed is in the set, so their random numbers are
+  // not used again. Their shares of the confidence are, because they bounded other sets.
+  std::uint64_t batches_elsewhere = 0;
+  // What the miss probability of the set probably is before the search. Where it is near the target, verification rays
+  // come first. 1: nothing is known.
+  double missing = 1.0;
   // Used if there are views: the number of members whose neighbors an earlier run tried, and the miss probability for
   // which that was done.
   std::size_t known = 0;
   double known_to = 1.0;
   const volume_grid* volumes = nullptr;  // visibility volumes to search for; null: none
+  const cast_again* again = nullptr;     // rays of an earlier bound, tried before new ones; null: none
 };
 
 // The certificate of the cell and what it cost.
@@ -43,6 +62,7 @@ struct finish_result {
   std::uint64_t rays = 0, misses = 0;  // of the batch with the smallest bound; its misses have joined the set since
   double upper_bound = 1.0;            // of the miss probability, with this batch's confidence
   double confidence = 0.0;
+  bound_rays of_bound;           // that batch
   std::uint64_t batches = 0;     // begun so far, including earlier runs
   std::uint32_t rounds = 1;      // 1 and the further rounds that were begun
   std::uint64_t rays_spent = 0;  // sight rays and tested viewpoints of all batches, and the cost of the search

@@ -18,7 +18,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '2'};
+constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '3'};
 constexpr std::size_t checksum_size = 8;
 constexpr std::size_t polygons_of_part = 16384;
 constexpr std::size_t bytes_of_polygon = 2 * sizeof(std::uint64_t) + sizeof(triangle);
@@ -114,7 +114,9 @@ std::vector<std::uint8_t> bytes_of(const kept_records& records) {
     put(out, step.place);
     put(out, step.box);
     put(out, step.kind);
-    put(out, step.inputs);
+    put(out, step.own_inputs);
+    put(out, step.neighbor_inputs);
+    put(out, static_cast<std::uint8_t>(step.started ? 1 : 0));
     put_list(out, step.record);
     put_list(out, step.space);
   }
@@ -141,7 +143,9 @@ std::optional<kept_records> records_of(std::span<const std::uint8_t> bytes) {
     const auto kind = in.take<std::uint8_t>();
     if (kind > static_cast<std::uint8_t>(step_kind::check)) return std::nullopt;
     step.kind = static_cast<step_kind>(kind);
-    step.inputs = in.take<std::uint64_t>();
+    step.own_inputs = in.take<std::uint64_t>();
+    step.neighbor_inputs = in.take<std::uint64_t>();
+    step.started = in.take<std::uint8_t>() != 0;
     const auto record = in.take_list(), space = in.take_list();
     step.record.assign(record.begin(), record.end());
     step.space.assign(space.begin(), space.end());

@@ -18,9 +18,11 @@ struct kept_step {
   std::uint64_t place = 0;     // of the cell
   std::array<float, 6> box{};  // of the cell: min, then max, meters
   step_kind kind = step_kind::sample;
-  std::uint64_t inputs = 0;          // a hash of the records that went into the step
-  std::vector<std::uint8_t> record;  // encode() of the cell_record
-  std::vector<std::uint8_t> space;   // touched_space::encode()
+  std::uint64_t own_inputs = 0;       // a hash of the cell's record before the step
+  std::uint64_t neighbor_inputs = 0;  // a hash of the records of neighbors that went into the step
+  bool started = false;               // from what an earlier bake found: it is not the record of a full bake
+  std::vector<std::uint8_t> record;   // encode() of the cell_record
+  std::vector<std::uint8_t> space;    // touched_space::encode()
 };
 
 struct kept_records {

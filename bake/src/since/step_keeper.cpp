@@ -51,7 +51,7 @@ step_keeper::step_keeper(const scene::world_geometry& geometry, const near_polyg
   }
 }
 
-std::vector<step_keeper::edited_part> step_keeper::parts_of(const std::vector<triangle>& all) {
+std::vector<edited_part> step_keeper::parts_of(const std::vector<triangle>& all) {
   std::vector<edited_part> parts;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (i % triangles_of_part == 0) parts.push_back({{all[i][0], all[i][0]}, {}});
@@ -90,21 +90,22 @@ std::uint64_t step_keeper::hash_of_set(const cell_record& record) const {
   return sum;
 }
 
+std::uint64_t step_keeper::hash_of_own(const cell_record* own) const {
+  if (own == nullptr) return 0;
+  cell_record rest = *own;
+  rest.set.clear();
+  rest.witness_of.clear();
+  rest.late.clear();
+  const std::vector<std::uint8_t> bytes = encode(rest);
+  std::uint64_t late = 0;
+  for (const std::uint32_t polygon : own->late) late += now_.polygons.names[polygon];
+  const std::array<std::uint64_t, 3> hashes{XXH3_64bits(bytes.data(), bytes.size()), hash_of_set(*own), late};
+  return XXH3_64bits(hashes.data(), sizeof(hashes));
+}
+
 // Of neighbors only what the cell lacks counts, because a step reads nothing else of them.
-std::uint64_t step_keeper::inputs_of(const cell_record* own, std::span<const cell_record> neighbors) const {
+std::uint64_t step_keeper::hash_of_neighbors(std::span<const cell_record> neighbors) const {
   std::vector<std::uint64_t> hashes;
-  if (own != nullptr) {
-    cell_record rest = *own;
-    rest.set.clear();
-    rest.witness_of.clear();
-    rest.late.clear();
-    const std::vector<std::uint8_t> bytes = encode(rest);
-    hashes.push_back(XXH3_64bits(bytes.data(), bytes.size()));
-    hashes.push_back(hash_of_set(*own));
-    std::uint64_t late = 0;
-    for (const std::uint32_t polygon : own->late) late += now_.polygons.names[polygon];
-    hashes.push_back(late);
-  }
   for (const cell_record& neighbor : neighbors)
     if (!neighbor.set.empty()) hashes.push_back(hash_of_set(neighbor));
   return XXH3_64bits(hashes.data(), hashes.size() * sizeof(hashes[0]));
@@ -144,9 +145,41 @@ bool step_keeper::renumber(cell_record& record) const {
   return true;
 }
 
+// Gives the polygons of a record their new numbers and leaves out those that are gone.
+void step_keeper::drop_gone(cell_record& record) const {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> members;  // new number, witness
+  for (std::size_t i = 0; i < record.set.size(); ++i) {
+    const std::uint32_t now = edit_.new_of[record.set[i]];
+    if (now != polygon_edit::gone) members.emplace_back(now, record.witness_of[i]);
+  }
+  std::sort(members.begin(), members.end());
+  record.set.resize(members.size());
+  record.witness_of.resize(members.size());
+  for (std::size_t i = 0; i < members.size(); ++i) std::tie(record.set[i], record.witness_of[i]) = members[i];
+  record.late.clear();
+}
+
+// Returns what the earlier bake found in the cell, by its last step; nothing if it has no set.
+std::optional<found_before> step_keeper::found_in(const view_cell& cell) const {
+  for (const step_kind kind :
+       {step_kind::check, step_kind::finish_rays, step_kind::sample_and_finish, step_kind::sample}) {
+    const auto found = steps_.find(name_of(cell, kind));
+    if (found == steps_.end()) continue;
+    std::optional<cell_record> record = decode(found->second->record);
+    if (!record) refuse_records(how_.since);
+    require_sound(*record);
+    if (!record->stored || record->samples == 0) return std::nullopt;
+    drop_gone(*record);
+    return found_before{std::move(*record), removed_, added_};
+  }
+  return std::nullopt;
+}
+
 // Returns none if the kept record holds. record: then it, with new numbers.
-rebake_reason step_keeper::why_not(const kept_step* step, std::uint64_t inputs, cell_record& record) const {
+// now: the inputs of the step in this bake.
+rebake_reason step_keeper::why_not(const kept_step* step, const kept_step& now, cell_record& record) const {
   if (step == nullptr) return rebake_reason::new_cell;
+  if (step->started && !how_.keep_found) return rebake_reason::started;
   std::optional<cell_record> kept = decode(step->record);
   if (!kept) refuse_records(how_.since);
   require_sound(*kept);
@@ -157,32 +190,51 @@ rebake_reason step_keeper::why_not(const kept_step* step, std::uint64_t inputs, 
     if (meets(*space, removed_)) return rebake_reason::changed_polygon;
     if (meets(*space, added_)) return rebake_reason::something_new;
   }
-  if (step->inputs != inputs) return rebake_reason::neighbors;
+  // Neighbors only add to a set, and its bound holds without them.
+  if (step->own_inputs != now.own_inputs || (step->neighbor_inputs != now.neighbor_inputs && !how_.keep_found))
+    return rebake_reason::neighbors;
   record = std::move(*kept);
   return rebake_reason::none;
 }
 
 cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_record* own,
-                              std::span<const cell_record> neighbors, const std::function<cell_record()>& bake) {
+                              std::span<const cell_record> neighbors, const bake_step& bake) {
   const step_name name = name_of(cell, kind);
   const auto found = steps_.find(name);
   const kept_step* before = found != steps_.end() ? found->second : nullptr;
-  kept_step step{name.place, name.box, kind, inputs_of(own, neighbors), {}, {}};
+  kept_step step{.place = name.place,
+                 .box = name.box,
+                 .kind = kind,
+                 .own_inputs = hash_of_own(own),
+                 .neighbor_inputs = hash_of_neighbors(neighbors),
+                 .record = {},
+                 .space = {}};
   cell_record record;
-  rebake_reason why = why_not(before, step.inputs, record);
+  rebake_reason why = why_not(before, step, record);
   // A cell that had other steps has other neighbors now.
   if (why == rebake_reason::new_cell && cells_.contains(name_of(cell, step_kind::sample)))
     why = rebake_reason::neighbors;
   if (why == rebake_reason::none) {
+    step.neighbor_inputs = before->neighbor_inputs;
+    step.started = before->started;
     step.space = before->space;
   } else {
+    std::optional<found_before> start;
+    if (how_.keep_found && why != rebake_reason::new_cell) start = found_in(cell);
     touched_space space(box{cell.min, cell.max}.grown(how_.margin), scene_);
     // What is recorded belongs to a thread, so no other thread may help. Cells are many, so all have work.
     tbb::task_arena alone(1);
     alone.execute([&] {
       const recording on_this_thread(&space);
-      record = bake();
+      record = bake(start ? &*start : nullptr);
     });
+    step.started = start.has_value();
+    if (step.started && before != nullptr) {
+      // What the set has from earlier steps depends on what these touched.
+      const std::optional<touched_space> until_now = touched_space::decode(before->space);
+      if (!until_now) refuse_records(how_.since);
+      space.add(*until_now);
+    }
     step.space = space.encode();
   }
   step.record = encode(record);
@@ -197,8 +249,8 @@ void step_keeper::note(const view_cell& cell, rebake_reason why, kept_step step)
   now_.steps.push_back(std::move(step));
 }
 
-std::array<std::uint32_t, 5> step_keeper::cells_by_reason() const {
-  std::array<std::uint32_t, 5> counts{};
+std::array<std::uint32_t, 6> step_keeper::cells_by_reason() const {
+  std::array<std::uint32_t, 6> counts{};
   for (const auto& [cell, why] : reasons_) ++counts[static_cast<std::size_t>(why)];
   return counts;
 }

@@ -16,6 +16,7 @@
 
 #include "cell_set/cell_record.h"
 #include "cells/view_cell.h"
+#include "search/found_before.h"
 #include "search/near_polygons.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/scene/scene.h"
@@ -31,7 +32,11 @@ enum class rebake_reason : std::uint8_t {
   something_new = 2,    // it could see where something new is
   changed_polygon = 3,  // it saw a polygon that changed, moved or is gone, or the place of one
   new_cell = 4,         // the earlier bake has no such cell
+  started = 5,          // an earlier bake started it from what was found before it (settings::keep_found)
 };
+
+// Bakes a step. before: what it starts from; null: it is baked as in a full bake.
+using bake_step = std::function<cell_record(const found_before* before)>;
 
 class step_keeper {
  public:
@@ -51,10 +56,10 @@ class step_keeper {
   // Threads: may be called from several at a time.
   // Fails with records.damaged.
   cell_record take(const view_cell& cell, step_kind kind, const cell_record* own,
-                   std::span<const cell_record> neighbors, const std::function<cell_record()>& bake);
+                   std::span<const cell_record> neighbors, const bake_step& bake);
 
   // Returns the number of cells for each reason, of those for which take() was called.
-  std::array<std::uint32_t, 5> cells_by_reason() const;
+  std::array<std::uint32_t, 6> cells_by_reason() const;
 
   // Writes the records of all steps beside a .pvs file. Fails with output.io.
   void write(const std::filesystem::path& pvs);
@@ -66,18 +71,16 @@ class step_keeper {
     step_kind kind;
     auto operator<=>(const step_name&) const = default;
   };
-  // Triangles that are near each other in the file, and their box.
-  struct edited_part {
-    box where;
-    std::vector<triangle> corners;
-  };
   static std::vector<edited_part> parts_of(const std::vector<triangle>& all);
   static step_name name_of(const view_cell& cell, step_kind kind);
   bool meets(const touched_space& space, const std::vector<edited_part>& parts) const;
   std::uint64_t hash_of_set(const cell_record& record) const;
-  std::uint64_t inputs_of(const cell_record* own, std::span<const cell_record> neighbors) const;
-  rebake_reason why_not(const kept_step* step, std::uint64_t inputs, cell_record& record) const;
+  std::uint64_t hash_of_own(const cell_record* own) const;
+  std::uint64_t hash_of_neighbors(std::span<const cell_record> neighbors) const;
+  rebake_reason why_not(const kept_step* step, const kept_step& now, cell_record& record) const;
   bool renumber(cell_record& record) const;
+  void drop_gone(cell_record& record) const;
+  std::optional<found_before> found_in(const view_cell& cell) const;
   void require_sound(const cell_record& record) const;
   void note(const view_cell& cell, rebake_reason why, kept_step step);
 

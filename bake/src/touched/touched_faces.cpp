@@ -140,6 +140,11 @@ std::span<std::uint8_t> touched_faces::add(const touched_face& face) {
   return std::span(codes_).subspan(before);
 }
 
+void touched_faces::add(const touched_faces& other) {
+  faces_.insert(faces_.end(), other.faces_.begin(), other.faces_.end());
+  codes_.insert(codes_.end(), other.codes_.begin(), other.codes_.end());
+}
+
 std::uint8_t touched_faces::code_of(float inverse_depth) {
   const float far = inverse_depth / (1.0001f + 1e-3f * inverse_depth);
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(far) >> code_shift;

@@ -28,6 +28,9 @@ class touched_faces {
   // It is valid until the next call.
   std::span<std::uint8_t> add(const touched_face& face);
 
+  // Adds the faces of another one.
+  void add(const touched_faces& other);
+
   // Returns the code of a block whose farthest pixel has this depth (1 / meters along forward, 0 for the background).
   // Codes are 16 per octave of depth and stand for a depth that is larger, by up to 7 % and by more than the reach of
   // rule 2, up to which non-occluders count. Depths below 0.07 m count as that, those above 4 km as without end.

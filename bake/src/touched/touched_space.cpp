@@ -31,6 +31,14 @@ touched_space::touched_space(const box& cell, const box& scene) : middle_(0.5f *
   rows_.resize(rows_of_level * static_cast<std::size_t>(levels_));
 }
 
+void touched_space::add(const touched_space& other) {
+  if (other.rows_.size() > rows_.size()) rows_.resize(other.rows_.size());
+  levels_ = std::max(levels_, other.levels_);
+  for (std::size_t i = 0; i < other.rows_.size(); ++i) rows_[i] |= other.rows_[i];
+  escapes_ = escapes_ || other.escapes_;
+  faces_.add(other.faces_);
+}
+
 float touched_space::half_of(int level) const {
   return std::ldexp(half_, level);
 }

@@ -40,6 +40,9 @@ class touched_space {
   // The same for a box.
   bool meets(const box& where, float near) const;
 
+  // Adds what another space of the same cell has. The box of the scene may be another one.
+  void add(const touched_space& other);
+
   // Returns the bytes: the place of the cubes, then their bits and the faces, deflated.
   std::vector<std::uint8_t> encode() const;
   // The reverse. The bytes may be arbitrary. Returns nothing if they are not those of encode().

@@ -80,9 +80,10 @@ struct rebaked_cells {
   std::uint32_t changed_polygon = 0;  // it saw a polygon that changed, moved or is gone, or the place of one
   std::uint32_t something_new = 0;    // it could see where something new is
   std::uint32_t neighbors = 0;        // what a neighbor sees changed
+  std::uint32_t started = 0;          // the earlier bake started it from what it had (settings::keep_found)
   std::uint32_t kept = 0;             // not baked again
 
-  std::uint32_t count() const { return is_new + changed_polygon + something_new + neighbors; }
+  std::uint32_t count() const { return is_new + changed_polygon + something_new + neighbors + started; }
 };
 
 // Which part of the polygons of all sets each step found first, 0 .. 1, in the order of a bake. The sum is 1, or 0 if

@@ -186,7 +186,7 @@ struct settings {
   // --closed: named groups of the scene that occlude, as if they had no such mark. The file is for hosts while these
   // doors are closed; it has no named group of these names. Names of the scene, or of cells_from.
   std::vector<std::string> closed;
-  bake::safety_ring safety_ring = bake::safety_ring::none;   // --safety-ring: conservative dilation of finished sets
+  bake::safety_ring safety_ring = bake::safety_ring::none;  // --safety-ring: conservative dilation of finished sets
 
   // --misses: misses that a host reported, JSON: {"misses": [{"eye": [x, y, z], "polygon": 1234}]}. A polygon joins the
   // sets of the cells that the eye may be in if a ray from there hits it.
@@ -221,6 +221,12 @@ struct settings {
   // --since: a .pvs file with kept records. Cells that an edit of the scene since then cannot have changed are taken
   // from there. Includes keep_records. Empty: none are taken.
   std::filesystem::path since;
+  // --keep-found, with since: cells that the edit can have changed start from the polygons that they had. Those that
+  // may be hidden now are tried with rays, rays at the edit find what is new, and verification rays prove the bound of
+  // the cell again. Much faster than baking these cells anew. The bounds are those of any bake; the sets are not those
+  // of a full bake, and may have polygons that the edit occludes. Not with volumes. A later bake without it bakes these
+  // cells anew.
+  bool keep_found = false;
 };
 
 // Returns whether cells are where a camera flies: in boxes or near paths.

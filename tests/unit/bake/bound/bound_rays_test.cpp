@@ -5,9 +5,12 @@
 
 #include <cmath>
 #include <functional>
+#include <glm/common.hpp>
+#include <vector>
 
 #include "bound/clopper_pearson.h"
 #include "bound/verification_rays.h"
+#include "trace/triangle_math.h"
 #include "unit/bake/gridded_room.h"
 
 namespace sightcell::bake {
@@ -81,6 +84,35 @@ TEST(bound_rays, bounds_hold) {
     below += clopper_pearson_upper(batch.misses, batch.rays, 0.96) < error;
   }
   EXPECT_LE(below, 10 + 6);  // 5 % of 200, plus two standard errors
+}
+
+// After an edit only rays that pass it are cast. Their misses are those of the whole batch.
+TEST(bound_rays, cast_again_meet_the_same_where_something_changed) {
+  const scene_with_rays w(half_filled_room());
+  const box all{{-1.5f, -1.5f, -1.5f}, {1.5f, 1.5f, 1.5f}};
+  const std::function<bool(std::uint32_t)> lacks_one = [](std::uint32_t p) { return p != 0; };
+  const visibility_rules rules;
+  const auto batch = [&] { return bound_batch(w.rays, all, rules, 0.5, {1, 1, purpose::bound, 1}, lacks_one); };
+  bound_batch whole = batch();
+  whole.cast(20'000);
+  whole.cast(70'000);  // more than one chunk
+  ASSERT_EQ(whole.parts().size(), 2u);
+  ASSERT_GT(whole.misses(), 100u);
+  const triangle missing = corners_of(w.geometry, 0);
+  const box around_missing = box{glm::min(missing[0], glm::min(missing[1], missing[2])),
+                                 glm::max(missing[0], glm::max(missing[1], missing[2]))}
+                                 .grown(0.01f);
+  const std::vector<box> there{around_missing}, elsewhere{{{50.0f, 0.0f, 0.0f}, {51.0f, 1.0f, 1.0f}}};
+  bound_batch again = batch(), beside = batch();
+  again.cast_only_through(there);
+  beside.cast_only_through(elsewhere);
+  for (const std::uint64_t rays : whole.parts()) again.cast_rays(rays), beside.cast_rays(rays);
+  EXPECT_EQ(again.misses(), whole.misses());
+  EXPECT_EQ(again.trials(0.01), whole.trials(0.01));
+  EXPECT_LT(again.spent(), whole.spent() / 2);
+  EXPECT_EQ(beside.misses(), 0u);
+  EXPECT_EQ(beside.trials(0.01), whole.trials(0.01)) << "these rays are trials, too";
+  EXPECT_LT(beside.spent(), whole.spent() / 50);
 }
 
 TEST(bound_rays, do_not_depend_on_threads) {

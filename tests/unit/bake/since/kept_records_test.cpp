@@ -20,8 +20,8 @@ kept_records some_records() {
   records.polygons.near = {1, 2, 3};
   records.polygons.corners.resize(3,
                                   triangle{glm::vec3{0.0f}, glm::vec3{1.0f, 0.0f, 0.0f}, glm::vec3{0.0f, 1.0f, 0.0f}});
-  records.steps.push_back({5, {1, 2, 3, 4, 5, 6}, step_kind::check, 9, {1, 2, 3}, {4, 5}});
-  records.steps.push_back({4, {1, 2, 3, 4, 5, 6}, step_kind::sample, 9, {1}, {}});
+  records.steps.push_back({5, {1, 2, 3, 4, 5, 6}, step_kind::check, 9, 10, true, {1, 2, 3}, {4, 5}});
+  records.steps.push_back({4, {1, 2, 3, 4, 5, 6}, step_kind::sample, 9, 10, false, {1}, {}});
   return records;
 }
 
@@ -56,6 +56,10 @@ TEST(kept_records, come_back_sorted) {
   ASSERT_EQ(again.steps.size(), 2u);
   EXPECT_EQ(again.steps[0].place, 4u);
   EXPECT_EQ(again.steps[1].kind, step_kind::check);
+  EXPECT_EQ(again.steps[1].own_inputs, 9u);
+  EXPECT_EQ(again.steps[1].neighbor_inputs, 10u);
+  EXPECT_TRUE(again.steps[1].started);
+  EXPECT_FALSE(again.steps[0].started);
   EXPECT_EQ(again.steps[1].record, (std::vector<std::uint8_t>{1, 2, 3}));
   EXPECT_EQ(again.steps[1].space, (std::vector<std::uint8_t>{4, 5}));
 }

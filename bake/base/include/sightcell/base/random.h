@@ -36,7 +36,8 @@ enum class purpose : std::uint64_t {
   caster_search = 19,
   caster_bound = 20,
   caster_verify = 21,
-  light_verify = 22
+  light_verify = 22,
+  found_before = 23  // of a cell that starts from what an earlier bake found
 };
 
 class random_stream {
