@@ -63,6 +63,38 @@ TEST(certify, meets_the_bound_from_an_empty_set) {
   EXPECT_EQ(set.size(), w.s.polygon_count);
 }
 
+TEST(certify, casts_the_rays_of_an_earlier_bound_again) {
+  const scene_with_rays w(gridded_room(5));
+  cell_set set(w.s.polygon_count);
+  finish_settings how{.max_pixel_error = 1e-3};
+  const finish_result first = finish_with_rays(w.rays, w.neighbors, room_middle, how, set);
+  ASSERT_TRUE(first.bound_met);
+  ASSERT_EQ(first.of_bound.number, first.batches);
+  cast_again again{first.of_bound, first.rays, first.misses, first.confidence, {}};
+  how.batches_before = first.of_bound.number;
+  how.again = &again;
+  const finish_result same = finish_with_rays(w.rays, w.neighbors, room_middle, how, set);
+  EXPECT_TRUE(same.bound_met);
+  EXPECT_EQ(same.upper_bound, first.upper_bound);
+  EXPECT_EQ(same.batches, first.batches) << "no new one";
+  EXPECT_EQ(same.of_bound, first.of_bound);
+  EXPECT_LT(same.rays_spent, first.rays / 4) << "viewpoints are tested, no ray is cast";
+
+  again.misses = 64;  // those of before count, whatever the set has now
+  const finish_result other = finish_with_rays(w.rays, w.neighbors, room_middle, how, set);
+  EXPECT_TRUE(other.bound_met);
+  EXPECT_EQ(other.of_bound.number, first.of_bound.number + 1);
+  EXPECT_GT(other.confidence, first.confidence) << "a part of it is spent";
+
+  again.misses = first.misses;
+  cell_set lacking(w.s.polygon_count);
+  again.changed = {{glm::vec3(-100.0f), glm::vec3(100.0f)}};  // all rays
+  const finish_result edited = finish_with_rays(w.rays, w.neighbors, room_middle, how, lacking);
+  EXPECT_TRUE(edited.bound_met);
+  EXPECT_GT(edited.of_bound.number, first.of_bound.number) << "all rays miss in a set of nothing";
+  EXPECT_EQ(lacking.size(), w.s.polygon_count);
+}
+
 TEST(certify, says_so_when_the_budget_ends_first) {
   const scene_with_rays w(gridded_room(5));
   cell_set set(w.s.polygon_count);
