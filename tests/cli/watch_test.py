@@ -200,6 +200,21 @@ class Watch(InRoom):
         left = [n for n in os.listdir(self.folder) if n.startswith('kept.pvs.')]
         self.assertEqual(left, ['kept.pvs.records'])
 
+    def test_keep_found_from_the_second_bake_on(self):
+        output = self.path('found.pvs')
+
+        def says_so():
+            return json.loads(self.expect(0, 'info', output, '--json')[0])['settings'].get('keep_found')
+        self.save(0)
+        running = Watcher(self, self.room, output, *FEW, '--source', 'cpu', '--keep-records', '--keep-found')
+        running.until('waiting for')
+        self.assertIsNone(says_so(), 'there was nothing to start from')
+        self.save(1)
+        running.until('tested again: 1 of 1 cells')
+        running.until('waiting for')
+        self.assertTrue(says_so())
+        self.assertEqual(running.end(signal.SIGINT), 0)
+
     def test_a_preview_of_the_nearest_cells(self):
         """Of 68 cells along the room."""
         cells, output, plain = self.path('many.json'), self.path('near.pvs'), self.path('all.pvs')

@@ -191,8 +191,9 @@ void check_two_scenes(const settings& s) {
 
 // Steps of a cell must depend on the scene and the cell alone, and all that they see must be recorded.
 void check_kept_records(const settings& s) {
-  if (s.keep_found && s.since.empty())
-    throw error(error_kind::wrong_use, "settings.records", "--keep-found", "is given without --since",
+  if (s.keep_found && s.since.empty() && !s.keep_records)
+    throw error(error_kind::wrong_use, "settings.records", "--keep-found",
+                "is given without --since and --keep-records",
                 "name the earlier file with --since, or leave out --keep-found");
   if (s.keep_found && s.volumes > 0.0)
     throw error(error_kind::wrong_use, "settings.records", "--keep-found", "does not work with --volumes",

@@ -221,11 +221,11 @@ struct settings {
   // --since: a .pvs file with kept records. Cells that an edit of the scene since then cannot have changed are taken
   // from there. Includes keep_records. Empty: none are taken.
   std::filesystem::path since;
-  // --keep-found, with since: cells that the edit can have changed start from the polygons that they had. Those that
-  // may be hidden now are tried with rays, rays at the edit find what is new, and verification rays prove the bound of
-  // the cell again. Much faster than baking these cells anew. The bounds are those of any bake; the sets are not those
-  // of a full bake, and may have polygons that the edit occludes. Not with volumes. A later bake without it bakes these
-  // cells anew.
+  // --keep-found, with since (with keep_records alone it has no effect): cells that the edit can have changed start
+  // from the polygons that they had. Those that may be hidden now are tried with rays, rays at the edit find what is
+  // new, and verification rays prove the bound of the cell again. Much faster than baking these cells anew. The bounds
+  // are those of any bake; the sets are not those of a full bake, and may have polygons that the edit occludes. Not
+  // with volumes. A later bake without it bakes these cells anew.
   bool keep_found = false;
 };
 
