@@ -23,6 +23,15 @@ bool is_ascending(const std::vector<std::uint32_t>& ids, std::size_t end) {
   return true;
 }
 
+// Returns whether a cell can have cast these rays, so that casting them again takes no longer than a bake.
+bool is_possible(const bound_rays& of, std::uint32_t batches) {
+  constexpr std::uint64_t most_rays = 200'000'000;  // twice those of a batch
+  std::uint64_t sum = 0;
+  for (const std::uint64_t rays : of.parts)
+    if (rays > most_rays || (sum += rays) > most_rays) return false;
+  return of.number <= batches && of.name <= batches;
+}
+
 bool is_share(double value) {
   return value >= 0.0 && value <= 1.0;
 }
@@ -122,7 +131,7 @@ void step_keeper::require_sound(const cell_record& record) const {
                                  [&](std::uint32_t eye) { return eye < record.witnesses.size(); }) &&
                      std::all_of(record.witnesses.begin(), record.witnesses.end(), is_finite) &&
                      is_share(record.upper_bound) && is_share(record.confidence) && is_share(record.valid_share) &&
-                     is_share(record.outside_share);
+                     is_share(record.outside_share) && is_possible(record.of_bound, record.batches);
   if (!sound) refuse_records(how_.since);
 }
 
