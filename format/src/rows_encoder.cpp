@@ -22,10 +22,12 @@ constexpr std::size_t sampled_slack_blocks = 3;
 // Usual bytes of rows before and after slack is added.
 constexpr std::uint64_t exact_bytes = 4;
 constexpr std::uint64_t widened_bytes = 3;
+constexpr std::size_t cells_read_at_once = 8;
 
 }  // namespace
 
-rows_encoder::rows_encoder(const file_contents& contents, stored_sets& stored, std::vector<std::uint32_t> unit_borders)
+rows_encoder::rows_encoder(const file_contents& contents, const stored_sets& stored,
+                           std::vector<std::uint32_t> unit_borders)
     : contents_(contents),
       stored_(stored),
       columns_(stored.columns()),
@@ -50,13 +52,47 @@ std::size_t rows_encoder::directory_size() const {
   return chunks * layout::chunk_record_size;
 }
 
-status rows_encoder::read_set(std::uint32_t cell, std::vector<run>& runs) {
-  ids_.clear();
-  if (const status s = contents_.cell_sets.get(cell, ids_); s != status::ok) return s;
-  if (!ids_.empty() && ids_.back() >= items_ - columns_ + contents_.facts.polygon_count) return status::argument;
-  if (std::adjacent_find(ids_.begin(), ids_.end(), std::greater_equal<>()) != ids_.end()) return status::argument;
-  stored_.runs_of(ids_, runs);
+// Reads the sets of consecutive cells.
+status rows_encoder::read_sets(std::size_t first_cell, std::span<std::vector<run>> sets) const {
+  std::vector<std::uint32_t> ids;
+  std::vector<std::uint64_t> members;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    ids.clear();
+    if (const status s = contents_.cell_sets.get(static_cast<std::uint32_t>(first_cell + i), ids); s != status::ok)
+      return s;
+    if (!ids.empty() && ids.back() >= items_ - columns_ + contents_.facts.polygon_count) return status::argument;
+    if (std::adjacent_find(ids.begin(), ids.end(), std::greater_equal<>()) != ids.end()) return status::argument;
+    stored_.runs_of(ids, members, sets[i]);
+  }
   return status::ok;
+}
+
+// Reads the sets of a group: of the blocks `first`, `first + step` and so on.
+status rows_encoder::read_group(std::size_t first, std::size_t step, std::span<block_work> group) const {
+  struct piece {
+    std::size_t first_cell;
+    std::span<std::vector<run>> sets;
+    status outcome;
+  };
+  const bool at_once = contents_.cell_sets.any_thread && contents_.run_at_once;
+  std::vector<piece> pieces;
+  for (std::size_t g = 0; g < group.size(); ++g) {
+    const std::size_t begin = (first + g * step) * layout::cells_per_block;
+    const std::size_t count = std::min<std::size_t>(contents_.cell_sets.count - begin, layout::cells_per_block);
+    group[g].sets.resize(count);
+    const std::size_t of_piece = at_once ? cells_read_at_once : count;
+    for (std::size_t i = 0; i < count; i += of_piece)
+      pieces.push_back({begin + i, std::span(group[g].sets).subspan(i, std::min(of_piece, count - i)), status::ok});
+  }
+  const auto read = [&](std::size_t p) { pieces[p].outcome = read_sets(pieces[p].first_cell, pieces[p].sets); };
+  if (at_once) {
+    contents_.run_at_once(pieces.size(), read);
+  } else {
+    for (std::size_t p = 0; p < pieces.size() && (p == 0 || pieces[p - 1].outcome == status::ok); ++p) read(p);
+  }
+  const auto failed =
+      std::find_if(pieces.begin(), pieces.end(), [](const piece& p) { return p.outcome != status::ok; });
+  return failed == pieces.end() ? status::ok : failed->outcome;
 }
 
 template <class Work, class Use>
@@ -64,14 +100,7 @@ status rows_encoder::for_each_block(std::size_t step, const Work& work, const Us
   const std::size_t at_once = contents_.run_at_once ? std::max<std::size_t>(contents_.groups_at_once, 1) : 1;
   for (std::size_t first = 0; first < block_count(); first += step * at_once) {
     std::vector<block_work> group(std::min(at_once, (block_count() - first + step - 1) / step));
-    for (std::size_t g = 0; g < group.size(); ++g) {
-      const std::size_t begin = (first + g * step) * layout::cells_per_block;
-      group[g].sets.resize(std::min<std::size_t>(contents_.cell_sets.count - begin, layout::cells_per_block));
-      for (std::size_t i = 0; i < group[g].sets.size(); ++i) {
-        const status s = read_set(static_cast<std::uint32_t>(begin + i), group[g].sets[i]);
-        if (s != status::ok) return s;
-      }
-    }
+    if (const status s = read_group(first, step, group); s != status::ok) return s;
     const auto work_on = [&](std::size_t g) { work(first + g * step, group[g]); };
     if (group.size() == 1)
       work_on(0);

@@ -21,7 +21,7 @@ namespace sightcell::format {
 class rows_encoder {
  public:
   // Both must outlive the encoder. unit_borders: where range units begin, in polygons or clusters, then their number.
-  rows_encoder(const file_contents& contents, stored_sets& stored, std::vector<std::uint32_t> unit_borders);
+  rows_encoder(const file_contents& contents, const stored_sets& stored, std::vector<std::uint32_t> unit_borders);
 
   // First step: chooses how each row is coded. argument: a set is not ascending, or contains a polygon or volume that
   // does not exist; the status of the source of the sets.
@@ -60,7 +60,8 @@ class rows_encoder {
   // use: in the order of the blocks, on the calling thread.
   template <class Work, class Use>
   status for_each_block(std::size_t step, const Work& work, const Use& use);
-  status read_set(std::uint32_t cell, std::vector<run>& runs);
+  status read_sets(std::size_t first_cell, std::span<std::vector<run>> sets) const;
+  status read_group(std::size_t first, std::size_t step, std::span<block_work> group) const;
   status count_own(row_counts& counts);
   status sample(row_counts& counts);
   status sample_slack(row_counts& counts);
@@ -74,7 +75,7 @@ class rows_encoder {
   [[nodiscard]] std::uint32_t count_ranges(std::span<const run> runs) const;
 
   const file_contents& contents_;
-  stored_sets& stored_;
+  const stored_sets& stored_;
   std::uint32_t columns_ = 0;           // polygons, or clusters
   std::uint32_t items_ = 0;             // these and volumes
   std::vector<std::uint32_t> borders_;  // of range units in items; volumes are one more
@@ -88,7 +89,6 @@ class rows_encoder {
   std::uint32_t run_bound_ = 0;
   std::uint32_t range_bound_ = 0;
   std::uint32_t list_bound_ = 0;
-  std::vector<std::uint32_t> ids_;
 };
 
 }  // namespace sightcell::format

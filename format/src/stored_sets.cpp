@@ -27,11 +27,11 @@ void for_each_source(std::span<const draw_record> draws, std::span<const std::ui
 
 stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std::uint32_t> order_of_draw,
                          std::span<const std::vector<std::uint32_t>> orders, host_layout layout, std::uint32_t volumes,
-                         std::span<const std::uint32_t> cluster_begins) {
+                         std::span<const std::uint32_t> cluster_begins)
+    : volumes_(volumes) {
   const std::uint32_t polygons = draws.empty() ? 0 : draws.back().first_stored + draws.back().polygon_count;
   stored_of_source_.resize(polygons);
   columns_ = cluster_begins.empty() ? polygons : static_cast<std::uint32_t>(cluster_begins.size());
-  members_.resize((std::size_t{columns_} + volumes) / 64 + 1);
   std::uint32_t stored = 0;
   std::uint32_t cluster = 0;  // clusters that begin up to here
   const auto next_column = [&] {
@@ -48,16 +48,18 @@ stored_sets::stored_sets(std::span<const draw_record> draws, std::span<const std
 }
 
 // Uses a bit for each polygon: sorting the stored numbers takes several times as long.
-void stored_sets::runs_of(std::span<const std::uint32_t> source_ids, std::vector<run>& runs) {
+void stored_sets::runs_of(std::span<const std::uint32_t> source_ids, std::vector<std::uint64_t>& members,
+                          std::vector<run>& runs) const {
   runs.clear();
+  members.resize((std::size_t{columns_} + volumes_) / 64 + 1);  // a bit for each polygon and volume and one after them
   for (const std::uint32_t id : source_ids) {
     const auto polygons = static_cast<std::uint32_t>(stored_of_source_.size());
     const std::uint32_t stored = id < polygons ? stored_of_source_[id] : id - polygons + columns_;
-    members_[stored / 64] |= std::uint64_t{1} << (stored % 64);
+    members[stored / 64] |= std::uint64_t{1} << (stored % 64);
   }
   std::uint64_t before = 0;  // the bit of the polygon before the word
-  for (std::size_t word = 0; word < members_.size(); ++word) {
-    const std::uint64_t bits = members_[word];
+  for (std::size_t word = 0; word < members.size(); ++word) {
+    const std::uint64_t bits = members[word];
     for (std::uint64_t left = bits ^ (bits << 1 | before); left != 0; left &= left - 1) {
       const auto border = static_cast<std::uint32_t>(64 * word) + static_cast<std::uint32_t>(std::countr_zero(left));
       if (runs.empty() || runs.back().count != 0) {
@@ -67,7 +69,7 @@ void stored_sets::runs_of(std::span<const std::uint32_t> source_ids, std::vector
       }
     }
     before = bits >> 63;
-    members_[word] = 0;
+    members[word] = 0;
   }
 }
 

@@ -26,13 +26,14 @@ class stored_sets {
   [[nodiscard]] std::uint32_t columns() const { return columns_; }
 
   // Computes the stored polygons of a set of source ids, each once, in any order. The numbers of volumes, which follow
-  // those of polygons, stay. runs is replaced. Not for two threads at once.
-  void runs_of(std::span<const std::uint32_t> source_ids, std::vector<run>& runs);
+  // those of polygons, stay. runs is replaced.
+  // members: bits that are reused from call to call; each thread has its own.
+  void runs_of(std::span<const std::uint32_t> source_ids, std::vector<std::uint64_t>& members,
+               std::vector<run>& runs) const;
 
  private:
-  std::uint32_t columns_ = 0;
+  std::uint32_t columns_ = 0, volumes_ = 0;
   std::vector<std::uint32_t> stored_of_source_;  // or the number of its cluster
-  std::vector<std::uint64_t> members_;  // a bit for each polygon and volume and one after them; empty between calls
 };
 
 }  // namespace sightcell::format

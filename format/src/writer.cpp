@@ -300,10 +300,12 @@ status encode_file(const file_contents& contents, std::vector<std::byte>& out) {
 }  // namespace
 
 cell_set_source sets_of(std::span<const std::vector<std::uint32_t>> sets) {
-  return {sets.size(), [sets](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+  return {sets.size(),
+          [sets](std::uint32_t cell, std::vector<std::uint32_t>& set) {
             set = sets[cell];
             return status::ok;
-          }};
+          },
+          true};
 }
 
 status encode(const file_contents& contents, std::vector<std::byte>& out) {

@@ -8,13 +8,17 @@
 
 namespace sightcell::bake {
 
-void kept_sets::keep(std::uint32_t cell, const std::vector<std::uint32_t>& set) {
-  // A set that is not ascending has no bytes. The encoder refuses it when it is read.
-  if (std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) != set.end()) return;
+std::vector<std::uint8_t> kept_sets::bytes_of(const std::vector<std::uint32_t>& set) {
   std::vector<std::uint8_t> bytes;
+  // The encoder refuses a set that is not ascending when it is read.
+  if (std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) != set.end()) return bytes;
   put_set(bytes, set);
-  if (bytes.size() > room_) return;
   bytes.shrink_to_fit();
+  return bytes;
+}
+
+void kept_sets::keep(std::uint32_t cell, std::vector<std::uint8_t> bytes) {
+  if (bytes.empty() || bytes.size() > room_) return;
   room_ -= bytes.size();
   taken_ += bytes.size();
   bytes_.insert_or_assign(cell, std::move(bytes));

@@ -19,10 +19,13 @@ class kept_sets {
   kept_sets(const std::function<cell_record(std::uint32_t)>& record_of, std::uint64_t most_bytes)
       : record_of_(record_of), room_(most_bytes) {}
 
-  // Keeps the set of a cell if there is room and it is strictly ascending.
-  void keep(std::uint32_t cell, const std::vector<std::uint32_t>& set);
+  // Returns the bytes of a set; none if it is not strictly ascending. Any thread.
+  static std::vector<std::uint8_t> bytes_of(const std::vector<std::uint32_t>& set);
 
-  // Returns the set of a cell by its index in the list of cells.
+  // Keeps the set of a cell, as bytes, if there are some and there is room.
+  void keep(std::uint32_t cell, std::vector<std::uint8_t> bytes);
+
+  // Returns the set of a cell by its index in the list of cells. Any thread, while nothing is kept.
   std::vector<std::uint32_t> of(std::uint32_t cell) const;
 
   // Returns the mean of the bytes of the sets that are kept, at least 1.

@@ -1,6 +1,7 @@
 #include "file/pvs_output.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -74,40 +75,59 @@ float share_in_file(double share) {
   return std::max(static_cast<float>(share), std::numeric_limits<float>::min());
 }
 
+// A cell that is stored, by its index in the list of all cells.
+struct read_cell {
+  cell_record record;
+  std::vector<std::uint8_t> set;  // as kept_sets keeps it
+};
+
+void take_cell(const pvs_frame& frame, std::uint32_t i, read_cell cell, stored_cells& out, summary& sum) {
+  const cell_record& record = cell.record;
+  const auto number = static_cast<std::uint32_t>(out.places.size());
+  out.parts.certificate.push_back({.cell = number,
+                                   .rays = record.rays,
+                                   .misses = record.misses,
+                                   .upper_bound = record.upper_bound,
+                                   .confidence = record.confidence,
+                                   .seed = frame.seed});
+  const auto region = std::as_bytes(std::span(record.region));
+  out.parts.viewpoints.push_back({.cell = number,
+                                  .valid_share = share_in_file(record.valid_share),
+                                  .outside_share = record.outside_share,
+                                  .region = {region.begin(), region.end()},
+                                  .eyes = record.eyes});
+  out.parts.cells.push_back(frame.cells[i]);
+  out.places.push_back(i);
+  out.sets.keep(i, std::move(cell.set));
+  out.polygons += static_cast<double>(record.set.size());
+  out.unseen += static_cast<double>(record.unverified);
+  out.volumes += static_cast<double>(record.volumes.size());
+  for (std::size_t by = 0; by < found_by_count; ++by) out.found[by] += record.found[by];
+  for (std::size_t step = 0; step < growth_steps; ++step) out.growth[step] += record.growth[step];
+  out.hemicubes.push_back(record.samples);
+  sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
+  if (!record.bound_met) ++sum.cells_over_bound;
+  if (record.out_of_time) out.out_of_time.emplace_back(record.upper_bound, i);
+}
+
+// Records are decoded on all threads and taken in order.
 stored_cells first_pass(const pvs_frame& frame, const record_source& record_of, summary& sum) {
+  constexpr std::size_t most_at_once = 64;
   stored_cells out(record_of, room_for_sets(frame));
   out.parts.player_radius = stored_rules_of(frame.settings).player_radius;
   sum.max_upper_bound = 0.0;
-  for (std::uint32_t i = 0; i < frame.cells.size(); ++i) {
-    const cell_record record = record_of(i);
-    if (!record.stored) {
-      ++sum.cells_left_out;
-      continue;
+  for (std::size_t first = 0; first < frame.cells.size(); first += most_at_once) {
+    std::vector<read_cell> read(std::min(most_at_once, frame.cells.size() - first));
+    tbb::parallel_for(std::size_t{0}, read.size(), [&](std::size_t k) {
+      read[k].record = record_of(static_cast<std::uint32_t>(first + k));
+      if (read[k].record.stored) read[k].set = kept_sets::bytes_of(read[k].record.set);
+    });
+    for (std::size_t k = 0; k < read.size(); ++k) {
+      if (read[k].record.stored)
+        take_cell(frame, static_cast<std::uint32_t>(first + k), std::move(read[k]), out, sum);
+      else
+        ++sum.cells_left_out;
     }
-    out.parts.certificate.push_back({.cell = static_cast<std::uint32_t>(out.places.size()),
-                                     .rays = record.rays,
-                                     .misses = record.misses,
-                                     .upper_bound = record.upper_bound,
-                                     .confidence = record.confidence,
-                                     .seed = frame.seed});
-    const auto region = std::as_bytes(std::span(record.region));
-    out.parts.viewpoints.push_back({.cell = static_cast<std::uint32_t>(out.places.size()),
-                                    .valid_share = share_in_file(record.valid_share),
-                                    .outside_share = record.outside_share,
-                                    .region = {region.begin(), region.end()},
-                                    .eyes = record.eyes});
-    out.parts.cells.push_back(frame.cells[i]);
-    out.places.push_back(i);
-    out.sets.keep(i, record.set);
-    out.polygons += static_cast<double>(record.set.size());
-    out.unseen += static_cast<double>(record.unverified);
-    out.volumes += static_cast<double>(record.volumes.size());
-    for (std::size_t by = 0; by < found_by_count; ++by) out.found[by] += record.found[by];
-    for (std::size_t step = 0; step < growth_steps; ++step) out.growth[step] += record.growth[step];
-    out.hemicubes.push_back(record.samples);
-    sum.max_upper_bound = std::max(sum.max_upper_bound, record.upper_bound);
-    if (!record.bound_met) ++sum.cells_over_bound;
-    if (record.out_of_time) out.out_of_time.emplace_back(record.upper_bound, i);
   }
   return out;
 }
@@ -232,11 +252,12 @@ std::vector<std::byte> encoded(const pvs_frame& frame, const record_source& reco
   stored.parts.settings = frame.settings;
   put_in_order(frame, stored);
   put_volumes_in_order(frame, record_of, stored);
-  format::file_contents contents =
-      stored.parts.contents({stored.places.size(), [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-                               set = items_of(stored.places[cell], record_of, stored);
-                               return format::status::ok;
-                             }});
+  format::file_contents contents = stored.parts.contents({stored.places.size(),
+                                                          [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+                                                            set = items_of(stored.places[cell], record_of, stored);
+                                                            return format::status::ok;
+                                                          },
+                                                          true});
   contents.slack = slack_of_profile[static_cast<std::size_t>(file_settings_of(frame.settings).profile)];
   use_all_threads(contents, groups_that_fit(frame, stored.sets));
   std::vector<std::byte> bytes;

@@ -17,7 +17,7 @@
 
 namespace sightcell::bake {
 
-// Returns the record of the cell at this index in the list of cells.
+// Returns the record of the cell at this index in the list of cells. Any thread.
 using record_source = std::function<cell_record(std::uint32_t)>;
 
 // Adds to an encoded file what needs the rest of it. Returning false cancels.
@@ -52,10 +52,10 @@ std::size_t encoded_bytes(const pvs_frame& frame, const record_source& record_of
 
 // Puts cells, polygons and volumes in the order of the file, encodes them, writes output by rename and fills in the
 // summary. Cells that are not stored are counted in a warning.
-// record_of: called on this thread for every cell in ascending order; then about ten times for each stored cell in the
-// order of the file if its set has no room in memory (kept_sets.h) or if there are volumes. Its exceptions pass
-// through. complete: called when the rest of the file is encoded. Returns false if complete did; nothing is written
-// then. Throws sightcell::error if no cell can be stored or the file cannot be written.
+// record_of: called for every cell, for up to 64 at once; then about ten times for each stored cell in the order of the
+// file if its set has no room in memory (kept_sets.h) or if there are volumes. Its exceptions pass through. complete:
+// called when the rest of the file is encoded. Returns false if complete did; nothing is written then. Throws
+// sightcell::error if no cell can be stored or the file cannot be written.
 bool write_pvs(const pvs_frame& frame, const record_source& record_of, const std::filesystem::path& output,
                const callbacks& events, summary& sum, const file_completion& complete = {});
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <vector>
@@ -148,7 +149,9 @@ std::vector<std::byte> encoded(const format::reader& opened, format::set_reader&
   else
     put_on_grid(parts);  // older files of this version have boxes instead
   const auto number_before = [&](std::uint32_t cell) { return before.empty() ? cell : before[cell]; };
+  std::mutex one_at_a_time;  // uses the reader
   const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+    const std::scoped_lock lock(one_at_a_time);
     require_readable(sets.source_ids(number_before(cell), set), name);
   };
   const bool reordered = old || how.order || other_layout;

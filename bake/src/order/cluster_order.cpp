@@ -175,21 +175,19 @@ void order_clusters_of(format::file_parts& parts, polygon_order_kind kind, const
                        const set_source& set_of) {
   const clustered_draws made(parts.draws, clusters);
   const auto cells = static_cast<std::uint32_t>(parts.cells.size());
-  std::vector<std::uint32_t> polygons;
-  std::vector<bool> seen(made.count());
-  const stored_draws stored = store_draws(made.draws(), parts.facts.layout, kind, cells,
-                                          [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
-                                            polygons.clear();
-                                            set_of(cell, polygons);
-                                            for (const std::uint32_t polygon : polygons) {
-                                              const std::uint32_t cluster = clusters[polygon];
-                                              if (seen[cluster]) continue;
-                                              seen[cluster] = true;
-                                              set.push_back(cluster);
-                                            }
-                                            for (const std::uint32_t cluster : set) seen[cluster] = false;
-                                            std::sort(set.begin(), set.end());
-                                          });
+  const auto clusters_in = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+    std::vector<std::uint32_t> polygons;
+    set_of(cell, polygons);
+    std::vector<bool> seen(made.count());
+    for (const std::uint32_t polygon : polygons) {
+      const std::uint32_t cluster = clusters[polygon];
+      if (seen[cluster]) continue;
+      seen[cluster] = true;
+      set.push_back(cluster);
+    }
+    std::sort(set.begin(), set.end());
+  };
+  const stored_draws stored = store_draws(made.draws(), parts.facts.layout, kind, cells, clusters_in);
   made.expand(stored, parts);
 }
 

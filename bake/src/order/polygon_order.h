@@ -28,8 +28,8 @@ struct order_input {
   std::uint32_t unit_count = 0;
   std::uint32_t cell_count = 0;
   // Appends the set of a cell as runs to an empty vector: ascending, disjoint, not adjacent, numbered as in draws. It
-  // is called from one thread, 3 + 2 * rounds times for each cell, in ascending order, and must return the same each
-  // time. Its exceptions reach the caller.
+  // is called 3 + 2 * rounds times for each cell, for several cells at once, and must return the same each time. Its
+  // exceptions reach the caller.
   std::function<void(std::uint32_t cell, std::vector<format::run>& runs)> runs_of;
 };
 

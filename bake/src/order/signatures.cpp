@@ -1,5 +1,7 @@
 #include "order/signatures.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <numeric>
 #include <tuple>
@@ -14,13 +16,19 @@ namespace {
 
 using runs_type = std::vector<format::run>;
 
+// Calls visit(cell, runs) on this thread for each cell, ascending. Decoding the sets takes longer than most visits, so
+// it uses all threads.
 template <class Visit>
 void for_each_cell(const order_input& in, const Visit& visit) {
-  runs_type runs;
-  for (std::uint32_t cell = 0; cell < in.cell_count; ++cell) {
-    runs.clear();
-    in.runs_of(cell, runs);
-    visit(cell, std::as_const(runs));
+  constexpr std::uint32_t most_at_once = 64;
+  std::vector<runs_type> sets(std::min(most_at_once, in.cell_count));
+  for (std::uint32_t first = 0; first < in.cell_count; first += most_at_once) {
+    const std::uint32_t count = std::min(most_at_once, in.cell_count - first);
+    tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t i) {
+      sets[i].clear();
+      in.runs_of(first + i, sets[i]);
+    });
+    for (std::uint32_t i = 0; i < count; ++i) visit(first + i, std::as_const(sets[i]));
   }
 }
 

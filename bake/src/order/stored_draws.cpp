@@ -55,9 +55,8 @@ stored_draws store_instanced(std::span<const format::draw_record> draws, polygon
   in.draws = ordered;
   in.unit_count = static_cast<std::uint32_t>(numbers.size());
   in.cell_count = cell_count;
-  std::vector<std::uint32_t> set;
   in.runs_of = [&](std::uint32_t cell, std::vector<format::run>& runs) {
-    set.clear();
+    std::vector<std::uint32_t> set;
     set_of(cell, set);
     append_runs(set, runs);
   };
@@ -89,19 +88,19 @@ class concatenation {
   }
 
   // Appends ascending source ids as runs.
-  void runs_of(std::span<const std::uint32_t> set, std::vector<format::run>& runs) {
-    pieces_.clear();
+  void runs_of(std::span<const std::uint32_t> set, std::vector<format::run>& runs) const {
+    std::vector<format::run> pieces;
     auto here = stretches_.begin();
     for (const std::uint32_t id : set) {
       while (id - here->source >= here->count) ++here;
       const std::uint32_t place = here->place + (id - here->source);
-      if (!pieces_.empty() && pieces_.back().first + pieces_.back().count == place)
-        ++pieces_.back().count;
+      if (!pieces.empty() && pieces.back().first + pieces.back().count == place)
+        ++pieces.back().count;
       else
-        pieces_.push_back({.first = place, .count = 1});
+        pieces.push_back({.first = place, .count = 1});
     }
-    std::sort(pieces_.begin(), pieces_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const format::run& piece : pieces_) {
+    std::sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const format::run& piece : pieces) {
       if (!runs.empty() && runs.back().first + runs.back().count == piece.first)
         runs.back().count += piece.count;
       else
@@ -114,7 +113,6 @@ class concatenation {
     std::uint32_t source = 0, count = 0, place = 0;
   };
   std::vector<stretch> stretches_;  // in source order
-  std::vector<format::run> pieces_;
 };
 
 stored_draws store_merged(std::span<const format::draw_record> draws, std::uint32_t cell_count,
@@ -129,10 +127,9 @@ stored_draws store_merged(std::span<const format::draw_record> draws, std::uint3
   in.draws = groups;
   in.unit_count = static_cast<std::uint32_t>(groups.size());
   in.cell_count = cell_count;
-  concatenation numbers(table);
-  std::vector<std::uint32_t> set;
+  const concatenation numbers(table);
   in.runs_of = [&](std::uint32_t cell, std::vector<format::run>& runs) {
-    set.clear();
+    std::vector<std::uint32_t> set;
     set_of(cell, set);
     numbers.runs_of(set, runs);
   };

@@ -26,8 +26,8 @@ std::vector<format::draw_record> in_groups(std::span<const format::draw_record> 
 // layout: `instanced`: draws of the same mesh and primitive share one order, because they share one index buffer in the
 //   host, unless kind is per_instance. `merged`: draws of one group are ordered together, whatever kind is, and groups
 //   get new numbers.
-// set_of: appends the source ids of a cell, ascending, to an empty set. It is called seven times for each cell, in
-//   ascending order. Its exceptions reach the caller.
+// set_of: appends the source ids of a cell, ascending, to an empty set. It is called seven times for each cell, for
+//   several cells at once. Its exceptions reach the caller.
 // The result does not depend on the number of threads (polygon_order.h).
 stored_draws store_draws(std::span<const format::draw_record> draws, format::host_layout layout,
                          polygon_order_kind kind, std::uint32_t cell_count,

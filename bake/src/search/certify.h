@@ -62,7 +62,7 @@ struct finish_result {
   std::uint64_t rays = 0, misses = 0;  // of the batch with the smallest bound; its misses have joined the set since
   double upper_bound = 1.0;            // of the miss probability, with this batch's confidence
   double confidence = 0.0;
-  bound_rays of_bound;           // that batch
+  bound_rays of_bound = {};      // that batch
   std::uint64_t batches = 0;     // begun so far, including earlier runs
   std::uint32_t rounds = 1;      // 1 and the further rounds that were begun
   std::uint64_t rays_spent = 0;  // sight rays and tested viewpoints of all batches, and the cost of the search

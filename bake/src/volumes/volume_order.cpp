@@ -14,9 +14,8 @@ std::vector<std::uint32_t> order_volumes(
   in.draws = all;
   in.unit_count = 1;
   in.cell_count = cell_count;
-  std::vector<std::uint32_t> volumes;
   in.runs_of = [&](std::uint32_t cell, std::vector<format::run>& runs) {
-    volumes.clear();
+    std::vector<std::uint32_t> volumes;
     volumes_of(cell, volumes);
     for (const std::uint32_t volume : volumes) {
       if (!runs.empty() && runs.back().first + runs.back().count == volume)

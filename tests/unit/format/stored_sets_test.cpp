@@ -77,10 +77,11 @@ TEST(stored_sets, sets_become_runs_of_stored_polygons) {
        {std::vector<std::uint32_t>{40, 64, 0, 23}, {1, 1, 1, 1}, {128, 64, 0, 64}, {300, 5, 7, 2}}) {
     const scene s = make_scene(random, sizes);
     const auto source = source_of_stored(s);
-    stored_sets stored(s.draws, s.order_of_draw, s.orders);
+    const stored_sets stored(s.draws, s.order_of_draw, s.orders);
+    std::vector<std::uint64_t> bits;  // the same for all sets
     for (const auto& set : random_sets(random, s, 12)) {
       std::vector<run> runs{{7, 7}};
-      stored.runs_of(set, runs);
+      stored.runs_of(set, bits, runs);
       std::vector<std::uint32_t> members;
       std::int64_t last = -1;
       for (const run& r : runs) {
@@ -105,10 +106,11 @@ TEST(stored_sets, draws_of_a_group_are_permuted_together) {
   const std::vector<std::uint32_t> order_of_draw{0, 0, 0, 1, 1};
   const std::vector<std::vector<std::uint32_t>> orders{{4, 0, 2, 1, 3}, {3, 4, 0, 2, 1}};
   // Stored: 9 3 7 4 8, then 5 6 0 2 1.
-  stored_sets stored(draws, order_of_draw, orders, host_layout::merged);
+  const stored_sets stored(draws, order_of_draw, orders, host_layout::merged);
   const auto runs_of = [&](const std::vector<std::uint32_t>& set) {
     std::vector<run> runs;
-    stored.runs_of(set, runs);
+    std::vector<std::uint64_t> bits;
+    stored.runs_of(set, bits, runs);
     std::vector<std::uint32_t> numbers;
     for (const run& r : runs) numbers.insert(numbers.end(), {r.first, r.count});
     return numbers;
@@ -123,18 +125,20 @@ TEST(stored_sets, volumes_follow_the_polygons) {
   const std::vector<draw_record> draws{{.polygon_count = 4}};
   const std::vector<std::uint32_t> order_of_draw{0};
   const std::vector<std::vector<std::uint32_t>> orders{{3, 2, 1, 0}};
-  stored_sets stored(draws, order_of_draw, orders, host_layout::instanced, 125);
+  const stored_sets stored(draws, order_of_draw, orders, host_layout::instanced, 125);
   std::vector<run> runs;
-  stored.runs_of(std::vector<std::uint32_t>{0, 3, 4, 5, 63, 64, 128}, runs);
+  std::vector<std::uint64_t> bits;
+  stored.runs_of(std::vector<std::uint32_t>{0, 3, 4, 5, 63, 64, 128}, bits, runs);
   std::vector<std::uint32_t> numbers;
   for (const run& r : runs) numbers.insert(numbers.end(), {r.first, r.count});
   EXPECT_EQ(numbers, (std::vector<std::uint32_t>{0, 1, 3, 3, 63, 2, 128, 1}));
 }
 
 TEST(stored_sets, no_polygons_at_all) {
-  stored_sets stored({}, {}, {});
+  const stored_sets stored({}, {}, {});
   std::vector<run> runs{{1, 1}};
-  stored.runs_of({}, runs);
+  std::vector<std::uint64_t> bits;
+  stored.runs_of({}, bits, runs);
   EXPECT_TRUE(runs.empty());
 }
 

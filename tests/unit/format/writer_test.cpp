@@ -106,7 +106,8 @@ TEST(writer, threads_do_not_change_the_bytes) {
   for (const double slack : {0.0, 0.05}) {
     file_contents view = contents.view();
     view.slack = slack;
-    view.chunk_bytes = 500;  // several chunks in a group of cells
+    view.chunk_bytes = 500;             // several chunks in a group of cells
+    view.cell_sets.any_thread = false;  // only rows are counted
     std::vector<std::byte> alone;
     ASSERT_EQ(encode(view, alone), status::ok);
     for (const std::size_t groups : {3u, 100u}) {
@@ -134,6 +135,37 @@ TEST(writer, a_status_ends_work_on_several_groups) {
     return cell == 250 ? status::io : status::ok;
   };
   std::vector<std::byte> bytes;
+  EXPECT_EQ(encode(view, bytes), status::io);
+  EXPECT_TRUE(bytes.empty());
+}
+
+void run_elsewhere(std::size_t count, const std::function<void(std::size_t)>& work) {
+  std::thread other([&] {
+    for (std::size_t item = 0; item < count; ++item) work(item);
+  });
+  other.join();
+}
+
+// Even if rows are encoded on the calling thread.
+TEST(writer, sets_that_any_thread_may_read_are_read_by_the_runner) {
+  const sample_contents contents = random_contents(6, {.polygons = 300, .cells = 300});
+  std::uint32_t failing = 0xFFFFFFFFu;
+  const std::thread::id caller = std::this_thread::get_id();
+  file_contents view = contents.view();
+  view.cell_sets = {contents.sets.size(),
+                    [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
+                      EXPECT_TRUE(set.empty()) << cell;
+                      EXPECT_NE(std::this_thread::get_id(), caller);
+                      set = contents.sets[cell];
+                      return cell >= failing ? status::io : status::ok;
+                    },
+                    true};
+  view.run_at_once = run_elsewhere;
+  std::vector<std::byte> bytes;
+  ASSERT_EQ(encode(view, bytes), status::ok);
+  EXPECT_EQ(bytes, contents.encode());
+  failing = 270;
+  bytes.clear();
   EXPECT_EQ(encode(view, bytes), status::io);
   EXPECT_TRUE(bytes.empty());
 }

@@ -24,6 +24,9 @@ struct cell_set_source {
   // cell, each time in ascending order, on its own thread, and needs the same result. A status other than ok ends
   // encode with this status; an exception passes through encode, if the writer is built with exceptions.
   std::function<status(std::uint32_t cell, std::vector<std::uint32_t>& set)> get;
+  // Whether get may be called for several cells at once. Then encode calls it inside file_contents::run_at_once, for
+  // eight cells in ascending order in each piece of work.
+  bool any_thread = false;
 };
 
 // Sets in memory, which must outlive the source.
@@ -124,7 +127,7 @@ struct file_contents {
 // Cost: memory for the file, for the sets of groups_at_once groups of 64 cells, 8 bytes per run of each, and 4 bytes
 // per
 //   polygon; with slack, for each group in work, about 60 bytes per different border of its 64 sets. No shared state,
-//   any thread. Calls cell_sets.get on the calling thread only.
+//   any thread. Calls cell_sets.get on the calling thread only, unless it may be called on any.
 status encode(const file_contents& contents, std::vector<std::byte>& out);
 
 // Replaces a file on disk: writes a temporary file in the folder of path, flushes it to the disk, renames it to path

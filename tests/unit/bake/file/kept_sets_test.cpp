@@ -18,7 +18,7 @@ TEST(kept_sets, a_set_that_has_no_room_is_read_again) {
   };
   // Bytes: one for no ids; count, two runs of two and one of 5 + 1; count and two runs of two.
   kept_sets kept(record_of, 1 + 5);
-  for (std::uint32_t cell = 0; cell < sets.size(); ++cell) kept.keep(cell, sets[cell]);
+  for (std::uint32_t cell = 0; cell < sets.size(); ++cell) kept.keep(cell, kept_sets::bytes_of(sets[cell]));
   for (int round = 0; round < 2; ++round)
     for (std::uint32_t cell = 0; cell < sets.size(); ++cell) EXPECT_EQ(kept.of(cell), sets[cell]) << cell;
   EXPECT_EQ(read, (std::vector<std::uint32_t>{1, 1})) << "the second set takes 11 bytes";
