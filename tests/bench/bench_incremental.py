@@ -7,9 +7,10 @@ usage: bench_incremental.py SCENE.glb [--bin FOLDER] [--cells N] [--cell-size M]
 Then the same with --keep-found: CPU seconds, polygons of the sets over those of the full bake, and misses of `verify`.
 
 Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m): removed, moved by a meter, twice as large, its material
-to MASK, a copy of it added 3 m away. Edits of the file alone: other names, the
-nodes of the scene in another order. --quick: three edits.
-Exit code 1 if a file differs.
+to MASK, a copy of it added 3 m away, another mesh in its place. Edits of a wall (a larger node): the last tenth of its
+triangles removed, a copy of a prop stretched to a panel of 3 x 3 m beside it. A material with alpha takes another image.
+Edits of the file alone: other names, the nodes of the scene in another order, a mesh split into two primitives.
+--quick: three edits. --edits: those with these names. Exit code 1 if a file differs.
 """
 import argparse
 import copy
@@ -123,6 +124,71 @@ def added(document, prop):
     node.setdefault('children', []).append(len(document['nodes']) - 1)
 
 
+def swapped(document, prop):
+    """The mesh of another node, as if an instance were replaced."""
+    others = [n['mesh'] for n in document['nodes'] if 'mesh' in n and n['mesh'] != document['nodes'][prop]['mesh']]
+    document['nodes'][prop]['mesh'] = others[prop % len(others)]
+
+
+def cut_indices(document, primitive, first, count):
+    """A copy of a primitive with some of its triangles."""
+    made = copy.deepcopy(primitive)
+    accessor = copy.deepcopy(document['accessors'][primitive['indices']])
+    size = {5121: 1, 5123: 2, 5125: 4}[accessor['componentType']]
+    accessor['byteOffset'] = accessor.get('byteOffset', 0) + 3 * first * size
+    accessor['count'] = 3 * count
+    for key in ('min', 'max'):
+        accessor.pop(key, None)
+    document['accessors'].append(accessor)
+    made['indices'] = len(document['accessors']) - 1
+    return made
+
+
+def with_primitives(document, number, change):
+    """Gives a node a mesh of its own, with the primitives that change returns for each of the old ones."""
+    node = document['nodes'][number]
+    mesh = copy.deepcopy(document['meshes'][node['mesh']])
+    mesh['primitives'] = [made for p in mesh['primitives']
+                          for made in change(p, document['accessors'][p['indices']]['count'] // 3)]
+    document['meshes'].append(mesh)
+    node['mesh'] = len(document['meshes']) - 1
+
+
+def opened(document, wall):
+    with_primitives(document, wall, lambda p, n: [cut_indices(document, p, 0, n - max(1, n // 10))] if n > 1 else [])
+
+
+def split(document, wall):
+    def halves(primitive, n):
+        half = n // 2
+        return [cut_indices(document, primitive, *part) for part in ((0, half), (half, n - half)) if part[1] > 0]
+    with_primitives(document, wall, halves)
+
+
+def panel(document, prop):
+    """A copy of the prop beside it, stretched to 3 x 3 m and 0.1 m thick."""
+    node = document['nodes'][prop]
+    accessors = [document['accessors'][p['attributes']['POSITION']] for p in document['meshes'][node['mesh']]['primitives']]
+    low = [min(a['min'][k] for a in accessors) for k in range(3)]
+    size = [max(max(a['max'][k] for a in accessors) - low[k], 1e-3) for k in range(3)]
+    scale = [3 / size[0], 3 / size[1], 0.1 / size[2]]
+    at = boxes_of_nodes(document)[prop][1]
+    document['nodes'].append({'mesh': node['mesh'], 'scale': scale, 'translation': [at[k] - scale[k] * low[k] for k in range(3)]})
+    document['scenes'][document.get('scene', 0)]['nodes'].append(len(document['nodes']) - 1)
+
+
+def other_alpha(document, _):
+    for material in document.get('materials', []):
+        texture = material.get('pbrMetallicRoughness', {}).get('baseColorTexture')
+        if material.get('alphaMode') == 'MASK' and texture and len(document['images']) > 1:
+            changed = copy.deepcopy(document['textures'][texture['index']])
+            changed['source'] = (changed['source'] + 1) % len(document['images'])
+            document['textures'].append(changed)
+            texture['index'] = len(document['textures']) - 1
+            return
+    raise LookupError('no material has alpha')
+
+
 def renamed(document, _):
     for number, node in enumerate(document['nodes']):
         node['name'] = f'node {number}'
@@ -132,7 +198,8 @@ def reordered(document, _):
     document['scenes'][document.get('scene', 0)]['nodes'].reverse()
 
 
-EDITS = [removed, moved, reordered, resized, to_mask, added, renamed]
+EDITS = [removed, moved, reordered, resized, to_mask, added, renamed, swapped, opened, panel, split, other_alpha]
+OF_WALLS = (opened, split)
 
 
 def main():
@@ -145,6 +212,7 @@ def main():
     arguments.add_argument('--seed', type=int, default=1, help='chooses the prop of each edit')
     arguments.add_argument('--rays', type=int, default=1000000, help='rays of verify')
     arguments.add_argument('--quick', action='store_true')
+    arguments.add_argument('--edits', nargs='+', choices=[edit.__name__ for edit in EDITS])
     given = arguments.parse_args()
     program = os.path.join(given.bin, 'sightcell')
     document, rest = read_glb(given.scene)
@@ -168,8 +236,10 @@ def main():
         cells = listed[:given.cells]
         with open(path('cells.json'), 'w', encoding='utf-8') as out:
             json.dump({'cells': cells}, out)
-        props = [n for n, box in sorted(boxes_of_nodes(document).items())
-                 if 0.5 < sum((a - b) ** 2 for a, b in zip(*box)) ** 0.5 < 8 and near_cells(box, cells)]
+        near = {n: sum((a - b) ** 2 for a, b in zip(*box)) ** 0.5 for n, box in sorted(boxes_of_nodes(document).items())
+                if near_cells(box, cells)}
+        props = [n for n, size in near.items() if 0.5 < size < 8]
+        walls = [n for n, size in near.items() if size >= 8] or props
         chosen = random.Random(given.seed)
         before = bake(given.scene, 'before.pvs', '--keep-records')
         print(f'{len(cells)} cells, {before["polygons"]} polygons, {len(props)} props near them; with records '
@@ -179,7 +249,14 @@ def main():
         good = True
         for edit in EDITS[:3] if given.quick else EDITS:
             changed = copy.deepcopy(document)
-            edit(changed, chosen.choice(props))
+            node = chosen.choice(walls if edit in OF_WALLS else props)
+            if given.edits and edit.__name__ not in given.edits:
+                continue
+            try:
+                edit(changed, node)
+            except LookupError as reason:
+                print(f'{edit.__name__}: left out, {reason}', flush=True)
+                continue
             write_glb(path('edited.glb'), changed, rest)
             full, some = bake(path('edited.glb'), 'full.pvs'), bake(path('edited.glb'), 'some.pvs', '--since',
                                                                     path('before.pvs'))
