@@ -198,7 +198,7 @@ void print(const file_difference& all) {
 }
 
 int run_diff(const diff_options& options) {
-  const pvs_file before = pvs_file::open(options.before), after = pvs_file::open(options.after);
+  const pvs_file before = pvs_file::open_or_embedded(options.before), after = pvs_file::open_or_embedded(options.after);
   if (before.content().facts().scene_fingerprint != after.content().facts().scene_fingerprint)
     throw error(error_kind::bad_input, "diff.other-scene", options.after.string(),
                 "was baked from another scene than " + options.before.string(),
@@ -221,8 +221,8 @@ void add_diff_verb(CLI::App& program, action& chosen) {
                              .description = "Counts the cells, polygons and visibility volumes that were gained and "
                                             "lost, and lists the cells that changed most.",
                              .examples = {"sightcell diff old.pvs new.pvs"}});
-  verb.add_option("BEFORE", options->before, "A .pvs file.")->required();
-  verb.add_option("AFTER", options->after, "A .pvs file of the same scene.")->required();
+  verb.add_option("BEFORE", options->before, "A .pvs file, or a scene that contains one (bake --embed).")->required();
+  verb.add_option("AFTER", options->after, "Another one, of the same scene.")->required();
   verb.add_flag("--json", options->json, "Prints the result as one JSON object on standard output.");
   verb.callback([options, &chosen] { chosen = [options] { return run_diff(*options); }; });
 }

@@ -4,12 +4,14 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "sightcell/bake/settings.h"
 #include "sightcell/base/error.h"
 #include "sightcell/base/json_text.h"
 #include "sightcell/format/eye_table.h"
 #include "sightcell/format/layout.h"
+#include "sightcell/scene/embed.h"
 
 namespace sightcell::cli {
 
@@ -59,6 +61,15 @@ std::optional<pvs_file> pvs_file::open_if_pvs(const std::filesystem::path& path)
 
 pvs_file pvs_file::open(const std::filesystem::path& path) {
   return {path, read_bytes(path)};
+}
+
+pvs_file pvs_file::open_or_embedded(const std::filesystem::path& path) {
+  if (path.extension() != ".glb" && path.extension() != ".gltf") return open(path);
+  std::optional<scene::embedded_pvs> found = scene::read_embedded(path);
+  if (!found)
+    throw error(error_kind::bad_input, "embed.none", path.string(), "contains and names no .pvs file",
+                "name the .pvs file, or bake the scene with --embed");
+  return of_bytes(path, std::move(found->bytes));
 }
 
 pvs_file pvs_file::of_bytes(const std::filesystem::path& path, std::vector<std::byte> bytes) {

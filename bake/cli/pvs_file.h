@@ -21,6 +21,9 @@ class pvs_file {
   static std::optional<pvs_file> open_if_pvs(const std::filesystem::path& path);
   // Throws as well when it is no .pvs file.
   static pvs_file open(const std::filesystem::path& path);
+  // The same; of a .glb or .gltf the .pvs file that it contains or names (bake --embed). For commands that only read.
+  // Throws as well when it has none.
+  static pvs_file open_or_embedded(const std::filesystem::path& path);
 
   // Of bytes that are in memory. path: for messages.
   static pvs_file of_bytes(const std::filesystem::path& path, std::vector<std::byte> bytes);

@@ -38,7 +38,7 @@ int run_report(const report_options& options) {
   outlive_failed_writes();
   const report_request& request = options.request;
   progress_line line(progress_mode::automatic);
-  const pvs_file file = pvs_file::open(request.file);
+  const pvs_file file = pvs_file::open_or_embedded(request.file);
   line.loading(request.scene);
   const scene::scene s = scene::load_gltf(request.scene, file.scene());
   for (const std::string& warning : s.warnings) line.message("warning: " + warning);
@@ -65,7 +65,7 @@ void add_report_verb(CLI::App& program, action& chosen) {
        .examples = {"sightcell report level.pvs --scene level.glb -o report.html",
                     "sightcell report level.pvs --scene level.glb -o report.html --rays 0"}});
   const char* const group = "Options";
-  verb.add_option("FILE", request.file, "The .pvs file.")->required();
+  verb.add_option("FILE", request.file, "The .pvs file, or a scene that contains it (bake --embed).")->required();
   add_plain_option(verb, group, "--scene", request.scene, "FILE", "The scene that was baked: a .glb or .gltf file.")
       ->required();
   add_plain_option(verb, group, "-o", request.output, "FILE.html", "The file to write.")->required();

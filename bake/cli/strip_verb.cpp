@@ -78,7 +78,7 @@ void print_result(const strip_options& options, const bake::strip_result& result
 int run_strip(const strip_options& options) {
   refuse_overwriting(options);
   outlive_failed_writes();
-  const pvs_file file = pvs_file::open(options.file);
+  const pvs_file file = pvs_file::open_or_embedded(options.file);
   const bake::strip_result result =
       bake::strip(options.scene, file.scene(), file.bytes(), options.file.string(), options.output);
   for (const std::string& warning : result.warnings) say_line("warning: " + warning);
@@ -96,20 +96,22 @@ int run_strip(const strip_options& options) {
 
 void add_strip_verb(CLI::App& program, action& chosen) {
   auto options = std::make_shared<strip_options>();
-  CLI::App& verb =
-      add_verb(program, "strip",
-               {.summary = "Removes the polygons that are visible from no cell, or lists them",
-                .usage = "SCENE FILE.pvs [-o OUT.glb] [options]",
-                .description =
-                    "Finds the polygons that are in the set of no cell of a .pvs file (unseen polygons), object "
-                    "by object, and what the bounds of the cells state about them. With -o, writes the scene "
-                    "without them: a triangle goes when it is unseen in all instances of its mesh. In a file that was "
-                    "baked with --sun or --lights, polygons that shadows need are not unseen. Mirrors and collision may "
-                    "need what goes, so keep the scene.",
-                .examples = {"sightcell strip level.glb level.pvs --report unseen.json",
-                             "sightcell strip level.glb level.pvs -o stripped.glb"}});
+  CLI::App& verb = add_verb(
+      program, "strip",
+      {.summary = "Removes the polygons that are visible from no cell, or lists them",
+       .usage = "SCENE FILE.pvs [-o OUT.glb] [options]",
+       .description =
+           "Finds the polygons that are in the set of no cell of a .pvs file (unseen polygons), object "
+           "by object, and what the bounds of the cells state about them. With -o, writes the scene "
+           "without them: a triangle goes when it is unseen in all instances of its mesh. In a file that was "
+           "baked with --sun or --lights, polygons that shadows need are not unseen. Mirrors and collision may "
+           "need what goes, so keep the scene.",
+       .examples = {"sightcell strip level.glb level.pvs --report unseen.json",
+                    "sightcell strip level.glb level.pvs -o stripped.glb"}});
   verb.add_option("SCENE", options->scene, "The scene that was baked: a .glb or .gltf file.")->required();
-  verb.add_option("FILE", options->file, "The .pvs file that was baked from it.")->required();
+  verb.add_option("FILE", options->file,
+                  "The .pvs file that was baked from it, or a scene that contains it (bake --embed).")
+      ->required();
   verb.add_option("-o", options->output, "The .glb file to write. Without it: only finds unseen polygons.")
       ->type_name("OUT.glb");
   verb.add_option("--report", options->report, "Writes all objects and all unseen polygons to this file.")

@@ -229,7 +229,7 @@ int run_verify(verify_options options) {
   if (options.rays == std::uint64_t{0})
     throw error(error_kind::wrong_use, "settings.out-of-range", "--rays", "is 0", "give at least 1");
   progress_line line(progress_mode::automatic);
-  const pvs_file file = pvs_file::open(options.file);
+  const pvs_file file = pvs_file::open_or_embedded(options.file);
   options.bound = options.max_pixel_error.value_or(file.requested_bound());
   options.how.rays = options.rays.value_or(std::max(options.how.rays, rays_for(options.bound)));
   line.loading(options.scenes.scene);
@@ -332,7 +332,8 @@ void add_verify_verb(CLI::App& program, action& chosen) {
                     "sightcell verify level.glb level.pvs --rays 10000000 --json"}});
   const char* const group = "Options";
   add_scene_argument(verb, options->scenes, "The scene that was baked: a .glb or .gltf file.");
-  verb.add_option("FILE", options->file, "The .pvs file that was baked from it.");
+  verb.add_option("FILE", options->file,
+                  "The .pvs file that was baked from it, or a scene that contains it (bake --embed).");
   add_plain_option(
       verb, group, "--rays", options->rays, "N",
       "Verification rays over all cells, the same number for each. Default: 1000000, or 10 / bound if that "

@@ -52,6 +52,16 @@ class Embed(InRoom):
         self.assertEqual(code, 0)
         self.assertEqual(out.replace('level.glb', 'level.pvs'), run(sample, pvs)[1])
         self.assertNotEqual(run(sample, self.room)[0], 0)
+        # Commands that only read take the scene in place of the file.
+        rays = ('--rays', '2000', '--json')
+        of_file = json.loads(self.expect(0, 'verify', scene, pvs, *rays)[0])
+        self.assertGreater(of_file['rays'], 0)
+        self.assertEqual(json.loads(self.expect(0, 'verify', scene, scene, *rays)[0]), of_file)
+        self.assertEqual(json.loads(self.expect(0, 'diff', scene, pvs, '--json')[0])['polygons_gained'], 0)
+        self.expect(0, 'report', scene, '--scene', scene, '-o', self.path('page.html'), '--rays', '0')
+        self.expect(0, 'strip', scene, scene, '--report', self.path('unseen.json'))
+        _, said = self.expect(4, 'verify', scene, self.room)
+        self.assertIn('contains and names no .pvs file', said)
         # What is left of a stripped scene has other polygons.
         self.expect(0, 'strip', scene, pvs, '-o', self.path('stripped.glb'))
         self.assertIsNone(self.info(self.path('stripped.glb'))['embedded'])

@@ -453,6 +453,7 @@ CASES = [
     ('cli.wrong-use', 2, in_folder('fly', named='fly')),
     ('cli.wrong-use', 2, in_folder('bake', 'x.glb', '-o', 'x.pvs', '--samples', 'many', named='--samples')),
     ('diff.other-scene', 4, diff_of_two_scenes),
+    ('embed.none', 4, lambda f: Call(['verify', room(f), room(f)], 'room.gltf')),
     ('embed.outside-folder', 4, embed_elsewhere),
     ('embed.separate-buffers', 4, embed_in_empty_glb),
     ('gl.no-context', 1, lambda f: Call(bake(f, '--source', 'gpu'), 'OpenGL', environment={
