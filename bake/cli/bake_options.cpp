@@ -122,8 +122,8 @@ void add_edit_options(CLI::App& verb, bake_options& o) {
       ->group(group);
   add_plain_option(verb, group, "--since", o.settings.since, "OLD.pvs",
                    "Takes the cells that an edit of the scene cannot have changed from the records of an earlier bake "
-                   "with --keep-records, and bakes the others. The sets are those of a full bake. OLD.pvs may be the "
-                   "output itself. Includes --keep-records.")
+                   "with --keep-records, and bakes the others. The sets are those of a full bake, but for rare "
+                   "polygons. OLD.pvs may be the output itself. Includes --keep-records.")
       ->excludes("--shard");
   verb.get_option("--keep-records")->excludes("--shard");
   verb.add_flag(

@@ -6,10 +6,11 @@ usage: bench_incremental.py SCENE.glb [--bin FOLDER] [--cells N] [--cell-size M]
 
 Then the same with --keep-found: CPU seconds, polygons of the sets over those of the full bake, and misses of `verify`.
 
-Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m): removed, moved by a meter, twice as large, its material
-to MASK, a copy of it added 3 m away, another mesh in its place. Edits of a wall (a larger node): the last tenth of its
-triangles removed, a copy of a prop stretched to a panel of 3 x 3 m beside it. A material with alpha takes another image.
-Edits of the file alone: other names, the nodes of the scene in another order, a mesh split into two primitives.
+Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m; without those, one of the four smallest nodes): removed,
+moved by a meter, twice as large, its material to MASK, a copy of it added 3 m away, another mesh in its place. Edits of
+a wall (a larger node): the last tenth of its triangles removed, a copy of a prop stretched to a panel of 3 x 3 m beside
+it. A material with alpha takes another image. Edits of the file alone: other names, the nodes of the scene in another
+order, a mesh split into two primitives.
 --quick: three edits. --edits: those with these names. Exit code 1 if a file differs.
 """
 import argparse
@@ -238,11 +239,12 @@ def main():
             json.dump({'cells': cells}, out)
         near = {n: sum((a - b) ** 2 for a, b in zip(*box)) ** 0.5 for n, box in sorted(boxes_of_nodes(document).items())
                 if near_cells(box, cells)}
-        props = [n for n, size in near.items() if 0.5 < size < 8]
+        props = [n for n, size in near.items() if 0.5 < size < 8] or sorted(near, key=near.get)[:4]
         walls = [n for n, size in near.items() if size >= 8] or props
         chosen = random.Random(given.seed)
         before = bake(given.scene, 'before.pvs', '--keep-records')
-        print(f'{len(cells)} cells, {before["polygons"]} polygons, {len(props)} props near them; with records '
+        print(f'{len(cells)} cells, {before["polygons"]} polygons, {len(props)} props near them of '
+              f'{min(near[n] for n in props):.1f} to {max(near[n] for n in props):.1f} m; with records '
               f'{before["cpu_seconds"]:.1f} CPU s, {os.path.getsize(path("before.pvs.records")) / 1e6:.1f} MB of records')
         print('edit,cells_again,changed_polygon,something_new,neighbors,cpu_full,cpu_since,share,equal,cpu_found,'
               'share_found,polygons_found,misses_found')
