@@ -134,8 +134,7 @@ std::string lights_text(const bake::settings& how, const bake::light_summary& fo
 std::string rebaked_text(const bake::rebaked_cells& cells, bool keep_found, double cpu_seconds) {
   return fmt::format(
       "{} again: {} of {} cells ({} saw what changed, {} could see something new, {} beside such cells, {} of an "
-      "earlier "
-      "--keep-found, {} new), {} of CPU time",
+      "earlier --keep-found, {} new), {} of CPU time",
       keep_found ? "tested" : "baked", grouped(cells.count()), grouped(cells.count() + cells.kept),
       grouped(cells.changed_polygon), grouped(cells.something_new), grouped(cells.neighbors), grouped(cells.started),
       grouped(cells.is_new), duration_text(cpu_seconds));

@@ -106,22 +106,27 @@ TEST(writer, threads_do_not_change_the_bytes) {
   for (const double slack : {0.0, 0.05}) {
     file_contents view = contents.view();
     view.slack = slack;
-    view.chunk_bytes = 500;             // several chunks in a group of cells
-    view.cell_sets.any_thread = false;  // only rows are counted
+    view.chunk_bytes = 500;  // several chunks in a group of cells
     std::vector<std::byte> alone;
     ASSERT_EQ(encode(view, alone), status::ok);
-    for (const std::size_t groups : {3u, 100u}) {
-      std::size_t most = 0;
-      view.run_at_once = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
-        most = std::max(most, count);
-        run_backward(count, work);
-      };
+    std::size_t most = 0;
+    view.run_at_once = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
+      most = std::max(most, count);
+      run_backward(count, work);
+    };
+    const auto most_with = [&](std::size_t groups, bool any_thread) {
+      most = 0;
       view.groups_at_once = groups;
+      view.cell_sets.any_thread = any_thread;
       std::vector<std::byte> together;
-      ASSERT_EQ(encode(view, together), status::ok);
-      EXPECT_EQ(together, alone) << groups;
-      EXPECT_EQ(most, std::min<std::size_t>(groups, 7)) << "400 cells are 7 groups";
-    }
+      EXPECT_EQ(encode(view, together), status::ok);
+      EXPECT_EQ(together, alone) << groups << ' ' << any_thread;
+      return most;
+    };
+    EXPECT_EQ(most_with(3, false), 3u);
+    EXPECT_EQ(most_with(100, false), 7u) << "400 cells are 7 groups";
+    EXPECT_EQ(most_with(3, true), 24u) << "sets are read eight at a time";
+    EXPECT_EQ(most_with(100, true), 50u);
   }
 }
 
