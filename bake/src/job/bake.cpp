@@ -62,16 +62,16 @@ std::optional<double> check_room(const bake_context& context, std::uint32_t cell
 }
 
 // Returns what keeps the records of the steps; nothing if none are kept. before: of how.since.
-std::unique_ptr<step_keeper> keeper_of(const bake_context& context, std::optional<kept_records> before) {
+std::unique_ptr<step_keeper> keeper_of(bake_context& context, std::optional<kept_records> before) {
   const settings& how = context.how;
   if (!how.keep_records && how.since.empty()) return nullptr;
   if (context.device->chosen.name != "cpu")
     throw error(error_kind::wrong_use, "settings.records", how.since.empty() ? "--keep-records" : "--since",
                 "does not work with the source " + context.device->chosen.name, "give --source cpu");
   const volume_grid* volumes = context.volumes_or_null();
-  return std::make_unique<step_keeper>(context.input.geometry, context.traced->neighbors_or_null(), how,
-                                       volumes ? volumes->count() : 0,
-                                       steps_key_of(*context.cells, context.settings_text), std::move(before));
+  return std::make_unique<step_keeper>(
+      context.input.geometry, context.traced->neighbors_or_null(), how, volumes ? volumes->count() : 0,
+      steps_key_of(*context.cells, context.settings_text), std::move(before), std::move(*context.edit));
 }
 
 void count_rebaked(const step_keeper& keeper, const settings& how, summary& sum) {
@@ -175,7 +175,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
     find = [&](const std::string& inputs) {
       return decided_from(work_file::stored_cells(output, how.scratch), inputs);
     };
-  if (!build(context, s, how, find, arena, events)) {
+  if (!build(context, s, how, before ? &*before : nullptr, find, arena, events)) {
     sum.result = outcome::cancelled;
     return sum;
   }

@@ -38,19 +38,20 @@ void report_parts(const bake_context& context, const callbacks& events) {
 
 }  // namespace
 
-bake_context::bake_context(const scene::scene& from, const settings& settings_of_bake, const find_decided& find,
-                           const callbacks& events)
+bake_context::bake_context(const scene::scene& from, const settings& settings_of_bake, const kept_records* before,
+                           const find_decided& find, const callbacks& events)
     : s(from), how(settings_of_bake), input(input_of(from, settings_of_bake, events)) {
   report(bake_phase::finding_cells, events);
   const std::string inputs = inputs_of_cells(s, how, input);
   std::optional<decided_cells> decided = find ? find(inputs) : std::nullopt;
+  if (how.keep_records || before) edit.emplace(input.geometry, before);
   // Cells do not depend on rays, and most of both is the work of one thread.
   cell_list list;
   tbb::parallel_invoke(
       [&] {
         if (!decided) list = all_cells(input, how);
       },
-      [&] { traced.emplace(input.geometry, how); });
+      [&] { traced.emplace(input.geometry, how, before ? &edit->partners : nullptr); });
   report(bake_phase::preparing_hemicubes, events);
   device.emplace(s, how, input.geometry, *traced);
   if (decided && decided->device != name_of(*device)) {
@@ -68,10 +69,10 @@ bake_context::bake_context(const scene::scene& from, const settings& settings_of
   key = key_of(s, how, input, *cells, *device);
 }
 
-bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const find_decided& find,
-           tbb::task_arena& arena, const callbacks& events) {
+bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const kept_records* before,
+           const find_decided& find, tbb::task_arena& arena, const callbacks& events) {
   try {
-    arena.execute([&] { context.emplace(s, how, find, events); });
+    arena.execute([&] { context.emplace(s, how, before, find, events); });
   } catch (const step_stopped&) {
     return false;
   }

@@ -17,16 +17,19 @@
 #include "sightcell/bake/progress.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/scene/scene.h"
+#include "since/scene_edit.h"
 
 namespace sightcell::bake {
 
 struct bake_context {
   // Builds all parts.
+  // before: the records of an earlier bake; null: none.
   // find: called once for the cells that an earlier run stored. {}: they are made and merged.
-  // events: receives phases, warnings, the device and the cells. The arguments before find must outlive the object.
+  // events: receives phases, warnings, the device and the cells. s and how must outlive the object.
   // Threads: works on the calling thread's TBB arena; an OpenGL context belongs to the calling thread.
   // Throws sightcell::error, as the parts do, and step_stopped if events.on_progress cancels.
-  bake_context(const scene::scene& s, const settings& how, const find_decided& find, const callbacks& events);
+  bake_context(const scene::scene& s, const settings& how, const kept_records* before, const find_decided& find,
+               const callbacks& events);
   bake_context(const bake_context&) = delete;  // its parts refer to each other
   bake_context& operator=(const bake_context&) = delete;
 
@@ -39,6 +42,7 @@ struct bake_context {
   const scene::scene& s;
   const settings& how;
   const bake_input input;
+  std::optional<scene_edit> edit;  // where records are kept or read; what keeps them takes it away
   // Never empty once the constructor has returned. Optional because the constructor builds them in several steps.
   std::optional<const traced_scene> traced;
   std::optional<const bake_device> device;
@@ -51,8 +55,8 @@ struct bake_context {
 };
 
 // Builds a context in an arena. The calling thread must not be inside it. Returns false if events.on_progress cancels.
-// find: as for bake_context.
-bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const find_decided& find,
-           tbb::task_arena& arena, const callbacks& events);
+// before, find: as for bake_context.
+bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const kept_records* before,
+           const find_decided& find, tbb::task_arena& arena, const callbacks& events);
 
 }  // namespace sightcell::bake

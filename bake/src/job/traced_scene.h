@@ -11,7 +11,8 @@ namespace sightcell::bake {
 
 struct traced_scene {
   // Builds the trees for rays, then the lists of neighbors. geometry must outlive the object.
-  traced_scene(const scene::world_geometry& geometry, const settings& how);
+  // before: as for coincident_partners.
+  traced_scene(const scene::world_geometry& geometry, const settings& how, const partners_before* before = nullptr);
   traced_scene(const traced_scene&) = delete;  // neighbors may refer to rays
   traced_scene& operator=(const traced_scene&) = delete;
 

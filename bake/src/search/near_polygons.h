@@ -1,5 +1,7 @@
 #pragma once
 // The neighbors of a polygon for dilation: polygons that share a vertex with it or coincide with it.
+#include <tbb/parallel_invoke.h>
+
 #include <cstdint>
 
 #include "search/vertex_neighbors.h"
@@ -11,7 +13,12 @@ namespace sightcell::bake {
 
 // The neighbors of all polygons of a scene.
 struct near_polygons {
-  explicit near_polygons(const ray_scene& rays) : sharing(rays.geometry()), coinciding(rays) {}
+  // before: as for coincident_partners.
+  // Threads: runs in the TBB arena of the calling thread.
+  explicit near_polygons(const ray_scene& rays, const partners_before* before = nullptr) {
+    tbb::parallel_invoke([&] { sharing = vertex_neighbors(rays.geometry()); },
+                         [&] { coinciding = coincident_partners(rays, before); });
+  }
 
   vertex_neighbors sharing;
   coincident_partners coinciding;

@@ -1,29 +1,42 @@
 #include "search/vertex_neighbors.h"
 
-#include <algorithm>
-#include <cstring>
+#include <tbb/parallel_sort.h>
+
+#include <array>
+#include <bit>
+#include <compare>
 #include <numeric>
-#include <tuple>
 
 namespace sightcell::bake {
 namespace {
 
-// Welds by sorting, so that the numbers depend on positions alone. -0 and +0 are equal, as in comparisons.
+struct placed_vertex {
+  std::array<std::uint32_t, 3> position;
+  std::uint32_t number;
+  auto operator<=>(const placed_vertex&) const = default;
+};
+
+// Maps finite numbers to integers of the same order and above 0. -0 and +0 are equal, as in comparisons.
+std::uint32_t ordered(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value + 0.0f);
+  return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+}
+
+// Welds by sorting, so that the numbers depend on positions alone.
+// Vertices with a NaN belong to absent polygons only. They are welded together, as the first.
 std::vector<std::uint32_t> weld(const std::vector<glm::vec3>& positions, std::uint32_t& count) {
-  std::vector<std::uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  // A NaN would break the strict weak ordering. Such vertices belong to absent polygons only and are sorted first.
-  const auto key = [&](std::uint32_t i) {
+  std::vector<placed_vertex> order(positions.size());
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
     const glm::vec3& p = positions[i];
-    const bool finite = p.x == p.x && p.y == p.y && p.z == p.z;
-    return finite ? std::tuple{1, p.x, p.y, p.z} : std::tuple{0, 0.0f, 0.0f, 0.0f};
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    order[i] = {{0, 0, 0}, i};
+    if (p.x == p.x && p.y == p.y && p.z == p.z) order[i].position = {ordered(p.x), ordered(p.y), ordered(p.z)};
+  }
+  tbb::parallel_sort(order.begin(), order.end());
   std::vector<std::uint32_t> welded(positions.size());
   count = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i > 0 && key(order[i]) != key(order[i - 1])) ++count;
-    welded[order[i]] = count;
+    if (i > 0 && order[i].position != order[i - 1].position) ++count;
+    welded[order[i].number] = count;
   }
   if (!order.empty()) ++count;
   return welded;

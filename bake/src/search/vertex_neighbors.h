@@ -10,6 +10,8 @@ namespace sightcell::bake {
 // The table of a scene. The geometry is needed by the constructor only.
 class vertex_neighbors {
  public:
+  vertex_neighbors() = default;  // of no polygons
+  // Threads: runs in the TBB arena of the calling thread. The result does not depend on the number of threads.
   explicit vertex_neighbors(const scene::world_geometry& geometry);
 
   // Calls visit(neighbor) for each polygon that shares a vertex with this one, in a fixed order: twice for one that

@@ -1,7 +1,6 @@
 #include "since/kept_records.h"
 
 #include <xxhash.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
@@ -18,10 +17,8 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '3'};
+constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '4'};
 constexpr std::size_t checksum_size = 8;
-constexpr std::size_t polygons_of_part = 16384;
-constexpr std::size_t bytes_of_polygon = 2 * sizeof(std::uint64_t) + sizeof(triangle);
 static_assert(sizeof(triangle) == 36);
 
 void put(std::vector<std::uint8_t>& out, const void* from, std::size_t size) {
@@ -62,53 +59,61 @@ struct records_reader {
   std::span<const std::uint8_t> take_list() { return take_bytes(take<std::uint64_t>()); }
 };
 
-// The polygons in deflated parts, so that a damaged count requests no more memory than the file has parts.
+template <class Item>
+void put_items(std::vector<std::uint8_t>& out, const std::vector<Item>& items) {
+  put(out, items.data(), items.size() * sizeof(Item));
+}
+
+template <class Item>
+void take_items(records_reader& in, std::size_t count, std::vector<Item>& items) {
+  const auto bytes = in.take_bytes(std::uint64_t{count} * sizeof(Item));
+  items.resize(bytes.size() / sizeof(Item));
+  if (!bytes.empty()) std::memcpy(items.data(), bytes.data(), bytes.size());
+}
+
+// Not deflated: hashes do not become smaller, and an edit waits for this.
 void put_polygons(std::vector<std::uint8_t>& out, const polygon_table& table) {
-  const std::size_t count = table.names.size();
-  put(out, static_cast<std::uint64_t>(count));
-  std::vector<std::uint8_t> part, deflated;
-  for (std::size_t first = 0; first < count; first += polygons_of_part) {
-    const std::size_t size = std::min(polygons_of_part, count - first);
-    part.clear();
-    put(part, &table.names[first], size * sizeof(table.names[0]));
-    put(part, &table.near[first], size * sizeof(table.near[0]));
-    put(part, &table.corners[first], size * sizeof(table.corners[0]));
-    uLongf length = compressBound(static_cast<uLong>(part.size()));
-    deflated.resize(length);
-    (void)compress2(deflated.data(), &length, part.data(), static_cast<uLong>(part.size()), Z_BEST_SPEED);
-    put_list(out, std::span(deflated).first(length));
-  }
+  put(out, static_cast<std::uint64_t>(table.names.size()));
+  put_items(out, table.names);
+  put_items(out, table.near);
+  put_items(out, table.corners);
 }
 
 bool take_polygons(records_reader& in, polygon_table& table) {
   const auto count = in.take<std::uint64_t>();
   if (count >= scene::no_index) return false;
-  std::vector<std::uint8_t> part;
-  for (std::uint64_t first = 0; first < count; first += polygons_of_part) {
-    const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(polygons_of_part, count - first));
-    const auto deflated = in.take_list();
-    part.resize(size * bytes_of_polygon);
-    uLongf length = static_cast<uLongf>(part.size());
-    if (!in.good || uncompress(part.data(), &length, deflated.data(), static_cast<uLong>(deflated.size())) != Z_OK ||
-        length != part.size())
-      return false;
-    records_reader from{part};
-    const auto add = [&](auto& list) {
-      const std::size_t before = list.size();
-      list.resize(before + size);
-      std::memcpy(&list[before], from.take_bytes(size * sizeof(list[0])).data(), size * sizeof(list[0]));
-    };
-    add(table.names);
-    add(table.near);
-    add(table.corners);
+  take_items(in, static_cast<std::size_t>(count), table.names);
+  take_items(in, static_cast<std::size_t>(count), table.near);
+  take_items(in, static_cast<std::size_t>(count), table.corners);
+  return in.good;
+}
+
+void put_partners(std::vector<std::uint8_t>& out, const kept_records& records) {
+  put(out, records.partner_reach);
+  put(out, static_cast<std::uint64_t>(records.partners.size()));
+  for (const auto& [a, b] : records.partners) put(out, a), put(out, b);
+}
+
+bool take_partners(records_reader& in, kept_records& records) {
+  records.partner_reach = in.take<float>();
+  const auto count = in.take<std::uint64_t>(), polygons = std::uint64_t{records.polygons.names.size()};
+  for (std::uint64_t i = 0; in.good && i < count; ++i) {
+    const auto a = in.take<std::uint32_t>(), b = in.take<std::uint32_t>();
+    if (a >= b || b >= polygons) return false;
+    records.partners.emplace_back(a, b);
   }
   return in.good;
 }
 
 std::vector<std::uint8_t> bytes_of(const kept_records& records) {
-  std::vector<std::uint8_t> out(std::begin(magic), std::end(magic));
+  std::size_t of_steps = 0;
+  for (const kept_step& step : records.steps) of_steps += step.record.size() + step.space.size() + sizeof(kept_step);
+  std::vector<std::uint8_t> out;
+  out.reserve(records.polygons.names.size() * (2 * sizeof(std::uint64_t) + sizeof(triangle)) + of_steps);
+  out.insert(out.end(), std::begin(magic), std::end(magic));
   put_list(out, {reinterpret_cast<const std::uint8_t*>(records.key.data()), records.key.size()});
   put_polygons(out, records.polygons);
+  put_partners(out, records);
   put(out, static_cast<std::uint64_t>(records.steps.size()));
   for (const kept_step& step : records.steps) {
     put(out, step.place);
@@ -134,7 +139,7 @@ std::optional<kept_records> records_of(std::span<const std::uint8_t> bytes) {
   kept_records records;
   const auto key = in.take_list();
   records.key.assign(key.begin(), key.end());
-  if (!take_polygons(in, records.polygons)) return std::nullopt;
+  if (!take_polygons(in, records.polygons) || !take_partners(in, records)) return std::nullopt;
   const auto count = in.take<std::uint64_t>();
   for (std::uint64_t i = 0; in.good && i < count; ++i) {
     kept_step& step = records.steps.emplace_back();

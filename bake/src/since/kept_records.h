@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "since/polygon_table.h"
+#include "trace/coincident.h"
 
 namespace sightcell::bake {
 
@@ -28,6 +29,8 @@ struct kept_step {
 struct kept_records {
   std::string key;  // of the settings
   polygon_table polygons;
+  float partner_reach = 0.0f;          // of coincident partners, meters
+  std::vector<polygon_pair> partners;  // polygons that coincide
   std::vector<kept_step> steps;
 };
 

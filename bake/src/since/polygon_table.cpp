@@ -1,5 +1,8 @@
 #include "since/polygon_table.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -10,6 +13,8 @@
 
 namespace sightcell::bake {
 namespace {
+
+constexpr std::size_t polygons_of_task = 4096;
 
 // Numbers of one polygon, hashed as they are in memory.
 class number_list {
@@ -44,77 +49,88 @@ std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_names(const polygon_
   std::vector<std::pair<std::uint64_t, std::uint32_t>> names;
   for (std::uint32_t polygon = 0; polygon < table.names.size(); ++polygon)
     if (table.names[polygon] != 0) names.emplace_back(table.names[polygon], polygon);
-  std::sort(names.begin(), names.end());
+  tbb::parallel_sort(names.begin(), names.end());
   return names;
 }
 
-std::vector<triangle> corners_of_all(const polygon_table& table, std::vector<std::uint32_t> polygons) {
-  std::sort(polygons.begin(), polygons.end());
-  std::vector<triangle> corners;
-  for (const std::uint32_t polygon : polygons) corners.push_back(table.corners[polygon]);
-  return corners;
-}
-
-}  // namespace
-
-polygon_table table_of(const scene::world_geometry& geometry, const near_polygons* neighbors) {
-  std::vector<std::uint64_t> masks;
-  for (const scene::alpha_mask& mask : geometry.masks) masks.push_back(hash_of(mask));
-  polygon_table table;
-  const auto count = static_cast<std::uint32_t>(geometry.kinds.size());
-  table.names.resize(count);
-  table.near.resize(count);
-  table.corners.resize(count);
-  std::size_t masked = 0;
-  for (std::uint32_t polygon = 0; polygon < count; ++polygon) {
+// Fills in names and corners of the polygons first .. last - 1. masks: hashes, by mask.
+void name_some(const scene::world_geometry& geometry, const std::vector<std::uint64_t>& masks, std::size_t first,
+               std::size_t last, polygon_table& table) {
+  auto masked = std::lower_bound(geometry.masked.begin(), geometry.masked.end(), first,
+                                 [](const scene::masked_polygon& m, std::size_t polygon) { return m.id < polygon; });
+  for (std::size_t polygon = first; polygon < last; ++polygon) {
     const scene::polygon_kind kind = geometry.kinds[polygon];
-    while (masked < geometry.masked.size() && geometry.masked[masked].id < polygon) ++masked;
+    while (masked != geometry.masked.end() && masked->id < polygon) ++masked;
     if (kind.absent) continue;
-    table.corners[polygon] = corners_of(geometry, polygon);
+    table.corners[polygon] = corners_of(geometry, static_cast<std::uint32_t>(polygon));
     number_list numbers;
     numbers.add(bits_of(kind));
     for (const glm::vec3& corner : table.corners[polygon])
       for (int axis = 0; axis < 3; ++axis) numbers.add(corner[axis]);
-    if (kind.alpha_tested && masked < geometry.masked.size() && geometry.masked[masked].id == polygon) {
-      const scene::masked_polygon& test = geometry.masked[masked];
-      numbers.add(masks[test.mask]);
-      for (const glm::vec2& uv : test.uvs) numbers.add(uv.x), numbers.add(uv.y);
-      for (const float alpha : test.alphas) numbers.add(alpha);
+    if (kind.alpha_tested && masked != geometry.masked.end() && masked->id == polygon) {
+      numbers.add(masks[masked->mask]);
+      for (const glm::vec2& uv : masked->uvs) numbers.add(uv.x), numbers.add(uv.y);
+      for (const float alpha : masked->alphas) numbers.add(alpha);
     }
     table.names[polygon] = std::max<std::uint64_t>(numbers.hash(), 1);
   }
-  if (!neighbors) return table;
-  for (std::uint32_t polygon = 0; polygon < count; ++polygon) {
-    if (table.names[polygon] == 0) continue;
-    neighbors->for_each(polygon, [&](std::uint32_t other) {
-      table.near[polygon] += XXH3_64bits(&table.names[other], sizeof(table.names[other]));
-    });
-  }
+}
+
+}  // namespace
+
+polygon_table table_of(const scene::world_geometry& geometry) {
+  std::vector<std::uint64_t> masks;
+  for (const scene::alpha_mask& mask : geometry.masks) masks.push_back(hash_of(mask));
+  polygon_table table;
+  const std::size_t count = geometry.kinds.size();
+  table.names.resize(count);
+  table.near.resize(count);
+  table.corners.resize(count);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, polygons_of_task),
+                    [&](const auto& range) { name_some(geometry, masks, range.begin(), range.end(), table); });
   return table;
+}
+
+void put_neighbors(const near_polygons& neighbors, polygon_table& table) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table.names.size(), polygons_of_task), [&](const auto& range) {
+    for (std::size_t polygon = range.begin(); polygon < range.end(); ++polygon) {
+      if (table.names[polygon] == 0) continue;
+      neighbors.for_each(static_cast<std::uint32_t>(polygon), [&](std::uint32_t other) {
+        table.near[polygon] += XXH3_64bits(&table.names[other], sizeof(table.names[other]));
+      });
+    }
+  });
 }
 
 polygon_edit edit_between(const polygon_table& before, const polygon_table& now) {
   polygon_edit edit;
   edit.new_of.assign(before.names.size(), polygon_edit::gone);
-  edit.near_differs.resize(before.names.size());
   const auto old_names = sorted_names(before), new_names = sorted_names(now);
-  std::vector<std::uint32_t> removed, added;
+  std::vector<std::uint32_t> removed;
   auto one = old_names.begin();
   auto other = new_names.begin();
   while (one != old_names.end() || other != new_names.end()) {
-    if (other == new_names.end() || (one != old_names.end() && one->first < other->first)) {
+    if (other == new_names.end() || (one != old_names.end() && one->first < other->first))
       removed.push_back((one++)->second);
-    } else if (one == old_names.end() || other->first < one->first) {
-      added.push_back((other++)->second);
-    } else {
-      edit.new_of[one->second] = other->second;
-      edit.near_differs[one->second] = before.near[one->second] != now.near[other->second] ? 1 : 0;
-      ++one, ++other;
-    }
+    else if (one == old_names.end() || other->first < one->first)
+      edit.added.push_back((other++)->second);
+    else
+      edit.new_of[(one++)->second] = (other++)->second;
   }
-  edit.removed = corners_of_all(before, std::move(removed));
-  edit.added = corners_of_all(now, std::move(added));
+  std::sort(edit.added.begin(), edit.added.end());
+  std::sort(removed.begin(), removed.end());
+  for (const std::uint32_t polygon : removed) edit.removed_corners.push_back(before.corners[polygon]);
   return edit;
+}
+
+std::vector<std::uint8_t> other_neighbors(const polygon_table& before, const polygon_table& now,
+                                          const polygon_edit& edit) {
+  std::vector<std::uint8_t> differ(before.names.size());
+  for (std::size_t polygon = 0; polygon < differ.size(); ++polygon) {
+    const std::uint32_t number = edit.new_of[polygon];
+    differ[polygon] = number != polygon_edit::gone && before.near[polygon] != now.near[number] ? 1 : 0;
+  }
+  return differ;
 }
 
 }  // namespace sightcell::bake

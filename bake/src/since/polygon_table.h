@@ -19,18 +19,25 @@ struct polygon_table {
   std::vector<triangle> corners;  // by polygon
 };
 
-// neighbors: null if a bake does not use them.
-polygon_table table_of(const scene::world_geometry& geometry, const near_polygons* neighbors);
+// Fills in the names and the corners. Threads: runs in the TBB arena of the calling thread.
+polygon_table table_of(const scene::world_geometry& geometry);
+
+// Fills in the hashes of the neighbors. Threads: runs in the TBB arena of the calling thread.
+void put_neighbors(const near_polygons& neighbors, polygon_table& table);
 
 // What became of polygons in an edit.
 struct polygon_edit {
   static constexpr std::uint32_t gone = 0xFFFFFFFFu;  // changed, moved or removed
   std::vector<std::uint32_t> new_of;                  // by old polygon: its new number, or `gone`
-  std::vector<std::uint8_t> near_differs;             // by old polygon: 1 if it is not gone and has other neighbors
-  std::vector<triangle> removed, added;               // in the order of their numbers
+  std::vector<std::uint32_t> added;                   // new numbers of polygons that were not there, ascending
+  std::vector<triangle> removed_corners;              // in the order of their old numbers
 };
 
 // Matches polygons of the same name, the first with the first.
 polygon_edit edit_between(const polygon_table& before, const polygon_table& now);
+
+// Returns, by old polygon, 1 if it is not gone and has other neighbors.
+std::vector<std::uint8_t> other_neighbors(const polygon_table& before, const polygon_table& now,
+                                          const polygon_edit& edit);
 
 }  // namespace sightcell::bake

@@ -39,10 +39,15 @@ bool is_share(double value) {
 }  // namespace
 
 step_keeper::step_keeper(const scene::world_geometry& geometry, const near_polygons* neighbors, const settings& how,
-                         std::uint32_t volumes, std::string key, std::optional<kept_records> before)
+                         std::uint32_t volumes, std::string key, std::optional<kept_records> before, scene_edit edit)
     : how_(how), volumes_(volumes), scene_{geometry.min, geometry.max} {
   now_.key = std::move(key);
-  now_.polygons = table_of(geometry, neighbors);
+  now_.polygons = std::move(edit.now);
+  if (neighbors) {
+    put_neighbors(*neighbors, now_.polygons);
+    now_.partner_reach = neighbors->coinciding.reach();
+    now_.partners = neighbors->coinciding.pairs();
+  }
   if (!before) return;
   if (before->key != now_.key) {
     const std::string names = differing_names(before->key, now_.key);
@@ -51,9 +56,12 @@ step_keeper::step_keeper(const scene::world_geometry& geometry, const near_polyg
                 "give the same settings, or bake with --keep-records and without --since");
   }
   before_ = std::move(*before);
-  edit_ = edit_between(before_.polygons, now_.polygons);
-  removed_ = parts_of(edit_.removed);
-  added_ = parts_of(edit_.added);
+  edit_ = std::move(edit.polygons);
+  near_differs_ = other_neighbors(before_.polygons, now_.polygons, edit_);
+  removed_ = parts_of(edit_.removed_corners);
+  std::vector<triangle> added;
+  for (const std::uint32_t polygon : edit_.added) added.push_back(now_.polygons.corners[polygon]);
+  added_ = parts_of(added);
   for (const kept_step& step : before_.steps) {
     steps_[{step.place, step.box, step.kind}] = &step;
     cells_.insert({step.place, step.box, step_kind::sample});
@@ -141,7 +149,7 @@ bool step_keeper::renumber(cell_record& record) const {
   members.reserve(record.set.size());
   for (std::size_t i = 0; i < record.set.size(); ++i) {
     const std::uint32_t now = edit_.new_of[record.set[i]];
-    if (now == polygon_edit::gone || edit_.near_differs[record.set[i]] != 0) return false;
+    if (now == polygon_edit::gone || near_differs_[record.set[i]] != 0) return false;
     members.emplace_back(now, record.witness_of[i]);
   }
   std::sort(members.begin(), members.end());

@@ -21,6 +21,7 @@
 #include "sightcell/bake/settings.h"
 #include "sightcell/scene/scene.h"
 #include "since/kept_records.h"
+#include "since/scene_edit.h"
 #include "touched/touched_space.h"
 
 namespace sightcell::bake {
@@ -40,13 +41,14 @@ using bake_step = std::function<cell_record(const found_before* before)>;
 
 class step_keeper {
  public:
-  // geometry, neighbors, how: of the bake; must outlive the keeper. neighbors: null if the bake has none.
+  // geometry, neighbors, how: of the bake; how must outlive the keeper. neighbors: null if the bake has none.
   // volumes: number of visibility volumes.
   // key: of the settings. Records of another key are refused.
   // before: the records of the earlier bake; nothing: all cells are new.
+  // edit: of the geometry since before.
   // Fails with records.other-bake.
   step_keeper(const scene::world_geometry& geometry, const near_polygons* neighbors, const settings& how,
-              std::uint32_t volumes, std::string key, std::optional<kept_records> before);
+              std::uint32_t volumes, std::string key, std::optional<kept_records> before, scene_edit edit);
   step_keeper(const step_keeper&) = delete;  // cells point into it
   step_keeper& operator=(const step_keeper&) = delete;
 
@@ -89,6 +91,7 @@ class step_keeper {
   box scene_;
   kept_records before_, now_;
   polygon_edit edit_;
+  std::vector<std::uint8_t> near_differs_;  // by old polygon: 1 if it is not gone and has other neighbors
   std::vector<edited_part> removed_, added_;
   std::map<step_name, const kept_step*> steps_;
   std::set<step_name> cells_;                   // of before_, as of step_kind::sample

@@ -1,11 +1,12 @@
 #include "trace/coincident.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <utility>
 
 #include "trace/triangle_math.h"
@@ -13,9 +14,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr std::uint32_t chunk_polygons = 4096;
-
-using pair = std::pair<std::uint32_t, std::uint32_t>;
+constexpr std::size_t polygons_of_task = 1024;
 
 glm::vec3 normal_of(const triangle& t) {
   const glm::dvec3 a(t[0]);
@@ -30,7 +29,7 @@ std::array<glm::vec3, 4> probes_of(const triangle& t) {
 }
 
 void probe(const ray_scene& rays, std::uint32_t polygon, float reach, std::vector<std::uint32_t>& met,
-           std::vector<pair>& out) {
+           std::vector<polygon_pair>& out) {
   const triangle corners = corners_of(rays.geometry(), polygon);
   const glm::vec3 normal = normal_of(corners);
   const bool both = rays.sees_both_sides(polygon);
@@ -50,24 +49,50 @@ void probe(const ray_scene& rays, std::uint32_t polygon, float reach, std::vecto
   out.erase(std::unique(out.begin() + static_cast<std::ptrdiff_t>(before), out.end()), out.end());
 }
 
+// Returns the polygons whose probes may meet one that was added: added ones, and those within reach of one.
+std::vector<std::uint32_t> near_added(const ray_scene& rays, const std::vector<std::uint32_t>& added, float reach) {
+  std::vector<std::vector<std::uint32_t>> found(added.size());
+  tbb::parallel_for(std::size_t{0}, added.size(), [&](std::size_t i) {
+    const triangle t = corners_of(rays.geometry(), added[i]);
+    // Probes begin at a point of a polygon, and rounding moves them by less than their reach.
+    const glm::vec3 low = glm::min(glm::min(t[0], t[1]), t[2]), high = glm::max(glm::max(t[0], t[1]), t[2]);
+    found[i] = rays.touching(low - 2.0f * reach, high + 2.0f * reach);
+  });
+  std::vector<std::uint32_t> polygons = added;
+  for (const std::vector<std::uint32_t>& some : found) polygons.insert(polygons.end(), some.begin(), some.end());
+  std::sort(polygons.begin(), polygons.end());
+  polygons.erase(std::unique(polygons.begin(), polygons.end()), polygons.end());
+  return polygons;
+}
+
+std::vector<std::uint32_t> to_probe(const ray_scene& rays, const partners_before* before, float reach) {
+  const std::size_t count = rays.geometry().kinds.size();
+  if (before && before->reach == reach && before->added.size() < count / 8)
+    return near_added(rays, before->added, reach);
+  std::vector<std::uint32_t> all(count);
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
 }  // namespace
 
-coincident_partners::coincident_partners(const ray_scene& rays) {
-  const auto& kinds = rays.geometry().kinds;
-  const float reach =
-      std::clamp(coincidence_reach(glm::distance(rays.geometry().min, rays.geometry().max)), 2e-3f, 1e-2f);
-  const auto count = static_cast<std::uint32_t>(kinds.size());
-  std::vector<std::vector<pair>> found((count + chunk_polygons - 1) / chunk_polygons);
-  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t chunk) {
+coincident_partners::coincident_partners(const ray_scene& rays, const partners_before* before)
+    : reach_(std::clamp(coincidence_reach(glm::distance(rays.geometry().min, rays.geometry().max)), 2e-3f, 1e-2f)) {
+  const std::vector<std::uint32_t> probed = to_probe(rays, before, reach_);
+  std::vector<std::vector<polygon_pair>> found((probed.size() + polygons_of_task - 1) / polygons_of_task);
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t task) {
     std::vector<std::uint32_t> met;
-    const auto first = static_cast<std::uint32_t>(chunk) * chunk_polygons;
-    for (std::uint32_t polygon = first; polygon < count && polygon < first + chunk_polygons; ++polygon)
-      if (!kinds[polygon].absent) probe(rays, polygon, reach, met, found[chunk]);
+    const std::size_t first = task * polygons_of_task;
+    for (const std::uint32_t polygon :
+         std::span(probed).subspan(first, std::min(polygons_of_task, probed.size() - first)))
+      if (!rays.geometry().kinds[polygon].absent) probe(rays, polygon, reach_, met, found[task]);
   });
-  std::vector<pair> pairs;
-  for (std::vector<pair>& chunk : found) {
-    pairs.insert(pairs.end(), chunk.begin(), chunk.end());
-    chunk = {};
+  std::vector<polygon_pair> pairs;
+  if (before && before->reach == reach_)
+    for (const auto& [a, b] : before->pairs) pairs.push_back({a, b}), pairs.push_back({b, a});
+  for (std::vector<polygon_pair>& some : found) {
+    pairs.insert(pairs.end(), some.begin(), some.end());
+    some = {};
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
@@ -80,6 +105,14 @@ coincident_partners::coincident_partners(const ray_scene& rays) {
     partners_.push_back(partner);
   }
   starts_.push_back(static_cast<std::uint32_t>(partners_.size()));
+}
+
+std::vector<polygon_pair> coincident_partners::pairs() const {
+  std::vector<polygon_pair> all;
+  for (std::size_t i = 0; i < polygons_.size(); ++i)
+    for (std::uint32_t at = starts_[i]; at < starts_[i + 1]; ++at)
+      if (polygons_[i] < partners_[at]) all.push_back({polygons_[i], partners_[at]});
+  return all;
 }
 
 std::span<const std::uint32_t> coincident_partners::of(std::uint32_t polygon) const {

@@ -183,7 +183,7 @@ TEST_F(time_budget_bake, a_cell_counts_its_batches_and_keeps_its_least_bound) {
 }
 
 TEST_F(time_budget_bake, a_turn_that_proves_less_takes_nothing_back) {
-  const bake_context context(scene_, how_, {}, {});
+  const bake_context context(scene_, how_, nullptr, {}, {});
   const cell_baker baker = baker_of(context);
   const view_cell& cell = context.cells->list.cells.front();
   cell_set set = baker.make_set();

@@ -57,7 +57,7 @@ class decide_cells_test : public testing::Test {
     events.on_phase = [&](bake_phase phase) { done.phases += phase == bake_phase::merging_cells ? 1 : 0; };
     tbb::task_arena arena;
     std::optional<bake_context> context;
-    EXPECT_TRUE(build(context, scene_, how_, find, arena, events));
+    EXPECT_TRUE(build(context, scene_, how_, nullptr, find, arena, events));
     if (use) use(*context);
     done.cubes = context->merging_cubes;
     return done;

@@ -20,6 +20,8 @@ kept_records some_records() {
   records.polygons.near = {1, 2, 3};
   records.polygons.corners.resize(3,
                                   triangle{glm::vec3{0.0f}, glm::vec3{1.0f, 0.0f, 0.0f}, glm::vec3{0.0f, 1.0f, 0.0f}});
+  records.partner_reach = 0.01f;
+  records.partners = {{0, 2}, {1, 2}};
   records.steps.push_back({5, {1, 2, 3, 4, 5, 6}, step_kind::check, 9, 10, true, {1, 2, 3}, {4, 5}});
   records.steps.push_back({4, {1, 2, 3, 4, 5, 6}, step_kind::sample, 9, 10, false, {1}, {}});
   return records;
@@ -53,6 +55,8 @@ TEST(kept_records, come_back_sorted) {
   EXPECT_EQ(again.polygons.names, records.polygons.names);
   EXPECT_EQ(again.polygons.near, records.polygons.near);
   EXPECT_EQ(again.polygons.corners, records.polygons.corners);
+  EXPECT_EQ(again.partner_reach, records.partner_reach);
+  EXPECT_EQ(again.partners, records.partners);
   ASSERT_EQ(again.steps.size(), 2u);
   EXPECT_EQ(again.steps[0].place, 4u);
   EXPECT_EQ(again.steps[1].kind, step_kind::check);

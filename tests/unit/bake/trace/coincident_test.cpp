@@ -78,5 +78,44 @@ TEST(coincident_partners, do_not_depend_on_threads) {
   for (std::uint32_t i = 0; i < s.polygon_count; ++i) EXPECT_TRUE(std::ranges::equal(one.of(i), four.of(i))) << i;
 }
 
+// Stacks of three triangles, 4 mm apart, in a grid. If `without`, every fifth stack lacks its middle one, and a wall
+// through all of them is not there, which only their own probes meet.
+tiny_scene stacks(int count, bool without) {
+  tiny_scene tiny;
+  for (int i = 0; i < 3 * count; ++i) {
+    const int stack = i / 3;
+    if (without && i % 3 == 1 && stack % 5 == 0) continue;
+    const float y = static_cast<float>(stack % 20), z = static_cast<float>(stack / 20);
+    const float x = 2.0f + 0.004f * static_cast<float>(i % 3);
+    tiny.triangle({x, y, z}, {x, y, z + 0.5f}, {x, y + 0.5f, z});
+  }
+  tiny.wall_x(300, -1, 300);  // makes the reach the largest, with either
+  if (!without) tiny.wall_x(2.002f, -1, 60);
+  return tiny;
+}
+
+// What was added is found, with the polygons around it, and what is known is not probed again.
+TEST(coincident_partners, from_those_of_before_an_edit) {
+  constexpr int count = 100;
+  const partners before(stacks(count, true)), after(stacks(count, false));
+  partners_before known{.reach = before.found.reach(), .pairs = {}, .added = {}};
+  std::vector<std::uint32_t> new_of;
+  for (std::uint32_t i = 0; i < after.s.polygon_count; ++i)
+    if (i >= before.s.polygon_count + 20 || (i < 3 * count && i % 3 == 1 && i / 3 % 5 == 0))
+      known.added.push_back(i);
+    else
+      new_of.push_back(i);
+  for (const auto& [a, b] : before.found.pairs()) known.pairs.emplace_back(new_of[a], new_of[b]);
+  ASSERT_EQ(known.added.size(), 22u);
+  ASSERT_LT(known.pairs.size(), after.found.pairs().size());
+  EXPECT_EQ(coincident_partners(after.rays, &known).pairs(), after.found.pairs());
+
+  known.pairs.emplace_back(0u, 3u * count);
+  const coincident_partners with_wrong(after.rays, &known);
+  EXPECT_EQ(with_wrong.pairs().size(), after.found.pairs().size() + 1) << "pairs of before are taken over";
+  known.reach *= 0.5f;
+  EXPECT_EQ(coincident_partners(after.rays, &known).pairs(), after.found.pairs()) << "not those of another reach";
+}
+
 }  // namespace
 }  // namespace sightcell::bake
