@@ -23,6 +23,7 @@ constexpr std::size_t sampled_slack_blocks = 3;
 constexpr std::uint64_t exact_bytes = 4;
 constexpr std::uint64_t widened_bytes = 3;
 constexpr std::size_t cells_read_at_once = 8;
+constexpr std::size_t most_runs_kept = 4 << 20;  // 32 MiB
 
 }  // namespace
 
@@ -77,6 +78,7 @@ status rows_encoder::read_group(std::size_t first, std::size_t step, std::span<b
   const bool at_once = contents_.cell_sets.any_thread && contents_.run_at_once;
   std::vector<piece> pieces;
   for (std::size_t g = 0; g < group.size(); ++g) {
+    if (group[g].is_widened) continue;
     const std::size_t begin = (first + g * step) * layout::cells_per_block;
     const std::size_t count = std::min<std::size_t>(contents_.cell_sets.count - begin, layout::cells_per_block);
     group[g].sets.resize(count);
@@ -100,6 +102,14 @@ status rows_encoder::for_each_block(std::size_t step, const Work& work, const Us
   const std::size_t at_once = contents_.run_at_once ? std::max<std::size_t>(contents_.groups_at_once, 1) : 1;
   for (std::size_t first = 0; first < block_count(); first += step * at_once) {
     std::vector<block_work> group(std::min(at_once, (block_count() - first + step - 1) / step));
+    for (std::size_t g = 0; g < group.size(); ++g) {
+      group[g].is_alone = group.size() == 1;
+      const std::size_t block = first + g * step;
+      if (block >= widened_.size() || widened_[block].sets.empty()) continue;
+      group[g].sets = widened_[block].sets;
+      group[g].sums = widened_[block].sums;
+      group[g].is_widened = true;
+    }
     if (const status s = read_group(first, step, group); s != status::ok) return s;
     const auto work_on = [&](std::size_t g) { work(first + g * step, group[g]); };
     if (group.size() == 1)
@@ -124,15 +134,40 @@ std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
 
 // Slack makes differences cheaper than they are now, so those that save little yet are used too.
 void rows_encoder::widen_sets(std::size_t block, block_work& w) {
-  if (!exact_encoders_) return;
+  if (!exact_encoders_ || w.is_widened) return;
   std::vector<planned_chunk>& chunks = exact_blocks_[block];
   if (chunks.empty()) {
     const std::uint64_t most = std::uint64_t{contents_.chunk_bytes} * exact_bytes / widened_bytes;
     chunks = split_block(w.sets, *exact_encoders_, items_, most, least_saving::anything);
   }
   take_volumes(w);
-  for (const planned_chunk& c : chunks) add_slack(c.part(w.sets), c.plan, borders_, prices_, slack_share_, w.sums);
+  std::vector<slack_sums> sums(chunks.size());
+  const auto widen = [&](std::size_t c) {
+    add_slack(chunks[c].part(w.sets), chunks[c].plan, borders_, prices_, slack_share_, sums[c]);
+  };
+  if (w.is_alone && contents_.run_at_once) {
+    contents_.run_at_once(chunks.size(), widen);
+  } else {
+    for (std::size_t c = 0; c < chunks.size(); ++c) widen(c);
+  }
+  for (const slack_sums& of_chunk : sums) {
+    w.sums.seen += of_chunk.seen;
+    w.sums.added += of_chunk.added;
+  }
   put_volumes_back(w);
+  w.is_widened = true;
+}
+
+void rows_encoder::keep_widened(std::size_t block, block_work& w) {
+  if (!w.is_widened) return;
+  widened_.resize(block_count());
+  widened_block& kept = widened_[block];
+  if (!kept.sets.empty()) return;
+  std::size_t runs = 0;
+  for (const std::vector<run>& set : w.sets) runs += set.size();
+  if (runs > most_runs_kept - widened_runs_) return;
+  widened_runs_ += runs;
+  kept = {std::move(w.sets), w.sums};
 }
 
 // The sets with slack have the chunks by which it was added, because it depends on the references, or parts of these.
@@ -223,8 +258,9 @@ status rows_encoder::sample_slack(row_counts& counts) {
         w.counts.own = {};
         for (const std::vector<run>& set : w.sets) w.counts.own.add(set);
       },
-      [&](std::size_t, const block_work& w) {
+      [&](std::size_t block, block_work& w) {
         sampled.add(w.counts);
+        keep_widened(block, w);
         return status::ok;
       });
   counts = sampled;
@@ -243,13 +279,14 @@ status rows_encoder::choose(const row_encoders& encoders, row_counts& counts) {
         w.chunks = planned(block, w, encoders);
         for (const planned_chunk& c : w.chunks) count_chunk(c.part(w.sets), c.plan, w.counts);
       },
-      [&](std::size_t, block_work& w) {
+      [&](std::size_t block, block_work& w) {
         sums_.seen += w.sums.seen;
         sums_.added += w.sums.added;
         run_bound_ = std::max(run_bound_, w.run_bound);
         range_bound_ = std::max(range_bound_, w.range_bound);
         blocks_.push_back(std::move(w.chunks));
         counts.add(w.counts);
+        keep_widened(block, w);
         return status::ok;
       });
 }

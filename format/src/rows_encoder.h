@@ -1,7 +1,8 @@
 #pragma once
 // Encodes the rows of a whole file. It reads all sets several times: the cost of a difference depends on the codes, and
-// these depend on the chosen differences. Slack is added again each time, by prices that stay the same. Work on
-// different blocks of 64 cells may run at the same time: its results are added in the order of the blocks.
+// these depend on the chosen differences. Slack is added again each time, by prices that stay the same, but to the sets
+// of the first blocks, which are kept. Work on different blocks of 64 cells may run at the same time: its results are
+// added in the order of the blocks.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -45,12 +46,20 @@ class rows_encoder {
     std::vector<std::vector<run>> volumes;  // of the sets, while they are removed from them
     row_counts counts;
     slack_sums sums;
+    bool is_widened = false;  // the sets have slack
+    bool is_alone = false;    // no other block is in work, so its chunks may be
     std::uint32_t run_bound = 0;
     std::uint32_t range_bound = 0;
     std::vector<planned_chunk> chunks;
     std::vector<std::byte> rows;           // of its chunks, one after the other
     std::vector<std::size_t> chunk_sizes;  // in rows
     std::vector<std::uint32_t> checksums;  // of the chunks
+  };
+
+  // The sets of a block with slack.
+  struct widened_block {
+    std::vector<std::vector<run>> sets;
+    slack_sums sums;
   };
 
   [[nodiscard]] std::size_t block_count() const;
@@ -61,12 +70,15 @@ class rows_encoder {
   template <class Work, class Use>
   status for_each_block(std::size_t step, const Work& work, const Use& use);
   status read_sets(std::size_t first_cell, std::span<std::vector<run>> sets) const;
+  // Those that are kept are not read.
   status read_group(std::size_t first, std::size_t step, std::span<block_work> group) const;
   status count_own(row_counts& counts);
   status sample(row_counts& counts);
   status sample_slack(row_counts& counts);
   status choose(const row_encoders& encoders, row_counts& counts);
   void widen_sets(std::size_t block, block_work& w);
+  // Keeps the sets with slack for the next pass, if there is room. Removes them from w.
+  void keep_widened(std::size_t block, block_work& w);
   [[nodiscard]] std::vector<planned_chunk> planned(std::size_t block, block_work& w,
                                                    const row_encoders& encoders) const;
   // Removes the volumes from the sets, or puts them back.
@@ -85,6 +97,8 @@ class rows_encoder {
   std::unique_ptr<row_encoders> exact_encoders_;  // for sets without slack; null until it is made
   slack_prices prices_;
   std::vector<std::vector<planned_chunk>> exact_blocks_;  // by which slack is added; empty ones are made later
+  std::vector<widened_block> widened_;                    // by block; without sets where they are not kept
+  std::size_t widened_runs_ = 0;                          // in all of these
   slack_sums sums_;
   std::uint32_t run_bound_ = 0;
   std::uint32_t range_bound_ = 0;

@@ -125,8 +125,8 @@ struct file_contents {
 //   finite, two volumes at one position, a region that is no valid tree, no chunk_bytes), limit (a number above the
 //   limits of layout.h), memory, and the status of a source.
 // Cost: memory for the file, for the sets of groups_at_once groups of 64 cells, 8 bytes per run of each, and 4 bytes
-//   per polygon; with slack, for each group in work, about 60 bytes per different border of its 64 sets. No shared
-//   state, any thread. Calls cell_sets.get on the calling thread only, unless it may be called on any.
+//   per polygon; with slack, for each group in work, about 60 bytes per different border of its 64 sets, and up to 32
+//   MiB for sets that are kept. No shared state, any thread. Calls cell_sets.get on the calling thread only, unless it may be called on any.
 status encode(const file_contents& contents, std::vector<std::byte>& out);
 
 // Replaces a file on disk: writes a temporary file in the folder of path, flushes it to the disk, renames it to path
