@@ -71,7 +71,7 @@ ALLOWED = {
     'bake/src/since': SCENE + ['tbb/', 'xxhash.h', 'zlib.h'],
     'bake/src/touched': SCENE + ['zlib.h'],
     'bake/src/job/disk_space.cpp': SCENE + ['sys/', 'fmt/'],
-    'bake/src/cells/walkable.cpp': SCENE + ['Recast.h', 'fmt/'],
+    'bake/src/cells/walkable.cpp': SCENE + ['Recast.h', 'fmt/', 'tbb/'],
     'bake/src/hemicube': SCENE + PICTURE + SHADERS + GL + ['embree3/', 'tbb/', 'fmt/'],
     'bake/src/hemicube/cpu': SCENE + ['tbb/', 'hwy/'],
     'bake/cli/console.cpp': ['unistd.h', 'fcntl.h', 'sys/ioctl.h'],

@@ -2,6 +2,7 @@
 
 #include <Recast.h>
 #include <fmt/format.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 #include <new>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 #include "cells/floor_cells.h"
 #include "cells/reach.h"
@@ -175,19 +177,22 @@ struct free_heightfield {
 };
 using heightfield = std::unique_ptr<rcHeightfield, free_heightfield>;
 
-heightfield rasterize(const scene::world_geometry& geometry, const field_shape& shape, const player_moves& moves,
-                      const settings& how) {
+// The polygons that become voxels, in an order that does not depend on their numbers.
+struct raster_order {
+  std::vector<std::uint32_t> floors, others;
+};
+
+// Where spans of several polygons overlap, Recast takes the larger area of the new span and one that ends above it or
+// at most a voxel below it. So floors come first: then a wall that stands on a floor is no floor at its top, and one
+// below a floor changes nothing. The others follow from the highest to the lowest, so that each that ends a voxel above
+// a floor does not make a floor of one that ends a voxel above itself.
+raster_order order_of_polygons(const scene::world_geometry& geometry, const field_shape& shape, const settings& how) {
   // The cosine of the slope, rounded down so that the slope itself counts.
   const double slope_limit = std::cos(static_cast<double>(how.player.slope) * std::numbers::pi / 180.0) - 1e-5;
-  rcContext context(false);
-  heightfield field(rcAllocHeightfield());
-  const glm::vec3 min(shape.world.min), max(shape.world.max);
-  if (!field || !rcCreateHeightfield(&context, *field, shape.width, shape.depth, &min.x, &max.x,
-                                     static_cast<float>(shape.voxel), static_cast<float>(shape.step)))
-    throw std::bad_alloc();
   // Recast converts distances to int before it clips them, so polygons far outside would overflow.
   const double reach = 1e9 * shape.voxel;
-  for (std::size_t p = 0; p < geometry.kinds.size(); ++p) {
+  raster_order order;
+  for (std::uint32_t p = 0; p < geometry.kinds.size(); ++p) {
     const scene::polygon_kind kind = geometry.kinds[p];
     if (!is_obstacle(kind)) continue;
     const auto at = corners(geometry, p);
@@ -196,11 +201,38 @@ heightfield rasterize(const scene::world_geometry& geometry, const field_shape& 
     if (low.x < shape.world.min.x - reach || low.z < shape.world.min.z - reach || high.x > shape.world.max.x + reach ||
         high.z > shape.world.max.z + reach)
       continue;
-    const unsigned char area =
-        is_floor(at, slope_limit, kind.double_sided || how.all_double_sided) ? RC_WALKABLE_AREA : RC_NULL_AREA;
-    const auto corner = [&](std::size_t i) { return &geometry.positions[geometry.indices[3 * p + i]].x; };
-    if (!rcRasterizeTriangle(&context, corner(0), corner(1), corner(2), area, *field)) throw std::bad_alloc();
+    const bool floor = is_floor(at, slope_limit, kind.double_sided || how.all_double_sided);
+    (floor ? order.floors : order.others).push_back(p);
   }
+  const auto key = [&](std::uint32_t p) {
+    const auto at = corners(geometry, p);
+    const auto numbers = [](const glm::dvec3& v) { return std::array{v.x, v.y, v.z}; };
+    return std::tuple(-std::max({at[0].y, at[1].y, at[2].y}), numbers(at[0]), numbers(at[1]), numbers(at[2]));
+  };
+  tbb::parallel_sort(order.others.begin(), order.others.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  return order;
+}
+
+heightfield rasterize(const scene::world_geometry& geometry, const field_shape& shape, const player_moves& moves,
+                      const settings& how) {
+  rcContext context(false);
+  heightfield field(rcAllocHeightfield());
+  const glm::vec3 min(shape.world.min), max(shape.world.max);
+  if (!field || !rcCreateHeightfield(&context, *field, shape.width, shape.depth, &min.x, &max.x,
+                                     static_cast<float>(shape.voxel), static_cast<float>(shape.step)))
+    throw std::bad_alloc();
+  const raster_order order = order_of_polygons(geometry, shape, how);
+  const auto add = [&](const std::vector<std::uint32_t>& polygons, unsigned char area) {
+    for (const std::uint32_t p : polygons) {
+      const auto corner = [&](std::size_t i) {
+        return &geometry.positions[geometry.indices[3 * std::size_t{p} + i]].x;
+      };
+      if (!rcRasterizeTriangle(&context, corner(0), corner(1), corner(2), area, *field)) throw std::bad_alloc();
+    }
+  };
+  add(order.floors, RC_WALKABLE_AREA);
+  add(order.others, RC_NULL_AREA);
   rcFilterLowHangingWalkableObstacles(&context, moves.step, *field);
   rcFilterWalkableLowHeightSpans(&context, moves.height, *field);
   return field;

@@ -109,6 +109,43 @@ TEST(walkable, order_is_z_y_x_and_repeats) {
   }
 }
 
+// A wall of 3 m on a floor, and edges that end a voxel above the floor and above each other.
+scene::world_geometry walled_floor() {
+  scene::world_geometry g;
+  add_floor(g, -8.0f, -8.0f, 8.0f, 8.0f, 0.0f);
+  const auto add_wall = [&](float x, float low, float high) {
+    const auto base = static_cast<std::uint32_t>(g.positions.size());
+    g.positions.insert(g.positions.end(), {{x, low, -8.0f}, {x, low, 8.0f}, {x, high, 8.0f}, {x, high, -8.0f}});
+    for (const std::uint32_t c : {0u, 1u, 2u, 0u, 2u, 3u}) g.indices.push_back(base + c);
+    g.kinds.resize(g.kinds.size() + 2);
+    g.max.y = std::max(g.max.y, high);
+  };
+  add_wall(0.1f, 0.0f, 3.0f);
+  for (int i = 0; i < 20; ++i) add_wall(4.1f, 0.0f, 0.12f + 0.1f * static_cast<float>(i));
+  return g;
+}
+
+scene::world_geometry reversed(scene::world_geometry g) {
+  const std::vector<std::uint32_t> indices = g.indices;
+  const std::size_t count = g.kinds.size();
+  for (std::size_t p = 0; p < count; ++p)
+    for (std::size_t k = 0; k < 3; ++k) g.indices[3 * p + k] = indices[3 * (count - 1 - p) + k];
+  std::reverse(g.kinds.begin(), g.kinds.end());
+  return g;
+}
+
+TEST(walkable, cells_do_not_depend_on_the_order_of_polygons) {
+  const scene::world_geometry g = walled_floor();
+  const cell_list one = cells_of(g), other = cells_of(reversed(g));
+  ASSERT_EQ(one.cells.size(), other.cells.size());
+  for (std::size_t i = 0; i < one.cells.size(); ++i) EXPECT_EQ(one.cells[i].place, other.cells[i].place) << i;
+  for (const cell_list* cells : {&one, &other}) {
+    EXPECT_TRUE(any_holds(*cells, {2.0f, eye_height, 0.0f}));
+    EXPECT_FALSE(any_holds(*cells, {0.1f, 3.0f + eye_height, 0.0f})) << "a wall is no floor at its top";
+    EXPECT_FALSE(any_holds(*cells, {4.1f, 2.0f + eye_height, 0.0f})) << "nor a pile of edges";
+  }
+}
+
 TEST(walkable, low_ceiling_leaves_no_head_room) {
   scene::world_geometry g;
   add_floor(g, 0.0f, 0.0f, 16.0f, 4.0f, 0.0f);
