@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
+#include <optional>
 #include <type_traits>
 #include <variant>
 
 #include "help.h"
 #include "one_of.h"
+#include "sightcell/bake/cells.h"
 #include "sightcell/bake/sampler_options.h"
 #include "sightcell/base/error.h"
 #include "sightcell/scene/camera_path.h"
@@ -133,6 +136,11 @@ void add_edit_options(CLI::App& verb, bake_options& o) {
           "bake: they may have polygons that the edit occludes.")
       ->group(group);
   verb.add_flag(
+          "--keep-order", o.keep_order,
+          "With --since or --watch --keep-records: polygons and draws that are still there keep the order that they "
+          "have in OLD.pvs, so that a host keeps its index buffers. The order of a full bake makes smaller files.")
+      ->group(group);
+  verb.add_flag(
           "--watch", o.watch,
           "Keeps running and bakes again each time that the scene is saved: first a preview of the quality draft, "
           "then the quality that is asked for. A save during a bake ends it and begins the next one. Ctrl-C ends the "
@@ -223,9 +231,12 @@ void add_expert_cell_options(CLI::App& verb, bake_options& o) {
              "Merges cells side by side that see nearly the same polygons into wider ones, while the polygons that a "
              "player draws grow by about this part in the mean. Fewer cells bake sooner and make a smaller file. 0: "
              "all cells have the width of --cell-size. Range: 0 to 10.");
-  add_plain_option(verb, group, "--near", o.near, "x,y,z",
-                   "With --cell-limit: bakes the cells nearest to this point, in meters, instead of cells all over the "
-                   "scene. With --watch: the preview has the nearest cells, 64 if --cell-limit is not given.");
+  add_plain_option(
+      verb, group, "--near", o.near, "x,y,z|FILE.json",
+      "With --cell-limit: bakes the cells nearest to this point, in meters, instead of cells all over the "
+      "scene. With --watch: the preview has the nearest cells, 64 if --cell-limit is not given. FILE.json: "
+      "a path file, of which the last point counts at each save, as sightcell-viewer --camera-file "
+      "writes it.");
   add_option(verb, group, "--margin", s.margin, "M",
              "Meters by which the bake grows each cell on all sides. The runtime keeps a cell while the camera is in "
              "the grown cell. Range: 0 to 10.");
@@ -350,6 +361,16 @@ bake::sun_setting sun_of(const std::string& text) {
   return {{numbers[0], numbers[1]}, {numbers[last], numbers[last + 1]}};
 }
 
+// Returns the point of --near. What writes its file may begin after a bake with --watch: until then there is no point.
+std::optional<std::array<float, 3>> near_of(const bake_options& options) {
+  if (options.near.empty()) return std::nullopt;
+  const std::filesystem::path file = options.near;
+  if (file.extension() != ".json") return numbers_of<3>("--near", options.near, "x,y,z");
+  std::error_code ignored;
+  if (options.watch && !std::filesystem::exists(file, ignored)) return std::nullopt;
+  return bake::last_point(file);
+}
+
 }  // namespace
 
 void add_cells_options(CLI::App& verb, bake_options& options) {
@@ -384,13 +405,16 @@ bake::settings settings_of(const bake_options& options) {
   how.reach = value_of<bake::reach_kind>(bake::reach_names, options.reach);
   for (const std::string& start : options.starts) how.starts.push_back(numbers_of<3>("--start", start, "x,y,z"));
   for (const std::string& box : options.fly) how.fly.push_back(numbers_of<6>("--fly", box, "x0,y0,z0,x1,y1,z1"));
-  if (!options.near.empty()) how.near = numbers_of<3>("--near", options.near, "x,y,z");
+  how.near = near_of(options);
   if (!options.near.empty() && !options.watch && how.cell_limit == 0)
     throw error(error_kind::wrong_use, "settings.out-of-range", "--near", "is given without --cell-limit and --watch",
                 "give one of them too, or leave --near out");
-  if (how.keep_found && how.since.empty() && !(options.watch && how.keep_records))
-    throw error(error_kind::wrong_use, "settings.records", "--keep-found",
-                "is given without --since and without --watch --keep-records", "give one of them too, or leave it out");
+  for (const auto& [option, given] : {std::pair("--keep-found", how.keep_found), {"--keep-order", options.keep_order}})
+    if (given && how.since.empty() && !(options.watch && how.keep_records))
+      throw error(error_kind::wrong_use, "settings.records", option,
+                  "is given without --since and without --watch --keep-records",
+                  "give one of them too, or leave it out");
+  if (options.keep_order) how.order_from = how.since;
   for (const std::string& sun : options.suns) how.suns.push_back(sun_of(sun));
   if (!options.path_file.empty()) how.path_file = options.path_file;
   for (const std::string& name : options.path_cameras)

@@ -39,6 +39,7 @@ struct bake_options {
 
   std::filesystem::path output, json_file, unseen_file, report_file, embed_file;
   bool fresh = false, json = false, watch = false;
+  bool keep_order = false;
   std::string shard, progress = "auto";
   std::uint32_t phase = 1;
 };

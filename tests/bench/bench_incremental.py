@@ -4,7 +4,8 @@ bytes of a full bake.
 
 usage: bench_incremental.py SCENE.glb [--bin FOLDER] [--cells N] [--cell-size M] [--quality NAME] [--rays N] [--quick]
 
-Then the same with --keep-found: CPU seconds, polygons of the sets over those of the full bake, and misses of `verify`.
+Then with --keep-found --keep-order: CPU seconds, polygons of the sets and bytes over those of the full bake, and misses
+of `verify`.
 
 Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m; without those, one of the four smallest nodes): removed,
 moved by a meter, twice as large, its material to MASK, a copy of it added 3 m away, another mesh in its place. Edits of
@@ -247,7 +248,7 @@ def main():
               f'{min(near[n] for n in props):.1f} to {max(near[n] for n in props):.1f} m; with records '
               f'{before["cpu_seconds"]:.1f} CPU s, {os.path.getsize(path("before.pvs.records")) / 1e6:.1f} MB of records')
         print('edit,cells_again,changed_polygon,something_new,neighbors,cpu_full,cpu_since,share,equal,cpu_found,'
-              'share_found,polygons_found,misses_found')
+              'share_found,polygons_found,bytes_found,misses_found')
         good = True
         for edit in EDITS[:3] if given.quick else EDITS:
             changed = copy.deepcopy(document)
@@ -265,14 +266,16 @@ def main():
             with open(path('full.pvs'), 'rb') as a, open(path('some.pvs'), 'rb') as b:
                 equal = a.read() == b.read()
             good = good and equal
-            quick = bake(path('edited.glb'), 'quick.pvs', '--since', path('before.pvs'), '--keep-found')
+            quick = bake(path('edited.glb'), 'quick.pvs', '--since', path('before.pvs'), '--keep-found',
+                         '--keep-order')
             checked = run('verify', path('edited.glb'), path('quick.pvs'), '--rays', str(given.rays), '--json')
             again = some['cells_rebaked']
             print(f'{edit.__name__},{again["cells"]},{again["changed_polygon"]},{again["something_new"]},{again["neighbors"]},'
                   f'{full["cpu_seconds"]:.1f},{some["cpu_seconds"]:.1f},'
                   f'{some["cpu_seconds"] / full["cpu_seconds"]:.2f},{"yes" if equal else "NO"},'
                   f'{quick["cpu_seconds"]:.1f},{quick["cpu_seconds"] / full["cpu_seconds"]:.2f},'
-                  f'{quick["visible_set_percent"] / full["visible_set_percent"]:.3f},{checked["misses"]} of {given.rays}',
+                  f'{quick["visible_set_percent"] / full["visible_set_percent"]:.3f},'
+                  f'{quick["bytes"] / full["bytes"]:.3f},{checked["misses"]} of {given.rays}',
                   flush=True)
     sys.exit(0 if good else 1)
 

@@ -244,9 +244,36 @@ class Since(InFolder):
         out, _ = self.expect(0, 'verify', self.path('edited.glb'), self.path('row.pvs'), '--rays', '40000', '--json')
         self.assertLess(json.loads(out)['misses'], 0.01 * 40000)
 
-    def test_keep_found_needs_an_earlier_bake(self):
-        _, err = self.expect(2, 'bake', self.path('before.glb'), '-o', self.path('none.pvs'), '--keep-found')
-        self.assertIn('--since', self.assert_one_error_line(err, 'settings.records'))
+    def test_keep_order_has_the_sets_of_a_full_bake(self):
+        for layout, edits in (('instanced', (remove, move, open_wall, split, reorder, change_instances)),
+                              ('merged', (remove, reorder))):
+            how = ('--layout', layout, '--profile', 'exact')
+            self.bake('before.glb', 'kept.pvs', '--keep-records', *how)
+            for edit in edits:
+                with self.subTest(layout + ' ' + edit.__name__):
+                    self.edited(edit)
+                    self.bake('edited.glb', 'full.pvs', *how)
+                    self.bake('edited.glb', 'some.pvs', '--since', self.path('kept.pvs'), '--keep-order', *how)
+                    out, _ = self.expect(0, 'diff', self.path('full.pvs'), self.path('some.pvs'), '--json')
+                    self.assertEqual((json.loads(out)['cells_in_both'], json.loads(out)['cells_changed']), (12, 0))
+                    info, _ = self.expect(0, 'info', self.path('some.pvs'), '--json')
+                    self.assertIs(json.loads(info)['settings']['keep_order'], True)
+
+    def test_keep_order_of_a_damaged_file_is_a_new_order(self):
+        """Its records are whole, so no cell is lost."""
+        self.bake('before.glb', 'kept.pvs', '--keep-records')
+        whole = read(self.path('kept.pvs'))
+        with open(self.path('kept.pvs'), 'wb') as damaged:
+            damaged.write(whole[:200])
+        _, err = self.expect(0, 'bake', self.path('before.glb'), '-o', self.path('some.pvs'), '--cells-file', self.cells, *BAKE,
+                             '--since', self.path('kept.pvs'), '--keep-order')
+        self.assertRegex(err, 'the order of .*kept.pvs is not kept')
+        self.assertEqual(read(self.path('some.pvs')), whole)
+
+    def test_what_an_edit_keeps_needs_an_earlier_bake(self):
+        for option in ('--keep-found', '--keep-order'):
+            _, err = self.expect(2, 'bake', self.path('before.glb'), '-o', self.path('none.pvs'), option)
+            self.assertIn('--since', self.assert_one_error_line(err, 'settings.records'))
 
     def test_one_edit_after_the_other_in_one_file(self):
         self.bake('before.glb', 'level.pvs', '--keep-records')

@@ -32,7 +32,7 @@ class Usage(InRoom):
         self.assertEqual(re.findall(r'(?m)^  (-o|--[a-z-]+)', out), [
             '-o', '--volumes', '--sun', '--lights', '--importance', '--report', '--cells-file', '--cells-grid', '--reach', '--start',
             '--fly', '--cell-size', '--cell-limit', '--quality', '--max-pixel-error', '--player-radius', '--animated',
-            '--time-budget', '--threads', '--shard', '--fresh', '--keep-records', '--since', '--keep-found',
+            '--time-budget', '--threads', '--shard', '--fresh', '--keep-records', '--since', '--keep-found', '--keep-order',
             '--watch', '--help-all'])
         self.assertEqual(re.findall(r'(?m)^(\w.*):$', out),
                          ['Output', 'Cells', 'Quality', 'Scene rules', 'Time and machines', 'Edits', 'Help',

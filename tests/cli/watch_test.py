@@ -204,9 +204,11 @@ class Watch(InRoom):
         output = self.path('found.pvs')
 
         def says_so():
-            return json.loads(self.expect(0, 'info', output, '--json')[0])['settings'].get('keep_found')
+            settings = json.loads(self.expect(0, 'info', output, '--json')[0])['settings']
+            self.assertEqual(settings.get('keep_order'), settings.get('keep_found'))
+            return settings.get('keep_found')
         self.save(0)
-        running = Watcher(self, self.room, output, *FEW, '--source', 'cpu', '--keep-records', '--keep-found')
+        running = Watcher(self, self.room, output, *FEW, '--source', 'cpu', '--keep-records', '--keep-found', '--keep-order')
         running.until('waiting for')
         self.assertIsNone(says_so(), 'there was nothing to start from')
         self.save(1)
@@ -232,6 +234,20 @@ class Watch(InRoom):
         self.assertTrue(any('preview of 64 cells' in line for line in lines), lines)
         self.assertEqual(read(output), read(plain))
         self.assertEqual(running.end(signal.SIGINT), 0)
+        place = self.path('camera.json')
+        running = Watcher(self, self.room, output, *draft, '--near', place, cells=cells)
+        lines = running.until('waiting for')
+        self.assertFalse(any('preview' in line for line in lines), 'all cells at once while there is no camera')
+        with open(place, 'w', encoding='utf-8') as out:
+            json.dump({'path': [[1, 1, 3], [7, 1, 3]]}, out)
+        self.save(1)
+        lines = running.until('waiting for')
+        self.assertTrue(any('preview of 64 cells' in line for line in lines), lines)
+        self.assertEqual(running.end(signal.SIGINT), 0)
+        found, _ = self.expect(0, 'cells', self.room, '--cells-file', cells, '--cell-limit', '2', '--near', place, '--json')
+        self.assertEqual([cell['name'] for cell in json.loads(found)['cells']], ['66', '67'])
+        _, err = self.expect(4, 'cells', self.room, '--cell-limit', '2', '--near', self.path('gone.json'))
+        self.assertIn('gone.json', self.assert_one_error_line(err, 'path.unreadable'))
         for wrong in (['1,2', '--cell-limit', '2'], ['1,2,3']):
             _, err = self.expect(2, 'bake', self.room, '-o', output, '--near', *wrong)
             self.assertIn('--near', self.assert_one_error_line(err, 'settings.out-of-range'))

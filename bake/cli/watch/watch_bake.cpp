@@ -122,6 +122,7 @@ bake::settings watched_bake::since(bake::settings how, const fs::path& output) c
   std::error_code ignored;
   if (how.keep_records && done_ && fs::exists(with_ending(output, ".records"), ignored)) how.since = output;
   how.keep_found = how.keep_found && !how.since.empty();
+  if (options_.keep_order && !how.since.empty()) how.order_from = output;  // of this version if there was a preview
   return how;
 }
 
@@ -134,8 +135,17 @@ bool watched_bake::bake_preview(const bake_input& input, progress_line& line) {
   if (!is_draft) how.max_pixel_error = draft_error;
   how.file.importance = false;
   how.file.residency = false;
-  if (has_fewer_cells) how.cell_limit = cells_of_near_preview;
+  if (has_fewer_cells) {
+    how.cell_limit = cells_of_near_preview;
+    how.merge_cells = 0.0;  // merging cells takes longer than to bake so few
+  }
   how = since(std::move(how), preview_);
+  // Computing an order takes longer than it saves in a file that is replaced soon. The output is of the version before,
+  // as a preview or as the final file.
+  std::error_code ignored;
+  if (!how.since.empty() && how.file.granularity == bake::set_granularity::polygon &&
+      fs::exists(options_.output, ignored))
+    how.order_from = options_.output;
   const bake::summary sum = bake_with_progress(
       input, how, preview_, true, nullptr, line, [this] { return stop(); }, nullptr);
   if (sum.result == bake::outcome::cancelled) return false;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sightcell/bake/cells.h"
 #include "sightcell/base/error.h"
 #include "sightcell/base/json_text.h"
 
@@ -82,15 +83,19 @@ std::vector<camera_path> read_paths(const std::filesystem::path& path) {
   const std::string subject = path.string();
   std::error_code code;
   const std::uintmax_t size = std::filesystem::file_size(path, code);
-  if (code) refuse_path("path.unreadable", subject, "cannot be read: " + code.message(), "check the path of --path");
+  if (code) refuse_path("path.unreadable", subject, "cannot be read: " + code.message(), "check the path");
   if (size > path_bytes_limit)
     refuse_path("path.too-large", subject, fmt::format("is {} bytes long, more than {}", size, path_bytes_limit),
                 "leave out points: paths are straight between them");
   std::string text(size, '\0');
   std::ifstream in(path, std::ios::binary);
   if (!in.read(text.data(), static_cast<std::streamsize>(size)))
-    refuse_path("path.unreadable", subject, "cannot be read", "check the path of --path and its permissions");
+    refuse_path("path.unreadable", subject, "cannot be read", "check the path and the permissions");
   return parse_paths(text, subject);
+}
+
+std::array<float, 3> last_point(const std::filesystem::path& path_file) {
+  return read_paths(path_file).back().back();
 }
 
 }  // namespace sightcell::bake

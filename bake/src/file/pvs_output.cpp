@@ -211,7 +211,9 @@ void put_in_order(const pvs_frame& frame, stored_cells& stored) {
   const auto set_of = [&](std::uint32_t cell, std::vector<std::uint32_t>& set) {
     set = stored.sets.of(stored.places[cell]);
   };
-  if (frame.clusters.empty())
+  if (frame.order)
+    put(keep_order(parts.draws, parts.facts.layout, kind, frame.identity, *frame.order), parts);
+  else if (frame.clusters.empty())
     order_polygons_of(parts, kind, set_of);
   else
     order_clusters_of(parts, kind, frame.clusters, set_of);

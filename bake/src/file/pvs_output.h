@@ -11,6 +11,7 @@
 #include "cells/view_cell.h"
 #include "order/cluster_order.h"
 #include "order/draw_identity.h"
+#include "order/kept_order.h"
 #include "sightcell/bake/bake.h"
 #include "sightcell/format/records.h"
 #include "volumes/volume_grid.h"
@@ -37,6 +38,7 @@ struct pvs_frame {
   draw_identity identity;                      // empty: not stored
   std::string settings;                        // settings text of the file
   std::uint64_t memory = 0;                    // limit of the process in bytes; 0: none
+  const earlier_order* order = nullptr;        // what keeps its order; null: it is computed
 };
 
 // Returns the content of a file apart from the sets.

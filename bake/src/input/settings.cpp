@@ -198,6 +198,12 @@ void check_kept_records(const settings& s) {
   if (s.keep_found && s.volumes > 0.0)
     throw error(error_kind::wrong_use, "settings.records", "--keep-found", "does not work with --volumes",
                 "leave out one of the two");
+  if (!s.order_from.empty() && s.since.empty())
+    throw error(error_kind::wrong_use, "settings.records", "--keep-order", "is given without --since",
+                "name the earlier file with --since, or leave out --keep-order");
+  if (!s.order_from.empty() && s.file.granularity == set_granularity::cluster)
+    throw error(error_kind::wrong_use, "settings.records", "--keep-order", "does not work with --granularity cluster",
+                "leave out one of the two");
   if (!s.keep_records && s.since.empty()) return;
   const char* const option = s.since.empty() ? "--keep-records" : "--since";
   const auto refuse_with = [&](const char* other) {

@@ -12,6 +12,7 @@
 
 #include "casters/caster_section.h"
 #include "checkpoint/work_file.h"
+#include "file/earlier_file.h"
 #include "file/importance_section.h"
 #include "file/pvs_output.h"
 #include "file/residency_section.h"
@@ -72,6 +73,31 @@ std::unique_ptr<step_keeper> keeper_of(bake_context& context, std::optional<kept
   return std::make_unique<step_keeper>(
       context.input.geometry, context.traced->neighbors_or_null(), how, volumes ? volumes->count() : 0,
       steps_key_of(*context.cells, context.settings_text), std::move(before), std::move(*context.edit));
+}
+
+// Returns the order of the file of how.order_from; nothing if there is none that fits.
+std::optional<earlier_order> order_of(const bake_context& context, const callbacks& events) {
+  const std::filesystem::path& from = context.how.order_from;
+  if (from.empty()) return std::nullopt;
+  const scene::scene& s = context.s;
+  const std::vector<std::uint32_t>& new_of = context.edit->polygons.new_of;
+  std::string why = "it is of another version of the scene, or has another layout";
+  try {
+    format::file_parts file = read_earlier_file(from);
+    const bool fits =
+        file.facts.layout == static_cast<format::host_layout>(context.how.file.layout) && file.clusters.empty();
+    if (fits && file.facts.scene_fingerprint == s.fingerprint && file.facts.polygon_count == s.polygon_count) {
+      std::vector<std::uint32_t> same(s.polygon_count);
+      std::iota(same.begin(), same.end(), 0u);
+      return earlier_order{std::move(file), std::move(same)};
+    }
+    if (fits && file.facts.polygon_count == new_of.size()) return earlier_order{std::move(file), new_of};
+  } catch (const error& e) {
+    why = e.what();
+  }
+  if (events.on_message)
+    events.on_message(severity::warning, fmt::format("the order of {} is not kept: {}", from.string(), why));
+  return std::nullopt;
 }
 
 void count_rebaked(const step_keeper& keeper, const settings& how, summary& sum) {
@@ -179,6 +205,7 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
     sum.result = outcome::cancelled;
     return sum;
   }
+  context->order = order_of(*context, events);
   sum.source = context->device->chosen.name;
   sum.device = context->device->source().device();
 

@@ -81,12 +81,16 @@ bool build(std::optional<bake_context>& context, const scene::scene& s, const se
 
 pvs_frame bake_context::frame() const {
   std::string text = with_overrides(settings_text, input.given);
-  if (how.keep_found) {
-    auto with_start = scene::parse_ordered_json(text);
-    with_start["keep_found"] = true;
-    text = with_start.dump();
-  }
-  return frame_of(s, how, std::move(text), cells->list.cells, volumes_or_null());
+  const auto say = [&](const char* name) {
+    auto with_name = scene::parse_ordered_json(text);
+    with_name[name] = true;
+    text = with_name.dump();
+  };
+  if (how.keep_found) say("keep_found");
+  if (order) say("keep_order");
+  pvs_frame frame = frame_of(s, how, std::move(text), cells->list.cells, volumes_or_null());
+  frame.order = order ? &*order : nullptr;
+  return frame;
 }
 
 }  // namespace sightcell::bake

@@ -13,6 +13,7 @@
 #include "job/bake_input.h"
 #include "job/decide_cells.h"
 #include "job/traced_scene.h"
+#include "order/kept_order.h"
 #include "sampler/cell_sampler.h"
 #include "sightcell/bake/progress.h"
 #include "sightcell/bake/settings.h"
@@ -42,7 +43,8 @@ struct bake_context {
   const scene::scene& s;
   const settings& how;
   const bake_input input;
-  std::optional<scene_edit> edit;  // where records are kept or read; what keeps them takes it away
+  std::optional<scene_edit> edit;      // where records are kept or read; what keeps them takes it away
+  std::optional<earlier_order> order;  // with settings::order_from; filled in later
   // Never empty once the constructor has returned. Optional because the constructor builds them in several steps.
   std::optional<const traced_scene> traced;
   std::optional<const bake_device> device;

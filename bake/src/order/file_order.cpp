@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "order/find_lattice.h"
-#include "order/stored_draws.h"
 
 namespace sightcell::bake {
 namespace {
@@ -44,12 +43,15 @@ void put_on_grid(format::file_parts& parts) {
   parts.grid_places = std::move(found->places);
 }
 
-void order_polygons_of(format::file_parts& parts, polygon_order_kind kind, const set_source& set_of) {
-  const auto cells = static_cast<std::uint32_t>(parts.cells.size());
-  stored_draws stored = store_draws(parts.draws, parts.facts.layout, kind, cells, set_of);
+void put(stored_draws stored, format::file_parts& parts) {
   parts.draws = std::move(stored.draws);
   parts.order_of_draw = std::move(stored.order_of_draw);
   parts.orders = std::move(stored.orders);
+}
+
+void order_polygons_of(format::file_parts& parts, polygon_order_kind kind, const set_source& set_of) {
+  const auto cells = static_cast<std::uint32_t>(parts.cells.size());
+  put(store_draws(parts.draws, parts.facts.layout, kind, cells, set_of), parts);
 }
 
 }  // namespace sightcell::bake

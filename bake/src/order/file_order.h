@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "order/stored_draws.h"
 #include "sightcell/bake/file_settings.h"
 #include "sightcell/format/file_parts.h"
 
@@ -20,6 +21,9 @@ void put_on_grid(format::file_parts& parts);
 
 // Appends the source ids of a cell, ascending, to an empty set.
 using set_source = std::function<void(std::uint32_t cell, std::vector<std::uint32_t>& set)>;
+
+// Replaces draws, order_of_draw and orders of parts.
+void put(stored_draws stored, format::file_parts& parts);
 
 // Computes a new order of polygons and draws, for the layout in the facts of parts. It replaces draws, order_of_draw
 // and orders of parts.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include "order/polygon_order.h"
@@ -26,28 +25,18 @@ using set_source = std::function<void(std::uint32_t cell, std::vector<std::uint3
 
 std::vector<format::draw_record> in_source_order(std::span<const format::draw_record> draws) {
   std::vector<format::draw_record> sorted(draws.begin(), draws.end());
-  // Draws without polygons have the same first_source as the next draw.
-  const auto place = [](const format::draw_record& d) { return std::tuple(d.first_source, d.polygon_count > 0); };
-  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return source_place(a) < source_place(b); });
   return sorted;
-}
-
-void lay_end_to_end(std::vector<format::draw_record>& draws) {
-  std::uint32_t next = 0;
-  for (format::draw_record& d : draws) {
-    d.first_stored = next;
-    next += d.polygon_count;
-  }
 }
 
 stored_draws store_instanced(std::span<const format::draw_record> draws, polygon_order_kind kind,
                              std::uint32_t cell_count, const set_source& set_of) {
   const std::vector<format::draw_record> source = in_source_order(draws);
-  std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, std::uint32_t> numbers;
+  std::map<draw_unit, std::uint32_t> numbers;
   std::vector<ordered_draw> ordered;
   for (const format::draw_record& d : source) {
-    const bool alone = kind == polygon_order_kind::per_instance;
-    const std::tuple key(alone ? static_cast<std::uint32_t>(ordered.size()) : d.mesh, d.primitive, d.polygon_count);
+    const draw_unit key = unit_of(d, static_cast<std::uint32_t>(ordered.size()), kind);
     const std::uint32_t unit = numbers.try_emplace(key, static_cast<std::uint32_t>(numbers.size())).first->second;
     ordered.push_back({.unit = unit, .first = d.first_source, .count = d.polygon_count});
   }
@@ -150,6 +139,18 @@ stored_draws store_merged(std::span<const format::draw_record> draws, std::uint3
 }
 
 }  // namespace
+
+draw_unit unit_of(const format::draw_record& d, std::uint32_t number, polygon_order_kind kind) {
+  return {kind == polygon_order_kind::per_instance ? number : d.mesh, d.primitive, d.polygon_count};
+}
+
+void lay_end_to_end(std::span<format::draw_record> draws) {
+  std::uint32_t next = 0;
+  for (format::draw_record& d : draws) {
+    d.first_stored = next;
+    next += d.polygon_count;
+  }
+}
 
 std::vector<format::draw_record> in_groups(std::span<const format::draw_record> draws) {
   std::vector<format::draw_record> table = in_source_order(draws);

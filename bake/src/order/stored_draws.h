@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "sightcell/bake/file_settings.h"
@@ -15,6 +17,20 @@ struct stored_draws {
   std::vector<std::uint32_t> order_of_draw;  // index into orders for each draw
   std::vector<std::vector<std::uint32_t>> orders;
 };
+
+// What draws are sorted by in source order. Draws without polygons have the same first_source as the next draw.
+inline std::pair<std::uint32_t, bool> source_place(const format::draw_record& d) {
+  return {d.first_source, d.polygon_count > 0};
+}
+
+// Draws of the instanced layout that share one order of polygons.
+using draw_unit = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
+
+// number: of the draw, in source order.
+draw_unit unit_of(const format::draw_record& d, std::uint32_t number, polygon_order_kind kind);
+
+// Fills in first_stored of draws in stored order.
+void lay_end_to_end(std::span<format::draw_record> draws);
 
 // Returns the draw table of the merged layout before polygons are ordered. Draws of one group become a draw group;
 // groups are numbered in source order.

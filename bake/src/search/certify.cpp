@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "bound/bound_rays.h"
@@ -152,19 +153,21 @@ proof prove_again(bound_batch& batch, const cast_again& again) {
   return {{misses, std::max(trials, misses), risk}, misses};
 }
 
-// Looks beside what an earlier bake did not know, and tries its bound. Returns the cost of the rays of the bound.
+// Looks beside what an earlier bake did not know, and tries its bound. Returns the cost and the share of the rays that
+// missed.
 // batch: with the random numbers of the bound.
-std::uint64_t try_again(bound_batch& batch, const finish_settings& how, const ray_budget& budget, cell_search& search,
-                        cell_set& set, finish_result& result) {
+// search: does not look beside what the earlier bake knew, because that bake did.
+std::pair<std::uint64_t, double> try_again(bound_batch& batch, const finish_settings& how, const ray_budget& budget,
+                                           cell_search search, cell_set& set, finish_result& result) {
   search.look_beside(budget.left(0));
   const proof found = prove_again(batch, *how.again);
   if (how.limit) (void)how.limit->reached();  // throws where a stop was requested: the batch is not complete then
   if (!batch.given_up() && found.at.trials > 0) take_bound(found, how.again->of, how.max_pixel_error, result);
   add_missed(batch, set);
   search.look_beside(budget.left(batch.spent()));
-  search.hear(static_cast<double>(batch.misses()) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
   result.rays_spent = batch.spent() + search.spent();
-  return batch.spent();
+  return {result.rays_spent,
+          static_cast<double>(batch.misses()) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1))};
 }
 
 // Names the rays of a batch. Where every viewpoint is tested they are not known.
@@ -216,17 +219,14 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
   const double target = how.max_pixel_error;
   const time_limit& limit = how.limit ? *how.limit : no_limit;
   time_limit of_search = limit.part(search_share);
-  cell_search search(rays, neighbors, views,
-                     {.seed = seed_after(how.batches_elsewhere + how.batches_before, how.seed),
-                      .place = how.place,
-                      .smallest_gap = how.rules.smallest_gap,
-                      .limit = &of_search,
-                      .metric = how.rules.metric,
-                      .priority = priority_beside(target),
-                      .known = views ? how.known : 0,
-                      .tried = views ? priority_after(priority_beside(how.known_to), views->poses.taken()) : 0.0},
-                     set);
-  if (how.missing < 1.0) search.hear(how.missing);
+  search_settings of_cell{.seed = seed_after(how.batches_elsewhere + how.batches_before, how.seed),
+                          .place = how.place,
+                          .smallest_gap = how.rules.smallest_gap,
+                          .limit = &of_search,
+                          .metric = how.rules.metric,
+                          .priority = priority_beside(target),
+                          .known = how.known,
+                          .tried = 0.0};
   search_of_volumes volumes(rays, where, how, set);
   const double rays_per_trial = 1.0 / std::max(how.valid_share, 1e-3),
                cost_of_trial = verification_ray_cost * rays_per_trial;
@@ -250,10 +250,17 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
                        give_up);
   };
 
+  double missing = how.missing;
   if (how.again) {
     bound_batch batch = batch_of(purpose::bound, how.again->of.name);
-    of_batches = try_again(batch, how, budget, search, set, result);
+    std::tie(of_batches, missing) =
+        try_again(batch, how, budget, cell_search(rays, neighbors, views, of_cell, set), set, result);
+    if (result.bound_met) return result;
   }
+  of_cell.known = views ? how.known : 0;
+  of_cell.tried = views ? priority_after(priority_beside(how.known_to), views->poses.taken()) : 0.0;
+  cell_search search(rays, neighbors, views, of_cell, set);
+  if (missing < 1.0) search.hear(missing);
   for (bool more = !result.bound_met; more;) {
     const std::uint64_t number = how.batches_before + ++turns;
     interim_tests = plan_interim_tests(target, risk_of_batch(number), viewpoint_risk_share);

@@ -1,7 +1,9 @@
 #pragma once
 // The view cells of a bake, before it. bake.h has the conventions.
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,5 +49,9 @@ inline constexpr std::size_t most_floors = 12;
 //   Five hemicubes per cell before they are merged, and some trial cells, of up to ten seconds, for the
 //   estimates. Whether a cell has valid viewpoints is not tested: the bake leaves out those that have none.
 std::optional<cell_preview> preview_cells(const scene::scene& s, const settings& how, const callbacks& events);
+
+// Returns the last point of the last path of a path file, in meters: where a camera was last.
+// Fails with path.*.
+std::array<float, 3> last_point(const std::filesystem::path& path_file);
 
 }  // namespace sightcell::bake

@@ -227,6 +227,12 @@ struct settings {
   // are those of any bake; the sets are not those of a full bake, and may have polygons that the edit occludes. Not
   // with volumes. A later bake without it bakes these cells anew.
   bool keep_found = false;
+  // --keep-order, with since: a .pvs file of the version of the scene that since is of, such as since itself, or of the
+  // scene as it is now.
+  // Polygons and draws are stored in its order as far as they are still there, and not in one that is computed from the
+  // sets. Ignored, with a warning, if the file cannot be read or is of another version. Not with clusters. Empty:
+  // computed.
+  std::filesystem::path order_from;
 };
 
 // Returns whether cells are where a camera flies: in boxes or near paths.
