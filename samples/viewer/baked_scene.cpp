@@ -37,7 +37,7 @@ void open_file(const scene::scene& s, const std::string& path, baked_scene& out)
   require(info.status(), path);
   if (!std::equal(s.fingerprint.begin(), s.fingerprint.end(), info->scene_fingerprint) ||
       info->polygon_count != s.polygon_count || info->draw_count != s.draws.size()) {
-    throw error(error_kind::bad_input, "viewer.other-scene", path, "was baked from another scene than " + s.name,
+    throw error(error_kind::bad_input, other_scene, path, "was baked from another scene than " + s.name,
                 "bake this scene, or name the one it was baked from");
   }
   out.pvs_name = std::filesystem::path(path).filename().string();

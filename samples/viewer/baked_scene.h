@@ -13,6 +13,9 @@
 
 namespace viewer {
 
+// The id of the error of open_baked() for a file of another scene, or of another version of it.
+inline constexpr const char* other_scene = "viewer.other-scene";
+
 struct cell {
   glm::vec3 min, max;
   std::string name;     // empty when nobody said one

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 
 #include "sightcell/base/error.h"
 
@@ -19,6 +21,11 @@ bool same_pose(const fly_camera& a, const fly_camera& b) {
 
 error broken(const std::string& file, const std::string& cause) {
   return {error_kind::bad_input, "viewer.path", file, cause, "name a file that --record has written"};
+}
+
+error not_written(const std::string& file) {
+  return {error_kind::failed, "viewer.path-not-written", file, "cannot be written",
+          "name a file in a folder that can be written to"};
 }
 
 }  // namespace
@@ -42,10 +49,23 @@ void path_recorder::add(double seconds, const fly_camera& camera) {
 
 void path_recorder::finish() {
   out_.flush();
-  if (!out_) {
-    throw error(error_kind::failed, "viewer.path-not-written", file_, "cannot be written",
-                "name a file in a folder that can be written to");
-  }
+  if (!out_) throw not_written(file_);
+}
+
+void camera_note::follow(const fly_camera& camera) {
+  if (file_.empty() || last_ == camera.eye || clock::now() - written_ < std::chrono::seconds(1)) return;
+  const std::string fresh = file_ + ".new";
+  char text[128];
+  std::snprintf(text, sizeof text, "{\"path\": [[%.9g, %.9g, %.9g]]}\n", static_cast<double>(camera.eye.x),
+                static_cast<double>(camera.eye.y), static_cast<double>(camera.eye.z));
+  std::ofstream out(fresh, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  std::error_code failed;
+  if (out) std::filesystem::rename(fresh, file_, failed);
+  if (!out || failed) throw not_written(file_);
+  last_ = camera.eye;
+  written_ = clock::now();
 }
 
 std::vector<path_pose> read_path(const std::string& file) {

@@ -1,8 +1,11 @@
 #pragma once
 // A recorded path of the camera: one pose per drawn frame.
+#include <chrono>
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "controls.h"
@@ -30,6 +33,22 @@ class path_recorder {
   std::ofstream out_;
   fly_camera last_;
   std::uint64_t poses_ = 0;
+};
+
+// Keeps the place of the camera in a path file of one point (docs/json-files.md), for `sightcell bake --near`. It is
+// written by rename, at most once per second, when the camera has moved.
+class camera_note {
+ public:
+  // file: empty: none.
+  explicit camera_note(std::string file) : file_(std::move(file)) {}
+  // Throws sightcell::error (failed) if the file cannot be written.
+  void follow(const fly_camera& camera);
+
+ private:
+  using clock = std::chrono::steady_clock;
+  std::string file_;
+  std::optional<glm::vec3> last_;
+  clock::time_point written_{};
 };
 
 // Returns the poses of a file, exactly as they were recorded. Throws sightcell::error (bad_input) with the line that is

@@ -72,6 +72,9 @@ void add_options(CLI::App& app, viewer::options& chosen, words& rest) {
       ->check(CLI::IsMember({"draft", "normal", "final"}))
       ->excludes(screenshot)
       ->excludes(app.get_option("pvs"));
+  app.add_option("--camera-file", chosen.camera_file,
+                 "write where the camera is into this .json file, for sightcell bake --watch --near")
+      ->excludes(screenshot);
   app.add_option("--record", chosen.record, "write the path of the camera into this file")->excludes(screenshot);
   auto* replay =
       app.add_option("--replay", chosen.replay, "follow the path of a file that --record wrote")->excludes(screenshot);

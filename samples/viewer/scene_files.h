@@ -34,6 +34,17 @@ struct loaded_file {
   cell_map map;
 };
 
+// A version of the scene, and the file that was baked of it.
+struct opened_scene {
+  std::unique_ptr<loaded_scene> scene;
+  baked_scene baked;
+};
+
+// Opens both. number: which scene of the glTF file; -1: its default.
+// Throws sightcell::error (bad_input) if one is broken, or the .pvs file is of another version.
+opened_scene open_scene(const std::string& scene_file, int number, const std::string& pvs_file,
+                        const std::string& cells_file);
+
 // Notices that a file has changed. Asks the file system once per second at most.
 class file_watch {
  public:

@@ -26,6 +26,7 @@ struct options {
   bool hud = false, map = false, box = false, all_cells = false, wireframe = false;  // of a screenshot
   bool wrong = false;
   std::string record, replay, benchmark;  // files
+  std::string camera_file;                // receives the place of the camera, for a bake --watch --near
   std::string bake;                       // quality of a bake that begins at once, where there is no .pvs file
   std::uint32_t poses = 0;                // of a benchmark; 0: all of the path
 };

@@ -450,6 +450,45 @@ def bakes_of(scene):
     return found
 
 
+class Edit(UnderKeys):
+    """A scene that is edited while its window is open."""
+
+    def test_an_edit(self):
+        scene, pvs, place = self.path('edit.glb'), self.path('edit.pvs'), self.path('camera.json')
+        shutil.copy(self.city, scene)
+        shutil.copy(self.city_pvs, pvs)
+        self.open(scene, pvs, '--cell', 1, '--camera-file', place, '--size', '400x300')
+        before = self.numbers_when(lambda n: os.path.exists(place), 'the camera is written')
+        with open(place, encoding='utf-8') as file:
+            numpy.testing.assert_allclose(json.load(file)['path'], [before['eye']], atol=1e-4)
+        self.assertEqual((before['polygons'], before['cells']), (3000, 3))
+        self.press('u')
+
+        # The file of the new version comes after the scene. Both are replaced as editors and bakes do it.
+        shutil.copy(self.room, self.path('new.glb'))
+        os.replace(self.path('new.glb'), scene)
+        same = self.numbers()
+        self.assertEqual((same['polygons'], same['message']), (3000, ''))
+        shutil.copy(self.room_pvs, self.path('new.pvs'))
+        os.replace(self.path('new.pvs'), pvs)
+        after = self.numbers_when(lambda n: n['polygons'] != 3000, 'the new version is shown')
+        self.assertEqual((after['cells'], after['eye'], after['look']), (1, before['eye'], before['look']))
+        self.press('n')
+        inside = self.numbers_when(lambda n: n['cell'] == 0, 'its cell')
+        self.assertNotEqual(inside['eye'], before['eye'])
+
+        # A file of a version that is not there changes nothing.
+        shutil.copy(self.city_pvs, self.path('new.pvs'))
+        os.replace(self.path('new.pvs'), pvs)
+        kept = self.numbers_when(lambda n: n['message'], 'it is named')
+        self.assertIn('another scene', kept['message'])
+        self.assertEqual((kept['polygons'], kept['cells']), (after['polygons'], 1))
+        with open(place, encoding='utf-8') as file:
+            self.assertNotEqual(json.load(file)['path'], [before['eye']])
+        _, err = self.leave()
+        self.assertIn(f'{scene} and {pvs} were read: 1 cells', err)
+
+
 class Bake(UnderKeys):
     """A bake in the background, of a scene without a .pvs file."""
 
