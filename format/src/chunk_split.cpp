@@ -14,12 +14,12 @@ namespace {
 class block_splitter {
  public:
   block_splitter(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit,
-                 std::uint64_t most_bytes, least_saving least)
-      : sets_(sets), encoders_(encoders), limit_(limit), most_bytes_(most_bytes), least_(least) {}
+                 std::uint64_t most_bytes, const plan_settings& how)
+      : sets_(sets), encoders_(encoders), limit_(limit), most_bytes_(most_bytes), how_(how) {}
 
   void split(std::uint32_t first, std::uint32_t cells) {
     const auto part = sets_.subspan(first, cells);
-    chunk_plan plan = plan_chunk(part, encoders_, limit_, least_);
+    chunk_plan plan = plan_chunk(part, encoders_, limit_, how_);
     const std::vector<std::uint64_t> bytes = row_bytes(part, plan, encoders_);
     const std::uint64_t rows = std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0});
     const std::uint64_t table = 1 + (static_cast<std::uint64_t>(std::bit_width(rows)) * cells + 7) / 8;
@@ -62,15 +62,15 @@ class block_splitter {
   const row_encoders& encoders_;
   std::uint32_t limit_;
   std::uint64_t most_bytes_;
-  least_saving least_;
+  const plan_settings& how_;
   std::vector<planned_chunk> chunks_;
 };
 
 }  // namespace
 
 std::vector<planned_chunk> split_block(std::span<const std::vector<run>> sets, const row_encoders& encoders,
-                                       std::uint32_t limit, std::uint64_t most_bytes, least_saving least) {
-  block_splitter splitter(sets, encoders, limit, most_bytes, least);
+                                       std::uint32_t limit, std::uint64_t most_bytes, const plan_settings& how) {
+  block_splitter splitter(sets, encoders, limit, most_bytes, how);
   splitter.split(0, static_cast<std::uint32_t>(sets.size()));
   return splitter.take();
 }

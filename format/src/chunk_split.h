@@ -26,11 +26,11 @@ struct planned_chunk {
 
 // The chunks of a block, in the order of its cells: one, or as many as it takes so that each with more than one cell
 // has no more than most_bytes by the expected costs of its rows. sets: of the 1 .. 64 cells of the block. encoders,
-// limit, least: as for plan_chunk. Equal arguments give equal chunks. Allocates; any thread. Cost: that of plan_chunk
+// limit, how: as for plan_chunk. Equal arguments give equal chunks. Allocates; any thread. Cost: that of plan_chunk
 // for the block, and for its parts.
 std::vector<planned_chunk> split_block(std::span<const std::vector<run>> sets, const row_encoders& encoders,
                                        std::uint32_t limit, std::uint64_t most_bytes,
-                                       least_saving least = least_saving::an_eighth);
+                                       const plan_settings& how = {});
 
 // The section. Empty if each block is one chunk: then a file has none.
 std::vector<std::byte> encode_borders(std::span<const std::vector<planned_chunk>> blocks);

@@ -19,20 +19,27 @@ constexpr std::uint64_t own_head_bits = 16;
 // The differences between similar cells that save enough.
 std::vector<saving_difference> saving_differences(std::span<const std::vector<run>> sets,
                                                   std::span<const std::uint32_t> first, const row_encoders& encoders,
-                                                  std::uint32_t limit, least_saving least) {
+                                                  std::uint32_t limit, const plan_settings& how) {
   const auto likely = likely_references(sets, first, limit, candidates_per_cell);
-  std::vector<saving_difference> found;
-  std::vector<run> removed;
-  std::vector<run> added;
-  for (std::uint32_t cell = 0; cell < sets.size(); ++cell) {
+  std::vector<std::vector<saving_difference>> of_cell(sets.size());
+  const auto compare = [&](std::size_t cell) {
+    std::vector<run> removed;
+    std::vector<run> added;
     const std::uint64_t own = own_head_bits + encoders.own.size(sets[cell]);
-    const std::uint64_t most = least == least_saving::anything ? own : own - own / 8;
+    const std::uint64_t most = how.least == least_saving::anything ? own : own - own / 8;
     for (const std::uint32_t other : likely[cell]) {
       make_rank_difference(sets[other], sets[cell], removed, added);
       const std::uint64_t delta = delta_head_bits + encoders.removed.size(removed) + encoders.added.size(added);
-      if (delta < most) found.push_back({own - delta, cell, other});
+      if (delta < most) of_cell[cell].push_back({own - delta, static_cast<std::uint32_t>(cell), other});
     }
+  };
+  if (how.run_at_once) {
+    how.run_at_once(sets.size(), compare);
+  } else {
+    for (std::size_t cell = 0; cell < sets.size(); ++cell) compare(cell);
   }
+  std::vector<saving_difference> found;
+  for (const std::vector<saving_difference>& one : of_cell) found.insert(found.end(), one.begin(), one.end());
   return found;
 }
 
@@ -61,10 +68,10 @@ void row_counts::add(const row_counts& others) {
 }
 
 chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit,
-                      least_saving least) {
+                      const plan_settings& how) {
   const std::vector<std::uint32_t> first = first_equal(sets);
   return {narrowed(first),
-          narrowed(choose_references(sets.size(), saving_differences(sets, first, encoders, limit, least)))};
+          narrowed(choose_references(sets.size(), saving_differences(sets, first, encoders, limit, how)))};
 }
 
 std::vector<std::uint64_t> row_bytes(std::span<const std::vector<run>> sets, const chunk_plan& plan,

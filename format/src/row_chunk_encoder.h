@@ -9,6 +9,7 @@
 
 #include "run_encoder.h"
 #include "sightcell/format/records.h"
+#include "sightcell/format/writer.h"
 
 namespace sightcell::format {
 
@@ -37,10 +38,15 @@ struct chunk_plan {
 // that save anything.
 enum class least_saving { an_eighth, anything };
 
-// sets: of 1 .. 64 cells. encoders: the expected costs of lists. Equal sets and encoders give equal plans. Allocates;
-// any thread.
+struct plan_settings {
+  least_saving least = least_saving::an_eighth;
+  work_runner run_at_once = {};  // for the cells of the chunk; empty: the calling thread does all
+};
+
+// sets: of 1 .. 64 cells. encoders: the expected costs of lists. Equal sets, encoders and least savings give equal
+// plans. Allocates; any thread.
 chunk_plan plan_chunk(std::span<const std::vector<run>> sets, const row_encoders& encoders, std::uint32_t limit,
-                      least_saving least = least_saving::an_eighth);
+                      const plan_settings& how = {});
 
 // The expected size of the row of each cell in bytes; 0 for a cell that has the row of another one.
 std::vector<std::uint64_t> row_bytes(std::span<const std::vector<run>> sets, const chunk_plan& plan,

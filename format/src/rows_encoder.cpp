@@ -132,13 +132,18 @@ std::uint32_t rows_encoder::count_ranges(std::span<const run> runs) const {
   return ranges;
 }
 
+// Blocks are worked on at once, so the cells of one are where it is alone.
+plan_settings rows_encoder::how_to_plan(const block_work& w, least_saving least) const {
+  return {least, w.is_alone ? contents_.run_at_once : work_runner()};
+}
+
 // Slack makes differences cheaper than they are now, so those that save little yet are used too.
 void rows_encoder::widen_sets(std::size_t block, block_work& w) {
   if (!exact_encoders_ || w.is_widened) return;
   std::vector<planned_chunk>& chunks = exact_blocks_[block];
   if (chunks.empty()) {
     const std::uint64_t most = std::uint64_t{contents_.chunk_bytes} * exact_bytes / widened_bytes;
-    chunks = split_block(w.sets, *exact_encoders_, items_, most, least_saving::anything);
+    chunks = split_block(w.sets, *exact_encoders_, items_, most, how_to_plan(w, least_saving::anything));
   }
   take_volumes(w);
   std::vector<slack_sums> sums(chunks.size());
@@ -172,10 +177,11 @@ void rows_encoder::keep_widened(std::size_t block, block_work& w) {
 
 // The sets with slack have the chunks by which it was added, because it depends on the references, or parts of these.
 std::vector<planned_chunk> rows_encoder::planned(std::size_t block, block_work& w, const row_encoders& encoders) const {
-  if (!exact_encoders_) return split_block(w.sets, encoders, items_, contents_.chunk_bytes);
+  const plan_settings how = how_to_plan(w, least_saving::an_eighth);
+  if (!exact_encoders_) return split_block(w.sets, encoders, items_, contents_.chunk_bytes, how);
   std::vector<planned_chunk> chunks;
   for (const planned_chunk& exact : exact_blocks_[block]) {
-    for (planned_chunk& c : split_block(exact.part(w.sets), encoders, items_, contents_.chunk_bytes)) {
+    for (planned_chunk& c : split_block(exact.part(w.sets), encoders, items_, contents_.chunk_bytes, how)) {
       chunks.push_back({exact.first + c.first, c.cells, std::move(c.plan)});
     }
   }

@@ -79,6 +79,7 @@ class rows_encoder {
   void widen_sets(std::size_t block, block_work& w);
   // Keeps the sets with slack for the next pass, if there is room. Removes them from w.
   void keep_widened(std::size_t block, block_work& w);
+  [[nodiscard]] plan_settings how_to_plan(const block_work& w, least_saving least) const;
   [[nodiscard]] std::vector<planned_chunk> planned(std::size_t block, block_work& w,
                                                    const row_encoders& encoders) const;
   // Removes the volumes from the sets, or puts them back.

@@ -49,6 +49,12 @@ coded encode(const set_list& sets) {
   first.removed = first.added = first.own;
   coded c;
   c.plan = plan_chunk(sets, row_encoders(first), limit);
+  const auto backward = [](std::size_t count, const std::function<void(std::size_t)>& work) {
+    while (count > 0) work(--count);
+  };
+  const chunk_plan at_once = plan_chunk(sets, row_encoders(first), limit, {.run_at_once = backward});
+  EXPECT_EQ(at_once.same, c.plan.same);
+  EXPECT_EQ(at_once.reference, c.plan.reference);
   row_counts counts;
   count_chunk(sets, c.plan, counts);
   const row_encoders encoders(counts);

@@ -288,7 +288,7 @@ widened_chunk widen(std::uint32_t seed, std::size_t count, std::uint64_t share) 
   for (const auto& set : w.sets) counts.own.add(set);
   counts.removed = counts.added = counts.own;
   const row_encoders encoders(counts);
-  const chunk_plan plan = plan_chunk(w.sets, encoders, limit, least_saving::anything);
+  const chunk_plan plan = plan_chunk(w.sets, encoders, limit, {.least = least_saving::anything});
   w.bits_before = bits_of(w.sets, encoders);
   add_slack(w.sets, plan, some_borders(), slack_prices_of(counts, encoders), share, w.sums);
   w.bits_after = bits_of(w.sets, encoders);
@@ -378,7 +378,7 @@ TEST(slack, is_planned_with_any_difference_that_saves) {
       row_counts counts;
       for (const auto& set : sets) counts.own.add(set);
       counts.removed = counts.added = counts.own;
-      const chunk_plan plan = plan_chunk(sets, row_encoders(counts), limit, least);
+      const chunk_plan plan = plan_chunk(sets, row_encoders(counts), limit, {.least = least});
       if (plan.reference == std::vector<std::uint8_t>(2, chunk_plan::alone)) continue;
       first_saving.push_back(common);
       break;
