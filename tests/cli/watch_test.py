@@ -199,6 +199,39 @@ class Watch(InRoom):
         self.assertEqual(running.end(signal.SIGINT), 0)
         left = [n for n in os.listdir(self.folder) if n.startswith('kept.pvs.')]
         self.assertEqual(left, ['kept.pvs.records'])
+        # Of an earlier command, too, unless its settings were others, or the records are damaged.
+        running = Watcher(self, self.room, output, *FEW, '--source', 'cpu', '--keep-records')
+        running.until('baked again: 0 of 1 cells')
+        running.until('waiting for')
+        self.assertEqual(read(output), files[1])
+        self.assertEqual(running.end(signal.SIGINT), 0)
+        running = Watcher(self, self.room, output, *FEW, '--source', 'cpu', '--keep-records', '--seed', '7', '--keep-found')
+        self.assertIn('records.other-bake', running.until('all cells are baked')[-1])
+        running.until('waiting for')
+        self.assertNotEqual(read(output), files[1])
+        self.assertEqual(running.end(signal.SIGINT), 0)
+        with open(output + '.records', 'r+b') as records:
+            records.truncate(100)
+        running = Watcher(self, self.room, output, *FEW, '--source', 'cpu', '--keep-records')
+        self.assertIn('records.damaged', running.until('all cells are baked')[-1])
+        running.until('waiting for')
+        self.assertEqual(read(output), files[1])
+        self.assertEqual(running.end(signal.SIGINT), 0)
+
+    def test_a_preview_starts_from_the_one_before(self):
+        """Also while no final bake has ended."""
+        for i in range(10):  # on a busy machine the bake may end before the signal
+            self.save(0)
+            running = Watcher(self, self.room, self.path(f'preview{i}.pvs'), *SLOW, '--source', 'cpu', '--keep-records')
+            running.until('preview of 1 cells')
+            running.process.send_signal(signal.SIGSTOP)  # the bake must not end before the save
+            write_room(self.room, HEIGHTS[0], nodes=[{'mesh': 0, 'name': 'renamed'}, {'mesh': 0}])
+            running.process.send_signal(signal.SIGCONT)
+            if 'stopped' in running.until('stopped', 'waiting for')[-1]:
+                self.assertIn('(0 baked again)', running.until('preview of 1 cells')[-1])
+                return
+            running.end()
+        self.fail('no save stopped a bake')
 
     def test_keep_found_from_the_second_bake_on(self):
         output = self.path('found.pvs')

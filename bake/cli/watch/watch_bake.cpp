@@ -88,7 +88,8 @@ class watched_bake {
   bool has_nothing_new(const scene_facts& facts) const;
   bool bake_preview(const bake_input& input, progress_line& line);
   bool bake_whole(const bake_input& input, const scene_facts& facts, progress_line& line);
-  bake::settings since(bake::settings how, const fs::path& output) const;
+  template <class Bake>
+  auto with_records(bake::settings how, const fs::path& output, progress_line& line, const Bake& bake) const;
   bool stop() { return signals_.asked() || watch_.changed(); }
 
   const bake_options& options_;
@@ -117,13 +118,25 @@ bool watched_bake::has_nothing_new(const scene_facts& facts) const {
   return !has_other_inputs && done_ && facts == *done_ && fs::exists(options_.output, ignored);
 }
 
-// Takes cells from the records of the last bake of this output, if records are kept.
-bake::settings watched_bake::since(bake::settings how, const fs::path& output) const {
+// Calls bake with the settings of a bake that takes cells from the records of the last one of this output, which an
+// earlier command may have kept. Without such records, or if they do not serve, all cells are baked.
+template <class Bake>
+auto watched_bake::with_records(bake::settings how, const fs::path& output, progress_line& line,
+                                const Bake& bake) const {
   std::error_code ignored;
-  if (how.keep_records && done_ && fs::exists(with_ending(output, ".records"), ignored)) how.since = output;
-  how.keep_found = how.keep_found && !how.since.empty();
-  if (options_.keep_order && !how.since.empty()) how.order_from = output;  // of this version if there was a preview
-  return how;
+  if (how.keep_records && fs::exists(with_ending(output, ".records"), ignored)) {
+    bake::settings since = how;
+    since.since = output;
+    if (options_.keep_order) since.order_from = output;  // of this version if there was a preview
+    try {
+      return bake(std::move(since));
+    } catch (const error& e) {
+      if (!e.id().starts_with("records.")) throw;
+      line.message(fmt::format("all cells are baked: {}", e.what()));
+    }
+  }
+  how.keep_found = false;
+  return bake(std::move(how));
 }
 
 // Returns false if it was stopped.
@@ -139,15 +152,16 @@ bool watched_bake::bake_preview(const bake_input& input, progress_line& line) {
     how.cell_limit = cells_of_near_preview;
     how.merge_cells = 0.0;  // merging cells takes longer than to bake so few
   }
-  how = since(std::move(how), preview_);
-  // Computing an order takes longer than it saves in a file that is replaced soon. The output is of the version before,
-  // as a preview or as the final file.
-  std::error_code ignored;
-  if (!how.since.empty() && how.file.granularity == bake::set_granularity::polygon &&
-      fs::exists(options_.output, ignored))
-    how.order_from = options_.output;
-  const bake::summary sum = bake_with_progress(
-      input, how, preview_, true, nullptr, line, [this] { return stop(); }, nullptr);
+  const bake::summary sum = with_records(std::move(how), preview_, line, [&](bake::settings of_preview) {
+    // Computing an order takes longer than it saves in a file that is replaced soon. The output is of the version
+    // before, as a preview or as the final file.
+    std::error_code ignored;
+    if (!of_preview.since.empty() && of_preview.file.granularity == bake::set_granularity::polygon &&
+        fs::exists(options_.output, ignored))
+      of_preview.order_from = options_.output;
+    return bake_with_progress(
+        input, of_preview, preview_, true, nullptr, line, [this] { return stop(); }, nullptr);
+  });
   if (sum.result == bake::outcome::cancelled) return false;
   try {
     bake::publish(preview_, options_.output);
@@ -155,16 +169,18 @@ bool watched_bake::bake_preview(const bake_input& input, progress_line& line) {
     throw error(error_kind::failed, "output.io", options_.output.string(),
                 "the preview cannot be renamed to it: " + e.code().message(), "check the permissions of its folder");
   }
-  line.message(fmt::format("{}: preview of {} cells, bound {:.2e}, {} of CPU time", options_.output.string(),
-                           grouped(sum.cells), sum.max_upper_bound, duration_text(sum.cpu_seconds)));
+  const std::string again = sum.rebaked ? fmt::format(" ({} baked again)", grouped(sum.rebaked->count())) : "";
+  line.message(fmt::format("{}: preview of {} cells{}, bound {:.2e}, {} of CPU time", options_.output.string(),
+                           grouped(sum.cells), again, sum.max_upper_bound, duration_text(sum.cpu_seconds)));
   return true;
 }
 
 // Returns false if it was stopped.
 bool watched_bake::bake_whole(const bake_input& input, const scene_facts& facts, progress_line& line) {
   const auto attempt = [&](bool fresh) {
-    return bake_and_report(options_, input, since(input.how, options_.output), fresh, nullptr, line,
-                           [this] { return stop(); });
+    return with_records(input.how, options_.output, line, [&](const bake::settings& how) {
+      return bake_and_report(options_, input, how, fresh, nullptr, line, [this] { return stop(); });
+    });
   };
   int code = exit_done;
   try {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <tuple>
+
+#include "cell_set/point_order.h"
 
 namespace sightcell::bake {
 namespace {
@@ -44,6 +45,20 @@ bool cell_set::add(std::uint32_t polygon, const glm::vec3& eye) {
   return true;
 }
 
+void cell_set::add_members(const cell_record& record, const std::vector<std::uint8_t>& keep) {
+  std::vector<std::uint32_t> eye_of(record.witnesses.size());
+  std::vector<bool> used(record.witnesses.size());
+  for (std::size_t i = 0; i < record.set.size(); ++i)
+    if (keep[i] != 0 && !contains(record.set[i])) used[record.witness_of[i]] = true;
+  for (std::size_t w = 0; w < used.size(); ++w) {
+    if (!used[w]) continue;
+    eye_of[w] = static_cast<std::uint32_t>(eyes_.size());
+    eyes_.push_back(record.witnesses[w]);
+  }
+  for (std::size_t i = 0; i < record.set.size(); ++i)
+    if (keep[i] != 0 && !contains(record.set[i])) join(record.set[i], {1, eye_of[record.witness_of[i]]});
+}
+
 std::uint32_t cell_set::join(std::uint32_t polygon, const entry& as) {
   entries_[polygon] = as;
   members_.push_back(polygon);
@@ -62,7 +77,9 @@ std::uint32_t cell_set::join(std::uint32_t polygon, const entry& as) {
 
 std::vector<std::uint32_t> cell_set::sorted() const {
   std::vector<std::uint32_t> ids = members_;
-  std::sort(ids.begin(), ids.end());
+  const auto sorted = std::is_sorted_until(ids.begin(), ids.end());  // those that load() brought
+  std::sort(sorted, ids.end());
+  std::inplace_merge(ids.begin(), sorted, ids.end());
   return ids;
 }
 
@@ -72,24 +89,18 @@ void cell_set::save(cell_record& record) const {
   record.found = found_;
   record.growth = growth_;
   // Each witness once, in an order that does not depend on the order of joining.
-  const auto below = [](const glm::vec3& a, const glm::vec3& b) {
-    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-  };
   std::vector<glm::vec3>& witnesses = record.witnesses;
   witnesses.clear();
   std::vector<bool> used(eyes_.size());
-  for (const std::uint32_t polygon : members_) {
-    const std::uint32_t eye = entries_[polygon].eye;
-    if (!used[eye]) witnesses.push_back(eyes_[eye]);
-    used[eye] = true;
-  }
-  std::sort(witnesses.begin(), witnesses.end(), below);
-  witnesses.erase(std::unique(witnesses.begin(), witnesses.end()), witnesses.end());
+  for (const std::uint32_t polygon : members_) used[entries_[polygon].eye] = true;
+  for (std::size_t eye = 0; eye < eyes_.size(); ++eye)
+    if (used[eye]) witnesses.push_back(eyes_[eye]);
+  sort_unique(witnesses);
   std::vector<std::uint32_t> witness_index(eyes_.size());
   for (std::size_t eye = 0; eye < eyes_.size(); ++eye)
     if (used[eye])
       witness_index[eye] = static_cast<std::uint32_t>(
-          std::lower_bound(witnesses.begin(), witnesses.end(), eyes_[eye], below) - witnesses.begin());
+          std::lower_bound(witnesses.begin(), witnesses.end(), eyes_[eye], is_lower) - witnesses.begin());
   record.witness_of.clear();
   record.witness_of.reserve(record.set.size());
   for (const std::uint32_t polygon : record.set) record.witness_of.push_back(witness_index[entries_[polygon].eye]);

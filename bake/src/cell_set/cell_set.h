@@ -44,6 +44,10 @@ class cell_set {
   // replaces the witness.
   bool add(std::uint32_t polygon, const glm::vec3& eye);
 
+  // Adds members of a record that the set lacks, with their witnesses, each of which becomes one of eyes().
+  // keep: for each polygon of record.set 1 if it joins.
+  void add_members(const cell_record& record, const std::vector<std::uint8_t>& keep);
+
   // Polygons that join from now on are counted for this way of finding them.
   void find_by(found_by how) { how_ = how; }
   found_by how() const { return how_; }

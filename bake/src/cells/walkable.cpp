@@ -2,6 +2,9 @@
 
 #include <Recast.h>
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -182,6 +185,29 @@ struct raster_order {
   std::vector<std::uint32_t> floors, others;
 };
 
+// Sorts polygons by their highest corner, and those with equal ones by all corners.
+void sort_from_the_top(const scene::world_geometry& geometry, std::vector<std::uint32_t>& polygons) {
+  struct item {
+    float top;  // in the item, because looking corners up for each comparison takes five times as long
+    std::uint32_t polygon;
+  };
+  std::vector<item> items;
+  items.reserve(polygons.size());
+  for (const std::uint32_t p : polygons) {
+    const auto y = [&](std::size_t i) { return geometry.positions[geometry.indices[3 * std::size_t{p} + i]].y; };
+    items.push_back({std::max({y(0), y(1), y(2)}), p});
+  }
+  const auto place = [&](std::uint32_t p) {
+    const auto at = corners(geometry, p);
+    const auto numbers = [](const glm::dvec3& v) { return std::array{v.x, v.y, v.z}; };
+    return std::tuple(numbers(at[0]), numbers(at[1]), numbers(at[2]));
+  };
+  tbb::parallel_sort(items.begin(), items.end(), [&](const item& a, const item& b) {
+    return a.top != b.top ? a.top > b.top : place(a.polygon) < place(b.polygon);
+  });
+  for (std::size_t i = 0; i < items.size(); ++i) polygons[i] = items[i].polygon;
+}
+
 // Where spans of several polygons overlap, Recast takes the larger area of the new span and one that ends above it or
 // at most a voxel below it. So floors come first: then a wall that stands on a floor is no floor at its top, and one
 // below a floor changes nothing. The others follow from the highest to the lowest, so that each that ends a voxel above
@@ -204,13 +230,7 @@ raster_order order_of_polygons(const scene::world_geometry& geometry, const fiel
     const bool floor = is_floor(at, slope_limit, kind.double_sided || how.all_double_sided);
     (floor ? order.floors : order.others).push_back(p);
   }
-  const auto key = [&](std::uint32_t p) {
-    const auto at = corners(geometry, p);
-    const auto numbers = [](const glm::dvec3& v) { return std::array{v.x, v.y, v.z}; };
-    return std::tuple(-std::max({at[0].y, at[1].y, at[2].y}), numbers(at[0]), numbers(at[1]), numbers(at[2]));
-  };
-  tbb::parallel_sort(order.others.begin(), order.others.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  sort_from_the_top(geometry, order.others);
   return order;
 }
 
@@ -284,13 +304,18 @@ std::vector<std::uint32_t> polygons_of_regions(const open_field& open, const fie
                                                const std::vector<std::uint32_t>& region_of, std::size_t regions) {
   constexpr double highest = 8.0;  // meters
   constexpr double slack = 2.0;    // voxels: the surfaces of a space are in the voxels at its ends
-  std::vector<std::uint32_t> counts(regions, 0), beside;
-  for (std::size_t p = 0; p < geometry.kinds.size(); ++p) {
-    if (!is_obstacle(geometry.kinds[p])) continue;
+  constexpr std::size_t grain = 4096;
+  struct counter {
+    std::vector<std::uint32_t> counts, beside;
+  };
+  tbb::enumerable_thread_specific<counter> counters([&] { return counter{std::vector<std::uint32_t>(regions), {}}; });
+  const auto count = [&](std::size_t p, counter& own) {
+    if (!is_obstacle(geometry.kinds[p])) return;
+    auto& [counts, beside] = own;
     const auto at = corners(geometry, p);
     const glm::dvec3 center = (at[0] + at[1] + at[2]) / 3.0 - shape.world.min;
     const glm::dvec3 voxel{center.x / shape.voxel, center.y / shape.step, center.z / shape.voxel};
-    if (!(voxel.x >= 0.0 && voxel.x < shape.width && voxel.z >= 0.0 && voxel.z < shape.depth)) continue;
+    if (!(voxel.x >= 0.0 && voxel.x < shape.width && voxel.z >= 0.0 && voxel.z < shape.depth)) return;
     const int x = static_cast<int>(voxel.x), z = static_cast<int>(voxel.z);
     beside.clear();
     for (int dz = std::max(z - 1, 0); dz <= std::min(z + 1, shape.depth - 1); ++dz)
@@ -306,8 +331,15 @@ std::vector<std::uint32_t> polygons_of_regions(const open_field& open, const fie
     std::sort(beside.begin(), beside.end());
     beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
     for (const std::uint32_t region : beside) ++counts[region];
-  }
-  return counts;
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, geometry.kinds.size(), grain), [&](const auto& range) {
+    counter& own = counters.local();
+    for (std::size_t p = range.begin(); p < range.end(); ++p) count(p, own);
+  });
+  std::vector<std::uint32_t> sums(regions);
+  for (const counter& one : counters)
+    for (std::size_t region = 0; region < regions; ++region) sums[region] += one.counts[region];
+  return sums;
 }
 
 // Returns the spaces where the flood begins, and describes them.

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -125,6 +127,37 @@ file_completion completion_of(const bake_context& context, const std::filesystem
   };
 }
 
+// Writes the records of a bake while its file is written, which is mostly the work of one thread.
+class records_beside_file {
+ public:
+  // keeper: null for none.
+  records_beside_file(step_keeper* keeper, const std::filesystem::path& output) {
+    if (!keeper) return;
+    group_.run([this, keeper, output] {
+      try {
+        written_ = keeper->write(output);
+      } catch (...) {
+        failed_ = std::current_exception();
+      }
+    });
+  }
+  ~records_beside_file() { group_.wait(); }
+  records_beside_file(const records_beside_file&) = delete;
+  records_beside_file& operator=(const records_beside_file&) = delete;
+  // To be called when the file is complete, so that a bake that ends before keeps the records of the earlier one. Fails
+  // as step_keeper::write() and written_records::publish().
+  void publish() {
+    group_.wait();
+    if (failed_) std::rethrow_exception(failed_);
+    if (written_) written_->publish();
+  }
+
+ private:
+  std::exception_ptr failed_;
+  std::unique_ptr<written_records> written_;
+  tbb::task_group group_;
+};
+
 // Bakes all cells and writes the file.
 // keeper: null for none.
 void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_arena& arena, work_file& file,
@@ -164,19 +197,18 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
   bool written = false;
   keeping(file, [&] {
     arena.execute([&] {
+      records_beside_file records(keeper, output);
       written = write_pvs(
           frame, [&](std::uint32_t cell) { return required(done, cell, cell_stage::finished); }, output, events, sum,
           completion_of(context, output, events, sum));
+      if (written) records.publish();
     });
   });
   if (written) {
     const auto over = [](const sun_summary& sun) { return sun.cells_over_bound > 0; };
     if (std::any_of(sum.suns.begin(), sum.suns.end(), over)) sum.result = outcome::bound_not_met;
     if (sum.lights && sum.lights->over_bound > 0) sum.result = outcome::bound_not_met;
-    if (keeper) {
-      count_rebaked(*keeper, context.how, sum);
-      keeper->write(output);
-    }
+    if (keeper) count_rebaked(*keeper, context.how, sum);
     file.remove();
     return;
   }

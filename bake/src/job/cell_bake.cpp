@@ -35,18 +35,19 @@ void take_bound(const finish_result& proof, cell_record& record) {
 }  // namespace
 
 cell_baker::cell_baker(const settings& how, const overrides& given, const ray_scene& rays,
-                       const near_polygons* neighbors, const cell_sampler& sampler, const error_metric& metric,
-                       const reported_misses* misses, std::uint32_t own_polygons, const volume_grid* volumes)
+                       const near_polygons* neighbors, const duplicate_classes& duplicates, const cell_sampler& sampler,
+                       const error_metric& metric, const reported_misses* misses, std::uint32_t own_polygons,
+                       const volume_grid* volumes)
     : how_(how),
       given_(given),
       rays_(rays),
       neighbors_(neighbors),
+      duplicates_(duplicates),
       sampler_(sampler),
       metric_(metric),
       misses_(misses),
       own_polygons_(own_polygons),
-      volumes_(volumes),
-      duplicates_(rays.geometry(), how.all_double_sided) {
+      volumes_(volumes) {
   const auto& kinds = rays.geometry().kinds;
   for (std::uint32_t polygon = 0; polygon < kinds.size(); ++polygon)
     if (kinds[polygon].always) always_.push_back(polygon);

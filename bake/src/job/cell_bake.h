@@ -50,15 +50,16 @@ class cell_baker {
  public:
   // References must outlive the baker.
   // neighbors: may be null if needs_neighbors(how) is false.
+  // duplicates: of the scene.
   // sampler: prepared before the first cell.
   // metric: the metric of how.
   // misses: reported misses; null for none.
   // own_polygons: polygons from this number on are of another scene and in no set (two_scenes.h).
   // volumes: visibility volumes that are searched for too; null for none.
   cell_baker(const settings& how, const overrides& given, const ray_scene& rays, const near_polygons* neighbors,
-             const cell_sampler& sampler, const error_metric& metric = pixel_metric,
-             const reported_misses* misses = nullptr, std::uint32_t own_polygons = 0xFFFFFFFFu,
-             const volume_grid* volumes = nullptr);
+             const duplicate_classes& duplicates, const cell_sampler& sampler,
+             const error_metric& metric = pixel_metric, const reported_misses* misses = nullptr,
+             std::uint32_t own_polygons = 0xFFFFFFFFu, const volume_grid* volumes = nullptr);
   cell_baker(const cell_baker&) = delete;  // sets point into it
   cell_baker& operator=(const cell_baker&) = delete;
 
@@ -123,12 +124,12 @@ class cell_baker {
   const overrides& given_;
   const ray_scene& rays_;
   const near_polygons* neighbors_;
+  const duplicate_classes& duplicates_;
   const cell_sampler& sampler_;
   const error_metric& metric_;
   const reported_misses* misses_;
   const std::uint32_t own_polygons_;
   const volume_grid* volumes_;
-  duplicate_classes duplicates_;
   std::vector<std::uint32_t> always_;  // polygons that are in every set
 };
 

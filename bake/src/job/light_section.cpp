@@ -102,7 +102,8 @@ class light_section {
         moving_(moving_polygons(context.s, geometry_)),
         sampler_(make_cell_sampler(
             how_, {context.traced->rays, context.device->source(), nullptr, {}, context.traced->neighbors_or_null()})),
-        baker_(how_, none_, context.traced->rays, context.traced->neighbors_or_null(), *sampler_, pixel_metric, nullptr,
+        baker_(how_, none_, context.traced->rays, context.traced->neighbors_or_null(), context.traced->duplicates,
+               *sampler_, pixel_metric, nullptr,
                context.s.polygon_count) {}
 
   // Returns false if it was canceled.

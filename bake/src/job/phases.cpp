@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -56,8 +57,26 @@ bool prepare(const phase_work& work) {
   return !work.tracker.stopped();
 }
 
+// The records of the neighbors of a cell, loaded when they are first needed: an incremental bake needs few of them.
+class lazy_neighbors {
+ public:
+  explicit lazy_neighbors(std::function<std::vector<cell_record>()> load) : load_(std::move(load)) {}
+  std::span<const cell_record> operator()() {
+    if (!records_) records_ = load_();
+    return *records_;
+  }
+
+ private:
+  std::function<std::vector<cell_record>()> load_;
+  std::optional<std::vector<cell_record>> records_;
+};
+
+std::span<const cell_record> no_neighbors() {
+  return {};
+}
+
 cell_record take_or_bake(const phase_work& work, const view_cell& cell, step_kind kind, const cell_record* own,
-                         std::span<const cell_record> neighbors, const bake_step& bake) {
+                         const neighbor_records& neighbors, const bake_step& bake) {
   return work.keeper ? work.keeper->take(cell, kind, own, neighbors, bake) : bake(nullptr);
 }
 
@@ -68,6 +87,7 @@ cell_baker baker_of(const bake_context& context) {
           context.input.given,
           context.traced->rays,
           context.traced->neighbors_or_null(),
+          context.traced->duplicates,
           *context.sampler,
           context.device->metric,
           &context.input.misses,
@@ -134,18 +154,20 @@ void run_phase_1(const phase_work& work) {
   const take_step take = [&](const cell_step& step, cell_set& set) {
     const view_cell& cell = work.context.cells->list.cells[step.cell];
     if (step.to == cell_stage::sampled)
-      return take_or_bake(work, cell, step_kind::sample, nullptr, {},
+      return take_or_bake(work, cell, step_kind::sample, nullptr, no_neighbors,
                           [&](const found_before* before) { return baker.sample(cell, set, &stop, before); });
     if (work.plan.shares_in_block(step.cell)) {
       const cell_record own = sampled(step.cell);
       const auto around = work.plan.blocks().neighbors_in_block(step.cell);
-      const std::vector<cell_record> neighbors = neighbors_of(own, around, sampled);
-      return take_or_bake(work, cell, step_kind::finish_rays, &own, neighbors, [&](const found_before* before) {
-        return baker.finish_rays(cell, own, neighbors, set, &stop, before);
-      });
+      lazy_neighbors neighbors([&] { return neighbors_of(own, around, sampled); });
+      return take_or_bake(
+          work, cell, step_kind::finish_rays, &own, std::ref(neighbors), [&](const found_before* before) {
+            const auto others = before ? std::span<const cell_record>() : neighbors();
+            return baker.finish_rays(cell, own, others, set, &stop, before);
+          });
     }
     cell_record record =
-        take_or_bake(work, cell, step_kind::sample_and_finish, nullptr, {},
+        take_or_bake(work, cell, step_kind::sample_and_finish, nullptr, no_neighbors,
                      [&](const found_before* before) { return baker.sample_and_finish(cell, set, &stop, before); });
     return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
   };
@@ -167,11 +189,11 @@ void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
       if (blocks.block_of(other) == blocks.block_of(step.cell)) keep_late(record);
       return record;
     };
-    const std::vector<cell_record> neighbors = neighbors_of(own, blocks.neighbors_of(step.cell), untested);
-    const bake_step check = [&](const found_before* before) {
-      return before ? baker.keep_checked(own, *before, set, &stop) : baker.check(cell, own, neighbors, set, &stop);
+    lazy_neighbors neighbors([&] { return neighbors_of(own, blocks.neighbors_of(step.cell), untested); });
+    const bake_step check = [&](const found_before* start) {
+      return start ? baker.keep_checked(own, *start, set, &stop) : baker.check(cell, own, neighbors(), set, &stop);
     };
-    return baker.finished(cell, take_or_bake(work, cell, step_kind::check, &own, neighbors, check));
+    return baker.finished(cell, take_or_bake(work, cell, step_kind::check, &own, std::ref(neighbors), check));
   };
   run(work, baker, bake_phase::checking_neighbors, step_queue::phase_2(work.plan, work.tracker.have(), work.blocks),
       stop, take);

@@ -5,12 +5,13 @@
 #include "search/near_polygons.h"
 #include "sightcell/bake/settings.h"
 #include "sightcell/scene/scene.h"
+#include "trace/duplicates.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bake {
 
 struct traced_scene {
-  // Builds the trees for rays, then the lists of neighbors. geometry must outlive the object.
+  // Builds the trees for rays, then the lists of neighbors and of duplicates. geometry must outlive the object.
   // before: as for coincident_partners.
   traced_scene(const scene::world_geometry& geometry, const settings& how, const partners_before* before = nullptr);
   traced_scene(const traced_scene&) = delete;  // neighbors may refer to rays
@@ -20,6 +21,7 @@ struct traced_scene {
 
   ray_scene rays;
   std::optional<near_polygons> neighbors;  // only where needs_neighbors(how)
+  duplicate_classes duplicates;
 };
 
 }  // namespace sightcell::bake

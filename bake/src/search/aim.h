@@ -2,20 +2,15 @@
 // Casts rays toward polygons that are probably visible, and collects every polygon along them that the set lacks.
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <tuple>
 #include <vector>
 
 #include "cell_set/cell_set.h"
+#include "cell_set/point_order.h"
 #include "sightcell/base/random.h"
 #include "trace/ray_scene.h"
 #include "trace/triangle_math.h"
 
 namespace sightcell::bake {
-
-// Orders points by coordinates, so that results do not depend on polygon ids.
-inline bool is_lower(const glm::vec3& a, const glm::vec3& b) {
-  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-}
 
 // A polygon that a ray found, and the viewpoint where the ray starts.
 struct found_polygon {

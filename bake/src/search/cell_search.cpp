@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cell_set/point_order.h"
 #include "hemicube/hemicube_faces.h"
-#include "search/aim.h"
 #include "search/gap_filter.h"
 
 namespace sightcell::bake {
@@ -39,8 +39,7 @@ float largest_priority(const search_settings& how, const search_views* views) {
 }
 
 std::vector<glm::vec3> sorted_unique(std::vector<glm::vec3> points) {
-  std::sort(points.begin(), points.end(), is_lower);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  sort_unique(points);
   return points;
 }
 

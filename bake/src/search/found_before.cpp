@@ -119,11 +119,13 @@ std::uint64_t join_found_before(const ray_scene& rays, const found_before& befor
   const additions added(before.added, rules.player_radius + rules.smallest_gap);
   std::uint64_t tested = 0;
   const std::vector<std::uint8_t> valid = valid_witnesses(rays, before, added, rules.player_radius, tested);
+  std::vector<std::uint8_t> keep(record.set.size());
   for (std::size_t i = 0; i < record.set.size(); ++i) {
-    const glm::vec3& eye = record.witnesses[record.witness_of[i]];
-    if (valid[record.witness_of[i]] && !added.may_occlude(eye, corners_of(rays.geometry(), record.set[i])))
-      set.add(record.set[i], eye);
+    const std::uint32_t witness = record.witness_of[i], polygon = record.set[i];
+    keep[i] = valid[witness] && !set.contains(polygon) &&
+              !added.may_occlude(record.witnesses[witness], corners_of(rays.geometry(), polygon));
   }
+  set.add_members(record, keep);
   return tested;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "cell_set/point_order.h"
 #include "search/aim.h"
 #include "trace/line_box.h"
 #include "trace/triangle_math.h"
@@ -55,8 +56,7 @@ std::vector<candidate> candidates_of(std::span<const cell_record> neighbors, con
 // that found something has left one.
 std::vector<glm::vec3> selection_of(std::vector<glm::vec3> eyes) {
   constexpr std::size_t most = 64;
-  std::sort(eyes.begin(), eyes.end(), is_lower);
-  eyes.erase(std::unique(eyes.begin(), eyes.end()), eyes.end());
+  sort_unique(eyes);
   std::vector<glm::vec3> some;
   for (std::size_t i = 0; i < most && i < eyes.size(); ++i)
     some.push_back(eyes[eyes.size() <= most ? i : i * eyes.size() / most]);

@@ -10,6 +10,7 @@
 #include <span>
 #include <tuple>
 
+#include "cell_set/point_order.h"
 #include "search/aim.h"
 #include "trace/direction_code.h"
 #include "trace/triangle_math.h"

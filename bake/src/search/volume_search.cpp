@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <tuple>
 
+#include "cell_set/point_order.h"
 #include "search/aim.h"
 #include "sightcell/base/random.h"
 #include "trace/direction_code.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <span>
 #include <system_error>
@@ -21,18 +22,41 @@ constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '4'};
 constexpr std::size_t checksum_size = 8;
 static_assert(sizeof(triangle) == 36);
 
-void put(std::vector<std::uint8_t>& out, const void* from, std::size_t size) {
-  const auto* bytes = static_cast<const std::uint8_t*>(from);
-  out.insert(out.end(), bytes, bytes + size);
-}
-template <class Number>
-void put(std::vector<std::uint8_t>& out, const Number& number) {
-  put(out, &number, sizeof(number));
-}
-void put_list(std::vector<std::uint8_t>& out, std::span<const std::uint8_t> bytes) {
-  put(out, static_cast<std::uint64_t>(bytes.size()));
-  put(out, bytes.data(), bytes.size());
-}
+// Writes values to a file and computes the checksum of what it wrote. The records of a level have hundreds of megabytes,
+// so they are not put together in memory.
+class records_writer {
+ public:
+  explicit records_writer(const std::filesystem::path& path) : out_(path, std::ios::binary) {
+    XXH3_64bits_reset(sum_.get());
+  }
+
+  void put(const void* from, std::size_t size) {
+    if (size > 0) XXH3_64bits_update(sum_.get(), from, size);
+    out_.write(static_cast<const char*>(from), static_cast<std::streamsize>(size));
+  }
+  template <class Number>
+  void put(const Number& number) {
+    put(&number, sizeof(number));
+  }
+  void put_list(std::span<const std::uint8_t> bytes) {
+    put(static_cast<std::uint64_t>(bytes.size()));
+    put(bytes.data(), bytes.size());
+  }
+  template <class Item>
+  void put_items(const std::vector<Item>& items) {
+    put(items.data(), items.size() * sizeof(Item));
+  }
+  // Ends with the checksum. Returns whether all was written.
+  bool close() {
+    put(static_cast<std::uint64_t>(XXH3_64bits_digest(sum_.get())));
+    out_.close();
+    return static_cast<bool>(out_);
+  }
+
+ private:
+  std::ofstream out_;
+  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> sum_{XXH3_createState(), &XXH3_freeState};
+};
 
 // Reads values and checks every read. After the first read past the end, good is false and all reads give zeros.
 struct records_reader {
@@ -60,11 +84,6 @@ struct records_reader {
 };
 
 template <class Item>
-void put_items(std::vector<std::uint8_t>& out, const std::vector<Item>& items) {
-  put(out, items.data(), items.size() * sizeof(Item));
-}
-
-template <class Item>
 void take_items(records_reader& in, std::size_t count, std::vector<Item>& items) {
   const auto bytes = in.take_bytes(std::uint64_t{count} * sizeof(Item));
   items.resize(bytes.size() / sizeof(Item));
@@ -72,11 +91,11 @@ void take_items(records_reader& in, std::size_t count, std::vector<Item>& items)
 }
 
 // Not deflated: hashes do not become smaller, and an edit waits for this.
-void put_polygons(std::vector<std::uint8_t>& out, const polygon_table& table) {
-  put(out, static_cast<std::uint64_t>(table.names.size()));
-  put_items(out, table.names);
-  put_items(out, table.near);
-  put_items(out, table.corners);
+void put_polygons(records_writer& out, const polygon_table& table) {
+  out.put(static_cast<std::uint64_t>(table.names.size()));
+  out.put_items(table.names);
+  out.put_items(table.near);
+  out.put_items(table.corners);
 }
 
 bool take_polygons(records_reader& in, polygon_table& table) {
@@ -88,10 +107,11 @@ bool take_polygons(records_reader& in, polygon_table& table) {
   return in.good;
 }
 
-void put_partners(std::vector<std::uint8_t>& out, const kept_records& records) {
-  put(out, records.partner_reach);
-  put(out, static_cast<std::uint64_t>(records.partners.size()));
-  for (const auto& [a, b] : records.partners) put(out, a), put(out, b);
+void put_partners(records_writer& out, const kept_records& records) {
+  out.put(records.partner_reach);
+  out.put(static_cast<std::uint64_t>(records.partners.size()));
+  static_assert(sizeof(polygon_pair) == 8);
+  out.put_items(records.partners);
 }
 
 bool take_partners(records_reader& in, kept_records& records) {
@@ -105,28 +125,30 @@ bool take_partners(records_reader& in, kept_records& records) {
   return in.good;
 }
 
-std::vector<std::uint8_t> bytes_of(const kept_records& records) {
-  std::size_t of_steps = 0;
-  for (const kept_step& step : records.steps) of_steps += step.record.size() + step.space.size() + sizeof(kept_step);
-  std::vector<std::uint8_t> out;
-  out.reserve(records.polygons.names.size() * (2 * sizeof(std::uint64_t) + sizeof(triangle)) + of_steps);
-  out.insert(out.end(), std::begin(magic), std::end(magic));
-  put_list(out, {reinterpret_cast<const std::uint8_t*>(records.key.data()), records.key.size()});
+// Returns whether all was written.
+bool write_to(const std::filesystem::path& path, const kept_records& records) {
+  records_writer out(path);
+  out.put(magic, sizeof(magic));
+  out.put_list({reinterpret_cast<const std::uint8_t*>(records.key.data()), records.key.size()});
   put_polygons(out, records.polygons);
   put_partners(out, records);
-  put(out, static_cast<std::uint64_t>(records.steps.size()));
+  out.put(static_cast<std::uint64_t>(records.steps.size()));
   for (const kept_step& step : records.steps) {
-    put(out, step.place);
-    put(out, step.box);
-    put(out, step.kind);
-    put(out, step.own_inputs);
-    put(out, step.neighbor_inputs);
-    put(out, static_cast<std::uint8_t>(step.started ? 1 : 0));
-    put_list(out, step.record);
-    put_list(out, step.space);
+    out.put(step.place);
+    out.put(step.box);
+    out.put(step.kind);
+    out.put(step.own_inputs);
+    out.put(step.neighbor_inputs);
+    out.put(static_cast<std::uint8_t>(step.started ? 1 : 0));
+    out.put_list(step.record);
+    out.put_list(step.space);
   }
-  put(out, static_cast<std::uint64_t>(XXH3_64bits(out.data(), out.size())));
-  return out;
+  return out.close();
+}
+
+[[noreturn]] void refuse_to_write(const std::filesystem::path& path) {
+  throw error(error_kind::failed, "output.io", path.string(), "the kept records cannot be written",
+              "make room or choose another -o; the .pvs file is complete");
 }
 
 std::optional<kept_records> records_of(std::span<const std::uint8_t> bytes) {
@@ -167,31 +189,34 @@ std::filesystem::path records_beside(const std::filesystem::path& pvs) {
   return path;
 }
 
-void write_records(kept_records& records, const std::filesystem::path& pvs) {
+written_records::written_records(kept_records& records, const std::filesystem::path& pvs)
+    : path_(records_beside(pvs)), fresh_(path_) {
+  fresh_ += ".new";  // the lock of the checkpoint keeps other bakes of this output out
   std::sort(records.steps.begin(), records.steps.end(), [](const kept_step& a, const kept_step& b) {
     return std::tie(a.place, a.box, a.kind) < std::tie(b.place, b.box, b.kind);
   });
-  const std::vector<std::uint8_t> bytes = bytes_of(records);
-  const std::filesystem::path path = records_beside(pvs);
-  std::filesystem::path fresh = path;
-  fresh += ".new";  // the lock of the checkpoint keeps other bakes of this output out
-  {
-    std::ofstream out(fresh, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (out) {
-      try {
-        publish(fresh, path);
-        return;
-      } catch (const std::filesystem::filesystem_error&) {
-        // reported below
-      }
-    }
-  }
+  if (write_to(fresh_, records)) return;
   std::error_code ignored;
-  std::filesystem::remove(fresh, ignored);
-  throw error(error_kind::failed, "output.io", path.string(), "the kept records cannot be written",
-              "make room or choose another -o; the .pvs file is complete");
+  std::filesystem::remove(fresh_, ignored);
+  refuse_to_write(path_);
+}
+
+written_records::~written_records() {
+  std::error_code ignored;
+  if (!fresh_.empty()) std::filesystem::remove(fresh_, ignored);
+}
+
+void written_records::publish() {
+  try {
+    bake::publish(fresh_, path_);
+  } catch (const std::filesystem::filesystem_error&) {
+    refuse_to_write(path_);
+  }
+  fresh_.clear();
+}
+
+void write_records(kept_records& records, const std::filesystem::path& pvs) {
+  written_records(records, pvs).publish();
 }
 
 kept_records read_records(const std::filesystem::path& pvs) {

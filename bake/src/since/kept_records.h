@@ -37,8 +37,23 @@ struct kept_records {
 // Returns the name of the file that belongs to a .pvs file.
 std::filesystem::path records_beside(const std::filesystem::path& pvs);
 
-// Writes the file of a .pvs file by rename. Sorts the steps first, so that the bytes do not depend on the order of
-// work. Fails with output.io.
+// The file of a .pvs file, complete but not under its name yet.
+class written_records {
+ public:
+  // Writes it. Sorts the steps first, so that the bytes do not depend on the order of work. Fails with output.io.
+  written_records(kept_records& records, const std::filesystem::path& pvs);
+  // Removes what was not published.
+  ~written_records();
+  written_records(const written_records&) = delete;
+  written_records& operator=(const written_records&) = delete;
+  // Replaces the file of the .pvs file by rename. Fails with output.io.
+  void publish();
+
+ private:
+  std::filesystem::path path_, fresh_;
+};
+
+// Writes the file of a .pvs file by rename. Fails with output.io.
 void write_records(kept_records& records, const std::filesystem::path& pvs);
 
 // Reads the file of a .pvs file. Its bytes may be arbitrary.

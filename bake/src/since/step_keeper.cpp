@@ -32,6 +32,22 @@ bool is_possible(const bound_rays& of, std::uint32_t batches) {
   return of.number <= batches && of.name <= batches;
 }
 
+struct kept_member {
+  std::uint32_t polygon, witness;
+};
+
+// Replaces the set of a record. The numbers of most polygons keep their order in an edit.
+void put_members(std::vector<kept_member> members, cell_record& record) {
+  const auto below = [](const kept_member& a, const kept_member& b) { return a.polygon < b.polygon; };
+  if (!std::is_sorted(members.begin(), members.end(), below)) std::sort(members.begin(), members.end(), below);
+  record.set.resize(members.size());
+  record.witness_of.resize(members.size());
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    record.set[i] = members[i].polygon;
+    record.witness_of[i] = members[i].witness;
+  }
+}
+
 bool is_share(double value) {
   return value >= 0.0 && value <= 1.0;
 }
@@ -145,15 +161,14 @@ void step_keeper::require_sound(const cell_record& record) const {
 
 // Gives the polygons of a record their new numbers. Returns false if one is gone or has other neighbors.
 bool step_keeper::renumber(cell_record& record) const {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> members;  // new number, witness
+  std::vector<kept_member> members;
   members.reserve(record.set.size());
   for (std::size_t i = 0; i < record.set.size(); ++i) {
     const std::uint32_t now = edit_.new_of[record.set[i]];
     if (now == polygon_edit::gone || near_differs_[record.set[i]] != 0) return false;
-    members.emplace_back(now, record.witness_of[i]);
+    members.push_back({now, record.witness_of[i]});
   }
-  std::sort(members.begin(), members.end());
-  for (std::size_t i = 0; i < members.size(); ++i) std::tie(record.set[i], record.witness_of[i]) = members[i];
+  put_members(std::move(members), record);
   for (std::uint32_t& polygon : record.late) {
     polygon = edit_.new_of[polygon];
     if (polygon == polygon_edit::gone) return false;
@@ -164,15 +179,12 @@ bool step_keeper::renumber(cell_record& record) const {
 
 // Gives the polygons of a record their new numbers and leaves out those that are gone.
 void step_keeper::drop_gone(cell_record& record) const {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> members;  // new number, witness
+  std::vector<kept_member> members;
   for (std::size_t i = 0; i < record.set.size(); ++i) {
     const std::uint32_t now = edit_.new_of[record.set[i]];
-    if (now != polygon_edit::gone) members.emplace_back(now, record.witness_of[i]);
+    if (now != polygon_edit::gone) members.push_back({now, record.witness_of[i]});
   }
-  std::sort(members.begin(), members.end());
-  record.set.resize(members.size());
-  record.witness_of.resize(members.size());
-  for (std::size_t i = 0; i < members.size(); ++i) std::tie(record.set[i], record.witness_of[i]) = members[i];
+  put_members(std::move(members), record);
   record.late.clear();
 }
 
@@ -215,7 +227,7 @@ rebake_reason step_keeper::why_not(const kept_step* step, const kept_step& now, 
 }
 
 cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_record* own,
-                              std::span<const cell_record> neighbors, const bake_step& bake) {
+                              const neighbor_records& neighbors, const bake_step& bake) {
   const step_name name = name_of(cell, kind);
   const auto found = steps_.find(name);
   const kept_step* before = found != steps_.end() ? found->second : nullptr;
@@ -223,9 +235,11 @@ cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_
                  .box = name.box,
                  .kind = kind,
                  .own_inputs = hash_of_own(own),
-                 .neighbor_inputs = hash_of_neighbors(neighbors),
                  .record = {},
                  .space = {}};
+  // A cell that starts from what it had does not check its neighbors, and one that may do so does not depend on them.
+  const bool may_start = how_.keep_found && before != nullptr;
+  if (!may_start) step.neighbor_inputs = hash_of_neighbors(neighbors());
   cell_record record;
   rebake_reason why = why_not(before, step, record);
   // A cell that had other steps has other neighbors now.
@@ -238,6 +252,7 @@ cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_
   } else {
     std::optional<found_before> start;
     if (how_.keep_found && why != rebake_reason::new_cell) start = found_in(cell);
+    if (may_start && !start) step.neighbor_inputs = hash_of_neighbors(neighbors());
     touched_space space(box{cell.min, cell.max}.grown(how_.margin), scene_);
     // What is recorded belongs to a thread, so no other thread may help. Cells are many, so all have work.
     tbb::task_arena alone(1);
@@ -272,8 +287,8 @@ std::array<std::uint32_t, 6> step_keeper::cells_by_reason() const {
   return counts;
 }
 
-void step_keeper::write(const std::filesystem::path& pvs) {
-  write_records(now_, pvs);
+std::unique_ptr<written_records> step_keeper::write(const std::filesystem::path& pvs) {
+  return std::make_unique<written_records>(now_, pvs);
 }
 
 }  // namespace sightcell::bake

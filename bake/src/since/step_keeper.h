@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -36,6 +37,9 @@ enum class rebake_reason : std::uint8_t {
   started = 5,          // an earlier bake started it from what was found before it (settings::keep_found)
 };
 
+// Returns the records of the neighbors that go into a step.
+using neighbor_records = std::function<std::span<const cell_record>()>;
+
 // Bakes a step. before: what it starts from; null: it is baked as in a full bake.
 using bake_step = std::function<cell_record(const found_before* before)>;
 
@@ -53,18 +57,19 @@ class step_keeper {
   step_keeper& operator=(const step_keeper&) = delete;
 
   // Returns the record of a step: the kept one, or that of bake().
-  // own, neighbors: what goes into the step; own: null for the first step.
+  // own, neighbors: what goes into the step; own: null for the first step. Neighbors are not asked for where the result
+  // does not depend on them.
   // bake: called at most once, on this thread, while rays and hemicubes are recorded.
   // Threads: may be called from several at a time.
   // Fails with records.damaged.
   cell_record take(const view_cell& cell, step_kind kind, const cell_record* own,
-                   std::span<const cell_record> neighbors, const bake_step& bake);
+                   const neighbor_records& neighbors, const bake_step& bake);
 
   // Returns the number of cells for each reason, of those for which take() was called.
   std::array<std::uint32_t, 6> cells_by_reason() const;
 
-  // Writes the records of all steps beside a .pvs file. Fails with output.io.
-  void write(const std::filesystem::path& pvs);
+  // Writes the records of all steps beside a .pvs file, under a name that is not final. Fails with output.io.
+  std::unique_ptr<written_records> write(const std::filesystem::path& pvs);
 
  private:
   struct step_name {

@@ -16,6 +16,7 @@ namespace sightcell::bake {
 // Memory: 8 bytes per polygon of the scene during construction, then 12 bytes per polygon that is in a class.
 class duplicate_classes {
  public:
+  duplicate_classes() = default;  // no polygon has a duplicate
   // all_double_sided: the sidedness of materials is ignored.
   duplicate_classes(const scene::world_geometry& geometry, bool all_double_sided);
 
@@ -30,7 +31,7 @@ class duplicate_classes {
 
  private:
   std::vector<std::uint32_t> members_;  // class by class
-  std::vector<std::uint32_t> begins_;   // index into members_ of the first member of each class, then the end
+  std::vector<std::uint32_t> begins_{0};  // index into members_ of the first member of each class, then the end
   std::vector<std::uint32_t> sorted_;   // members_, ascending
   std::vector<std::uint32_t> numbers_;  // the class number of each polygon in sorted_
 };

@@ -45,10 +45,11 @@ class cell_bake : public testing::Test {
     const scene::world_geometry geometry = scene::flatten(s);
     const ray_scene rays(geometry, how.all_double_sided);
     const near_polygons neighbors(rays);
+    const duplicate_classes duplicates(geometry, how.all_double_sided);
     const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
     const overrides none;
     const auto sampler = make_cell_sampler(how, {rays, *source, nullptr, {}, &neighbors});
-    const cell_baker baker(how, none, rays, &neighbors, *sampler);
+    const cell_baker baker(how, none, rays, &neighbors, duplicates, *sampler);
     cell_set set = baker.make_set();
     cell_record record = baker.finished(cell, baker.sample_and_finish(cell, set));
     if (checked && how.max_pixel_error > 0.0 && record.stored) expect_as_brute_force(rays, cell, how, record);
@@ -311,11 +312,12 @@ TEST_F(cell_bake, every_cell_starts_afresh) {
   const scene::world_geometry geometry = scene::flatten(s);
   const ray_scene rays(geometry, false);
   const near_polygons neighbors(rays);
+  const duplicate_classes duplicates(geometry, false);
   const auto source = make_gpu_source(*context(), geometry, {.resolution = 64, .far_plane = 100.0f});
   const settings how;
   const overrides none;
   const auto sampler = make_cell_sampler(how, {rays, *source, nullptr, {}, &neighbors});
-  const cell_baker baker(how, none, rays, &neighbors, *sampler);
+  const cell_baker baker(how, none, rays, &neighbors, duplicates, *sampler);
   cell_set set = baker.make_set();
   (void)baker.sample_and_finish(around_origin, set);
   const cell_record second = baker.sample_and_finish({{19, -1, -1}, {21, 1, 1}, "", 8}, set);

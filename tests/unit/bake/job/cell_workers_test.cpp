@@ -89,7 +89,7 @@ class cell_workers : public testing::Test {
     settings how = how_;
     if (!rays) how.max_pixel_error = 0.0;
     const auto sampler = make_cell_sampler(how, {*rays_, *source_, nullptr, {}, &*neighbors_});
-    const cell_baker baker(how, none_, *rays_, &*neighbors_, *sampler);
+    const cell_baker baker(how, none_, *rays_, &*neighbors_, duplicates_, *sampler);
     step_queue steps = queue();
     stop_request stop;
     take_steps(
@@ -138,6 +138,7 @@ class cell_workers : public testing::Test {
   scene::world_geometry geometry_;
   std::optional<ray_scene> rays_;
   std::optional<near_polygons> neighbors_;
+  duplicate_classes duplicates_;
   std::optional<traced_source> source_;
   settings how_;
   overrides none_;

@@ -88,7 +88,8 @@ TEST_F(ring_on_the_floor, brings_levels_of_detail_with_it_and_grows_around_nothi
   how.safety_ring = safety_ring::vertex;
   overrides given;
   given.add = {{{beside_the_ring, 1}}};
-  const cell_baker baker(how, given, rays, &neighbors, no_sampler());
+  const duplicate_classes duplicates(geometry_, false);
+  const cell_baker baker(how, given, rays, &neighbors, duplicates, no_sampler());
   const view_cell cell{above.min, above.max, "", 7, 0};
   cell_record record;
   record.set = {member};
