@@ -12,6 +12,7 @@ namespace sightcell::bake {
 struct open_space {
   std::int32_t floor = 0, ceiling = 0;
   bool walkable = false;  // the floor is flat enough to stand on; else a player slides down
+  bool operator==(const open_space&) const = default;
 };
 
 // The open spaces of all columns of a field that are high enough for a player. Columns are in rows along x.

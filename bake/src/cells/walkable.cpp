@@ -1,27 +1,21 @@
 #include "cells/walkable.h"
 
-#include <Recast.h>
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
-#include <memory>
-#include <new>
-#include <numbers>
 #include <optional>
-#include <tuple>
 
 #include "cells/floor_cells.h"
 #include "cells/reach.h"
+#include "cells/voxel_field.h"
 
 namespace sightcell::bake {
-
 namespace {
 
 constexpr double fine_voxel = 0.25;       // meters: the width of a person
@@ -29,38 +23,13 @@ constexpr double coarse_voxel = 0.5;      // meters: the widest that keeps doors
 constexpr double column_limit = 4 << 20;  // columns of the field: 32 MB of pointers, plus the spans
 // A floor without a way from the one with the most polygons around it gets cells if it has this share of them.
 constexpr double share_of_richest = 0.015, smallest_floor = 20.0;  // of polygons; square meters
-constexpr double fine_step = 0.1;                                  // meters, height of a voxel
 
-struct bounds {
-  glm::dvec3 min{0.0}, max{0.0};
-};
-
-// The part of the world that becomes voxels, and their size.
-struct field_shape {
-  bounds world;  // snapped to the lattice in x and z
-  lattice on{1.0};
-  int voxels_per_cell = 1;   // along x and z
-  int width = 0, depth = 0;  // voxels along x and z
-  double voxel = 1.0, step = fine_step;
-  lattice_range cells;
-};
-
-bool is_obstacle(const scene::polygon_kind& kind) {
-  return !kind.absent && kind.alpha != scene::alpha_mode::blend;
-}
-
-std::array<glm::dvec3, 3> corners(const scene::world_geometry& geometry, std::size_t polygon) {
-  std::array<glm::dvec3, 3> at;
-  for (std::size_t i = 0; i < 3; ++i) at[i] = glm::dvec3(geometry.positions[geometry.indices[3 * polygon + i]]);
-  return at;
-}
-
-std::optional<bounds> bounds_of_obstacles(const scene::world_geometry& geometry) {
-  std::optional<bounds> found;
+std::optional<field_bounds> bounds_of_obstacles(const scene::world_geometry& geometry) {
+  std::optional<field_bounds> found;
   for (std::size_t p = 0; p < geometry.kinds.size(); ++p) {
     if (!is_obstacle(geometry.kinds[p])) continue;
-    for (const glm::dvec3& at : corners(geometry, p)) {
-      if (!found) found = bounds{at, at};
+    for (const glm::dvec3& at : double_corners(geometry, p)) {
+      if (!found) found = field_bounds{at, at};
       found->min = glm::min(found->min, at);
       found->max = glm::max(found->max, at);
     }
@@ -70,14 +39,14 @@ std::optional<bounds> bounds_of_obstacles(const scene::world_geometry& geometry)
 
 // Returns the bounds of most polygons: at each end of each axis a share `cut` of their centers is left out. A few
 // polygons of a sky dome or of a distant terrain must not make the voxels of a level coarse.
-bounds bounds_of_middle(const scene::world_geometry& geometry, double cut) {
-  bounds middle;
+field_bounds bounds_of_middle(const scene::world_geometry& geometry, double cut) {
+  field_bounds middle;
   std::vector<double> centers;
   for (int axis = 0; axis < 3; ++axis) {
     centers.clear();
     for (std::size_t p = 0; p < geometry.kinds.size(); ++p) {
       if (!is_obstacle(geometry.kinds[p])) continue;
-      const auto at = corners(geometry, p);
+      const auto at = double_corners(geometry, p);
       centers.push_back((at[0][axis] + at[1][axis] + at[2][axis]) / 3.0);
     }
     const auto low = static_cast<std::size_t>(cut * static_cast<double>(centers.size()));
@@ -92,30 +61,29 @@ bounds bounds_of_middle(const scene::world_geometry& geometry, double cut) {
   return middle;
 }
 
-double columns_at(const bounds& world, double voxel) {
+double columns_at(const field_bounds& world, double voxel) {
   const glm::dvec3 extent = world.max - world.min;
   return (extent.x / voxel + 1.0) * (extent.z / voxel + 1.0);
 }
 
 // Returns the largest number of voxels along a cell that the column limit allows for this part of the world; 0 if not
 // even one fits.
-int fitting_voxels_per_cell(const bounds& world, double cell) {
+int fitting_voxels_per_cell(const field_bounds& world, double cell) {
   // The field is snapped to the lattice, which adds up to a cell at each border.
-  const bounds snapped{world.min - cell, world.max + cell};
+  const field_bounds snapped{world.min - cell, world.max + cell};
   // 4096 gives voxels below a quarter of a meter for every permitted cell size.
   auto voxels = static_cast<int>(std::min(std::ceil(cell / fine_voxel), 4096.0));
   while (voxels > 0 && columns_at(snapped, cell / voxels) > column_limit) --voxels;
   return voxels;
 }
 
-field_shape shape_of(const bounds& world, const lattice& on, int voxels_per_cell) {
+field_shape shape_of(const field_bounds& world, const lattice& on, int voxels_per_cell) {
   field_shape shape;
   shape.world = world;
   shape.on = on;
   shape.voxels_per_cell = voxels_per_cell;
   shape.voxel = on.width() / voxels_per_cell;
-  // Recast stores heights in 13 bits.
-  shape.step = std::max(fine_step, (world.max.y - world.min.y) / (RC_SPAN_MAX_HEIGHT - 8));
+  shape.step = std::max(fine_step, (world.max.y - world.min.y) / (highest_voxel - 8));
   shape.cells = on.overlapping(world.min, world.max);
   shape.width = static_cast<int>(shape.cells.last.x - shape.cells.first.x + 1) * voxels_per_cell;
   shape.depth = static_cast<int>(shape.cells.last.z - shape.cells.first.z + 1) * voxels_per_cell;
@@ -128,10 +96,10 @@ field_shape shape_of(const bounds& world, const lattice& on, int voxels_per_cell
   return shape;
 }
 
-field_shape choose_field(const scene::world_geometry& geometry, const bounds& all, lattice on,
+field_shape choose_field(const scene::world_geometry& geometry, const field_bounds& all, lattice on,
                          std::vector<std::string>& warnings) {
   for (const double cut : {0.0, 0.005, 0.02, 0.05}) {
-    const bounds world = cut == 0.0 ? all : bounds_of_middle(geometry, cut);
+    const field_bounds world = cut == 0.0 ? all : bounds_of_middle(geometry, cut);
     const int voxels = fitting_voxels_per_cell(world, on.width());
     // A cell smaller than the coarse voxel is a voxel itself.
     if (voxels == 0 || (voxels > 1 && on.width() / voxels > coarse_voxel)) continue;
@@ -168,116 +136,6 @@ player_moves moves_of(const player_settings& player, const field_shape& shape) {
           .gap = static_cast<std::int32_t>(static_cast<double>(player.gap) / shape.voxel)};
 }
 
-bool is_floor(const std::array<glm::dvec3, 3>& at, double slope_limit, bool double_sided) {
-  const glm::dvec3 normal = glm::cross(at[1] - at[0], at[2] - at[0]);
-  const double length = glm::length(normal);
-  const double up = double_sided ? std::abs(normal.y) : normal.y;
-  return length > 0.0 && up >= slope_limit * length;
-}
-
-struct free_heightfield {
-  void operator()(rcHeightfield* field) const { rcFreeHeightField(field); }
-};
-using heightfield = std::unique_ptr<rcHeightfield, free_heightfield>;
-
-// The polygons that become voxels, in an order that does not depend on their numbers.
-struct raster_order {
-  std::vector<std::uint32_t> floors, others;
-};
-
-// Sorts polygons by their highest corner, and those with equal ones by all corners.
-void sort_from_the_top(const scene::world_geometry& geometry, std::vector<std::uint32_t>& polygons) {
-  struct item {
-    float top;  // in the item, because looking corners up for each comparison takes five times as long
-    std::uint32_t polygon;
-  };
-  std::vector<item> items;
-  items.reserve(polygons.size());
-  for (const std::uint32_t p : polygons) {
-    const auto y = [&](std::size_t i) { return geometry.positions[geometry.indices[3 * std::size_t{p} + i]].y; };
-    items.push_back({std::max({y(0), y(1), y(2)}), p});
-  }
-  const auto place = [&](std::uint32_t p) {
-    const auto at = corners(geometry, p);
-    const auto numbers = [](const glm::dvec3& v) { return std::array{v.x, v.y, v.z}; };
-    return std::tuple(numbers(at[0]), numbers(at[1]), numbers(at[2]));
-  };
-  tbb::parallel_sort(items.begin(), items.end(), [&](const item& a, const item& b) {
-    return a.top != b.top ? a.top > b.top : place(a.polygon) < place(b.polygon);
-  });
-  for (std::size_t i = 0; i < items.size(); ++i) polygons[i] = items[i].polygon;
-}
-
-// Where spans of several polygons overlap, Recast takes the larger area of the new span and one that ends above it or
-// at most a voxel below it. So floors come first: then a wall that stands on a floor is no floor at its top, and one
-// below a floor changes nothing. The others follow from the highest to the lowest, so that each that ends a voxel above
-// a floor does not make a floor of one that ends a voxel above itself.
-raster_order order_of_polygons(const scene::world_geometry& geometry, const field_shape& shape, const settings& how) {
-  // The cosine of the slope, rounded down so that the slope itself counts.
-  const double slope_limit = std::cos(static_cast<double>(how.player.slope) * std::numbers::pi / 180.0) - 1e-5;
-  // Recast converts distances to int before it clips them, so polygons far outside would overflow.
-  const double reach = 1e9 * shape.voxel;
-  raster_order order;
-  for (std::uint32_t p = 0; p < geometry.kinds.size(); ++p) {
-    const scene::polygon_kind kind = geometry.kinds[p];
-    if (!is_obstacle(kind)) continue;
-    const auto at = corners(geometry, p);
-    const glm::dvec3 low = glm::min(glm::min(at[0], at[1]), at[2]);
-    const glm::dvec3 high = glm::max(glm::max(at[0], at[1]), at[2]);
-    if (low.x < shape.world.min.x - reach || low.z < shape.world.min.z - reach || high.x > shape.world.max.x + reach ||
-        high.z > shape.world.max.z + reach)
-      continue;
-    const bool floor = is_floor(at, slope_limit, kind.double_sided || how.all_double_sided);
-    (floor ? order.floors : order.others).push_back(p);
-  }
-  sort_from_the_top(geometry, order.others);
-  return order;
-}
-
-heightfield rasterize(const scene::world_geometry& geometry, const field_shape& shape, const player_moves& moves,
-                      const settings& how) {
-  rcContext context(false);
-  heightfield field(rcAllocHeightfield());
-  const glm::vec3 min(shape.world.min), max(shape.world.max);
-  if (!field || !rcCreateHeightfield(&context, *field, shape.width, shape.depth, &min.x, &max.x,
-                                     static_cast<float>(shape.voxel), static_cast<float>(shape.step)))
-    throw std::bad_alloc();
-  const raster_order order = order_of_polygons(geometry, shape, how);
-  const auto add = [&](const std::vector<std::uint32_t>& polygons, unsigned char area) {
-    for (const std::uint32_t p : polygons) {
-      const auto corner = [&](std::size_t i) {
-        return &geometry.positions[geometry.indices[3 * std::size_t{p} + i]].x;
-      };
-      if (!rcRasterizeTriangle(&context, corner(0), corner(1), corner(2), area, *field)) throw std::bad_alloc();
-    }
-  };
-  add(order.floors, RC_WALKABLE_AREA);
-  add(order.others, RC_NULL_AREA);
-  rcFilterLowHangingWalkableObstacles(&context, moves.step, *field);
-  rcFilterWalkableLowHeightSpans(&context, moves.height, *field);
-  return field;
-}
-
-// Returns the open spaces of the field that are high enough for a player.
-open_field open_spaces(const rcHeightfield& field, const player_moves& moves) {
-  open_field open;
-  open.width = static_cast<std::size_t>(field.width);
-  open.depth = static_cast<std::size_t>(field.height);
-  const std::size_t columns = open.width * open.depth;
-  open.begins.reserve(columns + 1);
-  for (std::size_t column = 0; column < columns; ++column) {
-    open.begins.push_back(static_cast<std::uint32_t>(open.spaces.size()));
-    for (const rcSpan* span = field.spans[column]; span != nullptr; span = span->next) {
-      const auto floor = static_cast<std::int32_t>(span->smax);
-      const auto ceiling =
-          span->next != nullptr ? static_cast<std::int32_t>(span->next->smin) : std::int32_t{RC_SPAN_MAX_HEIGHT};
-      if (ceiling - floor >= moves.height) open.spaces.push_back({floor, ceiling, span->area != RC_NULL_AREA});
-    }
-  }
-  open.begins.push_back(static_cast<std::uint32_t>(open.spaces.size()));
-  return open;
-}
-
 // Returns the space whose floor is below a point, at most 8 m; nothing if there is none.
 std::optional<std::uint32_t> space_below(const open_field& open, const field_shape& shape,
                                          const std::array<float, 3>& point) {
@@ -312,7 +170,7 @@ std::vector<std::uint32_t> polygons_of_regions(const open_field& open, const fie
   const auto count = [&](std::size_t p, counter& own) {
     if (!is_obstacle(geometry.kinds[p])) return;
     auto& [counts, beside] = own;
-    const auto at = corners(geometry, p);
+    const auto at = double_corners(geometry, p);
     const glm::dvec3 center = (at[0] + at[1] + at[2]) / 3.0 - shape.world.min;
     const glm::dvec3 voxel{center.x / shape.voxel, center.y / shape.step, center.z / shape.voxel};
     if (!(voxel.x >= 0.0 && voxel.x < shape.width && voxel.z >= 0.0 && voxel.z < shape.depth)) return;
@@ -428,12 +286,11 @@ std::vector<floor_cell> collect_cells(const open_field& open, const std::vector<
 walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, const settings& how) {
   walkable_cells result;
   result.on = on;
-  const std::optional<bounds> all = bounds_of_obstacles(geometry);
+  const std::optional<field_bounds> all = bounds_of_obstacles(geometry);
   if (!all) return result;
   const field_shape shape = choose_field(geometry, *all, on, result.warnings);
   const player_moves moves = moves_of(how.player, shape);
-  const heightfield field = rasterize(geometry, shape, moves, how);
-  const open_field open = open_spaces(*field, moves);
+  const open_field open = open_spaces(geometry, shape, moves, how, tbb::this_task_arena::max_concurrency());
   std::vector<std::uint8_t> reached(open.spaces.size(), 1);
   if (how.reach == reach_kind::walk)
     reached = find_reached(open, moves, starts_of(open, shape, moves, how, geometry, result));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <future>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -225,15 +226,20 @@ summary bake(const scene::scene& s, const settings& how, const std::filesystem::
   const double began = process_cpu_seconds();
   summary sum;
   tbb::task_arena arena(how.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(how.threads));
+  std::future<kept_records> reading;
+  if (!how.since.empty()) reading = std::async(std::launch::async, [&] { return read_records(how.since); });
   std::optional<kept_records> before;
-  if (!how.since.empty()) before = read_records(how.since);
+  const earlier_records earlier = [&]() -> const kept_records* {
+    if (reading.valid()) before = reading.get();
+    return before ? &*before : nullptr;
+  };
   std::optional<bake_context> context;
   find_decided find;
   if (!fresh)
     find = [&](const std::string& inputs) {
       return decided_from(work_file::stored_cells(output, how.scratch), inputs);
     };
-  if (!build(context, s, how, before ? &*before : nullptr, find, arena, events)) {
+  if (!build(context, s, how, earlier, find, arena, events)) {
     sum.result = outcome::cancelled;
     return sum;
   }

@@ -38,12 +38,13 @@ void report_parts(const bake_context& context, const callbacks& events) {
 
 }  // namespace
 
-bake_context::bake_context(const scene::scene& from, const settings& settings_of_bake, const kept_records* before,
+bake_context::bake_context(const scene::scene& from, const settings& settings_of_bake, const earlier_records& earlier,
                            const find_decided& find, const callbacks& events)
     : s(from), how(settings_of_bake), input(input_of(from, settings_of_bake, events)) {
   report(bake_phase::finding_cells, events);
   const std::string inputs = inputs_of_cells(s, how, input);
   std::optional<decided_cells> decided = find ? find(inputs) : std::nullopt;
+  const kept_records* const before = earlier ? earlier() : nullptr;
   if (how.keep_records || before) edit.emplace(input.geometry, before);
   // Cells do not depend on rays, and most of both is the work of one thread.
   cell_list list;
@@ -51,9 +52,12 @@ bake_context::bake_context(const scene::scene& from, const settings& settings_of
       [&] {
         if (!decided) list = all_cells(input, how);
       },
-      [&] { traced.emplace(input.geometry, how, before ? &edit->partners : nullptr); });
+      [&] {
+        traced.emplace(input.geometry, how, before ? &edit->partners : nullptr);
+        device.emplace(s, how, input.geometry, *traced);
+        if (edit && traced->neighbors) put_neighbors(*traced->neighbors, edit->now);
+      });
   report(bake_phase::preparing_hemicubes, events);
-  device.emplace(s, how, input.geometry, *traced);
   if (decided && decided->device != name_of(*device)) {
     decided.reset();
     list = all_cells(input, how);
@@ -69,10 +73,10 @@ bake_context::bake_context(const scene::scene& from, const settings& settings_of
   key = key_of(s, how, input, *cells, *device);
 }
 
-bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const kept_records* before,
+bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const earlier_records& earlier,
            const find_decided& find, tbb::task_arena& arena, const callbacks& events) {
   try {
-    arena.execute([&] { context.emplace(s, how, before, find, events); });
+    arena.execute([&] { context.emplace(s, how, earlier, find, events); });
   } catch (const step_stopped&) {
     return false;
   }

@@ -3,6 +3,7 @@
 #include <tbb/task_arena.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,14 +23,18 @@
 
 namespace sightcell::bake {
 
+// Returns the records of an earlier bake; null: there was none. They outlive the context. Called once, when the scene is
+// loaded, so they may be read in the meantime. Its exceptions pass through.
+using earlier_records = std::function<const kept_records*()>;
+
 struct bake_context {
   // Builds all parts.
-  // before: the records of an earlier bake; null: none.
+  // earlier: {} for a bake without such records.
   // find: called once for the cells that an earlier run stored. {}: they are made and merged.
   // events: receives phases, warnings, the device and the cells. s and how must outlive the object.
   // Threads: works on the calling thread's TBB arena; an OpenGL context belongs to the calling thread.
   // Throws sightcell::error, as the parts do, and step_stopped if events.on_progress cancels.
-  bake_context(const scene::scene& s, const settings& how, const kept_records* before, const find_decided& find,
+  bake_context(const scene::scene& s, const settings& how, const earlier_records& earlier, const find_decided& find,
                const callbacks& events);
   bake_context(const bake_context&) = delete;  // its parts refer to each other
   bake_context& operator=(const bake_context&) = delete;
@@ -57,8 +62,8 @@ struct bake_context {
 };
 
 // Builds a context in an arena. The calling thread must not be inside it. Returns false if events.on_progress cancels.
-// before, find: as for bake_context.
-bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const kept_records* before,
+// earlier, find: as for bake_context.
+bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const earlier_records& earlier,
            const find_decided& find, tbb::task_arena& arena, const callbacks& events);
 
 }  // namespace sightcell::bake

@@ -25,9 +25,9 @@ constexpr std::uint64_t of_shadows = 16;     // where the shadow of each falls, 
 constexpr std::uint64_t of_workplace = 9;    // pixels of each polygon in a hemicube
 
 constexpr std::uint64_t vertex_bytes = 12;
-// A column of the height field for the search of floors (cells/walkable.cpp). Four columns along a meter, up to
+// A column of the height field for the search of floors (cells/voxel_field.cpp). Four columns along a meter, up to
 // 4,194,304 in all.
-constexpr std::uint64_t of_column = 32;
+constexpr std::uint64_t of_column = 40;
 constexpr double most_columns = 4 << 20, columns_per_square_meter = 16.0;
 // The hits of a wave of rays with their order, and the seed rays by polygon (sampler/guided_search.cpp).
 constexpr std::uint64_t of_wave = 65536 * 128ull;

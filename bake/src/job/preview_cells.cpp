@@ -15,7 +15,7 @@ std::optional<cell_preview> preview_cells(const scene::scene& s, const settings&
   std::optional<bake_context> context;
   callbacks quiet = events;
   quiet.on_message = {};
-  if (!build(context, s, how, nullptr, {}, arena, quiet)) return std::nullopt;
+  if (!build(context, s, how, {}, {}, arena, quiet)) return std::nullopt;
   const cell_list& list = context->cells->list;
   if (events.on_phase) events.on_phase(bake_phase::estimating);
   const std::optional<bake_estimate> estimate = estimate_bake(*context, list.cells.size(), arena, quiet, true);

@@ -216,7 +216,7 @@ summary bake_shard(const scene::scene& s, const settings& how, const std::filesy
   std::optional<bake_context> context;
   find_decided find;
   if (!fresh) find = [&](const std::string& inputs) { return find_cells(output, part, how.scratch, inputs); };
-  if (!build(context, s, how, nullptr, find, arena, events)) {
+  if (!build(context, s, how, {}, find, arena, events)) {
     sum.result = outcome::cancelled;
     return sum;
   }

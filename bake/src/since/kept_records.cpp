@@ -18,7 +18,7 @@
 namespace sightcell::bake {
 namespace {
 
-constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '4'};
+constexpr char magic[8] = {'S', 'C', 'K', 'E', 'P', 'T', '0', '5'};
 constexpr std::size_t checksum_size = 8;
 static_assert(sizeof(triangle) == 36);
 
@@ -141,7 +141,9 @@ bool write_to(const std::filesystem::path& path, const kept_records& records) {
     out.put(step.neighbor_inputs);
     out.put(static_cast<std::uint8_t>(step.started ? 1 : 0));
     out.put_list(step.record);
-    out.put_list(step.space);
+    out.put(static_cast<std::uint8_t>(step.spaces.size()));
+    for (const auto& space : step.spaces) out.put_list(space);
+    out.put_list(step.tested);
   }
   return out.close();
 }
@@ -173,9 +175,15 @@ std::optional<kept_records> records_of(std::span<const std::uint8_t> bytes) {
     step.own_inputs = in.take<std::uint64_t>();
     step.neighbor_inputs = in.take<std::uint64_t>();
     step.started = in.take<std::uint8_t>() != 0;
-    const auto record = in.take_list(), space = in.take_list();
+    const auto record = in.take_list();
+    const auto spaces = in.take<std::uint8_t>();
+    for (std::uint8_t k = 0; k < spaces; ++k) {
+      const auto space = in.take_list();
+      step.spaces.emplace_back(space.begin(), space.end());
+    }
+    const auto tested = in.take_list();
     step.record.assign(record.begin(), record.end());
-    step.space.assign(space.begin(), space.end());
+    step.tested.assign(tested.begin(), tested.end());
   }
   if (!in.good || !in.bytes.empty()) return std::nullopt;
   return records;

@@ -23,7 +23,9 @@ struct kept_step {
   std::uint64_t neighbor_inputs = 0;  // a hash of the records of neighbors that went into the step
   bool started = false;               // from what an earlier bake found: it is not the record of a full bake
   std::vector<std::uint8_t> record;   // encode() of the cell_record
-  std::vector<std::uint8_t> space;    // touched_space::encode()
+  // touched_space::encode(), of the step and of those that started from it since; together they are the space of it.
+  std::vector<std::vector<std::uint8_t>> spaces;
+  std::vector<std::uint8_t> tested;   // tested_viewpoints::encode()
 };
 
 struct kept_records {

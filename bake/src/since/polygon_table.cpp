@@ -45,9 +45,11 @@ std::uint64_t bits_of(const scene::polygon_kind& kind) {
          std::uint64_t{kind.always} << 11;
 }
 
-std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_names(const polygon_table& table) {
+// Of the polygons first .. last - 1.
+std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_names(const polygon_table& table, std::size_t first,
+                                                                  std::size_t last) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> names;
-  for (std::uint32_t polygon = 0; polygon < table.names.size(); ++polygon)
+  for (auto polygon = static_cast<std::uint32_t>(first); polygon < last; ++polygon)
     if (table.names[polygon] != 0) names.emplace_back(table.names[polygon], polygon);
   tbb::parallel_sort(names.begin(), names.end());
   return names;
@@ -92,12 +94,15 @@ polygon_table table_of(const scene::world_geometry& geometry) {
 }
 
 void put_neighbors(const near_polygons& neighbors, polygon_table& table) {
+  std::vector<std::uint64_t> hashes;  // of names, each of which is in about 15 sums
+  hashes.reserve(table.names.size());
+  for (const std::uint64_t name : table.names) hashes.push_back(XXH3_64bits(&name, sizeof(name)));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table.names.size(), polygons_of_task), [&](const auto& range) {
     for (std::size_t polygon = range.begin(); polygon < range.end(); ++polygon) {
       if (table.names[polygon] == 0) continue;
-      neighbors.for_each(static_cast<std::uint32_t>(polygon), [&](std::uint32_t other) {
-        table.near[polygon] += XXH3_64bits(&table.names[other], sizeof(table.names[other]));
-      });
+      std::uint64_t sum = 0;
+      neighbors.for_each(static_cast<std::uint32_t>(polygon), [&](std::uint32_t other) { sum += hashes[other]; });
+      table.near[polygon] = sum;
     }
   });
 }
@@ -105,7 +110,20 @@ void put_neighbors(const near_polygons& neighbors, polygon_table& table) {
 polygon_edit edit_between(const polygon_table& before, const polygon_table& now) {
   polygon_edit edit;
   edit.new_of.assign(before.names.size(), polygon_edit::gone);
-  const auto old_names = sorted_names(before), new_names = sorted_names(now);
+  // Most edits leave the polygons before and after theirs as they are.
+  const std::size_t shorter = std::min(before.names.size(), now.names.size());
+  std::size_t first = 0, last = 0;  // equal ones at the beginning and at the end
+  while (first < shorter && before.names[first] == now.names[first]) ++first;
+  while (last < shorter - first &&
+         before.names[before.names.size() - 1 - last] == now.names[now.names.size() - 1 - last])
+    ++last;
+  const auto match = [&](std::size_t one, std::size_t other) {
+    if (before.names[one] != 0) edit.new_of[one] = static_cast<std::uint32_t>(other);
+  };
+  for (std::size_t i = 0; i < first; ++i) match(i, i);
+  for (std::size_t i = 1; i <= last; ++i) match(before.names.size() - i, now.names.size() - i);
+  const auto old_names = sorted_names(before, first, before.names.size() - last),
+             new_names = sorted_names(now, first, now.names.size() - last);
   std::vector<std::uint32_t> removed;
   auto one = old_names.begin();
   auto other = new_names.begin();

@@ -33,7 +33,8 @@ struct polygon_edit {
   std::vector<triangle> removed_corners;              // in the order of their old numbers
 };
 
-// Matches polygons of the same name, the first with the first.
+// Matches polygons of the same name: those that both scenes have in the same order at the beginning and at the end, and
+// of the others the first with the first.
 polygon_edit edit_between(const polygon_table& before, const polygon_table& now);
 
 // Returns, by old polygon, 1 if it is not gone and has other neighbors.

@@ -12,7 +12,7 @@ struct scene_edit {
   // Threads: runs in the TBB arena of the calling thread.
   scene_edit(const scene::world_geometry& geometry, const kept_records* before);
 
-  polygon_table now;         // without hashes of neighbors
+  polygon_table now;         // put_neighbors() adds the hashes of neighbors
   polygon_edit polygons;     // nothing without an earlier bake
   partners_before partners;  // the same
 };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
+#include <limits>
 #include <utility>
 
 #include "checkpoint/checkpoint.h"
@@ -30,6 +31,24 @@ bool is_possible(const bound_rays& of, std::uint32_t batches) {
   for (const std::uint64_t rays : of.parts)
     if (rays > most_rays || (sum += rays) > most_rays) return false;
   return of.number <= batches && of.name <= batches;
+}
+
+// Lines beside a line (rule 3) are up to the smallest gap away from it.
+float reach_beside(float smallest_gap) {
+  return smallest_gap + 1e-4f;
+}
+
+edited_boxes boxes_of(const std::array<std::span<const edited_part>, 2>& edit, float smallest_gap) {
+  constexpr std::size_t most_parts = 256;
+  edited_boxes boxes{{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())},
+                     {}};
+  for (const auto parts : edit)
+    for (const edited_part& part : parts) {
+      const box& one = boxes.parts.emplace_back(part.where.grown(reach_beside(smallest_gap)));
+      boxes.all = {glm::min(boxes.all.min, one.min), glm::max(boxes.all.max, one.max)};
+    }
+  if (boxes.parts.size() > most_parts) boxes.parts.clear();
+  return boxes;
 }
 
 struct kept_member {
@@ -60,7 +79,6 @@ step_keeper::step_keeper(const scene::world_geometry& geometry, const near_polyg
   now_.key = std::move(key);
   now_.polygons = std::move(edit.now);
   if (neighbors) {
-    put_neighbors(*neighbors, now_.polygons);
     now_.partner_reach = neighbors->coinciding.reach();
     now_.partners = neighbors->coinciding.pairs();
   }
@@ -78,6 +96,7 @@ step_keeper::step_keeper(const scene::world_geometry& geometry, const near_polyg
   std::vector<triangle> added;
   for (const std::uint32_t polygon : edit_.added) added.push_back(now_.polygons.corners[polygon]);
   added_ = parts_of(added);
+  edited_ = boxes_of({removed_, added_}, how.smallest_gap);
   for (const kept_step& step : before_.steps) {
     steps_[{step.place, step.box, step.kind}] = &step;
     cells_.insert({step.place, step.box, step_kind::sample});
@@ -102,9 +121,8 @@ step_keeper::step_name step_keeper::name_of(const view_cell& cell, step_kind kin
   return {cell.place, {cell.min.x, cell.min.y, cell.min.z, cell.max.x, cell.max.y, cell.max.z}, kind};
 }
 
-// Lines beside a line (rule 3) are up to the smallest gap away from it.
 bool step_keeper::meets(const touched_space& space, const std::vector<edited_part>& parts) const {
-  const float near = how_.smallest_gap + 1e-4f;
+  const float near = reach_beside(how_.smallest_gap);
   return std::any_of(parts.begin(), parts.end(), [&](const edited_part& part) {
     return space.meets(part.where, near) &&
            std::any_of(part.corners.begin(), part.corners.end(), [&](const auto& t) { return space.meets(t, near); });
@@ -214,16 +232,38 @@ rebake_reason step_keeper::why_not(const kept_step* step, const kept_step& now, 
   require_sound(*kept);
   if (!renumber(*kept)) return rebake_reason::changed_polygon;
   if (!removed_.empty() || !added_.empty()) {
-    const std::optional<touched_space> space = touched_space::decode(step->space);
-    if (!space) refuse_records(how_.since);
-    if (meets(*space, removed_)) return rebake_reason::changed_polygon;
-    if (meets(*space, added_)) return rebake_reason::something_new;
+    if (step->spaces.empty()) refuse_records(how_.since);
+    std::vector<touched_space> spaces;
+    for (const auto& bytes : step->spaces) spaces.push_back(space_of(bytes));
+    const auto any_meets = [&](const std::vector<edited_part>& parts) {
+      return std::any_of(spaces.begin(), spaces.end(), [&](const touched_space& one) { return meets(one, parts); });
+    };
+    if (any_meets(removed_)) return rebake_reason::changed_polygon;
+    if (any_meets(added_)) return rebake_reason::something_new;
   }
   // Neighbors only add to a set, and its bound holds without them.
   if (step->own_inputs != now.own_inputs || (step->neighbor_inputs != now.neighbor_inputs && !how_.keep_found))
     return rebake_reason::neighbors;
   record = std::move(*kept);
   return rebake_reason::none;
+}
+
+touched_space step_keeper::space_of(std::span<const std::uint8_t> bytes) const {
+  std::optional<touched_space> space = touched_space::decode(bytes);
+  if (!space) refuse_records(how_.since);
+  return std::move(*space);
+}
+
+// Puts the spaces of an earlier step in the list of a step that started from it, or adds them to its own where they
+// would become many: to deflate a space takes as long as a few thousand rays.
+void step_keeper::put_spaces(const std::vector<std::vector<std::uint8_t>>& before, touched_space& own,
+                             std::vector<std::vector<std::uint8_t>>& spaces) const {
+  constexpr std::size_t most = 4;
+  if (before.size() < most) {
+    spaces = before;
+    return;
+  }
+  for (const auto& bytes : before) own.add(space_of(bytes));
 }
 
 cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_record* own,
@@ -236,7 +276,8 @@ cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_
                  .kind = kind,
                  .own_inputs = hash_of_own(own),
                  .record = {},
-                 .space = {}};
+                 .spaces = {},
+                 .tested = {}};
   // A cell that starts from what it had does not check its neighbors, and one that may do so does not depend on them.
   const bool may_start = how_.keep_found && before != nullptr;
   if (!may_start) step.neighbor_inputs = hash_of_neighbors(neighbors());
@@ -248,26 +289,27 @@ cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_
   if (why == rebake_reason::none) {
     step.neighbor_inputs = before->neighbor_inputs;
     step.started = before->started;
-    step.space = before->space;
+    step.spaces = before->spaces;
+    step.tested = before->tested;
   } else {
     std::optional<found_before> start;
     if (how_.keep_found && why != rebake_reason::new_cell) start = found_in(cell);
     if (may_start && !start) step.neighbor_inputs = hash_of_neighbors(neighbors());
     touched_space space(box{cell.min, cell.max}.grown(how_.margin), scene_);
+    tested_viewpoints tested;
+    if (start && before) tested.know(tested_viewpoints::decode(before->tested), edited_);
     // What is recorded belongs to a thread, so no other thread may help. Cells are many, so all have work.
     tbb::task_arena alone(1);
     alone.execute([&] {
       const recording on_this_thread(&space);
+      const recording_viewpoints and_tests(&tested);
       record = bake(start ? &*start : nullptr);
     });
     step.started = start.has_value();
-    if (step.started && before != nullptr) {
-      // What the set has from earlier steps depends on what these touched.
-      const std::optional<touched_space> until_now = touched_space::decode(before->space);
-      if (!until_now) refuse_records(how_.since);
-      space.add(*until_now);
-    }
-    step.space = space.encode();
+    // What the set has from earlier steps depends on what these touched.
+    if (step.started && before != nullptr) put_spaces(before->spaces, space, step.spaces);
+    step.spaces.push_back(space.encode());
+    step.tested = tested.encode();
   }
   step.record = encode(record);
   note(cell, why, std::move(step));

@@ -23,6 +23,7 @@
 #include "sightcell/scene/scene.h"
 #include "since/kept_records.h"
 #include "since/scene_edit.h"
+#include "touched/tested_viewpoints.h"
 #include "touched/touched_space.h"
 
 namespace sightcell::bake {
@@ -49,7 +50,7 @@ class step_keeper {
   // volumes: number of visibility volumes.
   // key: of the settings. Records of another key are refused.
   // before: the records of the earlier bake; nothing: all cells are new.
-  // edit: of the geometry since before.
+  // edit: of the geometry since before, with the hashes of neighbors.
   // Fails with records.other-bake.
   step_keeper(const scene::world_geometry& geometry, const near_polygons* neighbors, const settings& how,
               std::uint32_t volumes, std::string key, std::optional<kept_records> before, scene_edit edit);
@@ -89,6 +90,9 @@ class step_keeper {
   void drop_gone(cell_record& record) const;
   std::optional<found_before> found_in(const view_cell& cell) const;
   void require_sound(const cell_record& record) const;
+  touched_space space_of(std::span<const std::uint8_t> bytes) const;
+  void put_spaces(const std::vector<std::vector<std::uint8_t>>& before, touched_space& own,
+                  std::vector<std::vector<std::uint8_t>>& spaces) const;
   void note(const view_cell& cell, rebake_reason why, kept_step step);
 
   const settings& how_;
@@ -98,6 +102,7 @@ class step_keeper {
   polygon_edit edit_;
   std::vector<std::uint8_t> near_differs_;  // by old polygon: 1 if it is not gone and has other neighbors
   std::vector<edited_part> removed_, added_;
+  edited_boxes edited_;
   std::map<step_name, const kept_step*> steps_;
   std::set<step_name> cells_;                   // of before_, as of step_kind::sample
   mutable std::mutex mutex_;                    // of now_.steps and reasons_

@@ -6,13 +6,17 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
+#include "touched/tested_viewpoints.h"
 #include "touched/touched_space.h"
 #include "trace/direction_code.h"
 #include "trace/embree_scene.h"
+#include "trace/line_box.h"
 #include "trace/triangle_math.h"
 
 namespace sightcell::bake {
@@ -306,6 +310,20 @@ bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {
   return near.touched;
 }
 
+// Returns whether the test of a viewpoint can depend on what is in the boxes: a line of find_solid() passes one, or
+// the surroundings that touches_surface() looks at meet one.
+bool test_passes(const glm::vec3& point, float radius, const edited_boxes& edit) {
+  const auto passes = [&](const box& one) {
+    const box near = one.grown(radius);
+    if (glm::all(glm::lessThanEqual(near.min, point)) && glm::all(glm::lessThanEqual(point, near.max))) return true;
+    return std::any_of(fixed_directions().begin(), fixed_directions().end(), [&](const glm::vec3& direction) {
+      float enter = 0.0f, leave = std::numeric_limits<float>::max();
+      return clip_line(one.min, one.max, point, direction, enter, leave);
+    });
+  };
+  return passes(edit.all) && (edit.parts.empty() || std::any_of(edit.parts.begin(), edit.parts.end(), passes));
+}
+
 // Finds the points inside solids: those where more than one in `one_in` of the hits shows a back.
 // Each packet holds one direction from eight nearby points. Parallel rays from nearby origins traverse the same nodes,
 // so 64 rays per point cost several times less than one at a time.
@@ -366,7 +384,24 @@ void ray_scene::find_clear(std::span<const glm::vec3> points, float radius, int 
 }
 
 void ray_scene::find_valid(std::span<const glm::vec3> points, float radius, std::span<std::uint8_t> free) const {
-  find_clear(points, radius, 10, free);
+  constexpr int one_in = 10;
+  tested_viewpoints* const tested = recorded_viewpoints;
+  if (!tested) return find_clear(points, radius, one_in, free);
+  std::vector<glm::vec3> left;
+  std::vector<std::size_t> place;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::optional<std::uint8_t> before = tested->find(points[i]);
+    if (before && !test_passes(points[i], radius, *tested->edit())) {
+      free[i] = *before;
+      continue;
+    }
+    left.push_back(points[i]);
+    place.push_back(i);
+  }
+  std::vector<std::uint8_t> of_left(left.size());
+  find_clear(left, radius, one_in, of_left);
+  for (std::size_t i = 0; i < left.size(); ++i) free[place[i]] = of_left[i];
+  for (std::size_t i = 0; i < points.size(); ++i) tested->add(points[i], free[i]);
 }
 
 bool ray_scene::is_valid(const glm::vec3& point, float radius) const {

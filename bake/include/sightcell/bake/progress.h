@@ -14,8 +14,8 @@ namespace sightcell::bake {
 // What a bake is doing. The phases come in this order; those with nothing to do are left out.
 enum class bake_phase {
   loading,               // reads the files that the settings name, and makes world geometry from the scene
-  finding_cells,         // and builds the structures that rays are cast in
-  preparing_hemicubes,   // the source of hemicubes: device, geometry
+  finding_cells,         // and builds what rays are cast in and hemicubes are rendered from
+  preparing_hemicubes,   // the rest of that, once cells are found
   merging_cells,         // that see nearly the same polygons
   estimating,            // time and disk space, from a few trials
   preparing_sampler,     // what the sampler does once for all cells; few samplers do

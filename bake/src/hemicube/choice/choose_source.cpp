@@ -74,7 +74,10 @@ chosen_source choose_source(const settings& how, const scene::world_geometry& ge
     chosen.source =
         gpu_source_for_all(std::move(context), *drawn, {.resolution = how.resolution, .far_plane = diagonal});
   else
-    chosen.source = make_cpu_source(*drawn, {.resolution = how.resolution, .far_plane = diagonal});
+    // Most cells that start from what they had take no hemicubes.
+    chosen.source = make_cpu_source(*drawn, {.resolution = how.resolution,
+                                             .far_plane = diagonal,
+                                             .when_needed = how.keep_found && !how.since.empty()});
   return chosen;
 }
 

@@ -1,5 +1,6 @@
 #include "hemicube/cpu/cpu_source.h"
 
+#include <tbb/collaborative_call_once.h>
 #include <tbb/concurrent_queue.h>
 #include <tbb/parallel_for.h>
 
@@ -194,10 +195,9 @@ class cpu_source final : public hemicube_source {
         far_plane_(options.far_plane),
         polygon_count_(static_cast<std::uint32_t>(geometry.kinds.size())),
         kernel_(kernel_of(options.instructions)),
-        scene_(geometry),
-        view_{view_of(scene_.opaque),        view_of(scene_.masked),    view_of(scene_.see_through),
-              scene_.alpha.triangles.data(), scene_.alpha.tests.data(), scene_.alpha.texels.data(),
-              scene_.alpha.counts.data()} {}
+        geometry_(&geometry) {
+    if (!options.when_needed) build();
+  }
 
   using hemicube_source::render;
   void render(std::span<const pose> poses, std::span<hemicube_view> views) override {
@@ -275,9 +275,21 @@ class cpu_source final : public hemicube_source {
     view.importance[toward_down] = sums.down;
   }
 
+  // Threads that come while the clusters are built help with it.
+  void build() {
+    tbb::collaborative_call_once(built_, [this] {
+      scene_.emplace(*geometry_);
+      view_ = {view_of(scene_->opaque),        view_of(scene_->masked),    view_of(scene_->see_through),
+               scene_->alpha.triangles.data(), scene_->alpha.tests.data(), scene_->alpha.texels.data(),
+               scene_->alpha.counts.data()};
+      geometry_ = nullptr;
+    });
+  }
+
   // Calls work with buffers that no other call uses. Makes new buffers if all are in use.
   template <class Work>
   void with_buffers(const Work& work) {
+    build();
     std::unique_ptr<image_buffers> at;
     if (!free_.try_pop(at)) at = std::make_unique<image_buffers>(resolution_, polygon_count_);
     work(*at);
@@ -288,8 +300,10 @@ class cpu_source final : public hemicube_source {
   float far_plane_;
   std::uint32_t polygon_count_;
   const cpu::kernel& kernel_;
-  cpu::cluster_scene scene_;
-  cpu::scene_view view_;
+  tbb::collaborative_once_flag built_;
+  const scene::world_geometry* geometry_;  // until the clusters are built
+  std::optional<cpu::cluster_scene> scene_;
+  cpu::scene_view view_{};
   tbb::concurrent_queue<std::unique_ptr<image_buffers>> free_;
 };
 

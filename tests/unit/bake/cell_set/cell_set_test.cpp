@@ -36,6 +36,17 @@ TEST(cell_set, clear_forgets_everything) {
   EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{1, 3}));
 }
 
+TEST(cell_set, members_of_a_record_share_their_witnesses) {
+  const cell_record record{.set = {1, 4, 5, 7}, .witnesses = {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, .witness_of = {2, 0, 1, 2}};
+  cell_set set(10);
+  set.add(4, {9, 0, 0});
+  set.add_members(record, {1, 1, 0, 1});
+  EXPECT_EQ(set.sorted(), (std::vector<std::uint32_t>{1, 4, 7}));
+  EXPECT_EQ(set.witness(7), glm::vec3(3, 0, 0));
+  EXPECT_EQ(set.witness(4), glm::vec3(9, 0, 0)) << "it was a member";
+  EXPECT_EQ(set.eyes(), (std::vector<glm::vec3>{{9, 0, 0}, {3, 0, 0}})) << "others saw nothing that joined";
+}
+
 TEST(cell_set, counts_polygons_by_what_found_them) {
   cell_set set(10);
   set.add_view({1, 0, 0}, {{2, 5}, {7, 1}});

@@ -22,8 +22,8 @@ kept_records some_records() {
                                   triangle{glm::vec3{0.0f}, glm::vec3{1.0f, 0.0f, 0.0f}, glm::vec3{0.0f, 1.0f, 0.0f}});
   records.partner_reach = 0.01f;
   records.partners = {{0, 2}, {1, 2}};
-  records.steps.push_back({5, {1, 2, 3, 4, 5, 6}, step_kind::check, 9, 10, true, {1, 2, 3}, {4, 5}});
-  records.steps.push_back({4, {1, 2, 3, 4, 5, 6}, step_kind::sample, 9, 10, false, {1}, {}});
+  records.steps.push_back({5, {1, 2, 3, 4, 5, 6}, step_kind::check, 9, 10, true, {1, 2, 3}, {{4, 5}, {7}}, {6}});
+  records.steps.push_back({4, {1, 2, 3, 4, 5, 6}, step_kind::sample, 9, 10, false, {1}, {}, {}});
   return records;
 }
 
@@ -65,7 +65,8 @@ TEST(kept_records, come_back_sorted) {
   EXPECT_TRUE(again.steps[1].started);
   EXPECT_FALSE(again.steps[0].started);
   EXPECT_EQ(again.steps[1].record, (std::vector<std::uint8_t>{1, 2, 3}));
-  EXPECT_EQ(again.steps[1].space, (std::vector<std::uint8_t>{4, 5}));
+  EXPECT_EQ(again.steps[1].spaces, (std::vector<std::vector<std::uint8_t>>{{4, 5}, {7}}));
+  EXPECT_EQ(again.steps[1].tested, std::vector<std::uint8_t>{6});
 }
 
 // Whatever the bytes, reading returns or throws. With a checksum that fits, the reader itself is tested.
