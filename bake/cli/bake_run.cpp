@@ -4,7 +4,11 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -140,9 +144,17 @@ std::string rebaked_text(const bake::rebaked_cells& cells, bool keep_found, doub
       grouped(cells.is_new), duration_text(cpu_seconds));
 }
 
+// what: is in the checkpoint of the output, if there is one.
+std::string stopped_text(const std::filesystem::path& output, std::string_view what) {
+  const std::string checkpoint = output.string() + ".bake";
+  std::error_code ignored;
+  if (!std::filesystem::exists(checkpoint, ignored)) return "stopped before the first cell";
+  return fmt::format("stopped: the same command resumes; {} are in {}", what, checkpoint);
+}
+
 int report_shard(const std::filesystem::path& target, const bake::summary& sum, progress_line& line) {
   if (sum.result == bake::outcome::cancelled) {
-    line.message(fmt::format("stopped: the same command resumes; finished cells are in {}.bake", target.string()));
+    line.message(stopped_text(target, "finished cells"));
     return exit_cancelled;
   }
   line.message(fmt::format("{}: {} cells ({} were there), {} of CPU time", target.string(), grouped(sum.cells),
@@ -161,10 +173,9 @@ std::string why_over_bound(const bake::settings& how, const bake::summary& sum) 
 
 int report(const bake_options& options, const bake::settings& how, const bake::summary& sum, progress_line& line) {
   if (sum.result == bake::outcome::cancelled) {
-    line.message(fmt::format("stopped: the same command resumes; {} are in {}.bake{}",
-                             how.time_budget > 0.0 ? "cells and what they have come to" : "finished cells",
-                             options.output.string(),
-                             sum.bytes > 0 ? ", and " + options.output.string() + " holds them" : ""));
+    const char* const what = how.time_budget > 0.0 ? "cells and what they have come to" : "finished cells";
+    line.message(stopped_text(options.output, what) +
+                 (sum.bytes > 0 ? ", and " + options.output.string() + " holds them" : ""));
     return exit_cancelled;
   }
   line.message(fmt::format("{}: {} cells, {} bytes, {:.3f} % of all polygons visible per cell, {} of CPU time, seed {}",
@@ -253,7 +264,7 @@ bake::summary bake_with_progress(const bake_input& input, bake::settings how, co
     const bool stopped = stop();
     if (stopped)
       line.stopping(now);
-    else
+    else if (now.phase != bake::bake_phase::finding_cells)  // it has nothing but its time, which the line shows
       line.update(now);
     return !stopped;
   };

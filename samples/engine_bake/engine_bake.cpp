@@ -65,7 +65,8 @@ bake::summary run(const museum::level& level, const bake::host_scene& scene, con
   for (const museum::room& r : level.rooms) how.cells.push_back({r.name, r.min, r.max});
   bake::callbacks events;
   events.on_progress = [](const bake::progress& now) {
-    std::fprintf(stderr, "%u of %u rooms, %.0f s left\n", now.cells_done, now.cells_total, now.seconds_left);
+    if (now.cells_total > 0)
+      std::fprintf(stderr, "%u of %u rooms, %.0f s left\n", now.cells_done, now.cells_total, now.seconds_left);
     return stop_asked == 0;  // finished rooms are kept: the same call goes on from there
   };
   events.on_message = [](bake::severity how_bad, const std::string& text) {

@@ -2,8 +2,9 @@
 import json
 import os
 import signal
+import subprocess
 
-from harness import QUICK_BAKE, TIMEOUT, Stopped, read
+from harness import QUICK_BAKE, TIMEOUT, Stopped, program, read
 
 
 class Resume(Stopped):
@@ -25,6 +26,24 @@ class Resume(Stopped):
         for number in (signal.SIGINT, signal.SIGTERM):
             self.assertEqual(self.stop(output, number), 130)
         self.assert_resumes(output, after=2)
+
+    def test_an_interrupt_while_cells_are_found(self):
+        big, output = self.make_city('big.glb', polygons=300000), self.path('early.pvs')
+        for _ in range(5):  # on a busy machine the signal may come later
+            running = subprocess.Popen([program('sightcell'), 'bake', big, '-o', output, '--threads', '1', '--progress', 'json'],
+                                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            self.addCleanup(running.stderr.close)
+            for line in running.stderr:
+                if '300,000 polygons' in line:  # it is loaded
+                    break
+            running.send_signal(signal.SIGINT)
+            _, said = running.communicate(timeout=TIMEOUT)
+            self.assertEqual(running.returncode, 130)
+            if 'stopped before the first cell' in said:
+                self.assertNotIn('merging', said)
+                self.assertEqual([n for n in os.listdir(self.folder) if n.startswith('early.pvs')], [])
+                return
+        self.fail('no signal came while cells were found')
 
     def test_interrupted_in_its_time_budget_it_leaves_a_file_and_goes_on(self):
         output = self.path('in-time.pvs')

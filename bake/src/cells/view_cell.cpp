@@ -107,11 +107,11 @@ lattice fill_bounds(const scene::world_geometry& geometry, const lattice& asked,
   return on;
 }
 
-cell_list automatic_cells(const scene::world_geometry& geometry, const settings& how) {
+cell_list automatic_cells(const scene::world_geometry& geometry, const settings& how, const stop_request* stop) {
   const lattice asked = lattice::over_floors(static_cast<double>(how.cell_size));
   walkable_cells walkable;
   walkable.on = asked;
-  if (how.reach != reach_kind::none) walkable = find_walkable_cells(geometry, asked, how);
+  if (how.reach != reach_kind::none) walkable = find_walkable_cells(geometry, asked, how, stop);
   cell_list list;
   list.warnings = std::move(walkable.warnings);
   const auto before = static_cast<double>(walkable.cells.size());
@@ -173,7 +173,7 @@ void limit_cells(cell_list& list, std::uint32_t limit, const std::optional<std::
   list.how = fmt::format("{} {}of ", limit, near ? "nearest " : "") + list.how;
 }
 
-cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how) {
+cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how, const stop_request* stop) {
   cell_list list;
   if (!how.cells.empty()) {
     list.cells = explicit_cells(how.cells, "settings.cells", "give meters, min below max on every axis");
@@ -186,7 +186,7 @@ cell_list make_all_cells(const scene::world_geometry& geometry, const settings& 
   } else if (!geometry.cells.empty() && !flies(how)) {
     list = cells_of_scene(geometry);
   } else {
-    list = automatic_cells(geometry, how);
+    list = automatic_cells(geometry, how, stop);
     if (!geometry.cells.empty())
       list.warnings.push_back(
           fmt::format("{} cells of the scene (extras.sightcell.cell) are left out, because --fly or a path is given",

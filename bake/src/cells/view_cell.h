@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sightcell/bake/settings.h"
+#include "sightcell/base/stop_request.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::bake {
@@ -58,7 +59,9 @@ struct cell_list {
 cell_list make_cells(const scene::world_geometry& geometry, const settings& how);
 // The same in two steps: make_all_cells() ignores --cell-limit, and limit_cells() keeps `limit` cells: those nearest to
 // a point in the order of the list, or without one such that are spread evenly over the list. A limit of 0 keeps all.
-cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how);
+// stop: null for none. Throws step_stopped if it was asked.
+cell_list make_all_cells(const scene::world_geometry& geometry, const settings& how,
+                         const stop_request* stop = nullptr);
 void limit_cells(cell_list& list, std::uint32_t limit, const std::optional<std::array<float, 3>>& near = {});
 // Returns the distance of a point from the box of a cell, meters.
 float distance_of(const view_cell& cell, const std::array<float, 3>& point);

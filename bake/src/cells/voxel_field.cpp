@@ -154,7 +154,8 @@ struct rasterized {
 // clipped one after the other from the first on, and have the same spans as in the whole field for that reason. What it
 // has in rows before its own is not used.
 rasterized rasterize(const scene::world_geometry& geometry, const field_shape& shape, const player_moves& moves,
-                     const settings& how, int threads) {
+                     const settings& how, int threads, const stop_request* stop) {
+  constexpr std::size_t between_checks = 1024;  // polygons
   rasterized made;
   made.columns.resize(static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.depth));
   const raster_order order = order_of_polygons(geometry, shape, how);
@@ -169,6 +170,7 @@ rasterized rasterize(const scene::world_geometry& geometry, const field_shape& s
     made.strips[s] = std::make_unique<strip_field>(shape, begins[s + 1], context);
     rcHeightfield& field = **made.strips[s];
     for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (stop && i % between_checks == 0) stop->check();
       if (rows[i].first >= begins[s + 1] || rows[i].last < begins[s]) continue;
       const bool is_floor = i < order.floors.size();
       const std::uint32_t p = is_floor ? order.floors[i] : order.others[i - order.floors.size()];
@@ -197,8 +199,8 @@ std::array<glm::dvec3, 3> double_corners(const scene::world_geometry& geometry, 
 }
 
 open_field open_spaces(const scene::world_geometry& geometry, const field_shape& shape, const player_moves& moves,
-                       const settings& how, int threads) {
-  const rasterized field = rasterize(geometry, shape, moves, how, threads);
+                       const settings& how, int threads, const stop_request* stop) {
+  const rasterized field = rasterize(geometry, shape, moves, how, threads, stop);
   open_field open;
   open.width = static_cast<std::size_t>(shape.width);
   open.depth = static_cast<std::size_t>(shape.depth);

@@ -8,6 +8,7 @@
 #include "cells/lattice.h"
 #include "cells/reach.h"
 #include "sightcell/bake/settings.h"
+#include "sightcell/base/stop_request.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::bake {
@@ -39,8 +40,9 @@ std::array<glm::dvec3, 3> double_corners(const scene::world_geometry& geometry, 
 
 // Rasterizes all obstacles as voxels. Returns the open spaces that are high enough for a player. They depend neither on
 // the order of polygons nor on threads.
+// stop: null for none. Throws step_stopped if it was asked.
 // threads: of the arena of the calling thread, 1 or more; decides how many strips of the field are rasterized at once.
 open_field open_spaces(const scene::world_geometry& geometry, const field_shape& shape, const player_moves& moves,
-                       const settings& how, int threads);
+                       const settings& how, int threads, const stop_request* stop = nullptr);
 
 }  // namespace sightcell::bake

@@ -283,19 +283,25 @@ std::vector<floor_cell> collect_cells(const open_field& open, const std::vector<
 
 }  // namespace
 
-walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, const settings& how) {
+walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, const settings& how,
+                                   const stop_request* stop) {
+  const auto check = [&] {
+    if (stop) stop->check();
+  };
   walkable_cells result;
   result.on = on;
   const std::optional<field_bounds> all = bounds_of_obstacles(geometry);
   if (!all) return result;
   const field_shape shape = choose_field(geometry, *all, on, result.warnings);
   const player_moves moves = moves_of(how.player, shape);
-  const open_field open = open_spaces(geometry, shape, moves, how, tbb::this_task_arena::max_concurrency());
+  const open_field open = open_spaces(geometry, shape, moves, how, tbb::this_task_arena::max_concurrency(), stop);
+  check();
   std::vector<std::uint8_t> reached(open.spaces.size(), 1);
   if (how.reach == reach_kind::walk)
     reached = find_reached(open, moves, starts_of(open, shape, moves, how, geometry, result));
   else
     result.how = "wherever there is head room";
+  check();
   result.cells = collect_cells(open, reached, shape, how.player);
   result.on = shape.on;
   return result;

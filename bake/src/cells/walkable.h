@@ -8,6 +8,7 @@
 #include "cells/floor_cells.h"
 #include "cells/lattice.h"
 #include "sightcell/bake/settings.h"
+#include "sightcell/base/stop_request.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::bake {
@@ -28,7 +29,9 @@ struct walkable_cells {
 // on: the requested lattice, over_floors().
 // Starts of the flood: how.starts, else geometry.starts, else the largest region of connected floors. With
 // how.reach == reach::everywhere each floor is reached.
+// stop: null for none. Throws step_stopped if it was asked.
 // Deterministic. Memory is bounded by the size of the voxel field, not by the extent of the scene.
-walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, const settings& how);
+walkable_cells find_walkable_cells(const scene::world_geometry& geometry, lattice on, const settings& how,
+                                   const stop_request* stop = nullptr);
 
 }  // namespace sightcell::bake

@@ -20,8 +20,8 @@ std::optional<volume_grid> volumes_of(const bake_input& input, const cell_list& 
 
 }  // namespace
 
-cell_list all_cells(const bake_input& input, const settings& how) {
-  return input.cells ? *input.cells : make_all_cells(input.geometry, how);
+cell_list all_cells(const bake_input& input, const settings& how, const stop_request* stop) {
+  return input.cells ? *input.cells : make_all_cells(input.geometry, how, stop);
 }
 
 bake_cells::bake_cells(const bake_input& input, cell_list all, std::vector<view_cell> boxes, const settings& how)

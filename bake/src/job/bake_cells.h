@@ -7,14 +7,15 @@
 #include "cells/view_cell.h"
 #include "job/bake_input.h"
 #include "sightcell/bake/settings.h"
+#include "sightcell/base/stop_request.h"
 #include "volumes/volume_grid.h"
 
 namespace sightcell::bake {
 
 // Returns all cells of a bake, before they are merged and before how.cell_limit: input.cells, or those made from
 // input.geometry. Does not read the ray scene.
-// Throws sightcell::error on a broken cells file.
-cell_list all_cells(const bake_input& input, const settings& how);
+// stop: null for none. Throws step_stopped if it was asked, and sightcell::error on a broken cells file.
+cell_list all_cells(const bake_input& input, const settings& how, const stop_request* stop = nullptr);
 
 struct bake_cells {
   // all: from all_cells(), merged or not. how.cell_limit is applied.

@@ -4,10 +4,12 @@
 #include <tbb/parallel_invoke.h>
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <utility>
 #include <vector>
 
 #include "job/bake_key.h"
+#include "job/stoppable_work.h"
 #include "sightcell/base/json_text.h"
 #include "sightcell/base/stop_request.h"
 
@@ -21,6 +23,15 @@ void report(bake_phase phase, const callbacks& events) {
 bake_input input_of(const scene::scene& s, const settings& how, const callbacks& events) {
   report(bake_phase::loading, events);
   return load_input(s, how);
+}
+
+// Returns false if the caller cancels.
+bool is_wanted(bake_phase phase, std::chrono::steady_clock::time_point began, const callbacks& events) {
+  if (!events.on_progress) return true;
+  progress now;
+  now.phase = phase;
+  now.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return events.on_progress(now);
 }
 
 void report_parts(const bake_context& context, const callbacks& events) {
@@ -39,25 +50,36 @@ void report_parts(const bake_context& context, const callbacks& events) {
 }  // namespace
 
 bake_context::bake_context(const scene::scene& from, const settings& settings_of_bake, const earlier_records& earlier,
-                           const find_decided& find, const callbacks& events)
+                           const find_decided& find, tbb::task_arena& arena, const callbacks& events)
     : s(from), how(settings_of_bake), input(input_of(from, settings_of_bake, events)) {
   report(bake_phase::finding_cells, events);
+  const auto began = std::chrono::steady_clock::now();
   const std::string inputs = inputs_of_cells(s, how, input);
   std::optional<decided_cells> decided = find ? find(inputs) : std::nullopt;
   const kept_records* const before = earlier ? earlier() : nullptr;
-  if (how.keep_records || before) edit.emplace(input.geometry, before);
-  // Cells do not depend on rays, and most of both is the work of one thread.
   cell_list list;
-  tbb::parallel_invoke(
-      [&] {
-        if (!decided) list = all_cells(input, how);
-      },
-      [&] {
-        traced.emplace(input.geometry, how, before ? &edit->partners : nullptr);
-        device.emplace(s, how, input.geometry, *traced);
-        if (edit && traced->neighbors) put_neighbors(*traced->neighbors, edit->now);
-      });
+  stop_request stop;
+  const auto build_parts = [&] {
+    if (how.keep_records || before) edit.emplace(input.geometry, before);
+    // Cells do not depend on rays, and most of both is the work of one thread.
+    tbb::parallel_invoke(
+        [&] {
+          if (!decided) list = all_cells(input, how, &stop);
+        },
+        [&] {
+          traced.emplace(input.geometry, how, before ? &edit->partners : nullptr, &stop);
+          device.emplace(s, how, input.geometry, *traced);
+          stop.check();
+          if (edit && traced->neighbors) put_neighbors(*traced->neighbors, edit->now);
+        });
+  };
+  run_stoppable(arena, build_parts, [&] { return is_wanted(bake_phase::finding_cells, began, events); }, stop);
   report(bake_phase::preparing_hemicubes, events);
+  arena.execute([&] { decide(std::move(decided), std::move(list), inputs, events); });
+}
+
+void bake_context::decide(std::optional<decided_cells> decided, cell_list list, const std::string& inputs,
+                          const callbacks& events) {
   if (decided && decided->device != name_of(*device)) {
     decided.reset();
     list = all_cells(input, how);
@@ -76,7 +98,7 @@ bake_context::bake_context(const scene::scene& from, const settings& settings_of
 bool build(std::optional<bake_context>& context, const scene::scene& s, const settings& how, const earlier_records& earlier,
            const find_decided& find, tbb::task_arena& arena, const callbacks& events) {
   try {
-    arena.execute([&] { context.emplace(s, how, earlier, find, events); });
+    context.emplace(s, how, earlier, find, arena, events);
   } catch (const step_stopped&) {
     return false;
   }

@@ -32,10 +32,10 @@ struct bake_context {
   // earlier: {} for a bake without such records.
   // find: called once for the cells that an earlier run stored. {}: they are made and merged.
   // events: receives phases, warnings, the device and the cells. s and how must outlive the object.
-  // Threads: works on the calling thread's TBB arena; an OpenGL context belongs to the calling thread.
+  // Threads: works in the arena, which the calling thread must not be inside of. The calling thread reports.
   // Throws sightcell::error, as the parts do, and step_stopped if events.on_progress cancels.
   bake_context(const scene::scene& s, const settings& how, const earlier_records& earlier, const find_decided& find,
-               const callbacks& events);
+               tbb::task_arena& arena, const callbacks& events);
   bake_context(const bake_context&) = delete;  // its parts refer to each other
   bake_context& operator=(const bake_context&) = delete;
 
@@ -59,6 +59,10 @@ struct bake_context {
   std::string key;
   std::string cell_bytes;           // of the cells, for the checkpoint; empty if they are quickly made again
   std::uint64_t merging_cubes = 0;  // rendered in this run to merge cells
+
+ private:
+  // Builds what depends on the cells. decided: of an earlier run; inputs: what cells follow from.
+  void decide(std::optional<decided_cells> decided, cell_list list, const std::string& inputs, const callbacks& events);
 };
 
 // Builds a context in an arena. The calling thread must not be inside it. Returns false if events.on_progress cancels.

@@ -4,8 +4,9 @@
 
 namespace sightcell::bake {
 
-traced_scene::traced_scene(const scene::world_geometry& geometry, const settings& how, const partners_before* before)
-    : rays(geometry, how.all_double_sided) {
+traced_scene::traced_scene(const scene::world_geometry& geometry, const settings& how, const partners_before* before,
+                           const stop_request* stop)
+    : rays(geometry, how.all_double_sided, stop) {
   tbb::parallel_invoke(
       [&] {
         if (needs_neighbors(how)) neighbors.emplace(rays, before);

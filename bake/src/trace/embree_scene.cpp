@@ -18,6 +18,16 @@ unsigned geometry_of(scene::polygon_kind kind) {
   return kind.alpha_tested ? tested_standing : opaque_standing;
 }
 
+// Builds the trees, unless a stop is asked.
+void commit(RTCScene scene, const stop_request* stop) {
+  if (stop)
+    rtcSetSceneProgressMonitorFunction(
+        scene, [](void* of, double) { return !static_cast<const stop_request*>(of)->asked(); },
+        const_cast<stop_request*>(stop));
+  rtcCommitScene(scene);
+  if (stop) rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+}
+
 // Returns whether the alpha of a MASK polygon reaches the cutoff at a hit with barycentric coordinates u, v.
 bool passes(const scene::world_geometry& world, std::uint32_t test, float u, float v) {
   const scene::opacity known = world.opacity.at(test, u, v);
@@ -66,7 +76,8 @@ bool has_avx512() {
 
 }  // namespace
 
-embree_scene::embree_scene(const scene::world_geometry& world, bool double_sided, embree_width width)
+embree_scene::embree_scene(const scene::world_geometry& world, bool double_sided, embree_width width,
+                           const stop_request* stop)
     : embree_scene(world, double_sided) {
   if (width == embree_width::widest && has_avx512()) device = rtcNewDevice("isa=avx512");
   if (!device) device = rtcNewDevice("isa=avx2");
@@ -90,17 +101,18 @@ embree_scene::embree_scene(const scene::world_geometry& world, bool double_sided
     if (occludes(i)) rtcAttachGeometryByID(solid, parts[i], i);
     all_occlude = all_occlude && occludes(i);
   }
-  rtcCommitScene(solid);
+  commit(solid, stop);
   all = solid;
   if (!all_occlude) {
     all = make_scene();
     for (unsigned i = 0; i < embree_geometry_count; ++i)
       if (parts[i]) rtcAttachGeometryByID(all, parts[i], i);
-    rtcCommitScene(all);
+    commit(all, stop);
   }
   for (const RTCGeometry part : parts)
     if (part) rtcReleaseGeometry(part);
   rtcReleaseBuffer(vertices);
+  if (stop) stop->check();  // before Embree's own error for it
   check("building the ray scene");
 }
 

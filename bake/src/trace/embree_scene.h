@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "sightcell/base/stop_request.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::bake {
@@ -48,8 +49,11 @@ struct embree_scene {
   // Builds the trees of a scene.
   // world: must outlive this object.
   // all_double_sided: the sidedness of materials is ignored.
-  // Throws std::bad_alloc if Embree runs out of memory, std::runtime_error on any other error of Embree.
-  embree_scene(const scene::world_geometry& world, bool all_double_sided, embree_width width);
+  // stop: looked at by the constructor only; null for none.
+  // Throws std::bad_alloc if Embree runs out of memory, std::runtime_error on any other error of Embree, and step_stopped
+  // if stop was asked.
+  embree_scene(const scene::world_geometry& world, bool all_double_sided, embree_width width,
+               const stop_request* stop = nullptr);
   ~embree_scene();
   embree_scene(const embree_scene&) = delete;
   embree_scene& operator=(const embree_scene&) = delete;

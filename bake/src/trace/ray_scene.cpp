@@ -165,10 +165,10 @@ bool note_in_box(RTCPointQueryFunctionArguments* arguments) {
 
 }  // namespace
 
-ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_sided)
+ray_scene::ray_scene(const scene::world_geometry& geometry, bool all_double_sided, const stop_request* stop)
     : geometry_(geometry),
       all_double_sided_(all_double_sided),
-      embree_(std::make_unique<embree_scene>(geometry, all_double_sided, embree_width::avx2)) {}
+      embree_(std::make_unique<embree_scene>(geometry, all_double_sided, embree_width::avx2, stop)) {}
 
 ray_scene::~ray_scene() = default;
 

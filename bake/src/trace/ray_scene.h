@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "sightcell/base/stop_request.h"
 #include "sightcell/scene/scene.h"
 
 namespace sightcell::bake {
@@ -48,8 +49,9 @@ class ray_scene {
   // Builds the scene for rays.
   // geometry: must outlive this object.
   // all_double_sided: the sidedness of materials is ignored, and no viewpoint counts as inside a solid.
-  // Throws std::bad_alloc if Embree runs out of memory.
-  ray_scene(const scene::world_geometry& geometry, bool all_double_sided);
+  // stop: looked at by the constructor only; null for none.
+  // Throws std::bad_alloc if Embree runs out of memory, and step_stopped if stop was asked.
+  ray_scene(const scene::world_geometry& geometry, bool all_double_sided, const stop_request* stop = nullptr);
   ~ray_scene();
   ray_scene(const ray_scene&) = delete;
   ray_scene& operator=(const ray_scene&) = delete;

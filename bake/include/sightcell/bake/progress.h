@@ -94,7 +94,7 @@ enum class severity {
 // What a bake calls, on the calling thread and one at a time. Each may be empty. If one throws, the bake stops as if it
 // was canceled, and the exception passes through.
 struct callbacks {
-  // now: valid during the call.
+  // now: valid during the call. While cells are found and merged there are none yet, and cells_total is 0.
   // Returns false to cancel: cells in work end within a second and are not committed; the bake returns
   // `outcome::cancelled`.
   std::function<bool(const progress& now)> on_progress = {};

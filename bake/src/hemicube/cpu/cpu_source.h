@@ -21,10 +21,9 @@ struct cpu_source_options {
   bool when_needed = false;  // whether clusters are built by the first call, because there may be none
 };
 
-// Builds clusters of the geometry, which must outlive the source if they are built when needed, and is not needed
-// afterwards else. Several threads may call the source at a time; the
-// poses of one call are drawn in parallel on the caller's TBB arena. The source keeps one set of image buffers for each
-// call that runs at the same time. Throws sightcell::error where resolution or far_plane is out of range.
+// Builds clusters of the geometry, which is not needed afterwards. With when_needed it must outlive the source.
+// Several threads may call the source at a time; the poses of one call are drawn in parallel on the caller's TBB arena.
+// The source keeps one set of image buffers for each call that runs at the same time. Throws sightcell::error where resolution or far_plane is out of range.
 std::unique_ptr<hemicube_source> make_cpu_source(const scene::world_geometry& geometry,
                                                  const cpu_source_options& options);
 

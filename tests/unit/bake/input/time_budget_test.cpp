@@ -3,6 +3,7 @@
 #include "sightcell/base/time_budget.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -183,7 +184,8 @@ TEST_F(time_budget_bake, a_cell_counts_its_batches_and_keeps_its_least_bound) {
 }
 
 TEST_F(time_budget_bake, a_turn_that_proves_less_takes_nothing_back) {
-  const bake_context context(scene_, how_, nullptr, {}, {});
+  tbb::task_arena arena;
+  const bake_context context(scene_, how_, {}, {}, arena, {});
   const cell_baker baker = baker_of(context);
   const view_cell& cell = context.cells->list.cells.front();
   cell_set set = baker.make_set();

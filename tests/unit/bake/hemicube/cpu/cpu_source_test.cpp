@@ -107,6 +107,10 @@ TEST(cpu_source, the_same_on_any_number_of_threads) {
     tbb::task_arena arena(threads);
     arena.execute([&] { source->render(many, views); });
     for (std::size_t i = 0; i < many.size(); ++i) expect_same(alone[i], views[i]);
+    const auto later = bake::make_cpu_source(world, {.resolution = 64, .far_plane = 70.0f, .when_needed = true});
+    std::vector<bake::hemicube_view> of_later(many.size());
+    arena.execute([&] { later->render(many, of_later); });
+    for (std::size_t i = 0; i < many.size(); ++i) expect_same(alone[i], of_later[i]);
   }
 }
 
