@@ -7,7 +7,7 @@ usage: bench_incremental.py SCENE.glb [--bin FOLDER] [--cells N] [--cell-size M]
 Then with --keep-found --keep-order: CPU seconds, polygons of the sets and bytes over those of the full bake, and misses
 of `verify`.
 
-Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m; without those, one of the four smallest nodes): removed,
+Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m; without those, to 40 m; without those, one of the four smallest nodes): removed,
 moved by a meter, twice as large, its material to MASK, a copy of it added 3 m away, another mesh in its place. Edits of
 a wall (a larger node): the last tenth of its triangles removed, a copy of a prop stretched to a panel of 3 x 3 m beside
 it. A material with alpha takes another image. Edits of the file alone: other names, the nodes of the scene in another
@@ -204,6 +204,50 @@ EDITS = [removed, moved, reordered, resized, to_mask, added, renamed, swapped, o
 OF_WALLS = (opened, split)
 
 
+class Place:
+    """Adjacent cells of a scene, and the nodes near them that edits choose from."""
+
+    def __init__(self, document, listed, count):
+        boxes = sorted(boxes_of_nodes(document).items())
+        sizes = {n: sum((a - b) ** 2 for a, b in zip(*box)) ** 0.5 for n, box in boxes}
+
+        def of(cell):
+            # Neighbors of each other, as all cells of a level are.
+            cells = sorted(listed, key=lambda other: sum((cell['min'][k] - other['min'][k]) ** 2 for k in range(3)))[:count]
+            return cells, {n: sizes[n] for n, box in boxes if near_cells(box, cells)}
+        self.cells, self.near = of(listed[len(listed) // 2])
+        for largest in (8, 40):  # props, then buildings
+            self.props = [n for n, size in self.near.items() if 0.5 < size < largest]
+            if self.props:
+                break
+        else:
+            self.props = sorted(self.near, key=self.near.get)[:4]
+        self.walls = [n for n, size in self.near.items() if size >= 8] or self.props
+
+    def chosen(self, edit, random_numbers):
+        return random_numbers.choice(self.walls if edit in OF_WALLS else self.props)
+
+    def __str__(self):
+        sizes = [self.near[n] for n in self.props]
+        return f'{len(self.cells)} cells, {len(sizes)} props near them of {min(sizes):.1f} to {max(sizes):.1f} m'
+
+
+def versions(document, place, edits, seed, names):
+    """Each of the edits, or of those with these names, with the scene after it."""
+    random_numbers = random.Random(seed)
+    for edit in edits:
+        changed = copy.deepcopy(document)
+        node = place.chosen(edit, random_numbers)
+        if names and edit.__name__ not in names:
+            continue
+        try:
+            edit(changed, node)
+        except LookupError as reason:
+            print(f'{edit.__name__}: left out, {reason}', flush=True)
+            continue
+        yield edit, changed
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument('scene')
@@ -232,34 +276,15 @@ def main():
             return run('bake', scene, '-o', path(output), '--cells-file', path('cells.json'), '--quality', given.quality,
                        '--source', 'cpu', '--progress', 'none', '--json', *more)
         listed = run('cells', given.scene, '--cell-size', given.cell_size, '--merge-cells', '0', '--json')['cells']
-        middle = listed[len(listed) // 2]
-        # Neighbors of each other, as all cells of a level are.
-        listed.sort(key=lambda cell: sum((cell['min'][k] - middle['min'][k]) ** 2 for k in range(3)))
-        cells = listed[:given.cells]
+        place = Place(document, listed, given.cells)
         with open(path('cells.json'), 'w', encoding='utf-8') as out:
-            json.dump({'cells': cells}, out)
-        near = {n: sum((a - b) ** 2 for a, b in zip(*box)) ** 0.5 for n, box in sorted(boxes_of_nodes(document).items())
-                if near_cells(box, cells)}
-        props = [n for n, size in near.items() if 0.5 < size < 8] or sorted(near, key=near.get)[:4]
-        walls = [n for n, size in near.items() if size >= 8] or props
-        chosen = random.Random(given.seed)
+            json.dump({'cells': place.cells}, out)
         before = bake(given.scene, 'before.pvs', '--keep-records')
-        print(f'{len(cells)} cells, {before["polygons"]} polygons, {len(props)} props near them of '
-              f'{min(near[n] for n in props):.1f} to {max(near[n] for n in props):.1f} m; with records '
-              f'{before["cpu_seconds"]:.1f} CPU s, {os.path.getsize(path("before.pvs.records")) / 1e6:.1f} MB of records')
+        print(f'{place}; {before["polygons"]} polygons; with records {before["cpu_seconds"]:.1f} CPU s, {os.path.getsize(path("before.pvs.records")) / 1e6:.1f} MB of records')
         print('edit,cells_again,changed_polygon,something_new,neighbors,cpu_full,cpu_since,share,equal,cpu_found,'
               'share_found,polygons_found,bytes_found,misses_found')
         good = True
-        for edit in EDITS[:3] if given.quick else EDITS:
-            changed = copy.deepcopy(document)
-            node = chosen.choice(walls if edit in OF_WALLS else props)
-            if given.edits and edit.__name__ not in given.edits:
-                continue
-            try:
-                edit(changed, node)
-            except LookupError as reason:
-                print(f'{edit.__name__}: left out, {reason}', flush=True)
-                continue
+        for edit, changed in versions(document, place, EDITS[:3] if given.quick else EDITS, given.seed, given.edits):
             write_glb(path('edited.glb'), changed, rest)
             full, some = bake(path('edited.glb'), 'full.pvs'), bake(path('edited.glb'), 'some.pvs', '--since',
                                                                     path('before.pvs'))
