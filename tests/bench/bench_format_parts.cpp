@@ -88,9 +88,10 @@ std::uint64_t bytes_of_own_rows(const file_parts& parts, const corpus& all) {
   std::vector<std::vector<std::vector<run>>> chunks;
   std::vector<chunk_plan> plans;
   row_counts counts;
+  std::vector<std::uint64_t> members;
   for (std::size_t begin = 0; begin < all.sets.size(); begin += layout::cells_per_block) {
     auto& sets = chunks.emplace_back(std::min<std::size_t>(all.sets.size() - begin, layout::cells_per_block));
-    for (std::size_t i = 0; i < sets.size(); ++i) stored.runs_of(all.sets[begin + i], sets[i]);
+    for (std::size_t i = 0; i < sets.size(); ++i) stored.runs_of(all.sets[begin + i], members, sets[i]);
     chunk_plan& plan = plans.emplace_back();
     for (const std::uint32_t first : first_equal(sets)) plan.same.push_back(static_cast<std::uint8_t>(first));
     plan.reference.assign(sets.size(), chunk_plan::alone);

@@ -30,6 +30,7 @@ ground::ground(scene::scene from, std::vector<bake::view_cell> all, const seeing
       rules(how),
       hash(std::move(content)),
       rays(geometry, false),
+      duplicates(geometry, false),
       colors(s, geometry) {
   std::vector<std::uint8_t> free(all.size()), inside(all.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {

@@ -11,6 +11,7 @@
 #include "hemicube/surface_colors.h"
 #include "sightcell/base/box.h"
 #include "sightcell/scene/scene.h"
+#include "trace/duplicates.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bench {
@@ -26,6 +27,7 @@ struct ground {
   const seeing_rules rules;
   const std::string hash;
   bake::ray_scene rays;
+  const bake::duplicate_classes duplicates;
   bake::surface_colors colors;
   std::vector<bake::view_cell> cells;
   std::vector<std::string> names;     // of each cell

@@ -173,7 +173,7 @@ void sampling_bench::measure(const job& what, const std::vector<std::size_t>& ce
   sampler_->inner = bake::make_cell_sampler(how_, {ground_.rays, source, &ground_.colors, ground_.cells, neighbors()});
   const double began = bake::process_cpu_seconds();
   sampler_->inner->prepare([](double) { return true; });
-  baker_.emplace(how_, none_, ground_.rays, neighbors(), *sampler_);
+  baker_.emplace(how_, none_, ground_.rays, neighbors(), ground_.duplicates, *sampler_);
   const double prepared = (bake::process_cpu_seconds() - began) / static_cast<double>(ground_.cells.size());
 
   std::atomic<std::size_t> next{0};
