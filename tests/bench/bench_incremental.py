@@ -3,16 +3,20 @@
 bytes of a full bake.
 
 usage: bench_incremental.py SCENE.glb [--bin FOLDER] [--cells N] [--cell-size M] [--quality NAME] [--rays N] [--quick]
+                            [--buildings] [--at N] [--found-only] [--edits NAME ...]
 
 Then with --keep-found --keep-order: CPU seconds, polygons of the sets and bytes over those of the full bake, and misses
 of `verify`.
 
-Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m; without those, to 40 m; without those, one of the four smallest nodes): removed,
-moved by a meter, twice as large, its material to MASK, a copy of it added 3 m away, another mesh in its place. Edits of
-a wall (a larger node): the last tenth of its triangles removed, a copy of a prop stretched to a panel of 3 x 3 m beside
-it. A material with alpha takes another image. Edits of the file alone: other names, the nodes of the scene in another
-order, a mesh split into two primitives.
---quick: three edits. --edits: those with these names. Exit code 1 if a file differs.
+The cells are those around the cell in the middle of the list that has props within 20 m; with --at N, those around
+cell N of the list. Edits of a prop (a node whose box has a diagonal of 0.5 to 8 m; without those, to 40 m; without
+those, one of the four smallest nodes): removed, moved by a meter, twice as large, its material to MASK, a copy of it
+added 3 m away, another mesh in its place. With --buildings, props are nodes of 8 to 40 m. Edits of a wall (a larger
+node): the last tenth of its triangles removed, a copy of a prop stretched to a panel of 3 x 3 m beside it. A material
+with alpha takes another image. Edits of the file alone: other names, the nodes of the scene in another order, a mesh
+split into two primitives.
+--quick: three edits. --edits: those with these names. --found-only: no plain `--since`; its columns are empty. Exit code
+1 if a file differs.
 """
 import argparse
 import copy
@@ -207,21 +211,23 @@ OF_WALLS = (opened, split)
 class Place:
     """Adjacent cells of a scene, and the nodes near them that edits choose from."""
 
-    def __init__(self, document, listed, count):
+    def __init__(self, document, listed, count, buildings=False, at=None):
         boxes = sorted(boxes_of_nodes(document).items())
         sizes = {n: sum((a - b) ** 2 for a, b in zip(*box)) ** 0.5 for n, box in boxes}
+        classes = [(8, 40)] if buildings else [(0.5, 8), (8, 40)]  # props, then buildings
 
-        def of(cell):
-            # Neighbors of each other, as all cells of a level are.
-            cells = sorted(listed, key=lambda other: sum((cell['min'][k] - other['min'][k]) ** 2 for k in range(3)))[:count]
-            return cells, {n: sizes[n] for n, box in boxes if near_cells(box, cells)}
-        self.cells, self.near = of(listed[len(listed) // 2])
-        for largest in (8, 40):  # props, then buildings
-            self.props = [n for n, size in self.near.items() if 0.5 < size < largest]
-            if self.props:
-                break
-        else:
-            self.props = sorted(self.near, key=self.near.get)[:4]
+        def of_class(cells, low, high):
+            return [n for n, box in boxes if low < sizes[n] < high and near_cells(box, cells)]
+        middle = len(listed) // 2
+        if at is None:
+            at = next((i for of in classes for i in sorted(range(len(listed)), key=lambda i: abs(i - middle))
+                       if of_class(listed[i:i + 1], *of)), middle)
+        # Neighbors of each other, as all cells of a level are.
+        center = listed[at]['min']
+        self.cells = sorted(listed, key=lambda cell: sum((cell['min'][k] - center[k]) ** 2 for k in range(3)))[:count]
+        self.near = {n: sizes[n] for n, box in boxes if near_cells(box, self.cells)}
+        self.props = (next(filter(None, (of_class(self.cells, *of) for of in classes)), None)
+                      or sorted(self.near, key=self.near.get)[:4])
         self.walls = [n for n, size in self.near.items() if size >= 8] or self.props
 
     def chosen(self, edit, random_numbers):
@@ -257,7 +263,10 @@ def main():
     arguments.add_argument('--quality', default='normal')
     arguments.add_argument('--seed', type=int, default=1, help='chooses the prop of each edit')
     arguments.add_argument('--rays', type=int, default=1000000, help='rays of verify')
+    arguments.add_argument('--found-only', action='store_true', help='without plain --since')
     arguments.add_argument('--quick', action='store_true')
+    arguments.add_argument('--buildings', action='store_true', help='edit nodes of 8 to 40 m')
+    arguments.add_argument('--at', type=int, help='number of the cell in the middle')
     arguments.add_argument('--edits', nargs='+', choices=[edit.__name__ for edit in EDITS])
     given = arguments.parse_args()
     program = os.path.join(given.bin, 'sightcell')
@@ -276,7 +285,7 @@ def main():
             return run('bake', scene, '-o', path(output), '--cells-file', path('cells.json'), '--quality', given.quality,
                        '--source', 'cpu', '--progress', 'none', '--json', *more)
         listed = run('cells', given.scene, '--cell-size', given.cell_size, '--merge-cells', '0', '--json')['cells']
-        place = Place(document, listed, given.cells)
+        place = Place(document, listed, given.cells, given.buildings, given.at)
         with open(path('cells.json'), 'w', encoding='utf-8') as out:
             json.dump({'cells': place.cells}, out)
         before = bake(given.scene, 'before.pvs', '--keep-records')
@@ -286,18 +295,21 @@ def main():
         good = True
         for edit, changed in versions(document, place, EDITS[:3] if given.quick else EDITS, given.seed, given.edits):
             write_glb(path('edited.glb'), changed, rest)
-            full, some = bake(path('edited.glb'), 'full.pvs'), bake(path('edited.glb'), 'some.pvs', '--since',
-                                                                    path('before.pvs'))
-            with open(path('full.pvs'), 'rb') as a, open(path('some.pvs'), 'rb') as b:
-                equal = a.read() == b.read()
-            good = good and equal
+            full = bake(path('edited.glb'), 'full.pvs')
+            since = ',,'
+            if not given.found_only:
+                some = bake(path('edited.glb'), 'some.pvs', '--since', path('before.pvs'))
+                with open(path('full.pvs'), 'rb') as a, open(path('some.pvs'), 'rb') as b:
+                    equal = a.read() == b.read()
+                good = good and equal
+                since = (f'{some["cpu_seconds"]:.1f},{some["cpu_seconds"] / full["cpu_seconds"]:.2f},'
+                         f'{"yes" if equal else "NO"}')
             quick = bake(path('edited.glb'), 'quick.pvs', '--since', path('before.pvs'), '--keep-found',
                          '--keep-order')
             checked = run('verify', path('edited.glb'), path('quick.pvs'), '--rays', str(given.rays), '--json')
-            again = some['cells_rebaked']
+            again = (quick if given.found_only else some)['cells_rebaked']
             print(f'{edit.__name__},{again["cells"]},{again["changed_polygon"]},{again["something_new"]},{again["neighbors"]},'
-                  f'{full["cpu_seconds"]:.1f},{some["cpu_seconds"]:.1f},'
-                  f'{some["cpu_seconds"] / full["cpu_seconds"]:.2f},{"yes" if equal else "NO"},'
+                  f'{full["cpu_seconds"]:.1f},{since},'
                   f'{quick["cpu_seconds"]:.1f},{quick["cpu_seconds"] / full["cpu_seconds"]:.2f},'
                   f'{quick["visible_set_percent"] / full["visible_set_percent"]:.3f},'
                   f'{quick["bytes"] / full["bytes"]:.3f},{checked["misses"]} of {given.rays}',

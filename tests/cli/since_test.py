@@ -163,6 +163,13 @@ def outside(scene):
     scene.boxes.append(('tower', (60, 0, 60), (64, 30, 64), 0))
 
 
+def screens(scene):
+    """Four around the cells of a closed room: next to nothing of what they saw is left."""
+    for low, high in (((7.4, 0, 7.4), (7.5, 3, 10.6)), ((10.5, 0, 7.4), (10.6, 3, 10.6)),
+                      ((7.4, 0, 7.4), (10.6, 3, 7.5)), ((7.4, 0, 10.5), (10.6, 3, 10.6))):
+        scene.boxes.append(('screen', low, high, 0))
+
+
 # Edits, and how many of the 12 cells they may bake again at most.
 EDITS = [(add, 2), (remove, 2), (move, 2), (resize, 6), (to_mask, 2), (open_wall, 10), (close_door, 6), (open_and_move, 8),
          (split, 0), (rename, 0), (reorder, 0), (change_alpha, 12), (change_instances, 2), (outside, 0)]
@@ -233,6 +240,16 @@ class Since(InFolder):
         self.assertEqual(read(self.path('some.pvs')), read(self.path('full.pvs')))
         self.assertGreater(some['cells_rebaked']['started'], 0)
         self.assertLessEqual(some['cells_rebaked']['started'], found['cells_rebaked']['cells'])
+
+    def test_keep_found_bakes_a_cell_anew_where_little_of_its_set_is_left(self):
+        self.bake('before.glb', 'kept.pvs', '--keep-records')
+        for edit, started in ((move, 2), (screens, 0)):
+            with self.subTest(edit.__name__):
+                self.edited(edit)
+                found = self.bake('edited.glb', 'found.pvs', '--since', self.path('kept.pvs'), '--keep-found')
+                some = self.bake('edited.glb', 'some.pvs', '--since', self.path('found.pvs'))
+                self.assertEqual(found['cells_rebaked']['cells'], 2)
+                self.assertEqual(some['cells_rebaked']['started'], started)
 
     def test_many_edits_in_a_row_keep_the_bound(self):
         self.bake('before.glb', 'row.pvs', '--keep-records')

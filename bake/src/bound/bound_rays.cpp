@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "bound/ray_trial.h"
 #include "bound/valid_count.h"
 #include "trace/direction_code.h"
-#include "trace/line_box.h"
 
 namespace sightcell::bake {
 namespace {
@@ -38,25 +36,18 @@ std::vector<sight_line> draw(const viewpoint_region& where, std::uint64_t count,
   return lines;
 }
 
-bool passes_any(const sight_line& line, std::span<const box> boxes) {
-  return std::any_of(boxes.begin(), boxes.end(), [&](const box& one) {
-    float enter = 0.0f, leave = std::numeric_limits<float>::max();
-    return clip_line(one.min, one.max, line.eye, line.direction, enter, leave);
-  });
-}
-
 // Returns the indices of the lines that met something which the set lacks, ascending. Lines are sorted so that those
 // with similar directions share packets.
-// through: lines that pass none of these boxes are left out; none: all are traced.
-// traced: the number of the others is added.
+// changed: the lines to trace; empty: all.
+// traced: their number is added.
 std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& trial, const viewpoint_region& where,
                                     const std::vector<sight_line>& lines,
-                                    const std::optional<std::span<const box>>& through, std::uint64_t& traced) {
+                                    const std::function<bool(const sight_line&)>& changed, std::uint64_t& traced) {
   const box& around = where.whole();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
   order.reserve(lines.size());
   for (std::uint32_t i = 0; i < lines.size(); ++i)
-    if (!through || passes_any(lines[i], *through))
+    if (!changed || changed(lines[i]))
       order.emplace_back(
           direction_code(lines[i].direction) << 15 | place_code(lines[i].eye, around.min, around.max - around.min), i);
   std::sort(order.begin(), order.end());
@@ -75,12 +66,12 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
 chunk_result cast_chunk(const ray_scene& rays, const viewpoint_region& where, const visibility_rules& rules,
                         std::uint64_t count, std::uint64_t tests, random_stream random,
                         const std::function<bool(std::uint32_t)>& contains,
-                        const std::optional<std::span<const box>>& through) {
+                        const std::function<bool(const sight_line&)>& changed) {
   chunk_result result;
   const std::vector<sight_line> lines = draw(where, count, *rules.metric, random);
   result.cast = count;
   ray_trial trial(rays, rules, contains);
-  const std::vector<std::uint32_t> suspect_lines = suspects(rays, trial, where, lines, through, result.traced);
+  const std::vector<std::uint32_t> suspect_lines = suspects(rays, trial, where, lines, changed, result.traced);
 
   std::vector<glm::vec3> viewpoints;
   for (std::size_t i = 0; i < std::min<std::size_t>(tests, lines.size()); ++i) viewpoints.push_back(lines[i].eye);
@@ -140,7 +131,7 @@ void bound_batch::cast_rays(std::uint64_t count) {
     const std::uint64_t size = std::min(chunk_rays, count - i * chunk_rays);
     chunks[i] = cast_chunk(rays_, where_, rules_, size, tests_of_chunk,
                            random_stream(source_.seed, source_.place, source_.use, source_.round, parts_ + i),
-                           contains_, only_through_);
+                           contains_, changed_);
   });
   given_up_ = given_up_ || given_up;
   parts_ += chunks.size();

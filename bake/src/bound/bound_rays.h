@@ -59,9 +59,9 @@ class bound_batch {
         contains_(contains),
         give_up_(std::move(give_up)) {}
 
-  // From now on, rays that pass none of these boxes are not cast, and count as hits: the caller knows their results.
-  // The boxes must outlive the batch.
-  void cast_only_through(std::span<const box> boxes) { only_through_ = boxes; }
+  // From now on, rays for which `changed` returns false are not cast, and count as hits: the caller knows their
+  // results. changed: called from several threads. Empty: all rays are cast again.
+  void cast_only(std::function<bool(const sight_line&)> changed) { changed_ = std::move(changed); }
   // Casts approximately this number of further trials.
   void cast(std::uint64_t trials);
   // Casts this number of further rays.
@@ -100,7 +100,7 @@ class bound_batch {
   std::uint64_t misses_ = 0, viewpoints_tested_ = 0;  // viewpoints tested for any reason
   std::uint64_t parts_ = 0;
   std::vector<std::uint64_t> rays_of_parts_;
-  std::optional<std::span<const box>> only_through_;  // none: all rays are cast
+  std::function<bool(const sight_line&)> changed_;  // empty: all rays are cast
   std::vector<missed_polygon> missed_;
   std::uint64_t misses_of_volumes_ = 0;
   std::vector<found_volume> missed_volumes_;

@@ -142,34 +142,6 @@ void add_missed(const bound_batch& batch, cell_set& set) {
   for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
 }
 
-// Casts the rays of an earlier bound where the edit of the scene can have changed their result. Returns the proof with
-// the misses of then and now.
-proof prove_again(bound_batch& batch, const cast_again& again) {
-  batch.cast_only_through(again.changed);
-  for (const std::uint64_t rays : again.of.parts) batch.cast_rays(rays);
-  const double risk = 1.0 - again.confidence;
-  const std::uint64_t misses = again.misses + batch.misses();
-  const std::uint64_t trials = std::min(again.trials, batch.trials(viewpoint_risk_share * risk));
-  return {{misses, std::max(trials, misses), risk}, misses};
-}
-
-// Looks beside what an earlier bake did not know, and tries its bound. Returns the cost and the share of the rays that
-// missed.
-// batch: with the random numbers of the bound.
-// search: does not look beside what the earlier bake knew, because that bake did.
-std::pair<std::uint64_t, double> try_again(bound_batch& batch, const finish_settings& how, const ray_budget& budget,
-                                           cell_search search, cell_set& set, finish_result& result) {
-  search.look_beside(budget.left(0));
-  const proof found = prove_again(batch, *how.again);
-  if (how.limit) (void)how.limit->reached();  // throws where a stop was requested: the batch is not complete then
-  if (!batch.given_up() && found.at.trials > 0) take_bound(found, how.again->of, how.max_pixel_error, result);
-  add_missed(batch, set);
-  search.look_beside(budget.left(batch.spent()));
-  result.rays_spent = batch.spent() + search.spent();
-  return {result.rays_spent,
-          static_cast<double>(batch.misses()) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1))};
-}
-
 // Names the rays of a batch. Where every viewpoint is tested they are not known.
 bound_rays bound_rays_of(const bound_batch& batch, std::uint64_t number, std::uint64_t name) {
   if (batch.parts().empty()) return {};
@@ -180,13 +152,15 @@ bound_rays bound_rays_of(const bound_batch& batch, std::uint64_t number, std::ui
 // search and a new batch, or until max_cost is spent.
 // most_trials: planned before the batch began.
 // whole: the costs of another search do not end the batch.
+// misses_before: of rays of the batch, before an edit of the scene.
 proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, const finish_settings& how,
             std::uint64_t cost_of_views, double cost_of_trial, std::uint64_t max_cost, std::uint64_t most_trials,
-            bool whole) {
+            bool whole, std::uint64_t misses_before = 0) {
   const double left = cost_of_views > 0 ? left_after_round : left_after_rays;
+  const auto misses = [&] { return misses_before + batch.misses(); };
   for (interim_test next : interim_tests) {
     const bool last = next.misses == interim_tests.back().misses || next.trials >= most_trials;
-    if (next.misses < batch.misses() && !last) continue;
+    if (next.misses < misses() && !last) continue;
     next.trials = std::min(next.trials, most_trials);
     std::uint64_t trials = batch.trials(viewpoint_risk_share * next.risk);
     while (trials < next.trials && batch.spent() < max_cost) {
@@ -197,7 +171,7 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
       trials = batch.trials(viewpoint_risk_share * next.risk);
     }
     // The planned number of trials, even if there are more, because a planned number does not depend on the misses.
-    const proof now{{next.misses, std::max(std::min(trials, next.trials), batch.misses()), next.risk}, batch.misses()};
+    const proof now{{next.misses, std::max(std::min(trials, next.trials), misses()), next.risk}, misses()};
     if (now.misses <= next.misses || trials < next.trials || last || (how.limit && how.limit->reached())) return now;
     if (whole) continue;
     const double rate = static_cast<double>(now.misses) / static_cast<double>(trials);
@@ -208,6 +182,46 @@ proof prove(bound_batch& batch, const std::vector<interim_test>& interim_tests, 
       return now;
   }
   return {};  // not reached: the last interim test returns
+}
+
+// Casts the rays of an earlier batch again where the edit of the scene can have changed their result, and further ones
+// where they probably prove the target for less than a new batch. Misses of then and now count.
+proof prove_again(bound_batch& batch, const finish_settings& how, double cost_of_trial, std::uint64_t max_cost) {
+  const cast_again& again = *how.again;
+  batch.cast_only([&](const sight_line& ray) { return again.changed(ray); });
+  for (const std::uint64_t rays : again.of.parts) batch.cast_rays(rays);
+  batch.cast_only({});
+  const double risk = 1.0 - again.confidence;
+  const std::uint64_t misses = again.misses + batch.misses(),
+                      trials = std::max(std::min(again.trials, batch.trials(viewpoint_risk_share * risk)), misses);
+  const std::vector<interim_test> interim_tests =
+      plan_interim_tests(how.max_pixel_error, risk_of_batch(again.of.number), viewpoint_risk_share);
+  const double rate = static_cast<double>(misses) / static_cast<double>(std::max<std::uint64_t>(trials, 1));
+  const double until_proof = expected_trials(interim_tests, rate, misses, trials),
+               anew = expected_trials(interim_tests, left_after_rays * rate);
+  if (batch.given_up() || !std::isfinite(until_proof) || until_proof - static_cast<double>(trials) > anew)
+    return {{misses, trials, risk}, misses};
+  return prove(batch, interim_tests, how, 0, cost_of_trial, max_cost, std::numeric_limits<std::uint64_t>::max(), false,
+               again.misses);
+}
+
+// Looks beside what an earlier bake did not know, and tries its bound. Returns the cost and the share of the rays that
+// missed.
+// batch: with the random numbers of the bound.
+// search: does not look beside what the earlier bake knew, because that bake did.
+std::pair<std::uint64_t, double> try_again(bound_batch& batch, const finish_settings& how, double cost_of_trial,
+                                           const ray_budget& budget, cell_search search, cell_set& set,
+                                           finish_result& result) {
+  search.look_beside(budget.left(0));
+  const proof found = prove_again(batch, how, cost_of_trial, budget.of_batch(0));
+  if (how.limit) (void)how.limit->reached();  // throws where a stop was requested: the batch is not complete then
+  if (!batch.given_up() && found.at.trials > 0)
+    take_bound(found, {how.again->of.number, how.again->of.name, batch.parts()}, how.max_pixel_error, result);
+  add_missed(batch, set);
+  search.look_beside(budget.left(batch.spent()));
+  result.rays_spent = batch.spent() + search.spent();
+  return {result.rays_spent,
+          static_cast<double>(batch.misses()) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1))};
 }
 
 }  // namespace
@@ -254,7 +268,7 @@ finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neigh
   if (how.again) {
     bound_batch batch = batch_of(purpose::bound, how.again->of.name);
     std::tie(of_batches, missing) =
-        try_again(batch, how, budget, cell_search(rays, neighbors, views, of_cell, set), set, result);
+        try_again(batch, how, cost_of_trial, budget, cell_search(rays, neighbors, views, of_cell, set), set, result);
     if (result.bound_met) return result;
   }
   of_cell.known = views ? how.known : 0;

@@ -7,8 +7,8 @@
 #include "cell_set/cell_set.h"
 #include "search/cell_search.h"
 #include "search/near_polygons.h"
-#include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
+#include "trace/triangle_tree.h"
 #include "trace/viewpoint_region.h"
 #include "volumes/volume_grid.h"
 
@@ -21,7 +21,13 @@ struct cast_again {
   bound_rays of;
   std::uint64_t trials = 0, misses = 0;
   double confidence = 0.0;
-  std::vector<box> changed;  // rays that pass none of these have the result that they had
+  // Rays that pass no triangle of these have the result that they had.
+  const triangle_tree* edited = nullptr;  // what was added or removed; must outlive the object
+  triangle_tree left_out;                 // polygons that an earlier set has and this one lacks
+
+  bool changed(const sight_line& ray) const {
+    return (edited && edited->passes(ray.eye, ray.direction)) || left_out.passes(ray.eye, ray.direction);
+  }
 };
 
 // The parameters of a run on one cell.

@@ -13,6 +13,7 @@
 #include "sightcell/base/box.h"
 #include "trace/ray_scene.h"
 #include "trace/triangle_math.h"
+#include "trace/triangle_tree.h"
 
 namespace sightcell::bake {
 
@@ -22,17 +23,33 @@ struct edited_part {
   std::vector<triangle> corners;
 };
 
+// What an edit removed and added.
+struct edited_triangles {
+  std::vector<edited_part> removed, added;
+  triangle_tree all, of_added;  // for lines and lines beside them (reach_beside())
+  box around_added;
+
+  edited_triangles() = default;
+  // smallest_gap: meters.
+  edited_triangles(std::vector<edited_part> removed, std::vector<edited_part> added, float smallest_gap);
+};
+
 struct found_before {
   // The last record of the cell, with the polygon numbers of this scene and without polygons that are gone. Its
   // witnesses were valid viewpoints.
   cell_record record;
-  std::span<const edited_part> removed, added;  // what was edited since; must outlive the object
+  const edited_triangles* edit = nullptr;  // since then; must outlive the object
 
   // The share of the verification rays of the record that missed; 1 if there were none.
   double missing() const {
     return record.rays > 0 ? static_cast<double>(record.misses) / static_cast<double>(record.rays) : 1.0;
   }
 };
+
+// Returns the share of the members that a set had before the edit which are left: those that are still in the scene,
+// and that nothing which was added may occlude from their witness. corners: of all polygons of the scene. members: of
+// the set before the edit.
+double share_left(std::span<const triangle> corners, const found_before& before, std::size_t members);
 
 // Adds the polygons of the record to the set, but for those of which something that was added may occlude all from
 // their witness, and those whose witness is not valid any more. Casts no rays at polygons. Returns the number of tested

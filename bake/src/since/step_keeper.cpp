@@ -17,6 +17,8 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::size_t triangles_of_part = 64;
+// A cell that lost more of what it saw is baked as in a full bake: to start from the rest takes longer.
+constexpr double least_share_left = 0.75;
 
 bool is_ascending(const std::vector<std::uint32_t>& ids, std::size_t end) {
   for (std::size_t i = 0; i < ids.size(); ++i)
@@ -31,11 +33,6 @@ bool is_possible(const bound_rays& of, std::uint32_t batches) {
   for (const std::uint64_t rays : of.parts)
     if (rays > most_rays || (sum += rays) > most_rays) return false;
   return of.number <= batches && of.name <= batches;
-}
-
-// Lines beside a line (rule 3) are up to the smallest gap away from it.
-float reach_beside(float smallest_gap) {
-  return smallest_gap + 1e-4f;
 }
 
 edited_boxes boxes_of(const std::array<std::span<const edited_part>, 2>& edit, float smallest_gap) {
@@ -92,11 +89,10 @@ step_keeper::step_keeper(const scene::world_geometry& geometry, const near_polyg
   before_ = std::move(*before);
   edit_ = std::move(edit.polygons);
   near_differs_ = other_neighbors(before_.polygons, now_.polygons, edit_);
-  removed_ = parts_of(edit_.removed_corners);
   std::vector<triangle> added;
   for (const std::uint32_t polygon : edit_.added) added.push_back(now_.polygons.corners[polygon]);
-  added_ = parts_of(added);
-  edited_ = boxes_of({removed_, added_}, how.smallest_gap);
+  edited_ = edited_triangles(parts_of(edit_.removed_corners), parts_of(added), how.smallest_gap);
+  edited_boxes_ = boxes_of({edited_.removed, edited_.added}, how.smallest_gap);
   for (const kept_step& step : before_.steps) {
     steps_[{step.place, step.box, step.kind}] = &step;
     cells_.insert({step.place, step.box, step_kind::sample});
@@ -206,7 +202,7 @@ void step_keeper::drop_gone(cell_record& record) const {
   record.late.clear();
 }
 
-// Returns what the earlier bake found in the cell, by its last step; nothing if it has no set.
+// Returns what the earlier bake found in the cell, by its last step; nothing if it has no set, or little is left of it.
 std::optional<found_before> step_keeper::found_in(const view_cell& cell) const {
   for (const step_kind kind :
        {step_kind::check, step_kind::finish_rays, step_kind::sample_and_finish, step_kind::sample}) {
@@ -216,8 +212,11 @@ std::optional<found_before> step_keeper::found_in(const view_cell& cell) const {
     if (!record) refuse_records(how_.since);
     require_sound(*record);
     if (!record->stored || record->samples == 0) return std::nullopt;
+    const std::size_t members = record->set.size();
     drop_gone(*record);
-    return found_before{std::move(*record), removed_, added_};
+    found_before before{std::move(*record), &edited_};
+    if (share_left(now_.polygons.corners, before, members) < least_share_left) return std::nullopt;
+    return before;
   }
   return std::nullopt;
 }
@@ -231,15 +230,15 @@ rebake_reason step_keeper::why_not(const kept_step* step, const kept_step& now, 
   if (!kept) refuse_records(how_.since);
   require_sound(*kept);
   if (!renumber(*kept)) return rebake_reason::changed_polygon;
-  if (!removed_.empty() || !added_.empty()) {
+  if (!edited_.removed.empty() || !edited_.added.empty()) {
     if (step->spaces.empty()) refuse_records(how_.since);
     std::vector<touched_space> spaces;
     for (const auto& bytes : step->spaces) spaces.push_back(space_of(bytes));
     const auto any_meets = [&](const std::vector<edited_part>& parts) {
       return std::any_of(spaces.begin(), spaces.end(), [&](const touched_space& one) { return meets(one, parts); });
     };
-    if (any_meets(removed_)) return rebake_reason::changed_polygon;
-    if (any_meets(added_)) return rebake_reason::something_new;
+    if (any_meets(edited_.removed)) return rebake_reason::changed_polygon;
+    if (any_meets(edited_.added)) return rebake_reason::something_new;
   }
   // Neighbors only add to a set, and its bound holds without them.
   if (step->own_inputs != now.own_inputs || (step->neighbor_inputs != now.neighbor_inputs && !how_.keep_found))
@@ -297,7 +296,7 @@ cell_record step_keeper::take(const view_cell& cell, step_kind kind, const cell_
     if (may_start && !start) step.neighbor_inputs = hash_of_neighbors(neighbors());
     touched_space space(box{cell.min, cell.max}.grown(how_.margin), scene_);
     tested_viewpoints tested;
-    if (start && before) tested.know(tested_viewpoints::decode(before->tested), edited_);
+    if (start && before) tested.know(tested_viewpoints::decode(before->tested), edited_boxes_);
     // What is recorded belongs to a thread, so no other thread may help. Cells are many, so all have work.
     tbb::task_arena alone(1);
     alone.execute([&] {

@@ -101,8 +101,8 @@ class step_keeper {
   kept_records before_, now_;
   polygon_edit edit_;
   std::vector<std::uint8_t> near_differs_;  // by old polygon: 1 if it is not gone and has other neighbors
-  std::vector<edited_part> removed_, added_;
-  edited_boxes edited_;
+  edited_triangles edited_;
+  edited_boxes edited_boxes_;
   std::map<step_name, const kept_step*> steps_;
   std::set<step_name> cells_;                   // of before_, as of step_kind::sample
   mutable std::mutex mutex_;                    // of now_.steps and reasons_

@@ -44,6 +44,11 @@ inline float coincidence_reach(float distance) {
   return std::max(2e-4f, 2e-5f * distance);
 }
 
+// Returns how far from a ray its result is decided, in meters: through_gap() looks along lines beside it (rule 3).
+inline float reach_beside(float smallest_gap) {
+  return smallest_gap + 1e-4f;
+}
+
 class ray_scene {
  public:
   // Builds the scene for rays.

@@ -5,12 +5,12 @@
 
 #include <cmath>
 #include <functional>
-#include <glm/common.hpp>
 #include <vector>
 
 #include "bound/clopper_pearson.h"
 #include "bound/verification_rays.h"
 #include "trace/triangle_math.h"
+#include "trace/triangle_tree.h"
 #include "unit/bake/gridded_room.h"
 
 namespace sightcell::bake {
@@ -99,13 +99,14 @@ TEST(bound_rays, cast_again_meet_the_same_where_something_changed) {
   ASSERT_EQ(whole.parts().size(), 2u);
   ASSERT_GT(whole.misses(), 100u);
   const triangle missing = corners_of(w.geometry, 0);
-  const box around_missing = box{glm::min(missing[0], glm::min(missing[1], missing[2])),
-                                 glm::max(missing[0], glm::max(missing[1], missing[2]))}
-                                 .grown(0.01f);
-  const std::vector<box> there{around_missing}, elsewhere{{{50.0f, 0.0f, 0.0f}, {51.0f, 1.0f, 1.0f}}};
+  const triangle_tree there({missing}, reach_beside(rules.smallest_gap)),
+      elsewhere({{{{50, 0, 0}, {51, 0, 0}, {50, 1, 0}}}}, 0.0f);
+  const auto through = [](const triangle_tree& what) {
+    return [&](const sight_line& ray) { return what.passes(ray.eye, ray.direction); };
+  };
   bound_batch again = batch(), beside = batch();
-  again.cast_only_through(there);
-  beside.cast_only_through(elsewhere);
+  again.cast_only(through(there));
+  beside.cast_only(through(elsewhere));
   for (const std::uint64_t rays : whole.parts()) again.cast_rays(rays), beside.cast_rays(rays);
   EXPECT_EQ(again.misses(), whole.misses());
   EXPECT_EQ(again.trials(0.01), whole.trials(0.01));
@@ -113,6 +114,11 @@ TEST(bound_rays, cast_again_meet_the_same_where_something_changed) {
   EXPECT_EQ(beside.misses(), 0u);
   EXPECT_EQ(beside.trials(0.01), whole.trials(0.01)) << "these rays are trials, too";
   EXPECT_LT(beside.spent(), whole.spent() / 50);
+  const std::uint64_t misses = again.misses();
+  again.cast_only({});
+  whole.cast_rays(10'000), again.cast_rays(10'000);
+  EXPECT_GT(again.misses(), misses) << "further rays are cast";
+  EXPECT_EQ(again.misses(), whole.misses());
 }
 
 TEST(bound_rays, do_not_depend_on_threads) {

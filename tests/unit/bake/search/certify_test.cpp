@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "bound/clopper_pearson.h"
 #include "bound/verification_rays.h"
@@ -70,7 +71,7 @@ TEST(certify, casts_the_rays_of_an_earlier_bound_again) {
   const finish_result first = finish_with_rays(w.rays, w.neighbors, room_middle, how, set);
   ASSERT_TRUE(first.bound_met);
   ASSERT_EQ(first.of_bound.number, first.batches);
-  cast_again again{first.of_bound, first.rays, first.misses, first.confidence, {}};
+  cast_again again{first.of_bound, first.rays, first.misses, first.confidence, nullptr, {}};
   how.batches_before = first.of_bound.number;
   how.again = &again;
   const finish_result same = finish_with_rays(w.rays, w.neighbors, room_middle, how, set);
@@ -80,7 +81,16 @@ TEST(certify, casts_the_rays_of_an_earlier_bound_again) {
   EXPECT_EQ(same.of_bound, first.of_bound);
   EXPECT_LT(same.rays_spent, first.rays / 4) << "viewpoints are tested, no ray is cast";
 
-  again.misses = 64;  // those of before count, whatever the set has now
+  again.misses = first.misses + 1;  // those of before count, whatever the set has now
+  const finish_result longer = finish_with_rays(w.rays, w.neighbors, room_middle, how, set);
+  EXPECT_TRUE(longer.bound_met);
+  EXPECT_EQ(longer.of_bound.number, first.of_bound.number) << "one more miss: further rays of the same batch";
+  EXPECT_EQ(longer.misses, again.misses);
+  EXPECT_GT(longer.rays, first.rays);
+  EXPECT_GT(longer.of_bound.parts.size(), first.of_bound.parts.size());
+  EXPECT_LE(longer.upper_bound, how.max_pixel_error);
+
+  again.misses = 64;
   const finish_result other = finish_with_rays(w.rays, w.neighbors, room_middle, how, set);
   EXPECT_TRUE(other.bound_met);
   EXPECT_EQ(other.of_bound.number, first.of_bound.number + 1);
@@ -88,7 +98,11 @@ TEST(certify, casts_the_rays_of_an_earlier_bound_again) {
 
   again.misses = first.misses;
   cell_set lacking(w.s.polygon_count);
-  again.changed = {{glm::vec3(-100.0f), glm::vec3(100.0f)}};  // all rays
+  std::vector<triangle> all;  // each ray passes one
+  for (std::uint32_t polygon = 0; polygon < w.s.polygon_count; ++polygon)
+    all.push_back(corners_of(w.geometry, polygon));
+  const triangle_tree edited_room(all, 0.002f);
+  again.edited = &edited_room;
   const finish_result edited = finish_with_rays(w.rays, w.neighbors, room_middle, how, lacking);
   EXPECT_TRUE(edited.bound_met);
   EXPECT_GT(edited.of_bound.number, first.of_bound.number) << "all rays miss in a set of nothing";

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
 #include <optional>
 #include <vector>
 
@@ -15,6 +16,7 @@
 namespace sightcell::bake {
 namespace {
 
+constexpr float smallest_gap = 0.002f;
 constexpr glm::vec3 eye{0.0f};
 constexpr box around_eye{{-0.1f, -0.1f, -4.0f}, {0.1f, 0.1f, 4.0f}};
 
@@ -46,6 +48,8 @@ struct tiles_and_wall {
       part.corners.push_back(corners_of(geometry, polygon));
     return part;
   }
+  edited_triangles wall_removed() const { return {{part_of_wall()}, {}, smallest_gap}; }
+  edited_triangles wall_added() const { return {{}, {part_of_wall()}, smallest_gap}; }
 
   // What was found where there was no wall.
   cell_record record_before(const glm::vec3& witness) const {
@@ -61,18 +65,31 @@ constexpr neighbor_check_settings how{.seed = 1, .place = 1, .rules = {}};
 
 TEST(found_before, what_an_addition_hides_goes_and_nothing_else) {
   const tiles_and_wall world;
-  const std::vector<edited_part> added{world.part_of_wall()};
+  const edited_triangles edit = world.wall_added();
   cell_set set(world.s.polygon_count);
-  EXPECT_EQ(join_found_before(world.rays, {world.record_before(eye), {}, added}, {}, set), 0u);
+  EXPECT_EQ(join_found_before(world.rays, {world.record_before(eye), &edit}, {}, set), 0u);
   EXPECT_FALSE(set.contains(world.behind) || set.contains(world.behind + 1));
   EXPECT_TRUE(set.contains(world.beside) && set.contains(world.beside + 1)) << "no line to it passes the wall";
   EXPECT_TRUE(set.contains(world.half) && set.contains(world.half + 1)) << "a part of it is still visible";
 }
 
+TEST(found_before, share_that_is_left) {
+  const tiles_and_wall world;
+  const edited_triangles edit = world.wall_added(), nothing;
+  std::vector<triangle> corners;
+  for (std::uint32_t polygon = 0; polygon < world.s.polygon_count; ++polygon)
+    corners.push_back(corners_of(world.geometry, polygon));
+  EXPECT_DOUBLE_EQ(share_left(corners, {world.record_before(eye), &edit}, 6), 4.0 / 6.0);
+  EXPECT_DOUBLE_EQ(share_left(corners, {world.record_before(eye), &edit}, 8), 0.5)
+      << "two are not in the scene any more";
+  EXPECT_DOUBLE_EQ(share_left(corners, {world.record_before(eye), &nothing}, 6), 1.0);
+  EXPECT_DOUBLE_EQ(share_left(corners, {{}, &edit}, 0), 0.0);
+}
+
 TEST(found_before, what_is_still_seen_from_elsewhere_comes_back) {
   const tiles_and_wall world;
-  const std::vector<edited_part> added{world.part_of_wall()};
-  const found_before before{world.record_before(eye), {}, added};
+  const edited_triangles edit = world.wall_added();
+  const found_before before{world.record_before(eye), &edit};
   cell_set set(world.s.polygon_count), beside_the_wall(world.s.polygon_count);
   (void)join_found_before(world.rays, before, {}, set);
   ASSERT_FALSE(set.contains(world.behind));
@@ -86,54 +103,59 @@ TEST(found_before, what_is_still_seen_from_elsewhere_comes_back) {
 
 TEST(found_before, without_additions_all_stays) {
   const tiles_and_wall world(false);
+  const edited_triangles nothing;
   cell_set set(world.s.polygon_count);
-  EXPECT_EQ(join_found_before(world.rays, {world.record_before(eye), {}, {}}, {}, set), 0u);
+  EXPECT_EQ(join_found_before(world.rays, {world.record_before(eye), &nothing}, {}, set), 0u);
   EXPECT_EQ(set.members().size(), 6u);
 }
 
 TEST(found_before, polygons_of_an_invalid_witness_go) {
   const tiles_and_wall world;
-  const std::vector<edited_part> added{world.part_of_wall()};
+  const edited_triangles edit = world.wall_added();
   visibility_rules rules;
   rules.player_radius = 0.1f;
   cell_set set(world.s.polygon_count);
   const glm::vec3 too_near_the_wall{1.95f, 0.0f, 0.0f};
-  (void)join_found_before(world.rays, {world.record_before(too_near_the_wall), {}, added}, rules, set);
+  (void)join_found_before(world.rays, {world.record_before(too_near_the_wall), &edit}, rules, set);
   EXPECT_TRUE(set.members().empty());
 }
 
 TEST(found_before, rays_of_a_bound_are_cast_again_where_it_can_differ) {
   const tiles_and_wall world;
-  const std::vector<edited_part> added{world.part_of_wall()};
-  found_before before{world.record_before(eye), {}, added};
+  const edited_triangles edit = world.wall_added();
+  found_before before{world.record_before(eye), &edit};
   cell_set set(world.s.polygon_count);
   (void)join_found_before(world.rays, before, {}, set);
-  EXPECT_FALSE(bound_before(world.rays, before, 0.002f, set)) << "there are no rays";
+  EXPECT_FALSE(bound_before(world.rays, before, smallest_gap, set)) << "there are no rays";
   before.record.of_bound = {1, 5, {1000}};
   before.record.rays = 900;
-  const std::optional<cast_again> again = bound_before(world.rays, before, 0.002f, set);
+  const std::optional<cast_again> again = bound_before(world.rays, before, smallest_gap, set);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->of, before.record.of_bound);
-  ASSERT_EQ(again->changed.size(), 3u) << "the wall, and two polygons that are not in the set any more";
-  EXPECT_LT(again->changed[0].min.x, 2.0f);
-  EXPECT_GT(again->changed[1].min.x, 5.9f);
-  before.record.of_bound.number = 4;
-  EXPECT_FALSE(bound_before(world.rays, before, 0.002f, set)) << "too little of the confidence is left";
+  const auto changed = [&](const glm::vec3& direction) { return again->changed({eye, direction}); };
+  EXPECT_TRUE(changed({1, 0, 0})) << "the wall, and two polygons behind it that are not in the set any more";
+  EXPECT_TRUE(changed(glm::normalize(glm::vec3(2, 0, 0.49f)))) << "the wall";
+  EXPECT_FALSE(changed(glm::normalize(glm::vec3(2, 0, 0.51f)))) << "beside the wall";
+  EXPECT_FALSE(changed({-1, 0, 0}));
+  EXPECT_TRUE(again->changed({{4, 0, 0}, {1, 0, 0}})) << "behind the wall, at the polygons that are not in the set";
+  EXPECT_FALSE(again->changed({{4, 0, 0.3f}, {1, 0, 0}})) << "beside these";
+  before.record.of_bound.number = 13;
+  EXPECT_FALSE(bound_before(world.rays, before, smallest_gap, set)) << "too little of the confidence is left";
   before.record.of_bound.number = 1;
   before.record.bound_met = false;
-  EXPECT_FALSE(bound_before(world.rays, before, 0.002f, set));
+  EXPECT_FALSE(bound_before(world.rays, before, smallest_gap, set));
 }
 
 TEST(found_before, rays_at_the_edit_find_what_is_new) {
   const tiles_and_wall with, without(false);
-  const std::vector<edited_part> wall{with.part_of_wall()};
+  const edited_triangles wall_added = with.wall_added(), wall_removed = with.wall_removed();
   cell_set before(with.s.polygon_count), after(without.s.polygon_count);
   before.add(with.beside, eye);
-  EXPECT_GT(look_at_edit(with.rays, {{}, {}, wall}, how, before), 0u);
+  EXPECT_GT(look_at_edit(with.rays, {{}, &wall_added}, how, before), 0u);
   EXPECT_TRUE(before.contains(with.wall) && before.contains(with.wall + 1));
   EXPECT_FALSE(before.contains(with.behind));
   after.add(without.beside, eye);
-  EXPECT_GT(look_at_edit(without.rays, {{}, wall, {}}, how, after), 0u);
+  EXPECT_GT(look_at_edit(without.rays, {{}, &wall_removed}, how, after), 0u);
   EXPECT_TRUE(after.contains(without.behind) && after.contains(without.behind + 1)) << "the wall is gone";
 }
 
