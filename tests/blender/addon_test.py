@@ -19,6 +19,13 @@ def document_of(path):
     return json.loads(data[20:20 + int.from_bytes(data[12:16], 'little')])
 
 
+def environment_of(home):
+    """What makes Blender keep its settings and add-ons in a new folder."""
+    os.makedirs(os.path.join(home, 'scripts', 'addons'))
+    return {'HOME': home, 'BLENDER_USER_CONFIG': home, 'BLENDER_USER_SCRIPTS': os.path.join(home, 'scripts'),
+            'XDG_CONFIG_HOME': home, 'XDG_CACHE_HOME': home}
+
+
 class Addon(harness.InFolder):
     @classmethod
     def setUpClass(cls):
@@ -26,12 +33,9 @@ class Addon(harness.InFolder):
         cls.level, home = cls.path('a level ü'), cls.path('home')
         os.mkdir(cls.level)
         script = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'in_blender.py')
-        changes = {'HOME': home, 'BLENDER_USER_CONFIG': home, 'BLENDER_USER_SCRIPTS': os.path.join(home, 'scripts'),
-                   'XDG_CONFIG_HOME': home, 'XDG_CACHE_HOME': home}
-        os.makedirs(os.path.join(home, 'scripts', 'addons'))
         code, out, err = run(SETTINGS['blender'], '--background', '--factory-startup', '--python-exit-code', 1,
                              '--python', script, '--', SETTINGS['zip'], program('sightcell'), cls.level,
-                             environment=changes)
+                             environment=environment_of(home))
         if code != 0:
             raise RuntimeError(f'Blender: {code}\n{out}\n{err}')
         with open(os.path.join(cls.level, 'facts.json'), encoding='utf-8') as file:

@@ -4,7 +4,6 @@ import json
 import math
 import os
 import shutil
-import struct
 import subprocess
 import tempfile
 import time
@@ -13,6 +12,7 @@ import unittest
 import numpy
 
 import harness
+import screen
 from harness import TIMEOUT, must, program, run, write_middle_cell, write_room
 from png import read_png
 from surfaces_scene import write_surfaces
@@ -243,15 +243,8 @@ class UnderKeys(UnderX):
         """What the X server really shows of the window."""
         _, out, _ = self.tell('getwindowgeometry', '--shell', self.window)
         where = {k: int(v) for k, v in (line.split('=') for line in out.split())}
-        with open(self.path('Xvfb_screen0'), 'rb') as file:
-            screen = file.read()
-        header = struct.unpack('>25I', screen[:100])
-        size, height, line, colors = header[0], header[5], header[12], header[19]
-        self.assertEqual((header[11], header[7]), (32, 0), 'not 32 bits per pixel, least significant byte first')
-        begin = size + 12 * colors
-        rows = numpy.frombuffer(screen[begin:begin + height * line], numpy.uint8).reshape(height, line // 4, 4)
         x, y = where['X'], where['Y']
-        return rows[y:y + where['HEIGHT'], x:x + where['WIDTH'], 2::-1]
+        return screen.pixels(self.folder)[y:y + where['HEIGHT'], x:x + where['WIDTH']]
 
 
 class Window(UnderKeys):
