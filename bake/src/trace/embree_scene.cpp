@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "trace/place_order.h"
 #include "trace/ray_scene.h"
 
 namespace sightcell::bake {
@@ -83,13 +84,12 @@ embree_scene::embree_scene(const scene::world_geometry& world, bool double_sided
   if (!device) device = rtcNewDevice("isa=avx2");
   if (!device) device = rtcNewDevice(nullptr);
   if (!device) throw std::runtime_error("there is no Embree device");
-  std::uint32_t test = 0;
-  for (std::uint32_t polygon = 0; polygon < world.kinds.size(); ++polygon) {
-    const scene::polygon_kind kind = world.kinds[polygon];
-    if (!kind.absent) ids[geometry_of(kind)].push_back(polygon);
-    if (!kind.alpha_tested) continue;
-    while (test < world.masked.size() && world.masked[test].id < polygon) ++test;
-    if (!kind.absent) tests[geometry_of(kind)].push_back(test);
+  for (std::uint32_t polygon = 0; polygon < world.kinds.size(); ++polygon)
+    if (!world.kinds[polygon].absent) ids[geometry_of(world.kinds[polygon])].push_back(polygon);
+  for (unsigned i = 0; i < embree_geometry_count; ++i) {
+    sort_by_place(world, ids[i]);
+    if (!is_tested(i)) continue;
+    for (const std::uint32_t polygon : ids[i]) tests[i].push_back(scene::masked_index(world, polygon));
   }
   solid = make_scene();
   RTCBuffer vertices = make_vertices();

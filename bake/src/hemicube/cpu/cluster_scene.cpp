@@ -7,6 +7,8 @@
 #include <limits>
 #include <span>
 
+#include "trace/place_order.h"
+
 namespace sightcell::bake::cpu {
 namespace {
 
@@ -196,16 +198,9 @@ class tree_writer {
   cluster_tree& tree_;
 };
 
-// Returns the index in world_geometry::masked of a polygon with an alpha test.
-std::uint32_t test_of(const scene::world_geometry& world, std::uint32_t id) {
-  const auto test = std::lower_bound(world.masked.begin(), world.masked.end(), id,
-                                     [](const scene::masked_polygon& p, std::uint32_t key) { return p.id < key; });
-  return static_cast<std::uint32_t>(test - world.masked.begin());
-}
-
 // Returns what is known of the alpha test of a whole polygon; one without a test passes.
 scene::opacity opacity_of(const scene::world_geometry& world, std::uint32_t id) {
-  return world.kinds[id].alpha_tested ? world.opacity.whole(test_of(world, id)) : scene::opacity::passes;
+  return world.kinds[id].alpha_tested ? world.opacity.whole(scene::masked_index(world, id)) : scene::opacity::passes;
 }
 
 void note_masks(const scene::world_geometry& world, cluster_tree& tree) {
@@ -215,24 +210,28 @@ void note_masks(const scene::world_geometry& world, cluster_tree& tree) {
     for (const std::uint32_t id : block.ids)
       tree.masked.push_back(id == scene::no_index || opacity_of(world, id) == scene::opacity::passes
                                 ? scene::no_index
-                                : test_of(world, id));
+                                : scene::masked_index(world, id));
 }
 
 template <class Wanted>
 void build(const scene::world_geometry& world, const Wanted& wanted, cluster_tree& tree) {
-  std::vector<placed> triangles;
+  std::vector<std::uint32_t> drawn;
   for (std::uint32_t id = 0; id < world.kinds.size(); ++id) {
     const scene::polygon_kind kind = world.kinds[id];
     // A non-occluder that is in every set need not be drawn.
     if (kind.absent || (kind.always && !kind.occludes())) continue;
     const scene::opacity tested = opacity_of(world, id);
     if (tested == scene::opacity::fails || !wanted(kind, tested == scene::opacity::unknown)) continue;
-    placed t;
-    t.id = id;
-    for (std::size_t k = 0; k < 3; ++k) t.box.add(world.positions[world.indices[3 * std::size_t{id} + k]]);
-    triangles.push_back(t);
+    drawn.push_back(id);
   }
-  if (triangles.empty()) return;
+  if (drawn.empty()) return;
+  sort_by_place(world, drawn);
+  std::vector<placed> triangles(drawn.size());
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    triangles[i].id = drawn[i];
+    for (std::size_t k = 0; k < 3; ++k)
+      triangles[i].box.add(world.positions[world.indices[3 * std::size_t{drawn[i]} + k]]);
+  }
   const auto root = split(triangles, 0, triangles.size(), 0);
   tree_writer(world, triangles, tree).write(*root);
 }

@@ -181,9 +181,8 @@ void gpu_geometry::upload(const scene::world_geometry& world) {
       const auto numbers = want_masked ? welder.add_apart(id, corners) : welder.add(id, corners);
       std::copy(numbers.begin(), numbers.end(), indices.begin() + static_cast<std::ptrdiff_t>(3 * i));
       if (!want_masked) continue;
-      const auto test = std::lower_bound(world.masked.begin(), world.masked.end(), id,
-                                         [](const scene::masked_polygon& p, std::uint32_t key) { return p.id < key; });
-      for (std::size_t k = 0; k < 3; ++k) masked.push_back({test->uvs[k], test->mask, test->alphas[k]});
+      const scene::masked_polygon& test = world.masked[scene::masked_index(world, id)];
+      for (std::size_t k = 0; k < 3; ++k) masked.push_back({test.uvs[k], test.mask, test.alphas[k]});
     }
   }
   vertex_bytes_ = welder.vertices().size() * sizeof(device_vertex);

@@ -13,6 +13,7 @@
 // FAILURES. Functions throw sightcell::error (sightcell/base/error.h) with an id scene.*; bake/ERRORS.md lists them.
 //
 // THREADS. Functions may be called from any thread, several at once. Arrays belong to the caller.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -262,5 +263,14 @@ world_geometry flatten(const scene& s, animated_as animated = animated_as::alway
 // source_id: less than s.polygon_count.
 // Cost: O(log draws).
 std::uint32_t draw_of(const scene& s, std::uint32_t source_id);
+
+// Returns the index in world_geometry::masked of a polygon with an alpha test.
+// source_id: of such a polygon.
+// Cost: O(log masked polygons).
+inline std::uint32_t masked_index(const world_geometry& world, std::uint32_t source_id) {
+  const auto found = std::lower_bound(world.masked.begin(), world.masked.end(), source_id,
+                                      [](const masked_polygon& p, std::uint32_t key) { return p.id < key; });
+  return static_cast<std::uint32_t>(found - world.masked.begin());
+}
 
 }  // namespace sightcell::scene
