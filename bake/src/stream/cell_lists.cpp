@@ -206,11 +206,11 @@ std::vector<listed_page> cell_lists::with_sectors(const std::vector<weighted_num
   std::vector<listed_page> out;
   for (const weighted_number& page : pages) {
     listed_page& made = out.emplace_back(listed_page{page.number, page.weight, 0});
-    std::array<double, 8>& sums = sectors_[page.number];
-    for (unsigned k = 0; k < sums.size(); ++k)
-      if (sums[k] >= least_share * static_cast<double>(page.weight))
+    std::array<double, 8>& of_page = sectors_[page.number];
+    for (unsigned k = 0; k < of_page.size(); ++k)
+      if (of_page[k] >= least_share * static_cast<double>(page.weight))
         made.sectors = static_cast<std::uint8_t>(made.sectors | 1u << k);
-    sums = {};
+    of_page = {};
   }
   return out;
 }

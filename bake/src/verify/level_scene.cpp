@@ -32,7 +32,7 @@ level_scene::level_scene(const scene::scene& s, const scene::world_geometry& wor
 }
 
 void level_scene::add(const scene::scene& s, const scene::leveled_object& given, double tangent) {
-  object added;
+  switched_object added;
   added.draw = given.finest.front();
   const float radius = place_sphere(s, given.finest, added);
   const auto number = static_cast<std::uint32_t>(objects_.size());
@@ -54,7 +54,8 @@ void level_scene::add(const scene::scene& s, const scene::leveled_object& given,
 }
 
 // Places the center of the object at the center of the box of its polygons. Returns how far from it they reach.
-float level_scene::place_sphere(const scene::scene& s, const std::vector<std::uint32_t>& draws, object& out) const {
+float level_scene::place_sphere(const scene::scene& s, const std::vector<std::uint32_t>& draws,
+                                switched_object& out) const {
   const auto for_each_corner = [&](const auto& use) {
     for (const std::uint32_t d : draws)
       for (std::uint32_t i = 0; i < s.draws[d].polygon_count; ++i) {
@@ -72,7 +73,7 @@ float level_scene::place_sphere(const scene::scene& s, const std::vector<std::ui
   return radius;
 }
 
-std::uint32_t level_scene::chosen(const object& of, const glm::vec3& eye) {
+std::uint32_t level_scene::chosen(const switched_object& of, const glm::vec3& eye) {
   const float distance = glm::distance(eye, of.center);
   if (distance >= of.end) return no_level;
   for (std::size_t i = of.begins.size(); i > 0; --i)

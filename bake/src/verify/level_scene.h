@@ -35,7 +35,7 @@ class level_scene {
   // Returns whether a host draws a polygon from a viewpoint, provided that it draws its object. Levels of objects that
   // were left out are never drawn.
   bool is_drawn(std::uint32_t polygon, const glm::vec3& eye) const {
-    const place& at = places_[polygon];
+    const level_place& at = places_[polygon];
     return at.object == scene::no_index ? polygon < polygons_ : chosen(objects_[at.object], eye) == at.level;
   }
 
@@ -45,24 +45,24 @@ class level_scene {
   void find_visible(std::span<const std::uint8_t> has, std::vector<std::uint8_t>& visible) const;
 
  private:
-  struct place {
+  struct level_place {
     std::uint32_t object = scene::no_index, level = 0;
   };
 
-  struct object {
+  struct switched_object {
     glm::vec3 center{0.0f};
     std::uint32_t draw = 0;
     float end = std::numeric_limits<float>::infinity();  // meters from the center; nothing is drawn from there on
     std::vector<float> begins;                           // of coarser levels, meters from the center
   };
 
-  static std::uint32_t chosen(const object& of, const glm::vec3& eye);
+  static std::uint32_t chosen(const switched_object& of, const glm::vec3& eye);
   void add(const scene::scene& s, const scene::leveled_object& object, double tangent);
-  float place_sphere(const scene::scene& s, const std::vector<std::uint32_t>& draws, object& out) const;
+  float place_sphere(const scene::scene& s, const std::vector<std::uint32_t>& draws, switched_object& out) const;
 
   scene::world_geometry geometry_;
-  std::vector<object> objects_;
-  std::vector<place> places_;  // by polygon
+  std::vector<switched_object> objects_;
+  std::vector<level_place> places_;  // by polygon
   std::uint32_t polygons_ = 0, level_count_ = 0, without_switch_ = 0;
 };
 
