@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <utility>
@@ -24,13 +25,34 @@ namespace {
 constexpr std::size_t most_nearest = 4;
 constexpr int random_eyes = 28;
 
+// The witnesses of all neighbors, in one list.
+class neighbor_witnesses {
+ public:
+  explicit neighbor_witnesses(std::span<const cell_record> neighbors) {
+    for (const cell_record& neighbor : neighbors) {
+      begins_.push_back(static_cast<std::uint32_t>(places_.size()));
+      places_.insert(places_.end(), neighbor.witnesses.begin(), neighbor.witnesses.end());
+    }
+  }
+
+  std::size_t size() const { return places_.size(); }
+  const glm::vec3& operator[](std::uint32_t witness) const { return places_[witness]; }
+  // Returns the index of a witness of one of the neighbors.
+  std::uint32_t index_of(std::uint32_t neighbor, std::uint32_t eye) const { return begins_[neighbor] + eye; }
+
+ private:
+  std::vector<glm::vec3> places_;
+  std::vector<std::uint32_t> begins_;  // by neighbor
+};
+
 // A polygon that neighbors have and this cell lacks, with its witnesses in the nearest two of them.
 struct candidate {
   std::uint32_t polygon = 0;
-  std::array<glm::vec3, 2> witnesses;
+  std::array<std::uint32_t, 2> witnesses;
 };
 
-std::vector<candidate> candidates_of(std::span<const cell_record> neighbors, const cell_set& set) {
+std::vector<candidate> candidates_of(std::span<const cell_record> neighbors, const neighbor_witnesses& witnesses,
+                                     const cell_set& set) {
   struct sighting {
     std::uint32_t polygon, neighbor, eye;
   };
@@ -43,14 +65,34 @@ std::vector<candidate> candidates_of(std::span<const cell_record> neighbors, con
   });
   std::vector<candidate> found;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const glm::vec3& eye = neighbors[all[i].neighbor].witnesses[all[i].eye];
+    const std::uint32_t eye = witnesses.index_of(all[i].neighbor, all[i].eye);
     if (i == 0 || all[i].polygon != all[i - 1].polygon)
       found.push_back({all[i].polygon, {eye, eye}});
-    else if (found.back().witnesses[0] == found.back().witnesses[1])
+    else if (witnesses[found.back().witnesses[0]] == witnesses[found.back().witnesses[1]])
       found.back().witnesses[1] = eye;
   }
   return found;
 }
+
+// Which points of the cell closest to the witnesses of neighbors are valid. Sight lines of neighbors that pass the cell
+// start there, many lines at one point, and most of these points are in a wall or in the floor: in a town 670,000 lines
+// started at 21,000 points. Any thread.
+class closest_points {
+ public:
+  explicit closest_points(std::size_t witnesses) : known_(witnesses) {}
+
+  // test: asked where nothing is known yet. Two threads may ask it at a time.
+  template <typename Test>
+  bool is_valid(std::uint32_t witness, Test test) {
+    std::uint8_t known = known_[witness].load(std::memory_order_relaxed);
+    if (known == unknown) known_[witness].store(known = test() ? valid : invalid, std::memory_order_relaxed);
+    return known == valid;
+  }
+
+ private:
+  static constexpr std::uint8_t unknown = 0, valid = 1, invalid = 2;
+  std::vector<std::atomic<std::uint8_t>> known_;
+};
 
 // Returns a selection of eyes from all over the cell, since all of them are examined for each candidate, and each ray
 // that found something has left one.
@@ -63,13 +105,17 @@ std::vector<glm::vec3> selection_of(std::vector<glm::vec3> eyes) {
   return some;
 }
 
-// Returns the point where the segment from an eye to a point enters the box; if it does not, the point of the box
-// closest to the eye.
-glm::vec3 entry(const box& into, const glm::vec3& eye, const glm::vec3& point) {
-  const glm::vec3 way = point - eye;
+// Where a sight line of a neighbor starts in the cell.
+struct line_start {
+  glm::vec3 eye;
+  bool enters = false;  // the line enters the box there; else this is the point of the box closest to the witness
+};
+
+line_start start_of(const box& into, const glm::vec3& witness, const glm::vec3& point) {
+  const glm::vec3 way = point - witness;
   float enter = 0.0f, leave = 1.0f;
-  const bool meets = clip_line(into.min, into.max, eye, way, enter, leave);
-  return glm::clamp(meets ? eye + way * enter : eye, into.min, into.max);
+  const bool enters = clip_line(into.min, into.max, witness, way, enter, leave);
+  return {glm::clamp(enters ? witness + way * enter : witness, into.min, into.max), enters};
 }
 
 // The result for a group of candidates.
@@ -81,8 +127,15 @@ struct outcome_of_rays {
 class tester {
  public:
   tester(const ray_scene& rays, const box& grown, const neighbor_check_settings& how,
-         const std::vector<glm::vec3>& eyes, const cell_set& set)
-      : rays_(rays), grown_(grown), how_(how), eyes_(eyes), aimed_(rays, how.rules.smallest_gap, set) {}
+         const std::vector<glm::vec3>& eyes, const neighbor_witnesses& witnesses, closest_points& closest,
+         const cell_set& set)
+      : rays_(rays),
+        grown_(grown),
+        how_(how),
+        eyes_(eyes),
+        witnesses_(witnesses),
+        closest_(closest),
+        aimed_(rays, how.rules.smallest_gap, set) {}
 
   void test(const candidate& one, outcome_of_rays& out) {
     const triangle corners = corners_of(rays_.geometry(), one.polygon);
@@ -93,17 +146,15 @@ class tester {
       return aimed_.aim(eye, point, one.polygon, out.found);
     };
     // Eyes of the set come first, because they are known to be valid. Testing another viewpoint takes 64 rays.
-    const std::size_t nearest = find_nearest(one.witnesses[0], random_point(corners, random));
+    const std::size_t nearest = find_nearest(witnesses_[one.witnesses[0]], random_point(corners, random));
     for (std::size_t i = 0; i < nearest; ++i)
       if (aim(eyes_[order_[i].second], random_point(corners, random))) return;
-    for (const glm::vec3& witness : one.witnesses) {
-      const glm::vec3 point = random_point(corners, random), eye = entry(grown_, witness, point);
+    for (const std::uint32_t witness : one.witnesses) {
+      const glm::vec3 point = random_point(corners, random);
+      const line_start from = start_of(grown_, witnesses_[witness], point);
+      const auto is_valid = [&] { return rays_.is_valid(from.eye, how_.rules.player_radius); };
       const std::size_t before = out.found.size();
-      if (!aim(eye, point)) {
-        out.found.resize(before);
-        continue;
-      }
-      if (rays_.is_valid(eye, how_.rules.player_radius)) return;
+      if (aim(from.eye, point) && (from.enters ? is_valid() : closest_.is_valid(witness, is_valid))) return;
       out.found.resize(before);
     }
     if (nearest == 0) return;
@@ -135,6 +186,8 @@ class tester {
   const box& grown_;
   const neighbor_check_settings& how_;
   const std::vector<glm::vec3>& eyes_;
+  const neighbor_witnesses& witnesses_;
+  closest_points& closest_;
   aimed_rays aimed_;
   std::vector<std::pair<float, std::uint32_t>> order_;  // square of the distance to the line, index of the eye
 };
@@ -173,13 +226,15 @@ void keep_late(cell_record& neighbor) {
 std::uint64_t neighbor_check(const ray_scene& rays, const box& grown, const neighbor_check_settings& how,
                              std::span<const cell_record> neighbors, cell_set& set) {
   constexpr std::size_t stretch = 64;
-  const std::vector<candidate> wanted = candidates_of(neighbors, set);
+  const neighbor_witnesses witnesses(neighbors);
+  const std::vector<candidate> wanted = candidates_of(neighbors, witnesses, set);
+  closest_points closest(witnesses.size());
   const std::vector<glm::vec3> eyes = selection_of(set.eyes());
   constexpr std::size_t wave = 64;  // stretches between two looks at the limit
   std::vector<outcome_of_rays> outcomes((wanted.size() + stretch - 1) / stretch);
   for (std::size_t first = 0; first < outcomes.size() && !(how.limit && how.limit->reached()); first += wave)
     tbb::parallel_for(first, std::min(outcomes.size(), first + wave), [&](std::size_t i) {
-      tester one(rays, grown, how, eyes, set);
+      tester one(rays, grown, how, eyes, witnesses, closest, set);
       const std::size_t end = std::min(wanted.size(), (i + 1) * stretch);
       for (std::size_t k = i * stretch; k < end; ++k) one.test(wanted[k], outcomes[i]);
     });
