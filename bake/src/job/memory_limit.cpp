@@ -18,6 +18,7 @@ namespace {
 // upwards.
 constexpr std::uint64_t of_polygon = 13;     // its corners and its kind; those of its vertices are counted
 constexpr std::uint64_t of_rays = 220;       // two trees of Embree's while they are built
+constexpr std::uint64_t of_masked = 400;     // with an alpha test: trees of its parts, and one of whole polygons
 constexpr std::uint64_t of_neighbors = 48;   // lists of polygons with common vertices and of coincident polygons
 constexpr std::uint64_t of_source = 112;     // clusters of the rasterizer while they are built; OpenGL takes the same
 constexpr std::uint64_t of_duplicates = 16;  // while duplicates are searched for
@@ -55,6 +56,14 @@ std::uint64_t flattened(const scene::scene& s) {
   return vertices * vertex_bytes + s.polygon_count * of_polygon;
 }
 
+std::uint64_t polygons_with_mask(const scene::scene& s) {
+  std::uint64_t polygons = 0;
+  for (const scene::draw& d : s.draws)
+    if (d.material != scene::no_index && s.materials[d.material].alpha == scene::alpha_mode::mask)
+      polygons += d.polygon_count;
+  return polygons;
+}
+
 }  // namespace
 
 std::uint64_t resident_memory() {
@@ -73,7 +82,8 @@ std::uint64_t memory_of_scene(const scene::scene& s, const settings& how) {
   const std::uint64_t copies = how.all_double_sided ? 2 : 1;
   std::uint64_t bytes = of_process;
   for (const scene::scene* one : {&s, how.cells_from})
-    if (one != nullptr) bytes += copies * flattened(*one) + one->polygon_count * per_polygon;
+    if (one != nullptr)
+      bytes += copies * flattened(*one) + one->polygon_count * per_polygon + polygons_with_mask(*one) * of_masked;
   return bytes;
 }
 

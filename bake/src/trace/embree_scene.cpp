@@ -4,11 +4,14 @@
 #include <cmath>
 #include <glm/vec2.hpp>
 #include <new>
+#include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "trace/place_order.h"
 #include "trace/ray_scene.h"
+#include "trace/triangle_math.h"
 
 namespace sightcell::bake {
 namespace {
@@ -66,6 +69,11 @@ void keep_where_masks_pass(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
+// Arrays of a host may contain NaN, which Embree does not accept.
+glm::vec3 finite(const glm::vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) ? p : glm::vec3{0.0f};
+}
+
 bool has_avx512() {
 #if defined(__x86_64__)
   return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
@@ -84,21 +92,24 @@ embree_scene::embree_scene(const scene::world_geometry& world, bool double_sided
   if (!device) device = rtcNewDevice("isa=avx2");
   if (!device) device = rtcNewDevice(nullptr);
   if (!device) throw std::runtime_error("there is no Embree device");
+  std::array<std::vector<std::uint32_t>, embree_geometry_count> polygons;
   for (std::uint32_t polygon = 0; polygon < world.kinds.size(); ++polygon)
-    if (!world.kinds[polygon].absent) ids[geometry_of(world.kinds[polygon])].push_back(polygon);
-  for (unsigned i = 0; i < embree_geometry_count; ++i) {
-    sort_by_place(world, ids[i]);
-    if (!is_tested(i)) continue;
-    for (const std::uint32_t polygon : ids[i]) tests[i].push_back(scene::masked_index(world, polygon));
-  }
+    if (!world.kinds[polygon].absent) polygons[geometry_of(world.kinds[polygon])].push_back(polygon);
+  for (std::vector<std::uint32_t>& of_geometry : polygons) sort_by_place(world, of_geometry);
+  const masked_parts parts(world.opacity);
   solid = make_scene();
   RTCBuffer vertices = make_vertices();
-  std::array<RTCGeometry, embree_geometry_count> parts{};
+  std::array<RTCGeometry, embree_geometry_count> geometries{};
   bool all_occlude = true;
   for (unsigned i = 0; i < embree_geometry_count; ++i) {
-    if (ids[i].empty() && i != opaque_standing) continue;
-    parts[i] = make_geometry(i, vertices);
-    if (occludes(i)) rtcAttachGeometryByID(solid, parts[i], i);
+    if (polygons[i].empty() && i != opaque_standing) continue;
+    if (is_tested(i)) {
+      geometries[i] = make_tested(i, parts, polygons[i]);
+    } else {
+      ids[i] = std::move(polygons[i]);
+      geometries[i] = make_geometry(ids[i], vertices);
+    }
+    if (occludes(i)) rtcAttachGeometryByID(solid, geometries[i], i);
     all_occlude = all_occlude && occludes(i);
   }
   commit(solid, stop);
@@ -106,17 +117,24 @@ embree_scene::embree_scene(const scene::world_geometry& world, bool double_sided
   if (!all_occlude) {
     all = make_scene();
     for (unsigned i = 0; i < embree_geometry_count; ++i)
-      if (parts[i]) rtcAttachGeometryByID(all, parts[i], i);
+      if (geometries[i]) rtcAttachGeometryByID(all, geometries[i], i);
     commit(all, stop);
   }
-  for (const RTCGeometry part : parts)
-    if (part) rtcReleaseGeometry(part);
+  for (const RTCGeometry geometry_of_scene : geometries)
+    if (geometry_of_scene) rtcReleaseGeometry(geometry_of_scene);
+  for (const unsigned i : {tested_standing, open_tested}) {
+    if (polygons[i].empty()) continue;
+    whole_ids[i] = std::move(polygons[i]);
+    whole[i] = make_whole(i, vertices, stop);
+  }
   rtcReleaseBuffer(vertices);
   if (stop) stop->check();  // before Embree's own error for it
   check("building the ray scene");
 }
 
 embree_scene::~embree_scene() {
+  for (const RTCScene of_geometry : whole)
+    if (of_geometry) rtcReleaseScene(of_geometry);
   if (all && all != solid) rtcReleaseScene(all);
   if (solid) rtcReleaseScene(solid);
   if (device) rtcReleaseDevice(device);
@@ -139,34 +157,75 @@ bool embree_scene::is_there(const RTCFilterFunctionNArguments& a, unsigned i, bo
                          RTCHitN_Ng_z(a.hit, a.N, i) * RTCRayN_dir_z(a.ray, a.N, i);
     if (facing > 0.0f) return false;
   }
-  return !is_tested(number) ||
-         passes(geometry, tests[number][primitive], RTCHitN_u(a.hit, a.N, i), RTCHitN_v(a.hit, a.N, i));
+  if (!is_tested(number)) return true;
+  const tested_primitive& p = tests[number][primitive];
+  return passes(geometry, p.masked, p.part.u + p.part.size * RTCHitN_u(a.hit, a.N, i),
+                p.part.v + p.part.size * RTCHitN_v(a.hit, a.N, i));
 }
 
-// All vertices, shared by all geometries. The memory is Embree's own, because Embree reads a few bytes past the last
-// vertex.
-RTCBuffer embree_scene::make_vertices() const {
-  RTCBuffer buffer = rtcNewBuffer(device, std::max<std::size_t>(geometry.positions.size(), 1) * sizeof(glm::vec3) + 16);
+// The memory is Embree's own, because Embree reads a few bytes past the last vertex.
+RTCBuffer embree_scene::make_vertices(std::size_t count) const {
+  RTCBuffer buffer = rtcNewBuffer(device, std::max<std::size_t>(count, 1) * sizeof(glm::vec3) + 16);
   check("allocating vertices");
-  auto* vertex = static_cast<glm::vec3*>(rtcGetBufferData(buffer));
-  // Arrays of a host may contain NaN, which Embree does not accept.
-  for (const glm::vec3& p : geometry.positions)
-    *vertex++ = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) ? p : glm::vec3{0.0f};
   return buffer;
 }
 
-RTCGeometry embree_scene::make_geometry(unsigned number, RTCBuffer vertices) {
+// All vertices, shared by the geometries without parts.
+RTCBuffer embree_scene::make_vertices() const {
+  RTCBuffer buffer = make_vertices(geometry.positions.size());
+  auto* vertex = static_cast<glm::vec3*>(rtcGetBufferData(buffer));
+  for (const glm::vec3& p : geometry.positions) *vertex++ = finite(p);
+  return buffer;
+}
+
+RTCGeometry embree_scene::make_geometry(const std::vector<std::uint32_t>& polygons, RTCBuffer vertices) const {
   RTCGeometry made = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(made, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                    3 * sizeof(std::uint32_t), ids[number].size()));
+                                                                    3 * sizeof(std::uint32_t), polygons.size()));
   rtcSetGeometryBuffer(made, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, sizeof(glm::vec3),
                        geometry.positions.size());
   check("allocating geometry");
-  for (const std::uint32_t polygon : ids[number])
+  for (const std::uint32_t polygon : polygons)
     for (std::size_t k = 0; k < 3; ++k) *index++ = geometry.indices[3 * std::size_t{polygon} + k];
+  rtcCommitGeometry(made);
+  return made;
+}
+
+// Makes the parts of polygons with an alpha test. Corners of parts on an edge that two polygons share are equal.
+RTCGeometry embree_scene::make_tested(unsigned number, const masked_parts& parts,
+                                      const std::vector<std::uint32_t>& polygons) {
+  for (const std::uint32_t polygon : polygons) {
+    const std::uint32_t masked = scene::masked_index(geometry, polygon);
+    for (const masked_part& part : parts.of(masked)) {
+      ids[number].push_back(polygon);
+      tests[number].push_back({masked, part});
+    }
+  }
+  const std::size_t count = tests[number].size();
+  RTCBuffer vertices = make_vertices(3 * count);
+  RTCGeometry made = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* index = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(made, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), count));
+  rtcSetGeometryBuffer(made, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, sizeof(glm::vec3), 3 * count);
+  check("allocating geometry");
+  std::iota(index, index + 3 * count, 0u);
+  auto* vertex = static_cast<glm::vec3*>(rtcGetBufferData(vertices));
+  for (std::size_t i = 0; i < count; ++i)
+    for (const glm::vec3& corner : corners_of_part(bake::corners_of(geometry, ids[number][i]), tests[number][i].part))
+      *vertex++ = finite(corner);
+  rtcReleaseBuffer(vertices);
   rtcSetGeometryUserData(made, this);
   if (number == tested_standing) rtcSetGeometryIntersectFilterFunction(made, keep_where_masks_pass);
   rtcCommitGeometry(made);
+  return made;
+}
+
+RTCScene embree_scene::make_whole(unsigned number, RTCBuffer vertices, const stop_request* stop) const {
+  RTCScene made = make_scene();
+  RTCGeometry polygons = make_geometry(whole_ids[number], vertices);
+  rtcAttachGeometryByID(made, polygons, number);
+  rtcReleaseGeometry(polygons);
+  commit(made, stop);
   return made;
 }
 

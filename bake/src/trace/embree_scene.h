@@ -10,6 +10,7 @@
 
 #include "sightcell/base/stop_request.h"
 #include "sightcell/scene/scene.h"
+#include "trace/masked_parts.h"
 
 namespace sightcell::bake {
 
@@ -45,13 +46,19 @@ enum class embree_width {
   widest,  // packets of 16 with AVX-512. Embree builds another tree then, so pixels at edges may differ
 };
 
+// A primitive of a geometry with an alpha test: a part of a masked polygon.
+struct tested_primitive {
+  std::uint32_t masked = 0;  // index in world_geometry::masked
+  masked_part part;
+};
+
 struct embree_scene {
   // Builds the trees of a scene.
   // world: must outlive this object.
   // all_double_sided: the sidedness of materials is ignored.
   // stop: looked at by the constructor only; null for none.
-  // Throws std::bad_alloc if Embree runs out of memory, std::runtime_error on any other error of Embree, and step_stopped
-  // if stop was asked.
+  // Throws std::bad_alloc if Embree runs out of memory, std::runtime_error on any other error of Embree, and
+  // step_stopped if stop was asked.
   embree_scene(const scene::world_geometry& world, bool all_double_sided, embree_width width,
                const stop_request* stop = nullptr);
   ~embree_scene();
@@ -76,16 +83,24 @@ struct embree_scene {
   RTCDevice device = nullptr;
   RTCScene solid = nullptr;  // occluders only: for tests for solids and for blocked sight lines
   RTCScene all = nullptr;    // occluders and non-occluders; equal to solid if there are no non-occluders
-  // For each geometry: ids has the source id of each primitive. For geometries with an alpha test, tests has the index
-  // of each primitive in world_geometry::masked.
-  std::array<std::vector<std::uint32_t>, embree_geometry_count> ids, tests;
+  // For each geometry with an alpha test: a scene of whole polygons in this geometry, for tests of viewpoints and
+  // queries of distances, and the source ids of its primitives. Null and empty where there are none.
+  std::array<RTCScene, embree_geometry_count> whole{};
+  std::array<std::vector<std::uint32_t>, embree_geometry_count> whole_ids;
+  // For each geometry: ids has the source id of each primitive. For geometries with an alpha test, a primitive is a
+  // part of a polygon, see tests.
+  std::array<std::vector<std::uint32_t>, embree_geometry_count> ids;
+  std::array<std::vector<tested_primitive>, embree_geometry_count> tests;
 
  private:
   // The public constructor delegates to this one, so that the destructor runs if its body throws.
   embree_scene(const scene::world_geometry& world, bool double_sided)
       : geometry(world), all_double_sided(double_sided) {}
+  RTCBuffer make_vertices(std::size_t count) const;
   RTCBuffer make_vertices() const;
-  RTCGeometry make_geometry(unsigned number, RTCBuffer vertices);
+  RTCGeometry make_geometry(const std::vector<std::uint32_t>& polygons, RTCBuffer vertices) const;
+  RTCGeometry make_tested(unsigned number, const masked_parts& parts, const std::vector<std::uint32_t>& polygons);
+  RTCScene make_whole(unsigned number, RTCBuffer vertices, const stop_request* stop) const;
 };
 
 // Id of rays that have no filter in their context. For them the filter of the occluding MASK geometry tests alpha and

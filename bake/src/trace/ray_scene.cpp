@@ -76,8 +76,12 @@ void record_line(const glm::vec3& eye, const glm::vec3& direction, float distanc
   if (recorded_space) recorded_space->mark_line(eye, direction, distance + 2.0f * coincidence_reach(distance));
 }
 
+// The source ids of the primitives of a tree.
+using ids_of_tree = std::array<std::vector<std::uint32_t>, embree_geometry_count>;
+
 struct nearness {
   const embree_scene* scene;
+  const ids_of_tree* ids;
   bool touched = false;
 };
 
@@ -140,7 +144,7 @@ RTCRay one_ray(const glm::vec3& eye, const glm::vec3& direction, float from, flo
 bool note_touch(RTCPointQueryFunctionArguments* arguments) {
   auto* near = static_cast<nearness*>(arguments->userPtr);
   if (!keeps_eyes_off(arguments->geomID)) return false;
-  const std::uint32_t polygon = near->scene->ids[arguments->geomID][arguments->primID];
+  const std::uint32_t polygon = (*near->ids)[arguments->geomID][arguments->primID];
   const glm::vec3 point{arguments->query->x, arguments->query->y, arguments->query->z};
   const float distance = distance_to_triangle(point, corners_of(near->scene->geometry, polygon));
   if (distance >= arguments->query->radius) return false;
@@ -151,13 +155,14 @@ bool note_touch(RTCPointQueryFunctionArguments* arguments) {
 
 struct box_query {
   const embree_scene* scene;
+  const ids_of_tree* ids;
   glm::vec3 min, max;
   std::vector<std::uint32_t>* found;
 };
 
 bool note_in_box(RTCPointQueryFunctionArguments* arguments) {
   const auto& query_data = *static_cast<box_query*>(arguments->userPtr);
-  const std::uint32_t polygon = query_data.scene->ids[arguments->geomID][arguments->primID];
+  const std::uint32_t polygon = (*query_data.ids)[arguments->geomID][arguments->primID];
   if (triangle_touches_box(corners_of(query_data.scene->geometry, polygon), query_data.min, query_data.max))
     query_data.found->push_back(polygon);
   return false;  // the search radius does not shrink
@@ -293,9 +298,13 @@ std::vector<std::uint32_t> ray_scene::touching(const glm::vec3& min, const glm::
   query.radius = 1.001f * 0.5f * glm::distance(min, max) + 1e-4f;
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  box_query query_data{embree_.get(), min, max, &found};
+  box_query query_data{embree_.get(), &embree_->ids, min, max, &found};
   rtcPointQuery(embree_->all, &query, &context, note_in_box, &query_data);
+  query_data.ids = &embree_->whole_ids;
+  for (const RTCScene whole : embree_->whole)
+    if (whole) rtcPointQuery(whole, &query, &context, note_in_box, &query_data);
   std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 
@@ -305,8 +314,11 @@ bool ray_scene::touches_surface(const glm::vec3& point, float radius) const {
   query.x = point.x, query.y = point.y, query.z = point.z, query.time = 0.0f, query.radius = radius;
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  nearness near{embree_.get()};
+  nearness near{embree_.get(), &embree_->ids};
   rtcPointQuery(embree_->all, &query, &context, note_touch, &near);
+  near.ids = &embree_->whole_ids;
+  for (const RTCScene whole : embree_->whole)
+    if (whole && !near.touched) rtcPointQuery(whole, &query, &context, note_touch, &near);
   return near.touched;
 }
 
@@ -324,7 +336,8 @@ bool test_passes(const glm::vec3& point, float radius, const edited_boxes& edit)
   return passes(edit.all) && (edit.parts.empty() || std::any_of(edit.parts.begin(), edit.parts.end(), passes));
 }
 
-// Finds the points inside solids: those where more than one in `one_in` of the hits shows a back.
+// Finds the points inside solids: those where more than one in `one_in` of the hits shows a back. Masked polygons hide
+// backs, the transparent parts too, and show none.
 // Each packet holds one direction from eight nearby points. Parallel rays from nearby origins traverse the same nodes,
 // so 64 rays per point cost several times less than one at a time.
 void ray_scene::find_solid(std::span<const glm::vec3> points, int one_in, std::span<std::uint8_t> solid) const {
@@ -346,12 +359,14 @@ void ray_scene::find_solid(std::span<const glm::vec3> points, int one_in, std::s
       rtcInitIntersectContext(&context);
       context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
       rtcIntersect8(valid, embree_->solid, &context, &r);
+      if (RTCScene masked = embree_->whole[tested_standing]) rtcIntersect8(valid, masked, &context, &r);
       const int left = static_cast<int>(solid_directions - k - 1);
       alignas(32) int back[packet]{};
       for (std::size_t i = 0; i < count; ++i) {
         if (valid[i] != 0) record_line(points[first + i], direction, r.ray.tfar[i]);
         if (valid[i] == 0 || r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         ++hits[i];
+        if (is_tested(r.hit.geomID[i])) continue;
         const scene::polygon_kind kind = geometry_.kinds[embree_->ids[r.hit.geomID[i]][r.hit.primID[i]]];
         const glm::vec3 normal{r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]};
         const bool votes = kind.alpha == scene::alpha_mode::opaque && !kind.double_sided;

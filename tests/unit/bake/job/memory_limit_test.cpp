@@ -70,6 +70,17 @@ TEST(memory_limit, what_is_not_built_is_not_counted) {
   EXPECT_EQ(memory_of_scene(s, how), without_source) << "no hemicube is drawn";
 }
 
+TEST(memory_limit, an_alpha_test_takes_memory) {
+  scene::scene s = of_size(1'000'000);
+  const std::uint64_t without = memory_of_scene(s, {});
+  s.materials.resize(1);
+  s.materials[0].alpha = scene::alpha_mode::mask;
+  s.draws.resize(1);
+  s.draws[0].material = 0;
+  s.draws[0].polygon_count = s.polygon_count;
+  EXPECT_EQ(memory_of_scene(s, {}), without + 400'000'000);
+}
+
 TEST(memory_limit, floors_of_a_wide_scene_take_memory) {
   settings how;
   EXPECT_GT(memory_of_floors(500.0, 500.0, how), 60 * mebibyte);
