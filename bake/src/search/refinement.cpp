@@ -19,10 +19,11 @@
 namespace sightcell::bake {
 namespace {
 
-// The first ray comes from where a polygon beside the target was seen. In 19 million rays in a town, a city and a
-// forest, the second ray of a pair hit 16 times less often than the first, and the third and later ones so seldom that
-// they are left to later rounds.
-constexpr float priority_after_miss = 0.0625f;
+// The first ray comes from where a polygon beside the target was seen, later ones from anywhere. Of 20 million rays in
+// intel_castle 17 of 100 first ones hit, 1.2 of 100 second ones and 0.5 of 100 third ones; of 13 million in temple 1.1,
+// 0.10 and 0.05. So later rays are for large targets, and for cells that need many rounds. A cell of temple takes 0.88
+// of the time that it takes with 1/16, and one of intel_castle 0.93.
+constexpr float priority_after_miss = 0x1p-10f;
 constexpr std::uint32_t most_misses = 8;
 
 // Returns the number of halvings from the largest priority, the index of the level.
@@ -75,8 +76,9 @@ void refinement::take_members() {
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
       for (const std::uint32_t neighbor : near) {
-        if (!faces(rays_, neighbor, eye)) continue;  // back-facing: not visible from this eye
-        const float size = solid_angle(corners_of(rays_.geometry(), neighbor), eye);
+        const triangle corners = corners_of(rays_.geometry(), neighbor);
+        if (!rays_.sees_both_sides(neighbor) && !is_in_front(eye, corners)) continue;  // not visible from this eye
+        const float size = solid_angle(corners, eye);
         attempt one{neighbor, member, std::min(size, how_.largest_priority), 0};
         if (i >= how_.known || leave_tried(one)) found[k].push_back(one);
       }

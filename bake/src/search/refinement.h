@@ -37,7 +37,7 @@ struct refinement_settings {
 // A try is a ray from the witness of a member toward a random point of a neighbor of that member. After a miss it
 // starts at another viewpoint of the cell, because what the witness does not show is mostly visible from elsewhere.
 // The priority of a try is the solid angle of the neighbor as seen from the member's witness, limited to
-// largest_priority and divided by 16 for each ray that missed. Tries are queued in levels that differ by a factor of
+// largest_priority and divided by 1024 for each ray that missed. Tries are queued in levels that differ by a factor of
 // two. A level is processed in waves. All rays of a wave use one state of the set, with one ray per polygon, so that a
 // polygon with several neighbors in the set is tried from different viewpoints. The result depends neither on threads
 // nor on the order of ids.

@@ -1,6 +1,6 @@
 #pragma once
 // The parts of masked polygons that a ray can hit. Leaves are mostly transparent: in a forest two of three hits of rays
-// on masked polygons are where the alpha test is known to fail. Trees over these parts have no such hits.
+// on masked polygons are where the alpha test is known to fail. Trees over these parts have few such hits.
 #include <cstdint>
 #include <span>
 #include <vector>

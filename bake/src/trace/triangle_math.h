@@ -2,6 +2,7 @@
 // Geometry of single triangles.
 #include <array>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "sightcell/scene/scene.h"
@@ -15,6 +16,11 @@ inline triangle corners_of(const scene::world_geometry& geometry, std::uint32_t 
   const std::size_t first = 3 * std::size_t{polygon};
   return {geometry.positions[geometry.indices[first]], geometry.positions[geometry.indices[first + 1]],
           geometry.positions[geometry.indices[first + 2]]};
+}
+
+// Returns whether a point is in front of a triangle.
+inline bool is_in_front(const glm::vec3& point, const triangle& t) {
+  return glm::dot(glm::cross(t[1] - t[0], t[2] - t[0]), point - t[0]) > 0.0f;
 }
 
 // The largest solid angle of a triangle, in sr: half of the sphere.

@@ -29,9 +29,7 @@ std::vector<glm::vec3> draw_viewpoints(const ray_scene& rays, const viewpoint_re
 }
 
 bool faces(const ray_scene& rays, std::uint32_t polygon, const glm::vec3& eye) {
-  if (rays.sees_both_sides(polygon)) return true;
-  const triangle t = corners_of(rays.geometry(), polygon);
-  return glm::dot(glm::cross(t[1] - t[0], t[2] - t[0]), eye - t[0]) > 0.0f;
+  return rays.sees_both_sides(polygon) || is_in_front(eye, corners_of(rays.geometry(), polygon));
 }
 
 }  // namespace sightcell::bake
