@@ -1,5 +1,5 @@
 // Draws of a scene of three.js (0.167 or newer) what is in the potentially visible set of the camera's cell.
-import type { BatchedMesh, Camera, Mesh, Object3D } from 'three';
+import type { Camera, Mesh, Object3D } from 'three';
 import type { Database, Draw, Frame, View } from './sightcell.js';
 
 /** What GLTFLoader returns. `scene` may be a clone. */
@@ -12,8 +12,10 @@ export interface LoadedScene {
 export interface AttachOptions {
   /** "objects" (the default) shows and hides meshes and instances. "ranges" draws only the visible polygons: a BatchedMesh
    * per material replaces all meshes that are opaque, not animated, not mirrored and without skin, morph targets and
-   * attributes of instances. The others are shown and hidden as with "objects". */
-  mode?: 'objects' | 'ranges';
+   * attributes of instances. The others are shown and hidden as with "objects". "packed" does the same with one Mesh per
+   * material, whose vertices are in the space of the scene and whose index buffer it fills when the cell changes: one draw
+   * call each, also without WEBGL_multi_draw. It takes memory for the vertices of all instances, and 24 bytes per polygon. */
+  mode?: 'objects' | 'ranges' | 'packed';
   /** Meshes that are left to the page. Nodes with the mark `dynamic` or `never` always are: no set contains them. */
   skip?: (mesh: Mesh, draw: Draw) => boolean;
   /** Receives warnings. Default: console.warn. */
@@ -25,17 +27,17 @@ export interface Attachment {
    * all of its cameras. Warns where the near plane does not fit the player radius of the bake. */
   update(camera: Camera): Frame;
   readonly view: View;
-  /** The meshes that mode "ranges" added to the scene. With WebGLRenderer, they cast shadows of all of their polygons;
-   * meshes that are not shown cast none. */
-  readonly batches: BatchedMesh[];
+  /** The meshes that mode "ranges" (BatchedMesh) or "packed" added to the scene. With WebGLRenderer, they cast shadows of
+   * all of their polygons; meshes that are not shown cast none. */
+  readonly batches: Mesh[];
   /** Shows everything again, and disposes the view. */
   dispose(): void;
 }
 
-/** Finds the mesh of each draw. Call it before you move, add or remove objects of the scene. Positions of nodes count from
- * the scene, which may be anywhere; what is drawn in a batch does not move in it.
- * Fails with "other_scene" where the file and the scene have different polygons; the message names the nodes. */
 /** The bytes of the .pvs file that a scene contains or names (sightcell bake --embed); null if there is none. */
 export function embeddedPvs(gltf: { readonly parser: any }): Promise<ArrayBuffer | null>;
 
+/** Finds the mesh of each draw. Call it before you move, add or remove objects of the scene. Positions of nodes count from
+ * the scene, which may be anywhere; what is drawn in a batch does not move in it.
+ * Fails with "other_scene" where the file and the scene have different polygons; the message names the nodes. */
 export function attach(gltf: LoadedScene, db: Database, options?: AttachOptions): Promise<Attachment>;

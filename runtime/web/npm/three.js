@@ -2,7 +2,9 @@
 import { BatchedMesh, BufferAttribute, BufferGeometry, Frustum, LoaderUtils, Matrix4, Sphere, Vector3 } from 'three';
 
 import { SightcellError } from './error.js';
+import { PackedBatch } from './three_packed.js';
 
+const modes = ['objects', 'ranges', 'packed'];
 const triangleCount = (geometry) => (geometry.index ?? geometry.attributes.position).count / 3;
 const instanceCount = (mesh) => (mesh.isInstancedMesh ? mesh.count : 1);
 const instancedAttributes = (mesh) => Object.values(mesh.geometry.attributes).filter((a) => a.isInstancedBufferAttribute);
@@ -163,8 +165,7 @@ class Batch {
 
   constructor(mesh) { this.like = mesh; }
 
-  add(draw, number, mesh, matrix, order) {
-    const triangles = order.slice(draw.firstStored, draw.firstStored + draw.polygonCount).map((id) => id - draw.firstSource);
+  add(number, mesh, matrix, triangles) {
     if (!this.parts.has(mesh.geometry)) this.parts.set(mesh.geometry, []);
     const permutations = this.parts.get(mesh.geometry);
     // One for all draws of a primitive, unless the file was baked with --order per-instance.
@@ -215,11 +216,15 @@ class Batch {
     parent.add(this.mesh);
   }
 
+  clear() { this.count = 0; }
+
   push(draw, first, count) {
     const { start, index, sphere } = this.draws.get(draw);
     if (this.count === this.items.length) this.items.push({ z: 0 });
     Object.assign(this.items[this.count++], { start: start + 3 * first, count: 3 * count, index, sphere });
   }
+
+  finish() {}
 
   /** Lists what the BatchedMesh draws: the items whose draws are in the frustum. */
   fill(list, camera, items, count) {
@@ -272,9 +277,9 @@ class Attachment {
   #ahead = { eye: new Vector3(), velocity: new Vector3(), time: 0 };
 
   constructor(gltf, db, { mode = 'objects', skip = () => false, warn = (text) => console.warn(text) }) {
-    if (mode !== 'objects' && mode !== 'ranges') throw new SightcellError('argument', `sightcell: there is no mode "${mode}"`);
-    if (mode === 'ranges' && db.info.layout === 'merged') {
-      throw new SightcellError('argument', 'sightcell: mode "ranges" needs a file that was baked without --layout merged');
+    if (!modes.includes(mode)) throw new SightcellError('argument', `sightcell: there is no mode "${mode}"`);
+    if (mode !== 'objects' && db.info.layout === 'merged') {
+      throw new SightcellError('argument', `sightcell: mode "${mode}" needs a file that was baked without --layout merged`);
     }
     this.#scene = gltf.scene;
     this.#warn = warn;
@@ -283,7 +288,7 @@ class Attachment {
     const managed = db.draws.map((draw, i) => meshes[i] !== undefined && nodes.mark(draw.node, 'dynamic') !== true &&
       nodes.mark(draw.node, 'never') !== true && !skip(meshes[i], draw));
     gltf.scene.updateWorldMatrix(true, true);
-    const batched = mode === 'ranges' ? this.#makeBatches(db, nodes, meshes, managed) : new Set();
+    const batched = mode === 'objects' ? new Set() : this.#makeBatches(db, nodes, meshes, managed, mode);
     db.draws.forEach((draw, i) => {
       const mesh = meshes[i];
       if (!managed[i]) return;
@@ -295,7 +300,7 @@ class Attachment {
     this.view = db.createView();
   }
 
-  #makeBatches(db, nodes, meshes, managed) {
+  #makeBatches(db, nodes, meshes, managed, mode) {
     const order = db.order();
     const toScene = new Matrix4().copy(this.#scene.matrixWorld).invert();
     const matrixOf = (mesh, instance) => {
@@ -312,8 +317,9 @@ class Attachment {
       const mesh = meshes[i];
       if (apart.has(mesh) || draw.polygonCount === 0) return;
       const key = batchKey(mesh);
-      if (!batches.has(key)) batches.set(key, new Batch(mesh));
-      batches.get(key).add(draw, i, mesh, matrices[i], order);
+      if (!batches.has(key)) batches.set(key, mode === 'packed' ? new PackedBatch(mesh) : new Batch(mesh));
+      const triangles = order.slice(draw.firstStored, draw.firstStored + draw.polygonCount).map((id) => id - draw.firstSource);
+      batches.get(key).add(i, mesh, matrices[i], triangles);
       this.#batchOfDraw[i] = batches.get(key);
     });
     this.#batches = Array.from(batches.values());
@@ -365,10 +371,13 @@ class Attachment {
     const objects = this.view.objects();
     for (const whole of this.#whole.values()) if (!this.#batched.has(whole.mesh)) whole.apply(objects);
     if (this.#batches.length === 0) return;
-    for (const batch of this.#batches) batch.count = 0;
+    for (const batch of this.#batches) batch.clear();
     const ranges = this.view.ranges();
     for (let i = 0; i < ranges.length; i += 3) this.#batchOfDraw[ranges[i]]?.push(ranges[i], ranges[i + 1], ranges[i + 2]);
-    for (const { mesh, count } of this.#batches) mesh.visible = mesh.castShadow || count > 0;
+    for (const batch of this.#batches) {
+      batch.finish();
+      batch.mesh.visible = batch.mesh.castShadow || batch.count > 0;
+    }
   }
 
   #checkNear({ near, projectionMatrix: { elements: [x, , , , , y] }, isPerspectiveCamera }) {

@@ -30,7 +30,8 @@ async function openTown({ scene, sets }) {
   });
   const plain = gltf.scene.clone();  // the same meshes without a PVS, to compare
   plain.visible = false;
-  const pvs = await attach(gltf, db, { mode: 'ranges' });
+  const canDrawRanges = document.createElement('canvas').getContext('webgl2')?.getExtension('WEBGL_multi_draw');
+  const pvs = await attach(gltf, db, { mode: canDrawRanges ? 'ranges' : 'packed' });
   return { town: gltf.scene, parser: gltf.parser, plain, db, pvs };
 }
 

@@ -114,6 +114,59 @@ async function draws_the_answers(mode, whole, change = (gltf) => gltf) {
   return calls / answers.length;
 }
 
+// One call for each material, and shadows of all polygons.
+async function packed_batches_cast_shadows() {
+  const gltf = await load_scene();
+  gltf.scene.traverse((object) => { object.castShadow = object.isMesh; });
+  const pvs = await attach(gltf, db, { mode: "packed" });
+  require(pvs.batches.length > 3 && pvs.batches.every((mesh) => !mesh.isBatchedMesh && mesh.castShadow), "batches");
+  const batched = polygons.filter((polygon) => !whole_in_ranges(polygon) && Number(polygon.draw.split(" ")[0]) !== marked);
+  for (const answer of answers) {
+    pvs.update(camera_at(answer.eye));
+    const cast = new Set(drawn_of(THREE, gltf.scene, camera_of_all(), { shadow: true }).polygons);
+    require(batched.every(({ text }) => cast.has(text)), "a polygon casts no shadow");
+    same(drawn_of(THREE, gltf.scene, camera_of_all()).polygons, expected_of(answer, whole_in_ranges), "after the shadows");
+  }
+  pvs.dispose();
+}
+
+// Gives each geometry of a loaded scene another.
+function change_geometries({ scene }, change) {
+  const made = new Map();
+  scene.traverse((mesh) => {
+    if (!mesh.isMesh) return;
+    if (!made.has(mesh.geometry)) made.set(mesh.geometry, change(mesh.geometry));
+    mesh.geometry = made.get(mesh.geometry);
+  });
+}
+
+// Normals are in the space of the scene, and vertices that no polygon of a draw uses are not copied.
+async function packed_batches_have_attributes() {
+  const gltf = await load_scene();
+  change_geometries(gltf, (geometry) => {
+    const flat = geometry.toNonIndexed();
+    flat.computeVertexNormals();
+    for (const [name, { array, itemSize }] of Object.entries(flat.attributes)) {
+      const longer = new Float32Array(array.length + 1000 * itemSize);
+      longer.set(array);
+      flat.setAttribute(name, new THREE.BufferAttribute(longer, itemSize));
+    }
+    return flat.setIndex(Array.from({ length: geometry.index.count }, (_, i) => i));
+  });
+  const pvs = await attach(gltf, db, { mode: "packed" });
+  const [a, b, c, normal] = Array.from({ length: 4 }, () => new THREE.Vector3());
+  for (const { geometry: { attributes, index } } of pvs.batches) {
+    require(attributes.position.count === index.count / 2, `${attributes.position.count} vertices, ${index.count} indices`);
+    for (let i = index.count / 2; i < index.count; i += 3) {
+      [a, b, c].forEach((corner, k) => corner.fromBufferAttribute(attributes.position, index.getX(i + k)));
+      const expected = b.sub(a).cross(c.sub(a)).normalize();
+      normal.fromBufferAttribute(attributes.normal, index.getX(i));
+      require(normal.distanceTo(expected) < 1e-3, `a normal ${normal.toArray()} in place of ${expected.toArray()}`);
+    }
+  }
+  pvs.dispose();
+}
+
 async function batches_are_culled_and_cast_shadows() {
   const gltf = await load_scene();
   gltf.scene.traverse((object) => { object.castShadow = object.isMesh; });
@@ -175,9 +228,10 @@ async function a_changed_scene_is_rejected() {
   require(more.startsWith("other_scene: ") && more.includes("that the file lacks"), more);
   const nothing = await error_of(({ scene }) => { scene.clear(); });
   require(nothing.startsWith("other_scene: ") && nothing.includes("and 6"), nothing);
-  require((await error_of(() => {}, { mode: "packed" })).startsWith("argument: "), "a mode");
+  require((await error_of(() => {}, { mode: "triangles" })).startsWith("argument: "), "a mode");
   const merged = { info: { ...db.info, layout: "merged" } };
-  require((await error_of(() => {}, { mode: "ranges" }, merged)).startsWith("argument: "), "ranges of a merged file");
+  for (const mode of ["ranges", "packed"])
+    require((await error_of(() => {}, { mode }, merged)).startsWith("argument: "), `${mode} of a merged file`);
   require(await error_of(() => {}) === "no error", "the scene itself");
   // What the page adds is no part of it.
   require(await error_of(({ scene }) => { scene.add(new THREE.Mesh(new THREE.BoxGeometry())); }) === "no error", "a box");
@@ -291,7 +345,10 @@ async function the_documents_show_what_works() {
 const objects = await draws_the_answers("objects", () => true);
 const ranges = await draws_the_answers("ranges", whole_in_ranges);
 await draws_the_answers("ranges", whole_in_ranges, ({ scene, parser }) => ({ scene: scene.clone(), parser }));
-require(ranges < objects, `${ranges} calls with ranges, ${objects} with objects`);
+const packed = await draws_the_answers("packed", whole_in_ranges);
+require(ranges < objects && packed === ranges, `${ranges} and ${packed} calls with ranges and packed, ${objects} with objects`);
+await packed_batches_cast_shadows();
+await packed_batches_have_attributes();
 await batches_are_culled_and_cast_shadows();
 await a_changed_scene_is_rejected();
 await the_near_plane_is_checked();
@@ -300,4 +357,4 @@ await what_moves_stays_apart();
 await the_overlay_freezes_the_set();
 await the_file_in_the_scene_is_found();
 await the_documents_show_what_works();
-console.log(`three.js ${THREE.REVISION}: ${objects.toFixed(1)} calls with objects, ${ranges.toFixed(1)} with ranges`);
+console.log(`three.js ${THREE.REVISION}: ${objects.toFixed(1)} calls with objects, ${ranges.toFixed(1)} with ranges and packed`);

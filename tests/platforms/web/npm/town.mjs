@@ -71,7 +71,10 @@ function* drawn_parts(THREE, object, scene, camera, shadow) {
       yield [0, object.geometry.index.count, matrix];
     }
   } else {
-    yield [0, object.geometry.index.count, object.matrixWorld];
+    if (shadow) object.onBeforeShadow();
+    const { start, count } = object.geometry.drawRange;
+    yield [start, Math.min(count, object.geometry.index.count - start), object.matrixWorld];
+    if (shadow) object.onAfterShadow();
   }
 }
 

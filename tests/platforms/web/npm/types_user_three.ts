@@ -4,7 +4,7 @@ import type { Attachment, AttachOptions, LoadedScene } from 'sightcell/three';
 import { DebugOverlay } from 'sightcell/three/overlay';
 import { DebugLines } from 'sightcell';
 import type { Database, Frame, View } from 'sightcell';
-import type { BatchedMesh, Camera, LineSegments, Mesh, Object3D } from 'three';
+import type { Camera, LineSegments, Mesh, Object3D } from 'three';
 
 declare const db: Database;
 declare const camera: Camera;
@@ -16,10 +16,10 @@ const options: AttachOptions = { mode: 'ranges', warn: (text: string) => console
   skip: (mesh: Mesh, draw) => mesh.name === 'door' || draw.node === 3 };
 const inside: ArrayBuffer | null = await embeddedPvs(gltf);
 const pvs: Attachment = await attach(gltf, db, options);
-await attach(clone, db);
+await attach(clone, db, { mode: 'packed' });
 const frame: Frame = pvs.update(camera);
 const view: View = pvs.view;
-const batches: BatchedMesh[] = pvs.batches;
+const batches: Mesh[] = pvs.batches;
 const overlay = new DebugOverlay(pvs, gltf.scene, { kinds: DebugLines.volumes });
 overlay.kinds = overlay.kinds | DebugLines.outsideRegion;
 overlay.visible = !overlay.visible;
@@ -29,7 +29,7 @@ overlay.dispose();
 pvs.dispose();
 
 // @ts-expect-error There is no such mode.
-await attach(gltf, db, { mode: 'packed' });
+await attach(gltf, db, { mode: 'triangles' });
 // @ts-expect-error A frame is no camera.
 pvs.update(frame);
 
