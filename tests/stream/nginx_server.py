@@ -29,7 +29,7 @@ http {{
   uwsgi_temp_path uwsgi;
   scgi_temp_path scgi;
   server {{
-    listen 127.0.0.1:{port};
+    listen 127.0.0.1:{port}{protocol};
     root {root};
     include {rules};
     {more}
@@ -50,20 +50,25 @@ def answers(port):
 
 
 class Nginx:
-    """Sends each site as /NAME/. sites: folders by name. brotli: also sends copies of that kind, which needs BROTLI."""
+    """Sends each site as /NAME/. sites: folders by name. brotli: also sends copies of that kind, which needs BROTLI.
+    http2: HTTP/2 over TLS, with the certificate `authority`."""
 
-    def __init__(self, sites, workers=1, brotli=False):
+    def __init__(self, sites, workers=1, brotli=False, http2=False):
         self.folder = tempfile.mkdtemp()
+        self.scheme = 'https' if http2 else 'http'
         root = os.path.join(self.folder, 'root')
         os.mkdir(root)
         for name, site in sites.items():
             os.symlink(os.path.abspath(site), os.path.join(root, name))
         self.port = free_port()
+        more = 'brotli_static on;' if brotli else ''
+        if http2:
+            more += self._make_certificate()
         configuration = os.path.join(self.folder, 'nginx.conf')
         with open(configuration, 'w', encoding='utf-8') as out:
             out.write(CONFIGURATION.format(user='' if os.getuid() else 'user root;', workers=workers, port=self.port,
                                            root=root, rules=CACHE_RULES, modules=f'load_module {BROTLI};' if brotli else '',
-                                           more='brotli_static on;' if brotli else ''))
+                                           protocol=' ssl http2' if http2 else '', more=more))
         self.process = subprocess.Popen([PROGRAM, '-p', self.folder, '-c', configuration, '-g', 'daemon off;'],
                                         stderr=subprocess.PIPE, text=True)
         end = time.monotonic() + START
@@ -73,8 +78,16 @@ class Nginx:
                 raise RuntimeError(f'nginx does not start: {self.process.stderr.read()}')
             time.sleep(0.02)
 
+    def _make_certificate(self):
+        """Its lines of the configuration."""
+        self.authority, key = (os.path.join(self.folder, name) for name in ('certificate.pem', 'key.pem'))
+        subprocess.run(['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1', '-nodes',
+                        '-keyout', key, '-out', self.authority, '-subj', '/CN=127.0.0.1', '-days', '2',
+                        '-addext', 'subjectAltName=IP:127.0.0.1'], check=True, capture_output=True)
+        return f'ssl_certificate {self.authority}; ssl_certificate_key {key};'
+
     def url(self, name):
-        return f'http://127.0.0.1:{self.port}/{name}/'
+        return f'{self.scheme}://127.0.0.1:{self.port}/{name}/'
 
     def worker_seconds(self):
         """CPU seconds of all workers so far."""

@@ -135,6 +135,19 @@ class BehindNginx(InFolder):
             headers = (got['bytes'] - sent) / got['requests']
             self.assertTrue(150 < headers < 600, headers)
 
+    def test_client_uses_http2(self):
+        """Over one connection of TLS, it has the same files. Without the certificate it has none, and says why."""
+        server = nginx_server.Nginx({'rooms': self.site}, http2=True)
+        self.addCleanup(server.stop)
+        plain = self.load(self.server.url('rooms'))
+        got = self.load(server.url('rooms'), '--authorities', server.authority)
+        self.assertEqual((plain['http2'], got['http2'], got['complete'], got['errors']), (False, True, True, 0))
+        self.assertEqual(sorted(got['present']), sorted(plain['present']))
+        code, _, err = harness.run(harness.program('sightcell-stream-client'), server.url('rooms'), '--eye', '4,2,4', '--no-draw',
+                                   '--attempts', 1)
+        self.assertNotEqual(code, 0)
+        self.assertIn('certificate', err)
+
     def test_front_is_validated(self):
         status, headers, body = self.get('scene.front')
         self.assertEqual((status, headers.get_all('Cache-Control'), body),
