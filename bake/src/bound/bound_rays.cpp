@@ -44,21 +44,24 @@ std::vector<std::uint32_t> suspects(const ray_scene& rays, const ray_trial& tria
                                     const std::vector<sight_line>& lines,
                                     const std::function<bool(const sight_line&)>& changed, std::uint64_t& traced) {
   const box& around = where.whole();
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
+  std::vector<std::uint64_t> order;  // code of the line, index: one number sorts faster than a pair
   order.reserve(lines.size());
-  for (std::uint32_t i = 0; i < lines.size(); ++i)
-    if (!changed || changed(lines[i]))
-      order.emplace_back(
-          direction_code(lines[i].direction) << 15 | place_code(lines[i].eye, around.min, around.max - around.min), i);
+  for (std::uint32_t i = 0; i < lines.size(); ++i) {
+    if (changed && !changed(lines[i])) continue;
+    const std::uint32_t code =
+        direction_code(lines[i].direction) << 15 | place_code(lines[i].eye, around.min, around.max - around.min);
+    order.push_back(std::uint64_t{code} << 32 | i);
+  }
   std::sort(order.begin(), order.end());
+  const auto line_of = [&](std::size_t i) { return static_cast<std::uint32_t>(order[i]); };
   std::vector<sight_line> sorted(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = lines[order[i].second];
+  for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = lines[line_of(i)];
   traced += order.size();
   std::vector<sight> seen(order.size());
   rays.trace(sorted, seen);
   std::vector<std::uint32_t> found;
   for (std::size_t i = 0; i < order.size(); ++i)
-    if (trial.lacks(sorted[i], seen[i])) found.push_back(order[i].second);
+    if (trial.lacks(sorted[i], seen[i])) found.push_back(line_of(i));
   std::sort(found.begin(), found.end());
   return found;
 }

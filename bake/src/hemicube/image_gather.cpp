@@ -41,13 +41,6 @@ void image_gather::add(std::uint32_t id, std::uint32_t pixels, std::uint32_t fir
   found_[id / 64] |= std::uint64_t{1} << (id % 64);
 }
 
-bool image_gather::run(std::span<const face_view, face_count> faces, std::span<const std::uint32_t> ids,
-                       std::span<const float> depths, float at_far_plane, hemicube_view& view) {
-  if (!list(ids, view.seen)) return false;
-  sum(faces, depths, at_far_plane, view.importance);
-  return true;
-}
-
 bool image_gather::list(std::span<const std::uint32_t> ids, std::vector<seen_polygon>& seen) {
   const bool known = count_pixels(ids);
   list_found(seen);  // after a failure too, because it clears the counts

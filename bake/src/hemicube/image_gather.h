@@ -21,16 +21,14 @@ class image_gather {
  public:
   explicit image_gather(std::uint32_t polygon_count);
 
-  // Adds pixels of a non-occluder, which is not in the image. Call it before run(). first: the first of these pixels.
+  // Adds pixels of a non-occluder, which is not in the image. Call it before list(). first: the first of these pixels.
   void add(std::uint32_t id, std::uint32_t pixels, std::uint32_t first);
 
-  // Fills view. ids: 3 S x S source ids, row by row; scene::no_index in the background. depths: c / depth along the
-  // axis of the face, for any constant c; 0 in the background. at_far_plane: c / far plane. Returns false, with an
-  // invalid view, where an id is not below polygon_count.
-  bool run(std::span<const face_view, face_count> faces, std::span<const std::uint32_t> ids,
-           std::span<const float> depths, float at_far_plane, hemicube_view& view);
-  // The two parts of run().
+  // Lists the polygons. ids: 3 S x S source ids, row by row; scene::no_index in the background. Returns false, with an
+  // invalid list, where an id is not below polygon_count.
   bool list(std::span<const std::uint32_t> ids, std::vector<seen_polygon>& seen);
+  // Sums the importance. depths: c / depth along the axis of the face, for any constant c; 0 in the background.
+  // at_far_plane: c / far plane.
   void sum(std::span<const face_view, face_count> faces, std::span<const float> depths, float at_far_plane,
            std::array<double, 4>& importance);
 

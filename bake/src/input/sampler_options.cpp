@@ -111,6 +111,10 @@ bool takes_hemicubes(std::string_view sampler) {
   return std::find(hemicube_samplers.begin(), hemicube_samplers.end(), sampler) != hemicube_samplers.end();
 }
 
+bool uses_importance(std::string_view sampler) {
+  return std::find(importance_samplers.begin(), importance_samplers.end(), sampler) != importance_samplers.end();
+}
+
 std::string value_text(const sampler_option& option, const settings& s) {
   return std::visit([&](auto member) { return fmt::format("{}", s.*member); }, option.value);
 }

@@ -5,7 +5,7 @@
 #include <array>
 #include <bit>
 #include <compare>
-#include <numeric>
+#include <utility>
 
 namespace sightcell::bake {
 namespace {
@@ -47,18 +47,21 @@ std::vector<std::uint32_t> weld(const std::vector<glm::vec3>& positions, std::ui
 vertex_neighbors::vertex_neighbors(const scene::world_geometry& geometry) {
   std::uint32_t vertices = 0;
   const std::vector<std::uint32_t> welded = weld(geometry.positions, vertices);
-  corners_.assign(geometry.indices.size(), scene::no_index);
-  starts_.assign(std::size_t{vertices} + 1, 0);
-  for (std::size_t i = 0; i < geometry.indices.size(); ++i) {
-    if (geometry.kinds[i / 3].absent) continue;
-    corners_[i] = welded[geometry.indices[i]];
-    ++starts_[corners_[i] + 1];
-  }
-  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-  polygons_.resize(starts_.back());
-  std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
-  for (std::size_t i = 0; i < corners_.size(); ++i)
-    if (corners_[i] != scene::no_index) polygons_[next[corners_[i]]++] = static_cast<std::uint32_t>(i / 3);
+  const auto each_corner = [&](const auto& visit) {
+    for (std::size_t i = 0; i < geometry.indices.size(); ++i)
+      if (!geometry.kinds[i / 3].absent) visit(i, welded[geometry.indices[i]]);
+  };
+  std::vector<std::uint32_t> starts(vertices, 0);
+  each_corner([&](std::size_t, std::uint32_t vertex) { ++starts[vertex]; });
+  std::uint32_t size = 0;
+  for (std::uint32_t& start : starts) size += 1 + std::exchange(start, size);
+  lists_.assign(size, 0);
+  lists_of_.assign(geometry.indices.size(), scene::no_index);
+  each_corner([&](std::size_t corner, std::uint32_t vertex) {
+    lists_of_[corner] = starts[vertex];
+    std::uint32_t* list = lists_.data() + starts[vertex];
+    list[++list[0]] = static_cast<std::uint32_t>(corner / 3);
+  });
 }
 
 }  // namespace sightcell::bake

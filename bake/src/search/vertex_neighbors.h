@@ -19,16 +19,16 @@ class vertex_neighbors {
   template <typename Visit>
   void for_each(std::uint32_t polygon, Visit visit) const {
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t corner = corners_[3 * std::size_t{polygon} + k];
-      if (corner == scene::no_index) continue;
-      for (std::uint32_t i = starts_[corner]; i < starts_[corner + 1]; ++i) visit(polygons_[i]);
+      const std::uint32_t start = lists_of_[3 * std::size_t{polygon} + k];
+      if (start == scene::no_index) continue;
+      const std::uint32_t* list = lists_.data() + start;
+      for (std::uint32_t i = 1; i <= list[0]; ++i) visit(list[i]);
     }
   }
 
  private:
-  std::vector<std::uint32_t> corners_;   // three welded vertices per polygon; no_index for absent polygons
-  std::vector<std::uint32_t> starts_;    // per welded vertex: its first entry in polygons_
-  std::vector<std::uint32_t> polygons_;  // ascending per vertex
+  std::vector<std::uint32_t> lists_of_;  // per corner of each polygon: where its list starts; no_index: absent
+  std::vector<std::uint32_t> lists_;     // per welded vertex: the number of its polygons, and these, ascending
 };
 
 }  // namespace sightcell::bake

@@ -150,12 +150,12 @@ void embree_scene::check(const char* doing) const {
 
 bool embree_scene::is_there(const RTCFilterFunctionNArguments& a, unsigned i, bool double_sided) const {
   const unsigned number = RTCHitN_geomID(a.hit, a.N, i), primitive = RTCHitN_primID(a.hit, a.N, i);
-  const scene::polygon_kind kind = geometry.kinds[ids[number][primitive]];
-  if (!kind.double_sided && !double_sided) {
+  if (!double_sided) {
     const float facing = RTCHitN_Ng_x(a.hit, a.N, i) * RTCRayN_dir_x(a.ray, a.N, i) +
                          RTCHitN_Ng_y(a.hit, a.N, i) * RTCRayN_dir_y(a.ray, a.N, i) +
                          RTCHitN_Ng_z(a.hit, a.N, i) * RTCRayN_dir_z(a.ray, a.N, i);
-    if (facing > 0.0f) return false;
+    // The table is read for backs alone, because it is seldom in the cache.
+    if (facing > 0.0f && !geometry.kinds[ids[number][primitive]].double_sided) return false;
   }
   if (!is_tested(number)) return true;
   const tested_primitive& p = tests[number][primitive];

@@ -27,6 +27,9 @@ std::span<const sampler_info> samplers();
 // no effect for them. False for an unknown name.
 bool takes_hemicubes(std::string_view sampler);
 
+// Returns whether a sampler uses the importance of hemicubes. False for an unknown name.
+bool uses_importance(std::string_view sampler);
+
 // ---- Their options --------------------------------------------------------------------------------------------------
 
 struct sampler_option {

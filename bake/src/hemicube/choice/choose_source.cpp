@@ -61,7 +61,8 @@ chosen_source choose_source(const settings& how, const scene::world_geometry& ge
   // The far plane of the importance is the diagonal of the scene's box.
   const float diagonal = glm::distance(geometry.min, geometry.max);
   if (chosen.name == "rays") {
-    chosen.source = make_rays_source(rays, {.resolution = how.resolution, .far_plane = diagonal});
+    chosen.source = make_rays_source(
+        rays, {.resolution = how.resolution, .far_plane = diagonal, .importance = uses_importance(how.sampler)});
     return chosen;
   }
   const scene::world_geometry* drawn = &geometry;
@@ -77,6 +78,7 @@ chosen_source choose_source(const settings& how, const scene::world_geometry& ge
     // Most cells that start from what they had take no hemicubes.
     chosen.source = make_cpu_source(*drawn, {.resolution = how.resolution,
                                              .far_plane = diagonal,
+                                             .importance = uses_importance(how.sampler),
                                              .when_needed = how.keep_found && !how.since.empty()});
   return chosen;
 }

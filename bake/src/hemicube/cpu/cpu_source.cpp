@@ -193,6 +193,7 @@ class cpu_source final : public hemicube_source {
   cpu_source(const scene::world_geometry& geometry, const cpu_source_options& options)
       : resolution_(options.resolution),
         far_plane_(options.far_plane),
+        importance_(options.importance),
         polygon_count_(static_cast<std::uint32_t>(geometry.kinds.size())),
         kernel_(kernel_of(options.instructions)),
         geometry_(&geometry) {
@@ -264,7 +265,7 @@ class cpu_source final : public hemicube_source {
       if (recorded_space) record_face(frame, tiles, touched_space::block_of(resolution_), *recorded_space);
       kernel_.gather(frame, tiles, at.counter());
       lap(sum.gather);
-      kernel_.add_importance(frame, tiles, far_plane_, sums);
+      if (importance_) kernel_.add_importance(frame, tiles, far_plane_, sums);
       lap(sum.statistics);
     }
     at.take_found(view.seen);
@@ -298,6 +299,7 @@ class cpu_source final : public hemicube_source {
 
   std::uint32_t resolution_;
   float far_plane_;
+  bool importance_;
   std::uint32_t polygon_count_;
   const cpu::kernel& kernel_;
   tbb::collaborative_once_flag built_;

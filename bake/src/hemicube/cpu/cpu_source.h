@@ -18,6 +18,7 @@ struct cpu_source_options {
   std::uint32_t resolution = 256;  // S, pixels along a face; even, 16..4096
   float far_plane = 1.0f;          // meters; depths are divided by it in the importance, background counts as 1
   cpu_instructions instructions = available_instructions().front();  // one of available_instructions()
+  bool importance = true;    // false: hemicube_view::importance is 0
   bool when_needed = false;  // whether clusters are built by the first call, because there may be none
 };
 

@@ -99,6 +99,7 @@ class rays_source final : public hemicube_source {
         embree_(shared),
         resolution_(options.resolution),
         at_far_plane_(1.0f / options.far_plane),
+        importance_(options.importance),
         polygon_count_(static_cast<std::uint32_t>(shared.geometry.kinds.size())),
         wide_(rtcGetDeviceProperty(shared.device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0),
         scratch_([this] { return scratch(polygon_count_); }) {
@@ -122,7 +123,9 @@ class rays_source final : public hemicube_source {
     tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
       scratch& own = scratch_.local();
       const auto faces = trace(poses[i], own, own.image);
-      own.gather.run(faces, own.image.ids, own.image.inverse_depths, at_far_plane_, views[i]);
+      own.gather.list(own.image.ids, views[i].seen);
+      views[i].importance = {};
+      if (importance_) own.gather.sum(faces, own.image.inverse_depths, at_far_plane_, views[i].importance);
     });
   }
 
@@ -304,6 +307,7 @@ class rays_source final : public hemicube_source {
   const embree_scene& embree_;
   std::uint32_t resolution_;
   float at_far_plane_;
+  bool importance_;
   std::uint32_t polygon_count_;
   bool wide_;
   // For each geometry with occluders and each primitive: the lowest source id among its exact duplicates.

@@ -20,6 +20,7 @@ struct rays_source_options {
   // Packets of 16 where the processor has AVX-512, for benchmarks. This is faster, but Embree then builds another tree,
   // so a few pixels at edges may differ between machines. Only for a source with a ray scene of its own.
   bool widest = false;
+  bool importance = true;  // false: hemicube_view::importance is 0
 };
 
 // geometry must outlive the source. Several threads may call the source at a time; the poses of one call are traced in

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <numeric>
 
 #include "errors/error_id.h"
+#include "hemicube/choice/choose_source.h"
 #include "hemicube/gpu/polygon_counts.h"
 #include "hemicube/hemicube_faces.h"
 #include "hemicube/rays/rays_source.h"
@@ -402,6 +404,31 @@ TEST(rays_source_test, sees_what_single_rays_see) {
     EXPECT_NEAR(p.pixels, passed[p.id], 1) << p.id;
   }
   EXPECT_GT(glass, 20u);
+}
+
+// Samplers that do not use the importance do not pay for it, and see the same.
+TEST(chosen_source, sums_importance_for_samplers_that_use_it) {
+  tiny_scene s;
+  s.wall_x(2, -1, 0.5f);
+  s.wall_x(5, -1, 20);
+  const scene::world_geometry world = scene::flatten(s.finished());
+  const bake::ray_scene rays(world, false);
+  for (const char* name : {"cpu", "rays"}) {
+    bake::hemicube_view views[2];
+    for (const bool uses : {false, true}) {
+      bake::settings how;
+      how.source = name;
+      how.sampler = uses ? "importance-depth" : "guided";
+      how.resolution = size;
+      bake::choose_source(how, world, rays).source->render(along_x, views[uses]);
+      const auto sum = std::accumulate(views[uses].importance.begin(), views[uses].importance.end(), 0.0);
+      EXPECT_EQ(sum > 0.0, uses) << name << ", " << how.sampler;
+    }
+    ASSERT_GE(views[0].seen.size(), 2u);
+    EXPECT_TRUE(std::ranges::equal(views[0].seen, views[1].seen, [](const auto& a, const auto& b) {
+      return a.id == b.id && a.pixels == b.pixels && a.pixel == b.pixel;
+    }));
+  }
 }
 
 TEST(rays_source_test, of_exact_duplicates_the_lowest_id_is_seen) {
