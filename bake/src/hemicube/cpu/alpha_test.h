@@ -109,25 +109,22 @@ inline alpha_result known_between(const scene_view& scene, const masked_triangle
   return alpha_result::unknown;
 }
 
-// The planes of a tile: their values in its first row, and steps per row.
-struct alpha_rows {
-  floats weight, u, v, alpha;
-  float weight_up, u_up, v_up, alpha_up;
+// A plane in a tile: its value at the first pixel, and steps per pixel.
+struct tile_plane {
+  float first, step_x, step_y;
+
+  floats at(const floats& x, const floats& y) const { return (all(first) + all(step_x) * x) + all(step_y) * y; }
 };
 
-inline alpha_rows rows_of(const alpha_planes& p, std::uint32_t x, std::uint32_t y) {
-  const floats lanes = to_floats(count_up());
-  const auto first = [&](const pixel_plane& of) {
-    return all(static_cast<float>(at(of, x + 0.5, y + 0.5))) + all(static_cast<float>(of.a)) * lanes;
+struct alpha_tile {
+  tile_plane weight, u, v, alpha;
+};
+
+inline alpha_tile tile_of(const alpha_planes& p, std::uint32_t x, std::uint32_t y) {
+  const auto plane = [&](const pixel_plane& of) -> tile_plane {
+    return {static_cast<float>(at(of, x + 0.5, y + 0.5)), static_cast<float>(of.a), static_cast<float>(of.b)};
   };
-  return {first(p.weight),
-          first(p.u),
-          first(p.v),
-          first(p.alpha),
-          static_cast<float>(p.weight.b),
-          static_cast<float>(p.u.b),
-          static_cast<float>(p.v.b),
-          static_cast<float>(p.alpha.b)};
+  return {plane(p.weight), plane(p.u), plane(p.v), plane(p.alpha)};
 }
 
 // The texel below a coordinate, counted from the border of the mask, and the weight of the next one.
@@ -151,13 +148,13 @@ inline between texels_at(floats coordinate, std::uint32_t size, scene::wrap mode
   return {truncated(below) + all(1), place - below};
 }
 
-// Returns a bit per pixel of row j of a tile whose alpha passes.
-inline std::uint32_t alpha_passes(const scene_view& scene, const alpha_test& test, const alpha_rows& rows,
-                                  std::uint32_t j) {
-  const auto up = static_cast<float>(j);
-  const floats per_weight = all(1.0f) / (rows.weight + all(rows.weight_up * up));
-  const between x = texels_at((rows.u + all(rows.u_up * up)) * per_weight, test.width, test.wrap_u),
-                y = texels_at((rows.v + all(rows.v_up * up)) * per_weight, test.height, test.wrap_v);
+// Returns a bit for each of eight pixels of a tile whose alpha passes. x, y: the pixels, from the first one of the
+// tile.
+inline std::uint32_t alpha_passes(const scene_view& scene, const alpha_test& test, const alpha_tile& tile,
+                                  const floats& x_in_tile, const floats& y_in_tile) {
+  const floats per_weight = all(1.0f) / tile.weight.at(x_in_tile, y_in_tile);
+  const between x = texels_at(tile.u.at(x_in_tile, y_in_tile) * per_weight, test.width, test.wrap_u),
+                y = texels_at(tile.v.at(x_in_tile, y_in_tile) * per_weight, test.height, test.wrap_v);
   const ints quads = y.below * all(static_cast<std::int32_t>(test.width + 2)) + x.below;
   const ints bytes = four_bytes_at(scene.texels + test.first, quads + quads), byte = all(0xFF);
   const auto beside = [&](const ints& left, const ints& right) {
@@ -168,8 +165,30 @@ inline std::uint32_t alpha_passes(const scene_view& scene, const alpha_test& tes
                high = beside(shift_right<8>(bytes), shift_right<24>(bytes));
   const floats number = low + (high - low) * y.toward_next;
   if (!test.varies) return sign_bits(number >= all(test.threshold));
-  const floats alpha = (rows.alpha + all(rows.alpha_up * up)) * per_weight;
+  const floats alpha = tile.alpha.at(x_in_tile, y_in_tile) * per_weight;
   return sign_bits(number / all(255.0f) * alpha >= all(test.cutoff));
+}
+
+// Pixels of a tile: bit 8 y + x is pixel (x, y).
+using tile_bits = std::uint64_t;
+
+inline std::uint32_t row_of(tile_bits bits, std::uint32_t y) {
+  return static_cast<std::uint32_t>(bits >> (8 * y)) & 0xFFu;
+}
+
+// Returns those of the pixels whose alpha passes.
+inline tile_bits alpha_passes(const scene_view& scene, const alpha_test& test, const alpha_tile& tile, tile_bits bits) {
+  std::int32_t count = 0;
+  alignas(32) std::int32_t pixels[tile_pixels];
+  for (tile_bits left = bits; left != 0; left &= left - 1) pixels[count++] = __builtin_ctzll(left);
+  for (std::int32_t k = count; k % 8 != 0; ++k) pixels[k] = pixels[count - 1];
+  tile_bits passes = 0;
+  for (std::int32_t k = 0; k < count; k += 8) {
+    const ints eight = load(pixels + k);
+    std::uint32_t found = alpha_passes(scene, test, tile, to_floats(eight & all(7)), to_floats(shift_right<3>(eight)));
+    for (; found != 0; found &= found - 1) passes |= tile_bits{1} << pixels[k + __builtin_ctz(found)];
+  }
+  return passes;
 }
 
 }  // namespace

@@ -60,11 +60,26 @@ inline void count_row(draw_state& s, std::uint32_t bits, std::uint32_t x, std::u
   if (x + tile_size > s.face.width) bits &= 0xFFu >> (x + tile_size - s.face.width);
   if (bits != 0 && s.masked != nothing) {
     const alpha_test& test = s.scene.tests[s.scene.masked_triangles[s.masked].test];
-    bits &= alpha_passes(s.scene, test, rows_of(planes_of(s), x, y), 0);
+    bits &= alpha_passes(s.scene, test, tile_of(planes_of(s), x, y), to_floats(count_up()), all(0.0f));
   }
   if (bits == 0) return;
   count(s.counter, s.id, static_cast<std::uint32_t>(__builtin_popcount(bits)),
         atlas_pixel(s.face, x + static_cast<std::uint32_t>(__builtin_ctz(bits)), y));
+}
+
+// Returns those pixels of a tile, which the current masked triangle covers, whose alpha passes. x, y: its first pixel.
+inline tile_bits passing(draw_state& s, tile_bits bits, std::uint32_t x, std::uint32_t y) {
+  constexpr int most_tested = 16;  // two tests of eight pixels cost as much as a question to the tables
+  const masked_triangle& triangle = s.scene.masked_triangles[s.masked];
+  const alpha_planes& planes = planes_of(s);
+  if (__builtin_popcountll(bits) > most_tested) {
+    const auto first = static_cast<std::uint32_t>(__builtin_ctzll(bits)) / tile_size,
+               last = static_cast<std::uint32_t>(63 - __builtin_clzll(bits)) / tile_size;
+    const alpha_result known = known_between(s.scene, triangle, planes, x, y + first, x + tile_size - 1, y + last);
+    if (known == alpha_result::fails) return 0;
+    if (known == alpha_result::passes) return bits;
+  }
+  return alpha_passes(s.scene, s.scene.tests[triangle.test], tile_of(planes, x, y), bits);
 }
 
 // Processes rows j0 to j1 of a tile. The sign bits of outside(j) mark the pixels that the triangle does not cover.
@@ -81,10 +96,13 @@ inline void cover_rows(draw_state& s, std::uint32_t tile, std::uint32_t tile_x, 
   const floats least = all(plane.least), most = all(plane.most), step_y = all(plane.step_y);
   const ints id = all(static_cast<std::int32_t>(s.id));
   floats q = all(plane.base + plane.step_y * static_cast<float>(j0)) + all(plane.step_x) * to_floats(count_up());
+  const auto write = [&](std::uint32_t j, const ints& in, const floats& now, const floats& old) {
+    store(depths + j * tile_size, choose(in, now, old));
+    store(ids + j * tile_size, choose(in, id, load(ids + j * tile_size)));
+  };
   ints any = all(0);
-  [[maybe_unused]] alpha_result known = alpha_result::fails;  // of the rows from the first with a pixel in front on
-  [[maybe_unused]] alpha_rows rows;
-  [[maybe_unused]] const masked_triangle& triangle = s.scene.masked_triangles[kind == pass::masked ? s.masked : 0];
+  tile_bits front = 0;                          // of a masked triangle
+  alignas(32) float clamped_rows[tile_pixels];  // likewise
   for (std::uint32_t j = j0; j <= j1; ++j) {
     const ints out = outside(j);
     const floats clamped = smaller(larger(q, least), most);
@@ -92,30 +110,28 @@ inline void cover_rows(draw_state& s, std::uint32_t tile, std::uint32_t tile_x, 
     if constexpr (kind == pass::see_through) {
       const std::uint32_t bits = sign_bits(without(clamped >= behind_by_reach(old), out));
       if (bits != 0) count_row(s, bits, tile_x * tile_size, tile_y * tile_size + j);
+    } else if constexpr (kind == pass::masked) {
+      // Without a branch: whether a row has a pixel in front is as good as random.
+      store(clamped_rows + j * tile_size, clamped);
+      front |= tile_bits{sign_bits(without(clamped > old, out))} << (tile_size * j);
     } else {
-      ints in = without(clamped > old, out);  // only the sign bits are used
-      if constexpr (kind == pass::masked) {
-        std::uint32_t bits = sign_bits(in);
-        if (bits == 0) {
-          q = q + step_y;
-          continue;
-        }
-        if (known == alpha_result::fails) {  // nothing is known yet
-          const std::uint32_t x = tile_x * tile_size, y = tile_y * tile_size;
-          known = known_between(s.scene, triangle, planes_of(s), x, y + j, x + tile_size - 1, y + j1);
-          if (known == alpha_result::fails) break;
-          if (known == alpha_result::unknown) rows = rows_of(s.planes, x, y);
-        }
-        if (known == alpha_result::unknown) bits &= alpha_passes(s.scene, s.scene.tests[triangle.test], rows, j);
-        in = mask_of(bits);
-      }
+      const ints in = without(clamped > old, out);  // only the sign bits are used
       any = any | in;
-      store(depths + j * tile_size, choose(in, clamped, old));
-      store(ids + j * tile_size, choose(in, id, load(ids + j * tile_size)));
+      write(j, in, clamped, old);
     }
     q = q + step_y;
   }
-  if (sign_bits(any) != 0) state = tile_state::stale;
+  if constexpr (kind == pass::masked) {
+    if (front == 0) return;
+    front = passing(s, front, tile_x * tile_size, tile_y * tile_size);
+    if (front == 0) return;
+    state = tile_state::stale;
+    for (std::uint32_t j = j0; j <= j1; ++j)
+      if (const std::uint32_t bits = row_of(front, j))
+        write(j, mask_of(bits), load(clamped_rows + j * tile_size), load(depths + j * tile_size));
+  } else if (sign_bits(any) != 0) {
+    state = tile_state::stale;
+  }
 }
 
 // Processes a tile that the triangle covers completely.
