@@ -39,5 +39,6 @@ export function embeddedPvs(gltf: { readonly parser: any }): Promise<ArrayBuffer
 
 /** Finds the mesh of each draw. Call it before you move, add or remove objects of the scene. Positions of nodes count from
  * the scene, which may be anywhere; what is drawn in a batch does not move in it.
- * Fails with "other_scene" where the file and the scene have different polygons; the message names the nodes. */
+ * Fails with "other_scene" where the file and the scene have different polygons; the message names the nodes. Fails with
+ * "argument" where the scene has an attachment that is not disposed. */
 export function attach(gltf: LoadedScene, db: Database, options?: AttachOptions): Promise<Attachment>;

@@ -6,6 +6,7 @@ import { PackedBatch } from './three_packed.js';
 import { RangesBatch } from './three_ranges.js';
 
 const modes = ['objects', 'ranges', 'packed'];
+const attachedScenes = new WeakSet();
 const triangleCount = (geometry) => (geometry.index ?? geometry.attributes.position).count / 3;
 const instanceCount = (mesh) => (mesh.isInstancedMesh ? mesh.count : 1);
 const instancedAttributes = (mesh) => Object.values(mesh.geometry.attributes).filter((a) => a.isInstancedBufferAttribute);
@@ -171,6 +172,8 @@ class Attachment {
     if (mode !== 'objects' && db.info.layout === 'merged') {
       throw new SightcellError('argument', `sightcell: mode "${mode}" needs a file that was baked without --layout merged`);
     }
+    // What the first one hides would be what the second one restores.
+    if (attachedScenes.has(gltf.scene)) throw new SightcellError('argument', 'sightcell: the scene is attached; dispose() first');
     this.#scene = gltf.scene;
     this.#warn = warn;
     const nodes = new Nodes(gltf.parser.json);
@@ -188,6 +191,7 @@ class Attachment {
     for (const mesh of batched) this.#whole.get(mesh).show(false);  // a raycaster still meets it
     this.#batched = batched;
     this.view = db.createView();
+    attachedScenes.add(gltf.scene);
   }
 
   #makeBatches(db, nodes, meshes, managed, mode) {
@@ -289,6 +293,7 @@ class Attachment {
     this.#whole.clear();
     this.#batches = [];
     this.view.dispose();
+    attachedScenes.delete(this.#scene);
   }
 }
 

@@ -255,6 +255,16 @@ async function the_near_plane_is_checked() {
   pvs.dispose();
 }
 
+async function a_scene_is_attached_once() {
+  const gltf = await load_scene();
+  for (let i = 0; i < 2; ++i) {
+    const pvs = await attach(gltf, db);
+    const again = await attach(gltf, db).catch((error) => error);
+    require(again instanceof SightcellError && again.id === "argument", `attached twice: ${again}`);
+    pvs.dispose();
+  }
+}
+
 async function skipped_meshes_are_left() {
   const gltf = await load_scene();
   const pvs = await attach(gltf, db, { mode: "ranges", skip: (mesh) => mesh.isInstancedMesh === true });
@@ -352,6 +362,7 @@ await packed_batches_have_attributes();
 await batches_are_culled_and_cast_shadows();
 await a_changed_scene_is_rejected();
 await the_near_plane_is_checked();
+await a_scene_is_attached_once();
 await skipped_meshes_are_left();
 await what_moves_stays_apart();
 await the_overlay_freezes_the_set();
