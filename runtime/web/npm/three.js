@@ -217,7 +217,14 @@ class Attachment {
       this.#batchOfDraw[i] = batches.get(key);
     });
     this.#batches = Array.from(batches.values());
-    for (const batch of this.#batches) batch.build(this.#scene, db.info.rangeBound);
+    for (const batch of this.#batches) {
+      batch.build(db.info.rangeBound);
+      const { mesh, like } = batch;
+      mesh.name = like.material.name;
+      for (const key of ['castShadow', 'receiveShadow', 'renderOrder']) mesh[key] = like[key];
+      mesh.layers.mask = like.layers.mask;
+      this.#scene.add(mesh);
+    }
     return new Set(meshes.filter((mesh) => mesh !== undefined && !apart.has(mesh)));
   }
 

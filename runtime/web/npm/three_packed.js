@@ -28,7 +28,8 @@ function transform(name, from, used, matrix, to, at) {
  * polygons follow, which shadows take and sets are copied from. */
 export class PackedBatch {
   parts = [];  // of each draw: { geometry, matrix, used: its vertices, at: their first place, indices }
-  starts = new Map();  // draw -> its first index among all
+  starts = [];  // by draw: its first index in the list
+  list = null;  // the index buffer
   vertexCount = 0;
   indexCount = 0;
   count = 0;  // indices of visible polygons
@@ -46,13 +47,13 @@ export class PackedBatch {
         indices[3 * i + k] = places.get(corner);
       }
     });
-    this.starts.set(number, this.indexCount);
+    this.starts[number] = this.indexCount;
     this.parts.push({ geometry, matrix, used: Array.from(places.keys()), at: this.vertexCount, indices });
     this.vertexCount += places.size;
     this.indexCount += indices.length;
   }
 
-  build(parent) {
+  build() {
     const { like, parts, indexCount: all } = this;
     const geometry = new BufferGeometry();
     for (const [name, { array, itemSize, normalized }] of Object.entries(like.geometry.attributes)) {
@@ -64,26 +65,23 @@ export class PackedBatch {
       }
       geometry.setAttribute(name, to);
     }
-    const list = new Uint32Array(2 * all);
-    parts.reduce((at, { indices }) => (list.set(indices, at), at + indices.length), all);
-    geometry.setIndex(new BufferAttribute(list, 1));
+    this.list = new Uint32Array(2 * all);
+    parts.reduce((at, { indices }) => (this.list.set(indices, at), at + indices.length), all);
+    this.starts = this.starts.map((start) => start + all);
+    geometry.setIndex(new BufferAttribute(this.list, 1));
     geometry.computeBoundingSphere();
     this.parts = null;
     this.mesh = new Mesh(geometry, like.material);
-    this.mesh.name = like.material.name;
-    for (const key of ['castShadow', 'receiveShadow', 'renderOrder']) this.mesh[key] = like[key];
-    this.mesh.layers.mask = like.layers.mask;
     // What the camera does not see can cast a shadow that it sees.
     this.mesh.onBeforeShadow = () => geometry.setDrawRange(all, all);
     this.mesh.onAfterShadow = () => geometry.setDrawRange(0, this.count);
-    parent.add(this.mesh);
   }
 
   clear() { this.count = 0; }
 
   push(draw, first, count) {
-    const start = this.indexCount + this.starts.get(draw) + 3 * first;
-    this.mesh.geometry.index.array.copyWithin(this.count, start, start + 3 * count);
+    const start = this.starts[draw] + 3 * first;
+    this.list.copyWithin(this.count, start, start + 3 * count);
     this.count += 3 * count;
   }
 

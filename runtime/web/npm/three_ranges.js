@@ -39,7 +39,7 @@ export class RangesBatch {
     part.draws.push({ number, matrix });
   }
 
-  build(parent, rangeBound) {
+  build(rangeBound) {
     const parts = Array.from(this.parts.values()).flat();
     const sum = (count) => parts.reduce((total, part) => total + count(part), 0);
     const polygons = sum(({ draws, triangles }) => draws.length * triangles.length);
@@ -47,10 +47,7 @@ export class RangesBatch {
     const { like } = this;
     this.mesh = new BatchedMesh(capacity, sum(({ geometry }) => geometry.attributes.position.count),
       sum(({ geometry }) => geometry.index.count), like.material);
-    this.mesh.name = like.material.name;
     this.mesh.perObjectFrustumCulled = false;
-    for (const key of ['castShadow', 'receiveShadow', 'renderOrder']) this.mesh[key] = like[key];
-    this.mesh.layers.mask = like.layers.mask;
     let start = 0;
     for (const { geometry, draws, triangles } of parts) {
       const id = this.mesh.addGeometry(geometry);
@@ -75,7 +72,6 @@ export class RangesBatch {
       BatchedMesh.prototype.onBeforeShadow.apply(this, args);
       this.setCustomSort((list, camera) => batch.fill(list, camera, batch.items, batch.count));
     };
-    parent.add(this.mesh);
   }
 
   clear() { this.count = 0; }
