@@ -22,7 +22,7 @@ sys.dont_write_bytecode = True
 import words
 
 PAGES = ['README.md', 'docs/**/*.md']
-LANGUAGES = {'sh', 'c', 'js', 'cmake', 'json', 'text', 'mermaid'}  # of blocks; one of none could be overlooked
+LANGUAGES = {'sh', 'c', 'js', 'jsx', 'cmake', 'json', 'text', 'mermaid'}  # of blocks; one of none could be overlooked
 NOT_RUN = re.compile(r'<!--\s*not run:\s*(.+?)\s*-->\s*$')
 CELLS, RAYS = '4', '100000'
 SECONDS = 300
