@@ -9,7 +9,7 @@ import { join } from "node:path";
 import { require } from "../host.mjs";
 import { open_page, with_chromium } from "./chromium.mjs";
 import { serve } from "./static_server.mjs";
-import { pictures_are_the_same, tools, wrong_share_at } from "./walk_pictures.mjs";
+import { most_squares, pictures_are_the_same, tools, wrong_share_at } from "./walk_pictures.mjs";
 
 const [site, modules, viewpoints, width, folder] = process.argv.slice(2);
 const size = { width: Number(width), height: Number(width) * 9 / 16 };
@@ -62,6 +62,7 @@ async function both_eyes_are_the_same(page) {
     require(JSON.stringify(each.eyes) === JSON.stringify([[0, half], [half, half]]), `eyes at ${each.eyes}`);
     require(!each.drawAll && each.cell >= 0, JSON.stringify(each));
     for (const wrong of each.wrong) require(wrong <= most_wrong * each.pixels / 2, JSON.stringify(each));
+    require(each.squares <= most_squares, JSON.stringify(each));
   }
   require(found.some(({ shades }) => shades > 20), "both eyes show walls");
   // The left stick walks.
