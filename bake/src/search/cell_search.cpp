@@ -14,8 +14,10 @@ constexpr std::uint32_t first_round = 24, turn = 6;  // hemicubes
 constexpr double least_of_target = 3e-4;             // of all directions, as a share of the target
 // The miss probability that is left, divided by the one measured. After a round of hemicubes, once its finds and
 // those of the rays after it have joined: one value for each fifth of the ratios measured in 34 rounds. After a batch
-// of verification rays, once rays were cast toward the neighbors of its finds.
-constexpr error_guess left_of_round{0.04, 0.14, 0.25, 0.43, 0.56}, left_of_batch{0.4, 0.6, 0.8, 1.0, 1.2};
+// of verification rays, once rays were cast toward the neighbors of its finds. Where these rarely hit, that changes
+// little.
+constexpr error_guess left_of_round{0.04, 0.14, 0.25, 0.43, 0.56}, left_of_batch{0.4, 0.6, 0.8, 1.0, 1.2},
+    left_of_batch_where_rays_rarely_hit{0.8, 0.9, 1.0, 1.1, 1.2};
 
 error_guess scaled(const error_guess& by, double of) {
   error_guess result = by;
@@ -85,10 +87,12 @@ bool cell_search::has_time() const {
 }
 
 // Each round doubles the number of hemicubes, so that the share of new pixels in it is an estimate of what was
-// missing.
+// missing. Where rays find next to nothing, hemicubes alone must find the rest. Then a round costs most of the cell's
+// time and often finds more than is needed, so that later rounds are by a half.
 std::uint32_t cell_search::next_views() const {
   const std::uint32_t before = views_->poses.taken();
-  return std::min(std::max(before, first_round), views_->most - before);
+  const bool by_half = before >= 2 * first_round && dilation_.rarely_hits();
+  return std::min(std::max(by_half ? before / 2 : before, first_round), views_->most - before);
 }
 
 std::uint64_t cell_search::cost_of_views() const {
@@ -154,7 +158,7 @@ void cell_search::view() {
 }
 
 void cell_search::hear(double missing) {
-  missing_ = scaled(left_of_batch, missing);
+  missing_ = scaled(dilation_.rarely_hits() ? left_of_batch_where_rays_rarely_hit : left_of_batch, missing);
 }
 
 void cell_search::look_around() {

@@ -22,7 +22,8 @@ namespace {
 // The first ray comes from where a polygon beside the target was seen, later ones from anywhere. Of 20 million rays in
 // intel_castle 17 of 100 first ones hit, 1.2 of 100 second ones and 0.5 of 100 third ones; of 13 million in temple 1.1,
 // 0.10 and 0.05. So later rays are for large targets, and for cells that need many rounds. A cell of temple takes 0.88
-// of the time that it takes with 1/16, and one of intel_castle 0.93.
+// of the time that it takes with 1/16, and one of intel_castle 0.93. Where the first ones rarely hit there are no later
+// ones (docs/method/notes.md).
 constexpr float priority_after_miss = 0x1p-10f;
 constexpr std::uint32_t most_misses = 8;
 
@@ -165,11 +166,13 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
       push(wave[i]);
   }
 
+  const bool try_later = !rarely_hits();
   const std::vector<aimed_try> aimed = aim(now);
   constexpr std::size_t stretch = 256;
   struct outcome {
     std::vector<found_polygon> found;
     std::vector<attempt> missed;
+    std::uint64_t first_tries = 0, first_hits = 0;
   };
   std::vector<outcome> outcomes((aimed.size() + stretch - 1) / stretch);
   tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t k) {
@@ -183,8 +186,12 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
     for (std::size_t i = 0; i < count; ++i) {
       const aimed_try& ray = aimed[first + i];
       attempt one = now[ray.which];
-      if (ray.length > 0.0f && caster.take(ray.line, seen[i], ray.length, one.target, outcomes[k].found)) continue;
-      if (++one.misses == most_misses) continue;
+      const bool hit = ray.length > 0.0f && caster.take(ray.line, seen[i], ray.length, one.target, outcomes[k].found);
+      if (one.misses == 0) {
+        ++outcomes[k].first_tries;
+        outcomes[k].first_hits += hit ? 1 : 0;
+      }
+      if (hit || !try_later || ++one.misses == most_misses) continue;
       one.priority *= priority_after_miss;
       outcomes[k].missed.push_back(one);
     }
@@ -194,6 +201,8 @@ std::uint64_t refinement::run_wave(std::vector<attempt>& wave) {
   for (const outcome& o : outcomes) {
     found.insert(found.end(), o.found.begin(), o.found.end());
     for (const attempt& one : o.missed) push(one);
+    first_tries_ += o.first_tries;
+    first_hits_ += o.first_hits;
   }
   // Of several eyes that found a polygon in this wave the lowest becomes its witness, so that the choice does not
   // depend on ids.

@@ -37,10 +37,10 @@ struct refinement_settings {
 // A try is a ray from the witness of a member toward a random point of a neighbor of that member. After a miss it
 // starts at another viewpoint of the cell, because what the witness does not show is mostly visible from elsewhere.
 // The priority of a try is the solid angle of the neighbor as seen from the member's witness, limited to
-// largest_priority and divided by 1024 for each ray that missed. Tries are queued in levels that differ by a factor of
-// two. A level is processed in waves. All rays of a wave use one state of the set, with one ray per polygon, so that a
-// polygon with several neighbors in the set is tried from different viewpoints. The result depends neither on threads
-// nor on the order of ids.
+// largest_priority and divided by 1024 for each ray that missed. Where tries rarely hit, one that missed is dropped.
+// Tries are queued in levels that differ by a factor of two. A level is processed in waves. All rays of a wave use one
+// state of the set, with one ray per polygon, so that a polygon with several neighbors in the set is tried from
+// different viewpoints. The result depends neither on threads nor on the order of ids.
 class refinement {
  public:
   // References must outlive the object.
@@ -50,6 +50,9 @@ class refinement {
   // until none is left or max_rays are cast. Returns the number of rays cast. Runs on the calling thread's TBB arena.
   std::uint64_t run(double priority, std::uint64_t max_rays);
   bool done() const;  // returns whether no try is queued
+  // Returns whether fewer than 5 % of the first tries hit, once there are 2,000. So it is among leaves: what hemicubes
+  // did not show there is visible through small gaps alone, so that tries find next to nothing.
+  bool rarely_hits() const { return first_tries_ >= 2000 && 20 * first_hits_ < first_tries_; }
 
  private:
   static constexpr std::size_t level_count = 48;
@@ -83,7 +86,8 @@ class refinement {
   const near_polygons& neighbors_;
   const refinement_settings how_;
   cell_set& set_;
-  std::size_t taken_;  // members whose neighbors were queued
+  std::size_t taken_;                               // members whose neighbors were queued
+  std::uint64_t first_tries_ = 0, first_hits_ = 0;  // tries without a miss before, and those of them that hit
   std::array<std::vector<attempt>, level_count> levels_;
 };
 

@@ -9,6 +9,7 @@
 #include "hemicube/surface_colors.h"
 #include "search/cell_search.h"
 #include "search/guided_views.h"
+#include "unit/bake/cards_with_flaps.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace sightcell::bake {
@@ -30,17 +31,19 @@ tiny_scene maze() {
 }
 
 struct world {
-  scene::scene s = maze().finished();
+  scene::scene s;
   scene::world_geometry geometry = scene::flatten(s);
   ray_scene rays{geometry, false};
   near_polygons neighbors{rays};
-  settings how = drawn_by_us();
-  chosen_source eyes = choose_source(how, geometry, rays);
+  chosen_source eyes;
 
-  static settings drawn_by_us() {
+  explicit world(scene::scene of = maze().finished(), std::uint32_t resolution = 64)
+      : s(std::move(of)), eyes(choose_source(drawn_by_us(resolution), geometry, rays)) {}
+
+  static settings drawn_by_us(std::uint32_t resolution) {
     settings how;
     how.source = "cpu";
-    how.resolution = 64;
+    how.resolution = resolution;
     return how;
   }
 };
@@ -139,6 +142,29 @@ TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   EXPECT_NEAR(static_cast<double>(costs[2]), 2.0 * static_cast<double>(costs[1]), 0.2 * static_cast<double>(costs[1]))
       << "the next round is as large as all before it";
   EXPECT_GE(search.spent(), costs[0] + costs[1] + costs[2]);
+}
+
+TEST(cell_search, takes_half_as_many_where_rays_rarely_hit) {
+  for (const int n : {10, 50}) {
+    const world w(test::cards_with_flaps(n).finished(), 128);
+    search_views views{guided_views(w.rays, cell, {.seed = 3, .place = 7, .resolution = 128}), *w.eyes.source, 110};
+    cell_set set(w.s.polygon_count);
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .priority = 1e-6}, set);
+    std::vector<std::uint32_t> taken;
+    search.look_for({.enough = [&](const error_guess&, std::uint64_t) {
+      taken.push_back(views.poses.taken());
+      return false;
+    }});
+    taken.push_back(views.poses.taken());
+    search.hear(1e-3);
+    if (n == 10) {
+      EXPECT_EQ(taken, (std::vector<std::uint32_t>{0, 24, 48, 96, 110}));
+      EXPECT_NEAR(search.missing().front(), 4e-4, 1e-9);
+    } else {
+      EXPECT_EQ(taken, (std::vector<std::uint32_t>{0, 24, 48, 72, 108, 110}));
+      EXPECT_NEAR(search.missing().front(), 8e-4, 1e-9) << "rays beside the misses find little";
+    }
+  }
 }
 
 TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {

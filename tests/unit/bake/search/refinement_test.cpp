@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "trace/triangle_math.h"
+#include "unit/bake/cards_with_flaps.h"
 #include "unit/bake/gridded_room.h"
 
 namespace sightcell::bake {
 namespace {
 
+using test::cards_with_flaps;
 using test::gridded_room;
 using test::scene_with_rays;
 using test::tiny_scene;
@@ -104,6 +106,27 @@ TEST(refinement, goes_on_where_another_ended) {
   EXPECT_EQ(rays(4, 1e-3, 1e-6), fine - coarse);
   EXPECT_EQ(rays(4, 0.0, 1e-6), 0u);
   EXPECT_GT(rays(1, 1e-3, 1e-3), 0u) << "the others joined since";
+}
+
+// Returns the rays per flap that a search casts behind n x n cards until no try is left.
+double rays_per_flap(int n, bool& rarely_hits) {
+  const scene_with_rays w(cards_with_flaps(n));
+  cell_set set(w.s.polygon_count);
+  for (std::uint32_t p = 0; p < w.s.polygon_count; ++p)
+    if (p % 3 < 2) set.add(p, {0, 0, 0});
+  refinement beside(w.rays, w.neighbors, {.seed = 1, .place = 1}, set);
+  const std::uint64_t rays = beside.run(0.0, 100'000'000);
+  EXPECT_TRUE(beside.done());
+  rarely_hits = beside.rarely_hits();
+  return static_cast<double>(rays) / (n * n);
+}
+
+TEST(refinement, drops_what_missed_where_tries_rarely_hit) {
+  bool few = true, many = false;
+  const double with_few = rays_per_flap(10, few), with_many = rays_per_flap(50, many);
+  EXPECT_FALSE(few) << "too few tries to judge";
+  EXPECT_TRUE(many);
+  EXPECT_LT(with_many, with_few / 2.0);
 }
 
 TEST(refinement, limits_the_priority_of_large_polygons) {
