@@ -57,7 +57,9 @@ bool run_code::decode(bit_reader& in, std::uint32_t count, std::uint32_t limit,
   bit_buffer held(in);
   std::uint64_t next = 0;  // the lowest number with which the next run may begin
   std::uint32_t i = 0;
-  const auto one = [&]() noexcept {
+  // A template, so that each call has its own copy, which compilers inline. Else the module for pages, which is linked
+  // for size, calls one function for each run and keeps what it holds in memory.
+  const auto one = [&]<int Call>() noexcept {
     std::uint64_t bits = held.bits();
     entry e = table_[low_bits(bits, table_bits)];
     std::uint32_t gap = 0;
@@ -85,11 +87,11 @@ bool run_code::decode(bit_reader& in, std::uint32_t count, std::uint32_t limit,
   };
   while (count - i >= 2) {
     held.fill();
-    if (!one() || !one()) return false;
+    if (!one.template operator()<0>() || !one.template operator()<1>()) return false;
   }
   while (i < count) {
     held.fill();
-    if (!one()) return false;
+    if (!one.template operator()<2>()) return false;
   }
   in.seek(held.place());
   return !in.beyond_end();

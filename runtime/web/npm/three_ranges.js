@@ -78,8 +78,12 @@ export class RangesBatch {
 
   push(draw, first, count) {
     const { start, index, sphere } = this.draws.get(draw);
-    if (this.count === this.items.length) this.items.push({ z: 0 });
-    Object.assign(this.items[this.count++], { start: start + 3 * first, count: 3 * count, index, sphere });
+    if (this.count === this.items.length) this.items.push({ start: 0, count: 0, z: 0, index: 0, sphere: null });
+    const item = this.items[this.count++];  // not Object.assign(), with which an update takes twice as long
+    item.start = start + 3 * first;
+    item.count = 3 * count;
+    item.index = index;
+    item.sphere = sphere;
   }
 
   finish() {}
