@@ -1,5 +1,5 @@
 // A page in a headless Chromium, over a server of files.
-import { readFileSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, extname, join, normalize, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -18,10 +18,15 @@ function serve(roots, text) {
     const path = normalize(new URL(request.url, "http://host").pathname);
     const root = Object.keys(roots).find((each) => path.startsWith(each));
     try {
-      const body = path === "/" ? text : readFileSync(join(roots[root], path.slice(root.length)));
+      const file = path === "/" ? "" : join(roots[root], path.slice(root.length));
+      const copy = `${file}.gz`;  // as docs/streaming.md tells servers to send it
+      const compressed = path !== "/" && existsSync(copy) && /gzip/.test(request.headers["accept-encoding"]);
+      const body = path === "/" ? text : readFileSync(compressed ? copy : file);
       const type = path === "/" ? "text/html" : (types[extname(path)] ?? "application/octet-stream");
       const cache = path.endsWith(".front") ? "no-cache" : "public, max-age=31536000, immutable";
-      response.writeHead(200, { "Content-Type": type, "Cache-Control": cache });
+      const headers = { "Content-Type": type, "Cache-Control": cache };
+      if (compressed) headers["Content-Encoding"] = "gzip";
+      response.writeHead(200, headers);
       response.end(body);
     } catch {
       response.writeHead(404);
