@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <utility>
 
 #include "bound/bound_rays.h"
@@ -205,123 +204,166 @@ proof prove_again(bound_batch& batch, const finish_settings& how, double cost_of
                again.misses);
 }
 
-// Looks beside what an earlier bake did not know, and tries its bound. Returns the cost and the share of the rays that
-// missed.
-// batch: with the random numbers of the bound.
-// search: does not look beside what the earlier bake knew, because that bake did.
-std::pair<std::uint64_t, double> try_again(bound_batch& batch, const finish_settings& how, double cost_of_trial,
-                                           const ray_budget& budget, cell_search search, cell_set& set,
-                                           finish_result& result) {
-  search.look_beside(budget.left(0));
-  const proof found = prove_again(batch, how, cost_of_trial, budget.of_batch(0));
-  if (how.limit) (void)how.limit->reached();  // throws where a stop was requested: the batch is not complete then
-  if (!batch.given_up() && found.at.trials > 0)
-    take_bound(found, {how.again->of.number, how.again->of.name, batch.parts()}, how.max_pixel_error, result);
-  add_missed(batch, set);
-  search.look_beside(budget.left(batch.spent()));
-  result.rays_spent = batch.spent() + search.spent();
-  return {result.rays_spent,
-          static_cast<double>(batch.misses()) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1))};
-}
+// The search in a cell and its batches of verification rays, in turns.
+class cell_certificate {
+ public:
+  cell_certificate(const ray_scene& rays, const near_polygons& neighbors, const viewpoint_region& where,
+                   const finish_settings& how, cell_set& set, search_views* views)
+      : rays_(rays),
+        neighbors_(neighbors),
+        where_(where),
+        how_(how),
+        set_(set),
+        views_(views),
+        limit_(how.limit ? *how.limit : no_limit),
+        of_search_(limit_.part(search_share)),
+        volumes_(rays, where, how, set),
+        budget_(how.max_rays, how.further_rounds),
+        rays_per_trial_(1.0 / std::max(how.valid_share, 1e-3)),
+        cost_of_trial_(verification_ray_cost * rays_per_trial_),
+        result_{.batches = how.batches_before} {}
+
+  finish_result run() {
+    const double missing = how_.again ? try_again() : how_.missing;
+    if (result_.bound_met) return result_;
+    cell_search search = search_of(
+        views_ ? how_.known : 0, views_ ? priority_after(priority_beside(how_.known_to), views_->poses.taken()) : 0.0);
+    if (missing < 1.0) search.hear(missing);
+    while (take_turn(search)) {
+    }
+    result_.rounds = 1 + budget_.round();
+    return result_;
+  }
+
+ private:
+  cell_search search_of(std::size_t known, double tried) {
+    return {rays_,
+            neighbors_,
+            views_,
+            {.seed = seed_after(how_.batches_elsewhere + how_.batches_before, how_.seed),
+             .place = how_.place,
+             .smallest_gap = how_.rules.smallest_gap,
+             .limit = &of_search_,
+             .metric = how_.rules.metric,
+             .priority = priority_beside(how_.max_pixel_error),
+             .known = known,
+             .tried = tried},
+            set_};
+  }
+
+  bound_batch batch_of(purpose use, std::uint64_t name) const {
+    return {rays_, where_, volumes_.rules(), how_.valid_share, {how_.seed, how_.place, use, name}, contains_, give_up_};
+  }
+
+  // Looks beside what an earlier bake did not know, and tries its bound. Returns the share of the rays that missed.
+  double try_again() {
+    bound_batch batch = batch_of(purpose::bound, how_.again->of.name);  // with the random numbers of the bound
+    cell_search search = search_of(how_.known, 0.0);  // not beside what the earlier bake knew, because that bake did
+    search.look_beside(budget_.left(0));
+    const proof found = prove_again(batch, how_, cost_of_trial_, budget_.of_batch(0));
+    (void)limit_.reached();  // throws where a stop was requested: the batch is not complete then
+    if (!batch.given_up() && found.at.trials > 0)
+      take_bound(found, {how_.again->of.number, how_.again->of.name, batch.parts()}, how_.max_pixel_error, result_);
+    add_missed(batch, set_);
+    search.look_beside(budget_.left(batch.spent()));
+    of_batches_ = result_.rays_spent = batch.spent() + search.spent();
+    return share_of(batch.misses(), found);
+  }
+
+  static double share_of(std::uint64_t misses, const proof& among) {
+    return static_cast<double>(misses) / static_cast<double>(std::max<std::uint64_t>(among.at.trials, 1));
+  }
+
+  // Searches for polygons and volumes.
+  void look(cell_search& search) {
+    const search_goal goal{
+        .max_cost = budget_.left(of_batches_), .enough = [&](const error_guess& missing, std::uint64_t cost) {
+          return !std::exchange(views_first_, false) && batch_pays(interim_tests_, missing, cost, cost_of_trial_);
+        }};
+    of_search_ = limit_.part(how_.limit_ends_batches ? 1.0 : search_share);
+    const std::uint32_t hemicubes = views_ ? views_->poses.taken() : 0;
+    search.look_for(goal);
+    if (views_ && views_->poses.taken() > hemicubes) batches_since_views_ = 0;
+    volumes_.look_for();
+    result_.rays_spent = of_batches_ + search.spent() + volumes_.spent();
+  }
+
+  // Returns the number of trials that the time allows the batch of this name.
+  std::uint64_t most_trials_of(std::uint64_t name) const {
+    if (!limit_.has_time() || how_.limit_ends_batches) return std::numeric_limits<std::uint64_t>::max();
+    bound_batch pilot = batch_of(purpose::estimate, name);
+    return trials_in(limit_, pilot);
+  }
+
+  // Searches, and casts a batch, whose misses join the set. Returns whether another turn follows.
+  bool take_turn(cell_search& search) {
+    const std::uint64_t number = how_.batches_before + ++turns_, name = how_.batches_elsewhere + number;
+    interim_tests_ = plan_interim_tests(how_.max_pixel_error, risk_of_batch(number), viewpoint_risk_share);
+    look(search);
+
+    bound_batch batch = batch_of(purpose::bound, name);
+    const std::uint64_t most_trials = most_trials_of(name);
+    const proof found =
+        prove(batch, interim_tests_, how_, search.cost_of_views(), cost_of_trial_, budget_.of_batch(result_.rays_spent),
+              most_trials, batch_is_whole(batches_since_views_++));
+    result_.batches = number;
+    of_batches_ += std::max<std::uint64_t>(batch.spent(), 1);
+    (void)limit_.reached();  // throws where a stop was requested: the batch is not complete then
+    if (!batch.given_up()) take_bound(found, bound_rays_of(batch, number, name), how_.max_pixel_error, result_);
+
+    add_missed(batch, set_);
+    volumes_.add(batch.missed_volumes());
+    of_search_ = limit_.part(1.0);
+    search.look_beside(budget_.left(of_batches_));
+    result_.rays_spent = of_batches_ + search.spent() + volumes_.spent();
+    if (result_.bound_met || limit_.reached() || number >= most_batches || most_trials < interim_tests_.front().trials)
+      return false;
+    // Misses of volumes are left out, because hemicubes and rays toward polygons find no volumes.
+    search.hear(share_of(found.misses - std::min(found.misses, batch.misses_of_volumes()), found));
+    return plan_next(number + 1, search);
+  }
+
+  // Returns whether the rays suffice for another turn. Decides whether it begins with hemicubes.
+  bool plan_next(std::uint64_t number, const cell_search& search) {
+    const std::vector<interim_test> next =
+        plan_interim_tests(how_.max_pixel_error, risk_of_batch(number), viewpoint_risk_share);
+    const std::uint32_t round = budget_.round();
+    const bool more = budget_.go_on(result_.rays_spent, static_cast<double>(next.front().trials) * rays_per_trial_);
+    const double cost_of_whole_batch =
+        search.cost_of_verification_ray() * rays_per_trial_ * static_cast<double>(next.back().trials);
+    views_first_ =
+        budget_.round() > round ||
+        hemicubes_follow(batches_since_views_, static_cast<double>(search.cost_of_views()), cost_of_whole_batch);
+    return more;
+  }
+
+  const ray_scene& rays_;
+  const near_polygons& neighbors_;
+  const viewpoint_region& where_;
+  const finish_settings& how_;
+  cell_set& set_;
+  search_views* views_;  // null: none
+  const time_limit& limit_;
+  time_limit of_search_;
+  search_of_volumes volumes_;
+  ray_budget budget_;
+  double rays_per_trial_, cost_of_trial_;
+  finish_result result_;
+  std::vector<interim_test> interim_tests_;  // of the current batch
+  std::uint64_t of_batches_ = 0, turns_ = 0, batches_since_views_ = 0;
+  bool views_first_ = false;  // because batches and rays beside their finds did not suffice
+  const std::function<bool(std::uint32_t)> contains_ = [this](std::uint32_t polygon) { return set_.contains(polygon); };
+  const std::function<bool()> give_up_ = [this] {
+    return limit_.stopped() || (how_.limit_ends_batches && limit_.has_time() && limit_.left() <= 0.0);
+  };
+};
 
 }  // namespace
 
 finish_result finish_with_rays(const ray_scene& rays, const near_polygons& neighbors, const viewpoint_region& where,
                                const finish_settings& how, cell_set& set, search_views* views) {
   const finding later(set, found_by::later_hemicubes);  // but for what rays find
-  finish_result result{.batches = how.batches_before};
-  const double target = how.max_pixel_error;
-  const time_limit& limit = how.limit ? *how.limit : no_limit;
-  time_limit of_search = limit.part(search_share);
-  search_settings of_cell{.seed = seed_after(how.batches_elsewhere + how.batches_before, how.seed),
-                          .place = how.place,
-                          .smallest_gap = how.rules.smallest_gap,
-                          .limit = &of_search,
-                          .metric = how.rules.metric,
-                          .priority = priority_beside(target),
-                          .known = how.known,
-                          .tried = 0.0};
-  search_of_volumes volumes(rays, where, how, set);
-  const double rays_per_trial = 1.0 / std::max(how.valid_share, 1e-3),
-               cost_of_trial = verification_ray_cost * rays_per_trial;
-  const std::function<bool(std::uint32_t)> contains = [&](std::uint32_t polygon) { return set.contains(polygon); };
-  std::uint64_t of_batches = 0, turns = 0, batches_since_views = 0;
-  std::vector<interim_test> interim_tests;
-  search_goal goal;
-  ray_budget budget(how.max_rays, how.further_rounds);
-  bool views_first = false;  // because batches and rays beside their finds did not suffice
-  goal.enough = [&](const error_guess& missing, std::uint64_t cost) {
-    if (std::exchange(views_first, false)) return false;
-    return batch_pays(interim_tests, missing, cost, cost_of_trial);
-  };
-
-  const std::function<bool()> give_up = [&] {
-    return limit.stopped() || (how.limit_ends_batches && limit.has_time() && limit.left() <= 0.0);
-  };
-
-  const auto batch_of = [&](purpose use, std::uint64_t name) {
-    return bound_batch(rays, where, volumes.rules(), how.valid_share, {how.seed, how.place, use, name}, contains,
-                       give_up);
-  };
-
-  double missing = how.missing;
-  if (how.again) {
-    bound_batch batch = batch_of(purpose::bound, how.again->of.name);
-    std::tie(of_batches, missing) =
-        try_again(batch, how, cost_of_trial, budget, cell_search(rays, neighbors, views, of_cell, set), set, result);
-    if (result.bound_met) return result;
-  }
-  of_cell.known = views ? how.known : 0;
-  of_cell.tried = views ? priority_after(priority_beside(how.known_to), views->poses.taken()) : 0.0;
-  cell_search search(rays, neighbors, views, of_cell, set);
-  if (missing < 1.0) search.hear(missing);
-  for (bool more = !result.bound_met; more;) {
-    const std::uint64_t number = how.batches_before + ++turns;
-    interim_tests = plan_interim_tests(target, risk_of_batch(number), viewpoint_risk_share);
-    goal.max_cost = budget.left(of_batches);
-    of_search = limit.part(how.limit_ends_batches ? 1.0 : search_share);
-    const std::uint32_t hemicubes = views ? views->poses.taken() : 0;
-    search.look_for(goal);
-    if (views && views->poses.taken() > hemicubes) batches_since_views = 0;
-    volumes.look_for();
-    result.rays_spent = of_batches + search.spent() + volumes.spent();
-
-    bound_batch batch = batch_of(purpose::bound, how.batches_elsewhere + number);
-    std::uint64_t most_trials = std::numeric_limits<std::uint64_t>::max();
-    if (limit.has_time() && !how.limit_ends_batches) {
-      bound_batch pilot = batch_of(purpose::estimate, how.batches_elsewhere + number);
-      most_trials = trials_in(limit, pilot);
-    }
-    const proof found = prove(batch, interim_tests, how, search.cost_of_views(), cost_of_trial,
-                              budget.of_batch(result.rays_spent), most_trials, batch_is_whole(batches_since_views++));
-    result.batches = number;
-    of_batches += std::max<std::uint64_t>(batch.spent(), 1);
-    (void)limit.reached();  // throws where a stop was requested: the batch is not complete then
-    if (!batch.given_up())
-      take_bound(found, bound_rays_of(batch, number, how.batches_elsewhere + number), target, result);
-
-    add_missed(batch, set);
-    volumes.add(batch.missed_volumes());
-    of_search = limit.part(1.0);
-    search.look_beside(budget.left(of_batches));
-    result.rays_spent = of_batches + search.spent() + volumes.spent();
-    if (result.bound_met || limit.reached() || number >= most_batches || most_trials < interim_tests.front().trials)
-      break;
-    // Misses of volumes are left out, because hemicubes and rays toward polygons find no volumes.
-    const std::uint64_t of_polygons = found.misses - std::min(found.misses, batch.misses_of_volumes());
-    search.hear(static_cast<double>(of_polygons) / static_cast<double>(std::max<std::uint64_t>(found.at.trials, 1)));
-
-    const std::vector<interim_test> next = plan_interim_tests(target, risk_of_batch(number + 1), viewpoint_risk_share);
-    const std::uint32_t round = budget.round();
-    more = budget.go_on(result.rays_spent, static_cast<double>(next.front().trials) * rays_per_trial);
-    const double cost_of_whole_batch =
-        search.cost_of_verification_ray() * rays_per_trial * static_cast<double>(next.back().trials);
-    views_first =
-        budget.round() > round ||
-        hemicubes_follow(batches_since_views, static_cast<double>(search.cost_of_views()), cost_of_whole_batch);
-  }
-  result.rounds = 1 + budget.round();
-  return result;
+  return cell_certificate(rays, neighbors, where, how, set, views).run();
 }
 
 }  // namespace sightcell::bake
