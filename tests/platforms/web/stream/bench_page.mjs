@@ -2,9 +2,7 @@
 import { stream } from "sightcell-stream";
 import { Scene } from "three";
 
-import { camera, look_from, sleep } from "./pictures.mjs";
-
-const pause = () => sleep(4);
+import { camera, look_from, until } from "./pictures.mjs";
 
 // When 99.9 % of the weight of the cell are in the scene, and all of it with its first images. Nothing is drawn, as by
 // `sightcell-stream-client --no-draw`, because software rendering on the cores that decode is not what users have.
@@ -15,16 +13,16 @@ globalThis.measure = async (site, pose) => {
     errors = [];
   look_from(pose);
   performance.setResourceTimingBufferSize(100000);
-  const streamed = await stream(site, scene, camera, { onError: ({ message }) => errors.push(message) });
   const times = {};
-  while (times.complete === undefined) {
-    streamed.update(camera);
-    const { progress, complete } = streamed;
-    const now = performance.now();
-    if (progress >= 0.999) times.most ??= now;
-    if (complete) times.complete = now;
-    await pause();
-  }
+  let streamed;
+  const note = () => {
+    const { progress, complete } = streamed ?? {};  // none before stream() has returned
+    if (progress >= 0.999) times.most ??= performance.now();
+    if (complete) times.complete ??= performance.now();
+  };
+  streamed = await stream(site, scene, camera, { onChange: note, onError: ({ message }) => errors.push(message) });
+  note();
+  await until(() => streamed.complete, () => streamed.update(camera));
   const { href } = new URL(site, location);
   const files = performance.getEntriesByType("resource").filter(({ name }) => name.startsWith(href));
   const { startTime } = files.find(({ name }) => name.endsWith("scene.front"));
