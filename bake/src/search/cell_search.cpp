@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "cell_set/point_order.h"
 #include "hemicube/hemicube_faces.h"
@@ -11,7 +12,8 @@ namespace sightcell::bake {
 namespace {
 
 constexpr std::uint32_t first_round = 24, turn = 6;  // hemicubes
-constexpr double least_of_target = 3e-4;             // of all directions, as a share of the target
+constexpr std::size_t cubes_of_misses = 8;
+constexpr double least_of_target = 3e-4;  // of all directions, as a share of the target
 // The miss probability that is left, divided by the one measured. After a round of hemicubes, once its finds and
 // those of the rays after it have joined: one value for each fifth of the ratios measured in 34 rounds. After a batch
 // of verification rays, once rays were cast toward the neighbors of its finds. Where these rarely hit, that changes
@@ -159,6 +161,20 @@ void cell_search::view() {
 
 void cell_search::hear(double missing) {
   missing_ = scaled(dilation_.rarely_hits() ? left_of_batch_where_rays_rarely_hit : left_of_batch, missing);
+}
+
+void cell_search::look_from(std::vector<glm::vec3> missed, std::uint64_t max_cost) {
+  sort_unique(missed);
+  if (missed.size() < cubes_of_misses) return;
+  std::vector<glm::vec3> eyes;
+  for (std::size_t i = 0; i < cubes_of_misses; ++i) eyes.push_back(missed[i * missed.size() / cubes_of_misses]);
+  constexpr std::size_t at_a_time = turn / 2;
+  for (std::size_t i = 0; i < eyes.size() && spent_ < max_cost && has_time() && may_view(); i += at_a_time) {
+    const std::size_t left = (views_->most - views_->poses.taken()) / 2;
+    cost_of_round_ = 0.0;
+    take(views_->poses.cubes_at(std::span(eyes).subspan(i, std::min({at_a_time, eyes.size() - i, left}))));
+    spent_ += static_cast<std::uint64_t>(cost_of_round_);
+  }
 }
 
 void cell_search::look_around() {

@@ -70,6 +70,10 @@ class cell_search {
   void look_for(const search_goal& goal);
   // Renders hemicubes until none is left, in rounds, without rays.
   void look_around();
+  // Renders full cubes at up to 8 places spread over those where verification rays missed, because hemicubes rarely
+  // come to a small part of the cell that sees what the rest does not. Does nothing if there are fewer places: rays
+  // toward the neighbors of what was missed cost less.
+  void look_from(std::vector<glm::vec3> missed, std::uint64_t max_cost);
   // Casts rays toward the neighbors of all members down to the priority of the last round. For members that were
   // added by other code.
   void look_beside(std::uint64_t max_cost);

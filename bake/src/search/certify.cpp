@@ -141,6 +141,12 @@ void add_missed(const bound_batch& batch, cell_set& set) {
   for (const missed_polygon& m : batch.missed()) set.add(m.polygon, m.eye);
 }
 
+std::vector<glm::vec3> eyes_of_missed(const bound_batch& batch) {
+  std::vector<glm::vec3> eyes;
+  for (const missed_polygon& m : batch.missed()) eyes.push_back(m.eye);
+  return eyes;
+}
+
 // Names the rays of a batch. Where every viewpoint is tested they are not known.
 bound_rays bound_rays_of(const bound_batch& batch, std::uint64_t number, std::uint64_t name) {
   if (batch.parts().empty()) return {};
@@ -314,6 +320,7 @@ class cell_certificate {
     add_missed(batch, set_);
     volumes_.add(batch.missed_volumes());
     of_search_ = limit_.part(1.0);
+    if (!result_.bound_met) search.look_from(eyes_of_missed(batch), budget_.left(of_batches_));
     search.look_beside(budget_.left(of_batches_));
     result_.rays_spent = of_batches_ + search.spent() + volumes_.spent();
     if (result_.bound_met || limit_.reached() || number >= most_batches || most_trials < interim_tests_.front().trials)

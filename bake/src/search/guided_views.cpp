@@ -21,6 +21,11 @@ pose rotated(const pose& where) {
   return {where.eye, where.forward, (where.right + where.up) * half, (where.up - where.right) * half};
 }
 
+void add_cube(const glm::vec3& eye, std::vector<pose>& poses) {
+  for (const float side : {1.0f, -1.0f})
+    poses.push_back({eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
+}
+
 }  // namespace
 
 guided_views::guided_views(const ray_scene& rays, const viewpoint_region& where, const guided_settings& how)
@@ -74,27 +79,36 @@ std::optional<glm::vec3> guided_views::inside() {
 
 std::vector<pose> guided_views::next(std::uint32_t count) {
   std::vector<pose> poses;
-  const auto add_cube = [&] {
+  const auto add_inside = [&] {
     const auto eye = inside();
-    if (!eye) return false;
-    for (const float side : {1.0f, -1.0f})
-      poses.push_back({*eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
-    return true;
+    if (eye) add_cube(*eye, poses);
+    return eye.has_value();
   };
   while (poses.size() < count) {
     if (how_.geometry_inside) due_inside_ += how_.interior_share;
     if (due_inside_ >= 2.0 && poses.size() + 2 <= count) {
       due_inside_ += how_.interior_share - 2.0;  // a cube is two hemicubes
-      if (add_cube()) continue;
+      if (add_inside()) continue;
     }
     if (const auto where = on_a_face())
       poses.push_back(*where);
-    else if (poses.size() + 2 > count || !add_cube())
+    else if (poses.size() + 2 > count || !add_inside())
       break;
   }
+  turn_by_less_than_a_pixel(poses);
+  return poses;
+}
+
+std::vector<pose> guided_views::cubes_at(std::span<const glm::vec3> eyes) {
+  std::vector<pose> poses;
+  for (const glm::vec3& eye : eyes) add_cube(eye, poses);
+  turn_by_less_than_a_pixel(poses);
+  return poses;
+}
+
+void guided_views::turn_by_less_than_a_pixel(std::vector<pose>& poses) {
   for (pose& where : poses)
     where = jittered(where, how_.resolution, random_stream(how_.seed, how_.place, purpose::jitter, 0, how_.taken++));
-  return poses;
 }
 
 }  // namespace sightcell::bake

@@ -6,6 +6,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "hemicube/hemicube_source.h"
@@ -40,6 +41,9 @@ class guided_views {
   // Returns up to count poses; fewer if no more viewpoints are found. They depend on the arguments and on how many
   // poses were requested before.
   std::vector<pose> next(std::uint32_t count);
+  // Returns the poses of full cubes at these viewpoints, two per cube. They count as taken; the sequence stays where it
+  // is.
+  std::vector<pose> cubes_at(std::span<const glm::vec3> eyes);
   // Returns the number of hemicubes so far, including those rendered before.
   std::uint32_t taken() const { return how_.taken; }
   // Returns the resolution of the hemicubes, pixels.
@@ -50,6 +54,7 @@ class guided_views {
   std::optional<pose> on_a_face();
   // Returns the next viewpoint inside the box; nothing if none is found.
   std::optional<glm::vec3> inside();
+  void turn_by_less_than_a_pixel(std::vector<pose>& poses);
   bool is_nearly_valid(const glm::vec3& eye) const { return rays_.is_nearly_valid(eye, how_.player_radius); }
 
   const ray_scene& rays_;

@@ -2,6 +2,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <set>
 #include <tuple>
 
@@ -120,6 +121,23 @@ TEST(guided_views, stand_in_solids_by_a_little_too) {
   for (const pose& p : poses) EXPECT_FALSE(rays.is_valid(p.eye, 0.05f));
 }
 
+TEST(guided_views, add_cubes_where_they_are_asked_to) {
+  const world w;
+  const std::vector<glm::vec3> eyes{{-1.5f, -2.5f, 0.5f}, {1.5f, -2.5f, 0.5f}};
+  guided_views views(w.rays, cell, places_of(true)), others(w.rays, cell, places_of(true));
+  const std::vector<pose> cubes = views.cubes_at(eyes), again = views.cubes_at(eyes);
+  ASSERT_EQ(cubes.size(), 4u);
+  EXPECT_EQ(views.taken(), 8u);
+  for (std::size_t i = 0; i < cubes.size(); ++i) {
+    EXPECT_EQ(cubes[i].eye, eyes[i / 2]);
+    EXPECT_NE(cubes[i].forward, again[i].forward) << "each has pixels of its own";
+    EXPECT_GT(std::abs(cubes[i].forward.z), 0.99f);
+    EXPECT_LT(cubes[i].forward.z * cubes[i ^ 1].forward.z, 0.0f) << "back to back";
+  }
+  const std::vector<pose> after = views.next(6), without = others.next(6);
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i].eye, without[i].eye) << i;
+}
+
 TEST(cell_search, takes_as_many_hemicubes_again_until_it_is_enough) {
   const world w;
   search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source};
@@ -165,6 +183,34 @@ TEST(cell_search, takes_half_as_many_where_rays_rarely_hit) {
       EXPECT_NEAR(search.missing().front(), 8e-4, 1e-9) << "rays beside the misses find little";
     }
   }
+}
+
+TEST(cell_search, takes_cubes_where_many_rays_missed) {
+  const world w;
+  const auto taken = [&](int missed, std::uint32_t most) {
+    std::vector<glm::vec3> eyes;
+    for (int i = missed; i-- > 0;) eyes.push_back({0.05f * static_cast<float>(i % 40) - 1.0f, -2.5f, 0.5f});
+    search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, most};
+    cell_set set(w.s.polygon_count);
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .priority = 1e-6}, set);
+    search.look_from(eyes, 1'000'000'000);
+    EXPECT_EQ(set.eyes().size(), views.poses.taken());
+    EXPECT_EQ(search.spent() > 0, views.poses.taken() > 0);
+    for (const glm::vec3& eye : set.eyes()) EXPECT_NE(std::find(eyes.begin(), eyes.end(), eye), eyes.end());
+    const std::vector<glm::vec3> used = set.eyes();
+    if (missed == 40 && most > 16) {
+      EXPECT_EQ(used.front(), eyes.back());
+      EXPECT_EQ(used.back(), eyes[4]) << "spread over all";
+    }
+    return views.poses.taken();
+  };
+  constexpr std::uint32_t no_limit = 0xFFFFFFFFu;
+  EXPECT_EQ(taken(7, no_limit), 0u) << "rays beside a few misses are enough";
+  EXPECT_EQ(taken(8, no_limit), 16u);
+  EXPECT_EQ(taken(40, no_limit), 16u);
+  EXPECT_EQ(taken(47, no_limit), 16u) << "seven twice";
+  EXPECT_EQ(taken(40, 9), 8u) << "two hemicubes per cube";
+  EXPECT_EQ(taken(40, 0), 0u);
 }
 
 TEST(cell_search, what_is_too_small_for_the_view_is_not_missing) {

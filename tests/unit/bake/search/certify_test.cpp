@@ -171,13 +171,13 @@ TEST(certify, takes_no_round_that_cannot_prove_the_target) {
 // The second batch has a single ray left, whose bound is about 1.
 TEST(certify, keeps_the_smallest_bound) {
   fine_room room;
-  const finish_result result = room.finish(0, 14'000);
+  const finish_result result = room.finish(0, 16'000);
   EXPECT_EQ(result.batches, 2u);
   EXPECT_LT(result.upper_bound, 0.02);
 }
 
-// A room with single triangles in the air, 6 to 12 mm wide and far from each other: each is found alone.
-tiny_scene dusty_room(int triangles) {
+// A room with single triangles in the air, `size` or twice as wide and far from each other: each is found alone.
+tiny_scene dusty_room(int triangles, float size) {
   tiny_scene tiny = gridded_room(1);
   constexpr float golden_angle = 2.39996323f;
   for (int i = 0; i < triangles; ++i) {
@@ -185,19 +185,35 @@ tiny_scene dusty_room(int triangles) {
     const float around = std::sqrt(1.0f - y * y), turn = golden_angle * static_cast<float>(i);
     const glm::vec3 out(around * std::cos(turn), y, around * std::sin(turn));
     const glm::vec3 side = glm::normalize(glm::cross(out, glm::vec3(0.3f, 0.5f, 0.8f))), up = glm::cross(side, out);
-    const float size = 0.006f * static_cast<float>(1 + i % 2), away = 1.1f + 0.2f * static_cast<float>(i % 4);
-    tiny.triangle(away * out, away * out + size * side, away * out + size * up);
+    const float width = size * static_cast<float>(1 + i % 2), away = 1.1f + 0.2f * static_cast<float>(i % 4);
+    tiny.triangle(away * out, away * out + width * side, away * out + width * up);
   }
   return tiny;
 }
 
 // Batches that end early would each find a few of the triangles, with half of the risk of the one before.
 TEST(certify, many_single_misses_do_not_use_up_the_risk) {
-  const scene_with_rays w(dusty_room(2'000));
+  const scene_with_rays w(dusty_room(2'000, 0.006f));
   cell_set set(w.s.polygon_count);
   const finish_result result = finish_with_rays(w.rays, w.neighbors, room_middle, {.max_pixel_error = 3e-4}, set);
   EXPECT_TRUE(result.bound_met);
   EXPECT_LT(result.batches, 20u);
+}
+
+// Only 1 in 500 viewpoints is in the room with triangles: hemicubes at even distances next to never are.
+TEST(certify, renders_cubes_where_rays_missed) {
+  tiny_scene tiny = dusty_room(1'000, 0.08f);
+  tiny.closed_box({-2, -2, -2}, {2, 2, 2});
+  tiny.closed_box({-17, -17, -17}, {17, 17, 17}, true);
+  const scene_with_rays w(std::move(tiny));
+  const box everywhere{{-16, -16, -16}, {16, 16, 16}};
+  const auto source = make_rays_source(w.rays, {.resolution = 64, .far_plane = 100.0f});
+  search_views views{guided_views(w.rays, everywhere, {.geometry_inside = true, .resolution = 64}), *source};
+  cell_set set(w.s.polygon_count);
+  const finish_result result =
+      finish_with_rays(w.rays, w.neighbors, everywhere, {.max_pixel_error = 3e-5, .max_rays = 20'000'000}, set, &views);
+  EXPECT_TRUE(result.bound_met);
+  EXPECT_LT(views.poses.taken(), 200u) << "24,576 without cubes where rays missed";
 }
 
 TEST(certify, bounds_hold) {
