@@ -11,8 +11,8 @@ bytes over the oracle.
 
 A client has nothing and begins at a random pose (stream_truth.cpp says which) with one of four views of 60 degrees. It loads
 the front, the cell chunks whose box contains the eye, and then the pages of its cell, one order after the other:
-  ours            weight / bytes, 16 times that for pages whose box is in the frustum and whose headings are those of the
-                  view
+  ours            weight / bytes, times the part of the page's headings that is in the view, 1/64 at least and where
+                  its box is not in the frustum
   distance        nearest box first; with or without those in the frustum before all others
   projected area  of the box / bytes: of the rectangle around it on the screen, or of its sphere
   oracle          true solid angle in this view / bytes

@@ -5,7 +5,9 @@ import numpy as np
 
 from stream_poses import EVERYWHERE, HIGH, WIDE
 
-VIEW_FACTOR = 16  # docs/streaming.md
+LEAST_AHEAD = 1 / 64  # docs/streaming.md
+VIEW_FACTOR = 16  # of what is ahead, in orders that were tried
+PARTS = 64  # of all headings
 NEAR = 0.01  # meters. Boxes around the eye have no projection nearer than this
 
 # The twelve edges of a box, as pairs of its corners.
@@ -102,14 +104,16 @@ class View:
     def in_view(self, boxes):
         return np.ones(len(boxes), bool) if self.view is None else in_frustum(boxes, self.pose.eye, self.axes)
 
-    def in_headings(self):
-        """Pages with visible polygons in the directions of the view, as the cell has them: eight sectors of 45 degrees."""
+    def share_ahead(self):
+        """How much of the headings of each page, eight sectors of 45 degrees, is in the view; 0 where its box is not."""
         if self.view is None:
-            return np.ones(len(self.numbers), bool)
+            return np.ones(len(self.numbers))
         right, _, forward = self.axes
-        ahead = np.array([forward + side * right for side in np.linspace(-WIDE, WIDE, 33)])
-        sectors = np.floor(np.arctan2(ahead[:, 2], ahead[:, 0]) / np.pi * 4).astype(int) % 8
-        return self.cell.page_headings & np.bitwise_or.reduce(1 << sectors) > 0
+        middles = (np.arange(PARTS) + 0.5) * 2 * np.pi / PARTS
+        ways = np.stack([np.cos(middles), np.zeros(PARTS), np.sin(middles)], axis=1)
+        sectors = (np.abs(ways @ right) < WIDE * (ways @ forward)).reshape(8, -1).mean(axis=1)
+        has = self.cell.page_headings[:, None] >> np.arange(8) & 1
+        return has @ sectors / np.maximum(has.sum(axis=1), 1) * self.in_view(self.boxes)
 
     def area(self, boxes):
         if self.view is None:
@@ -127,14 +131,13 @@ class View:
         return self.numbers[np.lexsort((self.numbers, *(-np.asarray(key, "f8") for key in reversed(keys))))]
 
 
-def ours_of(view, sizes, factor=VIEW_FACTOR):
+def ours_of(view, sizes):
     """By the weight over these sizes."""
-    ahead = view.in_view(view.boxes) & view.in_headings()
-    return view.by(view.weights / sizes * np.where(ahead, factor, 1))
+    return view.by(view.weights / sizes * np.maximum(view.share_ahead(), LEAST_AHEAD))
 
 
-def ours(view, factor=VIEW_FACTOR):
-    return ours_of(view, view.bytes, factor)
+def ours(view):
+    return ours_of(view, view.bytes)
 
 
 def distance(view):
@@ -179,15 +182,19 @@ def oracle(view):
 # Tried beside them, to see what is missing. Those that end with "pose" or "view" know what no client knows.
 
 def ours_without_view(view):
-    return ours(view, 1)
+    return view.by(view.weights / view.bytes)
 
 
-def ours_boxes_alone(view, factor=VIEW_FACTOR):
-    return view.by(view.weights / view.bytes * np.where(view.in_view(view.boxes), factor, 1))
+def ours_sixteen_times(view):
+    return view.by(view.weights / view.bytes * np.where(view.share_ahead() > 0, VIEW_FACTOR, 1))
+
+
+def ours_boxes_alone(view):
+    return view.by(view.weights / view.bytes * np.where(view.in_view(view.boxes), VIEW_FACTOR, 1))
 
 
 def ours_view_first(view):
-    return view.by(view.in_view(view.boxes) & view.in_headings(), view.weights / view.bytes)
+    return view.by(view.share_ahead() > 0, view.weights / view.bytes)
 
 
 def draws_in_view(view):
@@ -221,7 +228,7 @@ def weight_at_pose(view):
     where, pose = view.scene.pages, view.pose
     of_page = where.page_of[pose.ids]
     true = sums(of_page[of_page >= 0], pose.angles[of_page >= 0, 0], view.scene.count)[view.numbers]
-    return view.by(true / view.bytes * np.where(view.in_view(view.boxes), VIEW_FACTOR, 1))
+    return view.by(true / view.bytes * np.maximum(view.share_ahead(), LEAST_AHEAD))
 
 
 def truth_in_view(view):
@@ -232,5 +239,5 @@ def truth_in_view(view):
 # The ones that are published; of each rival its variants, of which the best one counts.
 ORDERS = {"ours": [ours], "distance": [distance, distance_in_view, distance_of_draws],
           "projected area": [area_of_rectangle, area_of_sphere, area_of_draws], "oracle": [oracle]}
-TRIED = [ours_without_view, ours_boxes_alone, ours_view_first, ours_boxes_of_draws, ours_boxes_of_draws_first, ours_times_share_in_view,
+TRIED = [ours_without_view, ours_sixteen_times, ours_boxes_alone, ours_view_first, ours_boxes_of_draws, ours_boxes_of_draws_first, ours_times_share_in_view,
          weight_at_pose, truth_in_view]

@@ -43,6 +43,17 @@ def test_the_sphere_of_a_box():
     assert orders.sphere_angles(box((-1, -1, -1), (1, 1, 1)), EYE)[0] == pytest.approx(4 * np.pi)
 
 
+def test_the_share_of_headings_ahead():
+    """A view along -z is 91 degrees wide, from -135 to -45 degrees: sectors 5 and 6 of headings, and half a degree more."""
+    view = orders.View.__new__(orders.View)
+    view.view, view.axes, view.numbers, view.boxes = 0, AXES, np.arange(5), np.repeat(box((-1, -1, -11), (1, 1, -10)), 5, axis=0)
+    view.pose = stream_poses.Pose(EYE, 0.0, 0, None, None)
+    view.cell = type("Cell", (), {"page_headings": np.array([1 << 5, 0b01100000, 0b00110000, 0b01100011, 255], np.uint8)})
+    assert view.share_ahead() == pytest.approx([1, 1, 0.5, 0.5, 0.25])
+    view.boxes[0] = box((-1, -1, 10), (1, 1, 11))
+    assert view.share_ahead() == pytest.approx([0, 1, 0.5, 0.5, 0.25])
+
+
 def test_one_file_takes_a_round_trip_and_its_bytes():
     assert stream_network.arrivals([1000], 2.0, 1000, 0.5, 6) == pytest.approx([3.5])
 

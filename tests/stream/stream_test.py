@@ -184,6 +184,7 @@ class Streamed(InFolder):
                 self.assertGreaterEqual(sum(weights.values()), cell.weight / STEP)
 
     def test_polygons_are_in_the_headings_of_their_pages(self):
+        """In the mean over the cell, next to nothing of a page is in sectors without their bit."""
         random = np.random.default_rng(2)
         world = np.concatenate([draw.world() for draw in self.draws])
         for number, cell in self.cells.items():
@@ -191,15 +192,16 @@ class Streamed(InFolder):
             angles = 0.25 ** np.minimum(np.array(self.sets.classes(number)), 11.0)
             everywhere = self.site.front.draw_flags[self.draw_of(seen)] & EVERYWHERE != 0
             seen, angles = seen[~everywhere], angles[~everywhere]
-            for _ in range(8):
+            by_sector = np.zeros((len(cell.pages), 8))
+            at = np.searchsorted(cell.pages, self.page_of[seen])
+            for _ in range(64):
                 eye = random.uniform(*cell.box)
-                ahead = world[seen, random.integers(0, 3, len(seen))] - eye
+                ahead = (random.dirichlet([1, 1, 1], len(seen))[:, :, None] * world[seen]).sum(axis=1) - eye
                 sectors = np.floor(np.arctan2(ahead[:, 2], ahead[:, 0]) / np.pi * 4).astype(int) % 8
-                for page, headings in zip(cell.pages, cell.page_headings):
-                    here = self.page_of[seen] == page
-                    by_sector = np.bincount(sectors[here], angles[here], 8)
-                    outside = by_sector[[not headings >> k & 1 for k in range(8)]]
-                    self.assertTrue((outside <= angles[here].sum() / 32 * 1.001).all(), f'cell {number}, page {page}')
+                np.add.at(by_sector, (at, sectors), angles)
+            by_sector /= by_sector.sum(axis=1, keepdims=True)
+            has = cell.page_headings[:, None] >> np.arange(8) & 1 > 0
+            self.assertLess(np.where(has, 0, by_sector).max(), 3 / 16, f'cell {number}')
 
     def test_pages_are_small(self):
         self.assertLess(self.site.front.page_bytes.max(), 1.5 * PAGE_SIZE)

@@ -104,14 +104,18 @@ heading_range headings_of(const scene::draw& d, const scene::geometry& g, std::u
   return {std::atan2(middle.y, middle.x) * sectors_per_radian, std::asin(reach / distance) * sectors_per_radian};
 }
 
+// Spreads the weight evenly over the range.
 void add_headings(std::array<double, 8>& sums, const heading_range& range, double weight) {
   if (range.half >= 4.0) {
-    for (double& sum : sums) sum += weight;
+    for (double& sum : sums) sum += weight / static_cast<double>(sums.size());
     return;
   }
-  const auto first = static_cast<int>(std::floor(range.middle - range.half));
-  const auto last = std::min(first + 7, static_cast<int>(std::floor(range.middle + range.half)));
-  for (int sector = first; sector <= last; ++sector) sums[static_cast<std::size_t>((sector + 16) % 8)] += weight;
+  const double half = std::max(range.half, 1e-6), begin = range.middle - half, end = range.middle + half;
+  const auto last = static_cast<int>(std::floor(end));
+  for (int sector = static_cast<int>(std::floor(begin)); sector <= last; ++sector) {
+    const double within = std::min(end, sector + 1.0) - std::max(begin, static_cast<double>(sector));
+    sums[static_cast<std::size_t>((sector + 16) % 8)] += weight * within / (end - begin);
+  }
 }
 
 float center_of(const streamed_cell& cell, std::size_t axis) {
@@ -202,7 +206,7 @@ streamed_cell cell_lists::list_of(std::uint32_t cell, const visible_polygons& po
 }
 
 std::vector<listed_page> cell_lists::with_sectors(const std::vector<weighted_number>& pages) {
-  constexpr double least_share = 1.0 / 32.0;  // of the page's weight
+  constexpr double least_share = 1.0 / 16.0;  // of the page's weight
   std::vector<listed_page> out;
   for (const weighted_number& page : pages) {
     listed_page& made = out.emplace_back(listed_page{page.number, page.weight, 0});

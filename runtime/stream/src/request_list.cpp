@@ -9,9 +9,8 @@
 namespace sightcell::streaming {
 namespace {
 
-constexpr double view_factor = 16.0;   // of files in the direction of the view
 constexpr double walking_speed = 1.5;  // meters per second: a camera that stands still may start to walk
-constexpr int samples_across = 33;     // of the horizontal angle of view
+constexpr std::uint32_t all_ahead = 64, none_ahead = 0;
 
 runtime::point from(const float v[3]) noexcept {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
@@ -33,18 +32,37 @@ bool normalize(runtime::point& v) noexcept {
   return true;
 }
 
-// a + s * b + t * c
-runtime::point sum(const runtime::point& a, double s, const runtime::point& b, double t = 0.0,
-                   const runtime::point& c = {}) noexcept {
-  return {a[0] + s * b[0] + t * c[0], a[1] + s * b[1] + t * c[1], a[2] + s * b[2] + t * c[2]};
-}
+// x and z of the unit vectors with the headings atan2(z, x) in the middle of each eighth of sectors 0 and 1.
+constexpr std::array<std::array<double, 2>, 16> middles{{{0.9987954562051724, 0.0490676743274180},
+                                                         {0.9891765099647810, 0.1467304744553617},
+                                                         {0.9700312531945440, 0.2429801799032639},
+                                                         {0.9415440651830208, 0.3368898533922201},
+                                                         {0.9039892931234433, 0.4275550934302821},
+                                                         {0.8577286100002721, 0.5141027441932217},
+                                                         {0.8032075314806449, 0.5956993044924333},
+                                                         {0.7409511253549590, 0.6715589548470183},
+                                                         {0.6715589548470183, 0.7409511253549590},
+                                                         {0.5956993044924333, 0.8032075314806449},
+                                                         {0.5141027441932217, 0.8577286100002721},
+                                                         {0.4275550934302821, 0.9039892931234433},
+                                                         {0.3368898533922201, 0.9415440651830208},
+                                                         {0.2429801799032639, 0.9700312531945440},
+                                                         {0.1467304744553617, 0.9891765099647810},
+                                                         {0.0490676743274180, 0.9987954562051724}}};
 
-// Returns the sector of the heading atan2(z, x): k for 45 k to 45 (k + 1) degrees.
-unsigned sector_of(double x, double z) noexcept {
-  const bool below = z < 0.0 || (z == 0.0 && x < 0.0);  // 180 degrees begin sector 4
-  if (below) x = -x, z = -z;
-  const unsigned half = x > 0.0 ? (z < x ? 0u : 1u) : (z > -x ? 2u : 3u);
-  return half + (below ? 4u : 0u);
+// Returns x and z of the unit vector in the middle of eighth k of all headings, 0 to 63.
+std::array<double, 2> middle_of(std::size_t k) noexcept {
+  const std::array<double, 2>& m = middles[k % 16];
+  switch (k / 16) {
+    case 0:
+      return m;
+    case 1:
+      return {-m[1], m[0]};
+    case 2:
+      return {-m[0], -m[1]};
+    default:
+      return {m[1], -m[0]};
+  }
 }
 
 }  // namespace
@@ -62,6 +80,7 @@ std::uint32_t nearest_chunk(const sightcell_stream& stream, const runtime::point
 }
 
 view_region::view_region(const sightcell_stream_pose& pose) noexcept : eye_(from(pose.eye)) {
+  sectors_.fill(whole);
   runtime::point forward = from(pose.forward), up = from(pose.up);
   runtime::point right = cross(forward, up);
   if (!normalize(forward) || !normalize(right)) return;
@@ -76,16 +95,38 @@ view_region::view_region(const sightcell_stream_pose& pose) noexcept : eye_(from
   const runtime::point left{-right[0], -right[1], -right[2]}, down{-up[0], -up[1], -up[2]};
   planes_ = {forward, plane(wide, right), plane(wide, left), plane(high, up), plane(high, down)};
 
-  const runtime::point vertical{0.0, forward[1] < 0.0 ? -1.0 : 1.0, 0.0};
-  const bool is_steep = std::all_of(planes_.begin(), planes_.end(),
-                                    [&vertical](const runtime::point& normal) { return dot(normal, vertical) > 0.0; });
-  if (is_steep) return;  // it shows all headings
-  headings_ = 0;
-  for (int k = 0; k < samples_across; ++k)
-    for (const double row : {-high, 0.0, high}) {
-      const runtime::point ahead = sum(forward, wide * (2.0 * k / (samples_across - 1) - 1.0), right, row, up);
-      headings_ = static_cast<std::uint8_t>(headings_ | 1u << sector_of(ahead[0], ahead[2]));
+  look_around(forward);
+}
+
+// An eighth of a sector counts if a direction with the heading in its middle, up or down by any angle, is in the
+// frustum, or if the view's own heading is in it. So a view that contains the vertical has all headings.
+void view_region::look_around(const runtime::point& forward) noexcept {
+  sectors_.fill(0);
+  std::size_t nearest = 0;
+  double most = -1.0;
+  for (std::size_t k = 0; k < 64; ++k) {
+    const auto [x, z] = middle_of(k);
+    const double along = x * forward[0] + z * forward[2];
+    if (along > most) most = along, nearest = k;
+    // (x, y, z) is inside all planes for y from low to high.
+    double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+    for (const runtime::point& normal : planes_) {
+      const double level = normal[0] * x + normal[2] * z;
+      if (normal[1] > 0.0) low = std::max(low, -level / normal[1]);
+      if (normal[1] < 0.0) high = std::min(high, -level / normal[1]);
+      if (normal[1] == 0.0 && !(level > 0.0)) high = -std::numeric_limits<double>::infinity();
     }
+    if (low < high) ++sectors_[k / 8];
+  }
+  std::uint8_t& own = sectors_[nearest / 8];
+  own = std::max<std::uint8_t>(own, 1);
+}
+
+std::uint32_t view_region::share_of(std::uint8_t headings) const noexcept {
+  std::uint32_t sum = 0, count = 0;
+  for (std::size_t k = 0; k < sectors_.size(); ++k)
+    if ((headings >> k & 1) != 0) sum += sectors_[k], ++count;
+  return count == 0 ? none_ahead : sum * all_ahead / (count * whole);
 }
 
 bool view_region::may_show(const runtime::wide_box& box) const noexcept {
@@ -105,7 +146,7 @@ request_list::request_list(sightcell_stream& stream, const sightcell_stream_pose
 
 double request_list::priority_of(const sightcell_stream_request& request) const noexcept {
   const std::uint32_t size = std::max(1u, stream_.front().files()[request.file].size);
-  return static_cast<double>(request.weight) / size * (request.ahead != 0 ? view_factor : 1.0);
+  return static_cast<double>(request.weight) / size * std::max(request.ahead, 1u);
 }
 
 bool request_list::is_before(const sightcell_stream_request& a, const sightcell_stream_request& b) const noexcept {
@@ -126,11 +167,11 @@ void request_list::end_part() noexcept {
 }
 
 // The requests of this part are a heap, the last one of their order on top.
-void request_list::add(std::uint32_t file, float weight, bool ahead) noexcept {
+void request_list::add(std::uint32_t file, float weight, std::uint32_t ahead) noexcept {
   if (stream_.state_of(file) != SIGHTCELL_STREAM_ABSENT || listed_at_[file] == number_) return;
   listed_at_[file] = number_;
   const auto before = [this](const auto& a, const auto& b) { return is_before(a, b); };
-  const sightcell_stream_request request{file, reason_, weight, ahead ? 1u : 0u};
+  const sightcell_stream_request request{file, reason_, weight, ahead};
   const auto begin = dst_.begin() + static_cast<std::ptrdiff_t>(part_begin_);
   if (size_ == dst_.size()) {
     if (part_begin_ == size_ || !is_before(request, *begin)) return;
@@ -146,16 +187,17 @@ void request_list::add_lookup(bool is_lost) noexcept {
   const runtime::point eye = from(pose_.eye);
   const std::span<const listed_chunk> chunks = stream_.front().chunks();
   for (std::uint32_t i = 0; i < chunks.size(); ++i)
-    if (runtime::holds(chunks[i].box, eye)) add(i, 0.0f, false);
+    if (runtime::holds(chunks[i].box, eye)) add(i, 0.0f, none_ahead);
   if (is_lost && size_ == 0)
-    if (const std::uint32_t nearest = nearest_chunk(stream_, eye); nearest < chunks.size()) add(nearest, 0.0f, false);
+    if (const std::uint32_t nearest = nearest_chunk(stream_, eye); nearest < chunks.size())
+      add(nearest, 0.0f, none_ahead);
   end_part();
 }
 
 void request_list::add_everywhere() noexcept {
   begin_part(SIGHTCELL_STREAM_FOR_ALL);
   for (const std::uint32_t page : stream_.front().pages_everywhere())
-    add(stream_.front().file_of_page(page), 0.0f, false);
+    add(stream_.front().file_of_page(page), 0.0f, none_ahead);
   for (const std::uint32_t image : stream_.front().images_everywhere()) add_first_image(image, 0.0f);
   end_part();
 }
@@ -164,15 +206,14 @@ void request_list::add_pages(const chunk_cell& cell) noexcept {
   for (const listed_page& page : cell.pages) {
     const std::uint32_t file = stream_.front().file_of_page(page.page);
     if (stream_.state_of(file) != SIGHTCELL_STREAM_ABSENT) continue;
-    const bool ahead =
-        (page.headings & region_.headings()) != 0 && region_.may_show(stream_.front().box_of_page(page.page));
-    add(file, weight_of(cell.weight, page.share), ahead);
+    const bool may_show = region_.may_show(stream_.front().box_of_page(page.page));
+    add(file, weight_of(cell.weight, page.share), may_show ? region_.share_of(page.headings) : none_ahead);
   }
   for (const listed_image& image : cell.images) add_first_image(image.image, weight_of(cell.weight, image.share));
 }
 
 // The smallest version that has not FAILED, if the image has none and waits for none. Where an image is seen is not
-// known, so it counts as ahead.
+// known, so all of it counts as ahead.
 void request_list::add_first_image(std::uint32_t image, float weight) noexcept {
   const std::uint32_t begin = stream_.front().files_begin(image), end = stream_.front().files_begin(image + 1);
   std::uint32_t first = end;
@@ -181,7 +222,7 @@ void request_list::add_first_image(std::uint32_t image, float weight) noexcept {
     if (state == SIGHTCELL_STREAM_PRESENT || state == SIGHTCELL_STREAM_REQUESTED) return;
     if (state == SIGHTCELL_STREAM_ABSENT) first = file;
   }
-  if (first < end) add(first, weight, true);
+  if (first < end) add(first, weight, all_ahead);
 }
 
 // The version after the largest one that is there or requested.
@@ -192,7 +233,7 @@ void request_list::add_larger_image(std::uint32_t image, float weight) noexcept 
     const std::uint8_t state = stream_.state_of(file);
     if (state == SIGHTCELL_STREAM_REQUESTED) return;
     if (state == SIGHTCELL_STREAM_PRESENT) {
-      if (larger < end) add(larger, weight, true);
+      if (larger < end) add(larger, weight, all_ahead);
       return;
     }
     if (state == SIGHTCELL_STREAM_ABSENT) larger = file;
@@ -234,7 +275,7 @@ void request_list::add_next(double seconds) noexcept {
     if (size_ == dst_.size()) return;
     begin_part(SIGHTCELL_STREAM_FOR_NEXT);
     if (w.part < chunk_count) {
-      add(w.part, 0.0f, false);
+      add(w.part, 0.0f, none_ahead);
     } else {
       const std::uint32_t cell = w.part - chunk_count;
       const auto after =

@@ -20,14 +20,18 @@ class view_region {
   explicit view_region(const sightcell_stream_pose& pose) noexcept;
   // False if a plane of the frustum has the whole box behind it.
   [[nodiscard]] bool may_show(const runtime::wide_box& box) const noexcept;
-  // A bit for each sector of headings in the view: those of listed_page.
-  [[nodiscard]] std::uint8_t headings() const noexcept { return headings_; }
+  // Returns how much of these sectors of headings is in the view, 0 to 64. headings: those of listed_page.
+  [[nodiscard]] std::uint32_t share_of(std::uint8_t headings) const noexcept;
 
  private:
+  static constexpr std::uint8_t whole = 8;
+
+  void look_around(const runtime::point& forward) noexcept;
+
   runtime::point eye_{};
   std::array<runtime::point, 5> planes_{};  // normals, inward
   bool has_direction_ = false;
-  std::uint8_t headings_ = 0xFF;
+  std::array<std::uint8_t, 8> sectors_{};  // how much of each is in the view, in eighths
 };
 
 class request_list {
@@ -46,7 +50,7 @@ class request_list {
  private:
   void begin_part(std::uint32_t reason) noexcept;
   void end_part() noexcept;
-  void add(std::uint32_t file, float weight, bool ahead) noexcept;
+  void add(std::uint32_t file, float weight, std::uint32_t ahead) noexcept;
   void add_pages(const chunk_cell& cell) noexcept;
   void add_first_image(std::uint32_t image, float weight) noexcept;
   void add_larger_image(std::uint32_t image, float weight) noexcept;

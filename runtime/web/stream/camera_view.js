@@ -1,18 +1,21 @@
 // The camera in the space of a streamed scene: where it is and goes, and what it sees.
-import { Frustum, Matrix4, Vector3, Vector4 } from 'three';
+import { Frustum, Matrix4, Vector3 } from 'three';
 
 const fastest = 100;  // meters per second: a faster camera has jumped
-const samplesAcross = 33;  // of the horizontal angle of view
+const parts = 8;  // of a sector of 45 degrees of headings
+const middles = Array.from({ length: 8 * parts }, (_, i) => {
+  const heading = ((i + 0.5) * Math.PI) / (4 * parts);
+  return [Math.cos(heading), Math.sin(heading)];
+});
 
 export class CameraView {
   eye = new Vector3();
   velocity = new Vector3();
-  headings = 255;
+  sectors = new Float32Array(8);  // how much of each sector of headings is in the view, 0 to 1
   #matrix = new Matrix4();
   #next = new Matrix4();
   #last = new Vector3();
   #frustum = new Frustum();
-  #point = new Vector4();
   #time = 0;
   #camera;
   sees = (box) =>
@@ -47,28 +50,33 @@ export class CameraView {
     return true;
   }
 
-  /** Prepares `sees` and `headings`. */
+  /** Prepares `sees` and `sectors`. */
   look() {
-    const { coordinateSystem, reversedDepth } = this.#camera;
+    const { coordinateSystem, reversedDepth, projectionMatrix } = this.#camera;
     this.#frustum.setFromProjectionMatrix(this.#matrix, coordinateSystem, reversedDepth);
-    const isInside = (x, y, z, w) => {
-      const p = this.#point.set(x, y, z, w).applyMatrix4(this.#matrix);
-      return p.w > 0 && Math.abs(p.x) <= p.w && Math.abs(p.y) <= p.w;
-    };
-    this.headings = 255;
-    // A view that contains the vertical shows all headings.
-    if (isInside(0, 1, 0, 0) || isInside(0, -1, 0, 0)) return;
-    const inverse = this.#next.copy(this.#matrix).invert();
-    this.headings = 0;
-    for (let i = 0; i < samplesAcross; ++i) {
-      for (const y of [-1, 0, 1]) {
-        const p = this.#point
-          .set((2 * i) / (samplesAcross - 1) - 1, y, 0.5, 1)
-          .applyMatrix4(inverse)
-          .divideScalar(this.#point.w);
-        const angle = Math.atan2(p.z - this.eye.z, p.x - this.eye.x) / (Math.PI / 4);
-        this.headings |= 1 << ((Math.floor(angle) + 8) % 8);
+    const isPerspective = projectionMatrix.elements[15] === 0;
+    this.sectors.fill(isPerspective ? 0 : 1);
+    if (!isPerspective) return;
+    // A part of a sector counts if a direction with the heading in its middle, up or down by any angle, is in the
+    // frustum. So a view that contains the vertical has all headings.
+    const sides = this.#frustum.planes.slice(0, 4);
+    let along = -Infinity,
+      own = 0;
+    middles.forEach(([x, z], i) => {
+      let low = -Infinity,
+        high = Infinity,
+        ahead = 0;
+      for (const { normal } of sides) {
+        const level = normal.x * x + normal.z * z;
+        ahead += level;
+        if (normal.y > 0) low = Math.max(low, -level / normal.y);
+        else if (normal.y < 0) high = Math.min(high, -level / normal.y);
+        else if (level <= 0) high = -Infinity;
       }
-    }
+      if (low < high) this.sectors[i >> 3] += 1 / parts;
+      if (ahead > along) [along, own] = [ahead, i >> 3];
+    });
+    // A narrow view may be between two middles.
+    this.sectors[own] = Math.max(this.sectors[own], 1 / parts);
   }
 }

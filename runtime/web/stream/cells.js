@@ -8,7 +8,7 @@ export const LOOKUP = 0,
   DETAIL = 3,
   NEXT = 4;
 
-const aheadFactor = 16;  // of files in the direction of the view
+const leastAhead = 1 / 64;  // of a page that the view probably does not show, where one that it shows whole has 1
 const walkingSpeed = 1.5;  // meters per second: a camera that stands still may start to walk
 const turn = 0.5;  // sideways distance per distance traveled
 const timeSteps = 16;
@@ -30,12 +30,24 @@ const nearest = (list, { x, y, z }) => {
 /** The weight in steradians of the i-th page of a cell, or with `imageShares` of an image. */
 export const weightOf = (cell, i, shares = cell.shares) => cell.weight * 2 ** (-shares[i] / 8);
 
-const priorityOf = (file, weight, isAhead) => (weight / file.bytes) * (isAhead ? aheadFactor : 1);
+const priorityOf = (file, weight) => weight / file.bytes;
+
+/** How much of what has these headings is in the view, 0 to 1. */
+function shareAhead(headings, { sectors }) {
+  let sum = 0,
+    count = 0;
+  for (let k = 0; k < 8; ++k) {
+    const has = (headings >> k) & 1;
+    sum += has * sectors[k];
+    count += has;
+  }
+  return count > 0 ? sum / count : 0;
+}
 
 /** That of the i-th page of a cell. */
 export function pagePriority(cell, i, page, view) {
-  const isAhead = (cell.headings[i] & view.headings) !== 0 && view.sees(page.box);
-  return priorityOf(page, weightOf(cell, i), isAhead);
+  const share = view.sees(page.box) ? shareAhead(cell.headings[i], view) : 0;
+  return priorityOf(page, weightOf(cell, i) * Math.max(share, leastAhead));
 }
 
 export class Cells {
@@ -141,7 +153,7 @@ export class Cells {
   }
 
   /** Files to load, in order. All files that are wanted get the stamp that is returned, also those on their way.
-   * view: { eye, velocity, seconds, sees(box), headings }. */
+   * view: { eye, velocity, seconds, sees(box), sectors }. */
   requests(view) {
     const { front, cell } = this;
     const stamp = ++this.#stamp,
@@ -164,7 +176,7 @@ export class Cells {
       for (const file of files) if (file.state === LOADING) file.wanted = stamp;
       if (shown >= 0 !== larger || files.some(({ state }) => state === LOADING)) return;
       const file = files.find(({ state }, i) => state === ABSENT && i > shown);
-      if (file) add(file, reason, priorityOf(file, weight, true));
+      if (file) add(file, reason, priorityOf(file, weight));
     };
     const addCell = (from, reason) => {
       from.pages.forEach((page, i) => {

@@ -28,8 +28,8 @@ export class CellTilesPlugin {
   readonly complete: boolean;
   /** Whether the cell, the last complete cell or every cell needs the page of the tile, or that of a tile below it. */
   visible(tile: CellTile): boolean;
-  /** Steradians per byte that the page of the tile covers in the cell, 16 times as many in the direction of the view.
-   * 0: not needed; Infinity: in every cell. */
+  /** Steradians per byte that the page of the tile covers in the cell, times how much of that is probably in the view,
+   * 1/64 to 1. 0: not needed; Infinity: in every cell. */
   priority(tile: CellTile): number;
   /** 3d-tiles-renderer calls these. */
   init(tiles: any): void;

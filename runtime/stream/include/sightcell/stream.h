@@ -169,7 +169,7 @@ typedef struct sightcell_stream_request {
   uint32_t file;
   uint32_t reason; /* SIGHTCELL_STREAM_FOR_* */
   float weight;    /* steradians that the polygons of the page, or of the image, cover in the cell; 0 for chunks */
-  uint32_t ahead;  /* 1: in the direction of the view, as far as the cell states it; 1 for images */
+  uint32_t ahead;  /* how much of these polygons is probably in the view, in 64ths; 64 for images, 0 for chunks */
 } sightcell_stream_request;
 
 /* A streamed scene. Shared by threads. */
@@ -285,12 +285,11 @@ SIGHTCELL_API sightcell_status sightcell_stream_view_move(sightcell_stream_view*
                                                           const sightcell_stream_pose* pose,
                                                           sightcell_stream_frame* frame);
 
-/* Lists the ABSENT files that the view needs, in the order in which to load them: by reason, then by weight / bytes,
- * where files in the direction of the view count 16 times. Files for next cells are in the order in which the camera
- * can reach these cells. The host makes the files that it loads REQUESTED. seconds: of movement ahead, at the velocity
- * of the last move; 0 or more. 0: nothing for next cells. dst, capacity: in requests. The list ends there, without an
- * error. count: receives the number of elements written. Cost: O(chunks + pages of the cell and of up to 64 next cells,
- * * log(capacity)). */
+/* Lists the ABSENT files that the view needs, in the order in which to load them: by reason, then by weight / bytes *
+ * max(ahead, 1). Files for next cells are in the order in which the camera can reach these cells. The host makes the
+ * files that it loads REQUESTED. seconds: of movement ahead, at the velocity of the last move; 0 or more. 0: nothing
+ * for next cells. dst, capacity: in requests. The list ends there, without an error. count: receives the number of
+ * elements written. Cost: O(chunks + pages of the cell and of up to 64 next cells, times log(capacity)). */
 SIGHTCELL_API sightcell_status sightcell_stream_view_requests(sightcell_stream_view* view, float seconds,
                                                               sightcell_stream_request* dst, size_t capacity,
                                                               size_t* count);

@@ -65,10 +65,10 @@ TEST(stream_requests, what_is_ahead_comes_first) {
     const auto requests = scene.requests();
     ASSERT_EQ(requests.size(), 5u);
     EXPECT_EQ(requests[0].file, content.page(k));
-    for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(requests[i].ahead, i == 0 ? 1u : 0u) << k << ' ' << i;
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(requests[i].ahead > 8, i == 0) << k << ' ' << i;
   }
   look(scene, 0, 0, 0);
-  for (const auto& request : scene.requests()) EXPECT_EQ(request.ahead, 1u) << "no direction: all of them";
+  for (const auto& request : scene.requests()) EXPECT_EQ(request.ahead, 64u) << "no direction: all of them";
 }
 
 TEST(stream_requests, headings_exclude_pages_whose_box_is_ahead) {
@@ -81,17 +81,45 @@ TEST(stream_requests, headings_exclude_pages_whose_box_is_ahead) {
   for (const auto& request : scene.requests()) EXPECT_EQ(request.ahead, 0u) << request.file;
   look(scene, -1, 0, 0);
   for (const auto& request : scene.requests())
-    EXPECT_EQ(request.ahead == 1, request.file == content.page(0) || request.file == content.page(2));
+    EXPECT_EQ(request.ahead > 0, request.file == content.page(0) || request.file == content.page(2));
 }
 
-TEST(stream_requests, a_page_ahead_counts_sixteen_times) {
+TEST(stream_requests, what_is_in_the_view_counts_by_its_share) {
   small_stream content = one_cell();
-  content.chunks[0][0].pages[0].share = 39;  // 31 eighths of an octave less than the others: 2^(-31 / 8) > 1 / 16
+  for (std::uint32_t k = 0; k < 5; ++k) content.pages[k].box = {0, 0, 0, 255, 255, 255};
+  const std::uint8_t headings[5] = {0x02, 0x03, 0x0F, 0xFF, 0x20};
+  for (std::uint32_t k = 0; k < 5; ++k) content.chunks[0][0].pages[k].headings = headings[k];
+  open_stream scene(content);
+  scene.load(0);
+  look(scene, 0.70710678f, 0, 0.70710678f);
+  scene.pose.half_width = 1;  // headings from 0 to 90 degrees: sectors 0 and 1
+  const auto ahead = [&] {
+    static_cast<void>(scene.move(0, 0, 0));
+    std::vector<std::uint32_t> found(5);
+    for (const auto& request : scene.requests()) found[request.file - content.page(0)] = request.ahead;
+    return found;
+  };
+  EXPECT_EQ(ahead(), (numbers{64, 64, 32, 16, 0}));
+  EXPECT_EQ(scene.requested_files(),
+            (numbers{content.page(0), content.page(1), content.page(2), content.page(3), content.page(4)}));
+  scene.pose.half_width = 0.41421356f;  // 22.5 degrees to each side
+  EXPECT_EQ(ahead(), (numbers{32, 32, 16, 8, 0}));
+  look(scene, 0.6f, 0, 0.8f);
+  scene.pose.half_width = 1e-4f;
+  EXPECT_EQ(ahead(), (numbers{8, 4, 2, 1, 0})) << "between the middles of two eighths";
+  look(scene, 0.6f, 5, 0.8f);
+  scene.pose.half_width = scene.pose.half_height = 0.5f;
+  EXPECT_EQ(ahead(), (numbers{64, 64, 64, 64, 64})) << "the vertical is in the view";
+}
+
+TEST(stream_requests, a_page_with_three_quarters_ahead_counts_48_times) {
+  small_stream content = one_cell();
+  content.chunks[0][0].pages[0].share = 52;  // 44 eighths of an octave less than the others: 2^(-44 / 8) > 1 / 48
   open_stream scene(content);
   scene.load(0);
   look(scene, 1, 0, 0);
   EXPECT_EQ(scene.requested_files().front(), content.page(0));
-  content.chunks[0][0].pages[0].share = 41;
+  content.chunks[0][0].pages[0].share = 53;
   open_stream other(content);
   other.load(0);
   look(other, 1, 0, 0);
