@@ -15,10 +15,12 @@ the front, the cell chunks whose box contains the eye, and then the pages of its
                   its box is not in the frustum
   distance        nearest box first; with or without those in the frustum before all others
   projected area  of the box / bytes: of the rectangle around it on the screen, or of its sphere
+  hierarchical Z  projected area of boxes that pass a test against the depths of the whole scene in this view, which no
+                  client has
   oracle          true solid angle in this view / bytes
-All orders are over the same pages, the ones that our cell lists, so rivals have our visibility as well. Distance and
-projected area also have a variant with the boxes of single draws in a page, which no client of ours has. Of the variants of an
-order, the table has the one with the fewest bytes until 99 %.
+All orders are over the same pages, the ones that our cell lists, so rivals have our visibility as well. Distance,
+projected area and hierarchical Z also have a variant with the boxes of single draws in a page, which no client of ours has.
+Of the variants of an order, the table has the one with the fewest bytes until 99 %.
 
 A level is a share of the solid angle of polygons that are visible in the view and arrive with the cell's pages. Waste is the
 bytes of pages without any of them. The ceiling is the share of the visible solid angle that the cell lists at all. Texture

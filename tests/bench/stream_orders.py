@@ -3,7 +3,7 @@ import dataclasses
 
 import numpy as np
 
-from stream_poses import EVERYWHERE, HIGH, WIDE
+from stream_poses import EVERYWHERE, HIGH, TILES_ACROSS, TILES_UP, WIDE
 
 LEAST_AHEAD = 1 / 64  # docs/streaming.md
 VIEW_FACTOR = 16  # of what is ahead, in orders that were tried
@@ -32,8 +32,8 @@ def in_frustum(boxes, eye, axes):
     return ((farthest * planes).sum(axis=2) > 0).all(axis=1)
 
 
-def rectangles(boxes, eye, axes):
-    """The share of the screen that the rectangle around each projected box takes."""
+def screen_rectangles(boxes, eye, axes):
+    """The rectangle around each projected box, [n, 2] from -1 to 1 each, and the depth of its nearest corner in front."""
     places = (corners_of(boxes) - eye) @ axes.T  # right, up, depth
     a, b = places[:, EDGES[:, 0]], places[:, EDGES[:, 1]]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -41,12 +41,40 @@ def rectangles(boxes, eye, axes):
     crosses = (a[:, :, 2] < NEAR) != (b[:, :, 2] < NEAR)
     cut[:, :, 2][crosses] = NEAR
     points = np.concatenate([places, cut], axis=1)
-    there = np.concatenate([places[:, :, 2] >= NEAR, crosses], axis=1)[:, :, None]
+    there = np.concatenate([places[:, :, 2] >= NEAR, crosses], axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         screen = points[:, :, :2] / points[:, :, 2:] / (WIDE, HIGH)
-    low = np.clip(np.where(there, screen, np.inf).min(axis=1), -1, 1)
-    high = np.clip(np.where(there, screen, -np.inf).max(axis=1), -1, 1)
+    low = np.clip(np.where(there[:, :, None], screen, np.inf).min(axis=1), -1, 1)
+    high = np.clip(np.where(there[:, :, None], screen, -np.inf).max(axis=1), -1, 1)
+    return low, high, np.where(there, points[:, :, 2], np.inf).min(axis=1)
+
+
+def rectangles(boxes, eye, axes):
+    """The share of the screen that the rectangle around each projected box takes."""
+    low, high, _ = screen_rectangles(boxes, eye, axes)
     return np.prod(np.maximum(high - low, 0), axis=1) / 4
+
+
+def largest_in(tiles, first, last):
+    """The largest value of each rectangle of tiles, from four overlapping squares or rectangles of powers of two."""
+    levels = np.floor(np.log2(last - first + 1)).astype(int)  # [n, 2] in x and y
+    out = np.empty(len(first))
+    for level in np.unique(levels, axis=0):
+        wide, high = 2 ** level
+        windows = np.lib.stride_tricks.sliding_window_view(tiles, (high, wide)).max(axis=(2, 3))
+        at = np.flatnonzero((levels == level).all(axis=1))
+        (x, y), (right, top) = first[at].T, (last[at] - 2 ** level + 1).T
+        out[at] = np.max([windows[y, x], windows[y, right], windows[top, x], windows[top, right]], axis=0)
+    return out
+
+
+def pass_depth_test(boxes, eye, axes, depths):
+    """Boxes in the frustum whose nearest corner is not behind the largest depth of all tiles that they are in."""
+    low, high, near = screen_rectangles(boxes, eye, axes)
+    count = np.array([TILES_ACROSS, TILES_UP])
+    first = np.clip(np.floor((low + 1) / 2 * count), 0, count - 1).astype(int)
+    last = np.clip(np.floor((high + 1) / 2 * count), 0, count - 1).astype(int)
+    return in_frustum(boxes, eye, axes) & (near <= largest_in(depths, first, np.maximum(last, first)))
 
 
 def sphere_angles(boxes, eye):
@@ -175,6 +203,26 @@ def area_of_draws(view):
     return view.by(area / view.bytes, -distances(view.boxes, view.pose.eye))
 
 
+def depth_test(view, boxes):
+    """What a hierarchical Z of the whole scene in this view would say (Greene, Kass and Miller 1993)."""
+    if view.view is None:
+        return np.ones(len(boxes), bool)
+    return pass_depth_test(boxes, view.pose.eye, view.axes, view.pose.depths[view.view])
+
+
+def hierarchical_z(view):
+    """Those that pass the depth test first, by projected area."""
+    passes = depth_test(view, view.boxes)
+    return view.by(passes, view.area(view.boxes) / view.bytes, -distances(view.boxes, view.pose.eye))
+
+
+def hierarchical_z_of_draws(view):
+    """By the projected area of the boxes of draws that pass it."""
+    of, boxes = view.draw_boxes()
+    area = sums(of, view.area(boxes) * depth_test(view, boxes), view.scene.count)[view.numbers]
+    return view.by(area / view.bytes, -distances(view.boxes, view.pose.eye))
+
+
 def oracle(view):
     return view.by(view.true[view.numbers] / view.scene.sent[view.numbers])
 
@@ -238,6 +286,6 @@ def truth_in_view(view):
 
 # The ones that are published; of each rival its variants, of which the best one counts.
 ORDERS = {"ours": [ours], "distance": [distance, distance_in_view, distance_of_draws],
-          "projected area": [area_of_rectangle, area_of_sphere, area_of_draws], "oracle": [oracle]}
+          "projected area": [area_of_rectangle, area_of_sphere, area_of_draws], "hierarchical Z": [hierarchical_z, hierarchical_z_of_draws], "oracle": [oracle]}
 TRIED = [ours_without_view, ours_sixteen_times, ours_boxes_alone, ours_view_first, ours_boxes_of_draws, ours_boxes_of_draws_first, ours_times_share_in_view,
          weight_at_pose, truth_in_view]

@@ -43,11 +43,27 @@ def test_the_sphere_of_a_box():
     assert orders.sphere_angles(box((-1, -1, -1), (1, 1, 1)), EYE)[0] == pytest.approx(4 * np.pi)
 
 
+def test_the_largest_value_of_a_rectangle():
+    draw = np.random.default_rng(3)
+    tiles = draw.random((36, 64))
+    ends = np.sort(draw.integers(0, [[64, 36]], (500, 2, 2)), axis=1)
+    expected = [tiles[y:top + 1, x:right + 1].max() for (x, y), (right, top) in ends]
+    assert (orders.largest_in(tiles, ends[:, 0], ends[:, 1]) == expected).all()
+
+
+def test_boxes_behind_what_is_visible_fail_the_depth_test():
+    depths = np.full((stream_poses.TILES_UP, stream_poses.TILES_ACROSS), 8.0, "f4")  # a wall
+    depths[:, stream_poses.TILES_ACROSS // 2:] = np.inf  # that ends in the middle
+    boxes = np.concatenate([box((-3, -1, -11), (-1, 1, -10)), box((-3, -1, -11), (-1, 1, -7)), box((1, -1, -11), (3, 1, -10)),
+                            box((-3, -1, -11), (1, 1, -10)), box((-3, -1, 10), (-1, 1, 11)), box((-1, -1, -1), (1, 1, 1))])
+    assert orders.pass_depth_test(boxes, EYE, AXES, depths).tolist() == [False, True, True, True, False, True]
+
+
 def test_the_share_of_headings_ahead():
     """A view along -z is 91 degrees wide, from -135 to -45 degrees: sectors 5 and 6 of headings, and half a degree more."""
     view = orders.View.__new__(orders.View)
     view.view, view.axes, view.numbers, view.boxes = 0, AXES, np.arange(5), np.repeat(box((-1, -1, -11), (1, 1, -10)), 5, axis=0)
-    view.pose = stream_poses.Pose(EYE, 0.0, 0, None, None)
+    view.pose = stream_poses.Pose(EYE, 0.0, 0, None, None, None)
     view.cell = type("Cell", (), {"page_headings": np.array([1 << 5, 0b01100000, 0b00110000, 0b01100011, 255], np.uint8)})
     assert view.share_ahead() == pytest.approx([1, 1, 0.5, 0.5, 0.25])
     view.boxes[0] = box((-1, -1, 10), (1, 1, 11))

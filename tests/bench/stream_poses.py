@@ -13,6 +13,7 @@ from matching import partners  # noqa: E402
 
 EVERYWHERE = streamed_scene.EVERYWHERE
 VIEWS = 4
+TILES_ACROSS, TILES_UP = 64, 36  # from the lower left of a view
 HIGH = np.tan(np.pi / 6)  # of a view, at the distance 1 from the eye: half its height and half its width
 WIDE = HIGH * 16 / 9
 
@@ -24,6 +25,7 @@ class Pose:
     cell: int
     ids: np.ndarray  # of the visible polygons
     angles: np.ndarray  # [n, 1 + VIEWS] in sr: in all directions, and in each view
+    depths: np.ndarray  # [VIEWS, TILES_UP, TILES_ACROSS] in meters: the largest one of each tile of each view
 
     def axes(self, view):
         """Right, up and forward of a view."""
@@ -37,7 +39,7 @@ def read_poses(path):
     with open(path, "rb") as stream:
         data = stream.read()
     magic, version, count = struct.unpack_from("<8sII", data)
-    if magic != b"SIGHTPOS" or version != 1:
+    if magic != b"SIGHTPOS" or version != 2:
         raise ValueError(f"{path}: no poses")
     poses, at = [], 16
     for _ in range(count):
@@ -47,7 +49,9 @@ def read_poses(path):
         at += 4 * polygons
         angles = np.frombuffer(data, "<f4", polygons * (1 + VIEWS), at).reshape(polygons, 1 + VIEWS).astype("f8")
         at += 4 * angles.size
-        poses.append(Pose(np.array([x, y, z], "f4"), heading, cell, ids, angles))
+        depths = np.frombuffer(data, "<f4", VIEWS * TILES_UP * TILES_ACROSS, at).reshape(VIEWS, TILES_UP, TILES_ACROSS)
+        at += 4 * depths.size
+        poses.append(Pose(np.array([x, y, z], "f4"), heading, cell, ids, angles, depths))
     if at != len(data):
         raise ValueError(f"{path}: cut")
     return poses

@@ -2,9 +2,11 @@
 // cells of a file, for bench_streaming.py. A pose is a valid viewpoint of a random cell, with a random heading. All
 // cells are equally likely, and so are all valid viewpoints of a cell.
 //
-// OUT: "SIGHTPOS", u32 version (1), u32 number of poses; then of each pose: f32 eye[3], f32 heading in radians, u32
-// cell, u32 number of polygons n, u32 ids[n] (source ids, ascending), f32 angles[n][5]. The angles are solid angles in
-// sr: in all directions, and in four views of 60 degrees (vertically) at 16:9, each turned by a further 90 degrees. All
+// OUT: "SIGHTPOS", u32 version (2), u32 number of poses; then of each pose: f32 eye[3], f32 heading in radians, u32
+// cell, u32 number of polygons n, u32 ids[n] (source ids, ascending), f32 angles[n][5], f32 depths[4][36][64]. The
+// angles are solid angles in sr: in all directions, and in four views of 60 degrees (vertically) at 16:9, each turned
+// by a further 90 degrees. The depths are those of tiles of these views, from the lower left on, row by row: the
+// largest one in the tile along the axis of the view, in meters; infinite where something of it shows no polygon. All
 // numbers are little-endian. Two hemicubes back to back show all directions.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -38,7 +40,7 @@ namespace {
 
 using namespace sightcell;
 
-constexpr std::size_t views = 4;
+constexpr std::size_t views = 4, tiles_across = 64, tiles_up = 36;
 constexpr std::uint64_t tries_of_a_cell = 1u << 14;
 // A use of random numbers that is none of a bake.
 constexpr std::uint64_t place_of_cells = 0x53545245414Dull;
@@ -50,6 +52,14 @@ struct options {
 };
 
 using angles = std::array<double, 1 + views>;
+// The largest depth of each tile of each view.
+using tile_depths = std::array<std::array<float, tiles_across * tiles_up>, views>;
+
+// Where a direction is in a view.
+struct place_in_view {
+  std::uint16_t tile = 0;
+  float depth = 0.0f;  // along the axis of the view, of the point at the distance 1 along the axis of the face
+};
 
 // What the pixels of a pair of hemicubes count for. A heading only turns the hemicubes, so it is the same for all
 // poses.
@@ -65,7 +75,7 @@ class pixel_angles {
         const double c = std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)});
         const double size = 2.0 / resolution;
         whole_.push_back(size * size * c * c * c);
-        views_.push_back(views_of(way));
+        views_.push_back(views_of(way / c));
       }
     }
   }
@@ -78,13 +88,20 @@ class pixel_angles {
   }
 
   // Adds what an image shows. half: 0 along the heading, 1 the other way.
-  void add(const bake::hemicube_image& image, std::size_t half, std::map<std::uint32_t, angles>& sums) const {
+  void add(const bake::hemicube_image& image, std::size_t half, std::map<std::uint32_t, angles>& sums,
+           tile_depths& depths) const {
     const std::size_t pixels = 3 * std::size_t{resolution_} * resolution_;
     std::uint32_t last = scene::no_index;
     angles* known = nullptr;
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-      if (image.ids[pixel] == scene::no_index) continue;
       const std::size_t at = half * pixels + pixel;
+      for (std::size_t view = 0; view < views; ++view) {
+        const auto& where = views_[at][view];
+        if (!where) continue;
+        float& depth = depths[view][where->tile];
+        depth = std::max(depth, where->depth / image.inverse_depths[pixel]);  // x / 0 is infinite
+      }
+      if (image.ids[pixel] == scene::no_index) continue;
       // Neighbors mostly show the same polygon.
       if (image.ids[pixel] != last) {
         last = image.ids[pixel];
@@ -93,28 +110,33 @@ class pixel_angles {
       angles& sum = *known;
       sum[0] += whole_[at];
       for (std::size_t view = 0; view < views; ++view)
-        if ((views_[at] >> view & 1u) != 0) sum[1 + view] += whole_[at];
+        if (views_[at][view]) sum[1 + view] += whole_[at];
     }
   }
 
  private:
-  // A bit for each view that contains the direction. A view that is turned by 90 degrees looks to the right of the
+  using places = std::array<std::optional<place_in_view>, views>;
+
+  // Nothing where a view does not contain the direction. A view that is turned by 90 degrees looks to the right of the
   // last.
-  static std::uint8_t views_of(const glm::dvec3& way) {
+  static places views_of(const glm::dvec3& way) {
     const double high = std::tan(std::numbers::pi / 6.0), wide = high * 16.0 / 9.0;
     const std::array<glm::dvec3, views> ahead{{{0, 0, -1}, {1, 0, 0}, {0, 0, 1}, {-1, 0, 0}}};
-    std::uint8_t bits = 0;
+    places found;
     for (std::size_t view = 0; view < views; ++view) {
       const double depth = glm::dot(way, ahead[view]), right = glm::dot(way, ahead[(view + 1) % views]);
-      if (depth > 0.0 && std::abs(right) < wide * depth && std::abs(way.y) < high * depth)
-        bits = static_cast<std::uint8_t>(bits | 1u << view);
+      if (!(depth > 0.0 && std::abs(right) < wide * depth && std::abs(way.y) < high * depth)) continue;
+      const auto x = static_cast<std::size_t>((right / (wide * depth) + 1.0) / 2.0 * tiles_across);
+      const auto y = static_cast<std::size_t>((way.y / (high * depth) + 1.0) / 2.0 * tiles_up);
+      const std::size_t tile = std::min(y, tiles_up - 1) * tiles_across + std::min(x, tiles_across - 1);
+      found[view] = {static_cast<std::uint16_t>(tile), static_cast<float>(depth)};
     }
-    return bits;
+    return found;
   }
 
   std::uint32_t resolution_;
   std::vector<double> whole_;
-  std::vector<std::uint8_t> views_;
+  std::vector<places> views_;
 };
 
 struct place {
@@ -147,7 +169,8 @@ void put(std::ofstream& out, const T& value) {
   out.write(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-void write_pose(std::ofstream& out, const place& at, const std::map<std::uint32_t, angles>& sums) {
+void write_pose(std::ofstream& out, const place& at, const std::map<std::uint32_t, angles>& sums,
+                const tile_depths& depths) {
   put(out, at.eye);
   put(out, at.heading);
   put(out, at.cell);
@@ -155,6 +178,7 @@ void write_pose(std::ofstream& out, const place& at, const std::map<std::uint32_
   for (const auto& [id, sum] : sums) put(out, id);
   for (const auto& [id, sum] : sums)
     for (const double angle : sum) put(out, static_cast<float>(angle));
+  put(out, depths);
 }
 
 void run(const options& how) {
@@ -169,7 +193,7 @@ void run(const options& how) {
   const pixel_angles pixels(how.resolution);
   std::ofstream out(how.out, std::ios::binary);
   out.write("SIGHTPOS", 8);
-  put(out, std::uint32_t{1});
+  put(out, std::uint32_t{2});
   put(out, how.poses);
   bake::hemicube_image image;
   std::uint32_t written = 0;
@@ -179,11 +203,12 @@ void run(const options& how) {
     const std::optional<place> at = choose(opened, random);
     if (!at) continue;
     std::map<std::uint32_t, angles> sums;
+    tile_depths depths{};
     for (const std::size_t half : {0u, 1u}) {
       source->render_image(pixel_angles::looking(at->eye, at->heading, half == 0 ? 1.0f : -1.0f), image);
-      pixels.add(image, half, sums);
+      pixels.add(image, half, sums, depths);
     }
-    write_pose(out, *at, sums);
+    write_pose(out, *at, sums, depths);
     ++written;
   }
   out.close();
