@@ -21,11 +21,6 @@ pose rotated(const pose& where) {
   return {where.eye, where.forward, (where.right + where.up) * half, (where.up - where.right) * half};
 }
 
-void add_cube(const glm::vec3& eye, std::vector<pose>& poses) {
-  for (const float side : {1.0f, -1.0f})
-    poses.push_back({eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
-}
-
 }  // namespace
 
 guided_views::guided_views(const ray_scene& rays, const viewpoint_region& where, const guided_settings& how)

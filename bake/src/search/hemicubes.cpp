@@ -45,11 +45,15 @@ void hemicubes::take(std::span<const pose> poses, std::span<hemicube_view> views
   taken_ += static_cast<std::uint32_t>(poses.size());
 }
 
+void add_cube(const glm::vec3& eye, std::vector<pose>& poses) {
+  for (const float side : {1.0f, -1.0f})
+    poses.push_back({eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
+}
+
 void hemicubes::take_interior(std::span<const glm::vec3> points) {
   std::vector<pose> poses;
   for (const glm::vec3& eye : points.first(std::min<std::size_t>(interior_cubes(plan_), points.size())))
-    for (const float side : {1.0f, -1.0f})
-      poses.push_back({eye, {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
+    add_cube(eye, poses);
   std::vector<hemicube_view> views(std::min(poses.size(), interior_batch));
   // Leaves time for the faces.
   const time_limit of_cubes = plan_.limit ? plan_.limit->part(plan_.interior_share) : time_limit(0.0, true);

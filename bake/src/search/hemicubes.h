@@ -4,6 +4,7 @@
 #include <functional>
 #include <glm/vec3.hpp>
 #include <span>
+#include <vector>
 
 #include "cell_set/cell_set.h"
 #include "hemicube/hemicube_source.h"
@@ -32,6 +33,9 @@ std::uint32_t interior_cubes(const hemicube_plan& plan);
 // Returns the pose turned about its eye by a random angle, so that no pixel's center moves by more than half the width
 // of a pixel in the middle of the front face.
 pose jittered(const pose& where, std::uint32_t resolution, random_stream random);
+
+// Appends the two hemicubes, back to back, of a full cube at this viewpoint.
+void add_cube(const glm::vec3& eye, std::vector<pose>& poses);
 
 // Renders the hemicubes of one cell.
 class hemicubes {
