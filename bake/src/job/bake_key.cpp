@@ -20,7 +20,7 @@ namespace sightcell::bake {
 namespace {
 
 // Raised whenever the same settings may result in other bytes. A bake rejects checkpoints of another version by name.
-constexpr int bake_version = 28;
+constexpr int bake_version = 29;
 
 std::string text_of(const settings& how, const bake_cells& cells, const chosen_source& chosen) {
   auto text = scene::parse_ordered_json(describe(how));

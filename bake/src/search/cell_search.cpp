@@ -14,6 +14,9 @@ namespace {
 constexpr std::uint32_t first_round = 24, turn = 6;  // hemicubes
 constexpr std::size_t cubes_of_misses = 8;
 constexpr double least_of_target = 3e-4;  // of all directions, as a share of the target
+// Rays toward neighbors before a batch, as a share of its expected cost. On walls of intel_castle at a target of 1e-5,
+// 1.7 in place of 0.5 million rays halve what is missing, and cells take 0.55 of the time, and 0.61 with a share of 1.
+constexpr double share_of_batch = 0.5;
 // The miss probability that is left, divided by the one measured. After a round of hemicubes, once its finds and
 // those of the rays after it have joined: one value for each fifth of the ratios measured in 34 rounds. After a batch
 // of verification rays, once rays were cast toward the neighbors of its finds. Where these rarely hit, that changes
@@ -84,8 +87,7 @@ bool cell_search::may_view() const {
 }
 
 bool cell_search::has_time() const {
-  const bool over = how_.limit && how_.limit->reached();
-  return !over || (views_ && views_->poses.taken() == 0);
+  return !is_over() || (views_ && views_->poses.taken() == 0);
 }
 
 // Each round doubles the number of hemicubes, so that the share of new pixels in it is an estimate of what was
@@ -183,15 +185,23 @@ void cell_search::look_around() {
 
 void cell_search::look_for(const search_goal& goal) {
   bool any = false;
+  std::uint64_t before = cast_;
   while (spent_ < goal.max_cost && has_time() && may_view() &&
          !(goal.enough && goal.enough(missing_, cost_of_views()))) {
     view();
+    before = cast_;
     look_beside(goal.max_cost);
     any = true;
   }
-  if (any) return;
-  look_beside(goal.max_cost);
-  ++searches_by_rays_;
+  if (!any) {
+    look_beside(goal.max_cost);
+    ++searches_by_rays_;
+  }
+  const double most = goal.cost_of_batch ? share_of_batch * goal.cost_of_batch(missing_[missing_.size() / 2]) : 0.0;
+  while (static_cast<double>(cast_ - before) < most && spent_ < goal.max_cost && !is_over() && !dilation_.done()) {
+    ++searches_by_rays_;
+    look_beside(goal.max_cost);
+  }
 }
 
 }  // namespace sightcell::bake

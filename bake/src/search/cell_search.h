@@ -54,6 +54,10 @@ struct search_goal {
   // cost: cost of that round, in rays.
   // Null: hemicubes are rendered until none is left.
   std::function<bool(const error_guess& missing, std::uint64_t cost)> enough = {};
+  // Returns the expected cost of the next batch of verification rays, in rays.
+  // missing: an estimate of the miss probability.
+  // Null: the search ends after the rays beside its last round.
+  std::function<double(double missing)> cost_of_batch = {};
 };
 
 // The search in one cell. Its state lasts over several calls.
@@ -66,7 +70,8 @@ class cell_search {
 
   // Renders rounds of hemicubes, each followed by rays toward neighbors of the set, until goal.enough returns true,
   // the cost is spent, the time limit is reached or no hemicube is left. Where no round is rendered, it casts rays
-  // alone, with a lower priority each time.
+  // alone, with a lower priority each time. With goal.cost_of_batch the priority of rays then falls until they cost
+  // half of the batch that follows, because the more is missing, the longer is a batch that proves the target.
   void look_for(const search_goal& goal);
   // Renders hemicubes until none is left, in rounds, without rays.
   void look_around();
@@ -100,6 +105,7 @@ class cell_search {
   // Returns whether the time allows another turn of hemicubes. It allows the first one always: a set of nothing would
   // hide everything.
   bool has_time() const;
+  bool is_over() const { return how_.limit && how_.limit->reached(); }
   // Renders one round of hemicubes and updates the estimates.
   void view();
   double take(const std::vector<pose>& poses);
@@ -110,7 +116,8 @@ class cell_search {
   cell_set& set_;
   std::vector<glm::vec3> viewpoints_;  // viewpoints of hemicubes and origins of rays
   refinement dilation_;
-  // Number of searches without hemicubes. Each lowers the priority as if the number of hemicubes had doubled.
+  // Number of searches by rays beyond those after hemicubes. Each lowers the priority as if the number of hemicubes had
+  // doubled.
   std::uint32_t searches_by_rays_ = 0;
   // In rays: of one hemicube, as measured in the last round; of the current round so far.
   double cost_of_view_, cost_of_round_ = 0.0;

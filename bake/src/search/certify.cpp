@@ -282,10 +282,17 @@ class cell_certificate {
 
   // Searches for polygons and volumes.
   void look(cell_search& search) {
-    const search_goal goal{
+    search_goal goal{
         .max_cost = budget_.left(of_batches_), .enough = [&](const error_guess& missing, std::uint64_t cost) {
           return !std::exchange(views_first_, false) && batch_pays(interim_tests_, missing, cost, cost_of_trial_);
         }};
+    // Not before the first batch: most cells need no other.
+    if (turns_ > 1)
+      goal.cost_of_batch = [&](double missing) {
+        const double trials = expected_trials(interim_tests_, missing);
+        // Its first interim test shows whether a batch fails.
+        return cost_of_trial_ * (std::isfinite(trials) ? trials : static_cast<double>(interim_tests_.front().trials));
+      };
     of_search_ = limit_.part(how_.limit_ends_batches ? 1.0 : search_share);
     const std::uint32_t hemicubes = views_ ? views_->poses.taken() : 0;
     search.look_for(goal);

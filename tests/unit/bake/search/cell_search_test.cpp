@@ -11,6 +11,7 @@
 #include "search/cell_search.h"
 #include "search/guided_views.h"
 #include "unit/bake/cards_with_flaps.h"
+#include "unit/bake/gridded_room.h"
 #include "unit/bake/tiny_scene.h"
 
 namespace sightcell::bake {
@@ -183,6 +184,39 @@ TEST(cell_search, takes_half_as_many_where_rays_rarely_hit) {
       EXPECT_NEAR(search.missing().front(), 8e-4, 1e-9) << "rays beside the misses find little";
     }
   }
+}
+
+TEST(cell_search, casts_rays_for_half_of_the_batch_that_follows) {
+  const world w(test::gridded_room(30).finished(), 16);
+  const auto rays = [&](double cost_of_batch) {
+    search_views views{guided_views(w.rays, test::room_middle, {.resolution = 16}), *w.eyes.source};
+    cell_set set(w.s.polygon_count);
+    cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .priority = 1e-2}, set);
+    search.look_for({.enough = [&](const error_guess&, std::uint64_t) { return views.poses.taken() > 0; },
+                     .cost_of_batch =
+                         [&](double missing) {
+                           EXPECT_EQ(missing, search.missing()[2]);
+                           return cost_of_batch;
+                         }});
+    EXPECT_EQ(views.poses.taken(), 24u);
+    return search.rays();
+  };
+  const std::uint64_t some = rays(1'000.0), all = rays(1e12);
+  EXPECT_EQ(rays(0.0), 0u) << "hemicubes show all that is wider than this priority";
+  EXPECT_GE(some, 500u);
+  EXPECT_LT(some, 1'000u) << "half, to within a step of the priority";
+  EXPECT_GT(all, 2 * some) << "no endless search";
+}
+
+TEST(cell_search, ends_where_no_hemicube_is_left_and_the_time_is_over) {
+  const world w;
+  search_views views{guided_views(w.rays, cell, places_of(true)), *w.eyes.source, 0};
+  cell_set set(w.s.polygon_count);
+  const time_limit over(1e-9, true);
+  cell_search search(w.rays, w.neighbors, &views, {.seed = 1, .place = 7, .limit = &over, .priority = 1e-2}, set);
+  set.add(0, {0.0f, -2.5f, 0.0f});
+  search.look_for({.cost_of_batch = [](double) { return 1e12; }});
+  EXPECT_EQ(search.rays(), 0u);
 }
 
 TEST(cell_search, takes_cubes_where_many_rays_missed) {

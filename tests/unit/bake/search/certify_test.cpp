@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -214,6 +215,26 @@ TEST(certify, renders_cubes_where_rays_missed) {
       finish_with_rays(w.rays, w.neighbors, everywhere, {.max_pixel_error = 3e-5, .max_rays = 20'000'000}, set, &views);
   EXPECT_TRUE(result.bound_met);
   EXPECT_LT(views.poses.taken(), 200u) << "24,576 without cubes where rays missed";
+}
+
+// Between the boxes most polygons are visible from a few viewpoints alone.
+TEST(certify, looks_beside_members_before_another_long_batch) {
+  tiny_scene tiny = gridded_room(40);
+  for (int x = -2; x <= 2; ++x)
+    for (int y = -2; y <= 2; ++y)
+      for (int z = -2; z <= 2; ++z)
+        if (std::max({std::abs(x), std::abs(y), std::abs(z)}) == 2) {
+          const glm::vec3 center = 0.68f * glm::vec3(x, y, z), size(0.15f);
+          tiny.closed_box(center - size, center + size);
+        }
+  const scene_with_rays w(std::move(tiny));
+  const auto source = make_rays_source(w.rays, {.resolution = 16, .far_plane = 10.0f});
+  search_views views{guided_views(w.rays, room_middle, {.resolution = 16}), *source};
+  cell_set set(w.s.polygon_count);
+  const finish_result result =
+      finish_with_rays(w.rays, w.neighbors, room_middle, {.max_pixel_error = 1e-3}, set, &views);
+  EXPECT_TRUE(result.bound_met);
+  EXPECT_LT(result.rays_spent, 110'000u) << "169,661 without these rays";
 }
 
 TEST(certify, bounds_hold) {
