@@ -21,6 +21,7 @@
 #include "cells/floor_cells.h"
 #include "cells/lattice.h"
 #include "cells/merge_tree.h"
+#include "search/hemicubes.h"
 #include "sightcell/base/random.h"
 #include "trace/viewpoint_region.h"
 #include "trace/viewpoints.h"
@@ -218,12 +219,9 @@ std::optional<cube> block_estimates::look(const cube_place& at) {
   std::uint64_t tests = 0;
   const auto eyes = draw_viewpoints(tools_.rays, at.where, how_.player_radius, 1, at.most_tests, random, tests);
   if (eyes.empty()) return std::nullopt;
-  std::array<pose, 2> poses;
+  std::vector<pose> poses;
+  add_cube(eyes.front(), poses);
   std::array<hemicube_view, 2> views;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const float side = i == 0 ? 1.0f : -1.0f;
-    poses[i] = {eyes.front(), {0.0f, 0.0f, -side}, {side, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
-  }
   tools_.source.render(poses, views);
   ++cubes_;
   cube seen;
