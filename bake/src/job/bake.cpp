@@ -184,8 +184,7 @@ void bake_all(const bake_context& context, const stage_plan& plan, tbb::task_are
   const phase_work work{context, plan, blocks, arena, tracker, file, keeper};
   keeping(file, [&] {
     tracker.open();
-    run_phase_1(work);
-    run_phase_2(work, [&](std::uint32_t cell) { return required(done, cell, plan.end_of_phase_1(cell)); });
+    run_both_phases(work);
   });
   sum.times = tracker.times();
   warn_of_geometry_inside(tracker, context.how, events);

@@ -49,6 +49,30 @@ step_queue step_queue::phase_2(const stage_plan& plan, const stage_table& have, 
   return queue;
 }
 
+step_queue step_queue::both_phases(const stage_plan& plan, const stage_table& have,
+                                   std::span<const std::uint32_t> blocks) {
+  step_queue queue = phase_1(plan, have, blocks);
+  queue.phase_1_left_.resize(plan.blocks().cell_count());
+  queue.checks_.resize(plan.blocks().cell_count());
+  for (const std::uint32_t block : blocks)
+    for (const std::uint32_t cell : plan.blocks().cells_of(block)) queue.add_check(cell, have);
+  queue.left_ = queue.count_;
+  return queue;
+}
+
+void step_queue::add_check(std::uint32_t cell, const stage_table& have) {
+  if (have.has(cell, cell_stage::finished) || plan_->end_of_phase_1(cell) == cell_stage::finished) return;
+  const auto wait_for = [&](std::uint32_t other) {
+    if (plan_->through_phase_1(have, other)) return;
+    checks_[other].push_back(cell);
+    ++phase_1_left_[cell];
+  };
+  wait_for(cell);
+  for (const std::uint32_t neighbor : plan_->blocks().neighbors_of(cell)) wait_for(neighbor);
+  if (phase_1_left_[cell] == 0) ready_.push_back({cell, cell_stage::finished});
+  ++count_;
+}
+
 step_queue step_queue::listed(const stage_plan& plan, std::span<const cell_step> steps) {
   step_queue queue(plan);
   queue.ready_.assign(steps.begin(), steps.end());
@@ -69,7 +93,12 @@ std::optional<cell_step> step_queue::begin_next() {
 
 void step_queue::committed(const cell_step& step) {
   --in_work_;
-  if (step.to != cell_stage::sampled) return;
+  if (step.to != cell_stage::sampled) {
+    if (checks_.empty() || step.to != plan_->end_of_phase_1(step.cell)) return;
+    for (const std::uint32_t cell : checks_[step.cell])
+      if (--phase_1_left_[cell] == 0) ready_first_.push_back({cell, cell_stage::finished});
+    return;
+  }
   const std::uint32_t block = plan_->blocks().block_of(step.cell);
   if (--sampling_left_[block] > 0) return;
   for (const std::uint32_t cell : second_round_[block]) ready_first_.push_back({cell, cell_stage::bounded});

@@ -60,8 +60,9 @@ class stage_plan {
   bool cells_share_;
 };
 
-// The steps of one phase. In phase 1, the second round of a block can begin when its first round is committed. It goes
-// before the first round of later blocks, so that few blocks are in work at a time.
+// The steps of one phase or of both. In phase 1, the second round of a block can begin when its first round is
+// committed. It goes before the first round of later blocks, so that few blocks are in work at a time; and so does a
+// step of phase 2, whose cell and neighbors are through phase 1.
 // Threads: one call at a time.
 class step_queue {
  public:
@@ -70,6 +71,8 @@ class step_queue {
   static step_queue phase_1(const stage_plan& plan, const stage_table& have, std::span<const std::uint32_t> blocks);
   // Returns the steps of phase 2 of the blocks. Phase 1 of these and of all adjacent blocks must be done.
   static step_queue phase_2(const stage_plan& plan, const stage_table& have, std::span<const std::uint32_t> blocks);
+  // Returns the steps of both phases. blocks: all of the plan.
+  static step_queue both_phases(const stage_plan& plan, const stage_table& have, std::span<const std::uint32_t> blocks);
 
   // Returns a queue of these steps, in this order. None depends on another.
   static step_queue listed(const stage_plan& plan, std::span<const cell_step> steps);
@@ -86,11 +89,14 @@ class step_queue {
  private:
   explicit step_queue(const stage_plan& plan) : plan_(&plan) {}
   void add_block(std::uint32_t block, const stage_table& have);
+  void add_check(std::uint32_t cell, const stage_table& have);
 
   const stage_plan* plan_;
   std::deque<cell_step> ready_first_, ready_;
   std::vector<std::uint32_t> sampling_left_;              // by block: cells still to be sampled before the second round
   std::vector<std::vector<std::uint32_t>> second_round_;  // by block: cells of which the second round waits
+  std::vector<std::uint32_t> phase_1_left_;               // by cell: cells that are to pass phase 1 before its check
+  std::vector<std::vector<std::uint32_t>> checks_;        // by cell: cells of which the check waits for its phase 1
   std::size_t left_ = 0, in_work_ = 0;
   std::uint32_t count_ = 0;
 };

@@ -80,6 +80,47 @@ cell_record take_or_bake(const phase_work& work, const view_cell& cell, step_kin
   return work.keeper ? work.keeper->take(cell, kind, own, neighbors, bake) : bake(nullptr);
 }
 
+cell_record step_of_phase_1(const phase_work& work, const cell_baker& baker, const cell_step& step, cell_set& set,
+                            stop_request& stop) {
+  const view_cell& cell = work.context.cells->list.cells[step.cell];
+  const auto sampled = [&](std::uint32_t of) { return required(work.file.records(), of, cell_stage::sampled); };
+  if (step.to == cell_stage::sampled)
+    return take_or_bake(work, cell, step_kind::sample, nullptr, no_neighbors,
+                        [&](const found_before* before) { return baker.sample(cell, set, &stop, before); });
+  if (work.plan.shares_in_block(step.cell)) {
+    const cell_record own = sampled(step.cell);
+    const auto around = work.plan.blocks().neighbors_in_block(step.cell);
+    lazy_neighbors neighbors([&] { return neighbors_of(own, around, sampled); });
+    return take_or_bake(work, cell, step_kind::finish_rays, &own, std::ref(neighbors), [&](const found_before* before) {
+      const auto others = before ? std::span<const cell_record>() : neighbors();
+      return baker.finish_rays(cell, own, others, set, &stop, before);
+    });
+  }
+  cell_record record =
+      take_or_bake(work, cell, step_kind::sample_and_finish, nullptr, no_neighbors,
+                   [&](const found_before* before) { return baker.sample_and_finish(cell, set, &stop, before); });
+  return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
+}
+
+// The step of phase 2 of a cell. before: the records of phase 1.
+cell_record check(const phase_work& work, const cell_baker& baker, const record_of_phase_1& before,
+                  std::uint32_t number, cell_set& set, stop_request& stop) {
+  const cell_blocks& blocks = work.plan.blocks();
+  const view_cell& cell = work.context.cells->list.cells[number];
+  cell_record own = before(number);
+  if (work.plan.end_of_phase_1(number) == cell_stage::finished) return own;  // it touches no other cell
+  const record_of_phase_1 untested = [&](std::uint32_t other) {
+    cell_record record = before(other);
+    if (blocks.block_of(other) == blocks.block_of(number)) keep_late(record);
+    return record;
+  };
+  lazy_neighbors neighbors([&] { return neighbors_of(own, blocks.neighbors_of(number), untested); });
+  const bake_step bake = [&](const found_before* start) {
+    return start ? baker.keep_checked(own, *start, set, &stop) : baker.check(cell, own, neighbors(), set, &stop);
+  };
+  return baker.finished(cell, take_or_bake(work, cell, step_kind::check, &own, std::ref(neighbors), bake));
+}
+
 }  // namespace
 
 cell_baker baker_of(const bake_context& context) {
@@ -149,54 +190,33 @@ void keeping(work_file& file, const std::function<void()>& work) {
 void run_phase_1(const phase_work& work) {
   if (work.tracker.stopped() || !prepare(work)) return;
   const cell_baker baker = baker_of(work.context);
-  const auto sampled = [&](std::uint32_t cell) { return required(work.file.records(), cell, cell_stage::sampled); };
   stop_request stop;
-  const take_step take = [&](const cell_step& step, cell_set& set) {
-    const view_cell& cell = work.context.cells->list.cells[step.cell];
-    if (step.to == cell_stage::sampled)
-      return take_or_bake(work, cell, step_kind::sample, nullptr, no_neighbors,
-                          [&](const found_before* before) { return baker.sample(cell, set, &stop, before); });
-    if (work.plan.shares_in_block(step.cell)) {
-      const cell_record own = sampled(step.cell);
-      const auto around = work.plan.blocks().neighbors_in_block(step.cell);
-      lazy_neighbors neighbors([&] { return neighbors_of(own, around, sampled); });
-      return take_or_bake(
-          work, cell, step_kind::finish_rays, &own, std::ref(neighbors), [&](const found_before* before) {
-            const auto others = before ? std::span<const cell_record>() : neighbors();
-            return baker.finish_rays(cell, own, others, set, &stop, before);
-          });
-    }
-    cell_record record =
-        take_or_bake(work, cell, step_kind::sample_and_finish, nullptr, no_neighbors,
-                     [&](const found_before* before) { return baker.sample_and_finish(cell, set, &stop, before); });
-    return step.to == cell_stage::finished ? baker.finished(cell, std::move(record)) : record;
-  };
   run(work, baker, bake_phase::baking_cells, step_queue::phase_1(work.plan, work.tracker.have(), work.blocks), stop,
-      take);
+      [&](const cell_step& step, cell_set& set) { return step_of_phase_1(work, baker, step, set, stop); });
 }
 
 void run_phase_2(const phase_work& work, const record_of_phase_1& before) {
   if (work.tracker.stopped()) return;
   const cell_baker baker = baker_of(work.context);
   stop_request stop;
-  const cell_blocks& blocks = work.plan.blocks();
-  const take_step take = [&](const cell_step& step, cell_set& set) {
-    const view_cell& cell = work.context.cells->list.cells[step.cell];
-    cell_record own = before(step.cell);
-    if (work.plan.end_of_phase_1(step.cell) == cell_stage::finished) return own;  // it touches no other cell
-    const record_of_phase_1 untested = [&](std::uint32_t other) {
-      cell_record record = before(other);
-      if (blocks.block_of(other) == blocks.block_of(step.cell)) keep_late(record);
-      return record;
-    };
-    lazy_neighbors neighbors([&] { return neighbors_of(own, blocks.neighbors_of(step.cell), untested); });
-    const bake_step check = [&](const found_before* start) {
-      return start ? baker.keep_checked(own, *start, set, &stop) : baker.check(cell, own, neighbors(), set, &stop);
-    };
-    return baker.finished(cell, take_or_bake(work, cell, step_kind::check, &own, std::ref(neighbors), check));
-  };
   run(work, baker, bake_phase::checking_neighbors, step_queue::phase_2(work.plan, work.tracker.have(), work.blocks),
-      stop, take);
+      stop, [&](const cell_step& step, cell_set& set) { return check(work, baker, before, step.cell, set, stop); });
+}
+
+void run_both_phases(const phase_work& work) {
+  if (work.tracker.stopped() || !prepare(work)) return;
+  const cell_baker baker = baker_of(work.context);
+  const record_of_phase_1 before = [&](std::uint32_t cell) {
+    return required(work.file.records(), cell, work.plan.end_of_phase_1(cell));
+  };
+  stop_request stop;
+  run(work, baker, work.tracker.cells_left() > 0 ? bake_phase::baking_cells : bake_phase::checking_neighbors,
+      step_queue::both_phases(work.plan, work.tracker.have(), work.blocks), stop,
+      [&](const cell_step& step, cell_set& set) {
+        const bool is_check = step.to == cell_stage::finished && work.plan.end_of_phase_1(step.cell) != step.to;
+        return is_check ? check(work, baker, before, step.cell, set, stop)
+                        : step_of_phase_1(work, baker, step, set, stop);
+      });
 }
 
 }  // namespace sightcell::bake

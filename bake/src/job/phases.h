@@ -55,5 +55,9 @@ void run_phase_1(const phase_work& work);
 // Runs the neighbor check across blocks and finishes the cells.
 // before: the records of phase 1 of the cells and of their neighbors.
 void run_phase_2(const phase_work& work, const record_of_phase_1& before);
+// Runs both phases over all blocks. A cell is checked as soon as it and its neighbors are through phase 1, so that the
+// checks are in the rate of the bake from early on, and with it in the time that is left. Reads no other file than
+// work.file.
+void run_both_phases(const phase_work& work);
 
 }  // namespace sightcell::bake

@@ -174,7 +174,9 @@ bool progress_tracker::report_progress(std::span<const step_in_work> in_work) {
   estimate_time(in_work.size());
   now_.cells_in_work = static_cast<std::uint32_t>(in_work.size());
   now_.slow = longest_in_work(in_work, tracked_.cells, tracked_.now(), slow_seconds);
-  const bool all = (tracked_.last_phase == 1 ? now_.cells_done : now_.cells_checked) == now_.cells_total;
+  const bool bounded = now_.cells_done == now_.cells_total;
+  const bool all = tracked_.last_phase == 1 ? bounded : now_.cells_checked == now_.cells_total;
+  if (bounded && !all && now_.phase == bake_phase::baking_cells) begin(bake_phase::checking_neighbors);
   if (all) now_.seconds_left = 0.0;  // without the rest that rounding leaves
   now_.bounded = bounded_;
   stopped_ = true;  // stays true if the callback throws

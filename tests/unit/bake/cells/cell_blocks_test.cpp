@@ -164,6 +164,55 @@ TEST(step_queue, a_resumed_block_samples_again_what_its_second_round_reads) {
   EXPECT_EQ(step_queue::phase_2(plan, have, order).count(), 64u);
 }
 
+TEST(step_queue, a_cell_is_checked_when_it_and_its_neighbors_are_through_phase_1) {
+  const auto cells = lattice_cells(0, 16);  // four blocks of 64
+  const cell_blocks blocks(cells, 0.25f);
+  const stage_plan plan(blocks, true);
+  const std::vector<std::uint32_t> order{2, 0, 3, 1};
+  stage_table have(cells.size());
+  step_queue queue = step_queue::both_phases(plan, have, order);
+  EXPECT_EQ(queue.count(), 3u * 256);
+  std::size_t checked_before_the_last_block = 0, steps = 0;
+  bool last_block = false;
+  while (const auto step = queue.begin_next()) {
+    ++steps;
+    if (step->to == cell_stage::finished) {
+      EXPECT_TRUE(have.has(step->cell, cell_stage::bounded));
+      for (const std::uint32_t other : blocks.neighbors_of(step->cell))
+        EXPECT_TRUE(have.has(other, cell_stage::bounded)) << other << " beside " << step->cell;
+      if (!last_block) ++checked_before_the_last_block;
+    }
+    last_block |= blocks.block_of(step->cell) == order.back();
+    EXPECT_FALSE(have.has(step->cell, step->to));
+    have.add(step->cell, step->to);
+    queue.committed(*step);
+  }
+  EXPECT_EQ(steps, queue.count());
+  EXPECT_EQ(queue.left(), 0u);
+  // The last block is a quarter of the square; the cells along its border wait for it: 8 on each side, and the corner.
+  EXPECT_EQ(checked_before_the_last_block, 3u * 64 - 17);
+}
+
+TEST(step_queue, a_resumed_bake_checks_what_is_not_checked) {
+  const auto cells = lattice_cells(0, 16);
+  const cell_blocks blocks(cells, 0.25f);
+  const stage_plan plan(blocks, true);
+  const std::vector<std::uint32_t> order{0, 1, 2, 3};
+  stage_table have(cells.size());
+  for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
+    have.add(cell, cell_stage::sampled);
+    have.add(cell, cell_stage::bounded);
+    if (cell % 2 == 0) have.add(cell, cell_stage::finished);
+  }
+  EXPECT_EQ(step_queue::both_phases(plan, have, order).count(), 128u);
+  const std::uint32_t damaged = blocks.neighbors_of(1).front();
+  have.remove(damaged, cell_stage::bounded);
+  step_queue queue = step_queue::both_phases(plan, have, order);
+  EXPECT_EQ(queue.begin_next(), (cell_step{damaged, cell_stage::bounded}));
+  while (const auto step = queue.begin_next()) EXPECT_NE(step->cell, 1u) << "its neighbor is not through phase 1 again";
+  EXPECT_GT(queue.left(), 0u);
+}
+
 TEST(step_queue, cells_alone_are_one_step) {
   auto cells = lattice_cells(0, 1);
   cells.push_back(lattice(4.0).cell({.z = 40, .y = 0, .x = 40}));
@@ -173,6 +222,7 @@ TEST(step_queue, cells_alone_are_one_step) {
     const stage_plan plan(blocks, share);
     step_queue queue = step_queue::phase_1(plan, stage_table(2), order);
     EXPECT_EQ(queue.count(), 2u);
+    EXPECT_EQ(step_queue::both_phases(plan, stage_table(2), order).count(), 2u) << "no check";
     EXPECT_EQ(queue.begin_next(), (cell_step{0, cell_stage::finished}));
   }
   // Side by side over a block's border: nothing is shared in phase 1, and phase 2 has the last word.

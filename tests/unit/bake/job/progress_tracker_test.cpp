@@ -205,6 +205,26 @@ TEST_F(tracked_bake, a_phase_is_reported_once_and_is_in_the_progress) {
   EXPECT_EQ(phases_, (std::vector{bake_phase::baking_cells, bake_phase::checking_neighbors}));
 }
 
+TEST_F(tracked_bake, the_neighbor_check_is_the_phase_once_all_cells_have_a_bound) {
+  for (const int last_phase : {1, 2}) {
+    phases_.clear();
+    progress_tracker tracked({.polygon_count = 100, .cells = cells_, .total = cell_total, .last_phase = last_phase},
+                             *plan_, events_);
+    tracked.open();
+    tracked.begin(bake_phase::baking_cells);
+    end(tracked, 0);
+    for (std::uint32_t cell = 1; cell < cell_total; ++cell) {
+      EXPECT_EQ(phases_, (std::vector{bake_phase::baking_cells}));
+      const stage_record bounded{cell, cell_stage::bounded, {}, 1.0};
+      tracked.close({&bounded, 1}, {}, *done_);
+    }
+    auto expected = std::vector{bake_phase::baking_cells};
+    if (last_phase == 2) expected.push_back(bake_phase::checking_neighbors);
+    EXPECT_EQ(phases_, expected) << "phase 1 alone has no check";
+    EXPECT_EQ(reports_.back().phase, expected.back());
+  }
+}
+
 // One cell that ends when two reports have been made while it was in work.
 TEST_F(tracked_bake, a_cell_that_takes_long_does_not_silence_progress) {
   for (const std::size_t workers : {1u, 2u}) {
