@@ -69,7 +69,7 @@ void step_queue::add_check(std::uint32_t cell, const stage_table& have) {
   };
   wait_for(cell);
   for (const std::uint32_t neighbor : plan_->blocks().neighbors_of(cell)) wait_for(neighbor);
-  if (phase_1_left_[cell] == 0) ready_.push_back({cell, cell_stage::finished});
+  if (phase_1_left_[cell] == 0) ready_first_.push_back({cell, cell_stage::finished});
   ++count_;
 }
 

@@ -208,8 +208,11 @@ TEST(step_queue, a_resumed_bake_checks_what_is_not_checked) {
   const std::uint32_t damaged = blocks.neighbors_of(1).front();
   have.remove(damaged, cell_stage::bounded);
   step_queue queue = step_queue::both_phases(plan, have, order);
-  EXPECT_EQ(queue.begin_next(), (cell_step{damaged, cell_stage::bounded}));
-  while (const auto step = queue.begin_next()) EXPECT_NE(step->cell, 1u) << "its neighbor is not through phase 1 again";
+  std::vector<cell_step> begun;
+  while (const auto step = queue.begin_next()) begun.push_back(*step);
+  ASSERT_FALSE(begun.empty());
+  EXPECT_EQ(begun.back(), (cell_step{damaged, cell_stage::bounded})) << "checks that can begin go before phase 1";
+  for (const cell_step& step : begun) EXPECT_NE(step.cell, 1u) << "its neighbor is not through phase 1 again";
   EXPECT_GT(queue.left(), 0u);
 }
 
