@@ -18,10 +18,12 @@ def rows_of(folder, name):
 
 def test_small_town(folder):
     results = os.path.join(folder, "results")
-    code, out, err = run(os.path.join(ROOT, "tests", "bench", "bench_whole_files.py"), "--bin", BIN, "--quick", "--picture-poses", 0,
+    code, out, err = run(os.path.join(ROOT, "tests", "bench", "bench_whole_files.py"), "--bin", BIN, "--quick", "--picture-poses", 1,
                          "--results", results, environment={"SIGHTCELL_CACHE": folder})
     assert code == 0, out + err
+    assert "no pictures" not in err
     raw = rows_of(results, "whole_files")[0]
+    assert float(raw["wrong_percent"]) == 0
     assert raw["method"] == "as it is" and float(raw["grid"]) == 0
     smallest = min(int(raw[key]) for key in ("as_it_is_bytes", "gzip_bytes", "zstd_bytes", "brotli_bytes") if raw[key])
     assert int(raw["smallest_bytes"]) == smallest
@@ -29,6 +31,7 @@ def test_small_town(folder):
         assert float(raw[f"seconds_{rate}"]) == pytest.approx(0.04 + smallest * 8 / (rate * 1e6), rel=1e-4)
     streams = rows_of(results, "whole_files_streamed")
     for row in streams:
+        assert 0 <= float(row["wrong_percent"]) <= float(row["worst_percent"]) < 0.1
         assert 0 < float(row["startup_bytes"]) < float(row["bytes_99"]) <= float(row["bytes_99_9"]) <= float(row["bytes_cell"])
         for rate in whole.RATES:  # three round trips: front, cell chunk, page
             assert 0.12 < float(row[f"seconds_99_{rate}"]) <= float(row[f"seconds_99_9_{rate}"]) <= float(row[f"seconds_cell_{rate}"])

@@ -2,12 +2,7 @@
 // cells of a file, for bench_streaming.py. A pose is a valid viewpoint of a random cell, with a random heading. All
 // cells are equally likely, and so are all valid viewpoints of a cell.
 //
-// OUT: "SIGHTPOS", u32 version (2), u32 number of poses; then of each pose: f32 eye[3], f32 heading in radians, u32
-// cell, u32 number of polygons n, u32 ids[n] (source ids, ascending), f32 angles[n][5], f32 depths[4][36][64]. The
-// angles are solid angles in sr: in all directions, and in four views of 60 degrees (vertically) at 16:9, each turned
-// by a further 90 degrees. The depths are those of tiles of these views, from the lower left on, row by row: the
-// largest one in the tile along the axis of the view, in meters; infinite where something of it shows no polygon. All
-// numbers are little-endian. Two hemicubes back to back show all directions.
+// OUT: a file of poses (pose_file.h). Two hemicubes back to back show all directions.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -28,6 +23,7 @@
 
 #include "hemicube/cpu/cpu_source.h"
 #include "hemicube/hemicube_faces.h"
+#include "pose_file.h"
 #include "sightcell/base/error.h"
 #include "sightcell/base/random.h"
 #include "sightcell/scene/scene.h"
@@ -40,7 +36,7 @@ namespace {
 
 using namespace sightcell;
 
-constexpr std::size_t views = 4, tiles_across = 64, tiles_up = 36;
+constexpr std::size_t views = bench::views_of_pose, tiles_across = bench::tiles_across, tiles_up = bench::tiles_up;
 constexpr std::uint64_t tries_of_a_cell = 1u << 14;
 // A use of random numbers that is none of a bake.
 constexpr std::uint64_t place_of_cells = 0x53545245414Dull;
@@ -193,7 +189,7 @@ void run(const options& how) {
   const pixel_angles pixels(how.resolution);
   std::ofstream out(how.out, std::ios::binary);
   out.write("SIGHTPOS", 8);
-  put(out, std::uint32_t{2});
+  put(out, bench::pose_file_version);
   put(out, how.poses);
   bake::hemicube_image image;
   std::uint32_t written = 0;

@@ -1,6 +1,6 @@
 // two_pictures A.glb B.glb POSES [--size N] [--views N] [--draw-colors]: the share of pixels that differ by more than 8
 // of 255 levels between pictures of two files with the same draws, such as a scene and what a streamed scene of it
-// contains. POSES: a file of stream_truth. Prints one line of JSON.
+// contains. POSES: a file of stream_truth (pose_file.h). Prints one line of JSON.
 //
 // --draw-colors: each draw has a color of its own and no texture, so that edges between draws of one material count.
 #include <CLI/CLI.hpp>
@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "pose_file.h"
 #include "sightcell/picture/gl_context.h"
 #include "sightcell/picture/picture.h"
 #include "sightcell/scene/scene.h"
@@ -68,14 +69,17 @@ std::vector<pose> read_poses(const std::string& path) {
     return value;
   };
   const auto f32 = [&] { return std::bit_cast<float>(u32()); };
-  if (u32() != 1) throw std::runtime_error(path + ": another version");
+  if (u32() != bench::pose_file_version) throw std::runtime_error(path + ": another version");
   std::vector<pose> out(u32());
   for (pose& one : out) {
     one.eye.x = f32(), one.eye.y = f32(), one.eye.z = f32();
     one.heading = f32();
-    u32();                                // cell
-    at += std::size_t{u32()} * (4 + 20);  // ids and angles
+    u32();  // cell
+    const std::size_t polygons = u32();
+    at += 4 * (polygons * (1 + 1 + bench::views_of_pose) +                     // ids and angles
+               bench::views_of_pose * bench::tiles_up * bench::tiles_across);  // depths
   }
+  if (at != bytes.size()) throw std::runtime_error(path + ": not what its version has");
   return out;
 }
 
